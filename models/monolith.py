@@ -1,0 +1,162 @@
+"""Time runs of the coupled equations by SciPy, and the reference with its own error."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import ArrayLike
+from scipy.integrate import solve_ivp
+
+from .assembly import Assembly, SpeedProfile
+from .coupled import REST, Array, Monolith, RightHandSide, Start
+from .trajectory import Trajectory, differences
+
+__all__ = [
+    "Monolith",
+    "ReferenceDisagreement",
+    "Start",
+    "Trajectory",
+    "differences",
+    "reference",
+    "simulate",
+]
+
+NON_STIFF = ("DOP853", "LSODA")
+STIFF = ("Radau", "LSODA")
+_STIFF_RATIO = 100.0  # fastest mode over speed from which an explicit method only wastes its steps
+
+
+class ReferenceDisagreement(ArithmeticError):
+    """Two independent methods do not give the same motion: there is no reference."""
+
+
+def simulate(
+    assembly: Assembly,
+    profile: SpeedProfile,
+    times: ArrayLike,
+    *,
+    initial: Start = REST,
+    method: str = "DOP853",
+    rtol: float = 1e-9,
+    atol: float | None = None,
+) -> Trajectory:
+    """Integrate from time 0 and give the motion at `times`.
+
+    Args:
+        times: (T,) ascending, from 0 on [s].
+        method: of `scipy.integrate.solve_ivp`.
+        rtol: relative tolerance.
+        atol: absolute tolerance of every part of the state; by default `rtol` times its size.
+
+    Raises:
+        ValueError: `times` are not ascending from 0 on, or the start does not fit the assembly.
+        ArithmeticError: the method gave up, or the motion is not finite.
+    """
+    time = np.asarray(times, float)
+    listed = time.ndim == 1 and len(time) > 0 and bool(np.isfinite(time).all())
+    if not listed or time[0] < 0.0 or not (np.diff(time) > 0.0).all():
+        raise ValueError("times must be an ascending list of numbers, 0 or more")
+    system = Monolith(assembly, profile, initial.angle)
+    state = system.initial(initial)
+    absolute = rtol * system.scales(initial) if atol is None else atol
+    # the acceleration jumps where the run-up ends: no method may step across it
+    kink = profile.seconds if profile.start != profile.end else 0.0
+    stops = [kink, time[-1]] if 0.0 < kink < time[-1] else [time[-1]]
+    found, begin = np.empty((len(time), system.size)), 0.0
+    found[time == 0.0] = state
+    for stop in (s for s in stops if s > 0.0):
+        wanted = (time > begin) & (time <= stop)
+        at = time[wanted] if wanted.any() and time[wanted][-1] == stop else [*time[wanted], stop]
+        solved = solve_ivp(
+            _within(system, begin, stop), (begin, stop), state, method, at,
+            rtol=rtol, atol=absolute,
+        )  # fmt: skip
+        if not solved.success or not np.isfinite(solved.y).all():
+            where = solved.t[-1] if len(solved.t) else begin
+            raise ArithmeticError(f"{method} stopped after {where:g} s: {solved.message}")
+        found[wanted] = solved.y.T[: wanted.sum()]
+        state, begin = solved.y[:, -1], stop
+    return _trajectory(system, time, found)
+
+
+def _within(system: Monolith, begin: float, stop: float) -> RightHandSide:
+    """The right-hand side up to `stop`, where the run-up's acceleration is the one before it."""
+    profile = system.profile
+    if profile.start == profile.end or begin >= profile.seconds:
+        ahead = SpeedProfile.constant(profile.end)
+        offset = profile.angle(begin) - profile.end * begin
+        return Monolith(system.assembly, ahead, system.angle + offset).rhs
+    slope = profile.acceleration(begin)
+    ramp = SpeedProfile(profile.start, profile.start + 2.0 * slope * stop, 2.0 * stop)
+    return Monolith(system.assembly, ramp, system.angle).rhs
+
+
+def _trajectory(system: Monolith, time: Array, states: Array) -> Trajectory:
+    n, profile = system.stations, system.profile
+    count = (system.size - 4 * n) // 2
+    speed = np.array([profile.speed(t) for t in time])
+    spin_up = np.array([profile.acceleration(t) for t in time])
+    angle = system.angle + np.array([profile.angle(t) for t in time])
+    solved = [system.accelerations(t, y) for t, y in zip(time, states, strict=True)]
+    phi2 = np.array([bend for _, bend in solved]).reshape(len(time), count)
+    theta, rate, bend, first = {}, {}, {}, 0
+    for m in system.assembly.weights:
+        part = slice(first, first := first + len(m.angles))
+        theta[m.name] = states[:, 4 * n : 4 * n + count][:, part] - angle[:, None]
+        rate[m.name] = states[:, 4 * n + count :][:, part] - speed[:, None]
+        bend[m.name] = phi2[:, part] - spin_up[:, None]
+    x, y, vx, vy = (states[:, j * n : (j + 1) * n] for j in range(4))
+    a = np.array([lateral for lateral, _ in solved])
+    return Trajectory(
+        system.assembly, time, x, y, vx, vy, angle, speed, spin_up,
+        a[:, 0], a[:, 1], theta, rate, bend,
+    )  # fmt: skip
+
+
+def reference(
+    assembly: Assembly,
+    profile: SpeedProfile,
+    times: ArrayLike,
+    *,
+    initial: Start = REST,
+    methods: tuple[str, str] | None = None,
+    rtol: float = 1e-12,
+    bound: float = 1e-7,
+    signals: Sequence[str] | None = None,
+) -> tuple[Trajectory, float]:
+    """The motion by two independent methods, and the reference's own error.
+
+    Args:
+        methods: two of `solve_ivp`'s; by default `NON_STIFF`, or `STIFF` where a mode of the rotor
+            or a drag is more than a hundred times faster than everything else turns.
+        bound: largest difference that is accepted.
+        signals: what the reference is for; by default every state signal.  Weights that heavy drag
+            all but fixes move so little that their absolute angles leave few digits of that range:
+            2e-7 at a drag of 1e5 m w, where x and y still agree to 2e-10.
+
+    Returns:
+        The first method's trajectory, and the largest difference between the two relative to each
+        signal's range (`differences`).
+
+    Raises:
+        ReferenceDisagreement: they differ by more than `bound`.
+    """
+    if methods is None:
+        turning = max(abs(profile.start), abs(profile.end), 1.0 / max(np.max(times), 1e-300))
+        turning = max([turning, *(abs(rate) for m in assembly.weights for rate in m.speeds)])
+        stiff = Monolith(assembly, profile).fastest_mode > _STIFF_RATIO * turning
+        methods = STIFF if stiff else NON_STIFF
+    runs = [
+        simulate(assembly, profile, times, initial=initial, method=method, rtol=rtol)
+        for method in methods
+    ]
+    every = differences(*runs)
+    found = {name: every[name] for name in (every if signals is None else signals)}
+    worst = max(found, key=lambda name: found[name])
+    if not found[worst] <= bound:
+        raise ReferenceDisagreement(
+            f"{methods[0]} and {methods[1]} differ by {found[worst]:.2e} of the range of {worst}, "
+            f"allowed {bound:g}: the motion may be chaotic, or the tolerance {rtol:g} too loose"
+        )
+    return runs[0], found[worst]

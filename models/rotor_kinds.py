@@ -1,0 +1,189 @@
+"""Matrices of the rigid rotor on two supports and of the flexible shaft with n discs.
+
+Polushkin 2016 (8), (9) for the rigid rotor, with polar inertia and any centre of mass added;
+Filimonikhin 2011 (1) for the shaft, with the shaft's compliance inverted to a stiffness.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .shaft import Matrix, beam_compliance, bending_rows, given_compliance, shaft_stiffness
+
+Matrices = dict[str, NDArray]
+Unbalance = tuple[float, float, float]
+
+_SAME_PLACE = 1e-9  # of the shaft's length: an unbalance this near to a disc sits on it
+
+
+def two_support_matrices(
+    mass: float,
+    inertia: float,
+    polar_inertia: float,
+    span: float,
+    com: float | None,
+    stiffness: Sequence[Sequence[float]],
+    damping: Sequence[Sequence[float]],
+    planes: Sequence[float],
+    unbalances: Sequence[Unbalance],
+) -> Matrices:
+    """Fields of `LinearRotor` for `LinearRotor.two_support`, whose arguments they are."""
+    for name, value in (("mass", mass), ("inertia", inertia), ("span", span)):
+        _positive(name, value)
+    centre = span / 2.0 if com is None else _finite("com", com)
+    if not 0.0 <= _finite("polar_inertia", polar_inertia) <= 2.0 * inertia:
+        raise ValueError(
+            f"polar_inertia = {polar_inertia!r} kg m^2: must be 0 to 2 inertia = {2.0 * inertia:g}"
+        )
+    k = _per_support("stiffness", stiffness, smallest=None)
+    c = _per_support("damping", damping, smallest=0.0)
+    tilt = np.array([[-1.0, 1.0]]) / span
+    at_centre = line_rows([centre], span)
+    positions = [_finite("planes", a) for a in planes]
+    u = _unbalances(unbalances)
+    return {
+        "mass": mass * at_centre.T @ at_centre + inertia * tilt.T @ tilt,
+        "damping_x": np.diag(c[:, 0]),
+        "damping_y": np.diag(c[:, 1]),
+        "stiffness_x": np.diag(k[:, 0]),
+        "stiffness_y": np.diag(k[:, 1]),
+        "internal_damping": np.zeros((2, 2)),
+        "gyroscopic": polar_inertia * tilt.T @ tilt,
+        "planes": line_rows(positions, span),
+        "unbalance": line_rows([z for z, _ in u], span).T @ np.array([m for _, m in u], complex),
+        "deflection": np.zeros((1, 2)),
+    }
+
+
+def flexible_matrices(
+    stations: Sequence[float],
+    masses: Sequence[float],
+    supports: Sequence[int],
+    support_stiffness: Sequence[Sequence[float]],
+    support_damping: Sequence[Sequence[float]],
+    bending_stiffness: float | None,
+    compliance: Sequence[Sequence[float]] | None,
+    internal_damping: float,
+    unbalances: Sequence[Unbalance],
+) -> Matrices:
+    """Fields of `LinearRotor` for `LinearRotor.flexible`, whose arguments they are."""
+    z, m = _discs(stations, masses)
+    ends = _support_indices(supports, len(z))
+    if _finite("internal_damping", internal_damping) < 0.0:
+        raise ValueError(f"internal_damping = {internal_damping!r} N s/m: must be 0 or more")
+    k = _per_support("support_stiffness", support_stiffness, smallest=None)
+    c = _per_support("support_damping", support_damping, smallest=0.0)
+    rows = bending_rows(z, ends)
+    if bending_stiffness is not None and compliance is None:
+        delta = beam_compliance(z, ends, bending_stiffness)
+    elif compliance is not None and bending_stiffness is None:
+        delta = given_compliance(compliance, len(rows))
+    else:
+        raise ValueError("give either bending_stiffness [N m^2] or compliance [m/N], not both")
+    shaft = shaft_stiffness(delta, rows)
+    # Dubovik's p belongs to the stiffness 1/delta that a disc feels where the shaft is softest
+    retardation = internal_damping * max(delta.diagonal(), default=0.0)
+    if internal_damping and not len(rows):
+        raise ValueError("internal_damping: a shaft with discs at its supports only cannot bend")
+    return {
+        "mass": np.diag(m),
+        "damping_x": _at(ends, c[:, 0], len(z)),
+        "damping_y": _at(ends, c[:, 1], len(z)),
+        "stiffness_x": shaft + _at(ends, k[:, 0], len(z)),
+        "stiffness_y": shaft + _at(ends, k[:, 1], len(z)),
+        "internal_damping": retardation * shaft,
+        "gyroscopic": np.zeros_like(shaft),
+        "planes": np.eye(len(z)),
+        "unbalance": _disc_unbalance(z, unbalances),
+        "deflection": rows if len(rows) else np.zeros((1, len(z))),
+    }
+
+
+def line_rows(positions: Sequence[float], span: float) -> Matrix:
+    """Rows (p, 2) that give displacement at `positions` [m from support 1] from the supports'.
+
+    Polushkin 2016 (15), (17): the force's lever, for any plane, between the supports or overhung.
+    """
+    share = np.asarray(positions, float) / span
+    return np.stack([1.0 - share, share], axis=1)
+
+
+def _discs(stations: Sequence[float], masses: Sequence[float]) -> tuple[Matrix, Matrix]:
+    z = np.array([_finite("stations", value) for value in stations])
+    if len(z) < 2 or np.any(np.diff(z) <= 0.0):
+        raise ValueError(f"stations = {z.tolist()}: must be at least two, each beyond the last [m]")
+    if len(masses) != len(z):
+        raise ValueError(f"masses has {len(masses)} values: must have {len(z)}, one a station")
+    for number, value in enumerate(masses, 1):
+        if not (math.isfinite(value) and value > 0.0):
+            raise ValueError(
+                f"masses = {value!r} at station {number}: must be a positive finite number [kg]; "
+                "a station without mass has no motion of its own: give a support station the mass "
+                "of its journal, and leave out any other"
+            )
+    return z, np.asarray(masses, float)
+
+
+def _support_indices(supports: Sequence[int], count: int) -> tuple[int, int]:
+    p, q = supports
+    if p == q or not all(1 <= s <= count and int(s) == s for s in (p, q)):
+        raise ValueError(f"supports = {[p, q]}: must be two different stations, 1 to {count}")
+    return int(p) - 1, int(q) - 1
+
+
+def _disc_unbalance(z: Matrix, unbalances: Sequence[Unbalance]) -> NDArray[np.complex128]:
+    total = np.zeros(len(z), complex)
+    for position, moment in _unbalances(unbalances):
+        station = int(np.argmin(np.abs(z - position)))
+        if abs(z[station] - position) > _SAME_PLACE * (z[-1] - z[0]):
+            raise ValueError(
+                f"unbalances: position = {position!r} m: must be a disc's, one of {z.tolist()}"
+            )
+        total[station] += moment
+    return total
+
+
+def _unbalances(unbalances: Sequence[Unbalance]) -> list[tuple[float, complex]]:
+    """(position, complex static moment) of every unbalance."""
+    for _, amount, angle in unbalances:
+        if _finite("unbalances: amount", amount) < 0.0:
+            raise ValueError(f"unbalances: amount = {amount!r} kg m: must be 0 or more")
+        _finite("unbalances: angle", angle)
+    return [
+        (_finite("unbalances: position", position), amount * complex(np.exp(1j * angle)))
+        for position, amount, angle in unbalances
+    ]
+
+
+def _at(ends: tuple[int, int], values: Matrix, size: int) -> Matrix:
+    diagonal = np.zeros(size)
+    diagonal[list(ends)] = values
+    return np.diag(diagonal)
+
+
+def _per_support(name: str, values: Sequence[Sequence[float]], smallest: float | None) -> Matrix:
+    """(2, 2) array, supports by axes; values positive, or not below `smallest`."""
+    array = np.asarray(values, float)
+    if array.shape != (2, 2):
+        raise ValueError(f"{name} = {values!r}: must be [[x, y], [x, y]], one pair a support")
+    fits = array > 0.0 if smallest is None else array >= smallest
+    if not (np.isfinite(array) & fits).all():
+        allowed = "positive and finite" if smallest is None else f"finite, {smallest:g} or more"
+        raise ValueError(f"{name} = {array.tolist()}: every value must be {allowed}")
+    return array
+
+
+def _finite(name: str, value: float) -> float:
+    if not math.isfinite(value):
+        raise ValueError(f"{name} = {value!r}: must be a finite number")
+    return float(value)
+
+
+def _positive(name: str, value: float) -> float:
+    if not (math.isfinite(value) and value > 0.0):
+        raise ValueError(f"{name} = {value!r}: must be a positive finite number")
+    return float(value)

@@ -1,0 +1,83 @@
+"""Compliance and stiffness of a massless elastic shaft on two supports.
+
+Filimonikhin 2011 (1): the discs' bending relative to the line through the supports p and q is
+T q = delta F, so the shaft pulls on all discs with the stiffness T^T delta^-1 T, per axis.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+Matrix = NDArray[np.float64]
+
+_SYMMETRIC = 1e-6  # of the largest compliance: measured ones are given with few digits
+_SINGULAR = 1e-13  # pivot of the scaled compliance: below it rounding makes the stiffness
+
+
+def bending_rows(z: Sequence[float] | Matrix, supports: tuple[int, int]) -> Matrix:
+    """T (n-2, n): bending of the discs relative to the line through both supports.
+
+    Filimonikhin 2011 (1): x_j - (1 - zt_j) x_p - zt_j x_q for every disc but p, q (from 0).
+    """
+    z = np.asarray(z, float)
+    p, q = supports
+    rows = np.eye(len(z))
+    share = (z - z[p]) / (z[q] - z[p])
+    rows[:, p] -= 1.0 - share
+    rows[:, q] -= share
+    return np.delete(rows, [p, q], axis=0)
+
+
+def beam_compliance(
+    z: Sequence[float] | Matrix, supports: tuple[int, int], bending_stiffness: float
+) -> Matrix:
+    """Euler-Bernoulli influence coefficients delta (n-2, n-2) [m/N], overhangs included.
+
+    A unit force on a free beam bends it by |z - z_k|^3/(12 E I) plus a straight line; taking out
+    the line through the supports - the rows T, from both sides - leaves the supported beam:
+    delta = T |z_j - z_k|^3 T^T / (12 E I).  A single disc at mid-span gives l^3/(48 E I).
+
+    Raises:
+        ValueError: `bending_stiffness` E I [N m^2] is not a positive finite number.
+    """
+    if not (math.isfinite(bending_stiffness) and bending_stiffness > 0.0):
+        raise ValueError(
+            f"bending_stiffness = {bending_stiffness!r} N m^2: must be a positive finite number"
+        )
+    z = np.asarray(z, float)
+    rows = bending_rows(z, supports)
+    delta = rows @ np.abs(z[:, None] - z) ** 3 @ rows.T / (12.0 * bending_stiffness)
+    return (delta + delta.T) / 2.0
+
+
+def given_compliance(compliance: Sequence[Sequence[float]], size: int) -> Matrix:
+    """A compliance given as numbers, (size, size) [m/N]; raises ValueError if it cannot be one."""
+    if len(compliance) != size or any(len(row) != size for row in compliance):
+        raise ValueError(f"compliance: must be {size} x {size}, the stations without supports")
+    delta = np.array(compliance, float).reshape(size, size)
+    scale = np.abs(delta).max(initial=0.0)
+    if not np.all(np.abs(delta - delta.T) <= _SYMMETRIC * scale):  # NaN fails too
+        raise ValueError("compliance: must be finite and symmetric (Maxwell's reciprocity)")
+    return (delta + delta.T) / 2.0
+
+
+def shaft_stiffness(delta: Matrix, rows: Matrix) -> Matrix:
+    """T^T delta^-1 T (n, n) [N/m]; raises ValueError if delta is not positive definite."""
+    # scaled: discs close to a support are stiffer by orders of magnitude
+    scale = np.sqrt(np.abs(delta.diagonal()))
+    try:
+        with np.errstate(all="ignore"):
+            lower = np.linalg.cholesky(delta / np.outer(scale, scale))
+        if not lower.diagonal().min(initial=1.0) ** 2 > _SINGULAR:  # NaN fails too
+            raise np.linalg.LinAlgError
+    except np.linalg.LinAlgError:
+        raise ValueError(
+            f"compliance = {delta.tolist()} m/N: must be positive definite: every load bends the "
+            "shaft its own way (are two stations almost at one place?)"
+        ) from None
+    bent = np.linalg.inv(lower) / scale @ rows
+    return bent.T @ bent

@@ -1,0 +1,259 @@
+"""Balls, rollers and pendulums of an auto-balancer, in the frame of the rotor.
+
+Filimonikhina 2017 (4) with theta = phi - beta (angle of a weight in the rotor) reads
+
+    theta'' + d theta' = g(t, theta),   d = b/(kappa m),
+    g = -Im(a e^{-i theta})/(kappa R) - w',
+
+with a the acceleration of the track's centre seen in the rotor frame.  Drag is integrated exactly
+and g as a cubic with the exact values and slopes of both ends (a two-derivative exponential
+collocation of order 4), so the drag may be of any size.
+"""
+
+from __future__ import annotations
+
+import math
+from cmath import rect
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import lru_cache
+
+KAPPA = {"balls": 7.0 / 5.0, "rollers": 3.0 / 2.0, "pendulums": 1.0}
+
+TURN_PER_SUBSTEP = 0.15  # rad of weight motion per substep: the error of a step is then below 1e-6
+MAX_ITERATIONS = 12  # the fixed point gains about two digits an iteration; more means divergence
+CONVERGED = 1e-14  # relative to the size of the change over the substep
+_MAX_SUBSTEPS = 1_000_000
+
+
+@dataclass(frozen=True)
+class Weights:
+    """N equal weights on one circular track.
+
+    Attributes:
+        count: number N of weights.
+        mass: of each [kg].
+        track_radius: of the weights' centres R [m].
+        drag: viscous force per speed along the track, of each, b [N s/m].
+        kappa: 7/5 ball, 3/2 roller, 1 pendulum (`KAPPA`).
+
+    Raises:
+        ValueError: a value is not finite or out of its range.
+    """
+
+    count: int
+    mass: float
+    track_radius: float
+    drag: float = 0.0
+    kappa: float = 1.0
+
+    def __post_init__(self) -> None:
+        if self.count < 1:
+            raise ValueError(f"count = {self.count!r}: must be at least 1")
+        for name in ("mass", "track_radius"):
+            value = getattr(self, name)
+            if not (math.isfinite(value) and value > 0.0):
+                raise ValueError(f"{name} = {value!r}: must be a positive finite number")
+        if not (math.isfinite(self.drag) and self.drag >= 0.0):
+            raise ValueError(f"drag = {self.drag!r}: must be a finite number, 0 or more")
+        if not (math.isfinite(self.kappa) and self.kappa >= 1.0):
+            raise ValueError(f"kappa = {self.kappa!r}: must be a finite number, 1 or more")
+
+    @property
+    def added_mass(self) -> float:
+        """N m [kg], carried by the rotor as if fixed to the track's centre."""
+        return self.count * self.mass
+
+    @property
+    def capacity(self) -> float:
+        """Largest unbalance point weights can balance, N m R [kg m]."""
+        return self.count * self.mass * self.track_radius
+
+    @property
+    def damping_rate(self) -> float:
+        """d = b/(kappa m) [1/s]."""
+        return self.drag / (self.kappa * self.mass)
+
+
+def static_moment(weights: Weights, angles: Sequence[float]) -> complex:
+    """Sum of m R e^{i theta} in the rotor frame [kg m]."""
+    return weights.mass * weights.track_radius * sum(rect(1.0, angle) for angle in angles)
+
+
+def spread(angles: Sequence[float]) -> float:
+    """Goncharov 2017 (2): p = |sum e^{2 i theta}|/n, 0 for evenly spread weights, 1 for a pair."""
+    return abs(sum(rect(1.0, 2.0 * angle) for angle in angles)) / len(angles)
+
+
+def phi_functions(z: float, count: int) -> tuple[float, ...]:
+    """phi_0(z)..phi_count(z) for z <= 0, phi_k(z) = sum_j z^j/(j+k)!.
+
+    Upward recursion loses digits for small |z|, where the series of the last one is summed instead
+    and the others follow downward.
+    """
+    if z < -1.0:
+        phi = [math.exp(z)]
+        for k in range(count):
+            phi.append((phi[k] - 1.0 / math.factorial(k)) / z)
+        return tuple(phi)
+    term = last = 1.0 / math.factorial(count)
+    j = count
+    while abs(term) > 1e-18 * last:
+        j += 1
+        term *= z / j
+        last += term
+    phi = [last]
+    for k in range(count - 1, -1, -1):
+        phi.append(z * phi[-1] + 1.0 / math.factorial(k))
+    return tuple(reversed(phi))
+
+
+@lru_cache(maxsize=256)
+def quadrature(damping_rate: float, step: float) -> tuple[float, ...]:
+    """Exact response of angle and rate over `step` to the rate and to g's value and derivatives."""
+    phi = phi_functions(-damping_rate * step, 5)
+    powers = [step**k for k in range(6)]
+    speed = [powers[k] * phi[k] for k in range(5)]  # rate, g0, g1, g2, g3
+    angle = [powers[k + 1] * phi[k + 1] for k in range(5)]
+    return (*speed, *angle)
+
+
+def along_track(a: complex, da: complex, angle: float, speed: float, gain: float) -> tuple:
+    """Im(a e^{-i theta}) times `gain` and its time derivative."""
+    direction = rect(gain, -angle)
+    along = a * direction
+    return along.imag, (da * direction).imag - along.real * speed
+
+
+def substep(
+    angle: float, speed: float, ends: tuple, gain: float, spin_up: float, rate: float, step: float
+) -> tuple[float, float]:
+    """One weight over one substep; `ends` is acceleration and slope at both ends."""
+    a0, da0, a1, da1 = ends
+    e, s0, s1, s2, s3, t, t0, t1, t2, t3 = quadrature(rate, step)
+    g0, g1 = along_track(a0, da0, angle, speed, gain)
+    g0 -= spin_up
+    free_speed = e * speed + s0 * g0 + s1 * g1
+    free_angle = angle + t * speed + t0 * g0 + t1 * g1
+    new_speed, new_angle = free_speed, free_angle
+    inverse = 1.0 / step
+    g0 += spin_up
+    change = math.inf
+    for _ in range(MAX_ITERATIONS):
+        # `along_track` written out: this loop is where a run with weights spends its time
+        direction = rect(gain, -new_angle)
+        along = a1 * direction
+        slope = (da1 * direction).imag - along.real * new_speed
+        rise = (along.imag - g0) * inverse
+        g2 = (6.0 * rise - 4.0 * g1 - 2.0 * slope) * inverse
+        g3 = (6.0 * (g1 + slope) - 12.0 * rise) * inverse * inverse
+        last_angle, last_speed, last_change = new_angle, new_speed, change
+        new_speed = free_speed + s2 * g2 + s3 * g3
+        new_angle = free_angle + t2 * g2 + t3 * g3
+        change = abs(new_angle - last_angle) + abs(new_speed - last_speed) * step
+        # a linear iteration changes next by change^2 / last_change
+        if change * change <= CONVERGED * (1.0 + abs(new_angle)) * min(last_change, 1.0):
+            return new_angle, new_speed
+    raise ArithmeticError(
+        f"the weights' step of {step:g} s did not converge (angle {angle:g} rad, "
+        f"rate {speed:g} rad/s, acceleration {abs(a0):g} m/s^2): use smaller communication steps"
+    )
+
+
+def advance(
+    weights: Weights,
+    angles: Sequence[float],
+    speeds: Sequence[float],
+    signal: Sequence[complex],
+    spin_up: float,
+    step: float,
+) -> tuple[list[float], list[float]]:
+    """Move every weight over one communication step.
+
+    Args:
+        angles, speeds: (N,) angles in the rotor [rad] and their rates [rad/s].
+        signal: acceleration of the track's centre in the rotor frame at the start of the step and
+            its derivatives of order 1 to 3 [m/s^2, m/s^3, ...].
+        spin_up: angular acceleration of the rotor w' [rad/s^2].
+        step: length of the step [s].
+
+    Returns:
+        Angles and rates at the end of the step.
+
+    Raises:
+        ArithmeticError: the input is not finite, or asks for more than a million substeps.
+    """
+    a0, a1, a2, a3 = signal
+    gain = -1.0 / (weights.kappa * weights.track_radius)
+    rate = weights.damping_rate
+    # value and slope only: corrector passes change the rest, and must not change the substeps
+    strongest = abs(a0) + step * abs(a1)
+    # a run-up leaves free weights behind: they gain spin_up * step, or what the drag lets them
+    gained = abs(spin_up) * (step if rate * step < 1.0 else 1.0 / rate)
+    fastest = max(map(abs, speeds)) + math.sqrt(-strongest * gain) + gained
+    if not math.isfinite(sum(angles)):
+        raise ArithmeticError(f"the weights' angles {list(angles)} are not finite")
+    turns = step * fastest / TURN_PER_SUBSTEP
+    if not turns < _MAX_SUBSTEPS:
+        raise ArithmeticError(
+            f"the weights would need {turns:.3g} substeps in {step:g} s: acceleration "
+            f"{strongest:g} m/s^2, rate {max(map(abs, speeds)):g} rad/s"
+        )
+    count = 1 + int(turns)
+    h = step / count
+    new_angles, new_speeds = list(angles), list(speeds)
+    start = (a0, a1)
+    for j in range(1, count + 1):
+        t = j * h
+        end = (
+            a0 + t * (a1 + t * (a2 / 2.0 + t * a3 / 6.0)),
+            a1 + t * (a2 + t * a3 / 2.0),
+        )
+        for k in range(len(new_angles)):
+            new_angles[k], new_speeds[k] = substep(
+                new_angles[k], new_speeds[k], (*start, *end), gain, spin_up, rate, h
+            )
+        start = end
+    return new_angles, new_speeds
+
+
+def reaction(
+    weights: Weights,
+    angles: Sequence[float],
+    speeds: Sequence[float],
+    acceleration: complex,
+    slope: complex,
+    speed: float,
+    spin_up: float,
+) -> tuple[complex, complex]:
+    """Residual force on the rotor in the rotor frame and its exact slope, -(d/dt)^2 of the moment.
+
+    The weights' added mass N m is not in it; Filimonikhina 2017 (4) has both in one.
+
+    Args:
+        angles, speeds: (N,) [rad, rad/s].
+        acceleration, slope: of the track's centre in the rotor frame [m/s^2, m/s^3].
+        speed, spin_up: of the rotor, w and w' [rad/s, rad/s^2].
+
+    Returns:
+        F [N] and dF/dt [N/s], xi + i eta.
+    """
+    gain = -1.0 / (weights.kappa * weights.track_radius)
+    rate = weights.damping_rate
+    moment = first = second = third = 0j
+    for angle, nu in zip(angles, speeds, strict=True):
+        unit = rect(1.0, angle)
+        torque, torque_slope = along_track(acceleration, slope, angle, nu, gain)
+        bend = torque - spin_up - rate * nu
+        moment += unit
+        first += 1j * nu * unit
+        second += (1j * bend - nu * nu) * unit
+        third += (1j * (torque_slope - rate * bend - nu**3) - 3.0 * nu * bend) * unit
+    turn = 2j * speed
+    pull = 1j * spin_up - speed * speed
+    force = second + turn * first + pull * moment
+    force_slope = (
+        third + turn * second + (2j * spin_up + pull) * first - 2.0 * speed * spin_up * moment
+    )
+    scale = -weights.mass * weights.track_radius
+    return scale * force, scale * force_slope
