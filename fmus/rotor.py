@@ -1,0 +1,218 @@
+"""The rotor on its supports as a unit: forces on its planes in, accelerations of the planes out."""
+
+from __future__ import annotations
+
+import math
+from functools import lru_cache
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..models.propagator import step_matrix
+from ..models.rotor import LinearRotor
+from ..models.variable_speed import VariableSpeedStep
+from .rotor_kinds import KINDS
+from .rotor_parts import SHAFTS, Sizes
+from .rotor_variables import rotor_variables
+from .signals import FRAMES
+from .slave import Unit
+from .variables import ORDERS, Variable
+
+TURN = 2.0 * math.pi
+_TURN_ROUNDING = 2.4492935982947064e-16  # 2 pi minus its floating-point value
+
+
+class RotorOnSupports(Unit):
+    """Linear rotor with n stations and p planes; exact step at constant speed.
+
+    Its `memory` is the angle (whole turns, remainder, rounding carried along), then displacements
+    and velocities of the stations, x and y alternating.
+    """
+
+    frame = "rotor"
+    kind = "planar"
+    stations = 1
+    planes = 1
+    unbalances = 1
+    shaft = SHAFTS[0]
+
+    @classmethod
+    def sizes(cls) -> Sizes:
+        """What the build has fixed."""
+        return Sizes(cls.stations, cls.planes, cls.unbalances, cls.shaft)
+
+    @classmethod
+    def variables(cls) -> list[Variable]:
+        kind, axes = KINDS[cls.kind], FRAMES[cls.frame]
+        own = kind.variables(cls.sizes())
+        crossed = kind.gyroscopic or cls.frame == "rotor"
+        return rotor_variables(own, cls.stations, cls.planes, axes, crossed)
+
+    def parameters(self) -> None:
+        values = {v.name: self.value(v.name) for v in self.layout.reals[self.layout.parameters]}
+        self.rotor = KINDS[self.kind].rotor(values, self.sizes())
+        self.turning = self.frame == "rotor"
+        size = (4 * self.stations) + 2 * ORDERS * self.planes + 2
+        self._vector = np.empty(size)
+        # an isotropic rotor computes with complex numbers over the same memory
+        self._operand = self._vector.view(complex) if self.rotor.isotropic else self._vector
+
+    def begin(self) -> None:
+        first = self.layout.parameters.stop - 4 * self.stations - 1
+        angle, *motion = self.real[first : self.layout.parameters.stop]
+        self.memory = _turned([0.0, 0.0, 0.0], angle) + motion
+
+    def step(self, step: float) -> None:
+        speed, spin_up = self._drive()
+        motion, planes = self._propagate(step)
+        angle = _turned(self.memory[:3], step * (speed + 0.5 * spin_up * step))
+        self.memory = angle + motion
+        self._put(planes, angle[1], speed + spin_up * step)
+
+    def outputs(self) -> None:
+        _, planes = self._propagate(0.0)
+        self._put(planes, self.memory[1], self._drive()[0])
+
+    def observe(self) -> None:
+        n = 2 * self.stations
+        turns, rest, carry, *motion = self.memory
+        place = np.array(motion[:n]).reshape(-1, 2)
+        bending = self.rotor.deflection @ place
+        self.real[self.layout.observed] = [
+            turns * TURN + (rest + (turns * _TURN_ROUNDING - carry)),
+            *motion,
+            *(self.rotor.planes @ place).ravel().tolist(),
+            float(np.hypot(bending[:, 0], bending[:, 1]).max(initial=0.0)),
+        ]
+
+    def _drive(self) -> list[float]:
+        """Speed and angular acceleration at the start of the step."""
+        first = self.layout.inputs.start + self.planes
+        return self.real[first : first + 2]
+
+    def _propagate(self, step: float) -> tuple[list[float], list[float]]:
+        """Motion of the stations, and acceleration and jerk of the planes, after `step` [s].
+
+        Both in fixed axes, x and y alternating.
+        """
+        inputs = self.real[self.layout.inputs]
+        p = self.planes
+        speed, spin_up = inputs[p : p + 2]
+        if spin_up:
+            return self._propagate_variable(step, inputs)
+        rest = self.memory[1]
+        c, s = math.cos(rest), math.sin(rest)
+        forces = inputs[p + 2 :]
+        if self.turning:
+            forces = _rotated(forces, c, s)
+        self._vector[:] = [*self.memory[3:], *forces, c, s]
+        matrix = _matrix(self.rotor, tuple(inputs[:p]), speed, step, self.turning)
+        result = matrix.dot(self._operand).view(float).tolist()
+        n = 4 * self.stations
+        return result[:n], result[n:]
+
+    def _propagate_variable(
+        self, step: float, inputs: list[float]
+    ) -> tuple[list[float], list[float]]:
+        p = self.planes
+        speed, spin_up = inputs[p : p + 2]
+        method = _variable(self.rotor, tuple(inputs[:p]), self.turning)
+        forces = np.array(inputs[p + 2 :]).view(complex).reshape(ORDERS, p)
+        drive = (forces, self.memory[1], speed, spin_up)
+        state = _to_axes(np.array(self.memory[3:]), method.axes, 2)
+        if step:
+            state = method.advance(state, *drive, step)
+        acceleration, jerk = method.plane_motion(state, *drive, step)
+        planes = np.concatenate([acceleration, jerk])
+        return _from_axes(state, method.axes, 2), _from_axes(planes, method.axes, 2)
+
+    def _put(self, planes: list[float], angle: float, speed: float) -> None:
+        """Computed outputs from acceleration and jerk of the planes in fixed axes."""
+        n = 2 * self.planes
+        a, j = planes[:n], planes[n:]
+        if self.turning:
+            # (a e^{-i beta})' = (j - i w a) e^{-i beta}
+            for k in range(0, n, 2):
+                j[k] += speed * a[k + 1]
+                j[k + 1] -= speed * a[k]
+            planes = _rotated(a + j, math.cos(angle), -math.sin(angle))
+        self.real[self.layout.computed] = planes
+
+
+def _rotated(pairs: list[float], c: float, s: float) -> list[float]:
+    """Vectors (x, y alternating) turned by the angle with this cosine and sine."""
+    turned = pairs[:]
+    for k in range(0, len(pairs), 2):
+        x, y = pairs[k], pairs[k + 1]
+        turned[k] = x * c - y * s
+        turned[k + 1] = x * s + y * c
+    return turned
+
+
+def _turned(angle: list[float], by: float) -> list[float]:
+    """The angle (turns, remainder, carry) turned by `by` [rad]; Kahan's summation."""
+    turns, rest, carry = angle
+    if abs(by) > math.pi:
+        part = math.remainder(by, TURN)
+        whole = float(round((by - part) / TURN))
+        by, turns, carry = part, turns + whole, carry + whole * _TURN_ROUNDING
+    by -= carry
+    total = rest + by
+    carry = (total - rest) - by
+    if total > math.pi:
+        total, turns, carry = total - TURN, turns + 1.0, carry + _TURN_ROUNDING
+    elif total < -math.pi:
+        total, turns, carry = total + TURN, turns - 1.0, carry - _TURN_ROUNDING
+    return [turns, total, carry]
+
+
+@lru_cache(maxsize=256)
+def _loaded(rotor: LinearRotor, added_mass: tuple[float, ...]) -> LinearRotor:
+    lightest = min(added_mass, default=0.0)
+    if lightest < 0.0:
+        raise ValueError(f"added_mass = {lightest!r} kg: must be a finite number, at least 0 kg")
+    return rotor.with_added_mass(added_mass)
+
+
+@lru_cache(maxsize=256)
+def _matrix(
+    rotor: LinearRotor, added_mass: tuple[float, ...], speed: float, step: float, turning: bool
+) -> NDArray:
+    """Step matrix with x and y alternating in rows and columns."""
+    matrix = step_matrix(_loaded(rotor, added_mass), speed, step, turning)
+    if not rotor.isotropic:
+        n, p = rotor.stations, rotor.plane_count
+        rows, columns = _alternating([n, n, p, p]), _alternating([n, n, *[p] * ORDERS, 1])
+        matrix = matrix[np.ix_(rows, columns)]
+    return np.ascontiguousarray(matrix)
+
+
+@lru_cache(maxsize=64)
+def _variable(
+    rotor: LinearRotor, added_mass: tuple[float, ...], turning: bool
+) -> VariableSpeedStep:
+    return VariableSpeedStep(_loaded(rotor, added_mass), turning)
+
+
+def _alternating(blocks: list[int]) -> list[int]:
+    """Where x_1, y_1, x_2, ... of each block stand when it is ordered (x..., y...)."""
+    order: list[int] = []
+    for size in blocks:
+        first = len(order)
+        for k in range(size):
+            order += [first + k, first + size + k]
+    return order
+
+
+def _to_axes(pairs: NDArray, axes: int, blocks: int) -> NDArray:
+    """Complex numbers, or (x..., y...) a block, from x and y alternating."""
+    if axes == 1:
+        return pairs.view(complex)
+    return pairs.reshape(blocks, -1, 2).transpose(0, 2, 1).ravel()
+
+
+def _from_axes(values: NDArray, axes: int, blocks: int) -> list[float]:
+    """The inverse of `_to_axes`."""
+    if axes == 1:
+        return np.ascontiguousarray(values).view(float).tolist()
+    return values.reshape(blocks, 2, -1).transpose(0, 2, 1).ravel().tolist()

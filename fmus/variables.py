@@ -1,0 +1,162 @@
+"""Declarations of a unit's variables, and their layout as one list of numbers.
+
+A unit declares its variables once, in the order parameters, inputs, outputs.  The index of a Real
+in that order is its value reference, so a master exchanges a whole group as one contiguous slice.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import math
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from itertools import chain
+
+ORDERS = 4  # an input signal is a cubic: value and derivatives of order 1 to 3
+
+
+@dataclass(frozen=True)
+class Variable:
+    """One FMI variable.
+
+    Attributes:
+        name: structured FMI name.
+        causality: parameter | input | output.
+        unit: name of an SI unit, empty for a Boolean.
+        start: start value; None for outputs, which are calculated.
+        description: one line.
+        variability: fixed | discrete | continuous.
+        minimum: smallest allowed value, or None.
+        above: True when the minimum itself is not allowed.
+        depends: inputs an output depends on directly, at the same communication point.
+        begins: parameters and inputs an output depends on at the start, besides `depends`.
+        kind: how it depends on its inputs in FMI's words, "dependent" or "fixed" (linear).
+        derivative_of: output this one is the time derivative of.
+        observed: an output computed only when somebody reads it.
+    """
+
+    name: str
+    causality: str
+    unit: str = ""
+    start: float | bool | None = None
+    description: str = ""
+    variability: str = "continuous"
+    minimum: float | None = None
+    above: bool = False
+    depends: tuple[str, ...] = ()
+    begins: tuple[str, ...] = ()
+    kind: str = "dependent"
+    derivative_of: str = ""
+    observed: bool = False
+
+    @property
+    def boolean(self) -> bool:
+        """True for a Boolean, False for a Real."""
+        return isinstance(self.start, bool)
+
+    @property
+    def allowed(self) -> str:
+        """What values are allowed, in words."""
+        unit = f" {self.unit}" if self.unit != "1" else ""
+        if self.minimum is None:
+            return "a finite number"
+        return f"a finite number{' above' if self.above else ', at least'} {self.minimum:g}{unit}"
+
+    def problem(self, value: float) -> str:
+        """Why `value` is not allowed, or an empty string."""
+        low = self.minimum
+        if math.isfinite(value) and (
+            low is None or value > low or (value == low and not self.above)
+        ):
+            return ""
+        return f"{self.shown(value)}: must be {self.allowed}"
+
+    def shown(self, value: float) -> str:
+        """Name, value and unit in words."""
+        return f"{self.name} = {value!r}{'' if self.unit == '1' else ' ' + self.unit}"
+
+
+def parameter(
+    name: str,
+    start: float | bool,
+    unit: str,
+    description: str,
+    *,
+    minimum: float | None = None,
+    above: bool = False,
+) -> Variable:
+    """A parameter, free until initialisation ends."""
+    return Variable(name, "parameter", unit, start, description, "fixed", minimum, above)
+
+
+def plain_input(name: str, start: float, unit: str, description: str, **more) -> Variable:
+    """An input that is not a polynomial over the step."""
+    return Variable(name, "input", unit, start, description, **more)
+
+
+def derivative(name: str, order: int) -> str:
+    """FMI's name of a derivative: der(a), der(a,2)."""
+    return (name, f"der({name})", f"der({name},{order})")[min(order, 2)]
+
+
+def signal_inputs(names: Sequence[str], units: Sequence[str], description: str) -> list[Variable]:
+    """Cubic input signals, all values first, then all first derivatives, and so on.
+
+    A master that holds its signals sets the leading part of this group only.
+    """
+    return [
+        Variable(
+            derivative(name, order),
+            "input",
+            units[order],
+            0.0,
+            f"{description}{f', derivative of order {order}' if order else ''}"
+            " at the start of the step",
+        )
+        for order in range(ORDERS)
+        for name in names
+    ]
+
+
+def signal_names(names: Sequence[str], orders: int) -> tuple[str, ...]:
+    """Names of the values and derivatives below `orders`."""
+    return tuple(derivative(name, order) for order in range(orders) for name in names)
+
+
+def output(name: str, unit: str, description: str, **more) -> Variable:
+    """An output."""
+    return Variable(name, "output", unit, None, description, **more)
+
+
+class Layout:
+    """Value references of a unit's variables: index in `reals` or in `booleans`.
+
+    Raises:
+        ValueError: the declarations are not in the order parameters, inputs, outputs.
+    """
+
+    def __init__(self, owner: str, variables: Iterable[Variable]) -> None:
+        self.variables = tuple(variables)
+        self.reals = tuple(v for v in self.variables if not v.boolean)
+        self.booleans = tuple(v for v in self.variables if v.boolean)
+        self.index = {v.name: i for i, v in enumerate(self.reals)}
+        self.boolean_index = {v.name: i for i, v in enumerate(self.booleans)}
+        self.starts = [0.0 if v.start is None else float(v.start) for v in self.reals]
+        self.boolean_starts = [bool(v.start) for v in self.booleans]
+        groups = ["parameter", "input", "output"]
+        rank = [groups.index(v.causality) + v.observed for v in self.reals]
+        if rank != sorted(rank):
+            raise ValueError(f"{owner}: declare parameters, inputs, outputs, observed outputs")
+        self.parameters = slice(0, sum(v.causality == "parameter" for v in self.reals))
+        first = self.parameters.stop
+        self.inputs = slice(first, first + sum(v.causality == "input" for v in self.reals))
+        computed = sum(v.causality == "output" and not v.observed for v in self.reals)
+        self.computed = slice(self.inputs.stop, self.inputs.stop + computed)
+        self.observed = slice(self.computed.stop, len(self.reals))
+        names = "\n".join(chain([owner], (v.name for v in self.variables)))
+        self.signature = f"{owner} {hashlib.sha256(names.encode()).hexdigest()[:16]}"
+
+    def at(self, first: str, count: int = 1) -> slice:
+        """Slice of `count` Reals from the one named `first`."""
+        start = self.index[first]
+        return slice(start, start + count)

@@ -1,0 +1,194 @@
+"""The balancer with balls, rollers or pendulums, Filimonikhina 2017 (4), as a unit."""
+
+from __future__ import annotations
+
+import cmath
+import math
+
+from ..models.weights import Weights, advance, reaction, spread, static_moment
+from .signals import FRAMES, at, hermite, orders
+from .slave import Unit
+from .variables import Variable, output, parameter, plain_input, signal_inputs, signal_names
+
+_MOTION = ("m/s2", "m/s3", "m/s4", "m/s5")
+_FORCE = ("mass", "track_radius", "kappa", "drag", "inertia_as_force")
+
+
+class BallBalancer(Unit):
+    """N equal weights on one track: the acceleration of the track's centre in, force out."""
+
+    frame = "rotor"
+    weights = 2
+
+    @classmethod
+    def variables(cls) -> list[Variable]:
+        xi, eta = FRAMES[cls.frame]
+        a = (f"a_{xi}", f"a_{eta}")
+        force = (f"F_{xi}", f"F_{eta}")
+        numbers = range(1, cls.weights + 1)
+        angles = tuple(f"weight[{k}].angle0" for k in numbers)
+        speeds = tuple(f"weight[{k}].speed0" for k in numbers)
+        begins = (*_FORCE, *angles, *speeds)
+        turning = ("angle", "speed")[cls.frame == "rotor" :]
+        values, slopes = signal_names(a, 1), signal_names(a, 2)
+        return [
+            *_parameters(),
+            *(
+                parameter(
+                    angle, 2 * math.pi * k / cls.weights, "rad", "Angle in the rotor at the start"
+                )
+                for k, angle in enumerate(angles)
+            ),
+            *(
+                parameter(speed, 0.0, "rad/s", "Speed in the rotor at the start")
+                for speed in speeds
+            ),
+            *signal_inputs(a, _MOTION, "Acceleration of the track's centre"),
+            plain_input("angle", 0.0, "rad", "Angle of the rotor at the start of the step"),
+            plain_input("speed", 300.0, "rad/s", "Of the rotor, at the start of the step"),
+            plain_input("acceleration", 0.0, "rad/s2", "Angular, of the rotor, over the step"),
+            *(
+                output(f, "N", "Force on the rotor", depends=(*values, *turning), begins=begins)
+                for f in force
+            ),
+            *(
+                output(
+                    f"der({f})",
+                    "N/s",
+                    f"Exact slope of {f}",
+                    depends=(*slopes, *turning, "acceleration"),
+                    begins=begins,
+                    derivative_of=f,
+                )
+                for f in force
+            ),
+            output(
+                "added_mass",
+                "kg",
+                "Mass N m to be carried by the rotor",
+                variability="discrete",
+                begins=("mass", "inertia_as_force"),
+            ),
+            *_observed(angles, speeds),
+        ]
+
+    def parameters(self) -> None:
+        mass, radius, kappa, drag, size = self.real[:5]
+        count = self.weights
+        if size >= radius or count * math.asin(size / radius) > math.pi * (1 + 1e-12):
+            room = radius * math.sin(math.pi / count) if count > 1 else radius
+            raise ValueError(
+                f"weight_radius = {size!r} m: {count} weights do not fit on a track of radius "
+                f"{radius!r} m, the largest that fit have {room:.6g} m"
+            )
+        self.model = Weights(count, mass, radius, drag, kappa)
+        self.carried = 0.0 if self.flag("inertia_as_force") else self.model.added_mass
+        self.sent = self.model.added_mass - self.carried
+
+    def begin(self) -> None:
+        start = self.layout.index["weight[1].angle0"]
+        self.memory = self.real[start : start + 2 * self.weights]
+
+    def step(self, step: float) -> None:
+        *signal, angle, speed, spin_up = self.real[self.layout.inputs]
+        cubic = orders(signal)
+        end, end_slope = at(cubic, step)
+        speed_end = speed + spin_up * step
+        angle_end = angle
+        if self.frame == "fixed":
+            angle_end += step * (speed + 0.5 * spin_up * step)
+            end, end_slope = _rotating(end, end_slope, angle_end, speed_end)
+            cubic = hermite(*_rotating(*cubic[:2], angle, speed), end, end_slope, step)
+        count = self.weights
+        angles, speeds = advance(
+            self.model, self.memory[:count], self.memory[count:], cubic, spin_up, step
+        )
+        self.memory = angles + speeds
+        self._put(end, end_slope, angle_end, speed_end, spin_up)
+
+    def outputs(self) -> None:
+        *signal, angle, speed, spin_up = self.real[self.layout.inputs]
+        acceleration, slope = orders(signal)[:2]
+        if self.frame == "fixed":
+            acceleration, slope = _rotating(acceleration, slope, angle, speed)
+        self._put(acceleration, slope, angle, speed, spin_up)
+
+    def observe(self) -> None:
+        angles = self.memory[: self.weights]
+        moment = static_moment(self.model, angles)
+        self.real[self.layout.observed] = [*self.memory, moment.real, moment.imag, spread(angles)]
+
+    def _put(
+        self, acceleration: complex, slope: complex, angle: float, speed: float, spin_up: float
+    ) -> None:
+        """Computed outputs; acceleration and slope in the rotor frame."""
+        count = self.weights
+        force, force_slope = reaction(
+            self.model,
+            self.memory[:count],
+            self.memory[count:],
+            acceleration,
+            slope,
+            speed,
+            spin_up,
+        )
+        if self.sent:
+            force -= self.sent * acceleration
+            force_slope -= self.sent * slope
+        if self.frame == "fixed":
+            turn = cmath.rect(1.0, angle)
+            force, force_slope = force * turn, (force_slope + 1j * speed * force) * turn
+        self.real[self.layout.computed] = [
+            force.real,
+            force.imag,
+            force_slope.real,
+            force_slope.imag,
+            self.carried,
+        ]
+
+
+def _parameters() -> list[Variable]:
+    """What is common to all weights."""
+    return [
+        parameter("mass", 0.01, "kg", "Of each weight m", minimum=0.0, above=True),
+        parameter("track_radius", 0.05, "m", "Of the weights' centres R", minimum=0.0, above=True),
+        parameter("kappa", 1.4, "1", "7/5 ball, 3/2 roller, 1 pendulum", minimum=1.0),
+        parameter("drag", 0.05, "N.s/m", "Viscous, of each weight, b", minimum=0.0),
+        parameter("weight_radius", 0.0, "m", "Of each weight; 0: point weights", minimum=0.0),
+        parameter("inertia_as_force", False, "", "True: N m acts in F and added_mass is zero"),
+    ]
+
+
+def _observed(angles: tuple[str, ...], speeds: tuple[str, ...]) -> list[Variable]:
+    """Outputs for people and records, computed when they are read."""
+    observed = [
+        *(
+            output(angle[:-1], "rad", "Angle in the rotor", begins=(angle,), observed=True)
+            for angle in angles
+        ),
+        *(
+            output(
+                speed[:-1],
+                "rad/s",
+                "Speed in the rotor",
+                begins=(speed,),
+                derivative_of=angle[:-1],
+                observed=True,
+            )
+            for angle, speed in zip(angles, speeds, strict=True)
+        ),
+    ]
+    moment = ("mass", "track_radius", *angles)
+    for axis in ("xi", "eta"):
+        text = "Sum of m R e^{i theta}, in the rotor"
+        observed.append(output(f"moment_{axis}", "kg.m", text, begins=moment, observed=True))
+    text = "|sum of e^{2 i theta}|/N: 0 evenly spread, 1 in line"
+    return [*observed, output("spread", "1", text, begins=angles, observed=True)]
+
+
+def _rotating(
+    value: complex, slope: complex, angle: float, speed: float
+) -> tuple[complex, complex]:
+    """A vector and its slope seen in axes that turn with the rotor."""
+    turn = cmath.rect(1.0, -angle)
+    return value * turn, (slope - 1j * speed * value) * turn

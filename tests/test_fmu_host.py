@@ -1,0 +1,203 @@
+"""A host survives thousands of instances, and every error, without losing memory it still uses."""
+
+from __future__ import annotations
+
+import os
+import shutil
+import subprocess
+import sys
+
+import pytest
+
+from autobalancer.fmus.build import UNITS, build
+
+HOST = """
+import gc, sys
+import fmpy
+from fmpy.fmi1 import FMICallException
+from fmpy.fmi2 import FMU2Slave
+
+path, count = sys.argv[1], int(sys.argv[2])
+description = fmpy.read_model_description(path)
+slave = FMU2Slave(guid=description.guid, unzipDirectory=fmpy.extract(path),
+                  modelIdentifier=description.coSimulation.modelIdentifier, instanceName="unit")
+entries = list(sys.path)
+
+def start():
+    slave.setupExperiment()
+    slave.enterInitializationMode()
+    slave.exitInitializationMode()
+    slave.doStep(0.0, 1e-3)
+
+def free():
+    slave.fmi2FreeInstance(slave.component)
+
+def namespace():
+    (module,) = [m for n, m in sys.modules.items() if n.startswith(description.modelName + "_")]
+    return sys.getrefcount(module.__dict__)
+"""
+
+CYCLES = (
+    HOST
+    + """
+counts = []
+for k in range(count):
+    if k == count // 2:
+        slave = FMU2Slave(guid=description.guid, unzipDirectory=fmpy.extract(path),
+                          modelIdentifier=description.coSimulation.modelIdentifier,
+                          instanceName="unpacked elsewhere")
+    slave.instantiate()
+    start()
+    slave.terminate()
+    free()
+    counts.append(namespace())
+assert set(counts) == {counts[0]}, (min(counts), max(counts))
+assert sys.path == entries
+slave.instantiate()
+for k in range(count):
+    start()
+    slave.reset()
+free()
+gc.collect()
+print("alive")
+"""
+)
+
+ERRORS = (
+    HOST
+    + """
+def fails(call, *values):
+    try:
+        call(*values)
+    except FMICallException:
+        return
+    raise AssertionError(call)
+
+for k in range(count):
+    slave.instantiate(loggingOn=k == 0)
+    slave.setupExperiment()
+    slave.enterInitializationMode()
+    slave.setReal([0], [-1.0])
+    fails(slave.exitInitializationMode)
+    fails(slave.getReal, [10000])
+    fails(slave.setReal, [10000], [0.0])
+    fails(slave.getInteger, [0])
+    if k % 3 == 0:
+        slave.reset()
+        start()
+    free()
+gc.collect()
+slave.instantiate()
+start()
+free()
+print("alive")
+"""
+)
+
+
+def run(script, path, count):
+    command = [sys.executable, "-X", "faulthandler", "-c", script, str(path), str(count)]
+    return subprocess.run(command, capture_output=True, text=True, timeout=300, check=False)
+
+
+@pytest.mark.parametrize("unit", UNITS)
+def test_thousands_of_instances_and_resets_leave_the_host_alive(unit, tmp_path):
+    done = run(CYCLES, build(unit, tmp_path), 1500)
+    assert (done.returncode, done.stdout) == (0, "alive\n"), done.stderr
+
+
+@pytest.mark.parametrize("unit", UNITS)
+def test_errors_are_logged_with_their_reason_and_leave_the_host_alive(unit, tmp_path):
+    done = run(ERRORS, build(unit, tmp_path), 300)
+    assert done.returncode == 0, done.stderr
+    assert done.stdout.endswith("alive\n")
+    first = {"LiquidBalancer": "chamber_radius = -1.0 m"}.get(unit, "mass = -1.0 kg")
+    assert f"unit at t = 0.0 s: initialisation failed: {first}" in done.stdout
+
+
+def test_kept_references_are_what_saves_the_host(tmp_path, monkeypatch):
+    """Without them the same host loses its module: the traps are real and still there."""
+    from autobalancer.fmus import build as builder
+
+    text = builder._text
+
+    def without(path):
+        return text(path).replace("_increment(item)", "pass")
+
+    monkeypatch.setattr(builder, "_text", without)
+    path = build("LiquidBalancer", tmp_path)
+    assert run(ERRORS, path, 300).returncode != 0
+    assert run(CYCLES, path, 1500).returncode != 0
+
+
+VANISHED = (
+    HOST
+    + """
+import shutil
+slave.instantiate()
+shutil.rmtree(slave.unzipDirectory)
+start()
+slave.reset()
+start()
+state = slave.getFMUState()
+slave.deserializeFMUState(slave.serializeFMUState(state))
+slave.setFMUState(state)
+again = FMU2Slave(guid=description.guid, unzipDirectory=fmpy.extract(path),
+                  modelIdentifier=description.coSimulation.modelIdentifier, instanceName="again")
+again.instantiate()
+again.setupExperiment()
+again.enterInitializationMode()
+again.exitInitializationMode()
+again.doStep(0.0, 1e-3)
+again.freeInstance()
+free()
+print("alive")
+"""
+)
+
+
+@pytest.mark.parametrize("unit", UNITS)
+def test_unpacked_folder_may_vanish_while_the_unit_runs(unit, tmp_path):
+    done = run(VANISHED, build(unit, tmp_path), 1)
+    assert (done.returncode, done.stdout) == (0, "alive\n"), done.stderr
+
+
+ENDING = (
+    HOST
+    + """
+import atexit, ctypes, os
+calls = []
+class Recorded(ctypes.CDLL):
+    def __init__(self, name, *args, **more):
+        super().__init__(name, *args, **more)
+        calls.append(name)
+atexit.register(lambda: print(sorted(os.path.relpath(c, folders[0]) for c in calls)))
+slave.instantiate()
+start()
+free()
+other = FMU2Slave(guid=description.guid, unzipDirectory=fmpy.extract(path),
+                  modelIdentifier=description.coSimulation.modelIdentifier, instanceName="other")
+other.instantiate()
+other.freeInstance()
+folders = [slave.unzipDirectory, other.unzipDirectory]
+ctypes.CDLL = Recorded
+"""
+)
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="the library's destructor is Linux only")
+def test_library_still_loaded_at_the_end_of_the_host_is_settled_and_no_other(tmp_path):
+    done = run(ENDING, build("LiquidBalancer", tmp_path), 1)
+    assert done.returncode == 0, done.stderr
+    assert done.stdout == "['binaries/linux64/LiquidBalancer.so']\n"
+
+
+@pytest.mark.skipif(not shutil.which("valgrind"), reason="needs valgrind")
+def test_library_does_not_touch_freed_memory_when_the_host_ends(tmp_path):
+    path = build("LiquidBalancer", tmp_path)
+    report = tmp_path / "valgrind.log"
+    command = ["valgrind", "--error-limit=no", f"--log-file={report}"]
+    command += [sys.executable, "-c", HOST + "slave.instantiate()\nstart()\nfree()", path, "1"]
+    environment = {**os.environ, "PYTHONMALLOC": "malloc"}
+    subprocess.run(command, env=environment, check=True, timeout=300)
+    assert "finalizePythonInterpreter" not in report.read_text()
