@@ -1,0 +1,93 @@
+"""Critical speeds of the coupled units held against Floquet, and shown by runs in time."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+
+from ...models.critical_speeds import Crossing
+from ...models.stability import growth_rates
+from ..boundaries import Speeds, speeds
+from ..errors import SceneError
+from ..main_motion import MainMotion
+from ..report import Row, text
+from ..scene import Scene
+from ..scene_check import CriticalSpeedsCheck
+from ..time_runs import growth_in_run, needed_revolutions, run_from_rest
+from .measure import Rows
+
+SPEED_TOLERANCE = 1e-3  # relative, co-simulated against Floquet
+GROWTH_TOLERANCE = 2e-2  # relative, of a growth rate fitted to a run
+FLOQUET = "Floquet multipliers about the main motion"
+
+
+def check_critical_speeds(
+    scene: Scene, check: CriticalSpeedsCheck, progress: Callable[[float], None]
+) -> Iterator[Row]:
+    """One row for each critical speed, each fitted run and each run from rest.
+
+    Raises:
+        SceneError: the weights cannot balance the scene's unbalance, or a replaced value is wrong.
+    """
+    scene = scene.replace(check.set)
+    rows = Rows(scene.name, check.kind)
+    prefix = f"{check.case}: " if check.case else ""
+    found = speeds(scene, check.range, progress=lambda done: progress(0.6 * done))
+    for method in ("floquet", "cosim"):
+        if method in found.refused:
+            raise SceneError(f"{scene.name}: check critical_speeds: {found.refused[method]}")
+    yield from speed_rows(rows, found, prefix)
+    runs = [*((growth_row, w) for w in check.growth_runs)]
+    runs += [(rest_row, w) for w in check.runs_from_rest]
+    for number, (row_of, speed) in enumerate(runs, start=1):
+        yield row_of(rows, scene, speed, prefix)
+        progress(0.6 + 0.4 * number / len(runs))
+    progress(1.0)
+
+
+def speed_rows(rows: Rows, found: Speeds, prefix: str, scale: float = 1.0) -> Iterator[Row]:
+    """Co-simulation against Floquet for every critical speed, `scale` rad/s being 1.
+
+    A speed that only one of them found is a row that does not hold.
+    """
+    unit = " [rad/s]" if scale == 1.0 else " / w_x"
+    span = f"{found.range[0] / scale:.4g} to {found.range[1] / scale:.4g}{unit}"
+    number = 0
+    for row in found.rows():
+        floquet, cosim = row.get("floquet"), row.get("cosim")
+        if floquet is None and cosim is None:
+            continue
+        number += 1
+        above = (floquet or cosim).above  # type: ignore[union-attr]
+        beside = f", criterion {row['criterion'].speed / scale:.5g}" if "criterion" in row else ""
+        quantity = f"{prefix}critical speed {number}, {above} above{beside}{unit}"
+        if floquet is None or cosim is None:
+            said = [_shown(c, scale) for c in (floquet, cosim)]
+            yield rows.statement(quantity, *said, False, FLOQUET)
+        else:
+            yield rows.number(
+                quantity, floquet.speed / scale, cosim.speed / scale, SPEED_TOLERANCE, FLOQUET
+            )
+    if not number:
+        said = [f"{found.lowest[m]} throughout" for m in ("floquet", "cosim")]
+        yield rows.statement(f"{prefix}{span}", *said, said[0] == said[1], FLOQUET)
+
+
+def _shown(crossing: Crossing | None, scale: float) -> str:
+    return "none" if crossing is None else text(crossing.speed / scale)
+
+
+def growth_row(rows: Rows, scene: Scene, speed: float, prefix: str) -> Row:
+    expected = float(growth_rates(scene.assembly(), speed)[0])
+    with MainMotion(scene) as motion:
+        measured = growth_in_run(motion, speed, int(needed_revolutions(expected, speed)))
+    quantity = f"{prefix}growth rate in a run in time at {speed:g} rad/s [1/s]"
+    return rows.number(quantity, expected, measured, GROWTH_TOLERANCE, FLOQUET)
+
+
+def rest_row(rows: Rows, scene: Scene, speed: float, prefix: str) -> Row:
+    growth = float(growth_rates(scene.assembly(), speed)[0])
+    ended = run_from_rest(scene, speed, needed_revolutions(growth, speed))
+    stable = growth < 0.0
+    expected = f"{'balanced' if stable else 'not balanced'}: growth rate {growth:.3g} 1/s"
+    quantity = f"{prefix}run from rest at {speed:g} rad/s"
+    return rows.statement(quantity, expected, str(ended), ended.balanced == stable, FLOQUET)

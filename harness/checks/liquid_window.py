@@ -1,0 +1,210 @@
+"""The window of a liquid balancer from the coupled units, held against Dubovik 2006.
+
+Measured without an equation of motion: steady bending is the fixed point of the one-revolution
+map, stability its largest multiplier.  Expected: (6), (10), (11) and the roots of the disturbed
+motion (7).
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+from ...models.window import LiquidWindow
+from ..errors import SceneError
+from ..multipliers import Revolution
+from ..report import Row
+from ..scene import Scene
+from ..scene_check import LiquidWindowCheck
+from .measure import Rows, crossing
+
+BOUNDARY_TOLERANCE = 1e-4  # relative, of w_* and w^*
+GROWTH_TOLERANCE = 1e-3  # relative, of growth rates
+BENDING_TOLERANCE = 1e-5  # relative
+PHASE_TOLERANCE = 1e-5  # rad
+GROWTH_SPEEDS = (0.9, 0.97, 1.03, 1.1)  # fractions of w^*, both sides of it
+OPEN_END = 5.0  # times w_*: how far an unlimited window is followed
+
+LOWER = "Dubovik 2006 (11)"
+UPPER = "Dubovik 2006 (10)"
+
+
+@dataclass
+class Bench:
+    """The coupled units with and without the balancer, ready to be measured at any speed."""
+
+    loaded: Revolution
+    bare: Revolution
+    unbalance_angle: float
+    gap: float
+
+    def displacement(self, units: Revolution, speed: float) -> complex:
+        """Steady displacement in the rotor frame, turned to the unbalance [m]."""
+        state, _ = units.steady(speed, np.zeros(len(units.states)))
+        return complex(state[0], state[1]) * np.exp(-1j * self.unbalance_angle)
+
+    def benefit(self, speed: float) -> float:
+        """Bending with the balancer less bending without it [m]; negative where it helps."""
+        return abs(self.displacement(self.loaded, speed)) - abs(self.displacement(self.bare, speed))
+
+    def growth(self, speed: float) -> float:
+        """Largest growth rate of a disturbance [1/s]."""
+        # the coupled system is linear: the multipliers are the same around any motion
+        return float(self.loaded.growth_rates(speed, np.zeros(len(self.loaded.states)))[0])
+
+
+def check_liquid_window(
+    scene: Scene, check: LiquidWindowCheck, progress: Callable[[float], None]
+) -> Iterator[Row]:
+    """Rows (a) w_*, (b) w^*, (c) bending and phase across the window, (d) growth rates.
+
+    Raises:
+        SceneError: the scene is not one rotor in a plane with one liquid balancer.
+    """
+    assembly = scene.assembly()
+    try:
+        window = LiquidWindow.of(assembly)
+    except ValueError as error:
+        raise SceneError(f"{scene.name}: check liquid_window: {error}") from error
+    rows = Rows(scene.name, check.kind)
+    angle = float(np.angle(assembly.rotor.unbalance[0]))
+    with (
+        Revolution(scene) as loaded,
+        Revolution(scene.without_balancers()) as bare,
+    ):
+        bench = Bench(loaded, bare, angle, window.liquid.gap)
+        lower = crossing(bench.benefit, window.lower, "w_*, where the balancer begins to help")
+        yield rows.number(
+            "lower boundary w_* [rad/s]", window.lower, lower, BOUNDARY_TOLERANCE, LOWER
+        )
+        progress(0.2)
+        upper = None
+        if window.upper is None:
+            yield _no_upper_limit(rows, bench, check.up_to or OPEN_END * window.lower)
+        else:
+            upper = crossing(bench.growth, window.upper, "w^*, where rotation becomes unstable")
+            yield rows.number(
+                "upper boundary w^* [rad/s]", window.upper, upper, BOUNDARY_TOLERANCE, UPPER
+            )
+            yield _window(rows, window, lower, upper)
+        progress(0.4)
+        end = upper if upper and upper > lower else check.up_to or OPEN_END * lower
+        speeds = np.linspace(lower, end, check.speeds)
+        motion = np.array([bench.displacement(bench.loaded, speed) for speed in speeds])
+        yield from _bending(rows, window, speeds, motion)
+        progress(0.8)
+        if upper is not None:
+            yield _growth(rows, bench, window, upper)
+        yield _contact(rows, bench, window, speeds, np.abs(motion))
+    progress(1.0)
+
+
+def _no_upper_limit(rows: Rows, bench: Bench, end: float) -> Row:
+    """p = 0: every measured speed must be stable, up to a stated end."""
+    speeds = np.geomspace(end / 50.0, end, 25)
+    growth = np.array([bench.growth(speed) for speed in speeds])
+    unstable = speeds[growth > 0.0]
+    measured = (
+        f"grows at {unstable[0]:.4g} rad/s"
+        if len(unstable)
+        else f"stable at all {len(speeds)} speeds from {speeds[0]:.4g} to {end:.4g} rad/s"
+    )
+    return rows.statement("upper boundary w^*", "none (p = 0)", measured, not len(unstable), UPPER)
+
+
+def _window(rows: Rows, window: LiquidWindow, lower: float, upper: float) -> Row:
+    """Open or empty, and by which condition."""
+    mu = window.mu
+    ratio = (1.0 + window.external_damping / window.internal_damping) ** 2
+    limit = 2.0 * mu / (1.0 + mu)
+    sign = "<=" if window.empty else ">"
+    expected = (
+        f"{'empty' if window.empty else 'open'}: (1+chi/p)^2 = {ratio:.4g} {sign} "
+        f"2mu/(1+mu) = {limit:.4g}"
+    )
+    measured = (
+        f"empty: w^* = {upper:.6g} <= w_* = {lower:.6g} rad/s"
+        if upper <= lower
+        else f"open: {lower:.6g} to {upper:.6g} rad/s"
+    )
+    return rows.statement(
+        "window w_* < w < w^*", expected, measured, window.empty == (upper <= lower), UPPER
+    )
+
+
+def _bending(
+    rows: Rows, window: LiquidWindow, speeds: np.ndarray, motion: np.ndarray
+) -> Iterator[Row]:
+    span = f"at {len(speeds)} speeds, {speeds[0]:.4g} to {speeds[-1]:.4g} rad/s"
+    expected = np.asarray(window.bending(speeds))
+    yield rows.worst(
+        f"steady bending {span} [m]",
+        expected,
+        np.abs(motion),
+        BENDING_TOLERANCE,
+        "Dubovik 2006 (6)",
+    )
+    # an angle is compared on the circle, so that -pi and pi are neighbours
+    phase = np.asarray(window.phase(speeds))
+    measured = phase + np.angle(motion * np.exp(-1j * phase))
+    yield rows.worst(
+        f"phase {span} [rad]", phase, measured, PHASE_TOLERANCE, "Dubovik 2006 (6)", scale=1.0
+    )
+
+
+def _growth(rows: Rows, bench: Bench, window: LiquidWindow, upper: float) -> Row:
+    speeds = upper * np.array(GROWTH_SPEEDS)
+    expected = np.array([window.roots(speed)[0].real for speed in speeds])
+    measured = np.array([bench.growth(speed) for speed in speeds])
+    fractions = ", ".join(f"{f:g}" for f in GROWTH_SPEEDS)
+    return rows.worst(
+        f"growth rate at {fractions} w^* [1/s]",
+        expected,
+        measured,
+        GROWTH_TOLERANCE,
+        "Dubovik 2006 (7), exact roots",
+    )
+
+
+def _contact(
+    rows: Rows, bench: Bench, window: LiquidWindow, speeds: np.ndarray, bending: np.ndarray
+) -> Row:
+    """Where the float touches the chamber (bending = gap) and the model ends."""
+
+    def room(speed: float) -> float:
+        return bench.gap - abs(bench.displacement(bench.loaded, speed))
+
+    low, high = float(speeds[0]), float(speeds[-1])
+    touching = [
+        (max(start, low), min(end or math.inf, high))
+        for start, end in window.touching_speeds()
+        if start < high and (end is None or end > low)
+    ]
+    # a boundary that is an end of the range is not a speed at which contact begins or ends
+    inner = [b for pair in touching for b in pair if low < b < high]
+    found = [crossing(room, b, "the speed at which the float touches") for b in inner]
+    touched = bending > bench.gap
+    expected = np.array([any(a <= w <= b for a, b in touching) for w in speeds])
+    near = np.array([any(math.isclose(w, b, rel_tol=1e-3) for b in inner) for w in speeds])
+    agree = all(
+        math.isclose(f, b, rel_tol=BOUNDARY_TOLERANCE) for f, b in zip(found, inner, strict=True)
+    )
+    return rows.statement(
+        f"float clear of the wall, {low:.4g} to {high:.4g} rad/s",
+        _contact_text(touched=bool(touching), bounds=inner),
+        _contact_text(touched=bool(touched.any()), bounds=found)
+        + f", least clearance {bench.gap - bending.max():.4g} m",
+        agree and bool((touched == expected)[~near].all()),
+        "Dubovik 2006 (6), bending < r1 - r2",
+    )
+
+
+def _contact_text(*, touched: bool, bounds: list[float]) -> str:
+    if not touched:
+        return "clear throughout"
+    if not bounds:
+        return "touches throughout: model invalid"
+    return "touches, model invalid: changes at " + ", ".join(f"{b:.6g}" for b in bounds) + " rad/s"

@@ -1,0 +1,60 @@
+"""Command line: `autobalancer`, `autobalancer check`, `build`, `run`.
+
+A command is one file in `commands` with a function `command`; it is registered below.  Wrong input
+ends with one message and exit code 2, a row that does not hold or a run that cannot be completed
+with exit code 1.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import typer
+from typer.core import TyperGroup
+
+from .commands import balance, build, check, rotor, run, stress
+from .errors import SimulationError, UserError
+from .terminal import say
+
+
+class Commands(TyperGroup):
+    """Turns the package's own errors into a message and an exit code, for every command alike."""
+
+    def invoke(self, ctx: Any) -> Any:
+        try:
+            return super().invoke(ctx)
+        except UserError as error:
+            say(str(error), error=True)
+            raise typer.Exit(2) from error
+        except SimulationError as error:
+            say(str(error), error=True)
+            raise typer.Exit(1) from error
+
+
+app = typer.Typer(
+    name="autobalancer",
+    cls=Commands,
+    help="Rotors and their auto-balancers as FMI units: co-simulated and held against theory.",
+    add_completion=False,
+    pretty_exceptions_enable=False,
+)
+
+
+@app.callback(invoke_without_command=True)
+def default(ctx: typer.Context) -> None:
+    """Without a command: check the bundled scenes."""
+    if ctx.invoked_subcommand is None:
+        check.command()
+
+
+app.command("check")(check.command)
+app.command("build")(build.command)
+app.command("run")(run.command)
+app.command("balance")(balance.command)
+app.command("rotor")(rotor.command)
+app.command("stress")(stress.command)
+
+
+def main() -> None:
+    """Entry point of `autobalancer`."""
+    app()

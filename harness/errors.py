@@ -1,0 +1,23 @@
+"""What can go wrong, by whose hand: wrong input by the user, or a run that cannot be right."""
+
+
+class UserError(Exception):
+    """Wrong input: the message names file, key, value, unit and what is allowed.
+
+    The command line prints the message without a traceback and exits with code 2.
+    """
+
+
+class SceneError(UserError):
+    """A scene file, or a value put in its place, is wrong."""
+
+
+class UnitError(UserError):
+    """An FMU is missing, corrupt, or not the one the scene needs."""
+
+
+class SimulationError(Exception):
+    """A run that cannot be completed correctly: not finite, or a loop that did not converge.
+
+    The message names time, signal and loop gain.  The command line exits with code 1.
+    """

@@ -1,0 +1,29 @@
+"""The first step after the start or a jump of the drive, when forces begin to change at once.
+
+Weights under heavy drag d are pulled into the rotor's motion within 1/d, however short the step is
+chosen: a cubic over the whole step with the slope of that first instant is wrong by d times the step
+while its loop converges perfectly.  So the first step is divided into parts that double.
+"""
+
+from __future__ import annotations
+
+import math
+
+from .system import System
+
+STEEP = 0.2  # of the force: more than this by the slope of its first instant, and a step is divided
+FIRST = 0.05  # of the force: what it may change by that slope over the first part
+MOST_HALVINGS = 60  # a force that rises from exactly zero has no size to compare with
+
+
+def parts(system: System, step: float) -> list[float]:
+    """Lengths that add up to `step` [s], each but the first twice the one before; or just `step`."""
+    if system.order == 0 or not any(c.force.past_step == 0.0 for c in system.connections):
+        return [step]
+    largest = max(abs(c.force.now[0]) for c in system.connections)
+    change = step * max(abs(c.force.now[1]) for c in system.connections)
+    if not change > STEEP * largest > 0.0:
+        return [step]
+    halvings = min(MOST_HALVINGS, math.ceil(math.log2(change / (FIRST * largest))))
+    first = math.ldexp(step, -halvings)
+    return [first, *(math.ldexp(step, -k) for k in range(halvings, 0, -1))]

@@ -1,0 +1,64 @@
+"""The [[check]] tables of a scene.  A new kind is one class here and one member of `AnyCheck`."""
+
+from __future__ import annotations
+
+from typing import Annotated, Any, Literal
+
+from pydantic import Field, field_validator
+
+from .scene_types import Positive, Table, Text, Unit, Whole
+
+SpeedRange = Annotated[tuple[Positive, Positive], Unit("rad/s")]
+
+
+def _rising(value: tuple[float, float] | None) -> tuple[float, float] | None:
+    if value is not None and value[0] >= value[1]:
+        raise ValueError("must be [low, high] with low less than high")
+    return value
+
+
+class LiquidWindowCheck(Table):
+    """Window of a liquid balancer against Dubovik 2006 (6), (10), (11).
+
+    Attributes:
+        speeds: how many speeds across the window compare the bending.
+        up_to: where the comparison ends when the window has no upper limit [rad/s]; default: five
+            times the lower one.
+    """
+
+    kind: Literal["liquid_window"]
+    speeds: Annotated[Whole, Field(ge=2, le=10_000)] = 20
+    up_to: Annotated[Positive | None, Unit("rad/s")] = None
+
+
+class CriticalSpeedsCheck(Table):
+    """Every boundary of stable balancing within a range, co-simulated against Floquet.
+
+    Attributes:
+        case: what the rows call it.
+        set: values replaced in the scene, as by `Scene.replace`.
+        range: speeds [rad/s].
+        growth_runs: speeds at which the growth rate is also fitted to a run in time [rad/s].
+        runs_from_rest: speeds at which a run from rest must end as predicted [rad/s].
+    """
+
+    kind: Literal["critical_speeds"]
+    case: Text = ""
+    set: dict[str, Any] = Field(default_factory=dict)
+    range: SpeedRange
+    growth_runs: Annotated[tuple[Positive, ...], Unit("rad/s")] = ()
+    runs_from_rest: Annotated[tuple[Positive, ...], Unit("rad/s")] = ()
+
+    _range_rises = field_validator("range")(_rising)
+
+
+class TableCheck(Table):
+    """Every row of a table of Filimonikhina 2017, with the scene's mass, frequency and radius."""
+
+    kind: Literal["filimonikhina_table"]
+    table: Literal[1, 2]
+
+
+AnyCheck = Annotated[
+    LiquidWindowCheck | CriticalSpeedsCheck | TableCheck, Field(discriminator="kind")
+]

@@ -1,0 +1,58 @@
+"""Numbers of a scene file with their units, and the base of its tables."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Annotated, Any
+
+from pydantic import BaseModel, BeforeValidator, ConfigDict, Field
+
+
+@dataclass(frozen=True)
+class Unit:
+    """Unit of a field, for messages and axis labels; metadata of an `Annotated` type."""
+
+    symbol: str
+
+
+class Table(BaseModel):
+    """One table of a scene file: frozen, and no key that it does not know."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid")
+
+
+def unit_of(table: type[BaseModel], field: str) -> str:
+    """Unit symbol of a table's field, empty for text, counts and ratios."""
+    for item in table.model_fields[field].metadata:
+        if isinstance(item, Unit):
+            return item.symbol
+    return ""
+
+
+def _pair(value: Any) -> Any:
+    """One number for both axes, or [x, y]."""
+    if isinstance(value, (list, tuple)):
+        if len(value) != 2:
+            raise ValueError("must be one number, or two: [x, y]")
+        return value
+    return (value, value)
+
+
+# strict: text and true/false are not numbers
+Real = Annotated[float, Field(strict=True, allow_inf_nan=False)]
+Positive = Annotated[Real, Field(gt=0)]
+NotNegative = Annotated[Real, Field(ge=0)]
+Whole = Annotated[int, Field(strict=True)]
+Flag = Annotated[bool, Field(strict=True)]
+Text = Annotated[str, Field(strict=True)]
+PositivePair = Annotated[tuple[Positive, Positive], BeforeValidator(_pair)]
+NotNegativePair = Annotated[tuple[NotNegative, NotNegative], BeforeValidator(_pair)]
+
+
+def same_length(values: Sequence[Any], count: int, what: str) -> None:
+    """Raise ValueError unless there is one value for each of `count` things called `what`."""
+    if not values:
+        raise ValueError(f"must not be empty: give {count}, one for each {what}, or leave it out")
+    if len(values) != count:
+        raise ValueError(f"has {len(values)} values: must have {count}, one for each {what}")

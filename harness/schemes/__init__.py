@@ -1,0 +1,1 @@
+"""Coupling schemes, one a file: `step(system, time, step)` moves the coupled units one step."""

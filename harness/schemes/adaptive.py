@@ -1,0 +1,125 @@
+"""Tolerance-driven steps: the iterated scheme with step size and passes set by an error estimate.
+
+What limits the accuracy is the cubic that stands for a signal within a step.  The cubic of the step
+before, extrapolated to the end of this one, misses the converged signal by
+(h + h0)^2 h^2 f''''/24, and the cubic of this step misses it by h^4 f''''/720 on average; so
+
+    error = |converged - predicted| h^2 / (30 (h + h0)^2).
+
+Both signals belong to a loop that has converged, so the estimate holds with direct feedthrough,
+where comparing one step with two halves does not (Schierz, Arnold, Clauss 2012).  Order 4.
+"""
+
+from __future__ import annotations
+
+import math
+
+from ..errors import SimulationError
+from ..signals import Cubic, End, end_of, extrapolated
+from ..system import System, Track
+from .iterated import Iterated, Trial
+
+LOCAL_SHARE = 0.2  # of the tolerance that one step may err: the errors of many steps add up
+AIM = 0.5  # of what is allowed, so that few steps are rejected
+RUNGS = 4  # of the ladder of step sizes per factor 2, so that the rotor's matrices are reused
+LOWEST = 40 * RUNGS  # steps 2^40 times shorter than the longest are no way to finish
+GROWTH = 2.0  # at most, from one step to the next: a lucky zero of f'''' must not mislead
+RESIDUAL_SHARE = 0.01  # of the tolerance that may stay in the loop
+
+
+class Adaptive:
+    """Steps as long as the tolerance allows, rejected by rollback where they were too long.
+
+    Args:
+        iterated: the scheme that takes a step.
+        tolerance: allowed error of the coupling signals, relative to the largest so far.
+        gain: of the loop; where force and reaction nearly cancel, an error of the force is that
+            much larger in the motion that is left.
+    """
+
+    name = "iterated"
+    corrections = None
+
+    def __init__(self, iterated: Iterated, tolerance: float, gain: float = 0.0) -> None:
+        self.iterated, self.tolerance = iterated, tolerance
+        self._cancelled = max(1.0, gain)
+        iterated.tolerance = RESIDUAL_SHARE * tolerance
+        self.rung: float = 10 * RUNGS  # start short: nothing is known of the signals yet
+        self.rejected = 0
+        self._largest_motion = 0.0
+
+    def converge(self, system: System, time: float, step: float) -> None:
+        """One step of given length, where nothing of the past can be used."""
+        self.iterated.converge(system, time, step)
+
+    def advance(
+        self, system: System, time: float, longest: float, remaining: float
+    ) -> tuple[float, float]:
+        """One accepted step; returns its length [s] and the loop's residual.
+
+        Args:
+            longest: step allowed, whatever the tolerance [s].
+            remaining: time to the next point that must be met [s].
+
+        Raises:
+            SimulationError: no step is short enough for the tolerance.
+        """
+        allowed = LOCAL_SHARE * self.tolerance
+        while True:
+            step = longest * 2.0 ** (-self.rung / RUNGS)
+            # do not leave a sliver for the last step
+            if step >= remaining:
+                step = remaining
+            elif step > 0.5 * remaining:
+                step = 0.5 * remaining
+            trial = self.iterated.attempt(system, time, step)
+            error = self._error(system, trial)
+            change = GROWTH
+            if error > 0.0:
+                change = min(GROWTH, (AIM * allowed / error) ** 0.25)
+            wanted = RUNGS * math.log2(longest / (step * change))
+            converged = trial.residual <= self.iterated.tolerance
+            if error <= allowed and converged:
+                self.rung = max(0, math.ceil(wanted - 1e-9))
+                trial.accept(system)
+                return step, trial.residual
+            trial.reject(system)
+            self.rejected += 1
+            self.rung = max(math.ceil(wanted), self.rung + 1)
+            if self.rung > LOWEST:
+                raise SimulationError(
+                    f"tolerance {self.tolerance:g} cannot be met at t = {time:g} s: steps of "
+                    f"{step:.3g} s still err by {error:.3g}, loop residual {trial.residual:.3g}"
+                )
+
+    def _error(self, system: System, trial: Trial) -> float:
+        """Largest relative error of the signals' cubics over the step."""
+        forces = [
+            (c.force, end) for c, (_, end) in zip(system.connections, trial.forces, strict=True)
+        ]
+        motion = [
+            (track, end) for track, (_, end) in zip(system.accelerations, trial.motion, strict=True)
+        ]
+        largest = max((abs(end[0]) for _, end in motion), default=0.0)
+        self._largest_motion = max(self._largest_motion, largest)
+        return max(
+            self._cancelled * _worst(forces, trial.step, self.iterated.largest),
+            _worst(motion, trial.step, self._largest_motion),
+        )
+
+
+def _worst(signals: list[tuple[Track, End]], step: float, scale: float) -> float:
+    if scale == 0.0:
+        return 0.0
+    errors = [_share(t.past_step, step) * abs(end[0] - _predict(t, step)) for t, end in signals]
+    return max(errors, default=0.0) / scale
+
+
+def _predict(track: Track, step: float) -> complex:
+    cubic: Cubic = extrapolated(track.now, track.past, track.past_step, 3)
+    return end_of(cubic, step)[0]
+
+
+def _share(past_step: float, step: float) -> float:
+    """Part of the prediction's miss that is error of the step's own cubic."""
+    return step * step / (30.0 * (step + past_step) ** 2)

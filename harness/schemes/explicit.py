@@ -1,0 +1,93 @@
+"""What the explicit schemes share: when extrapolation is stable, and seeing that it is not.
+
+With a loop eigenvalue J (force answered per force assumed) an exchange of held signals repeats a
+disturbance of the force J-fold, whatever the step.  The cubic Hermite extrapolation amplifies it
+first: values and slopes of two steps, taken to the end of the next, follow
+e(n+1) = J (NOW e(n) + BEFORE e(n-1)), stable for J between -0.0873 and 1/13.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from ..errors import SimulationError
+from ..signals import Cubic, End, end_of
+from ..system import System
+
+# value and slope at t = 2 of the cubic through values and slopes at t = 0 (BEFORE) and 1 (NOW)
+NOW = np.array([[-4.0, 4.0], [-12.0, 8.0]])
+BEFORE = np.array([[5.0, 2.0], [12.0, 5.0]])
+MISSED = 0.5  # of the largest force so far: no resolved motion changes so much within a step
+LOST = 12  # such steps, with fewer than CALM others in a row between them, while the force grows
+GROWN = 1e3  # times: close to the limit a stable exchange may grow tenfold before it settles
+CALM = 4  # the slowest pattern of a diverging loop repeats after as many steps
+
+
+class Explicit:
+    """No rollback; forces are assumed for a step and answered at its end."""
+
+    name = "explicit"
+    corrections = 0
+    exchanges = 1  # extrapolations that a force passes through on its way round the loop
+
+    def __init__(self) -> None:
+        self.largest = self._largest_before = 0.0
+        self._lost = self._calm = 0
+
+    def step(self, system: System, time: float, step: float) -> float:
+        """One step; an explicit scheme has no residual and returns 0."""
+        raise NotImplementedError
+
+    def converge(self, system: System, time: float, step: float) -> None:
+        """A step at a jump of the drive; an explicit scheme has nothing to converge."""
+        self.step(system, time, step)
+
+    @classmethod
+    def amplification(cls, eigenvalues: Sequence[complex], order: int) -> float:
+        """Largest factor by which a short step repeats a disturbance; stable up to 1."""
+        roots = [complex(j) ** (1.0 / cls.exchanges) for j in eigenvalues]
+        if order < 3:
+            return max(map(abs, roots), default=0.0)
+        return max((_hermite_amplification(root) for root in roots), default=0.0)
+
+    def watch(
+        self,
+        system: System,
+        assumed: Sequence[Cubic],
+        ends: Sequence[End],
+        time: float,
+        step: float,
+    ) -> None:
+        """Notice divergence from how far the answered forces are from those assumed.
+
+        Raises:
+            SimulationError: the coupling diverges.
+        """
+        missed = [
+            (abs(end[0] - end_of(cubic, step)[0]), connection.unit.name)
+            for cubic, end, connection in zip(assumed, ends, system.connections, strict=True)
+        ]
+        self.largest = max([self.largest, *(abs(end[0]) for end in ends)])
+        worst, name = max(missed, default=(0.0, ""))
+        if worst <= MISSED * self.largest:
+            self._calm += 1
+            if self._calm >= CALM:
+                self._lost = 0
+            return
+        if not self._lost:
+            self._largest_before = self.largest
+        self._calm = 0
+        self._lost += 1
+        if self._lost >= LOST and self.largest >= GROWN * self._largest_before:
+            raise SimulationError(
+                f"{self.name} coupling diverges at t = {time + step:g} s: {name}.F differs from "
+                f"what was assumed for the step by {worst / self.largest:.3g} of the largest force "
+                'and grows; use scheme = "iterated" or "auto"'
+            )
+
+
+def _hermite_amplification(eigenvalue: complex) -> float:
+    companion = np.block([[eigenvalue * NOW, eigenvalue * BEFORE], [np.eye(2), np.zeros((2, 2))]])
+    return float(np.abs(np.linalg.eigvals(companion)).max())

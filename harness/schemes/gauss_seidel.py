@@ -1,0 +1,60 @@
+"""Gauss-Seidel: the rotor steps first on extrapolated forces, the balancers on what it did.
+
+Order: 1 (held), 2 (linear), 3 (cubic: the first step has no past to extrapolate); accelerations are
+interpolated.
+Stability: the loop gain must be below 1 whatever the step, as for Jacobi; with linear signals below
+1/3 where force opposes acceleration, with cubic ones below 1/13.  The error of the accelerations is
+gone.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from ..signals import extrapolated, hermite, interpolated
+from ..system import System
+from .explicit import Explicit
+
+
+class GaussSeidel(Explicit):
+    """Explicit scheme, rotor before balancers."""
+
+    name = "gauss-seidel"
+
+    @classmethod
+    def amplification(cls, eigenvalues: Sequence[complex], order: int) -> float:
+        """Largest factor by which a short step repeats a disturbance; stable up to 1."""
+        if order != 1:
+            return super().amplification(eigenvalues, order)
+        # the balancers see the straight line between accelerations and answer with its slope
+        repeated = [np.array([[j, j], [j - 1.0, j]]) for j in eigenvalues]
+        return float(max((np.abs(np.linalg.eigvals(m)).max() for m in repeated), default=0.0))
+
+    def step(self, system: System, time: float, step: float) -> float:
+        """One step; an explicit scheme has no residual and returns 0."""
+        order = system.order
+        forces = [
+            extrapolated(c.force.now, c.force.past, c.force.past_step, order)
+            for c in system.connections
+        ]
+        acceleration_ends = system.rotor_pass(forces, time, step)
+        accelerations = [
+            interpolated(track.now, end, step, order)
+            for track, end in zip(system.accelerations, acceleration_ends, strict=True)
+        ]
+        force_ends = system.balancer_pass(accelerations, time, step)
+        self.watch(system, forces, force_ends, time, step)
+        # the next extrapolation starts from what the balancers really did
+        done = [
+            hermite(c.force.now, end, step)
+            for c, end in zip(system.connections, force_ends, strict=True)
+        ]
+        system.accept(
+            list(zip(accelerations, acceleration_ends, strict=True)),
+            list(zip(done, force_ends, strict=True)),
+            time,
+            step,
+        )
+        return 0.0

@@ -1,0 +1,175 @@
+"""Iterated: step, compare the forces with those assumed, roll back and step again.
+
+Order: 4 with cubic Hermite signals from values and slopes of both ends, 2 linear, 1 held.
+Stability: any loop gain, as long as no eigenvalue of the loop is 1: each corrector pass is a
+quasi-Newton step with the loop's Jacobian measured at the start (fixed-point passes would need a
+gain below 1).  Broyden's update refines it where the loop changes along the run.
+"""
+
+from __future__ import annotations
+
+from ctypes import c_void_p
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..loop import QuasiNewton, difference, jacobian, loop_gain, pack, size, unpack
+from ..signals import Cubic, End, end_of, extrapolated, hermite, interpolated
+from ..system import System
+
+CONVERGED = 1e-10  # residual of the forces relative to the largest force so far
+MAX_PASSES = 30  # quasi-Newton meets CONVERGED in two to six; more means it does not converge
+ROUNDING = (
+    1e-12  # per loop gain: what rounding leaves of a residual; forces err by it over the gain
+)
+CHANGE = 1e-3  # of the largest force: a disturbance that shows the loop's Jacobian
+SLOW = 0.1  # reduction of the residual per pass above which the Jacobian is refined
+
+
+@dataclass
+class Trial:
+    """A step taken but not yet accepted.
+
+    Attributes:
+        states: of the units before the step.
+        motion, forces: cubic over the step and end, of every plane and connection.
+        predicted: forces at the end, extrapolated from the step before.
+        residual: of the forces, relative to the largest so far.
+    """
+
+    time: float
+    step: float
+    states: list[c_void_p]
+    motion: list[tuple[Cubic, End]]
+    forces: list[tuple[Cubic, End]]
+    predicted: list[End]
+    residual: float
+
+    def accept(self, system: System) -> None:
+        """Go on from the end of the step."""
+        system.free(self.states)
+        system.accept(self.motion, self.forces, self.time, self.step)
+
+    def reject(self, system: System) -> None:
+        """Go back to the start of the step."""
+        system.restore(self.states)
+        system.free(self.states)
+
+
+class Iterated:
+    """Implicit scheme with rollback.
+
+    Args:
+        jacobian: of the loop at the start, from `loop.consistent_start` with `step` [s].
+        order: of the exchanged signals; slopes take part in the iteration only if it is 3.
+        corrections: corrector passes of every step, or None to go on until converged.
+        tolerance: residual, relative to the largest force so far, that counts as converged.
+    """
+
+    name = "iterated"
+
+    def __init__(
+        self,
+        jacobian: np.ndarray,
+        step: float,
+        order: int = 3,
+        corrections: int | None = None,
+        tolerance: float = CONVERGED,
+    ) -> None:
+        self.tolerance = max(tolerance, ROUNDING * loop_gain(jacobian))
+        self.with_slopes = order == 3
+        if not self.with_slopes:
+            values = np.tile([True, True, False, False], len(jacobian) // 4)
+            jacobian = np.where(np.outer(values, values), jacobian, 0.0)
+        self.newton = QuasiNewton(jacobian, step)
+        self.corrections = corrections
+        self.largest = 0.0
+
+    def step(self, system: System, time: float, step: float) -> float:
+        """One step; returns the residual of the forces relative to the largest force so far."""
+        trial = self.attempt(system, time, step)
+        trial.accept(system)
+        return trial.residual
+
+    def converge(self, system: System, time: float, step: float) -> None:
+        """One step with as many passes as it takes, where nothing of the past can be used."""
+        self.attempt(system, time, step, MAX_PASSES).accept(system)
+
+    def attempt(self, system: System, time: float, step: float, passes: int | None = None) -> Trial:
+        """Take a step and keep the saved states, so that it can still be rejected."""
+        self.newton.rescale(step)
+        starts = [c.force.now for c in system.connections]
+        predicted = [
+            end_of(extrapolated(c.force.now, c.force.past, c.force.past_step, system.order), step)
+            for c in system.connections
+        ]
+        u = self._pack(predicted, step)
+        if passes is None:
+            passes = self._passes(system)
+        states = system.save()
+        previous: tuple[list[float], list[float], float] | None = None
+        for number in range(1, passes + 1):
+            accelerations, ends, force_ends = self._pass(system, starts, u, time, step)
+            g_u = self._pack(force_ends, step)
+            residual = difference(g_u, u)
+            self.largest = max(self.largest, size(g_u))
+            error = size(residual) / self.largest if self.largest else 0.0
+            if previous and error > max(self.tolerance, SLOW * previous[2]):
+                self.newton.learn(previous[0], previous[1], residual)
+            if number == passes or not error > self.tolerance:
+                break
+            du = self.newton.correction(residual)
+            previous = (du, residual, error)
+            u = [a + b for a, b in zip(u, du, strict=True)]
+            system.restore(states)
+        forces = [
+            (hermite(start, end, step), end) for start, end in zip(starts, force_ends, strict=True)
+        ]
+        motion = list(zip(accelerations, ends, strict=True))
+        return Trial(time, step, states, motion, forces, predicted, error)
+
+    def measure(self, system: System, time: float, step: float) -> None:
+        """Take the loop's Jacobian from steps of this length, all of them taken back.
+
+        At the start the units answer without a step, which says little of what heavy drag lets
+        through within one.
+        """
+        starts = [c.force.now for c in system.connections]
+        u = self._pack([end_of((*start, 0j, 0j), step) for start in starts], step)
+        states = system.save()
+
+        def respond(assumed: list[float]) -> list[float]:
+            ends = self._pass(system, starts, assumed, time, step)[2]
+            system.restore(states)
+            return self._pack(ends, step)
+
+        g_u = respond(u)
+        change = CHANGE * max(size(u), size(g_u), self.largest)
+        self.newton = QuasiNewton(jacobian(respond, u, g_u, change), step)
+        system.free(states)
+
+    def _passes(self, system: System) -> int:
+        """Passes allowed; a first step has no past to be predicted from and would cost an order."""
+        fresh = any(c.force.past_step == 0.0 for c in system.connections)
+        if self.corrections is None or (fresh and self.corrections):
+            return MAX_PASSES
+        return self.corrections + 1
+
+    def _pack(self, ends: list[End], step: float) -> list[float]:
+        return pack(ends if self.with_slopes else [(value, 0j) for value, _ in ends], step)
+
+    def _pass(
+        self, system: System, starts: list[End], u: list[float], time: float, step: float
+    ) -> tuple[list[Cubic], list[End], list[End]]:
+        """Step all units once with forces that end at u."""
+        order = system.order
+        forces = [
+            interpolated(start, end, step, order)
+            for start, end in zip(starts, unpack(u, step), strict=True)
+        ]
+        ends = system.rotor_pass(forces, time, step)
+        accelerations = [
+            interpolated(track.now, end, step, order)
+            for track, end in zip(system.accelerations, ends, strict=True)
+        ]
+        return accelerations, ends, system.balancer_pass(accelerations, time, step)

@@ -1,0 +1,52 @@
+"""Signals between units: complex xi + i eta, a cubic over each communication step.
+
+A cubic is (value, first, second, third derivative) at the start of the step.  An exchange order
+says how much of it is used: 0 held, 1 linear, 3 cubic Hermite from values and exact slopes of both
+ends.
+"""
+
+from __future__ import annotations
+
+Cubic = tuple[complex, complex, complex, complex]
+End = tuple[complex, complex]  # value and slope at one end of a step
+
+REST: Cubic = (0j, 0j, 0j, 0j)
+
+
+def hermite(start: End, end: End, step: float) -> Cubic:
+    """The cubic with value and slope given at both ends of a step [s]; error step^4/384 f''''."""
+    (f0, d0), (f1, d1) = start, end
+    rise = (f1 - f0) / step
+    return (
+        f0,
+        d0,
+        (6.0 * rise - 4.0 * d0 - 2.0 * d1) / step,
+        (6.0 * (d0 + d1) - 12.0 * rise) / (step * step),
+    )
+
+
+def interpolated(start: End, end: End, step: float, order: int) -> Cubic:
+    """Signal over a step both of whose ends are known, of exchange order 0 (end value), 1 or 3."""
+    if order == 3:
+        return hermite(start, end, step)
+    if order == 1:
+        return (start[0], (end[0] - start[0]) / step, 0j, 0j)
+    return (end[0], 0j, 0j, 0j)
+
+
+def extrapolated(start: End, past: Cubic, past_step: float, order: int) -> Cubic:
+    """Signal over a step of which only the start is known, and the cubic of the step before it."""
+    if order == 3:
+        return (start[0], start[1], past[2] + past_step * past[3], past[3])
+    if order == 1:
+        return (start[0], start[1], 0j, 0j)
+    return (start[0], 0j, 0j, 0j)
+
+
+def end_of(cubic: Cubic, step: float) -> End:
+    """Value and slope of a cubic at the end of its step."""
+    f, d, d2, d3 = cubic
+    return (
+        f + step * (d + step * (d2 / 2.0 + step * d3 / 6.0)),
+        d + step * (d2 + step * d3 / 2.0),
+    )

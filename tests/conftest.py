@@ -1,0 +1,125 @@
+"""What the tests of the master share: comparison with the monolith, and altered units."""
+
+from __future__ import annotations
+
+import zipfile
+from collections.abc import Callable, Sequence
+from functools import cache
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+import pytest
+
+if TYPE_CHECKING:  # loaded where it is used: tests of the models alone need no harness
+    from autobalancer.harness import Scene
+    from autobalancer.harness.result import Result
+
+
+@cache
+def _motion(name: str, changes: tuple, times: tuple[float, ...], signals: tuple[str, ...]):
+    from autobalancer.harness import load_scene
+    from autobalancer.models.coupled import Start
+    from autobalancer.models.monolith import reference
+
+    scene = load_scene(name).replace(dict(changes))
+    start = Start(**dict(scene.run.initial.items()))
+    motion, own_error = reference(scene.assembly(), scene.profile(), times, initial=start)
+    assert own_error < 1e-8, own_error
+    return {signal: motion.signal(signal) for signal in signals}
+
+
+class Against:
+    """Errors of co-simulated runs of one motion, against the monolith on a common grid of times."""
+
+    def __init__(self, name: str, changes: dict[str, object] | None = None) -> None:
+        from autobalancer.harness import load_scene
+
+        self.name, self.changes = name, changes or {}
+        self.scene = load_scene(name).replace(self.changes)
+
+    def run(self, coupling: dict[str, object], signals: Sequence[str] | None = None) -> Result:
+        """Run with keys of [coupling] on top; None for those left at their default."""
+        from autobalancer.harness import cosimulate
+
+        keys = {f"coupling.{key}": value for key, value in coupling.items()}
+        return cosimulate(self.scene.replace(keys), record=signals)
+
+    def _reference(self, result: Result, every: int) -> dict[str, np.ndarray]:
+        # physical changes only: the motion does not depend on how it is coupled
+        changes = tuple(sorted((k, _frozen(v)) for k, v in self.changes.items()))
+        times = tuple(np.round(result.time[::every], 13).tolist())
+        return _motion(self.name, changes, times, tuple(result.signals))
+
+    def of_amplitude(self, result: Result, every: int = 1) -> float:
+        """Largest error of all signals over the largest amplitude of any."""
+        expected = self._reference(result, every)
+        largest = max(np.abs(values).max() for values in expected.values())
+        return max(np.abs(result[k][::every] - v).max() for k, v in expected.items()) / largest
+
+    def of_range(self, result: Result, every: int = 1) -> float:
+        """Largest error of a signal over that signal's own range."""
+        expected = self._reference(result, every)
+        return max(
+            float(np.abs(result[k][::every] - v).max() / np.ptp(v)) for k, v in expected.items()
+        )
+
+
+def _frozen(value: object) -> object:
+    if isinstance(value, dict):
+        return _Table(value)
+    return tuple(value) if isinstance(value, list) else value
+
+
+class _Table(dict):
+    """A table of a scene as part of a key."""
+
+    def __hash__(self) -> int:  # type: ignore[override]
+        return hash(tuple(sorted(self.items())))
+
+    def __lt__(self, other: object) -> bool:
+        return repr(self) < repr(other)
+
+
+@pytest.fixture(scope="session")
+def against() -> type[Against]:
+    """Compare runs of a bundled scene with the monolith."""
+    return Against
+
+
+@pytest.fixture(scope="session")
+def heavy_weights() -> dict[str, object]:
+    """The two-ball scene with weights of a third of the total mass, eps = 0.3."""
+    return {
+        "rotor.mass": 0.7,
+        "rotor.unbalance": 0.15,
+        "weights.mass": 0.15,
+        "weights.drag": 0.075,
+    }
+
+
+@pytest.fixture(scope="session")
+def liquid_of_gain() -> Callable[[float], Scene]:
+    """The heavy liquid that sends its inertia as force, thinned until r m2/m1 is the given gain."""
+
+    def scene(gain: float) -> Scene:
+        from autobalancer.harness import load_scene
+
+        heavy = load_scene("liquid_heavy_force")
+        mass = heavy.assembly().added_mass[0] / heavy.rotor.mass
+        return heavy.replace({"liquid.density": heavy.balancer[0].density * gain / mass})
+
+    return scene
+
+
+@pytest.fixture
+def rewritten() -> Callable[..., Path]:
+    """Copy an FMU with its members changed; `change` maps (name, content) to (name, content)."""
+
+    def rewrite(source: Path, target: Path, change: Callable) -> Path:
+        with zipfile.ZipFile(source) as old, zipfile.ZipFile(target, "w") as new:
+            for member in old.namelist():
+                new.writestr(*change(member, old.read(member)))
+        return target
+
+    return rewrite
