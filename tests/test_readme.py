@@ -1,0 +1,190 @@
+"""The README keeps its word: its scene, scripts and checks run and print what it shows.
+
+A fenced block with a file name (```python settle.py) is that file; a ```text block of the same
+name is what it prints.  New chapters are covered by naming their blocks.  `.ci/run` runs the
+commands and compares the main job's last line.
+"""
+
+import os
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+from fmpy import read_model_description
+
+from autobalancer.fmus.build import build
+from autobalancer.harness import Scene, bundled_scenes, check, cosimulate, load_scene
+from autobalancer.harness.commands.run import parse_change
+from autobalancer.harness.scene_messages import tables_in
+
+ROOT = Path(__file__).parent.parent
+README = (ROOT / "README.md").read_text(encoding="utf-8")
+BLOCKS = re.findall(r"^```(\w+) (\S+)\n(.*?)^```$", README, re.MULTILINE | re.DOTALL)
+FILES = {name: text for kind, name, text in BLOCKS if kind != "text"}
+PRINTED = {name: text for kind, name, text in BLOCKS if kind == "text"}
+SCRIPTS = sorted(n for n in FILES if n.endswith(".py") and not n.startswith("test_"))
+TESTS = sorted(n for n in FILES if n.startswith("test_"))
+NUMBER = re.compile(r"-?\d+(?:\.\d+)?(?:e[+-]?\d+)?")
+
+
+def chapter(title: str) -> str:
+    """Text of the chapter whose heading begins with `title`."""
+    return README.split(f"\n## {title}")[1].split("\n## ")[0]
+
+
+def cells(text: str) -> list[list[str]]:
+    """Rows of the Markdown tables in a text, without their headings."""
+    rows = [line for line in text.splitlines() if line.startswith("|")]
+    split = [[cell.strip() for cell in row.strip("|").split("|")] for row in rows]
+    heads = [i for i, row in enumerate(split) if set("".join(row)) == {"-"}]
+    return [row for i, row in enumerate(split) if not any(h - 1 <= i <= h for h in heads)]
+
+
+@pytest.fixture
+def folder(tmp_path: Path) -> Path:
+    """A folder with every file that the README shows."""
+    for name, text in FILES.items():
+        (tmp_path / name).write_text(text, encoding="utf-8")
+    return tmp_path
+
+
+def run(folder: Path, *arguments: str) -> subprocess.CompletedProcess[str]:
+    """Python with arguments in a folder, away from this checkout."""
+    environment = {**os.environ, "PYTHONIOENCODING": "utf-8"}
+    return subprocess.run(
+        [sys.executable, *arguments],
+        cwd=folder,
+        env=environment,
+        capture_output=True,
+        encoding="utf-8",
+        timeout=120,
+    )
+
+
+@pytest.mark.parametrize("name", SCRIPTS)
+def test_script_prints_what_the_readme_shows(folder, name):
+    outcome = run(folder, name)
+    assert outcome.returncode == 0, outcome.stderr
+    assert NUMBER.sub("#", outcome.stdout) == NUMBER.sub("#", PRINTED[name])
+    shown, printed = (
+        np.array([float(n) for n in NUMBER.findall(text)])
+        for text in (PRINTED[name], outcome.stdout)
+    )
+    # the last printed digit may round the other way on another machine
+    np.testing.assert_allclose(printed, shown, rtol=1e-3, atol=1.01e-4)
+
+
+@pytest.mark.parametrize("name", TESTS)
+def test_pytest_check_passes_and_fails_with_the_message_shown(folder, name):
+    outcome = run(folder, "-m", "pytest", "-q", "-p", "no:cacheprovider", name)
+    assert outcome.returncode == 0, outcome.stdout
+    text = (folder / name).read_text(encoding="utf-8")
+    strict = text.replace("below=1e-5", "below=1e-9")
+    assert strict != text
+    (folder / name).write_text(strict, encoding="utf-8")
+    outcome = run(folder, "-m", "pytest", "-q", "-p", "no:cacheprovider", name)
+    assert outcome.returncode == 1, outcome.stdout
+    said = " ".join(chapter("A check in pytest").rpartition("it says: `")[2].split("`")[0].split())
+    assert NUMBER.sub("#", said) in NUMBER.sub("#", outcome.stdout)
+
+
+def test_scene_is_shown_and_is_complete(folder):
+    scenes = [load_scene(folder / name) for name in FILES if name.endswith(".toml")]
+    assert scenes
+    assert all(scene.title for scene in scenes)
+
+
+def test_main_job_prints_the_numbers_shown():
+    shown = PRINTED["autobalancer"]
+    named = [name for name in bundled_scenes() if shown.startswith(f"{name} (")]
+    assert len(named) == 1
+    rows = check(named[0])
+    lines = [re.split(r"\s*│\s*", line) for line in shown.splitlines() if line.startswith("│")]
+    begun = [line for line in lines if line[1]]
+    assert len(begun) == len(rows)
+    for line, row in zip(begun, rows, strict=True):
+        assert row.holds
+        assert row.quantity.startswith(line[2])
+        # a curve's row shows its worst point, and which one that is may be a matter of rounding
+        if isinstance(row.expected, float) and " at " not in row.quantity:
+            assert float(line[3]) == pytest.approx(row.expected, rel=1e-6)
+            assert float(line[4]) == pytest.approx(row.measured, rel=1e-6)
+
+
+@pytest.mark.parametrize("row", cells(chapter("The units")), ids=lambda row: row[0].split("`")[1])
+def test_table_of_a_unit_names_its_variables_and_no_others(tmp_path, row):
+    unit = row[0].split("`")[1]
+    description = read_model_description(str(build(unit, tmp_path / f"{unit}.fmu")))
+    for column, causality in zip(row[1:], ("parameter", "input", "output"), strict=True):
+        shown = {name for item in re.findall("`(.+?)`", column) for name in spelled_out(item)}
+        declared = {
+            re.sub(r"\[\d+\]", "[1]", v.name)
+            for v in description.modelVariables
+            if v.causality == causality and not v.name.startswith("der(")
+        }
+        assert {name for name in declared if ".der(" not in name} == shown, causality
+
+
+def spelled_out(item: str) -> list[str]:
+    """`plane[i].F_xi/.F_eta` as two names, for i = 1."""
+    first, *endings = re.sub(r"\[[ijk]\]", "[1]", item).split("/")
+    return [first, *(first[: first.rindex(ending[0])] + ending for ending in endings)]
+
+
+def test_table_of_what_is_left_out_counts_the_calls():
+    scene = ""
+    rows = cells(chapter("What is left out"))
+    assert len(rows) >= 6
+    for name, changed, steps, calls, _ in rows:
+        scene = name.strip("`") or scene
+        changes = dict([parse_change(changed.strip("`"))]) if changed else {}
+        result = cosimulate(load_scene(scene).replace(changes))
+        assert result.steps == int(steps)
+        # passes until converged may differ by a few where rounding differs
+        assert sum(result.calls.values()) == pytest.approx(int(calls), rel=0.01)
+
+
+def test_links_lead_somewhere():
+    for home in (ROOT / "README.md", ROOT / "harness" / "README.md"):
+        text = home.read_text(encoding="utf-8")
+        for target in re.findall(r"\]\(([^)#]+)(?:#[^)]*)?\)", text):
+            assert (home.parent / target).exists(), f"{home.name}: {target}"
+    picture = ROOT / "harness" / "images" / "liquid_disc_liquid_window.png"
+    assert picture.read_bytes().startswith(b"\x89PNG")
+
+
+def test_harness_readme_explains_every_key_of_a_scene():
+    text = (ROOT / "harness" / "README.md").read_text(encoding="utf-8")
+    keys = {word for span in re.findall("`([^`]+)`", text) for word in re.findall(r"\w+", span)}
+    tables, missing = [Scene], set()
+    while tables:
+        table = tables.pop()
+        for name, field in table.model_fields.items():
+            missing |= {f"{table.__name__}.{name}"} if (field.alias or name) not in keys else set()
+            tables += tables_in(field.annotation)
+    assert not missing
+
+
+def test_ci_takes_its_two_commands_from_the_readme():
+    commands = re.search(r"^```sh\n(.*?)^```$", README, re.MULTILINE | re.DOTALL)[1].splitlines()
+    assert len(commands) == 2
+    script = (ROOT / ".ci" / "run").read_text(encoding="utf-8")
+    for command, variable in zip(commands, ("main_job", "tests"), strict=True):
+        pattern = re.search(rf"^{variable}=\$\(grep '(.*)' README\.md\)$", script, re.MULTILINE)[1]
+        assert [line for line in README.splitlines() if re.search(pattern, line)] == [command]
+        assert f'-c "${variable}"' in script
+    assert os.access(ROOT / ".ci" / "run", os.X_OK)
+
+
+def test_every_package_in_the_tree_is_installed():
+    table = (ROOT / "pyproject.toml").read_text(encoding="utf-8").split("packages = [")[1]
+    listed = set(re.findall(r'"autobalancer\.([\w.]+)"', table.split("]")[0]))
+    found = {
+        ".".join(path.parent.relative_to(ROOT).parts)
+        for top in ("models", "fmus", "harness")
+        for path in (ROOT / top).rglob("__init__.py")
+    }
+    assert listed == found
