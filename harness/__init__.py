@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from ..fmus.build import build
+    from .boundaries import speeds
     from .checking import check
     from .errors import SceneError, SimulationError, UnitError, UserError
     from .master import cosimulate
@@ -26,6 +27,7 @@ _HOME = {
     "check": ".checking",
     "cosimulate": ".master",
     "load_scene": ".scene",
+    "speeds": ".boundaries",
 }
 
 __all__ = [
@@ -40,6 +42,7 @@ __all__ = [
     "check",
     "cosimulate",
     "load_scene",
+    "speeds",
 ]
 
 

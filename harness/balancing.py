@@ -182,7 +182,7 @@ def trial_runs(machine: Machine, trial: float) -> tuple[Reading, Complex, NDArra
     """(20), (22): the first reading, the coefficients (s, p), and their standard uncertainty."""
     count = len(machine.planes)
     first = machine.measure()
-    runs = [machine.measure(trial * one.astype(complex)) for one in np.eye(count)]
+    runs = [machine.measure(np.array(row, complex)) for row in (trial * np.eye(count)).tolist()]
     seen = np.array([run.amplitude for run in runs])
     coefficients = from_trial_runs(first.amplitude, seen, np.full(count, trial))
     spread = [np.hypot(run.uncertainty, first.uncertainty) / trial for run in runs]

@@ -12,6 +12,7 @@ import functools
 import math
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field
+from itertools import pairwise
 from typing import Any, Literal
 
 import numpy as np
@@ -203,8 +204,7 @@ def _by_units(
     parts = min(_PARTS, max(1, (len(nodes) - 1) // 2)) if workers > 1 else 1
     cuts = np.linspace(0, len(nodes) - 1, parts + 1).astype(int)
     jobs = [
-        _Job(scene, method, tuple(map(float, nodes[a : b + 1])), steps)
-        for a, b in zip(cuts[:-1], cuts[1:], strict=True)
+        _Job(scene, method, tuple(map(float, nodes[a : b + 1])), steps) for a, b in pairwise(cuts)
     ]
     try:
         # within this process progress is told by every speed, across processes by every part

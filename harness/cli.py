@@ -12,7 +12,7 @@ from typing import Any
 import typer
 from typer.core import TyperGroup
 
-from .commands import balance, build, check, rotor, run, stress
+from .commands import balance, build, check, map, precision, rotor, run, speeds, stress
 from .errors import SimulationError, UserError
 from .terminal import say
 
@@ -50,8 +50,11 @@ def default(ctx: typer.Context) -> None:
 app.command("check")(check.command)
 app.command("build")(build.command)
 app.command("run")(run.command)
+app.command("speeds")(speeds.command)
+app.command("map")(map.command)
 app.command("balance")(balance.command)
 app.command("rotor")(rotor.command)
+app.command("precision")(precision.command)
 app.command("stress")(stress.command)
 
 

@@ -16,7 +16,9 @@ distance from 1.
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from pathlib import Path
+from typing import TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -28,15 +30,16 @@ from .unit import Group, Unit
 from .wiring import ports
 
 Matrix = NDArray[np.float64]
+Outcome = TypeVar("Outcome")
 
 BALANCED = 1e-9  # acceleration of a plane over that of the whole unbalance and all weights
 AT_REST = 1e-6  # of each state's scale: what a revolution may move a main motion
 NEUTRAL_RANK = 1e-6  # of a moment's derivative, which central differences give to 1e-8
 NEUTRAL_RETURN = 1e-5  # what a revolution may change a neutral turn; differences and steps err less
-MOST_REFINED = 8  # times the given steps a revolution
+MOST_REFINED = 32  # times the given steps a revolution
 _LONGEST_TURN = 0.5  # rad per iteration: a longer one leaves the neighbourhood of the start
 _ITERATIONS = 30
-_STARTS = 8
+_STARTS = 5
 _GOLDEN = 0.6180339887498949
 
 
@@ -60,9 +63,7 @@ class MainMotion:
         NoMainMotion: no balanced position of the weights was found.
     """
 
-    def __init__(
-        self, scene: Scene, *, steps: int | None = None, fmus: Path | None = None
-    ) -> None:
+    def __init__(self, scene: Scene, *, steps: int | None = None, fmus: Path | None = None) -> None:
         self.units = Revolution(scene, steps=steps, fmus=fmus)
         try:
             self._speed = abs(scene.profile().end)  # any will do for what follows
@@ -118,7 +119,8 @@ class MainMotion:
 
     def _rests(self, state: Vector) -> bool:
         """Whether a revolution leaves a state as it is."""
-        moved = (self.units(state, self._speed) - state) / self.units.scale(self._speed)
+        end = self._resolved(lambda: self.units(state, self._speed))
+        moved = (end - state) / self.units.scale(self._speed)
         return bool(np.abs(moved).max() <= AT_REST)
 
     def _newton(
@@ -192,17 +194,17 @@ class MainMotion:
             ends.append((ahead - behind) / (2.0 * scale) * np.abs(direction).max() / PERTURBATION)
         return np.array(ends).T
 
-    def _resolved_map(self, columns: Matrix, speed: float) -> Matrix:
-        """The derivative with steps halved as often as the coupling refuses them as too long.
+    def _resolved(self, measure: Callable[[], Outcome]) -> Outcome:
+        """What `measure` gives, with steps halved as often as the coupling refuses them as too long.
 
-        Far below the natural frequencies a given number of steps a revolution does not resolve
-        what the rotor does.
+        Far below the natural frequencies, or under heavy drag, a given number of steps a revolution
+        does not resolve what the units do.
         """
         given = self.units.steps
         try:
             while True:
                 try:
-                    return self._map(columns, speed)
+                    return measure()
                 except SimulationError:
                     if self.units.steps >= MOST_REFINED * given:
                         raise
@@ -214,7 +216,8 @@ class MainMotion:
         """What is taken for neutral must come back unchanged."""
         if not self.neutral.shape[1]:
             return
-        error = np.abs(self._map(self.neutral, self._speed) - self.neutral).max()
+        ends = self._resolved(lambda: self._map(self.neutral, self._speed))
+        error = np.abs(ends - self.neutral).max()
         if not error <= NEUTRAL_RETURN:
             raise SimulationError(
                 f"{self.units.scene.name}: turns of the weights that change no moment still change "
@@ -224,7 +227,7 @@ class MainMotion:
 
     def multipliers(self, speed: float) -> NDArray[np.complex128]:
         """Multipliers of one revolution but the neutral ones, largest modulus first."""
-        reduced = self._rows @ self._resolved_map(self._columns, speed)
+        reduced = self._rows @ self._resolved(lambda: self._map(self._columns, speed))
         values = np.linalg.eigvals(reduced).astype(complex)
         return values[np.argsort(-np.abs(values), kind="stable")]
 

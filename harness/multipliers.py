@@ -43,7 +43,7 @@ def states(scene: Scene) -> list[State]:
     assembly = scene.assembly()
     rotor = assembly.rotor
     moment = float(np.abs(rotor.unbalance).max(initial=0.0))
-    moment += sum(m.device.capacity for m in assembly.weights)
+    moment += assembly.capacity
     length = moment / float(np.trace(rotor.mass)) or 1e-3
     prefixes = [""]
     if rotor.stations > 1:

@@ -141,7 +141,7 @@ def _response_lines(above: Any, below: Any, data: Response, along: int, factor: 
 
 
 def _unbroken(
-    speeds: NDArray[np.float64], curve: NDArray[np.complex128]
+    speeds: NDArray[np.float64], curve: NDArray[np.complexfloating]
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Phase in degrees without the lines that jumps from -180 to 180 would draw."""
     phase = np.degrees(np.angle(curve))

@@ -27,7 +27,7 @@ class Resolution:
 
     def __init__(self, scene: Scene, system: System) -> None:
         assembly, profile = scene.assembly(), scene.profile()
-        pull = sum(m.device.capacity for m in assembly.weights) * max(profile.start, profile.end) ** 2
+        pull = assembly.capacity * max(profile.start, profile.end) ** 2
         mass = float(assembly.loaded_rotor.mass.sum())
         self._tracks: list[Track] = [c.force for c in system.connections] + system.accelerations
         self._names = [f"{c.unit.name}.F" for c in system.connections]

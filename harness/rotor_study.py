@@ -46,9 +46,9 @@ class Response:
     title: str
     stations: tuple[str, ...]
     speeds: Array
-    amplitude: NDArray[np.complex128]
+    amplitude: NDArray[np.complexfloating]
     points: Array
-    measured: NDArray[np.complex128]
+    measured: NDArray[np.complexfloating]
     critical: Array
 
 
@@ -172,7 +172,7 @@ def response_of(scene: Scene, low: float, high: float, fmus: Path | None = None)
     )
 
 
-def _steady(units: Revolution, speed: float) -> tuple[NDArray[np.complex128], Array]:
+def _steady(units: Revolution, speed: float) -> tuple[NDArray[np.complexfloating], Array]:
     """Synchronous amplitude (2, n) and orbit (m, 2, n) of the revolution that repeats itself."""
     state, _ = units.steady(speed, np.zeros(len(units.states)))
     n = units.scene.rotor.build().stations

@@ -75,7 +75,12 @@ def _put(holder: Document, table: TableType, path: str, rest: list[str], value: 
             _assign(holder, part["key"], part["indices"], value, path)
             return
         below = holder.setdefault(part["key"], {})
-        if part["indices"] or not isinstance(below, dict):
+        for number in map(int, re.findall(r"\d+", part["indices"])):
+            count = len(below) if isinstance(below, list) else 0
+            if not 1 <= number <= count:
+                raise SceneError(f"{path!r}: {part['key']} has {count} entries, counted from 1")
+            below = below[number - 1]
+        if not isinstance(below, dict):
             raise SceneError(f"{path!r}: {part[0]} has no keys of its own")
         inner = _inner(inner, part["key"], below)
         holder = below

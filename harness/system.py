@@ -145,7 +145,7 @@ class System:
 
     def set_acceleration(self, connection: Connection, cubic: Cubic) -> None:
         """Write the acceleration signal of one balancer."""
-        values = []
+        values: list[float] = []
         for k in range(self.order + 1):
             values += (cubic[k].real, cubic[k].imag)
         connection.unit.set(connection.inputs, values)

@@ -13,10 +13,10 @@ from .main_motion import MainMotion
 from .scene import Scene
 from .scene_balancer import WeightBalancer
 
-DISTURBANCE = 1e-5  # of each state's scale
-LARGEST = 3e-3  # deviation beyond which the equations are no longer linear to a part in 1000
-SMALLEST = 1e-9  # change per revolution that the coupling's own error may fake
-SHARE = 1e-3  # of the motion in the window: what is below is noise of the fit
+DISTURBANCE = 1e-6  # of each state's scale
+LARGEST = 1e-3  # deviation beyond which the equations are no longer linear to that part
+SMALLEST = 1e-10  # change per revolution that the coupling's own error may fake
+SHARE = 1e-4  # of the motion in the window: what is below is noise of the fit
 FEWEST = 6  # revolutions in the window
 LATE = 10  # last part of a run in which it is judged: one tenth
 BALANCED = 0.01  # residual moment over that at the start

@@ -137,7 +137,7 @@ class Unit:
     def set(self, group: Group, values: Sequence[float]) -> None:
         """Write the group's variables."""
         self.calls["set"] += 1
-        group.buffer[:] = values
+        group.buffer[:] = values  # type: ignore[call-overload]  # any sequence will do
         status = self._set(self._component, group.references, group.size, group.buffer)
         if status > _WARNING:
             self._check(status, f"setting {', '.join(group.names[:4])}")

@@ -53,6 +53,12 @@ class Assembly:
         return self.rotor.with_added_mass(self.added_mass)
 
     @property
+    def capacity(self) -> float:
+        """Unbalance that all weights together can balance, the sum of N m R [kg m]."""
+        devices = [m.device for m in self.balancers]
+        return sum(device.capacity for device in devices if isinstance(device, Weights))
+
+    @property
     def weights(self) -> tuple[Mounted, ...]:
         """Only the balancers with weights."""
         return tuple(m for m in self.balancers if isinstance(m.device, Weights))

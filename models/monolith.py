@@ -18,8 +18,10 @@ __all__ = [
     "Start",
     "Trajectory",
     "differences",
+    "integrate",
     "reference",
     "simulate",
+    "trajectory",
 ]
 
 NON_STIFF = ("DOP853", "LSODA")
@@ -58,12 +60,32 @@ def simulate(
     if not listed or time[0] < 0.0 or not (np.diff(time) > 0.0).all():
         raise ValueError("times must be an ascending list of numbers, 0 or more")
     system = Monolith(assembly, profile, initial.angle)
-    state = system.initial(initial)
+    states, _ = integrate(system, time, initial, method=method, rtol=rtol, atol=atol)
+    return trajectory(system, time, states)
+
+
+def integrate(
+    system: Monolith,
+    time: Array,
+    initial: Start = REST,
+    *,
+    method: str,
+    rtol: float,
+    atol: float | None = None,
+) -> tuple[Array, int]:
+    """States at ascending times, (T, size), and how often the right-hand side was evaluated.
+
+    This is what `simulate` takes its time for; `trajectory` makes signals of the states.
+
+    Raises:
+        ArithmeticError: the method gave up, or the motion is not finite.
+    """
+    profile, state = system.profile, system.initial(initial)
     absolute = rtol * system.scales(initial) if atol is None else atol
     # the acceleration jumps where the run-up ends: no method may step across it
     kink = profile.seconds if profile.start != profile.end else 0.0
     stops = [kink, time[-1]] if 0.0 < kink < time[-1] else [time[-1]]
-    found, begin = np.empty((len(time), system.size)), 0.0
+    found, begin, evaluations = np.empty((len(time), system.size)), 0.0, 0
     found[time == 0.0] = state
     for stop in (s for s in stops if s > 0.0):
         wanted = (time > begin) & (time <= stop)
@@ -77,7 +99,8 @@ def simulate(
             raise ArithmeticError(f"{method} stopped after {where:g} s: {solved.message}")
         found[wanted] = solved.y.T[: wanted.sum()]
         state, begin = solved.y[:, -1], stop
-    return _trajectory(system, time, found)
+        evaluations += solved.nfev
+    return found, evaluations
 
 
 def _within(system: Monolith, begin: float, stop: float) -> RightHandSide:
@@ -92,7 +115,8 @@ def _within(system: Monolith, begin: float, stop: float) -> RightHandSide:
     return Monolith(system.assembly, ramp, system.angle).rhs
 
 
-def _trajectory(system: Monolith, time: Array, states: Array) -> Trajectory:
+def trajectory(system: Monolith, time: Array, states: Array) -> Trajectory:
+    """Every signal of the states (T, size) that `integrate` found."""
     n, profile = system.stations, system.profile
     count = (system.size - 4 * n) // 2
     speed = np.array([profile.speed(t) for t in time])

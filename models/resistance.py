@@ -65,28 +65,46 @@ class Slide:
     count: int
     alpha: float
 
+    def sides(self, a: complex, angle: float, rate: float, speed: float) -> tuple[float, ...]:
+        """Which wall of the race carries each weight: 1 outer, -1 inner; empty: all the outer."""
+        centrifugal = self.radius * (speed + rate) ** 2
+        if abs(a) < centrifugal:
+            return ()
+        return tuple(
+            1.0 if centrifugal >= (a * cmath.rect(1.0, -angle - turn)).real else -1.0
+            for turn in self._turns()
+        )
+
+    def _turns(self) -> list[float]:
+        return [(2 * k - self.count + 1) * self.alpha for k in range(self.count)]
+
     def drive(
-        self, end: tuple[complex, complex], angle: float, rate: float, speed: float, spin_up: float
+        self,
+        end: tuple[complex, complex],
+        angle: float,
+        rate: float,
+        speed: float,
+        spin_up: float,
+        sides: tuple[float, ...] | None = None,
     ) -> tuple[float, float]:
         """Mean of g - grip |n| over the group, and its time derivative along the motion.
 
         Args:
             end: acceleration of the track's centre and its slope, rotor frame.
             angle, rate: of the group's middle [rad, rad/s].
+            sides: by default those of this instant.
         """
         a, slope = end
+        if sides is None:
+            sides = self.sides(a, angle, rate, speed)
         turning = speed + rate
         centrifugal = self.radius * turning * turning
         turn = cmath.rect(1.0, -angle)
-        if abs(a) < centrifugal:  # every load points outward: the sums over the group are known
-            factor = group_factor(self.count, self.alpha)
-            pairs: list[tuple[complex, float]] = [(factor * turn, 1.0)]
-        else:
-            pairs = []
-            for k in range(self.count):
-                unit = turn * cmath.rect(1.0, -(2 * k - self.count + 1) * self.alpha)
-                outward = 1.0 if centrifugal >= (a * unit).real else -1.0
-                pairs.append((unit, outward))
+        if sides:
+            units = [turn * cmath.rect(1.0, -by) for by in self._turns()]
+            pairs = list(zip(units, sides, strict=True))
+        else:  # the sum over the group is known
+            pairs = [(group_factor(self.count, self.alpha) * turn, 1.0)]
         g = dg = load = 0.0
         for unit, outward in pairs:
             z, dz = a * unit, slope * unit
@@ -121,9 +139,11 @@ class Slide:
         free_angle = angle + t * rate + t0 * g0 + t1 * g1
         new_angle, new_rate = free_angle, free_rate
         speed_end = speed + spin_up * step
+        # kept during the iteration, which a load that changes sides in it would not let converge
+        sides = self.sides(a1, free_angle, free_rate, speed_end)
         inverse = 1.0 / step
         for _ in range(MAX_ITERATIONS):
-            end, slope = self.drive((a1, da1), new_angle, new_rate, speed_end, spin_up)
+            end, slope = self.drive((a1, da1), new_angle, new_rate, speed_end, spin_up, sides)
             rise = (end - g0) * inverse
             g2 = (6.0 * rise - 4.0 * g1 - 2.0 * slope) * inverse
             g3 = (6.0 * (g1 + slope) - 12.0 * rise) * inverse * inverse

@@ -17,7 +17,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from .rotor_kinds import flexible_matrices, two_support_matrices
 
@@ -188,7 +188,7 @@ class LinearRotor:
             and np.array_equal(self.damping_x, self.damping_y)
         )
 
-    def with_added_mass(self, added_mass: Sequence[float]) -> LinearRotor:
+    def with_added_mass(self, added_mass: ArrayLike) -> LinearRotor:
         """The same rotor carrying `added_mass` [kg] (p,) rigidly at its planes."""
         added = np.asarray(added_mass, float)
         return replace(self, mass=self.mass + self.planes.T @ (added[:, None] * self.planes))

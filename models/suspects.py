@@ -19,6 +19,7 @@ from .ring import PULL, Group, Instant, Ring
 from .roots import lowest
 
 _ROUNDING = 1e-14  # rad: a gap closes when it is less than 0 by more than this
+_DIP = 1e-12  # rad: more than rounding
 
 End = tuple[float, float]  # middle and rate of a group
 
@@ -84,7 +85,8 @@ class Watch:
         def gap(t: float) -> float:
             return begin + (after(following, t)[0] - after(group, t)[0] - base)
 
-        if final < 0.0 and min(opening) < 0.0:
+        # rounding must not close a gap that opens; one that dips and opens again has to
+        if final < (0.0 if min(opening) < 0.0 else -_DIP):
             yield Suspect(gap, begin, length, "gap", last)
         elif opening[0] < 0.0 < opening[1]:
             dip = lowest(begin, opening[0], final, opening[1], length)

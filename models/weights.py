@@ -24,6 +24,7 @@ TURN_PER_SUBSTEP = 0.15  # rad of weight motion per substep: the error of a step
 MAX_ITERATIONS = 12  # the fixed point gains about two digits an iteration; more means divergence
 CONVERGED = 1e-14  # relative to the size of the change over the substep
 _MAX_SUBSTEPS = 1_000_000
+_FAR = 1e4  # rad: beyond, whole turns are taken off while a step is computed
 
 
 @dataclass(frozen=True)
@@ -193,6 +194,12 @@ def advance(
     fastest = max(map(abs, speeds)) + math.sqrt(-strongest * gain) + gained
     if not math.isfinite(sum(angles)):
         raise ArithmeticError(f"the weights' angles {list(angles)} are not finite")
+    if max(map(abs, angles)) > _FAR:
+        # the iteration's end is judged by the angle: turns behind a weight must not loosen it
+        behind = [2.0 * math.pi * round(angle / (2.0 * math.pi)) for angle in angles]
+        near = [angle - turned for angle, turned in zip(angles, behind, strict=True)]
+        moved, rates = advance(weights, near, speeds, signal, spin_up, step)
+        return [angle + turned for angle, turned in zip(moved, behind, strict=True)], rates
     turns = step * fastest / TURN_PER_SUBSTEP
     if not turns < _MAX_SUBSTEPS:
         raise ArithmeticError(

@@ -1,6 +1,7 @@
 """The pytest fixture `cosim`, as somebody else's tests use it."""
 
 import pytest
+
 from autobalancer.harness.scene import load_scene
 
 pytest_plugins = ["pytester"]

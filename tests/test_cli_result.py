@@ -8,6 +8,7 @@ import resource
 
 import numpy as np
 import pytest
+
 from autobalancer.harness.errors import UserError
 from autobalancer.harness.report import Row, as_json, markdown, verdict, within, write_json
 from autobalancer.harness.result import Result, UnknownSignalError, write_whole

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from numpy.testing import assert_allclose
+
 from autobalancer.models.assembly import Assembly, Mounted, SpeedProfile
 from autobalancer.models.coupled import Monolith
 from autobalancer.models.propagator import generator
 from autobalancer.models.rotor import LinearRotor
 from autobalancer.models.weights import Weights
-from numpy.testing import assert_allclose
 
 MASS, STIFFNESS, CHI, INTERNAL = 2.0, 18.0, 0.7, 0.4
 

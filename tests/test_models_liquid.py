@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 
 import pytest
+
 from autobalancer.models.liquid import Liquid
 
 SIZES = {"chamber_radius": 0.05, "float_radius": 0.04, "height": 0.1, "density": 1000.0}

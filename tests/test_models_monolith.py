@@ -7,6 +7,9 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
+from numpy.testing import assert_allclose
+from scipy.integrate import quad
+
 from autobalancer.models.assembly import Assembly, Mounted, SpeedProfile
 from autobalancer.models.liquid import Liquid
 from autobalancer.models.monolith import (
@@ -20,8 +23,6 @@ from autobalancer.models.monolith import (
 from autobalancer.models.propagator import step_matrix
 from autobalancer.models.rotor import LinearRotor
 from autobalancer.models.weights import KAPPA, Weights, advance, reaction
-from numpy.testing import assert_allclose
-from scipy.integrate import quad
 
 SPEED = SpeedProfile.constant(3.0)
 RUN_UP = SpeedProfile(0.5, 3.0, 4.0)

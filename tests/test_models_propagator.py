@@ -6,6 +6,10 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from numpy.testing import assert_allclose
+from scipy.integrate import solve_ivp
+from scipy.linalg import expm
+
 from autobalancer.models.liquid import Liquid
 from autobalancer.models.propagator import (
     exponential,
@@ -14,9 +18,6 @@ from autobalancer.models.propagator import (
     step_matrix,
 )
 from autobalancer.models.rotor import LinearRotor
-from numpy.testing import assert_allclose
-from scipy.integrate import solve_ivp
-from scipy.linalg import expm
 
 FORCE = np.array([0.3 + 0.1j, -0.2 + 0.4j, 0.5 - 0.1j, 0.2 + 1.0j])
 

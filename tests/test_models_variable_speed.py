@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from numpy.testing import assert_allclose
+from scipy.integrate import solve_ivp
+
 from autobalancer.models.propagator import step_matrix
 from autobalancer.models.rotor import LinearRotor
 from autobalancer.models.variable_speed import VariableSpeedStep
-from numpy.testing import assert_allclose
-from scipy.integrate import solve_ivp
 
 FORCE = np.array([[0.3 + 0.1j], [-0.2 + 0.4j], [0.5 - 0.1j], [0.2 + 1.0j]])
 ANGLE, SPEED = 0.7, 2.0

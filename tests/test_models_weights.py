@@ -7,6 +7,10 @@ import time
 
 import numpy as np
 import pytest
+from numpy.testing import assert_allclose
+from scipy.integrate import solve_ivp
+from scipy.linalg import expm
+
 from autobalancer.models.weights import (
     KAPPA,
     Weights,
@@ -16,9 +20,6 @@ from autobalancer.models.weights import (
     spread,
     static_moment,
 )
-from numpy.testing import assert_allclose
-from scipy.integrate import solve_ivp
-from scipy.linalg import expm
 
 SIGNAL = (1.0 + 0.5j, -1.0 + 2.0j, 3.0 - 1.0j, 2.0j)
 ANGLES, SPEEDS = (0.3, 1.0), (0.2, -3.0)

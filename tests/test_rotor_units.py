@@ -15,7 +15,7 @@ from scipy.integrate import solve_ivp
 from autobalancer.fmus.build import build
 from autobalancer.fmus.rotor import RotorOnSupports
 from autobalancer.fmus.variables import derivative
-from autobalancer.harness import cosimulate, load_scene
+from autobalancer.harness import SceneError, cosimulate, load_scene
 from autobalancer.harness.master import CoSimulation
 from autobalancer.harness.multipliers import Revolution
 from autobalancer.harness.scene import Scene
@@ -25,6 +25,7 @@ from autobalancer.models.critical_speeds import critical_speeds
 from autobalancer.models.modes import critical_speeds as rotor_critical_speeds
 from autobalancer.models.monolith import reference
 from autobalancer.models.rotor import LinearRotor
+from autobalancer.models.stability import growth_rates, neutral_count
 
 NEW_SCENES = ("three_mass_shaft", "drum", "grinder", "two_plane_rodrigues")
 
@@ -372,20 +373,52 @@ def balanced_state(units, scene):
     return state
 
 
-@pytest.mark.parametrize(("name", "count"), [("three_mass_shaft", 3), ("two_plane_rodrigues", 1)])
-def test_critical_speeds_of_the_units_are_those_of_floquet(name, count):
+def growth(units, scene, speed, state):
+    """Largest growth rate by the units, the neutral turns of three and more weights apart."""
+    values = units.multipliers(speed, state)
+    neutral = np.argsort(np.abs(values - 1.0))[: neutral_count(scene.assembly())]
+    return math.log(np.abs(np.delete(values, neutral)).max())
+
+
+@pytest.mark.parametrize(
+    ("name", "changes", "limits", "above"),
+    [
+        ("three_mass_shaft", {}, (0.3, 8.0), ["stable", "unstable", "stable"]),
+        ("drum", {}, (5.0, 200.0), ["stable"]),
+        ("two_plane_rodrigues", {}, (0.3, 8.0), ["stable"]),
+        ("two_plane_rodrigues", {"rotor.unbalances[1].amount": 0.02}, (0.3, 8.0), ["stable"]),
+    ],
+    ids=["shaft", "drum", "rodrigues", "rodrigues, twice the unbalance"],
+)
+def test_critical_speeds_of_the_units_are_those_of_floquet(name, changes, limits, above):
     """The largest multiplier of the coupled units crosses 1 within 1e-3 of Floquet's speed."""
-    scene = load_scene(name)
-    crossings = critical_speeds(scene.assembly(), 0.3, 8.0)
-    assert len(crossings) == count
+    scene = load_scene(name).replace(changes)
+    crossings = critical_speeds(scene.assembly(), *limits)
+    assert [crossing.above for crossing in crossings] == above
     with Revolution(scene) as units:
         state = balanced_state(units, scene)
         for crossing in crossings:
-            below, above = (
-                units.growth_rates(crossing.speed * factor, state)[0] for factor in (0.999, 1.001)
+            low, high = (
+                growth(units, scene, crossing.speed * factor, state) for factor in (0.999, 1.001)
             )
-            assert (below > 0.0 > above) == (crossing.above == "stable")
-            assert below * above < 0.0
+            assert low * high < 0.0
+            assert (low > 0.0) == (crossing.above == "stable")
+
+
+@pytest.mark.parametrize(
+    ("unbalance", "stable"), [(0.0, True), (0.02, True), (0.03, False), (0.035, True)]
+)
+def test_rodrigues_balanced_state_is_lost_where_the_pairs_stand_square(unbalance, stable):
+    """At 5 rad/s: mean e^{2 i theta} of a pair at +-alpha passes 0 at alpha = 45 degrees.
+
+    The moments needed are then 2 sqrt(2) m R = 0.0283 in all; co-simulation and Floquet agree.
+    """
+    scene = load_scene("two_plane_rodrigues").replace({"rotor.unbalances[1].amount": unbalance})
+    exact = growth_rates(scene.assembly(), [5.0])[0] * 2.0 * math.pi / 5.0
+    with Revolution(scene) as units:
+        found = growth(units, scene, 5.0, balanced_state(units, scene))
+    assert found == pytest.approx(exact, rel=1e-3)
+    assert (found < 0.0) == stable
 
 
 def test_rodrigues_rotor_has_critical_speeds_1_and_1_81():
@@ -435,3 +468,26 @@ def test_state_of_a_long_shaft_survives_rollback_to_the_bit():
             assert unit.do_step(k * 1e-3, 1e-3)
         ends.append(look(unit, *(f"station[{j}].{v}" for j in (1, 4) for v in ("x", "vy"))))
     assert np.array_equal(*ends)
+
+
+def test_balancing_is_lost_where_the_rest_resonates_with_the_balancers_held():
+    """The middle disc on the shaft between held ends: w = 1/sqrt(delta_22 M_2) = sqrt(5)."""
+    crossings = critical_speeds(load_scene("three_mass_shaft").assembly(), 2.1, 2.4)
+    assert [c.above for c in crossings] == ["unstable"]
+    assert crossings[0].speed == pytest.approx(math.sqrt(5.0), rel=1e-6)
+
+
+def test_single_unbalances_can_be_replaced_by_path():
+    scene = load_scene("three_mass_shaft")
+    changed = scene.replace({"rotor.unbalances[2].amount": 0.004})
+    assert [u.amount for u in changed.rotor.unbalances] == [0.010, 0.004]
+    assert [u.amount for u in scene.rotor.unbalances] == [0.010, 0.008]
+    for path, message in (
+        ("rotor.unbalances[3].amount", r"unbalances has 2 entries, counted from 1"),
+        ("rotor.unbalances[1].amont", r'did you mean "amount"'),
+        ("rotor.unbalances.amount", r"unbalances has no keys of its own"),
+    ):
+        with pytest.raises(SceneError, match=message):
+            scene.replace({path: 1.0})
+    with pytest.raises(SceneError, match=r"amount = -1.0 kg m: must be 0 or more"):
+        scene.replace({"rotor.unbalances[1].amount": -1.0})

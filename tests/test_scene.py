@@ -5,6 +5,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+
 from autobalancer.harness.errors import SceneError
 from autobalancer.harness.scene import Scene, bundled_scenes, load_scene
 from autobalancer.models.window import LiquidWindow

@@ -3,6 +3,7 @@
 import re
 
 import pytest
+
 from autobalancer.harness.errors import SceneError, UserError
 from autobalancer.harness.scene import Scene, load_scene
 

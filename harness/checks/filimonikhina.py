@@ -39,7 +39,9 @@ def check_table(
     """
     table = TABLE_1 if check.table == 1 else TABLE_2
     variants = [_variant(scene, row) for row in table]
-    jobs = [(i, *variant, row) for i, (variant, row) in enumerate(zip(variants, table, strict=True))]
+    jobs = [
+        (i, *variant, row) for i, (variant, row) in enumerate(zip(variants, table, strict=True))
+    ]
     for found in spread(_work, jobs, workers, progress):
         yield from found
 
