@@ -248,7 +248,8 @@ def crossings(
         if progress:
             progress(number / len(nodes))
     found = []
-    for i in np.flatnonzero((np.array(values[1:]) > 0.0) != (np.array(values[:-1]) > 0.0)):
+    unstable = np.array(values) > 0.0
+    for i in np.flatnonzero(unstable[1:] != unstable[:-1]).tolist():
         speed = brentq(known, nodes[i], nodes[i + 1], xtol=TOLERANCE * nodes[i])
         found.append(Crossing(float(speed), _side(values[i + 1])))
     return found, _side(values[0])

@@ -195,7 +195,7 @@ class MainMotion:
         return np.array(ends).T
 
     def _resolved(self, measure: Callable[[], Outcome]) -> Outcome:
-        """What `measure` gives, with steps halved as often as the coupling refuses them as too long.
+        """What `measure` gives; steps are halved as often as the coupling refuses them as too long.
 
         Far below the natural frequencies, or under heavy drag, a given number of steps a revolution
         does not resolve what the units do.

@@ -169,12 +169,9 @@ class CoSimulation:
         if isinstance(self.scheme, Adaptive):
             step, residual = self.scheme.advance(self.system, self.time, longest or step, step)
         else:
-            watch = self.resolution
-            if watch:
-                watch.before()
             residual = self.scheme.step(self.system, self.time, step)
-            if watch:
-                watch.after(self.time, step)
+            if self.resolution:
+                self.resolution.check(self.time, step)
         if residual > self.worst_residual:
             self.worst_residual = residual
         allowed = LOOSE

@@ -1,8 +1,8 @@
 """The first step after the start or a jump of the drive, when forces begin to change at once.
 
-Weights under heavy drag d are pulled into the rotor's motion within 1/d, however short the step is
-chosen: a cubic over the whole step with the slope of that first instant is wrong by d times the step
-while its loop converges perfectly.  So the first step is divided into parts that double.
+Weights under heavy drag d are pulled into the rotor's motion within 1/d: a cubic over the whole
+step with the slope of that first instant is wrong by d times the step, while its loop converges
+perfectly.  So the first step is divided into parts that double.
 """
 
 from __future__ import annotations
@@ -17,8 +17,8 @@ MOST_HALVINGS = 60  # a force that rises from exactly zero has no size to compar
 
 
 def parts(system: System, step: float) -> list[float]:
-    """Lengths that add up to `step` [s], each but the first twice the one before; or just `step`."""
-    if system.order == 0 or not any(c.force.past_step == 0.0 for c in system.connections):
+    """Lengths that add up to `step` [s], doubling; just `step` where nothing is steep."""
+    if not system.fresh or system.order == 0 or not system.connections:
         return [step]
     largest = max(abs(c.force.now[0]) for c in system.connections)
     change = step * max(abs(c.force.now[1]) for c in system.connections)

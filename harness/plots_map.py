@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from matplotlib.artist import Artist
 from matplotlib.colors import SymLogNorm
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
@@ -29,7 +30,7 @@ def plot_map(data: StabilityMap, path: Path) -> Path:
     x, y = data.x.values, data.y.values
     finite = np.abs(data.growth[np.isfinite(data.growth)])
     largest = float(np.quantile(finite, 0.98)) if finite.size else 1.0
-    # one colour for both signs of the same size; the tail is cut so that it cannot wash out the rest
+    # the tail is cut so that it cannot wash out the rest
     norm = SymLogNorm(largest / 10.0**DECADES, vmin=-largest, vmax=largest, base=10.0)
     colours = axes.pcolormesh(
         x, y, np.ma.masked_invalid(data.growth), cmap="RdBu_r", norm=norm, shading="gouraud"
@@ -37,7 +38,7 @@ def plot_map(data: StabilityMap, path: Path) -> Path:
     )  # fmt: skip
     bar = figure.colorbar(colours, ax=axes, extend="both", pad=0.015)
     bar.set_label("largest growth rate [1/s]: below 0 balanced, above 0 not")
-    handles = [_boundary(axes, x, y, data.growth, "black", "-", "Floquet boundary")]
+    handles: list[Artist] = [_boundary(axes, x, y, data.growth, "black", "-", "Floquet boundary")]
     if data.criterion is not None:
         handles.append(_boundary(axes, x, y, data.criterion, "#e0a000", "--", "criterion boundary"))
     if np.isnan(data.growth).any():

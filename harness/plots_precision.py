@@ -45,9 +45,6 @@ def plot_precision(found: Precision, path: Path) -> Path:
     limit = TWO_DECADES * found.reference_error
     axes.axvspan(axes.get_xlim()[0] * 0.1, limit, color="0.92", zorder=0)
     smallest = min((p.error for p in found.points if p.error), default=limit)
-    if smallest < 10.0 * limit:
-        axes.text(limit, 0.02, " reference not better ", ha="right", va="bottom", fontsize="small",
-                  color="0.4", transform=axes.get_xaxis_transform())  # fmt: skip
     axes.set_xscale("log")
     axes.set_yscale("log")
     axes.set_xlim(max(0.3 * smallest, 1e-16), 1.0)
@@ -94,7 +91,7 @@ def _draw(axes: Any, found: Precision, family: str, points: Sequence[Point]) -> 
 
 def _footer(found: Precision) -> str:
     return (
-        f"Numbers at points: communication steps a revolution, or the tolerance asked. Smallest of "
-        f"{found.rounds} runs, taking turns; reference good to {found.reference_error:.0e}.\n"
+        "Numbers at points: communication steps a revolution, or the tolerance asked. Smallest of "
+        f"{found.rounds} runs, taking turns. Grey: within two decades of the reference's error.\n"
         f"{machine()}"
     )

@@ -103,7 +103,7 @@ class Precision:
 def precision(
     scene: Scene,
     *,
-    seconds: float = 90.0,
+    seconds: float = 75.0,
     methods: Sequence[Method] | None = None,
     progress: Progress | None = None,
 ) -> Precision:
@@ -162,7 +162,9 @@ class _Bench:
             expected = slowest.get(method.family, 0.0)
             if expected > SHARE * self._seconds:
                 limit = SHARE * self._seconds
-                self.status[method] = f"left out: the one before took {expected:.1f} of {limit:.1f} s"
+                self.status[method] = (
+                    f"left out: the one before took {expected:.1f} of {limit:.1f} s"
+                )
                 continue
             try:
                 self._ready[method] = ready(self._scene, method, self._names)
@@ -240,9 +242,7 @@ def _point(
     if run is None:
         return Point(scene.name, method, None, None, None, None, bench.status[method])
     at = np.searchsorted(right.time, run.time)
-    gaps = [
-        np.abs(run.signals[name] - right.signal(name)[at]) / ranges[name] for name in ranges
-    ]
+    gaps = [np.abs(run.signals[name] - right.signal(name)[at]) / ranges[name] for name in ranges]
     error, at_end = float(np.max(gaps)), float(np.max([gap[-1] for gap in gaps]))
     status = bench.status[method]
     if not math.isfinite(error):
@@ -273,5 +273,3 @@ def observed_orders(points: Sequence[Point], own: float) -> dict[str, float]:
         if len(finest) >= 2 and np.ptp(finest[:, 0]) > 0.0:
             found[family] = -float(np.polyfit(finest[:, 0], finest[:, 1], 1)[0])
     return found
-
-

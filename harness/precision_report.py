@@ -107,7 +107,9 @@ def split_table(splits: Sequence[Split]) -> Table:
     grid = Table(title="Where the time goes", title_justify="left")
     for column in ("method", "step or tolerance", "steps", "FMI calls", "us a step", "rotor",
                    "balancers", "master"):  # fmt: skip
-        grid.add_column(column, justify="left" if column.startswith(("meth", "step or")) else "right")
+        grid.add_column(
+            column, justify="left" if column.startswith(("meth", "step or")) else "right"
+        )
     for split in splits:
         shares = [split.rotor, split.balancers, split.master]
         grid.add_row(
@@ -126,8 +128,8 @@ def reference_words(found: Precision) -> str:
     return (
         f"Reference: two independent SciPy methods, which differ by {found.reference_error:.1e} of "
         f"the signals' ranges; errors below {TWO_DECADES * found.reference_error:.0e} are not told "
-        f"apart from it. Signals: {', '.join(found.signals)}. Smallest of {found.rounds} runs after "
-        "one warm-up."
+        f"apart from it. Signals: {', '.join(found.signals)}. Smallest of {found.rounds} runs "
+        "after one warm-up."
     )
 
 

@@ -128,4 +128,9 @@ def events(cosim: CoSimulation) -> list[str]:
             f"{cosim.unconverged} of {cosim.steps} steps left a residual above 1e-3 of the force "
             f"(worst {cosim.worst_residual:.2g}): use smaller steps or more corrections"
         )
+    if cosim.resolution and cosim.resolution.unresolved:
+        notes.append(
+            f"{cosim.resolution.unresolved} of {cosim.steps} steps were too long for signals that "
+            "vary faster: use more steps_per_rev, or a tolerance"
+        )
     return notes

@@ -1,19 +1,19 @@
 """Signals that vary faster than the communication steps: said loudly instead of computed wrongly.
 
 With steps given by the scene nothing else would notice: the loop converges, and the cubics between
-the communication points miss what happens there.  The cubic of the step before, extrapolated to the
-end of this one, misses a resolved signal by little (`schemes.adaptive` has the estimate).
+the communication points miss what happens there.  The cubic of the step before, taken on to the end
+of this one, misses a resolved signal by little (`schemes.adaptive` has the estimate).
 """
 
 from __future__ import annotations
 
 from .errors import SimulationError
 from .scene import Scene
-from .signals import Cubic, End, end_of, extrapolated
 from .system import System, Track
 
 UNRESOLVED = 0.05  # of the largest value so far: error of a cubic within one step, as estimated
 NOISE = 1e-9  # of what all weights together can pull: below it a signal is cancellation
+PERSISTENT = 20  # steps in a row: a transient that dies sooner does little harm to the rest
 _PART = 120.0  # the prediction's miss over the error of the step's own cubic, steps being equal
 
 
@@ -27,36 +27,39 @@ class Resolution:
 
     def __init__(self, scene: Scene, system: System) -> None:
         assembly, profile = scene.assembly(), scene.profile()
-        pull = assembly.capacity * max(profile.start, profile.end) ** 2
+        pull = NOISE * assembly.capacity * max(profile.start, profile.end) ** 2
         mass = float(assembly.loaded_rotor.mass.sum())
-        self._tracks: list[Track] = [c.force for c in system.connections] + system.accelerations
-        self._names = [f"{c.unit.name}.F" for c in system.connections]
-        self._names += [f"rotor.plane[{p}].a" for p in system.connected]
-        forces, motions = len(system.connections), len(system.accelerations)
-        self._largest = [NOISE * pull] * forces + [NOISE * pull / mass] * motions
-        self._before: list[tuple[End, Cubic, float]] = []
+        forces = [(c.force, f"{c.unit.name}.F", pull) for c in system.connections]
+        motions = [
+            (track, f"rotor.plane[{plane}].a", pull / mass)
+            for track, plane in zip(system.accelerations, system.connected, strict=True)
+        ]
+        self._watched: list[tuple[Track, str]] = []
+        for track, name, least in [*forces, *motions]:
+            track.largest = max(least, abs(track.now[0]))
+            self._watched.append((track, name))
+        self._in_a_row = 0
+        self.unresolved = 0
 
-    def before(self) -> None:
-        """Remember the signals at the start of a step."""
-        self._before = [(track.now, track.past, track.past_step) for track in self._tracks]
-
-    def after(self, time: float, step: float) -> None:
-        """Compare them with what the step made of them.
+    def check(self, time: float, step: float) -> None:
+        """Look at the step just finished.
 
         Raises:
-            SimulationError: a signal is not resolved.
+            SimulationError: a signal has been unresolved for too long.
         """
-        for k, ((now, past, past_step), track) in enumerate(
-            zip(self._before, self._tracks, strict=True)
-        ):
-            value = track.now[0]
-            largest = self._largest[k] = max(self._largest[k], abs(value))
-            if past_step != step:
-                continue  # after a start, a jump, or a change of step there is nothing to compare
-            missed = abs(value - end_of(extrapolated(now, past, step, 3), step)[0])
-            if missed > UNRESOLVED * _PART * largest:
-                raise SimulationError(
-                    f"communication steps of {step:.3g} s are too long at t = {time:g} s: "
-                    f"{self._names[k]} is {missed / largest:.2g} of its largest value away from "
-                    "where the last step was leading it; use more steps_per_rev, or a tolerance"
-                )
+        for track, name in self._watched:
+            if track.missed > UNRESOLVED * _PART * track.largest:
+                self._unresolved(track, name, time, step)
+                return
+        self._in_a_row = 0
+
+    def _unresolved(self, track: Track, name: str, time: float, step: float) -> None:
+        self.unresolved += 1
+        self._in_a_row += 1
+        if self._in_a_row >= PERSISTENT:
+            raise SimulationError(
+                f"communication steps of {step:.3g} s are too long at t = {time:g} s: {name} ends "
+                f"{self._in_a_row} steps in a row far from where the last one led, now by "
+                f"{track.missed / track.largest:.2g} of its largest value; use more "
+                "steps_per_rev, or a tolerance"
+            )

@@ -18,6 +18,7 @@ from .scene import Scene
 
 LEFT_ALONE = 1e-2  # of the range: a picture would not show it; asked of the default coupling
 TOLERANCE = 1e-5  # asked of the runs with a tolerance
+TOO_COARSE = "use more steps_per_rev"  # what a run says of steps too long for its signals
 PROMISED = 3.0 * TOLERANCE  # what the error may be then
 REFERENCE_SHARE = 0.1  # of the error allowed: a reference less certain proves nothing
 
@@ -103,35 +104,35 @@ def against_closed_form(scene: Scene, allowed: float) -> Outcome:
     return Outcome(f"error {error:.1e} over {result.steps} steps", error <= allowed)
 
 
-def _both_ways(error_of: Callable[[Scene, float], tuple[float, int]], build: Scene) -> Outcome:
-    """A scene as it is left alone, where a refusal is as good as a right answer, and with a
-    tolerance, where only a right answer is.
-    """
+def _both_ways(error_of: Callable[[Scene, float], tuple[float, Result]], build: Scene) -> Outcome:
+    """A scene left alone, which may be refused or said to be too coarse, and with a tolerance."""
     try:
-        error, steps = error_of(build, LEFT_ALONE)
-        text, holds = f"as it is {error:.1e} in {steps} steps", error <= LEFT_ALONE
+        error, result = error_of(build, LEFT_ALONE)
+        text, holds = f"as it is {error:.1e} in {result.steps} steps", error <= LEFT_ALONE
+        if any(TOO_COARSE in event for event in result.events):
+            text, holds = f"{text} and said to be too coarse", bool(np.isfinite(error))
     except SimulationError as refusal:
         text, holds = f"as it is refused ({refusal})", "use" in str(refusal)
     try:
-        error, steps = error_of(build.replace({"coupling.tolerance": TOLERANCE}), PROMISED)
+        error, result = error_of(build.replace({"coupling.tolerance": TOLERANCE}), PROMISED)
     except SimulationError as refusal:
         return Outcome(f"{text}; tolerance {TOLERANCE:g} refused ({refusal})", False)
-    text += f"; tolerance {TOLERANCE:g}: {error:.1e} in {steps} steps"
+    text += f"; tolerance {TOLERANCE:g}: {error:.1e} in {result.steps} steps"
     return Outcome(text, holds and error <= PROMISED)
 
 
 BOTH_WAYS = (
-    f"error below {LEFT_ALONE:g} of the range or refused as it is, below {PROMISED:g} with "
-    f"tolerance {TOLERANCE:g}"
+    f"as it is error below {LEFT_ALONE:g} of the range or told it is too coarse, "
+    f"below {PROMISED:g} with tolerance {TOLERANCE:g}"
 )
 
 
 def force_against_closed_form(build: Scene) -> Outcome:
     """Run a linear scene whose balancers send forces, and compare with its closed form."""
 
-    def error_of(scene: Scene, _allowed: float) -> tuple[float, int]:
+    def error_of(scene: Scene, _allowed: float) -> tuple[float, Result]:
         result = cosimulate(scene, record=["rotor.x", "rotor.y"])
-        return deviation(result, linear_motion(scene, result.time)), result.steps
+        return deviation(result, linear_motion(scene, result.time)), result
 
     return _both_ways(error_of, build)
 
@@ -142,8 +143,8 @@ ROTOR_AND_MOMENT = ("rotor.x", "rotor.y", "weights.moment_xi", "weights.moment_e
 
 def error_against_monolith(
     build: Scene, signals: Sequence[str], allowed: float, **options: Any
-) -> tuple[float, float, int]:
-    """Error of a run in `signals`, the reference's own, and the steps taken.
+) -> tuple[float, float, Result]:
+    """Error of a run in `signals`, the reference's own, and the run.
 
     Args:
         allowed: error that would be right; the reference's own is held below a tenth of it.
@@ -160,7 +161,7 @@ def error_against_monolith(
         **options,
     )
     error = deviation(result, {name: right.signal(name) for name in signals})
-    return error, own, result.steps
+    return error, own, result
 
 
 def against_monolith(
@@ -169,11 +170,11 @@ def against_monolith(
     """Run a scene with weights and compare `signals` with the monolith's reference."""
     worst = 0.0
 
-    def error_of(scene: Scene, allowed: float) -> tuple[float, int]:
+    def error_of(scene: Scene, allowed: float) -> tuple[float, Result]:
         nonlocal worst
-        error, own, steps = error_against_monolith(scene, signals, allowed, **options)
+        error, own, result = error_against_monolith(scene, signals, allowed, **options)
         worst = max(worst, own)
-        return error, steps
+        return error, result
 
     outcome = _both_ways(error_of, build)
     return Outcome(f"{outcome.text}; reference {worst:.0e}", outcome.holds)

@@ -17,14 +17,28 @@ ZERO: End = (0j, 0j)
 
 @dataclass
 class Track:
-    """One coupling signal: its present end, and the cubic and length of the step before."""
+    """One coupling signal: its present end, and the cubic and length of the step before.
+
+    Attributes:
+        missed: how far the last step ended from where the cubic before it led, steps being equal.
+        largest: modulus of the largest value so far.
+    """
 
     now: End = ZERO
     past: Cubic = REST
     past_step: float = 0.0
+    missed: float = 0.0
+    largest: float = 0.0
 
     def move(self, cubic: Cubic, end: End, step: float) -> None:
         """Accept the signal of a finished step."""
+        value = end[0]
+        self.missed = 0.0
+        if self.past_step == step:
+            reach = step + step
+            f, d, d2, d3 = self.past
+            self.missed = abs(value - f - reach * (d + reach * (d2 / 2.0 + reach * d3 / 6.0)))
+        self.largest = max(self.largest, abs(value))
         self.now, self.past, self.past_step = end, cubic, step
 
 
@@ -51,6 +65,9 @@ class System:
             added mass does not).
         order: of the exchanged signals, 0, 1 or 3.
         watch: also tell liquid balancers where their plane is, so that they report their clearance.
+
+    Attributes:
+        fresh: no step has been taken since the start or the last jump of the drive.
     """
 
     def __init__(
@@ -62,7 +79,7 @@ class System:
         order: int,
         watch: bool = True,
     ) -> None:
-        self.order = order
+        self.order, self.fresh = order, True
         self.rotor, self.balancers = units[0], list(units[1:])
         self.plans, self.planes = list(plans), list(planes)
         self.connected = sorted({p for p, c in zip(planes, coupled, strict=True) if c})
@@ -185,6 +202,7 @@ class System:
         Raises:
             SimulationError: a signal is not finite.
         """
+        self.fresh = False
         for track, (cubic, end) in zip(self.accelerations, accelerations, strict=True):
             track.move(cubic, end, step)
         for connection, (cubic, end) in zip(self.connections, forces, strict=True):
@@ -199,6 +217,7 @@ class System:
         """Drop what the signals did before now: it says nothing of what comes."""
         for track in [*self.accelerations, *(c.force for c in self.connections)]:
             track.past, track.past_step = (*track.now, 0j, 0j), 0.0
+        self.fresh = True
 
     def restart(self, changes: Mapping[str, Mapping[str, float | bool]]) -> None:
         """Reset every unit with its start values (`changes` by unit name override the scene's).

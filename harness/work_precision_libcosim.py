@@ -153,7 +153,7 @@ class InLibcosim:
         if len(rows) < self._count or not np.isfinite(rows).all():
             raise SimulationError(f"libcosimpy: ended after {len(rows)} of {self._count} steps")
         names = [f"{unit}.{v}" for unit, variables in self._record.items() for v in variables]
-        time = self._step * np.arange(1, self._count + 1)
+        time = np.arange(1.0, self._count + 1.0, dtype=np.float64) * self._step
         signals = {name: rows[:, i].copy() for i, name in enumerate(names)}
         return Run(answer["seconds"], time, signals, self._count)
 

@@ -64,9 +64,11 @@ class Mover:
         )
 
     def _substeps(self, left: float, step: float) -> int:
-        a0, a1, a2, a3 = self.signal
-        strongest = abs(a0) + step * (abs(a1) + step * (abs(a2) / 2.0 + step * abs(a3) / 6.0))
-        fastest = max(map(abs, self.ring.v)) + math.sqrt(-strongest * self.ring.gain)
+        # as `weights.advance`, so that weights that meet nothing move in its substeps
+        rate = self.ring.drag
+        strongest = abs(self.signal[0]) + step * abs(self.signal[1])
+        gained = abs(self.spin_up) * (step if rate * step < 1.0 else 1.0 / rate)
+        fastest = max(map(abs, self.ring.v)) + math.sqrt(-strongest * self.ring.gain) + gained
         turns = left * fastest / TURN_PER_SUBSTEP
         if not turns < _MOST_PARTS:
             raise ArithmeticError(

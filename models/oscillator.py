@@ -4,8 +4,8 @@
 
 An axis of an anisotropic rotor is the real part with real c and k; an isotropic one with internal
 damping is complex with k - i p w for k (Dubovik 2006 (7)).  Everything is written in divided
-differences of e^{s t}, so that resonance (i w is a root) and critical damping (both roots equal) are
-no special cases.
+differences of e^{s t}, so that resonance (i w is a root) and critical damping (both roots equal)
+are no special cases.
 """
 
 from __future__ import annotations

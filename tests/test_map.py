@@ -7,8 +7,9 @@ import pytest
 from typer.testing import CliRunner
 
 from autobalancer.harness import UserError, load_scene
+from autobalancer.harness.axis import Axis
 from autobalancer.harness.cli import app
-from autobalancer.harness.stability_map import Axis, stability_map
+from autobalancer.harness.stability_map import stability_map
 from autobalancer.models.stability import growth_rates
 
 

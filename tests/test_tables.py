@@ -3,7 +3,7 @@
 import pytest
 
 from autobalancer.harness import SceneError, load_scene
-from autobalancer.harness.checks.filimonikhina import _row, _variant
+from autobalancer.harness.checks.filimonikhina import _row, check_row, variant
 from autobalancer.models.dimensionless import Dimensionless
 from autobalancer.models.tables import TABLE_1, TABLE_2
 
@@ -13,16 +13,15 @@ TABLES = (TABLE_1, TABLE_2)
 def rows_of(table: int, number: int):
     """Rows of the check for one row of a table, counted from 1."""
     scene = load_scene("filimonikhina_tables")
-    row = TABLES[table - 1][number - 1]
-    return list(_row(number - 1, *_variant(scene, row), row))
+    return list(check_row(scene, table, number - 1, lambda done: None))
 
 
 @pytest.mark.parametrize("table", [1, 2])
 def test_every_row_becomes_a_scene_with_its_parameters(table):
     scene = load_scene("filimonikhina_tables")
     for row in TABLES[table - 1]:
-        variant, w_x = _variant(scene, row)
-        found, frequency = Dimensionless.of(variant.assembly())
+        scaled, w_x = variant(scene, row)
+        found, frequency = Dimensionless.of(scaled.assembly())
         assert w_x == frequency == pytest.approx(1.0)
         wanted = Dimensionless.of_row(row)
         for name in ("eps", "mu_xi", "mu_eta", "mu_w", "n_eta", "unbalance"):
@@ -39,9 +38,9 @@ def test_rows_keep_the_scale_of_the_scene():
             "weights.track_radius": 0.1,
         }
     )
-    variant, w_x = _variant(scene, TABLE_1[3])
+    scaled, w_x = variant(scene, TABLE_1[3])
     assert w_x == pytest.approx(3.0)
-    assembly = variant.assembly()
+    assembly = scaled.assembly()
     assert float(assembly.loaded_rotor.mass[0, 0]) == pytest.approx(10.0)
     assert Dimensionless.of(assembly)[0].eps == pytest.approx(0.01)
 
@@ -71,7 +70,7 @@ def test_an_interval_that_is_wrong_does_not_hold():
     from dataclasses import replace
 
     wrong = replace(TABLE_2[7], intervals=((9.60, 9.65),))
-    rows = list(_row(0, *_variant(scene, wrong), wrong))
+    rows = list(_row(0, *variant(scene, wrong), wrong))
     (printed,) = [r for r in rows if "in the paper's interval" in r.quantity]
     assert not printed.holds
 
@@ -79,4 +78,4 @@ def test_an_interval_that_is_wrong_does_not_hold():
 def test_other_weights_than_the_papers_are_refused():
     scene = load_scene("filimonikhina_tables").replace({"weights.kind": "balls"})
     with pytest.raises(SceneError, match="two pendulums"):
-        _variant(scene, TABLE_1[0])
+        variant(scene, TABLE_1[0])

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 
 from ..parallel import spread
 from ..report import Row
@@ -23,25 +23,34 @@ def run_checks(scene: Scene, progress: Progress | None = None, workers: int = 1)
         UserError: a check does not fit the scene.
         SimulationError: a run cannot be completed correctly.
     """
-    if workers > 1 and len(scene.check) > workers:
-        jobs = [(scene, check) for check in scene.check]
-        return [row for rows in spread(_alone, jobs, workers, progress) for row in rows]
+    parts = [(scene, check, row) for check in scene.check for row in _table_rows(check)]
+    if workers > 1 and len(parts) > 1:
+        return [row for rows in spread(_alone, parts, workers, progress) for row in rows]
     rows: list[Row] = []
-    for number, check in enumerate(scene.check):
+    for number, part in enumerate(parts):
 
         def report(fraction: float, done: int = number) -> None:
             if progress:
-                progress((done + fraction) / len(scene.check))
+                progress((done + fraction) / len(parts))
 
-        rows += _rows(scene, check, report, workers)
+        rows += _rows(*part, report)
     return rows
 
 
-def _alone(job: tuple[Scene, AnyCheck]) -> list[Row]:
-    return list(_rows(*job, lambda fraction: None, 1))
+def _table_rows(check: AnyCheck) -> Iterable[int]:
+    """Rows of a table that are checked one by one; any other check is in one piece."""
+    if isinstance(check, TableCheck):
+        from ...models.tables import TABLE_1, TABLE_2
+
+        return range(len(TABLE_1 if check.table == 1 else TABLE_2))
+    return (0,)
 
 
-def _rows(scene: Scene, check: AnyCheck, progress: Progress, workers: int) -> Iterator[Row]:
+def _alone(part: tuple[Scene, AnyCheck, int]) -> list[Row]:
+    return list(_rows(*part, lambda fraction: None))
+
+
+def _rows(scene: Scene, check: AnyCheck, table_row: int, progress: Progress) -> Iterator[Row]:
     if isinstance(check, LiquidWindowCheck):
         from .liquid_window import check_liquid_window
 
@@ -51,7 +60,7 @@ def _rows(scene: Scene, check: AnyCheck, progress: Progress, workers: int) -> It
 
         return check_critical_speeds(scene, check, progress)
     if isinstance(check, TableCheck):
-        from .filimonikhina import check_table
+        from .filimonikhina import check_row
 
-        return check_table(scene, check, progress, workers)
+        return check_row(scene, check.table, table_row, progress)
     raise NotImplementedError(f"no check for {check!r}")

@@ -61,15 +61,16 @@ def speed_rows(rows: Rows, found: Speeds, prefix: str, scale: float = 1.0) -> It
         beside = f", criterion {row['criterion'].speed / scale:.5g}" if "criterion" in row else ""
         quantity = f"{prefix}critical speed {number}, {above} above{beside}{unit}"
         if floquet is None or cosim is None:
-            said = [_shown(c, scale) for c in (floquet, cosim)]
-            yield rows.statement(quantity, *said, False, FLOQUET)
+            yield rows.statement(
+                quantity, _shown(floquet, scale), _shown(cosim, scale), False, FLOQUET
+            )
         else:
             yield rows.number(
                 quantity, floquet.speed / scale, cosim.speed / scale, SPEED_TOLERANCE, FLOQUET
             )
     if not number:
-        said = [f"{found.lowest[m]} throughout" for m in ("floquet", "cosim")]
-        yield rows.statement(f"{prefix}{span}", *said, said[0] == said[1], FLOQUET)
+        exact, measured = (f"{found.lowest[m]} throughout" for m in ("floquet", "cosim"))
+        yield rows.statement(f"{prefix}{span}", exact, measured, exact == measured, FLOQUET)
 
 
 def _shown(crossing: Crossing | None, scale: float) -> str:

@@ -14,10 +14,8 @@ from ...models.tables import TABLE_1, TABLE_2, TableRow
 from ...models.weights import Weights
 from ..boundaries import Speeds, speeds
 from ..errors import SceneError
-from ..parallel import spread
 from ..report import Row
 from ..scene import Scene
-from ..scene_check import TableCheck
 from .critical_speeds import growth_row, rest_row, speed_rows
 from .measure import Rows
 
@@ -29,25 +27,25 @@ OUTSIDE = {1: 3e-4, 2: 2.2e-2}  # n
 PRINTED = 5e-4  # relative, of the criterion's roots as printed
 
 
-def check_table(
-    scene: Scene, check: TableCheck, progress: Callable[[float], None], workers: int
+def check_row(
+    scene: Scene, table: int, index: int, progress: Callable[[float], None]
 ) -> Iterator[Row]:
-    """Rows for every interval of the table, then the criterion's printed roots.
+    """One row of a table, counted from 0: the criterion's roots, every interval, every speed.
 
     Raises:
-        SceneError: the scene is not a planar rotor with one set of two weights.
+        SceneError: the scene is not a planar rotor with one set of two pendulums.
     """
-    table = TABLE_1 if check.table == 1 else TABLE_2
-    variants = [_variant(scene, row) for row in table]
-    jobs = [
-        (i, *variant, row) for i, (variant, row) in enumerate(zip(variants, table, strict=True))
-    ]
-    for found in spread(_work, jobs, workers, progress):
-        yield from found
+    row = (TABLE_1 if table == 1 else TABLE_2)[index]
+    yield from _row(index, *variant(scene, row), row)
+    progress(1.0)
 
 
-def _variant(scene: Scene, row: TableRow) -> tuple[Scene, float]:
-    """The scene with a row's parameters, in its own mass, frequency and radius; and its w_x."""
+def variant(scene: Scene, row: TableRow) -> tuple[Scene, float]:
+    """The scene with a row's parameters, in its own mass, frequency and radius; and its w_x.
+
+    Raises:
+        SceneError: the scene is not a planar rotor with one set of two pendulums.
+    """
     try:
         _, w_x = Dimensionless.of(scene.assembly())
     except ValueError as error:
@@ -74,11 +72,6 @@ def _variant(scene: Scene, row: TableRow) -> tuple[Scene, float]:
         f"{mounted.name}.drag": weights.device.drag,
     }
     return scene.replace({key: np.asarray(value).tolist() for key, value in changes.items()}), w_x
-
-
-def _work(job: tuple[int, Scene, float, TableRow]) -> list[Row]:
-    index, scene, w_x, row = job
-    return list(_row(index, scene, w_x, row))
 
 
 def _row(index: int, scene: Scene, w_x: float, row: TableRow) -> Iterator[Row]:

@@ -31,9 +31,10 @@ def command(
     ] = 0,
 ) -> None:
     """Draw where balancing is stable over two parameters, by criterion, Floquet and the units."""
+    from ..axis import Axis
     from ..result import picture_format
     from ..scene import load_scene
-    from ..stability_map import Axis, stability_map
+    from ..stability_map import stability_map
 
     if output is None and csv is None:
         output = Path("map.png")

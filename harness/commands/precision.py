@@ -36,7 +36,7 @@ def command(
     ] = None,
     seconds: Annotated[
         float, typer.Option(min=1.0, help="About how long the measuring may take.")
-    ] = 90.0,
+    ] = 75.0,
 ) -> None:
     """Measure what each digit costs: every scheme, order and step, and SciPy's methods."""
     from ..precision import precision

@@ -15,6 +15,7 @@ if TYPE_CHECKING:
     from rich.table import Table
 
     from ..boundaries import Speeds
+    from ..scene import Scene
 
 DEFAULT = "criterion,floquet,cosim"
 
@@ -67,9 +68,8 @@ def command(
     for name in found.methods:
         if name.startswith("cosim"):
             say(f"{name}: {_looked(found, scan)}")
-    say(
-        f"FMUs loaded: {_units(loaded) if any(m.startswith('cosim') for m in found.methods) else 'none'}"
-    )
+    co_simulated = any(name.startswith("cosim") for name in found.methods)
+    say(f"FMUs loaded: {_units(loaded) if co_simulated else 'none'}")
     if json_file is not None:
         write_json(found.as_json(), json_file)
 
@@ -107,7 +107,7 @@ def _looked(found: Speeds, scan: int) -> str:
     return f"scanned by itself: bands narrower than {width:.3g} rad/s can be missed"
 
 
-def _units(scene: object) -> str:
+def _units(scene: Scene) -> str:
     from ..wiring import file_name, plan
 
-    return ", ".join(dict.fromkeys(file_name(p) for p in plan(scene)))  # type: ignore[arg-type]
+    return ", ".join(dict.fromkeys(file_name(p) for p in plan(scene)))

@@ -150,8 +150,7 @@ class Iterated:
 
     def _passes(self, system: System) -> int:
         """Passes allowed; a first step has no past to be predicted from and would cost an order."""
-        fresh = any(c.force.past_step == 0.0 for c in system.connections)
-        if self.corrections is None or (fresh and self.corrections):
+        if self.corrections is None or (system.fresh and self.corrections):
             return MAX_PASSES
         return self.corrections + 1
 

@@ -1,0 +1,211 @@
+"""Extreme cases: those that are quick, and that the rows can fail."""
+
+from __future__ import annotations
+
+import json
+
+import numpy as np
+import pytest
+from typer.testing import CliRunner
+
+from autobalancer.harness import load_scene
+from autobalancer.harness.cli import app
+from autobalancer.harness.errors import SimulationError
+from autobalancer.harness.master import CoSimulation, cosimulate
+from autobalancer.harness.onset import parts
+from autobalancer.harness.stress import as_json, run_case, stress
+from autobalancer.harness.stress_case import Outcome, linear_motion, refusal, scene
+from autobalancer.harness.stress_cases import all_cases
+from autobalancer.harness.stress_cases_rotor import _liquid_scene
+from autobalancer.models.monolith import reference
+from autobalancer.models.oscillator import forced_motion
+from autobalancer.models.weights import Weights, advance
+
+QUICK = [
+    "stiffness 1e2 and 1e14 N/m in one rotor",
+    "damping ratio 1",
+    "damping ratio 10000",
+    "speed 1e5 rad/s, rotor alone",
+    "exactly at a natural frequency, undamped",
+    "liquid mu = 1 + 9999, gap 1e-05 of the radius, as added mass",
+    "liquid mu = 1 + 9999, gap 1e-05 of the radius, as force",
+    "drag 1e-06 m w",
+    "weights of 10 of the rotor's mass",
+    "weights that spin twenty times as fast as the rotor",
+    "4 steps a revolution",
+    "balancer on a rotor of 1e14 N/m",
+    "weights that start 1e7 revolutions on",
+    "angle after 1e7 revolutions in steps of a thousand",
+]
+THEMES = (
+    "stiffness 1e2 and 1e14", "no damping over 10,000 revolutions", "damping ratio 10000",
+    "drag 0 m w", "drag 1e+08 m w", "weights of 1e-09", "weights of 10 of", "mu = 1 + 1e-06",
+    "mu = 1 + 9999", "speed 1e-3", "speed 1e5", "natural frequency, undamped", "run-up",
+    "1 weight", "64 weights", "4 steps", "10000 steps", "1e7 revolutions", "far out",
+    "zero unbalance", "balancer on a rotor of",
+)  # fmt: skip
+
+
+@pytest.mark.parametrize("name", QUICK)
+def test_extreme_case_is_right_or_clearly_refused(name):
+    row = run_case(name)
+    assert row.holds, row.outcome
+
+
+def test_every_kind_of_extreme_has_a_case():
+    for theme in THEMES:
+        assert any(theme in name for name in all_cases()), theme
+
+
+@pytest.mark.parametrize(("gain", "settles"), [(0.95, True), (0.99, True), (1.01, False)])
+def test_held_jacobi_with_the_liquid_as_force_diverges_just_above_gain_one(gain, settles):
+    build = _liquid_scene(gain, 0.01, True, scheme="jacobi", order=0, steps_per_rev=400)
+    build = build.replace({"run.revolutions": 3})
+    with CoSimulation(build) as cosim:
+        cosim.start()
+        assert cosim.gain == pytest.approx(gain, rel=1e-9)  # r m2/m1
+    if settles:
+        result = cosimulate(build, record=["rotor.x"])
+        right = linear_motion(build, result.time)["rotor.x"]
+        assert np.max(np.abs(result["rotor.x"] - right)) < 0.2 * np.ptp(right)
+    else:
+        with pytest.raises(SimulationError, match=r"unstable.*loop gain 1\.01"):
+            cosimulate(build)
+
+
+def test_held_jacobi_repeats_an_error_by_the_root_of_the_gain_when_nobody_refuses_it():
+    """Force and acceleration are each one step late: once round the loop takes two steps."""
+    growth = {}
+    for gain in (0.98, 1.05):
+        build = _liquid_scene(gain, 0.01, True, scheme="jacobi", order=0, steps_per_rev=4000)
+        with CoSimulation(build) as cosim:
+            cosim.start()
+            cosim.scheme.watch = lambda *_arguments: None  # let it diverge
+            forces = []
+            for _ in range(2000):
+                cosim.step(1e-4)
+                forces.append(cosim.system.connections[0].force.now[0])
+        jitter = np.abs(np.diff(forces, n=2))  # the error alternates, the force does not
+        growth[gain] = (jitter[-100:].max() / jitter[-1100:-1000].max()) ** 1e-3
+    assert growth[1.05] == pytest.approx(1.05**0.5, abs=2e-3)
+    assert growth[0.98] < 1.0
+
+
+def test_heavy_drag_is_right_with_the_default_coupling():
+    """The first step is divided: over a whole one the cubic would be wrong a thousandfold."""
+    build = load_scene("two_balls").replace(
+        {"weights.drag": 1e6 * 0.025 * 3.0, "run.revolutions": 2, "coupling.corrections": None}
+    )
+    run = cosimulate(build, record=["rotor.x", "rotor.y"])
+    names = ["rotor.x", "rotor.y"]
+    right, own = reference(
+        build.assembly(), build.profile(), run.time, rtol=1e-10, bound=1e-6, signals=names
+    )
+    for name in names:
+        gap = np.max(np.abs(run[name] - right.signal(name)))
+        assert gap < 1e-5 * np.ptp(right.signal(name)) + own
+
+
+def test_first_step_is_divided_only_where_forces_start_steeply():
+    for factor, divided in ((1.0, False), (1e4, True)):
+        build = load_scene("two_balls").replace({"weights.drag": factor * 0.0125})
+        with CoSimulation(build) as cosim:
+            cosim.start()
+            lengths = parts(cosim.system, 0.1)
+            assert (len(lengths) > 1) is divided
+            assert sum(lengths) == pytest.approx(0.1, rel=1e-14)
+
+
+def test_steps_too_long_for_the_signals_are_refused_or_said():
+    ringing = {"operation.speed": 0.03, "run.revolutions": 2}
+    build = load_scene("two_balls").replace(ringing)
+    assert any("too long for signals" in event for event in cosimulate(build).events)
+    for_ever = build.replace({"rotor.damping": 1e-4})
+    with pytest.raises(SimulationError, match=r"too long at t = .*rotor\.plane\[1\]\.a"):
+        cosimulate(for_ever)
+    fine = build.replace({"operation.speed": 3.0})
+    assert not cosimulate(fine).events
+
+
+def test_turns_behind_a_weight_do_not_loosen_its_step():
+    weights = Weights(1, 0.1, 1.0)
+    turns = 2.0 * np.pi * 10_000_000
+    signal = (3.0 + 1.0j, -2.0 + 0.5j, 0.3j, 0j)
+    (near,), (rate,) = advance(weights, [0.25], [0.5], signal, 0.0, 0.2)
+    (far,), (far_rate,) = advance(weights, [0.25 + turns], [0.5], signal, 0.0, 0.2)
+    assert far - turns == pytest.approx(near, abs=3e-8)  # the angle itself is rounded to 7e-9
+    assert far_rate == pytest.approx(rate, abs=3e-8)
+
+
+def test_closed_form_satisfies_the_equation_at_resonance_and_critical_damping():
+    t = np.linspace(0.0, 5.0, 100_001)
+    for mass, damping, stiffness, speed in ((1, 0, 9, 3), (1, 6, 9, 3), (2, 1, 9 - 2j, 1)):
+        z = forced_motion(mass, damping, stiffness, 1.5, speed, t, 0.2, -0.1)
+        v, a = np.gradient(z, t), np.gradient(np.gradient(z, t), t)
+        left = mass * a + damping * v + stiffness * z - 1.5 * np.exp(1j * speed * t)
+        assert np.max(np.abs(left[5:-5])) < 1e-6
+        assert z[0] == pytest.approx(0.2)
+        assert v[1] == pytest.approx(-0.1, abs=1e-3)
+
+
+def test_a_wrong_answer_does_not_hold(monkeypatch):
+    from autobalancer.harness import stress_case
+
+    right = stress_case.forced_motion
+    monkeypatch.setattr(stress_case, "forced_motion", lambda m, *rest: right(1.001 * m, *rest))
+    assert not run_case("damping ratio 0.1").holds
+
+
+def test_nan_never_holds_and_an_unforeseen_error_is_an_outcome(monkeypatch):
+    from autobalancer.harness import stress as module
+    from autobalancer.harness.stress_case import Case
+
+    def crash() -> Outcome:
+        raise ZeroDivisionError("seen")
+
+    cases = {
+        "nan": Case("nan", "a number", lambda: Outcome("error nan", True)),
+        "crash": Case("crash", "no crash", crash),
+    }
+    monkeypatch.setattr(module, "all_cases", lambda: cases)
+    assert not run_case("nan").holds
+    row = run_case("crash")
+    assert not row.holds
+    assert "ZeroDivisionError: seen" in row.outcome
+
+
+def test_refusal_needs_all_its_words():
+    def fail() -> None:
+        raise SimulationError("liquid.F diverges at t = 1 s")
+
+    assert refusal(fail, "t = ", "liquid.F").holds
+    assert not refusal(fail, "gain").holds
+    assert not refusal(lambda: None, "t = ").holds
+
+
+def test_cases_run_in_parallel_and_give_the_pinned_rows():
+    names = ["damping ratio 1", "speed 1e0 rad/s, rotor alone"]
+    seen: list[int] = []
+    rows = stress(names, lambda done, total, _name: seen.append(done * 10 + total))
+    assert [row.case for row in rows] == names
+    assert sorted(seen) == [12, 22]
+    for row in as_json(rows)["rows"]:
+        assert set(row) == {"case", "expected", "outcome", "holds", "seconds"}
+
+
+def test_command_exits_with_one_when_a_case_does_not_hold(tmp_path, monkeypatch):
+    target = tmp_path / "rows.json"
+    runner = CliRunner()
+    done = runner.invoke(app, ["stress", "damping ratio 0.1", "--json", str(target)])
+    assert done.exit_code == 0, done.output
+    assert json.loads(target.read_text(encoding="utf-8"))["rows"][0]["holds"] is True
+    assert runner.invoke(app, ["stress", "no such case"]).exit_code == 2
+    from autobalancer.harness import stress_case
+
+    monkeypatch.setattr(stress_case, "forced_motion", lambda *_a: np.zeros(2001, complex))
+    assert runner.invoke(app, ["stress", "damping ratio 0.1"]).exit_code == 1
+
+
+def test_zero_speed_is_no_scene():
+    with pytest.raises(Exception, match="speed"):
+        scene({"mass": 1.0, "stiffness": 1.0}, speed=0.0)
