@@ -4,14 +4,24 @@ from __future__ import annotations
 
 import cmath
 import math
+from collections.abc import Sequence
 
-from ..models.weights import Weights, advance, reaction, spread, static_moment
+from ..models import track as tracks
+from ..models.track import Track
+from ..models.weights import Weights, advance, reaction, spread
 from .signals import FRAMES, at, hermite, orders
 from .slave import Unit
 from .variables import Variable, output, parameter, plain_input, signal_inputs, signal_names
 
 _MOTION = ("m/s2", "m/s3", "m/s4", "m/s5")
-_FORCE = ("mass", "track_radius", "kappa", "drag", "inertia_as_force")
+_OPTIONS = (
+    "weight_radius",
+    "restitution",
+    "rolling_resistance",
+    "track_offset_xi",
+    "track_offset_eta",
+)
+_FORCE = ("mass", "track_radius", "kappa", "drag", *_OPTIONS, "inertia_as_force")
 
 
 class BallBalancer(Unit):
@@ -73,21 +83,19 @@ class BallBalancer(Unit):
         ]
 
     def parameters(self) -> None:
-        mass, radius, kappa, drag, size = self.real[:5]
-        count = self.weights
-        if size >= radius or count * math.asin(size / radius) > math.pi * (1 + 1e-12):
-            room = radius * math.sin(math.pi / count) if count > 1 else radius
-            raise ValueError(
-                f"weight_radius = {size!r} m: {count} weights do not fit on a track of radius "
-                f"{radius!r} m, the largest that fit have {room:.6g} m"
-            )
-        self.model = Weights(count, mass, radius, drag, kappa)
+        mass, radius, kappa, drag, size, restitution, resistance, xi, eta = self.real[:9]
+        self.model = Weights(self.weights, mass, radius, drag, kappa)
+        self.track = Track(self.model, size, restitution, resistance, complex(xi, eta))
+        # one weight meets nobody: point weights on a centred track keep their shorter way
+        self.plain = not (self.track.eventful or self.track.offset)
         self.carried = 0.0 if self.flag("inertia_as_force") else self.model.added_mass
         self.sent = self.model.added_mass - self.carried
 
     def begin(self) -> None:
         start = self.layout.index["weight[1].angle0"]
         self.memory = self.real[start : start + 2 * self.weights]
+        if not self.plain:  # contacts, and impulse owed and pulse given as xi, eta each
+            self.memory += [0.0] * (self.weights + 4)
 
     def step(self, step: float) -> None:
         *signal, angle, speed, spin_up = self.real[self.layout.inputs]
@@ -100,10 +108,13 @@ class BallBalancer(Unit):
             end, end_slope = _rotating(end, end_slope, angle_end, speed_end)
             cubic = hermite(*_rotating(*cubic[:2], angle, speed), end, end_slope, step)
         count = self.weights
-        angles, speeds = advance(
-            self.model, self.memory[:count], self.memory[count:], cubic, spin_up, step
-        )
-        self.memory = angles + speeds
+        if self.plain:
+            angles, speeds = advance(
+                self.model, self.memory[:count], self.memory[count:], cubic, spin_up, step
+            )
+            self.memory = angles + speeds
+        else:
+            self._meet(cubic, speed, spin_up, step)
         self._put(end, end_slope, angle_end, speed_end, spin_up)
 
     def outputs(self) -> None:
@@ -115,23 +126,35 @@ class BallBalancer(Unit):
 
     def observe(self) -> None:
         angles = self.memory[: self.weights]
-        moment = static_moment(self.model, angles)
-        self.real[self.layout.observed] = [*self.memory, moment.real, moment.imag, spread(angles)]
+        moment = tracks.static_moment(self.track, angles)
+        motion = self.memory[: 2 * self.weights]
+        self.real[self.layout.observed] = [*motion, moment.real, moment.imag, spread(angles)]
+
+    def _meet(self, cubic: Sequence[complex], speed: float, spin_up: float, step: float) -> None:
+        """One step of weights that may touch, stick or run off centre."""
+        from ..models.pulse import discharge
+
+        n, memory = self.weights, self.memory
+        motion = memory[:n], memory[n : 2 * n], memory[2 * n : 3 * n]
+        moved = tracks.advance(self.track, *motion, cubic, speed, spin_up, step)
+        owed, pulse = complex(*memory[-4:-2]), complex(*memory[-2:])
+        turn = step * (speed + 0.5 * spin_up * step)
+        owed, pulse = discharge(owed, pulse, moved.impulse, turn, step)
+        impulses = [owed.real, owed.imag, pulse.real, pulse.imag]
+        self.memory = [*moved.angles, *moved.speeds, *moved.contacts, *impulses]
 
     def _put(
         self, acceleration: complex, slope: complex, angle: float, speed: float, spin_up: float
     ) -> None:
         """Computed outputs; acceleration and slope in the rotor frame."""
         count = self.weights
-        force, force_slope = reaction(
-            self.model,
-            self.memory[:count],
-            self.memory[count:],
-            acceleration,
-            slope,
-            speed,
-            spin_up,
-        )
+        memory, now = self.memory, (acceleration, slope, speed, spin_up)
+        if self.plain:
+            force, force_slope = reaction(self.model, memory[:count], memory[count:], *now)
+        else:
+            motion = memory[:count], memory[count : 2 * count], memory[2 * count : 3 * count]
+            force, force_slope = tracks.reaction(self.track, *motion, *now)
+            force += complex(*memory[-2:])
         if self.sent:
             force -= self.sent * acceleration
             force_slope -= self.sent * slope
@@ -155,6 +178,10 @@ def _parameters() -> list[Variable]:
         parameter("kappa", 1.4, "1", "7/5 ball, 3/2 roller, 1 pendulum", minimum=1.0),
         parameter("drag", 0.05, "N.s/m", "Viscous, of each weight, b", minimum=0.0),
         parameter("weight_radius", 0.0, "m", "Of each weight; 0: point weights", minimum=0.0),
+        parameter("restitution", 0.0, "1", "Of two weights, rotor held: 0 to 1", minimum=0.0),
+        parameter("rolling_resistance", 0.0, "1", "Resistance over load; 0: none", minimum=0.0),
+        parameter("track_offset_xi", 0.0, "m", "Of the track's centre, in the rotor"),
+        parameter("track_offset_eta", 0.0, "m", "Of the track's centre, in the rotor"),
         parameter("inertia_as_force", False, "", "True: N m acts in F and added_mass is zero"),
     ]
 
@@ -178,9 +205,9 @@ def _observed(angles: tuple[str, ...], speeds: tuple[str, ...]) -> list[Variable
             for angle, speed in zip(angles, speeds, strict=True)
         ),
     ]
-    moment = ("mass", "track_radius", *angles)
     for axis in ("xi", "eta"):
-        text = "Sum of m R e^{i theta}, in the rotor"
+        moment = ("mass", "track_radius", f"track_offset_{axis}", *angles)
+        text = "Sum of m (e + R e^{i theta}), in the rotor"
         observed.append(output(f"moment_{axis}", "kg.m", text, begins=moment, observed=True))
     text = "|sum of e^{2 i theta}|/N: 0 evenly spread, 1 in line"
     return [*observed, output("spread", "1", text, begins=angles, observed=True)]

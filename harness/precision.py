@@ -39,7 +39,8 @@ STILL = 1e-6  # of the largest range in the same unit: a signal that moves less 
 ASYMPTOTIC = 0.03  # an error above it says nothing of a method's order
 MOST_ROUNDS = 7
 TARGETS = (1e-3, 1e-5, 1e-7)
-SHARE = 0.03  # of the time given, that one run may take; what takes longer is left out by name
+SHARE = 1 / 60  # of the time given, that one run may take; what takes longer is left out by name
+FINER = 1.5  # how much longer than the one before it a run takes, with smaller steps
 LIBCOSIM_STEPS = (20, 40, 80, 160)
 
 Progress = Callable[[float, str], None]
@@ -159,12 +160,9 @@ class _Bench:
         slowest: dict[str, float] = {}
         for number, method in enumerate(methods):
             self._progress(0.5 * number / len(methods), f"{method.family}, {method.setting}")
-            expected = slowest.get(method.family, 0.0)
-            if expected > SHARE * self._seconds:
-                limit = SHARE * self._seconds
-                self.status[method] = (
-                    f"left out: the one before took {expected:.1f} of {limit:.1f} s"
-                )
+            before, limit = slowest.get(method.family, 0.0), SHARE * self._seconds
+            if FINER * before > limit:
+                self.status[method] = f"left out: takes more than {limit:.2g} s a run (--seconds)"
                 continue
             try:
                 self._ready[method] = ready(self._scene, method, self._names)

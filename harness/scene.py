@@ -36,13 +36,13 @@ class Scene(Table):
 
     title: Text = ""
     source: Text = ""
-    on_request: Flag = False  # long: checked only when it is named
     rotor: Rotor
     balancer: tuple[AnyBalancer, ...] = ()
     operation: Operation
     coupling: Coupling = Coupling()
     run: Run = Run()
     check: tuple[AnyCheck, ...] = Field(default=())
+    on_request: Flag = False  # long: checked only when it is named
     balancing: Balancing | None = None
 
     _document: dict[str, Any] = PrivateAttr(default_factory=dict)

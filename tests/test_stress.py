@@ -127,6 +127,22 @@ def test_steps_too_long_for_the_signals_are_refused_or_said():
     assert not cosimulate(fine).events
 
 
+@pytest.mark.parametrize(("scheme", "order"), [("gauss-seidel", 1), ("jacobi", 1), ("auto", 3)])
+def test_end_of_a_run_up_is_passed_without_a_kick(scheme, order):
+    """The acceleration jumps there: a line across the jump once threw the rotor by its range."""
+    coupling = {"scheme": scheme, "order": order, "steps_per_rev": 40, "tolerance": None}
+    build = load_scene("run_up").replace(
+        {**{f"coupling.{k}": v for k, v in coupling.items()}, "run.revolutions": 30}
+    )
+    run = cosimulate(build, record=["rotor.x"])
+    right, _ = reference(
+        build.assembly(), build.profile(), run.time, signals=["rotor.x"], bound=1e-6
+    )
+    late = run.time > build.profile().seconds
+    gap = np.abs(run["rotor.x"] - right.signal("rotor.x"))[late].max()
+    assert gap < 2e-3 * np.ptp(right.signal("rotor.x"))
+
+
 def test_turns_behind_a_weight_do_not_loosen_its_step():
     weights = Weights(1, 0.1, 1.0)
     turns = 2.0 * np.pi * 10_000_000

@@ -15,6 +15,7 @@ if TYPE_CHECKING:
 
 PROFILED_STEPS = 20  # a revolution, or the scene's first measured step
 PROFILED_TOLERANCE = 1e-5
+SLOW = 0.3  # s: a run that needs no repeating to be told from noise
 
 
 def command(
@@ -101,4 +102,8 @@ def _splits(found: Precision) -> list[Split]:
             method.steps_per_rev == usual[0] or method.tolerance == usual[1]
         ):
             chosen[method.family] = method
-    return [split_time(found.scene, method, found.signals) for method in chosen.values()]
+    slow = {point.method: (point.seconds or 0.0) > SLOW for point in found.points}
+    return [
+        split_time(found.scene, method, found.signals, 1 if slow[method] else 3)
+        for method in chosen.values()
+    ]

@@ -32,8 +32,16 @@ class GaussSeidel(Explicit):
         repeated = [np.array([[j, j], [j - 1.0, j]]) for j in eigenvalues]
         return float(max((np.abs(np.linalg.eigvals(m)).max() for m in repeated), default=0.0))
 
+    def converge(self, system: System, time: float, step: float) -> None:
+        """A step at a jump of the drive: a line from before it to after it says nothing."""
+        self._advance(system, time, step, jump=True)
+
     def step(self, system: System, time: float, step: float) -> float:
         """One step; an explicit scheme has no residual and returns 0."""
+        self._advance(system, time, step)
+        return 0.0
+
+    def _advance(self, system: System, time: float, step: float, jump: bool = False) -> None:
         order = system.order
         forces = [
             extrapolated(c.force.now, c.force.past, c.force.past_step, order)
@@ -41,7 +49,7 @@ class GaussSeidel(Explicit):
         ]
         acceleration_ends = system.rotor_pass(forces, time, step)
         accelerations = [
-            interpolated(track.now, end, step, order)
+            (*end, 0j, 0j) if jump else interpolated(track.now, end, step, order)
             for track, end in zip(system.accelerations, acceleration_ends, strict=True)
         ]
         force_ends = system.balancer_pass(accelerations, time, step)
@@ -57,4 +65,3 @@ class GaussSeidel(Explicit):
             time,
             step,
         )
-        return 0.0
