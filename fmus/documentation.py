@@ -64,11 +64,14 @@ the step. plane[i].added_mass is constant over a step.""",
 Valid while clearance is positive: beyond it the float touches the chamber; the unit warns
 once, with the time. With inertia_as_force = true a tool that exchanges held signals diverges
 as soon as r m2 reaches the rotor's mass, whatever the step: prefer the port added_mass.""",
-    "BallBalancer": """Point weights that pass through each other; no gravity along the track,
-rolling without slip, drag proportional to the speed relative to the rotor. weight_radius only
-serves to refuse weights that do not fit on the track. With inertia_as_force = true a tool that
-exchanges held signals diverges as soon as N m reaches the rotor's mass: prefer the port
-added_mass.""",
+    "BallBalancer": """No gravity along the track, rolling without slip, drag proportional to the
+speed relative to the rotor. With weight_radius = 0 the weights are points that pass through each
+other; above it they collide with the given restitution, as on a rotor that is held, and pack. A
+collision's impulse reaches the rotor as a pulse of F over the two following steps, exact in
+momentum, one to two steps late: of order 1 in the step, and only with derivatives connected. The
+rotor-frame build keeps that momentum exactly. rolling_resistance lets weights stick. With
+inertia_as_force = true a tool that exchanges held signals diverges as soon as N m reaches the
+rotor's mass: prefer the port added_mass.""",
 }
 
 _NEEDS = """{unit} runs Python code: the host process needs CPython 3.10 or newer, 64 bit{numpy}.

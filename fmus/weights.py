@@ -58,7 +58,13 @@ class BallBalancer(Unit):
             plain_input("speed", 300.0, "rad/s", "Of the rotor, at the start of the step"),
             plain_input("acceleration", 0.0, "rad/s2", "Angular, of the rotor, over the step"),
             *(
-                output(f, "N", "Force on the rotor", depends=(*values, *turning), begins=begins)
+                output(
+                    f,
+                    "N",
+                    "Force on the rotor",
+                    depends=(*values, *turning, "acceleration"),
+                    begins=begins,
+                )
                 for f in force
             ),
             *(
@@ -85,6 +91,11 @@ class BallBalancer(Unit):
     def parameters(self) -> None:
         mass, radius, kappa, drag, size, restitution, resistance, xi, eta = self.real[:9]
         self.model = Weights(self.weights, mass, radius, drag, kappa)
+        if size >= radius:
+            raise ValueError(
+                f"weight_radius = {size!r} m: such weights do not fit on a track of radius "
+                f"{radius!r} m, which must be larger"
+            )
         self.track = Track(self.model, size, restitution, resistance, complex(xi, eta))
         # one weight meets nobody: point weights on a centred track keep their shorter way
         self.plain = not (self.track.eventful or self.track.offset)

@@ -30,7 +30,14 @@ class Balancer(Table):
 
 
 class WeightBalancer(Balancer):
-    """Equal weights on one circular track, Filimonikhina 2017 (4)."""
+    """Equal weights on one circular track, Filimonikhina 2017 (4).
+
+    Attributes:
+        weight_radius: with it weights collide and pack; without, they are points that pass.
+        restitution: of two weights on the free rotor, 0 to 1.
+        rolling_resistance: resistance over load.
+        track_offset_xi, track_offset_eta: of the track's centre from the plane's, in the rotor.
+    """
 
     kind: Literal["balls", "rollers", "pendulums"]
     count: Annotated[Whole, Field(ge=1, le=MOST_WEIGHTS)]
@@ -38,6 +45,10 @@ class WeightBalancer(Balancer):
     track_radius: Annotated[Positive, Unit("m")]
     drag: Annotated[NotNegative, Unit("N s/m")] = 0.0
     weight_radius: Annotated[Positive | None, Unit("m")] = None
+    restitution: Annotated[NotNegative, Field(le=1.0)] = 0.0
+    rolling_resistance: NotNegative = 0.0
+    track_offset_xi: Annotated[Real, Unit("m")] = 0.0
+    track_offset_eta: Annotated[Real, Unit("m")] = 0.0
     angles: Annotated[tuple[Real, ...] | None, Field(validate_default=True), Unit("rad")] = None
     speeds: Annotated[tuple[Real, ...] | None, Field(validate_default=True), Unit("rad/s")] = None
 
@@ -55,6 +66,13 @@ class WeightBalancer(Balancer):
                 f"{count} weights do not fit on a track of radius {track!r} m: "
                 f"must be at most {track * math.sin(math.pi / count):.6g} m"
             )
+        return value
+
+    @field_validator("restitution")
+    @classmethod
+    def _needs_a_radius(cls, value: float, info: ValidationInfo) -> float:
+        if value > 0.0 and info.data.get("weight_radius", 0.0) is None:
+            raise ValueError("point weights do not collide: give weight_radius, or leave this out")
         return value
 
     @field_validator("angles")

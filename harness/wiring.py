@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
+
+import numpy as np
 
 from ..fmus.build import build
 from .errors import UnitError
@@ -32,7 +35,7 @@ def plan(scene: Scene) -> list[UnitPlan]:
     """The units a scene needs and no others: the rotor first, then the balancers in order."""
     profile = scene.profile()
     drive = {"speed": profile.speed(0.0), "acceleration": profile.acceleration(0.0)}
-    return [_rotor(scene, drive), *(_balancer(balancer, drive) for balancer in scene.balancer)]
+    return [_rotor(scene, drive), *(_balancer(scene, one, drive) for one in scene.balancer)]
 
 
 def ports(scene: Scene) -> list[int]:
@@ -63,7 +66,9 @@ def _rotor(scene: Scene, drive: Mapping[str, float]) -> UnitPlan:
     return UnitPlan("rotor", "RotorOnSupports", options, {**parameters, **start, **drive})
 
 
-def _balancer(balancer: LiquidBalancer | WeightBalancer, drive: Mapping[str, float]) -> UnitPlan:
+def _balancer(
+    scene: Scene, balancer: LiquidBalancer | WeightBalancer, drive: Mapping[str, float]
+) -> UnitPlan:
     if isinstance(balancer, LiquidBalancer):
         names = ("chamber_radius", "float_radius", "height", "density", "inertia_as_force")
         values = {name: getattr(balancer, name) for name in names}
@@ -74,6 +79,10 @@ def _balancer(balancer: LiquidBalancer | WeightBalancer, drive: Mapping[str, flo
         "kappa": balancer.kappa,
         "drag": balancer.drag,
         "weight_radius": balancer.weight_radius or 0.0,
+        "restitution": _restitution(scene, balancer),
+        "rolling_resistance": balancer.rolling_resistance,
+        "track_offset_xi": balancer.track_offset_xi,
+        "track_offset_eta": balancer.track_offset_eta,
         "inertia_as_force": balancer.inertia_as_force,
         **drive,
     }
@@ -82,6 +91,19 @@ def _balancer(balancer: LiquidBalancer | WeightBalancer, drive: Mapping[str, flo
         values[f"weight[{k}].angle0"] = angle
         values[f"weight[{k}].speed0"] = speed
     return UnitPlan(balancer.label, "BallBalancer", {"weights": balancer.count}, values)
+
+
+def _restitution(scene: Scene, balancer: WeightBalancer) -> float:
+    """Coefficient of the unit, which knows no rotor: for a rotor that is held."""
+    if not (balancer.restitution and balancer.weight_radius):
+        return 0.0
+    from ..models.contact import restitution_on
+
+    rotor = scene.assembly().loaded_rotor
+    row = rotor.planes[balancer.at - 1]
+    carrier = 1.0 / float(row @ np.linalg.solve(rotor.mass, row))
+    alpha = math.asin(balancer.weight_radius / balancer.track_radius)
+    return restitution_on(balancer.restitution, balancer.mass, carrier, alpha, balancer.kappa)
 
 
 def file_name(unit: UnitPlan) -> str:
