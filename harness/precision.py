@@ -37,9 +37,10 @@ REFERENCE_BOUND = 1e-3  # two methods that differ by more give no reference at a
 TWO_DECADES = 100.0  # the reference must be that much better than a point whose error counts
 STILL = 1e-6  # of the largest range in the same unit: a signal that moves less has no range
 ASYMPTOTIC = 0.03  # an error above it says nothing of a method's order
-MOST_ROUNDS = 7
+FEWEST_ROUNDS, MOST_ROUNDS = 2, 7
 TARGETS = (1e-3, 1e-5, 1e-7)
-SHARE = 1 / 60  # of the time given, that one run may take; what takes longer is left out by name
+SHARE = 1 / 90  # of the time given, that one run may take; what takes longer is left out by name
+SHARE_CUBIC = 1 / 45  # the same where small errors are to be had
 FINER = 1.5  # how much longer than the one before it a run takes, with smaller steps
 LIBCOSIM_STEPS = (20, 40, 80, 160)
 
@@ -160,7 +161,10 @@ class _Bench:
         slowest: dict[str, float] = {}
         for number, method in enumerate(methods):
             self._progress(0.5 * number / len(methods), f"{method.family}, {method.setting}")
-            before, limit = slowest.get(method.family, 0.0), SHARE * self._seconds
+            before, share = slowest.get(method.family, 0.0), SHARE
+            if method.order not in (0, 1):
+                share = SHARE_CUBIC
+            limit = share * self._seconds
             if FINER * before > limit:
                 self.status[method] = f"left out: takes more than {limit:.2g} s a run (--seconds)"
                 continue
@@ -189,7 +193,8 @@ class _Bench:
                 self.best[method] = min(self.best.get(method, math.inf), run.seconds)
             done += 1
             now = clock.perf_counter()
-            if now + (now - begun) > self._begun + self._seconds:
+            late = now + (now - begun) > self._begun + self._seconds
+            if late and done >= FEWEST_ROUNDS:
                 break
         return done
 

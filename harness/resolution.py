@@ -13,7 +13,7 @@ from .system import System, Track
 
 UNRESOLVED = 0.05  # of the largest value so far: error of a cubic within one step, as estimated
 NOISE = 1e-9  # of what all weights together can pull: below it a signal is cancellation
-PERSISTENT = 20  # steps in a row: a transient that dies sooner does little harm to the rest
+PERSISTENT = 20  # steps in all: a transient that dies sooner does little harm to the rest
 _PART = 120.0  # the prediction's miss over the error of the step's own cubic, steps being equal
 
 
@@ -38,28 +38,25 @@ class Resolution:
         for track, name, least in [*forces, *motions]:
             track.largest = max(least, abs(track.now[0]))
             self._watched.append((track, name))
-        self._in_a_row = 0
         self.unresolved = 0
 
     def check(self, time: float, step: float) -> None:
         """Look at the step just finished.
 
         Raises:
-            SimulationError: a signal has been unresolved for too long.
+            SimulationError: signals have been unresolved for too many steps.
         """
         for track, name in self._watched:
             if track.missed > UNRESOLVED * _PART * track.largest:
                 self._unresolved(track, name, time, step)
                 return
-        self._in_a_row = 0
 
     def _unresolved(self, track: Track, name: str, time: float, step: float) -> None:
         self.unresolved += 1
-        self._in_a_row += 1
-        if self._in_a_row >= PERSISTENT:
+        if self.unresolved >= PERSISTENT:
             raise SimulationError(
-                f"communication steps of {step:.3g} s are too long at t = {time:g} s: {name} ends "
-                f"{self._in_a_row} steps in a row far from where the last one led, now by "
+                f"communication steps of {step:.3g} s are too long at t = {time:g} s: {name} has "
+                f"ended {self.unresolved} steps far from where the one before led, now by "
                 f"{track.missed / track.largest:.2g} of its largest value; use more "
                 "steps_per_rev, or a tolerance"
             )
