@@ -6,7 +6,10 @@ import cmath
 import math
 from collections.abc import Sequence
 
+# `track` imports the first three when it needs them; by then the folder may be gone
+from ..models import events, resistance, ring  # noqa: F401
 from ..models import track as tracks
+from ..models.pulse import discharge
 from ..models.track import Track
 from ..models.weights import Weights, advance, reaction, spread
 from .signals import FRAMES, at, hermite, orders
@@ -89,14 +92,14 @@ class BallBalancer(Unit):
         ]
 
     def parameters(self) -> None:
-        mass, radius, kappa, drag, size, restitution, resistance, xi, eta = self.real[:9]
+        mass, radius, kappa, drag, size, restitution, rolling, xi, eta = self.real[:9]
         self.model = Weights(self.weights, mass, radius, drag, kappa)
         if size >= radius:
             raise ValueError(
                 f"weight_radius = {size!r} m: such weights do not fit on a track of radius "
                 f"{radius!r} m, which must be larger"
             )
-        self.track = Track(self.model, size, restitution, resistance, complex(xi, eta))
+        self.track = Track(self.model, size, restitution, rolling, complex(xi, eta))
         # one weight meets nobody: point weights on a centred track keep their shorter way
         self.plain = not (self.track.eventful or self.track.offset)
         self.carried = 0.0 if self.flag("inertia_as_force") else self.model.added_mass
@@ -143,8 +146,6 @@ class BallBalancer(Unit):
 
     def _meet(self, cubic: Sequence[complex], speed: float, spin_up: float, step: float) -> None:
         """One step of weights that may touch, stick or run off centre."""
-        from ..models.pulse import discharge
-
         n, memory = self.weights, self.memory
         motion = memory[:n], memory[n : 2 * n], memory[2 * n : 3 * n]
         moved = tracks.advance(self.track, *motion, cubic, speed, spin_up, step)
@@ -159,12 +160,28 @@ class BallBalancer(Unit):
     ) -> None:
         """Computed outputs; acceleration and slope in the rotor frame."""
         count = self.weights
-        memory, now = self.memory, (acceleration, slope, speed, spin_up)
+        memory = self.memory
         if self.plain:
-            force, force_slope = reaction(self.model, memory[:count], memory[count:], *now)
+            force, force_slope = reaction(
+                self.model,
+                memory[:count],
+                memory[count:],
+                acceleration,
+                slope,
+                speed,
+                spin_up,
+            )
         else:
-            motion = memory[:count], memory[count : 2 * count], memory[2 * count : 3 * count]
-            force, force_slope = tracks.reaction(self.track, *motion, *now)
+            force, force_slope = tracks.reaction(
+                self.track,
+                memory[:count],
+                memory[count : 2 * count],
+                memory[2 * count : 3 * count],
+                acceleration,
+                slope,
+                speed,
+                spin_up,
+            )
             force += complex(*memory[-2:])
         if self.sent:
             force -= self.sent * acceleration

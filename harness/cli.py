@@ -12,7 +12,7 @@ from typing import Any
 import typer
 from typer.core import TyperGroup
 
-from .commands import balance, build, check, map, precision, rotor, run, speeds, stress
+from .commands import balance, build, check, design, map, precision, rotor, run, speeds, stress
 from .errors import SimulationError, UserError
 from .terminal import say
 
@@ -54,6 +54,7 @@ app.command("speeds")(speeds.command)
 app.command("map")(map.command)
 app.command("balance")(balance.command)
 app.command("rotor")(rotor.command)
+app.command("design")(design.command)
 app.command("precision")(precision.command)
 app.command("stress")(stress.command)
 

@@ -59,6 +59,26 @@ class TableCheck(Table):
     table: Literal[1, 2]
 
 
+class CapacityCheck(Table):
+    """What weights of finite size leave of an unbalance, Goncharov 2017 (5): 0, then U - S.
+
+    Attributes:
+        points: unbalances from 0 on.
+        up_to: the largest one, in capacities S.
+    """
+
+    kind: Literal["capacity"]
+    points: Annotated[Whole, Field(ge=2, le=1000)] = 13
+    up_to: Positive = 1.2
+
+
+class SizesCheck(Table):
+    """Best sizes of 1 to 8 balls or rollers: Goncharov 2017, Table 1."""
+
+    kind: Literal["goncharov_table"]
+
+
 AnyCheck = Annotated[
-    LiquidWindowCheck | CriticalSpeedsCheck | TableCheck, Field(discriminator="kind")
+    LiquidWindowCheck | CriticalSpeedsCheck | TableCheck | CapacityCheck | SizesCheck,
+    Field(discriminator="kind"),
 ]

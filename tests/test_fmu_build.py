@@ -223,14 +223,39 @@ def test_two_builds_are_the_same_bytes_from_another_folder_and_process(unit, opt
     assert content_id(tmp_path / "there" / f"{unit}.fmu") == identity(unit, **options)
 
 
+def _imported(sources, begin):
+    """Files imported with `begin`, one by the other, and files imported within functions."""
+    inside = {path.split("/", 2)[2]: text for path, text in sources.items() if "/fmus/" in path
+              or "/models/" in path or "/pythonfmu/" in path}  # fmt: skip
+    at_once, later, waiting = set(), set(), [begin]
+    while waiting:
+        path = waiting.pop()
+        if path in at_once:
+            continue
+        at_once.add(path)
+        for node in ast.walk(ast.parse(inside[path])):
+            if isinstance(node, ast.ImportFrom) and node.level:
+                lines = ast.Module([node], [])
+                files = [
+                    f"{folder}/{stem}.py"
+                    for folder, stem in builder._imports(path.split("/")[0], ast.unparse(lines))
+                ]
+                if node.col_offset == 0:
+                    waiting += files
+                else:
+                    later.update(files)
+            elif isinstance(node, ast.Import):
+                assert node.col_offset == 0, path
+    return at_once, later
+
+
 @pytest.mark.parametrize("unit", UNITS)
 def test_everything_inside_is_imported_at_once_and_under_its_own_name(unit):
     files = builder.contents(unit)
     sources = {p: d.decode() for p, d in files.items() if p.endswith(".py")}
+    at_once, later = _imported(sources, f"fmus/{builder._MODULES[unit]}.py")
+    assert later <= at_once  # an import that comes later finds its module there already
     for path, text in sources.items():
-        for node in ast.walk(ast.parse(text)):
-            if isinstance(node, ast.Import | ast.ImportFrom):
-                assert node.col_offset == 0, path
         assert not re.search(r"^\s*(from|import)\s+pythonfmu", text, re.MULTILINE), path
         assert not re.search(r"^\s*(from|import)\s+autobalancer\.", text, re.MULTILINE), path
     folders = {p.split("/")[1] for p in sources}

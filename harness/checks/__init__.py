@@ -7,7 +7,14 @@ from collections.abc import Callable, Iterable, Iterator
 from ..parallel import spread
 from ..report import Row
 from ..scene import Scene
-from ..scene_check import AnyCheck, CriticalSpeedsCheck, LiquidWindowCheck, TableCheck
+from ..scene_check import (
+    AnyCheck,
+    CapacityCheck,
+    CriticalSpeedsCheck,
+    LiquidWindowCheck,
+    SizesCheck,
+    TableCheck,
+)
 
 Progress = Callable[[float], None]
 
@@ -63,4 +70,12 @@ def _rows(scene: Scene, check: AnyCheck, table_row: int, progress: Progress) -> 
         from .filimonikhina import check_row
 
         return check_row(scene, check.table, table_row, progress)
+    if isinstance(check, CapacityCheck):
+        from .capacity import check_capacity
+
+        return check_capacity(scene, check, progress)
+    if isinstance(check, SizesCheck):
+        from .capacity import check_sizes
+
+        return check_sizes(scene)
     raise NotImplementedError(f"no check for {check!r}")
