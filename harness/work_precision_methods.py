@@ -19,7 +19,7 @@ from .scene import Scene
 Array = NDArray[np.float64]
 
 EXPLICIT_STEPS = (10, 20, 40, 80, 160)
-ITERATED_STEPS = (10, 14, 20, 28, 40, 80)
+ITERATED_STEPS = (8, 10, 14, 20, 28, 40, 80)
 TOLERANCES = (1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7)
 SOLVERS: dict[str, tuple[float, ...]] = {
     "RK45": tuple(10.0**-k for k in range(3, 10)),
@@ -146,7 +146,7 @@ class InOnePiece:
 def coupling_methods(exchanges_force: bool) -> list[Method]:
     """Every scheme, order and step; one of each step where no force is exchanged."""
     if not exchanges_force:
-        return [Method("auto", steps_per_rev=n) for n in (10, 20, 40, 80)]
+        return [Method("auto", steps_per_rev=n) for n in (4, 10, 20, 40)]
     found = [
         Method(scheme, order, n)
         for scheme in ("jacobi", "gauss-seidel")
