@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from ..terminal import console, progress_bars, ready_to_write, say
-from .run import parse_change
+from .run import changed_scene
 
 if TYPE_CHECKING:
     from rich.table import Table
@@ -34,15 +34,12 @@ def command(
     from ..balancing import balance
     from ..report import write_json
     from ..result import picture_format
-    from ..scene import load_scene
 
     ready_to_write(output)
     ready_to_write(json_file)
     if output is not None:
         picture_format(output)
-    loaded = load_scene(scene)
-    if changes:
-        loaded = loaded.replace(dict(map(parse_change, changes)))
+    loaded = changed_scene(scene, changes)
     with progress_bars() as bars:
         task = bars.add_task(f"balancing {loaded.name}", total=1.0)
         result = balance(loaded, progress=lambda done: bars.update(task, completed=done))

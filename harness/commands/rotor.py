@@ -9,7 +9,7 @@ import typer
 
 from ..errors import UserError
 from ..terminal import console, progress_bars, ready_to_write, say
-from .run import parse_change
+from .run import changed_scene
 
 if TYPE_CHECKING:
     from rich.table import Table
@@ -50,7 +50,6 @@ def command(
     from ..report import write_json
     from ..result import picture_format
     from ..rotor_study import modes_at, speed_range
-    from ..scene import load_scene
 
     wanted = {"campbell": campbell, "response": response, "orbit": orbit, "run-up": run_up}
     for path in [*wanted.values(), json_file]:
@@ -58,9 +57,7 @@ def command(
     for path in wanted.values():
         if path is not None:
             picture_format(path)
-    loaded = load_scene(scene)
-    if changes:
-        loaded = loaded.replace(dict(map(parse_change, changes)))
+    loaded = changed_scene(scene, changes)
     low, high = limits or speed_range(loaded)
     if not 0.0 < low < high:
         raise UserError(f"--range {low:g} {high:g}: must be two speeds [rad/s], 0 < LOW < HIGH")

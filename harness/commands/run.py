@@ -14,6 +14,7 @@ if TYPE_CHECKING:
     from rich.table import Table
 
     from ..result import Result
+    from ..scene import Scene
 
 
 def command(
@@ -36,15 +37,12 @@ def command(
     """Run a scene by co-simulation."""
     from ..master import cosimulate
     from ..result import picture_format
-    from ..scene import load_scene
 
     ready_to_write(output)
     ready_to_write(plot)
     if plot is not None:
         picture_format(plot)
-    loaded = load_scene(scene)
-    if changes:
-        loaded = loaded.replace(dict(map(parse_change, changes)))
+    loaded = changed_scene(scene, changes)
     if fmus is not None and not fmus.is_dir():
         raise UserError(f"{fmus}: is not a directory with FMUs")
     with progress_bars() as bars:
@@ -64,6 +62,18 @@ def command(
         say(f"Signals: {result.to_csv(output)}")
     if plot is not None:
         say(f"Picture: {result.plot(plot)}")
+
+
+def changed_scene(scene: str, changes: list[str] | None) -> Scene:
+    """The scene of that file or name with every --set KEY=VALUE put in its place.
+
+    Raises:
+        UserError: the scene is wrong, or a change is.
+    """
+    from ..scene import load_scene
+
+    loaded = load_scene(scene)
+    return loaded.replace(dict(map(parse_change, changes))) if changes else loaded
 
 
 def parse_change(text: str) -> tuple[str, Any]:

@@ -33,7 +33,6 @@ class Trial:
     Attributes:
         states: of the units before the step.
         motion, forces: cubic over the step and end, of every plane and connection.
-        predicted: forces at the end, extrapolated from the step before.
         residual: of the forces, relative to the largest so far.
     """
 
@@ -42,7 +41,6 @@ class Trial:
     states: list[c_void_p]
     motion: list[tuple[Cubic, End]]
     forces: list[tuple[Cubic, End]]
-    predicted: list[End]
     residual: float
 
     def accept(self, system: System) -> None:
@@ -126,7 +124,7 @@ class Iterated:
             (hermite(start, end, step), end) for start, end in zip(starts, force_ends, strict=True)
         ]
         motion = list(zip(accelerations, ends, strict=True))
-        return Trial(time, step, states, motion, forces, predicted, error)
+        return Trial(time, step, states, motion, forces, error)
 
     def measure(self, system: System, time: float, step: float) -> None:
         """Take the loop's Jacobian from steps of this length, all of them taken back.
