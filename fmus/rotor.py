@@ -74,16 +74,19 @@ class RotorOnSupports(Unit):
         self._put(planes, self.memory[1], self._drive()[0])
 
     def observe(self) -> None:
-        n = 2 * self.stations
         turns, rest, carry, *motion = self.memory
-        place = np.array(motion[:n]).reshape(-1, 2)
+        places, bending = self._shape(motion[: 2 * self.stations])
+        angle = turns * TURN + (rest + (turns * _TURN_ROUNDING - carry))
+        self.real[self.layout.observed] = [angle, *motion, *places, bending]
+
+    def _shape(self, stations: list[float]) -> tuple[list[float], float]:
+        """Displacements of the planes and largest bending, from those of the stations."""
+        if self.kind == "planar":  # one station, the disc, and every plane a port at it
+            return stations * self.planes, math.hypot(*stations)
+        place = np.array(stations).reshape(-1, 2)
         bending = self.rotor.deflection @ place
-        self.real[self.layout.observed] = [
-            turns * TURN + (rest + (turns * _TURN_ROUNDING - carry)),
-            *motion,
-            *(self.rotor.planes @ place).ravel().tolist(),
-            float(np.hypot(bending[:, 0], bending[:, 1]).max(initial=0.0)),
-        ]
+        largest = float(np.hypot(bending[:, 0], bending[:, 1]).max(initial=0.0))
+        return (self.rotor.planes @ place).ravel().tolist(), largest
 
     def _drive(self) -> list[float]:
         """Speed and angular acceleration at the start of the step."""

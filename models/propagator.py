@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -43,6 +44,7 @@ def exponential(matrix: NDArray) -> NDArray:
     return result
 
 
+@lru_cache(maxsize=64)
 def generator(rotor: LinearRotor, speed: float, turning_force: bool = True) -> NDArray:
     """Matrix Z of the autonomous system (q, v, f_0..f_3, e)' = Z (q, v, f_0..f_3, e).
 
@@ -76,6 +78,7 @@ def generator(rotor: LinearRotor, speed: float, turning_force: bool = True) -> N
         if k + 1 < ORDERS:
             z[row, f + (k + 1) * forces : f + (k + 2) * forces] = np.eye(forces)
     z[e:, e:] = turning
+    z.flags.writeable = False  # one for all who ask
     return z
 
 

@@ -202,16 +202,8 @@ class LinearRotor:
             damping = self.damping_x + self.internal_damping - 1j * speed * self.gyroscopic
             stiffness = self.stiffness_x - 1j * speed * self.internal_damping
             return self.mass.astype(complex), damping, stiffness
-        turn = np.array([[0.0, 1.0], [-1.0, 0.0]])
-        axis_x, axis_y = np.diag([1.0, 0.0]), np.diag([0.0, 1.0])
-        damping = (
-            np.kron(axis_x, self.damping_x + self.internal_damping)
-            + np.kron(axis_y, self.damping_y + self.internal_damping)
-            + speed * np.kron(turn, self.gyroscopic)
-        )
-        stiffness = (
-            np.kron(axis_x, self.stiffness_x)
-            + np.kron(axis_y, self.stiffness_y)
-            + speed * np.kron(turn, self.internal_damping)
-        )
-        return np.kron(np.eye(2), self.mass), damping, stiffness
+        internal = self.internal_damping
+        turned, followed = speed * self.gyroscopic, speed * internal
+        damped = [[self.damping_x + internal, turned], [-turned, self.damping_y + internal]]
+        stiff = [[self.stiffness_x, followed], [-followed, self.stiffness_y]]
+        return np.kron(np.eye(2), self.mass), np.block(damped), np.block(stiff)

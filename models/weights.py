@@ -132,8 +132,11 @@ def substep(
     """One weight over one substep; `ends` is acceleration and slope at both ends."""
     a0, da0, a1, da1 = ends
     e, s0, s1, s2, s3, t, t0, t1, t2, t3 = quadrature(rate, step)
-    g0, g1 = along_track(a0, da0, angle, speed, gain)
-    g0 -= spin_up
+    # `along_track` written out here and below: a run with weights spends its time here
+    direction = rect(gain, -angle)
+    along = a0 * direction
+    g0 = along.imag - spin_up
+    g1 = (da0 * direction).imag - along.real * speed
     free_speed = e * speed + s0 * g0 + s1 * g1
     free_angle = angle + t * speed + t0 * g0 + t1 * g1
     new_speed, new_angle = free_speed, free_angle
@@ -141,7 +144,6 @@ def substep(
     g0 += spin_up
     change = math.inf
     for _ in range(MAX_ITERATIONS):
-        # `along_track` written out: this loop is where a run with weights spends its time
         direction = rect(gain, -new_angle)
         along = a1 * direction
         slope = (da1 * direction).imag - along.real * new_speed
@@ -247,15 +249,21 @@ def reaction(
     """
     gain = -1.0 / (weights.kappa * weights.track_radius)
     rate = weights.damping_rate
+    acceleration *= gain
+    slope *= gain
     moment = first = second = third = 0j
     for angle, nu in zip(angles, speeds, strict=True):
         unit = rect(1.0, angle)
-        torque, torque_slope = along_track(acceleration, slope, angle, nu, gain)
-        bend = torque - spin_up - rate * nu
+        # `along_track` written out with e^{-i theta} = conj(unit)
+        back = unit.conjugate()
+        along = acceleration * back
+        bend = along.imag - spin_up - rate * nu
+        torque_slope = (slope * back).imag - along.real * nu
+        squared = nu * nu
         moment += unit
-        first += 1j * nu * unit
-        second += (1j * bend - nu * nu) * unit
-        third += (1j * (torque_slope - rate * bend - nu**3) - 3.0 * nu * bend) * unit
+        first += complex(0.0, nu) * unit
+        second += complex(-squared, bend) * unit
+        third += complex(-3.0 * nu * bend, torque_slope - rate * bend - nu * squared) * unit
     turn = 2j * speed
     pull = 1j * spin_up - speed * speed
     force = second + turn * first + pull * moment
