@@ -7,7 +7,6 @@ with; a consistent start and every implicit step solve u = G(u).
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from operator import mul
 
 import numpy as np
 
@@ -15,7 +14,7 @@ from .errors import SimulationError
 from .signals import End
 from .system import System
 
-Vector = list[float]
+Vector = list[complex]  # of each connection the force and its slope times the step, one unit
 
 _START_TOLERANCE = 1e-12  # of the largest force: start values are as exact as the units
 _ROUNDING = 1e-13  # of the largest force, times the gain: what the loop makes of rounding
@@ -24,41 +23,39 @@ _START_ITERATIONS = 20  # the map is affine in values and in slopes; Newton need
 
 
 def pack(ends: Sequence[End], step: float) -> Vector:
-    """Forces as real numbers; slopes times the step, so that all have the unit of a force."""
+    """Forces and slopes as one vector."""
     vector: Vector = []
     for value, slope in ends:
-        vector += (value.real, value.imag, step * slope.real, step * slope.imag)
+        vector += (value, step * slope)
     return vector
 
 
-def unpack(vector: Sequence[float], step: float) -> list[End]:
+def unpack(vector: Sequence[complex], step: float) -> list[End]:
     """Inverse of `pack`."""
-    return [
-        (
-            complex(vector[i], vector[i + 1]),
-            complex(vector[i + 2] / step, vector[i + 3] / step),
-        )
-        for i in range(0, len(vector), 4)
-    ]
+    return [(vector[i], vector[i + 1] / step) for i in range(0, len(vector), 2)]
 
 
-def size(vector: Sequence[float]) -> float:
-    """Largest component."""
+def size(vector: Sequence[complex]) -> float:
+    """Largest modulus."""
     return max(map(abs, vector), default=0.0)
 
 
-def difference(a: Sequence[float], b: Sequence[float]) -> Vector:
+def difference(a: Sequence[complex], b: Sequence[complex]) -> Vector:
     """a - b."""
     return [x - y for x, y in zip(a, b, strict=True)]
 
 
 def jacobian(g: Callable[[Vector], Vector], u: Vector, g_u: Vector, change: float) -> np.ndarray:
-    """dG/du by one-sided differences of size `change`; exact for the affine maps met here."""
+    """dG/du by one-sided differences of size `change`; exact for the affine maps met here.
+
+    Real and imaginary parts alternate in rows and columns.
+    """
     columns = []
     for i in range(len(u)):
-        moved = list(u)
-        moved[i] += change
-        columns.append(difference(g(moved), g_u))
+        for moved_by in (change, 1j * change):
+            moved = list(u)
+            moved[i] += moved_by
+            columns.append(_components(difference(g(moved), g_u)))
     return np.array(columns).T / change
 
 
@@ -81,35 +78,55 @@ class QuasiNewton:
                 "the loop between force and acceleration has gain 1: every force answers itself, "
                 "and there is no unique solution"
             )
-        self.inverse = np.linalg.inv(np.eye(len(jacobian)) - jacobian).tolist()
+        self.inverse = np.linalg.inv(np.eye(len(jacobian)) - jacobian)
 
     def rescale(self, step: float) -> None:
         """Adapt to another step [s]: slopes enter as slope times step."""
         ratio = step / self.step
         if ratio != 1.0:
-            factor = [1.0, 1.0, ratio, ratio] * (len(self.inverse) // 4)
-            self.inverse = [
-                [x * f / g for x, g in zip(row, factor, strict=True)]
-                for row, f in zip(self.inverse, factor, strict=True)
-            ]
-            self.step = step
+            self.inverse, self.step = rescaled(self.inverse, ratio), step
 
-    def correction(self, residual: Sequence[float]) -> Vector:
+    def correction(self, residual: Sequence[complex]) -> Vector:
         """The step du that would make the residual G(u) - u vanish."""
-        return [sum(map(mul, row, residual)) for row in self.inverse]
+        return self.inverse.dot(_components(residual)).view(complex).tolist()
 
-    def learn(self, du: Sequence[float], old: Sequence[float], new: Sequence[float]) -> None:
+    def learn(self, du: Sequence[complex], old: Sequence[complex], new: Sequence[complex]) -> None:
         """Use how the residual really changed over a step du (Broyden 1965, Sherman-Morrison)."""
-        predicted = self.correction(difference(old, new))
-        weight = sum(map(mul, du, predicted))
-        if weight == 0.0:
-            return
-        error = [(d - p) / weight for d, p in zip(du, predicted, strict=True)]
-        row = [sum(map(mul, du, column)) for column in zip(*self.inverse, strict=True)]
-        self.inverse = [
-            [x + e * y for x, y in zip(line, row, strict=True)]
-            for line, e in zip(self.inverse, error, strict=True)
-        ]
+        moved = _components(du)
+        predicted = self.inverse @ _components(difference(old, new))
+        weight = moved @ predicted
+        if weight != 0.0:
+            self.inverse = self.inverse + np.outer(
+                (moved - predicted) / weight, moved @ self.inverse
+            )
+
+
+def rescaled(matrix: np.ndarray, ratio: float) -> np.ndarray:
+    """A matrix between vectors as `pack` makes them, for steps `ratio` times as long."""
+    rows, columns = (np.tile([1.0, 1.0, ratio, ratio], n // 4) for n in matrix.shape)
+    return rows[:, None] * matrix / columns
+
+
+def _components(vector: Sequence[complex]) -> np.ndarray:
+    """Real and imaginary parts, alternating."""
+    return np.array(vector, complex).view(float)
+
+
+def rotor_response(system: System, step: float) -> np.ndarray:
+    """d(acceleration)/d(force) of a rotor in initialisation mode, (4 p, 4 c) for p planes.
+
+    Leaves the rotor without forces.
+    """
+
+    if not system.connections:
+        return np.zeros((0, 0))
+
+    def respond(u: Vector) -> Vector:
+        system.set_forces([(value, slope, 0j, 0j) for value, slope in unpack(u, step)])
+        return pack(system.read_accelerations(), step)
+
+    nothing = [0j] * (2 * len(system.connections))
+    return jacobian(respond, nothing, respond(nothing), 1.0)
 
 
 def consistent_start(system: System, step: float) -> np.ndarray:
@@ -136,7 +153,7 @@ def consistent_start(system: System, step: float) -> np.ndarray:
             forces.append(system.read_force(connection))
         return pack(forces, step)
 
-    u = [0.0] * (4 * len(system.connections))
+    u = [0j] * (2 * len(system.connections))
     g_u = respond(u)
     change = size(g_u) or 1.0
     slope_of_g = jacobian(respond, u, g_u, change)

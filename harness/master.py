@@ -18,7 +18,7 @@ from pathlib import Path
 import numpy as np
 
 from .errors import SceneError, SimulationError
-from .loop import consistent_start, loop_gain, value_eigenvalues
+from .loop import consistent_start, loop_gain, rotor_response, value_eigenvalues
 from .onset import parts
 from .recorder import Recorder, recorded
 from .resolution import Resolution
@@ -27,6 +27,7 @@ from .scene import Scene, load_scene
 from .scene_balancer import LiquidBalancer
 from .schedule import end_time, milestones, schedule, step_size
 from .schemes.adaptive import Adaptive
+from .schemes.compensated import Compensated
 from .schemes.explicit import Explicit
 from .schemes.gauss_seidel import GaussSeidel
 from .schemes.iterated import Iterated
@@ -106,29 +107,42 @@ class CoSimulation:
         self.worst_residual = 0.0
         self.acceleration = self.profile.acceleration(0.0)
         step = step or step_size(self.scene)
-        jacobian = consistent_start(system, step)
+        self.scheme = self._prepare(step)
         for unit in self.units.values():
             unit.start()
-        self.gain = loop_gain(jacobian)
-        self.scheme = self._choose(jacobian, step)
-        self.amplification = 0.0
-        if isinstance(self.scheme, Explicit):
-            loop = value_eigenvalues(jacobian)
-            self.amplification = self.scheme.amplification(loop, system.order)
+        self.allowed_residual = LOOSE
+        if isinstance(self.scheme, Iterated) and self.scheme.corrections is None:
+            self.allowed_residual = self.scheme.tolerance
         fixed = self.system.order == 3 and not isinstance(self.scheme, Adaptive)
         # an exchange that is unstable at any step is no matter of resolution
         judged = fixed and self.amplification <= 1.0
         self.resolution = Resolution(self.scene, system) if judged else None
 
+    def _prepare(self, step: float) -> Jacobi | GaussSeidel | Compensated | Iterated | Adaptive:
+        """Bring the units to a consistent start, and make the scheme for this loop."""
+        system, response = self.system, np.zeros((0, 0))
+        if self.scene.coupling.scheme == "compensated":
+            response = rotor_response(system, step)
+        jacobian = consistent_start(system, step)
+        self.gain = loop_gain(jacobian)
+        scheme = self._choose(jacobian, response, step)
+        self.amplification = 0.0
+        if isinstance(scheme, Explicit):
+            loop = value_eigenvalues(jacobian)
+            self.amplification = scheme.amplification(loop, system.order)
+        return scheme
+
     def _choose(
-        self, jacobian: np.ndarray, step: float
-    ) -> Jacobi | GaussSeidel | Iterated | Adaptive:
+        self, jacobian: np.ndarray, response: np.ndarray, step: float
+    ) -> Jacobi | GaussSeidel | Compensated | Iterated | Adaptive:
         """The scene's scheme; `auto` takes the cheapest one that is stable at this loop gain."""
         coupling = self.scene.coupling
         if coupling.scheme == "jacobi":
             return Jacobi()
         if coupling.scheme == "gauss-seidel" or not self.system.connections:
             return GaussSeidel()
+        if coupling.scheme == "compensated":
+            return Compensated(jacobian, response, step, self.profile.speed)
         if coupling.tolerance is not None:
             return Adaptive(Iterated(jacobian, step), coupling.tolerance, self.gain)
         corrections = coupling.corrections
@@ -145,9 +159,9 @@ class CoSimulation:
             SimulationError: a unit failed, a signal is not finite, or the loop did not converge.
         """
         try:
-            if isinstance(self.scheme, Adaptive):
+            if not self.system.fresh or isinstance(self.scheme, Adaptive):
                 return self._step(step, longest)
-            divided = parts(self.system, step)
+            divided = parts(self.system, step, self.scheme.first_halvings)
             for part in divided:
                 self._step(part, longest)
             if len(divided) > 1 and isinstance(self.scheme, Iterated):
@@ -174,10 +188,7 @@ class CoSimulation:
                 self.resolution.check(self.time, step)
         if residual > self.worst_residual:
             self.worst_residual = residual
-        allowed = LOOSE
-        if isinstance(self.scheme, Iterated) and self.scheme.corrections is None:
-            allowed = self.scheme.tolerance
-        if residual > allowed:
+        if residual > self.allowed_residual:
             self._unconverged(residual)
         self.system.follow(self.time, step)
         self.time += step
@@ -254,7 +265,7 @@ def _refuse_loose_tolerance(scene: Scene) -> None:
     coupling = scene.coupling
     if coupling.tolerance is None:
         return
-    if coupling.scheme in ("jacobi", "gauss-seidel") or coupling.order != 3:
+    if coupling.scheme in ("jacobi", "gauss-seidel", "compensated") or coupling.order != 3:
         raise SceneError(
             f"{scene.name}: coupling.tolerance = {coupling.tolerance:g}: kept only by scheme "
             f'"iterated" or "auto" with order 3, not by "{coupling.scheme}" with order '

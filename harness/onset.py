@@ -16,14 +16,20 @@ FIRST = 0.05  # of the force: what it may change by that slope over the first pa
 MOST_HALVINGS = 60  # a force that rises from exactly zero has no size to compare with
 
 
-def parts(system: System, step: float) -> list[float]:
-    """Lengths that add up to `step` [s], doubling; just `step` where nothing is steep."""
+def parts(system: System, step: float, least: int = 0) -> list[float]:
+    """Lengths that add up to `step` [s], doubling; just `step` where nothing is steep.
+
+    Args:
+        least: halvings wanted in any case.
+    """
     if not system.fresh or system.order == 0 or not system.connections:
         return [step]
     largest = max(abs(c.force.now[0]) for c in system.connections)
     change = step * max(abs(c.force.now[1]) for c in system.connections)
-    if not change > STEEP * largest > 0.0:
+    halvings = least
+    if change > STEEP * largest > 0.0:
+        halvings = max(least, min(MOST_HALVINGS, math.ceil(math.log2(change / (FIRST * largest)))))
+    if not halvings:
         return [step]
-    halvings = min(MOST_HALVINGS, math.ceil(math.log2(change / (FIRST * largest))))
     first = math.ldexp(step, -halvings)
     return [first, *(math.ldexp(step, -k) for k in range(halvings, 0, -1))]

@@ -15,6 +15,7 @@ from .precision_report import machine
 _COLOURS = {
     "jacobi": "tab:red",
     "gauss-seidel": "tab:orange",
+    "compensated": "tab:olive",
     "iterated": "tab:blue",
     "auto": "tab:blue",
     "libcosimpy": "tab:pink",

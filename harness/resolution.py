@@ -15,6 +15,7 @@ UNRESOLVED = 0.05  # of the largest value so far: error of a cubic within one st
 NOISE = 1e-9  # of what all weights together can pull: below it a signal is cancellation
 PERSISTENT = 20  # steps in all: a transient that dies sooner does little harm to the rest
 _PART = 120.0  # the prediction's miss over the error of the step's own cubic, steps being equal
+_ALLOWED = UNRESOLVED * _PART
 
 
 class Resolution:
@@ -47,7 +48,7 @@ class Resolution:
             SimulationError: signals have been unresolved for too many steps.
         """
         for track, name in self._watched:
-            if track.missed > UNRESOLVED * _PART * track.largest:
+            if track.missed > _ALLOWED * track.largest:
                 self._unresolved(track, name, time, step)
                 return
 

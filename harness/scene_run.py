@@ -62,7 +62,7 @@ class Coupling(Table):
         corrections: corrector passes of `iterated`; None: until the loop has converged.
     """
 
-    scheme: Literal["auto", "jacobi", "gauss-seidel", "iterated"] = "auto"
+    scheme: Literal["auto", "jacobi", "gauss-seidel", "compensated", "iterated"] = "auto"
     tolerance: Annotated[Positive | None, Field(le=LOOSEST_TOLERANCE)] = None
     steps_per_rev: Annotated[
         Whole | None, Field(ge=FEWEST_STEPS, le=1_000_000, validate_default=True)
@@ -78,6 +78,13 @@ class Coupling(Table):
             raise ValueError(f"give either steps_per_rev or tolerance = {tolerance:g}, not both")
         if value is None and tolerance is None:
             return DEFAULT_STEPS
+        return value
+
+    @field_validator("order")
+    @classmethod
+    def _compensated_is_cubic(cls, value: int, info: ValidationInfo) -> int:
+        if value != 3 and info.data.get("scheme") == "compensated":
+            raise ValueError('must be 3 with scheme = "compensated", which exchanges slopes')
         return value
 
 

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
+from cmath import isfinite
 from collections.abc import Mapping, Sequence
 from ctypes import c_void_p
 from dataclasses import dataclass, field
-from math import isfinite
 
 from .errors import SimulationError
 from .signals import REST, Cubic, End
@@ -15,7 +15,7 @@ from .wiring import UnitPlan, signals
 ZERO: End = (0j, 0j)
 
 
-@dataclass
+@dataclass(slots=True)
 class Track:
     """One coupling signal: its present end, and the cubic and length of the step before.
 
@@ -38,11 +38,13 @@ class Track:
             reach = step + step
             f, d, d2, d3 = self.past
             self.missed = abs(value - f - reach * (d + reach * (d2 / 2.0 + reach * d3 / 6.0)))
-        self.largest = max(self.largest, abs(value))
+        modulus = abs(value)
+        if modulus > self.largest:
+            self.largest = modulus
         self.now, self.past, self.past_step = end, cubic, step
 
 
-@dataclass
+@dataclass(slots=True)
 class Connection:
     """A balancer that exchanges force with a plane of the rotor."""
 
@@ -146,30 +148,27 @@ class System:
 
     def set_forces(self, forces: Sequence[Cubic]) -> None:
         """Write the sum of the connections' forces on every connected plane."""
-        values = [0.0] * self._forces.size
-        width = 2 * len(self.connected)
+        width, used = len(self.connected), self.order + 1
+        if len(forces) == 1:
+            self.rotor.set_vectors(self._forces, forces[0][:used])
+            return
+        vectors = [0j] * (width * used)
         for connection, cubic in zip(self.connections, forces, strict=True):
-            at = 2 * connection.plane
-            for k in range(self.order + 1):
-                values[at] += cubic[k].real
-                values[at + 1] += cubic[k].imag
-                at += width
-        self.rotor.set(self._forces, values)
+            for k in range(used):
+                vectors[connection.plane + k * width] += cubic[k]
+        self.rotor.set_vectors(self._forces, vectors)
 
     def read_accelerations(self) -> list[End]:
         """Acceleration and slope of every connected plane."""
-        return _ends(self.rotor.get(self._accelerations), len(self.connected))
+        return _ends(self.rotor.get_vectors(self._accelerations), len(self.connected))
 
     def set_acceleration(self, connection: Connection, cubic: Cubic) -> None:
         """Write the acceleration signal of one balancer."""
-        values: list[float] = []
-        for k in range(self.order + 1):
-            values += (cubic[k].real, cubic[k].imag)
-        connection.unit.set(connection.inputs, values)
+        connection.unit.set_vectors(connection.inputs, cubic[: self.order + 1])
 
     def read_force(self, connection: Connection) -> End:
         """Force and slope of one balancer."""
-        return _ends(connection.unit.get(connection.outputs), 1)[0]
+        return _ends(connection.unit.get_vectors(connection.outputs), 1)[0]
 
     def drive(self, speed: float, acceleration: float) -> None:
         """Tell every unit that needs it the speed at the start of a step and its rate of change."""
@@ -207,7 +206,7 @@ class System:
             track.move(cubic, end, step)
         for connection, (cubic, end) in zip(self.connections, forces, strict=True):
             connection.force.move(cubic, end, step)
-            if not isfinite(abs(end[0])):
+            if not isfinite(end[0]):
                 raise SimulationError(
                     f"{connection.unit.name}.F is not finite at t = {time + step:g} s: the "
                     'coupling diverged; use scheme = "iterated" or smaller steps'
@@ -237,8 +236,7 @@ class System:
                 added[plane] = added.get(plane, 0.0) + mass
 
 
-def _ends(values: Sequence[float], count: int) -> list[End]:
+def _ends(vectors: Sequence[complex], count: int) -> list[End]:
     """Values, then slopes if there are any, of `count` signals."""
-    numbers = [complex(values[i], values[i + 1]) for i in range(0, len(values), 2)]
-    slopes = numbers[count:] or [0j] * count
-    return list(zip(numbers[:count], slopes, strict=True))
+    slopes = vectors[count:] or [0j] * count
+    return list(zip(vectors[:count], slopes, strict=True))

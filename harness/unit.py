@@ -14,6 +14,7 @@ from pathlib import Path
 from tempfile import mkdtemp
 
 import fmpy
+import numpy as np
 from fmpy import fmi2
 
 from .errors import SimulationError, UnitError
@@ -23,15 +24,20 @@ _STATUS = ("OK", "Warning", "Discard", "Error", "Fatal", "Pending")
 
 
 class Group:
-    """Some Real variables of a unit that are read or written in one call."""
+    """Some Real variables of a unit that are read or written in one call.
 
-    __slots__ = ("buffer", "names", "references", "size")
+    Attributes:
+        vectors: the buffer as complex numbers, where the variables are pairs of components.
+    """
+
+    __slots__ = ("buffer", "names", "references", "size", "vectors")
 
     def __init__(self, names: Sequence[str], references: Sequence[int]) -> None:
         self.names = tuple(names)
         self.size = len(references)
         self.references = (c_uint * self.size)(*references)
         self.buffer = (c_double * self.size)()
+        self.vectors = np.ctypeslib.as_array(self.buffer)[: self.size // 2 * 2].view(complex)
 
 
 class Unit:
@@ -134,10 +140,26 @@ class Unit:
             self._check(status, f"reading {', '.join(group.names[:4])}")
         return group.buffer[:]
 
+    def get_vectors(self, group: Group) -> list[complex]:
+        """Values of a group of pairs, x + i y each."""
+        self.calls["get"] += 1
+        status = self._get(self._component, group.references, group.size, group.buffer)
+        if status > _WARNING:
+            self._check(status, f"reading {', '.join(group.names[:4])}")
+        return group.vectors.tolist()
+
     def set(self, group: Group, values: Sequence[float]) -> None:
         """Write the group's variables."""
-        self.calls["set"] += 1
         group.buffer[:] = values  # type: ignore[call-overload]  # any sequence will do
+        self._write(group)
+
+    def set_vectors(self, group: Group, vectors: Sequence[complex]) -> None:
+        """Write a group of pairs, x + i y each."""
+        group.vectors[:] = vectors
+        self._write(group)
+
+    def _write(self, group: Group) -> None:
+        self.calls["set"] += 1
         status = self._set(self._component, group.references, group.size, group.buffer)
         if status > _WARNING:
             self._check(status, f"setting {', '.join(group.names[:4])}")

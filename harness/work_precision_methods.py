@@ -153,6 +153,7 @@ def coupling_methods(exchanges_force: bool) -> list[Method]:
         for order in (0, 1, 3)
         for n in EXPLICIT_STEPS
     ]
+    found += [Method("compensated", 3, n) for n in ITERATED_STEPS]
     found += [Method("iterated", o, n, 1) for o in (0, 1) for n in EXPLICIT_STEPS]
     found += [Method("iterated", 3, n, passes) for passes in (1, None) for n in ITERATED_STEPS]
     return found + [Method("iterated", 3, tolerance=t) for t in TOLERANCES]

@@ -5,21 +5,27 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from autobalancer.harness import SimulationError, bundled_scenes, cosimulate, load_scene
+from autobalancer.harness import (
+    SceneError,
+    SimulationError,
+    bundled_scenes,
+    cosimulate,
+    load_scene,
+)
 from autobalancer.harness.master import CoSimulation
 from autobalancer.harness.schedule import step_size
+from autobalancer.harness.schemes.compensated import Compensated, carried
 from autobalancer.harness.schemes.explicit import BEFORE, NOW
 from autobalancer.harness.schemes.gauss_seidel import GaussSeidel
-from autobalancer.harness.schemes.iterated import Iterated
 from autobalancer.harness.schemes.jacobi import Jacobi
 
-SCHEMES = {"jacobi": Jacobi, "gauss-seidel": GaussSeidel, "iterated": Iterated}
 ORDERS = {  # of convergence, as the schemes' docstrings state them, by order of the signals
     "jacobi": {0: 1, 1: 2, 3: 3},
     "gauss-seidel": {0: 1, 1: 2, 3: 3},
+    "compensated": {3: 4},
     "iterated": {0: 1, 1: 2, 3: 4},
 }
-GAIN_LIMIT = {  # 1 where nothing is said
+GAIN_LIMIT = {  # 1 where nothing is said of an explicit scheme; the others know none
     ("jacobi", 3): 1.0 / 169.0,
     ("gauss-seidel", 1): 1.0 / 3.0,
     ("gauss-seidel", 3): 1.0 / 13.0,
@@ -34,8 +40,7 @@ def gain_of(scene) -> float:
         return cosim.gain
 
 
-@pytest.mark.parametrize("order", [0, 1, 3])
-@pytest.mark.parametrize("scheme", SCHEMES)
+@pytest.mark.parametrize(("scheme", "order"), [(s, o) for s in ORDERS for o in ORDERS[s]])
 @pytest.mark.parametrize("name", bundled_scenes())
 def test_every_scheme_converges_with_its_order_or_says_that_it_is_unstable(
     against, name, scheme, order
@@ -48,7 +53,7 @@ def test_every_scheme_converges_with_its_order_or_says_that_it_is_unstable(
         return runs.of_amplitude(result, steps // 40)
 
     gain = gain_of(runs.scene)
-    if scheme != "iterated" and gain > GAIN_LIMIT.get((scheme, order), 1.0):
+    if scheme in ("jacobi", "gauss-seidel") and gain > GAIN_LIMIT.get((scheme, order), 1.0):
         with pytest.raises(SimulationError, match=rf"unstable.*F.*gain {gain:.3g}"):
             error(40)
         return
@@ -171,3 +176,71 @@ def test_a_step_passes_as_often_as_asked(corrections):
         assert rotor["step"] - first <= 10 * (1 + corrections)
         assert rotor["step"] - first >= 10
         assert rotor["restore"] == rotor["step"] - 11
+
+
+# -- compensated ----------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("turn", [0.0, 0.3, 2.0])
+@pytest.mark.parametrize(("past", "step"), [(0.1, 0.1), (0.1, 0.2), (0.3, 0.07)])
+def test_what_is_made_good_gives_a_free_mass_the_velocity_and_the_way_it_missed(turn, past, step):
+    value, slope = 0.7 - 0.2j, -0.4 + 1.1j  # missed at the end of the past step
+    cubic = [row[0] * value + row[1] * slope * past for row in carried(turn, past, step)]
+    given = [cubic[k] / (1.0, 1.0, 2.0, 6.0)[k] for k in range(4)]  # powers of t in the step
+    # zero at both ends but for the end value and slope
+    rise = [0.0, 0.0, 3.0 * value / past**2 - slope / past, slope / past**2 - 2 * value / past**3]
+    end, rate = past + step, turn / past
+
+    def motion(powers, begin, length):
+        """Velocity and place at `end` of a unit mass under a cubic in turning axes."""
+        nodes, shares = np.polynomial.legendre.leggauss(30)
+        t = 0.5 * length * (nodes + 1.0)
+        force = np.polynomial.polynomial.polyval(t, powers) * np.exp(1j * rate * (begin + t))
+        push = 0.5 * length * shares * force
+        return push.sum(), (push * (end - begin - t)).sum()
+
+    assert motion(given, past, step) == pytest.approx(motion(rise, 0.0, past), rel=1e-12)
+    leaves = np.polynomial.Polynomial(given)
+    assert abs(leaves(step)) < 1e-12
+    assert abs(leaves.deriv()(step)) < 1e-10
+
+
+@pytest.mark.parametrize("name", ["two_balls", "finite_weights", "three_mass_shaft"])
+def test_compensated_is_as_cheap_as_gauss_seidel_and_ten_times_as_exact(against, name):
+    runs = against(name, {"run.revolutions": 4, "run.record": None})
+    coupling = {"corrections": None, "steps_per_rev": 20}
+    plain = runs.run({"scheme": "gauss-seidel", **coupling})
+    found = runs.run({"scheme": "compensated", **coupling})
+    assert found.passes - plain.passes == Compensated.first_halvings  # of the first step's parts
+    assert found.calls["save"] == found.calls["restore"] == 0
+    assert runs.of_amplitude(found) <= 0.1 * runs.of_amplitude(plain)
+
+
+@pytest.mark.parametrize("gain", [0.5, 19.0, 1e3])
+def test_compensated_knows_no_limit_of_the_loop_gain(against, liquid_of_gain, gain):
+    density = liquid_of_gain(gain).balancer[0].density
+    runs = against("liquid_heavy_force", {"liquid.density": density, "run.revolutions": 4})
+    errors = [
+        runs.of_amplitude(runs.run({"scheme": "compensated", "steps_per_rev": steps}))
+        for steps in (80, 160)
+    ]
+    assert errors[1] <= errors[0] / 2**3.5
+    assert errors[1] <= 1e-6 * (1.0 + gain)  # the loop turns an error of the force into that much
+
+
+def test_compensated_says_that_it_cannot_follow_a_mode_of_several_radians_a_step():
+    stiff = load_scene("two_balls").replace(
+        {"rotor.stiffness": [1.0, 5000.0], "coupling.scheme": "compensated"}
+    )
+    with pytest.raises(SimulationError, match=r"t = .*use "):
+        cosimulate(stiff)
+
+
+def test_compensated_exchanges_slopes_and_keeps_no_tolerance():
+    scene = load_scene("two_balls")
+    with pytest.raises(SceneError, match=r'coupling.order.*3 with scheme = "compensated"'):
+        scene.replace({"coupling.scheme": "compensated", "coupling.order": 1})
+    loose = scene.replace({"coupling.scheme": "compensated", "coupling.tolerance": 1e-4})
+    with pytest.raises(SceneError, match=r'"compensated"'):
+        cosimulate(loose)
+    assert Compensated.amplification([-19.0, 0.5], 3) == 0.0

@@ -38,6 +38,7 @@ class Adaptive:
     """
 
     name = "iterated"
+    first_halvings = 0
     corrections = None
 
     def __init__(self, iterated: Iterated, tolerance: float, gain: float = 0.0) -> None:

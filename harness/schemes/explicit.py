@@ -30,6 +30,7 @@ class Explicit:
 
     name = "explicit"
     corrections = 0
+    first_halvings = 0  # of the first step, which has no past to extrapolate
     exchanges = 1  # extrapolations that a force passes through on its way round the loop
 
     def __init__(self) -> None:
@@ -65,12 +66,13 @@ class Explicit:
         Raises:
             SimulationError: the coupling diverges.
         """
-        missed = [
-            (abs(end[0] - end_of(cubic, step)[0]), connection.unit.name)
-            for cubic, end, connection in zip(assumed, ends, system.connections, strict=True)
-        ]
-        self.largest = max([self.largest, *(abs(end[0]) for end in ends)])
-        worst, name = max(missed, default=(0.0, ""))
+        worst, name = 0.0, ""
+        for cubic, (value, _), connection in zip(assumed, ends, system.connections, strict=True):
+            missed = abs(value - end_of(cubic, step)[0])
+            if not missed <= worst:
+                worst, name = missed, connection.unit.name
+            if abs(value) > self.largest:
+                self.largest = abs(value)
         if worst <= MISSED * self.largest:
             self._calm += 1
             if self._calm >= CALM:

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..loop import QuasiNewton, difference, jacobian, loop_gain, pack, size, unpack
+from ..loop import QuasiNewton, Vector, difference, jacobian, loop_gain, pack, size, unpack
 from ..signals import Cubic, End, end_of, extrapolated, hermite, interpolated
 from ..system import System
 
@@ -65,6 +65,7 @@ class Iterated:
     """
 
     name = "iterated"
+    first_halvings = 0
 
     def __init__(
         self,
@@ -105,7 +106,7 @@ class Iterated:
         if passes is None:
             passes = self._passes(system)
         states = system.save()
-        previous: tuple[list[float], list[float], float] | None = None
+        previous: tuple[Vector, Vector, float] | None = None
         for number in range(1, passes + 1):
             accelerations, ends, force_ends = self._pass(system, starts, u, time, step)
             g_u = self._pack(force_ends, step)
@@ -136,7 +137,7 @@ class Iterated:
         u = self._pack([end_of((*start, 0j, 0j), step) for start in starts], step)
         states = system.save()
 
-        def respond(assumed: list[float]) -> list[float]:
+        def respond(assumed: Vector) -> Vector:
             ends = self._pass(system, starts, assumed, time, step)[2]
             system.restore(states)
             return self._pack(ends, step)
@@ -152,11 +153,11 @@ class Iterated:
             return MAX_PASSES
         return self.corrections + 1
 
-    def _pack(self, ends: list[End], step: float) -> list[float]:
+    def _pack(self, ends: list[End], step: float) -> Vector:
         return pack(ends if self.with_slopes else [(value, 0j) for value, _ in ends], step)
 
     def _pass(
-        self, system: System, starts: list[End], u: list[float], time: float, step: float
+        self, system: System, starts: list[End], u: Vector, time: float, step: float
     ) -> tuple[list[Cubic], list[End], list[End]]:
         """Step all units once with forces that end at u."""
         order = system.order

@@ -1,0 +1,157 @@
+"""Compensated: one pass and no rollback; what a step missed is made good in the next one.
+
+The rotor steps on extrapolated forces and the balancers on its answer, as with Gauss-Seidel.  Their
+forces differ from those assumed; the loop's Jacobian, measured at the start, tells from this which
+forces and accelerations would have agreed.  These go on as the signals' ends, and what each unit
+was not told is added to its signal of the next step (Benedikt et al. 2013, NEPCE, with the
+interface Jacobian of Sicklinger et al. 2014): a cubic that leaves the end of that step alone and
+gives a free mass the velocity and the way it missed.
+
+Order: 4, with cubic signals only.
+Stability: any loop gain but 1 in short steps, since the Jacobian takes the loop out of the error.
+What is made good is right for a free mass: a mode that turns by more than about a radian a step, or
+drag that changes the loop, leaves part of the error.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from functools import lru_cache
+
+import numpy as np
+
+from ..loop import QuasiNewton, difference, pack, rescaled, unpack
+from ..signals import Cubic, End, end_of, extrapolated, hermite
+from ..system import System, Track
+from .explicit import Explicit
+
+_POINTS, _SHARES = np.polynomial.legendre.leggauss(
+    12
+)  # exact to degree 23, so for turns of radians
+_NODES, _SHARES = 0.5 + 0.5 * _POINTS, 0.5 * _SHARES
+
+
+class Compensated(Explicit):
+    """Explicit scheme that carries its errors on.
+
+    Args:
+        jacobian: of the loop at the start, from `loop.consistent_start` with `step` [s].
+        response: of the rotor's accelerations to forces, from `loop.rotor_response` with `step`.
+        speed: of the rotor [rad/s] at a time [s]; the signals' axes turn with it.
+    """
+
+    name = "compensated"
+    first_halvings = 5  # what the first part misses is below what a full step later does
+
+    def __init__(
+        self,
+        jacobian: np.ndarray,
+        response: np.ndarray,
+        step: float,
+        speed: Callable[[float], float],
+    ) -> None:
+        super().__init__()
+        inverse = QuasiNewton(jacobian, step).inverse
+        self._solution, self._solved_step = np.vstack([inverse, response @ inverse]), step
+        self._speed = speed
+        self._missed: list[complex] = []  # of forces, then accelerations: value, slope times step
+        self._missed_step = 0.0
+
+    @classmethod
+    def amplification(cls, eigenvalues: Sequence[complex], order: int) -> float:
+        """Largest factor by which a short step repeats a disturbance: the loop is solved."""
+        return 0.0
+
+    def converge(self, system: System, time: float, step: float) -> None:
+        """A step at a jump of the drive: what was missed before it says nothing after it."""
+        self._missed = []
+        self.step(system, time, step)
+        self._missed = []
+
+    def step(self, system: System, time: float, step: float) -> float:
+        """One step; an explicit scheme has no residual and returns 0."""
+        tracks, forces = system.accelerations, [c.force for c in system.connections]
+        assumed = [extrapolated(f.now, f.past, f.past_step, 3) for f in forces]
+        sent, count = assumed, 2 * len(forces)
+        if self._missed:
+            turn = self._speed(time) * self._missed_step
+            sent = _made_good(assumed, self._missed[:count], turn, self._missed_step, step)
+        ends = system.rotor_pass(sent, time, step)
+        motion = [hermite(t.now, end, step) for t, end in zip(tracks, ends, strict=True)]
+        if self._missed:
+            motion = _made_good(motion, self._missed[count:], 0.0, self._missed_step, step)
+        answers = system.balancer_pass(motion, time, step)
+        self.watch(system, assumed, answers, time, step)
+
+        assumed_ends = pack([end_of(cubic, step) for cubic in assumed], step)
+        missed = self._solve(difference(pack(answers, step), assumed_ends), step)
+        right = [a + b for a, b in zip(assumed_ends + pack(ends, step), missed, strict=True)]
+        self._missed, self._missed_step = missed, step
+        right_ends = unpack(right, step)
+        system.accept(
+            _signals(tracks, right_ends[len(forces) :], step),
+            _signals(forces, right_ends[: len(forces)], step),
+            time,
+            step,
+        )
+        return 0.0
+
+    def _solve(self, residual: Sequence[complex], step: float) -> list[complex]:
+        """Forces and accelerations that would have agreed, less those assumed and answered."""
+        if step != self._solved_step:
+            self._solution = rescaled(self._solution, step / self._solved_step)
+            self._solved_step = step
+        return self._solution.dot(np.array(residual).view(float)).view(complex).tolist()
+
+
+def _signals(tracks: Sequence[Track], ends: Sequence[End], step: float) -> list[tuple[Cubic, End]]:
+    return [(hermite(t.now, end, step), end) for t, end in zip(tracks, ends, strict=True)]
+
+
+def _made_good(
+    signals: Sequence[Cubic], missed: Sequence[complex], turn: float, past: float, step: float
+) -> list[Cubic]:
+    """Signals over the step with what was missed in the past one added."""
+    (a, b), (c, d), (e, f), (g, h) = carried(turn, past, step)
+    found = []
+    for k, (s0, s1, s2, s3) in enumerate(signals):
+        value, slope = missed[2 * k], missed[2 * k + 1]
+        found.append(
+            (
+                s0 + a * value + b * slope,
+                s1 + c * value + d * slope,
+                s2 + e * value + f * slope,
+                s3 + g * value + h * slope,
+            )
+        )
+    return found
+
+
+@lru_cache(maxsize=64)
+def carried(turn: float, past: float, step: float) -> tuple[tuple[complex, complex], ...]:
+    """Cubic over a step that gives a free mass what it missed in the step before.
+
+    Missed was the cubic that starts from nothing and ends with a value and a slope; the one found
+    ends in nothing, and both leave the mass with the same velocity in the same place.
+
+    Args:
+        turn: of the signals' axes in the past step [rad].
+        past, step: lengths of the past step and of this one [s].
+
+    Returns:
+        (4, 2): value and derivatives of order 1 to 3 at the start of the step, per missed value and
+        per missed slope times `past`.
+    """
+    s = _NODES
+    rising = np.array([s * s * (3.0 - 2.0 * s), s * s * (s - 1.0)])
+    falling = np.array([1.0 - rising[0], s * (s - 1.0) ** 2])
+    ratio = step / past
+    # impulse, and its moment about the end of this step, in axes of the start of the past one
+    before = _SHARES * np.exp(1j * turn * s)
+    after = _SHARES * ratio * np.exp(1j * turn * (1.0 + ratio * s))
+    missed = np.array([rising @ before, rising @ (before * (1.0 - s + ratio))])
+    given = np.array([falling @ after, falling @ (after * ratio * (1.0 - s))])
+    start = np.linalg.solve(given, missed)  # value, and slope times step
+    shape = np.array([[1.0, 0.0], [0.0, 1.0], [-6.0, -4.0], [12.0, 6.0]])
+    orders = shape @ start / step ** np.arange(4)[:, None]
+    return tuple((value, slope) for value, slope in orders.tolist())
