@@ -17,7 +17,8 @@ from pathlib import Path
 
 import numpy as np
 
-from .errors import SceneError, SimulationError
+from .choice import Scheme, refuse_loose_tolerance, scheme_for
+from .errors import SimulationError
 from .loop import consistent_start, loop_gain, rotor_response, value_eigenvalues
 from .onset import parts
 from .recorder import Recorder, recorded
@@ -27,16 +28,12 @@ from .scene import Scene, load_scene
 from .scene_balancer import LiquidBalancer
 from .schedule import end_time, milestones, schedule, step_size
 from .schemes.adaptive import Adaptive
-from .schemes.compensated import Compensated
 from .schemes.explicit import Explicit
-from .schemes.gauss_seidel import GaussSeidel
 from .schemes.iterated import Iterated
-from .schemes.jacobi import Jacobi
 from .system import System
 from .unit import Unit
 from .wiring import plan, ports, provide, refuse_other_build
 
-WEAK_LOOP = 0.1  # one corrector pass then leaves 1 % of the prediction's error
 LOOSE = 1e-3  # a fixed number of passes that leaves more of the force than this is reported
 KINK = 1e-6  # of a step: what it errs is below 1e-7, and rounding does not yet spoil the slopes
 SLIVER = 1e-12  # of a time: rounding, not a step
@@ -66,7 +63,7 @@ class CoSimulation:
     """
 
     def __init__(self, scene: Scene, *, fmus: Path | None = None, watch: bool = True) -> None:
-        _refuse_loose_tolerance(scene)
+        refuse_loose_tolerance(scene)
         self.scene, self.profile = scene, scene.profile()
         self.plans = plan(scene)
         self.paths = provide(self.plans, _built_units(), fmus)
@@ -118,37 +115,19 @@ class CoSimulation:
         judged = fixed and self.amplification <= 1.0
         self.resolution = Resolution(self.scene, system) if judged else None
 
-    def _prepare(self, step: float) -> Jacobi | GaussSeidel | Compensated | Iterated | Adaptive:
+    def _prepare(self, step: float) -> Scheme:
         """Bring the units to a consistent start, and make the scheme for this loop."""
         system, response = self.system, np.zeros((0, 0))
         if self.scene.coupling.scheme == "compensated":
             response = rotor_response(system, step)
         jacobian = consistent_start(system, step)
         self.gain = loop_gain(jacobian)
-        scheme = self._choose(jacobian, response, step)
+        scheme = scheme_for(self.scene, system, jacobian, response, step)
         self.amplification = 0.0
         if isinstance(scheme, Explicit):
             loop = value_eigenvalues(jacobian)
             self.amplification = scheme.amplification(loop, system.order)
         return scheme
-
-    def _choose(
-        self, jacobian: np.ndarray, response: np.ndarray, step: float
-    ) -> Jacobi | GaussSeidel | Compensated | Iterated | Adaptive:
-        """The scene's scheme; `auto` takes the cheapest one that is stable at this loop gain."""
-        coupling = self.scene.coupling
-        if coupling.scheme == "jacobi":
-            return Jacobi()
-        if coupling.scheme == "gauss-seidel" or not self.system.connections:
-            return GaussSeidel()
-        if coupling.scheme == "compensated":
-            return Compensated(jacobian, response, step, self.profile.speed)
-        if coupling.tolerance is not None:
-            return Adaptive(Iterated(jacobian, step), coupling.tolerance, self.gain)
-        corrections = coupling.corrections
-        if corrections is None and coupling.scheme == "auto" and self.gain <= WEAK_LOOP:
-            corrections = 1
-        return Iterated(jacobian, step, self.system.order, corrections)
 
     def step(self, step: float, longest: float | None = None) -> float:
         """One communication step of length `step` [s]; returns its length.
@@ -259,18 +238,6 @@ class CoSimulation:
 
     def __exit__(self, *_exception: object) -> None:
         self.close()
-
-
-def _refuse_loose_tolerance(scene: Scene) -> None:
-    coupling = scene.coupling
-    if coupling.tolerance is None:
-        return
-    if coupling.scheme in ("jacobi", "gauss-seidel", "compensated") or coupling.order != 3:
-        raise SceneError(
-            f"{scene.name}: coupling.tolerance = {coupling.tolerance:g}: kept only by scheme "
-            f'"iterated" or "auto" with order 3, not by "{coupling.scheme}" with order '
-            f"{coupling.order}; give steps_per_rev instead"
-        )
 
 
 def cosimulate(

@@ -55,7 +55,7 @@ class Coupling(Table):
     """How the units exchange signals.
 
     Attributes:
-        scheme: `auto` takes the cheapest one that is stable at the scene's loop gain.
+        scheme: `auto` iterates, as often as the scene's loop gain asks for.
         tolerance: relative; the master picks and varies the step.
         steps_per_rev: communication steps a revolution; None with a tolerance.
         order: of the signals, 0 held, 1 linear, 3 cubic Hermite.
