@@ -16,6 +16,8 @@ from .weights import Weights
 
 _BALANCED = 1e-12  # residual moment over the sum of all moments: rounding only
 _RANK = 1e-12  # singular values below this share of the largest one are rounding
+_IN_LINE = 0.05  # of 1 - p: weights within some 0.2 rad of one diameter
+_FREE = 1e-6  # of the capacity: weights that undo more are packed together anyway
 _NEWTON = 60
 _STARTS = 12
 _LONGEST_TURN = 0.5  # rad per Newton step: a larger one leaves the neighbourhood of the start
@@ -143,13 +145,28 @@ def _newton(assembly: Assembly, table: WeightTable, angles: NDArray) -> NDArray 
     return None
 
 
+def _needlessly_in_line(table: WeightTable, moments: dict[int, complex], angles: NDArray) -> bool:
+    """Whether all weights of a plane stand on one diameter though others of the family do not.
+
+    There they cannot push across it, and what drives them vanishes; evenly spread weights end so.
+    """
+    for plane, moment in moments.items():
+        on = table.plane == plane
+        lengths = table.moment[on]
+        free = len(lengths) > 2 and abs(moment) < lengths.sum() * (1.0 - _FREE)
+        if free and abs(lengths @ np.exp(2j * angles[on])) > lengths.sum() * (1.0 - _IN_LINE):
+            return True
+    return False
+
+
 def balanced_angles(assembly: Assembly) -> NDArray[np.float64]:
     """Angles (K,) [rad] of all weights in the main motion.
 
     The given angles when they balance; else the balanced position that Newton's method with least
     turns finds from them.  Two weights have one such position up to their exchange; of the family
-    of three and more weights it is the member next to the given angles.  A start in which the
-    weights cannot move towards balance (all on one line) is left by a small fixed spread.
+    of three and more weights it is the member next to the given angles.  A start from which the
+    weights cannot reach balance, or only with all of them on one line, is left by a small fixed
+    spread.
 
     Raises:
         CannotBalance: the unbalance is out of the weights' reach.
@@ -165,9 +182,15 @@ def balanced_angles(assembly: Assembly) -> NDArray[np.float64]:
         if abs(moment) >= table.moment[on].sum() * (1.0 - _BALANCED):
             start[on] = np.angle(moment)  # all weights together: Newton would creep there
     golden = np.modf(np.arange(1, len(start) + 1) * 0.6180339887498949)[0] - 0.5
+    in_line = None
     for attempt in range(_STARTS):
-        found = _newton(assembly, table, start + 0.3 * attempt * golden)
-        if found is not None:
+        found = _newton(assembly, table, start + 0.3 * attempt * golden if attempt else start)
+        if found is None:
+            continue
+        if found is start or not _needlessly_in_line(table, moments, found):
             return found
+        in_line = found if in_line is None else in_line
+    if in_line is not None:
+        return in_line
     size = float(np.abs(assembly.rotor.unbalance).max(initial=0.0))
     raise ArithmeticError(f"no balanced position found for an unbalance of {size:g} kg m")

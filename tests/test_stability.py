@@ -21,7 +21,7 @@ from autobalancer.models.stability import (
     neutral_count,
 )
 from autobalancer.models.tables import TABLE_1, TABLE_2
-from autobalancer.models.weights import Weights
+from autobalancer.models.weights import Weights, spread
 from autobalancer.models.window import LiquidWindow
 
 LIQUID = Liquid(chamber_radius=0.1, float_radius=0.08, height=0.01, density=1000.0)
@@ -243,6 +243,16 @@ def test_weights_are_turned_to_balance_plane_by_plane():
         assert np.abs(left).max() < 1e-12
     given = Dimensionless.of_row(TABLE_1[0]).assembly()
     assert balanced_angles(given) == pytest.approx([2 * math.pi / 3, 4 * math.pi / 3], abs=1e-12)
+
+
+def test_evenly_spread_weights_balance_without_standing_on_one_line():
+    # by symmetry least turns would take the four to 0, pi, pi, pi: nothing drives them across
+    angles = tuple(0.4 + 0.5 * math.pi * k for k in range(4))  # the unbalance is at 0.4
+    even = balls(count=4, unbalance=2 * 0.01, angles=angles)
+    assert spread(balanced_angles(even)) < 0.95
+    given = (0.4, *[0.4 + math.pi] * 3)  # asked for, it is kept
+    chosen = balls(count=4, unbalance=2 * 0.01, angles=given)
+    assert balanced_angles(chosen) == pytest.approx(given)
 
 
 @pytest.mark.parametrize("count", [2, 3, 4, 7])
