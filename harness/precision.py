@@ -57,6 +57,7 @@ class Point:
         seconds: smallest of the runs.
         work: communication steps, or evaluations of the right-hand side.
         status: `ok`, or what is wrong with it in words.
+        rotor: error of the rotor's displacements alone, relative to the largest of them.
     """
 
     scene: str
@@ -66,6 +67,7 @@ class Point:
     seconds: float | None
     work: int | None
     status: str
+    rotor: float | None = None
 
     @property
     def counts(self) -> bool:
@@ -245,7 +247,8 @@ def _point(
     if run is None:
         return Point(scene.name, method, None, None, None, None, bench.status[method])
     at = np.searchsorted(right.time, run.time)
-    gaps = [np.abs(run.signals[name] - right.signal(name)[at]) / ranges[name] for name in ranges]
+    missed = {name: np.abs(run.signals[name] - right.signal(name)[at]) for name in ranges}
+    gaps = [missed[name] / ranges[name] for name in ranges]
     error, at_end = float(np.max(gaps)), float(np.max([gap[-1] for gap in gaps]))
     status = bench.status[method]
     if not math.isfinite(error):
@@ -255,7 +258,10 @@ def _point(
     elif error < TWO_DECADES * own and status == "ok":
         status = "ok, within two decades of the reference's own error"
     seconds = bench.best.get(method, run.seconds)
-    return Point(scene.name, method, error, at_end, seconds, run.work, status)
+    places = [n for n in missed if n.startswith("rotor.") and n.rpartition(".")[2] in ("x", "y")]
+    reach = max((float(np.max(np.abs(right.signal(n)))) for n in places), default=0.0)
+    rotor = max(float(np.max(missed[n])) for n in places) / reach if reach else None
+    return Point(scene.name, method, error, at_end, seconds, run.work, status, rotor)
 
 
 def observed_orders(points: Sequence[Point], own: float) -> dict[str, float]:

@@ -113,22 +113,20 @@ class InLibcosim:
     def _connections(self) -> tuple[str, str]:
         """A sum of forces and of masses for every plane, and what is connected to what."""
         system = self._cosim.system
+        exchanging = {c.unit.name for c in system.connections}
         sums: list[str] = []
         lines: list[str] = []
-        exchanging = {c.unit.name for c in system.connections}
         for plane in sorted(set(system.planes)):
             units = zip(system.balancers, system.planes, strict=True)
-            here = [unit.name for unit, at in units if at == plane]
-            forced = [name for name in here if name in exchanging]
+            here = [unit for unit, at in units if at == plane]
+            names = [unit.name for unit in here]
+            forced = [name for name in names if name in exchanging]
             for axis in AXES if forced else ():
                 sums.append(_sum(lines, forced, f"F_{axis}", plane))
-                lines += [
-                    "<VariableConnection>"
-                    f"{_variable('rotor', f'plane[{plane}].a_{axis}')}"
-                    f"{_variable(name, f'a_{axis}')}</VariableConnection>"
-                    for name in forced
-                ]
-            sums.append(_sum(lines, here, "added_mass", plane))
+                lines += [_wire(plane, f"a_{axis}", name) for name in forced]
+            sums.append(_sum(lines, names, "added_mass", plane))
+            watched = [unit.name for unit in here if "clearance" in unit.variables]
+            lines += [_wire(plane, axis, name) for name in watched for axis in "xy"]
         return "".join(sums), "".join(lines)
 
     def run(self) -> Run:
@@ -190,6 +188,12 @@ def _sum(lines: list[str], names: Sequence[str], output: str, plane: int) -> str
         f"{_variable('rotor', f'plane[{plane}].{output}')}</SignalConnection>"
     )
     return f'<Sum name="{total}" inputCount="{len(names)}"/>'
+
+
+def _wire(plane: int, output: str, name: str) -> str:
+    """What the rotor's plane shows, connected to the balancer's input of the same name."""
+    source = _variable("rotor", f"plane[{plane}].{output}")
+    return f"<VariableConnection>{source}{_variable(name, output)}</VariableConnection>"
 
 
 def _variable(simulator: str, name: str) -> str:
