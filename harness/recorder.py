@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .errors import SceneError
+from .resolution import SAID
 from .result import Result
 from .scene import Scene
 from .scene_balancer import LiquidBalancer
@@ -134,9 +135,15 @@ def events(cosim: CoSimulation) -> list[str]:
             f"{cosim.unconverged} of {cosim.steps} steps left a residual above 1e-3 of the force "
             f"(worst {cosim.worst_residual:.2g}): use smaller steps or more corrections"
         )
-    if cosim.resolution and cosim.resolution.unresolved:
+    resolution = cosim.resolution
+    if resolution and resolution.estimate >= SAID:
         notes.append(
-            f"{cosim.resolution.unresolved} of {cosim.steps} steps were too long for signals that "
+            "steps too long for signals that vary faster: the motion errs by about "
+            f"{resolution.estimate:.1g} of itself: use more steps_per_rev, or a tolerance"
+        )
+    elif resolution and resolution.unresolved:
+        notes.append(
+            f"{resolution.unresolved} of {cosim.steps} steps were too long for signals that "
             "vary faster: use more steps_per_rev, or a tolerance"
         )
     return notes
