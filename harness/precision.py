@@ -19,7 +19,7 @@ from ..models.trajectory import Trajectory
 from .errors import SimulationError
 from .recorder import recorded
 from .scene import Scene
-from .scene_balancer import LiquidBalancer
+from .scene_balancer import LiquidBalancer, WeightBalancer
 from .signal_units import unit_of_signal
 from .work_precision_methods import (
     Array,
@@ -209,10 +209,13 @@ def _reference(
     scene: Scene, names: Sequence[str], times: Sequence[Array]
 ) -> tuple[Trajectory, float]:
     """The motion at every point that any run has, and its own error."""
+    for balancer in scene.balancer:
+        if isinstance(balancer, WeightBalancer):
+            _refuse_what_the_reference_lacks(scene, balancer)
     every = np.unique(np.concatenate([[0.0], *times]))
     states = [n for n in names if n.rpartition(".")[2] in ("x", "y", "vx", "vy", "angle", "speed")]
     try:
-        return reference(
+        right, own = reference(
             scene.assembly(),
             scene.profile(),
             every,
@@ -223,6 +226,35 @@ def _reference(
         )
     except ReferenceDisagreement as error:
         raise SimulationError(f"{scene.name}: no error can be told: {error}") from error
+    _refuse_contacts(scene, right)
+    return right, own
+
+
+def _refuse_what_the_reference_lacks(scene: Scene, balancer: WeightBalancer) -> None:
+    for name in ("rolling_resistance", "track_offset_xi", "track_offset_eta"):
+        if getattr(balancer, name):
+            raise SimulationError(
+                f"{scene.name}: no error can be told: the reference knows no {name} of "
+                f"{balancer.label!r}"
+            )
+
+
+def _refuse_contacts(scene: Scene, right: Trajectory) -> None:
+    """Raise SimulationError where weights of the reference, which are points, would touch."""
+    for balancer in scene.balancer:
+        if not isinstance(balancer, WeightBalancer) or not balancer.weight_radius:
+            continue
+        names = [f"{balancer.label}.weight[{k}].angle" for k in range(1, balancer.count + 1)]
+        angles = np.array([right.signal(name) for name in names])
+        apart = 2.0 * math.asin(balancer.weight_radius / balancer.track_radius)
+        for k in range(1, len(angles)):
+            gaps = np.abs((angles[k:] - angles[:-k] + math.pi) % (2.0 * math.pi) - math.pi)
+            touching = (gaps < apart).any(axis=0)
+            if touching.any():
+                raise SimulationError(
+                    f"{scene.name}: no error can be told: weights of {balancer.label!r} touch at "
+                    f"t = {right.time[touching.argmax()]:g} s, which the reference does not know"
+                )
 
 
 def _ranges(right: Trajectory, names: Sequence[str]) -> dict[str, float]:
