@@ -220,9 +220,7 @@ def test_liquid_scene_is_exact_at_any_step():
 
 
 def test_scene_without_a_reference_is_refused_in_words(short, monkeypatch):
-    from autobalancer.harness import precision as module
-
-    monkeypatch.setattr(module, "REFERENCE_BOUND", 1e-20)
+    monkeypatch.setattr("autobalancer.harness.precision_reference.BOUND", 1e-20)
     with pytest.raises(SimulationError, match="no error can be told"):
         precision(short, seconds=1.0, methods=HELD[:1])
 
