@@ -40,6 +40,8 @@ QUICK = [
     "weights of 10 of the rotor's mass",
     "weights that spin twenty times as fast as the rotor",
     "4 steps a revolution",
+    "shaft a hundred times as soft",
+    "rigid rotor with the polar inertia of a disc",
     "balancer on a rotor of 1e14 N/m",
     "weights that start 1e7 revolutions on",
     "angle after 1e7 revolutions in steps of a thousand",
@@ -50,6 +52,7 @@ THEMES = (
     "mu = 1 + 9999", "speed 1e-3", "speed 1e5", "natural frequency, undamped", "run-up",
     "1 weight", "64 weights", "4 steps", "10000 steps", "1e7 revolutions", "far out",
     "zero unbalance", "balancer on a rotor of",
+    "shaft a thousand times", "rigid rotor with",
 )  # fmt: skip
 
 
