@@ -112,7 +112,7 @@ class CoSimulation:
             self.allowed_residual = self.scheme.tolerance
         fixed = self.system.order == 3 and not isinstance(self.scheme, Adaptive)
         # an exchange that is unstable at any step is no matter of resolution
-        judged = fixed and self.amplification <= 1.0
+        judged = fixed and self.amplification <= 1.0 and self.system.connections
         self.resolution = Resolution(self.scene, system) if judged else None
 
     def _prepare(self, step: float) -> Scheme:

@@ -11,9 +11,11 @@ from matplotlib.figure import Figure
 from .plots import save
 from .precision import TWO_DECADES, Point, Precision
 from .precision_report import machine
+from .work_precision_methods import ALONG_FIXED_AXES
 
 _COLOURS = {
     "jacobi": "tab:red",
+    ALONG_FIXED_AXES: "tab:brown",
     "gauss-seidel": "tab:orange",
     "compensated": "tab:olive",
     "iterated": "tab:blue",

@@ -14,15 +14,13 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from ..models.monolith import ReferenceDisagreement, Start, reference
 from ..models.trajectory import Trajectory
 from .errors import SimulationError
+from .precision_reference import right_motion, signal_ranges
 from .recorder import recorded
 from .scene import Scene
 from .scene_balancer import LiquidBalancer
-from .signal_units import unit_of_signal
 from .work_precision_methods import (
-    Array,
     Method,
     Run,
     Runner,
@@ -32,10 +30,7 @@ from .work_precision_methods import (
     ready,
 )
 
-REFERENCE_RTOL = 3e-14  # a hair above the smallest SciPy accepts
-REFERENCE_BOUND = 1e-3  # two methods that differ by more give no reference at all
 TWO_DECADES = 100.0  # the reference must be that much better than a point whose error counts
-STILL = 1e-6  # of the largest range in the same unit: a signal that moves less has no range
 ASYMPTOTIC = 0.03  # an error above it says nothing of a method's order
 FEWEST_ROUNDS, MOST_ROUNDS = 2, 7
 TARGETS = (1e-3, 1e-5, 1e-7)
@@ -57,6 +52,7 @@ class Point:
         seconds: smallest of the runs.
         work: communication steps, or evaluations of the right-hand side.
         status: `ok`, or what is wrong with it in words.
+        rotor: error of the rotor's displacements alone, relative to the largest of them.
     """
 
     scene: str
@@ -66,6 +62,7 @@ class Point:
     seconds: float | None
     work: int | None
     status: str
+    rotor: float | None = None
 
     @property
     def counts(self) -> bool:
@@ -125,11 +122,11 @@ def precision(
     bench = _Bench(scene, names, seconds, progress or (lambda _part, _what: None))
     try:
         bench.warm_up(chosen)
-        right, own = _reference(scene, names, [run.time for run in bench.first.values()])
+        right, own = right_motion(scene, names, [run.time for run in bench.first.values()])
         rounds = bench.rounds()
     finally:
         bench.close()
-    ranges = _ranges(right, names)
+    ranges = signal_ranges(right, names)
     points = tuple(_point(scene, m, bench, right, ranges, own) for m in chosen)
     return Precision(scene, points, names, own, rounds, observed_orders(points, own))
 
@@ -203,36 +200,6 @@ class _Bench:
             runner.close()
 
 
-def _reference(
-    scene: Scene, names: Sequence[str], times: Sequence[Array]
-) -> tuple[Trajectory, float]:
-    """The motion at every point that any run has, and its own error."""
-    every = np.unique(np.concatenate([[0.0], *times]))
-    states = [n for n in names if n.rpartition(".")[2] in ("x", "y", "vx", "vy", "angle", "speed")]
-    try:
-        return reference(
-            scene.assembly(),
-            scene.profile(),
-            every,
-            initial=Start(**dict(scene.run.initial.items())),
-            rtol=REFERENCE_RTOL,
-            bound=REFERENCE_BOUND,
-            signals=[n for n in states if not n.startswith("rotor.angle")] or None,
-        )
-    except ReferenceDisagreement as error:
-        raise SimulationError(f"{scene.name}: no error can be told: {error}") from error
-
-
-def _ranges(right: Trajectory, names: Sequence[str]) -> dict[str, float]:
-    """What each signal's error is measured by."""
-    reach = {name: float(np.ptp(right.signal(name))) for name in names}
-    found = {}
-    for name in names:
-        alike = [reach[n] for n in names if unit_of_signal(n) == unit_of_signal(name)]
-        found[name] = max(reach[name], STILL * max(alike)) or 1.0
-    return found
-
-
 def _point(
     scene: Scene,
     method: Method,
@@ -245,7 +212,8 @@ def _point(
     if run is None:
         return Point(scene.name, method, None, None, None, None, bench.status[method])
     at = np.searchsorted(right.time, run.time)
-    gaps = [np.abs(run.signals[name] - right.signal(name)[at]) / ranges[name] for name in ranges]
+    missed = {name: np.abs(run.signals[name] - right.signal(name)[at]) for name in ranges}
+    gaps = [missed[name] / ranges[name] for name in ranges]
     error, at_end = float(np.max(gaps)), float(np.max([gap[-1] for gap in gaps]))
     status = bench.status[method]
     if not math.isfinite(error):
@@ -255,7 +223,10 @@ def _point(
     elif error < TWO_DECADES * own and status == "ok":
         status = "ok, within two decades of the reference's own error"
     seconds = bench.best.get(method, run.seconds)
-    return Point(scene.name, method, error, at_end, seconds, run.work, status)
+    places = [n for n in missed if n.startswith("rotor.") and n.rpartition(".")[2] in ("x", "y")]
+    reach = max((float(np.max(np.abs(right.signal(n)))) for n in places), default=0.0)
+    rotor = max(float(np.max(missed[n])) for n in places) / reach if reach else None
+    return Point(scene.name, method, error, at_end, seconds, run.work, status, rotor)
 
 
 def observed_orders(points: Sequence[Point], own: float) -> dict[str, float]:

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 from .precision import TARGETS, TWO_DECADES, Point, Precision
 from .result import write_whole
+from .work_precision_methods import ALONG_FIXED_AXES
 from .work_precision_profile import Split
 
 if TYPE_CHECKING:
@@ -45,16 +46,16 @@ def as_json(found: Precision) -> dict[str, Any]:
 
 
 def write_csv(found: Precision, path: Path) -> None:
-    """The rows with the error at the end and the work added.
+    """The rows with the error at the end, the error of x and y alone, and the work added.
 
     Raises:
         UserError: the file cannot be written.
     """
     with write_whole(path) as stream:
         writer = csv.writer(stream, lineterminator="\n")
-        writer.writerow([*KEYS, "error_at_end", "work"])
+        writer.writerow([*KEYS, "error_at_end", "error_of_rotor", "work"])
         for point in found.points:
-            writer.writerow([*row(point).values(), point.at_end, point.work])
+            writer.writerow([*row(point).values(), point.at_end, point.rotor, point.work])
 
 
 def table(found: Precision) -> Table:
@@ -133,6 +134,32 @@ def reference_words(found: Precision) -> str:
     )
 
 
+def comparison_words(found: Precision) -> str:
+    """How much more exact one pass is than held forces along fixed axes; "" if one did not run.
+
+    The same units at the same steps: the ratio of the two rows' errors in x and y.
+    """
+    held = {
+        p.method.steps_per_rev: p.rotor
+        for p in found.points
+        if p.method.name == ALONG_FIXED_AXES and p.rotor
+    }
+    ways = []
+    for point in found.points:
+        method, steps = point.method, point.method.steps_per_rev
+        one_pass = method.name == "iterated" and (method.order, method.corrections) == (3, 1)
+        if one_pass and point.rotor and steps in held:
+            ratio = float(f"{held[steps] / point.rotor:.2g}")
+            ways.append(f"{ratio:,.0f} at {steps} ({point.rotor:.1e} against {held[steps]:.2g})")
+    if not ways:
+        return ""
+    return (
+        "Times as exact in x and y, over the largest of them, as the same units with held signals "
+        "along fixed axes: cubic signals and one pass, by steps a revolution, "
+        f"{'; '.join(ways)}."
+    )
+
+
 def cheapest_words(found: Precision) -> str:
     """The last line: the cheapest way to each error."""
     ways = []
@@ -191,4 +218,5 @@ def markdown(found: Precision, splits: Sequence[Split]) -> str:
             f"| {s.method.family}, {s.method.setting} | {s.steps} | {s.calls} | "
             f"{1e6 * s.total / s.steps:.0f} | {shares} |"
         )
-    return "\n".join([*lines, "", cheapest_words(found), ""])
+    compared = [comparison_words(found), ""] if comparison_words(found) else []
+    return "\n".join([*lines, "", *compared, cheapest_words(found), ""])

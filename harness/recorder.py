@@ -7,8 +7,10 @@ from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 
 from .errors import SceneError
+from .resolution import SAID
 from .result import Result
 from .scene import Scene
 from .scene_balancer import LiquidBalancer
@@ -68,17 +70,22 @@ class Recorder:
         for unit, group in self.groups:
             self.rows.extend(unit.get(group))
 
+    def columns(self) -> tuple[NDArray[np.float64], dict[str, NDArray[np.float64]]]:
+        """Times [s], and every signal by name."""
+        table = np.array(self.rows).reshape(-1, 1 + len(self.names))
+        return table[:, 0].copy(), {n: table[:, i].copy() for i, n in enumerate(self.names, 1)}
+
     def result(self, cosim: CoSimulation, seconds: float) -> Result:
         """Everything recorded, with the facts of the run."""
-        table = np.array(self.rows).reshape(-1, 1 + len(self.names))
+        time, signals = self.columns()
         calls: dict[str, int] = {}
         for unit in cosim.units.values():
             for kind, count in unit.calls.items():
                 calls[kind] = calls.get(kind, 0) + count
         return Result(
             scene_title=cosim.scene.title,
-            time=table[:, 0].copy(),
-            signals={name: table[:, i].copy() for i, name in enumerate(self.names, start=1)},
+            time=time,
+            signals=signals,
             seconds=seconds,
             left_out=tuple(left_out(cosim, self.names)),
             units=tuple(path.name for path in dict.fromkeys(cosim.paths)),
@@ -128,9 +135,15 @@ def events(cosim: CoSimulation) -> list[str]:
             f"{cosim.unconverged} of {cosim.steps} steps left a residual above 1e-3 of the force "
             f"(worst {cosim.worst_residual:.2g}): use smaller steps or more corrections"
         )
-    if cosim.resolution and cosim.resolution.unresolved:
+    resolution = cosim.resolution
+    if resolution and resolution.estimate >= SAID:
         notes.append(
-            f"{cosim.resolution.unresolved} of {cosim.steps} steps were too long for signals that "
+            "steps too long for signals that vary faster: the motion errs by about "
+            f"{resolution.estimate:.1g} of itself: use more steps_per_rev, or a tolerance"
+        )
+    elif resolution and resolution.unresolved:
+        notes.append(
+            f"{resolution.unresolved} of {cosim.steps} steps were too long for signals that "
             "vary faster: use more steps_per_rev, or a tolerance"
         )
     return notes

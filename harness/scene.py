@@ -121,6 +121,13 @@ class Scene(Table):
         document = {k: v for k, v in self._document.items() if k not in {"balancer", "check"}}
         return Scene.from_document(document, path=self._path, label=self._label)
 
+    def without(self, *names: str) -> Scene:
+        """The scene less the balancers of these names, with nothing to check."""
+        document = {k: v for k, v in self._document.items() if k != "check"}
+        kept = zip(self.balancer, self._document["balancer"], strict=True)
+        document["balancer"] = [table for balancer, table in kept if balancer.label not in names]
+        return Scene.from_document(document, path=self._path, label=self._label)
+
     def _refused_by_models(self) -> list[str]:
         """What the models themselves refuse, once the tables are right."""
         try:

@@ -75,33 +75,28 @@ class WeightBalancer(Balancer):
             raise ValueError("point weights do not collide: give weight_radius, or leave this out")
         return value
 
-    @field_validator("angles")
+    @field_validator("angles", "speeds")
     @classmethod
-    def _one_angle_each(
+    def _one_each(
         cls, value: tuple[float, ...] | None, info: ValidationInfo
     ) -> tuple[float, ...] | None:
         count = info.data.get("count")
         if count is None:
             return value
         if value is None:
-            return tuple(2.0 * math.pi * k / count for k in range(count))
+            turn = 2.0 * math.pi if info.field_name == "angles" else 0.0
+            return tuple(turn * k / count for k in range(count))
         same_length(value, count, "weight")
-        radius, track = info.data.get("weight_radius"), info.data.get("track_radius")
-        if radius is not None and track is not None and count > 1:
-            _refuse_overlap(value, 2.0 * math.asin(radius / track))
         return value
 
-    @field_validator("speeds")
+    @field_validator("angles")
     @classmethod
-    def _one_speed_each(
+    def _do_not_overlap(
         cls, value: tuple[float, ...] | None, info: ValidationInfo
     ) -> tuple[float, ...] | None:
-        count = info.data.get("count")
-        if count is None:
-            return value
-        if value is None:
-            return (0.0,) * count
-        same_length(value, count, "weight")
+        radius, track = info.data.get("weight_radius"), info.data.get("track_radius")
+        if value is not None and len(value) > 1 and radius is not None and track is not None:
+            _refuse_overlap(value, 2.0 * math.asin(radius / track))
         return value
 
     @property

@@ -20,6 +20,7 @@ from .errors import SimulationError
 from .master import CoSimulation
 from .scene import Scene
 from .schedule import end_time, step_size
+from .wiring import AXES
 from .work_precision_methods import Run
 
 NANOSECOND = 1e-9  # s: libcosim counts time in whole ones
@@ -110,26 +111,23 @@ class InLibcosim:
         return held
 
     def _connections(self) -> tuple[str, str]:
-        """One sum of forces for every plane and axis, and what is connected to what."""
-        system, functions, lines = self._cosim.system, [], []
-        for number, plane in enumerate(system.connected):
-            members = [c for c in system.connections if c.plane == number]
-            for axis in ("xi", "eta"):
-                total = f"sum_{plane}_{axis}"
-                functions.append(f'<Sum name="{total}" inputCount="{len(members)}"/>')
-                for k, member in enumerate(members):
-                    lines.append(
-                        f"<SignalConnection>{_variable(member.unit.name, f'F_{axis}')}"
-                        f'<Signal function="{total}" name="in[{k}]"/></SignalConnection>'
-                        "<VariableConnection>"
-                        f"{_variable('rotor', f'plane[{plane}].a_{axis}')}"
-                        f"{_variable(member.unit.name, f'a_{axis}')}</VariableConnection>"
-                    )
-                lines.append(
-                    f'<SignalConnection><Signal function="{total}" name="out"/>'
-                    f"{_variable('rotor', f'plane[{plane}].F_{axis}')}</SignalConnection>"
-                )
-        return "".join(functions), "".join(lines)
+        """A sum of forces and of masses for every plane, and what is connected to what."""
+        system = self._cosim.system
+        exchanging = {c.unit.name for c in system.connections}
+        sums: list[str] = []
+        lines: list[str] = []
+        for plane in sorted(set(system.planes)):
+            units = zip(system.balancers, system.planes, strict=True)
+            here = [unit for unit, at in units if at == plane]
+            names = [unit.name for unit in here]
+            forced = [name for name in names if name in exchanging]
+            for axis in AXES if forced else ():
+                sums.append(_sum(lines, forced, f"F_{axis}", plane))
+                lines += [_wire(plane, f"a_{axis}", name) for name in forced]
+            sums.append(_sum(lines, names, "added_mass", plane))
+            watched = [unit.name for unit in here if "clearance" in unit.variables]
+            lines += [_wire(plane, axis, name) for name in watched for axis in "xy"]
+        return "".join(sums), "".join(lines)
 
     def run(self) -> Run:
         with TemporaryDirectory(prefix="autobalancer-") as directory:
@@ -175,6 +173,27 @@ def _simulator(name: str, fmu: Path, values: Mapping[str, float | bool]) -> str:
         f"<Simulator name={quoteattr(name)} source={quoteattr(fmu.as_uri())}>"
         f"<InitialValues>{''.join(lines)}</InitialValues></Simulator>"
     )
+
+
+def _sum(lines: list[str], names: Sequence[str], output: str, plane: int) -> str:
+    """The function that adds an output of several units for a plane; its connections in `lines`."""
+    total = f"sum_{plane}_{output}"
+    for k, name in enumerate(names):
+        lines.append(
+            f"<SignalConnection>{_variable(name, output)}"
+            f'<Signal function="{total}" name="in[{k}]"/></SignalConnection>'
+        )
+    lines.append(
+        f'<SignalConnection><Signal function="{total}" name="out"/>'
+        f"{_variable('rotor', f'plane[{plane}].{output}')}</SignalConnection>"
+    )
+    return f'<Sum name="{total}" inputCount="{len(names)}"/>'
+
+
+def _wire(plane: int, output: str, name: str) -> str:
+    """What the rotor's plane shows, connected to the balancer's input of the same name."""
+    source = _variable("rotor", f"plane[{plane}].{output}")
+    return f"<VariableConnection>{source}{_variable(name, output)}</VariableConnection>"
 
 
 def _variable(simulator: str, name: str) -> str:

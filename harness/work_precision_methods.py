@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import time as clock
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Protocol
 
 import numpy as np
@@ -27,6 +27,7 @@ SOLVERS: dict[str, tuple[float, ...]] = {
     "LSODA": tuple(10.0**-k for k in range(3, 11)),
     "Radau": tuple(10.0**-k for k in range(3, 9)),
 }
+ALONG_FIXED_AXES = "jacobi along fixed axes"  # what most tools do with most units
 SAMPLES_PER_REV = 20  # points of the monolith's dense output, as many as a record usually has
 
 
@@ -35,7 +36,7 @@ class Method:
     """A way to run a scene; what does not apply is None.
 
     Attributes:
-        name: coupling scheme, `monolith` and SciPy's method, or another master.
+        name: coupling scheme, `ALONG_FIXED_AXES`, `monolith` and SciPy's method, or another master.
         order: of the exchanged signals.
         steps_per_rev: communication steps a revolution.
         corrections: corrector passes; None with `iterated`: until the loop has converged.
@@ -147,7 +148,8 @@ def coupling_methods(exchanges_force: bool) -> list[Method]:
     """Every scheme, order and step; one of each step where no force is exchanged."""
     if not exchanges_force:
         return [Method("auto", steps_per_rev=n) for n in (4, 10, 20, 40)]
-    found = [
+    found = [Method(ALONG_FIXED_AXES, 0, n) for n in EXPLICIT_STEPS]
+    found += [
         Method(scheme, order, n)
         for scheme in ("jacobi", "gauss-seidel")
         for order in (0, 1, 3)
@@ -199,10 +201,14 @@ def ready(scene: Scene, method: Method, names: Sequence[str]) -> Runner:
         assert method.tolerance is not None
         solver = method.name.removeprefix("monolith ")
         return InOnePiece(scene, names, solver, method.tolerance, sample_times(scene))
+    if method.name == ALONG_FIXED_AXES:
+        from .work_precision_fixed import AlongFixedAxes
+
+        return AlongFixedAxes(coupled_scene(scene, replace(method, name="jacobi")), names)
     if method.name == "libcosimpy":
         from .work_precision_libcosim import InLibcosim
 
-        return InLibcosim(coupled_scene(scene, Method("jacobi", 0, method.steps_per_rev)), names)
+        return InLibcosim(coupled_scene(scene, replace(method, name="jacobi")), names)
     return Coupled(coupled_scene(scene, method), names)
 
 

@@ -9,7 +9,6 @@ linear system and one matrix exponential moves them: no limit from step size, st
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 from functools import lru_cache
 
 import numpy as np
@@ -99,13 +98,3 @@ def step_matrix(
     rates = propagated[dof : 2 * dof] @ z
     acceleration, jerk = planes @ rates, planes @ (rates @ z)
     return np.vstack([propagated[: 2 * dof], acceleration, jerk])
-
-
-def natural_frequencies(rotor: LinearRotor, added_mass: Sequence[float] | None = None) -> NDArray:
-    """Undamped natural frequencies at standstill [rad/s], ascending, (2n,)."""
-    loaded = rotor if added_mass is None else rotor.with_added_mass(added_mass)
-    squares = [
-        np.linalg.eigvals(np.linalg.solve(loaded.mass, stiffness)).real
-        for stiffness in (loaded.stiffness_x, loaded.stiffness_y)
-    ]
-    return np.sqrt(np.sort(np.concatenate(squares)).clip(min=0.0))

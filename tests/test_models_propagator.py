@@ -11,12 +11,7 @@ from scipy.integrate import solve_ivp
 from scipy.linalg import expm
 
 from autobalancer.models.liquid import Liquid
-from autobalancer.models.propagator import (
-    exponential,
-    generator,
-    natural_frequencies,
-    step_matrix,
-)
+from autobalancer.models.propagator import exponential, generator, step_matrix
 from autobalancer.models.rotor import LinearRotor
 
 FORCE = np.array([0.3 + 0.1j, -0.2 + 0.4j, 0.5 - 0.1j, 0.2 + 1.0j])
@@ -269,9 +264,3 @@ def test_ten_thousand_undamped_revolutions_keep_the_energy() -> None:
         step = step @ step
     found = np.linalg.matrix_power(step, 24) @ state
     assert_allclose(energy @ found**2, first, rtol=1e-9)
-
-
-def test_natural_frequencies_are_those_of_the_loaded_masses() -> None:
-    rotor = LinearRotor.planar(1.5, [6.0, 24.0])
-    assert_allclose(natural_frequencies(rotor), [2.0, 4.0])
-    assert_allclose(natural_frequencies(rotor, [4.5]), [1.0, 2.0])

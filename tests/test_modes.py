@@ -35,6 +35,12 @@ def test_damping_ratio_and_frequency_of_one_disc():
     assert found.directions == ("planar", "planar")
 
 
+def test_natural_frequencies_are_those_of_the_loaded_masses():
+    rotor = LinearRotor.planar(1.5, (6.0, 24.0))
+    assert modes(rotor, 0.0).natural_frequencies == pytest.approx([2.0, 4.0])
+    assert modes(rotor.with_added_mass([4.5]), 0.0).natural_frequencies == pytest.approx([1, 2])
+
+
 def test_overdamped_motions_have_no_frequency():
     rotor = LinearRotor.planar(1.0, (1.0, 4.0), (4.0, 0.0))
     found = modes(rotor, 0.0)

@@ -8,15 +8,22 @@ import numpy as np
 import pytest
 from typer.testing import CliRunner
 
-from autobalancer.harness import load_scene
+from autobalancer.harness import load_scene, resolution
 from autobalancer.harness.cli import app
 from autobalancer.harness.errors import SimulationError
 from autobalancer.harness.master import CoSimulation, cosimulate
 from autobalancer.harness.onset import parts
 from autobalancer.harness.stress import as_json, run_case, stress
-from autobalancer.harness.stress_case import Outcome, linear_motion, refusal, scene
+from autobalancer.harness.stress_case import (
+    Outcome,
+    linear_motion,
+    refusal,
+    scene,
+    stated_error,
+)
 from autobalancer.harness.stress_cases import all_cases
 from autobalancer.harness.stress_cases_rotor import _liquid_scene
+from autobalancer.harness.stress_verdicts import Judged, judge, spinning, table
 from autobalancer.models.monolith import reference
 from autobalancer.models.oscillator import forced_motion
 from autobalancer.models.weights import Weights, advance
@@ -33,6 +40,8 @@ QUICK = [
     "weights of 10 of the rotor's mass",
     "weights that spin twenty times as fast as the rotor",
     "4 steps a revolution",
+    "shaft a hundred times as soft",
+    "rigid rotor with the polar inertia of a disc",
     "balancer on a rotor of 1e14 N/m",
     "weights that start 1e7 revolutions on",
     "angle after 1e7 revolutions in steps of a thousand",
@@ -43,6 +52,7 @@ THEMES = (
     "mu = 1 + 9999", "speed 1e-3", "speed 1e5", "natural frequency, undamped", "run-up",
     "1 weight", "64 weights", "4 steps", "10000 steps", "1e7 revolutions", "far out",
     "zero unbalance", "balancer on a rotor of",
+    "shaft a thousand times", "rigid rotor with",
 )  # fmt: skip
 
 
@@ -125,6 +135,50 @@ def test_steps_too_long_for_the_signals_are_refused_or_said():
         cosimulate(for_ever)
     fine = build.replace({"operation.speed": 3.0})
     assert not cosimulate(fine).events
+
+
+@pytest.mark.parametrize(
+    ("name", "spin", "steps", "verdict"),
+    [
+        ("drum", 2, 20, "silent"),
+        ("drum", 5, 12, "said"),
+        ("grinder", 5, 12, "said"),
+        ("two_plane_rodrigues", 5, 12, "refused"),
+    ],
+)
+def test_error_a_run_estimates_of_itself_is_the_real_one_within_a_factor(
+    name, spin, steps, verdict
+):
+    """Weights that spin faster than the rotor."""
+    row = judge(name, spin, steps)
+    assert 0.1 * row.error < row.estimate < 10.0 * row.error
+    assert row.verdict == verdict
+    real = {"silent": row.error < 1e-2, "said": 1e-2 < row.error < 0.3, "refused": row.error > 0.3}
+    assert real[verdict]
+
+
+def test_every_judged_run_is_counted_once():
+    rows = [
+        Judged("a", 1, 8, 5e-4, 1e-4, "silent"),
+        Judged("a", 2, 8, 0.5, 0.4, "refused"),
+        Judged("a", 3, 8, None, 0.4, "loop did not converge"),
+        Judged("a", 4, 8, 7.0, 0.2, "said"),
+    ]
+    lines = table(rows).splitlines()
+    assert lines[2] == "| below 0.1 % | 1 | - | - | - |"
+    assert lines[5] == "| 10 to 100 % | - | - | 1 | - |"
+    assert lines[6:] == ["| above 100 % | - | 1 | - | - |", "| no end | - | - | - | 1 |"]
+
+
+def test_estimated_error_decides_whether_a_run_is_silent_told_or_refused():
+    fine = cosimulate(spinning("drum", 2, 20))
+    assert not fine.events
+    assert stated_error(fine) == 0.0
+    told = cosimulate(spinning("drum", 10, 40))  # real error 2 %
+    assert any("use more steps_per_rev" in event for event in told.events)
+    assert resolution.SAID <= stated_error(told) < resolution.REFUSED
+    with pytest.raises(SimulationError, match="times as far as they move at all"):
+        cosimulate(spinning("drum", 20, 20))  # real error 14 times the range
 
 
 @pytest.mark.parametrize(("scheme", "order"), [("gauss-seidel", 1), ("jacobi", 1), ("auto", 3)])

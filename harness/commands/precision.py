@@ -44,6 +44,7 @@ def command(
     from ..precision_report import (
         as_json,
         cheapest_words,
+        comparison_words,
         machine,
         markdown,
         reference_words,
@@ -84,17 +85,23 @@ def command(
         from ..plots_precision import plot_precision
 
         say(f"Picture: {plot_precision(found, output)}")
+    if words := comparison_words(found):
+        say(words, style="bold")
     say(cheapest_words(found), style="bold")
 
 
 def _splits(found: Precision) -> list[Split]:
     """One coupling of every family that ran."""
+    from ..work_precision_methods import ALONG_FIXED_AXES
     from ..work_precision_profile import split_time
 
     chosen = {}
     for point in found.points:
         method = point.method
-        other = method.name.startswith("monolith") or method.name == "libcosimpy"
+        other = method.name.startswith("monolith") or method.name in (
+            ALONG_FIXED_AXES,
+            "libcosimpy",
+        )
         if other or not point.counts:
             continue
         usual = PROFILED_STEPS, PROFILED_TOLERANCE

@@ -41,7 +41,7 @@ class Compensated(Explicit):
     """
 
     name = "compensated"
-    first_halvings = 5  # what the first part misses is below what a full step later does
+    first_halvings = 2  # what the first part misses is then below what a full step misses later
 
     def __init__(
         self,
