@@ -85,6 +85,7 @@ def omissions() -> list[Omission]:
     once = _scene("two_balls", coupling__corrections=1)
     held = _scene("two_balls", coupling__corrections=1, coupling__order=0)
     explicit = _scene("two_balls", coupling__corrections=None, coupling__scheme="gauss-seidel")
+    carried = _scene("two_balls", coupling__corrections=None, coupling__scheme="compensated")
     return [
         Omission("force exchange of a liquid: added mass alone", "liquid_disc",
                  Way(force), Way(disc)),
@@ -101,6 +102,7 @@ def omissions() -> list[Omission]:
                  Way(_scene("liquid_disc", operation__run_up=ramp)), Way(disc)),
         Omission("passes until converged: one pass", "two_balls", Way(many), Way(once)),
         Omission("the corrector pass: `gauss-seidel`", "two_balls", Way(once), Way(explicit)),
+        Omission("the corrector pass: `compensated`", "two_balls", Way(once), Way(carried)),
         Omission("slopes of the signals: `order = 0`", "two_balls", Way(once), Way(held)),
         Omission("contacts: point weights", "two_balls", Way(finite), Way(balls)),
         Omission("the picture", "two_balls", Way(balls, draw=True), Way(balls)),

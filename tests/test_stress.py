@@ -23,6 +23,7 @@ from autobalancer.harness.stress_case import (
 )
 from autobalancer.harness.stress_cases import all_cases
 from autobalancer.harness.stress_cases_rotor import _liquid_scene
+from autobalancer.harness.stress_cases_weights import _two
 from autobalancer.harness.stress_verdicts import Judged, judge, spinning, table
 from autobalancer.models.monolith import reference
 from autobalancer.models.oscillator import forced_motion
@@ -99,6 +100,24 @@ def test_held_jacobi_repeats_an_error_by_the_root_of_the_gain_when_nobody_refuse
         growth[gain] = (jitter[-100:].max() / jitter[-1100:-1000].max()) ** 1e-3
     assert growth[1.05] == pytest.approx(1.05**0.5, abs=2e-3)
     assert growth[0.98] < 1.0
+
+
+def test_heavy_weights_part_from_their_neighbours_in_the_fifth_revolution():
+    # why that stress case ends after four: no tolerance can be kept where errors grow fiftyfold
+    case = _two({"weights.mass": 9.5, "weights.drag": 4.75, "rotor.unbalance": 0.025})
+    first = case.balancer[0].angles[0]
+    time = 2.0 * np.pi / 3.0 * np.linspace(0.0, 5.0, 51)
+    moved = 1e-7
+    motions = [
+        reference(one.assembly(), one.profile(), time, rtol=1e-12, signals=["rotor.x"])[0]
+        for one in (case, case.replace({"weights.angles[1]": first + moved}))
+    ]
+    parted = np.zeros(51)
+    for name in ("rotor.x", "rotor.y", "weights.moment_xi", "weights.moment_eta"):
+        here, there = (motion.signal(name) for motion in motions)
+        parted = np.maximum(parted, np.abs(here - there) / np.ptp(here) / moved)
+    assert parted[:41].max() < 10.0
+    assert parted.max() > 30.0
 
 
 def test_heavy_drag_is_right_with_the_default_coupling():
