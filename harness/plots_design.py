@@ -32,6 +32,15 @@ def plot_design(data: Design, path: Path) -> Path:
         mfc="white",
         label="slow root at the largest p",
     )
+    there = [c for c in data.choices if math.isfinite(c.predicted_there)]
+    below.plot(
+        [c.count for c in there],
+        [c.predicted_there for c in there],
+        "d:",
+        color="#2c7a4b",
+        mfc="white",
+        label="slow root where the runs ended: median",
+    )
     settled = [c for c in data.choices if math.isfinite(c.median)]
     tops = [c.high if math.isfinite(c.high) else c.median for c in settled]
     below.errorbar(

@@ -78,7 +78,48 @@ class SizesCheck(Table):
     kind: Literal["goncharov_table"]
 
 
+class RankingCheck(Table):
+    """Which number of balls or rollers settles first: Goncharov 2017, Fig. 7, co-simulated.
+
+    Attributes:
+        starts: random starts for every number of weights.
+        most: numbers from 2 to this one.
+        width: of the space along the axis [m]: height of rollers, largest diameter of balls.
+        halved: starts of every number repeated with steps of half the length.
+    """
+
+    kind: Literal["goncharov_ranking"]
+    starts: Annotated[Whole, Field(ge=6, le=100_000)] = 200
+    most: Annotated[Whole, Field(ge=2, le=64)] = 8
+    width: Annotated[Positive | None, Unit("m")] = None
+    halved: Annotated[Whole, Field(ge=1, le=1000)] = 4
+
+
+class SlowRootCheck(Table):
+    """Decay of runs against the slow root, Goncharov 2017 (1), and the exact spectrum.
+
+    Attributes:
+        starts: for every number of weights, two groups that face each other.
+        most: numbers from 2 to this one.
+        width: as `RankingCheck`.
+        unbalance, revolutions: instead of the scene's [kg m, 1].
+    """
+
+    kind: Literal["slow_root"]
+    starts: Annotated[Whole, Field(ge=1, le=100_000)] = 20
+    most: Annotated[Whole, Field(ge=2, le=64)] = 8
+    width: Annotated[Positive | None, Unit("m")] = None
+    unbalance: Annotated[Positive | None, Unit("kg m")] = None
+    revolutions: Positive | None = None
+
+
 AnyCheck = Annotated[
-    LiquidWindowCheck | CriticalSpeedsCheck | TableCheck | CapacityCheck | SizesCheck,
+    LiquidWindowCheck
+    | CriticalSpeedsCheck
+    | TableCheck
+    | CapacityCheck
+    | SizesCheck
+    | RankingCheck
+    | SlowRootCheck,
     Field(discriminator="kind"),
 ]

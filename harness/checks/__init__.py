@@ -12,7 +12,9 @@ from ..scene_check import (
     CapacityCheck,
     CriticalSpeedsCheck,
     LiquidWindowCheck,
+    RankingCheck,
     SizesCheck,
+    SlowRootCheck,
     TableCheck,
 )
 
@@ -40,7 +42,7 @@ def run_checks(scene: Scene, progress: Progress | None = None, workers: int = 1)
             if progress:
                 progress((done + fraction) / len(parts))
 
-        rows += _rows(*part, report)
+        rows += _rows(*part, report, workers)
     return rows
 
 
@@ -57,7 +59,9 @@ def _alone(part: tuple[Scene, AnyCheck, int]) -> list[Row]:
     return list(_rows(*part, lambda fraction: None))
 
 
-def _rows(scene: Scene, check: AnyCheck, table_row: int, progress: Progress) -> Iterator[Row]:
+def _rows(
+    scene: Scene, check: AnyCheck, table_row: int, progress: Progress, workers: int = 1
+) -> Iterator[Row]:
     if isinstance(check, LiquidWindowCheck):
         from .liquid_window import check_liquid_window
 
@@ -78,4 +82,12 @@ def _rows(scene: Scene, check: AnyCheck, table_row: int, progress: Progress) -> 
         from .capacity import check_sizes
 
         return check_sizes(scene)
+    if isinstance(check, RankingCheck):
+        from .ranking import check_ranking
+
+        return check_ranking(scene, check, progress, workers)
+    if isinstance(check, SlowRootCheck):
+        from .slow_root import check_slow_root
+
+        return check_slow_root(scene, check, progress, workers)
     raise NotImplementedError(f"no check for {check!r}")
