@@ -19,6 +19,7 @@ from ..scene_check import (
 )
 
 Progress = Callable[[float], None]
+_SHARING = (RankingCheck, SlowRootCheck)  # they share their runs among the processes themselves
 
 
 def run_checks(scene: Scene, progress: Progress | None = None, workers: int = 1) -> list[Row]:
@@ -33,7 +34,8 @@ def run_checks(scene: Scene, progress: Progress | None = None, workers: int = 1)
         SimulationError: a run cannot be completed correctly.
     """
     parts = [(scene, check, row) for check in scene.check for row in _table_rows(check)]
-    if workers > 1 and len(parts) > 1:
+    sharing = any(isinstance(check, _SHARING) for check in scene.check)
+    if workers > 1 and len(parts) > 1 and not sharing:
         return [row for rows in spread(_alone, parts, workers, progress) for row in rows]
     rows: list[Row] = []
     for number, part in enumerate(parts):
