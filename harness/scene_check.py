@@ -6,7 +6,7 @@ from typing import Annotated, Any, Literal
 
 from pydantic import Field, field_validator
 
-from .scene_types import Positive, Table, Text, Unit, Whole
+from .scene_types import Positive, Real, Table, Text, Unit, Whole
 
 SpeedRange = Annotated[tuple[Positive, Positive], Unit("rad/s")]
 
@@ -113,6 +113,28 @@ class SlowRootCheck(Table):
     revolutions: Positive | None = None
 
 
+class ContactOrderCheck(Table):
+    """Order of convergence in the communication step of a scene with weights that touch.
+
+    Attributes:
+        case: what the rows call it.
+        set: values replaced in the scene, as by `Scene.replace`.
+        order, within: what is expected, and how near.
+        steps, reference: communication steps a revolution of the runs, and of the exact one.
+        runs, shift: runs, and how far each weight starts further on over all of them [rad].
+    """
+
+    kind: Literal["contact_order"]
+    case: Text
+    set: dict[str, Any] = Field(default_factory=dict)
+    order: Positive
+    within: Positive = 0.3
+    steps: tuple[Whole, ...] = (20, 40, 80, 160)
+    reference: Whole = 1280
+    runs: Annotated[Whole, Field(ge=1, le=1000)] = 1
+    shift: Annotated[tuple[Real, ...], Unit("rad")] = ()
+
+
 AnyCheck = Annotated[
     LiquidWindowCheck
     | CriticalSpeedsCheck
@@ -120,6 +142,7 @@ AnyCheck = Annotated[
     | CapacityCheck
     | SizesCheck
     | RankingCheck
-    | SlowRootCheck,
+    | SlowRootCheck
+    | ContactOrderCheck,
     Field(discriminator="kind"),
 ]

@@ -10,6 +10,7 @@ from ..scene import Scene
 from ..scene_check import (
     AnyCheck,
     CapacityCheck,
+    ContactOrderCheck,
     CriticalSpeedsCheck,
     LiquidWindowCheck,
     RankingCheck,
@@ -92,4 +93,8 @@ def _rows(
         from .slow_root import check_slow_root
 
         return check_slow_root(scene, check, progress, workers)
+    if isinstance(check, ContactOrderCheck):
+        from .contact_order import check_contact_order
+
+        return check_contact_order(scene, check, progress)
     raise NotImplementedError(f"no check for {check!r}")
