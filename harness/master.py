@@ -17,6 +17,7 @@ from pathlib import Path
 
 import numpy as np
 
+from .contact_hint import contact_hint
 from .errors import SceneError, SimulationError
 from .loop import consistent_start, loop_gain, value_eigenvalues
 from .onset import parts
@@ -156,7 +157,8 @@ class CoSimulation:
         except SimulationError as error:
             if not self.system.connections:
                 raise
-            raise SimulationError(f"{error}; loop gain {self.gain:.3g}") from error
+            hint = contact_hint(self.scene)
+            raise SimulationError(f"{error}; loop gain {self.gain:.3g}{hint}") from error
 
     def _step(self, step: float, longest: float | None) -> float:
         if self.acceleration:
