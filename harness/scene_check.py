@@ -113,6 +113,22 @@ class SlowRootCheck(Table):
     revolutions: Positive | None = None
 
 
+class LargestSpreadCheck(Table):
+    """Settling from the positions of largest p, Goncharov 2017 (10), (13), where weights touch.
+
+    Attributes:
+        most, width: as `RankingCheck`.
+        step: by which the unbalance changes, either way [of the capacity].
+        revolutions: instead of the scene's.
+    """
+
+    kind: Literal["largest_spread"]
+    most: Annotated[Whole, Field(ge=2, le=64)] = 8
+    width: Annotated[Positive | None, Unit("m")] = None
+    step: Annotated[Positive, Field(le=0.1)] = 0.001
+    revolutions: Positive | None = None
+
+
 class ContactOrderCheck(Table):
     """Order of convergence in the communication step of a scene with weights that touch.
 
@@ -143,6 +159,7 @@ AnyCheck = Annotated[
     | SizesCheck
     | RankingCheck
     | SlowRootCheck
+    | LargestSpreadCheck
     | ContactOrderCheck,
     Field(discriminator="kind"),
 ]

@@ -20,6 +20,7 @@ from dataclasses import replace
 from typing import NamedTuple
 
 from .assembly import Assembly, Mounted
+from .capacity import packed_spread
 from .contact import group_factor
 from .weights import Weights
 
@@ -65,6 +66,18 @@ def joint_spread(groups: Sequence[Packed], alpha: float) -> tuple[float, float]:
         share * cmath.rect(1.0, 2.0 * g.middle) for share, g in zip(shares, groups, strict=True)
     )
     return total, abs(turned) / total
+
+
+def facing_measure(count: int, alpha: float) -> tuple[int, float]:
+    """n_g and p_g of Goncharov's position of largest p, two packed groups face to face.
+
+    On their diameter both groups are pressed together or one opens, and a group that is pressed
+    adds nothing to n_g (1 - p_g).  The slower way opens the smaller group, of q = n // 2 weights:
+    (1 - p) m n of (10), (13) becomes (1 - p_q) m q, its half for even n, and 0 for n = 2 and 3,
+    where that group is a single weight.  p_q is the spread of q packed weights.
+    """
+    smaller = count // 2
+    return smaller, packed_spread(smaller, alpha)
 
 
 def merged(assembly: Assembly, alpha: float, groups: Sequence[Packed]) -> Assembly:

@@ -153,7 +153,7 @@ def test_a_rotor_below_its_critical_speed_is_refused():
 
 
 def test_ranking_rows_compare_first_and_order_and_the_step():
-    scene = load_scene("goncharov_balls")
+    scene = load_scene("goncharov_balls").replace({"run.revolutions": 100})
     check = RankingCheck(kind="goncharov_ranking", starts=6, most=3, width=0.25, halved=1)
     rows = list(check_ranking(scene, check, lambda fraction: None, 2))
     named = {row.quantity.split(",")[0]: row for row in rows}
@@ -188,7 +188,8 @@ def test_contact_converges_at_its_order_in_the_communication_step(case, order):
 
 
 def test_two_weights_without_unbalance_are_named_not_failed():
-    scene = load_scene("finite_weights").replace({"run.revolutions": 40})
+    changes = {"run.revolutions": 40, "coupling.steps_per_rev": 20}
+    scene = load_scene("finite_weights").replace(changes)
     data = design(scene, unbalance=0.0, counts=[2], starts=6)
     (two,) = data.choices
     assert two.predicted == math.inf
@@ -200,7 +201,8 @@ def test_design_command_shows_a_table_words_and_a_picture(tmp_path, monkeypatch)
     monkeypatch.setenv("COLUMNS", "200")
     scene = tmp_path / "short.toml"
     text = load_scene("finite_weights").path.read_text()
-    scene.write_text(text.replace("revolutions = 100", "revolutions = 40"))
+    short = text.replace("revolutions = 100", "revolutions = 30")
+    scene.write_text(short.replace("steps_per_rev = 40", "steps_per_rev = 20"))
     picture = tmp_path / "design.png"
     arguments = ["design", str(scene), "--starts", "6", "--most", "3", "-o", str(picture)]
     result = CliRunner().invoke(app, arguments)

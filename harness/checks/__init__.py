@@ -12,6 +12,7 @@ from ..scene_check import (
     CapacityCheck,
     ContactOrderCheck,
     CriticalSpeedsCheck,
+    LargestSpreadCheck,
     LiquidWindowCheck,
     RankingCheck,
     SizesCheck,
@@ -20,7 +21,11 @@ from ..scene_check import (
 )
 
 Progress = Callable[[float], None]
-_SHARING = (RankingCheck, SlowRootCheck)  # they share their runs among the processes themselves
+_SHARING = (
+    RankingCheck,
+    SlowRootCheck,
+    LargestSpreadCheck,
+)  # they share their runs among the processes themselves
 
 
 def run_checks(scene: Scene, progress: Progress | None = None, workers: int = 1) -> list[Row]:
@@ -97,4 +102,8 @@ def _rows(
         from .contact_order import check_contact_order
 
         return check_contact_order(scene, check, progress)
+    if isinstance(check, LargestSpreadCheck):
+        from .largest_spread import check_largest_spread
+
+        return check_largest_spread(scene, check, progress, workers)
     raise NotImplementedError(f"no check for {check!r}")
