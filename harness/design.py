@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import random
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
@@ -12,17 +11,10 @@ import numpy as np
 from ..models import capacity as theory
 from ..models.settling import critical_drag, settling_time, slow_root
 from ..models.weights import Weights
-from .design_study import SETTLED, Batch, Settled, median_interval, random_start, run_batch
-from .errors import SceneError
+from .design_scenes import STEEL, batches, capacity_of, race_of, sized, unbalance_of, weights_of
+from .design_study import SETTLED, Settled, median_interval, run_batch
 from .parallel import spread as shared
 from .scene import Scene
-from .scene_balancer import WeightBalancer
-
-STEEL = 7800.0  # kg/m^3
-BATCH = 10  # starts that share one loading of the units
-SEED = 1
-
-Start = tuple[float, ...]  # angles of the weights [rad]
 
 
 @dataclass(frozen=True)
@@ -95,36 +87,6 @@ class Design:
         return words(self)
 
 
-def variant(
-    scene: Scene, count: int, unbalance: float, race: float, width: float, density: float
-) -> Scene:
-    """The scene with n weights of the radius of largest capacity that its space allows.
-
-    The drag keeps its ratio to the mass.
-
-    Raises:
-        SceneError: the scene's rotor or balancer is not one that the theory covers.
-    """
-    balls = _weights_of(scene)
-    ratio = theory.best_ratio(balls.kind, count)
-    if balls.kind == "balls":
-        ratio = min(ratio, 0.5 * width / race)
-    radius = ratio * race
-    mass = theory.weight_mass(balls.kind, radius, density, width)
-    alpha = theory.half_angle(radius, race - radius)
-    changes = {
-        "count": count,
-        "mass": mass,
-        "track_radius": race - radius,
-        "weight_radius": radius,
-        "drag": balls.drag * mass / balls.mass,
-        "angles": list(random_start(count, alpha, random.Random(0))),
-        "speeds": [0.0] * count,
-    }
-    named: dict[str, object] = {f"{balls.label}.{key}": value for key, value in changes.items()}
-    return scene.replace({"rotor.unbalance": unbalance, **named})
-
-
 def design(
     scene: Scene,
     *,
@@ -152,7 +114,7 @@ def design(
         SimulationError: a run cannot be completed, or the starts are too few.
     """
     median_interval([0.0] * starts)  # too few are refused before the work
-    balls = _weights_of(scene)
+    balls = weights_of(scene)
     amount = unbalance_of(scene) if unbalance is None else unbalance
     race = race_of(balls) if race is None else race
     scenes = sized(scene, counts, amount, race, width, density)
@@ -160,58 +122,13 @@ def design(
     outcomes = shared(run_batch, work, workers, progress)
     runs: dict[int, list[Settled]] = {n: [] for n in counts}
     for batch, outcome in zip(work, outcomes, strict=True):
-        runs[_weights_of(batch.scene).count] += outcome
+        runs[weights_of(batch.scene).count] += outcome
     choices = tuple(_choice(scenes[n], amount, runs[n]) for n in counts)
     return Design(scene.title, balls.kind, amount, race, choices)
 
 
-def sized(
-    scene: Scene,
-    counts: Sequence[int],
-    unbalance: float,
-    race: float | None = None,
-    width: float | None = None,
-    density: float = STEEL,
-) -> dict[int, Scene]:
-    """The scene with every number of weights in turn; arguments and errors as `design`."""
-    balls = _weights_of(scene)
-    race = race_of(balls) if race is None else race
-    width = 2.0 * (balls.weight_radius or 0.0) if width is None else width
-    return {n: variant(scene, n, unbalance, race, width, density) for n in counts}
-
-
-def unbalance_of(scene: Scene) -> float:
-    """Of a planar rotor [kg m]."""
-    return abs(complex(scene.assembly().rotor.unbalance[0]))
-
-
-def race_of(balls: WeightBalancer) -> float:
-    """Radius on which the weights roll [m]."""
-    return balls.track_radius + (balls.weight_radius or 0.0)
-
-
-def batches(
-    scene: Scene, unbalance: float, starts: int, start: Callable[..., Start] = random_start
-) -> list[Batch]:
-    """The random starts of one number of weights; none where the capacity is too small.
-
-    The first ones are the same, however many follow.
-
-    Args:
-        start: makes one from count, alpha and a random generator.
-    """
-    balls = _weights_of(scene)
-    if _capacity(balls) < unbalance:
-        return []
-    rng = random.Random(1000 * SEED + balls.count)
-    alpha = theory.half_angle(balls.weight_radius or 0.0, balls.track_radius)
-    positions = [start(balls.count, alpha, rng) for _ in range(starts)]
-    scale = unbalance or _capacity(balls)
-    return [Batch(scene, tuple(positions[k : k + BATCH]), scale) for k in range(0, starts, BATCH)]
-
-
 def _choice(scene: Scene, unbalance: float, runs: list[Settled]) -> Choice:
-    balls = _weights_of(scene)
+    balls = weights_of(scene)
     device = balls.build().device
     assert isinstance(device, Weights)
     radius = balls.weight_radius or 0.0
@@ -219,7 +136,7 @@ def _choice(scene: Scene, unbalance: float, runs: list[Settled]) -> Choice:
     largest = theory.largest_spread(balls.count, alpha)
     rotor, speed = scene.assembly().loaded_rotor, scene.profile().speed(0.0)
     root = slow_root(device, largest, critical_drag(rotor, speed, device.kappa))
-    limit = _capacity(balls)
+    limit = capacity_of(balls)
     times = [run.seconds for run in runs]
     return Choice(
         scene,
@@ -235,29 +152,3 @@ def _choice(scene: Scene, unbalance: float, runs: list[Settled]) -> Choice:
         *(median_interval(times) if runs else (math.nan,) * 3),
         tuple(runs),
     )
-
-
-def _capacity(balls: WeightBalancer) -> float:
-    return theory.capacity(balls.mass, balls.track_radius, balls.weight_radius or 0.0, balls.count)
-
-
-def _weights_of(scene: Scene) -> WeightBalancer:
-    profile, found = scene.profile(), scene.balancer
-    fits = scene.rotor.kind == "planar" and scene.assembly().rotor.isotropic
-    one = found[0] if len(found) == 1 else None
-    if (
-        not fits
-        or not isinstance(one, WeightBalancer)
-        or one.kind == "pendulums"
-        or not one.weight_radius
-        or profile.start != profile.end
-    ):
-        raise SceneError(
-            f"{scene.name}: design: needs a planar rotor with equal stiffness and damping in x and "
-            "y at constant speed, and one set of balls or rollers with weight_radius"
-        )
-    try:
-        critical_drag(scene.assembly().loaded_rotor, profile.speed(0.0))
-    except ValueError as error:
-        raise SceneError(f"{scene.name}: design: {error}") from error
-    return one

@@ -133,4 +133,4 @@ def _after(residuals: np.ndarray, limit: float) -> int:
 
 def _members(angles: Sequence[float], alpha: float) -> list[int]:
     """How many weights touch in each group, from the first group's place on."""
-    return [group.count for group in packed_groups(angles, alpha)]
+    return [group.size for group in packed_groups(angles, alpha)]

@@ -28,7 +28,7 @@ from .weights import Weights
 class Packed(NamedTuple):
     """Weights that touch: how many, and the angle of their middle [rad]."""
 
-    count: int
+    size: int
     middle: float
 
 
@@ -60,7 +60,7 @@ def packed_groups(angles: Sequence[float], alpha: float, slack: float = 1e-8) ->
 
 def joint_spread(groups: Sequence[Packed], alpha: float) -> tuple[float, float]:
     """n_g and p_g of the module's head: number and spread that decide the slow root."""
-    shares = [g.count * group_factor(g.count, alpha) ** 2 for g in groups]
+    shares = [g.size * group_factor(g.size, alpha) ** 2 for g in groups]
     total = sum(shares)
     turned = sum(
         share * cmath.rect(1.0, 2.0 * g.middle) for share, g in zip(shares, groups, strict=True)
@@ -92,12 +92,12 @@ def merged(assembly: Assembly, alpha: float, groups: Sequence[Packed]) -> Assemb
         raise ValueError(f"{mounted.name}: has no weights")
     singles = []
     for number, group in enumerate(groups, start=1):
-        f = group_factor(group.count, alpha)
+        f = group_factor(group.size, alpha)
         weight = Weights(
             1,
-            group.count * device.mass,
+            group.size * device.mass,
             f * device.track_radius,
-            group.count * device.drag / f**2,
+            group.size * device.drag / f**2,
             device.kappa / f**2,
         )
         name = f"{mounted.name}[{number}]"

@@ -15,6 +15,7 @@ from typer.testing import CliRunner
 from autobalancer.harness import load_scene
 from autobalancer.harness.checks.capacity import check_capacity, check_sizes, packed_turn
 from autobalancer.harness.checks.contact_order import check_contact_order
+from autobalancer.harness.checks.largest_spread import check_largest_spread
 from autobalancer.harness.checks.ranking import check_ranking
 from autobalancer.harness.checks.slow_root import check_slow_root
 from autobalancer.harness.cli import app
@@ -28,7 +29,12 @@ from autobalancer.harness.design_study import (
 )
 from autobalancer.harness.design_words import contradictions, rivals
 from autobalancer.harness.errors import SceneError, SimulationError
-from autobalancer.harness.scene_check import CapacityCheck, RankingCheck, SlowRootCheck
+from autobalancer.harness.scene_check import (
+    CapacityCheck,
+    LargestSpreadCheck,
+    RankingCheck,
+    SlowRootCheck,
+)
 from autobalancer.models.positions import fan_angles, least_distance
 from autobalancer.models.weights import spread
 
@@ -161,9 +167,23 @@ def test_ranking_rows_compare_first_and_order_and_the_step():
     assert first.expected == "3"
     assert first.measured.startswith("3: ")
     assert first.holds
-    assert named["balls: order of the medians"].expected == "3 2"
+    assert named["balls: order of the medians"].measured == "3 2"
+    assert named["balls: order of the medians"].holds
     assert rows[-1].quantity.startswith("settling time and that with half the step")
     assert rows[-1].holds
+
+
+def test_three_weights_at_the_largest_p_have_the_slow_direction_of_two_and_it_is_named():
+    scene = load_scene("goncharov_rollers")
+    check = LargestSpreadCheck(kind="largest_spread", most=4, width=0.1, revolutions=250)
+    two, three, four, best = check_largest_spread(scene, check, lambda fraction: None, 2)
+    for row in (two, three):
+        assert row.quantity.endswith("slow direction")
+        assert row.measured == "not settled"
+        assert row.holds
+    assert four.holds
+    assert four.expected == pytest.approx(2.0 * 5.95, rel=0.05)  # half of a, nearly twice the time
+    assert best.measured == "4"
 
 
 def test_contradictions_need_intervals_that_do_not_touch():
@@ -193,6 +213,8 @@ def test_two_weights_without_unbalance_are_named_not_failed():
     data = design(scene, unbalance=0.0, counts=[2], starts=6)
     (two,) = data.choices
     assert two.predicted == math.inf
+    # what is left falls in the driven direction: nothing has to move along the other one
+    assert two.median < 2.0
     assert all(run.spread == pytest.approx(1.0, abs=0.01) for run in two.runs)
     assert any("one diameter" in line for line in data.words)
 

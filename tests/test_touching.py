@@ -30,12 +30,12 @@ SPEED = 30.0
 def test_groups_are_found_across_the_turn_and_in_any_order():
     angles = [0.1, 3.0, 0.1 - 2 * ALPHA, 3.0 + 2 * ALPHA, 0.1 + 2 * ALPHA]
     (first, second) = sorted(packed_groups(angles, ALPHA))
-    assert (first.count, second.count) == (2, 3)
+    assert (first.size, second.size) == (2, 3)
     assert first.middle == pytest.approx(3.0 + ALPHA)
     assert cmath.exp(1j * second.middle) == pytest.approx(cmath.exp(0.1j))
     assert len(packed_groups(angles, 0.0)) == 5
     full = [2 * math.pi * k / 6 for k in range(6)]
-    assert [g.count for g in packed_groups(full, math.pi / 6)] == [6]
+    assert [g.size for g in packed_groups(full, math.pi / 6)] == [6]
 
 
 def test_a_packed_group_moves_and_pulls_like_the_single_weight():
@@ -86,7 +86,7 @@ def test_slow_root_with_contact_is_the_limit_of_the_spectrum_for_light_weights()
         rotor = LinearRotor.planar(1.0, 1.0, unbalance=0.4 * mass)
         assembly = Assembly(rotor, (Mounted("b", weights, 0, tuple(angles), (0.0,) * 4),))
         groups = packed_groups(angles, ALPHA)
-        assert [g.count for g in groups].count(2) == 1
+        assert [g.size for g in groups].count(2) == 1
         number, p = joint_spread(groups, ALPHA)
         root = slow_root(weights, p, critical_drag(assembly.loaded_rotor, 2.0, 1.4), number)
         values = exponents(

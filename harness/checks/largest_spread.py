@@ -9,7 +9,7 @@ from ...models import capacity as theory
 from ...models.settling import critical_drag, settling_time, slow_root
 from ...models.touching import facing_measure
 from ...models.weights import Weights
-from ..design import sized
+from ..design_scenes import sized
 from ..design_study import SETTLED, Batch, Settled, run_batch
 from ..parallel import spread
 from ..report import Row

@@ -9,7 +9,8 @@ from dataclasses import replace
 import numpy as np
 
 from ...models.capacity import fastest_count
-from ..design import Design, batches, design
+from ..design import Design, design
+from ..design_scenes import batches
 from ..design_study import run_batch
 from ..design_words import contradictions, order, rivals
 from ..parallel import spread

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
 
-from ..design import batches, sized, unbalance_of
 from ..design_decay import Decay
+from ..design_scenes import batches, sized, unbalance_of
 from ..design_study import facing_start, run_batch
 from ..design_words import deviations, excluded
 from ..parallel import spread
