@@ -59,7 +59,10 @@ def plot_design(data: Design, path: Path) -> Path:
         if not c.enough:
             below.axvspan(c.count - 0.4, c.count + 0.4, color="0.9", zorder=0)
     below.set_yscale("log")
-    below.set_xlabel("number of weights n (grey: too little capacity)")
+    for which in (below.yaxis.set_major_formatter, below.yaxis.set_minor_formatter):
+        which("{x:g}")
+    grey = "" if all(c.enough for c in data.choices) else " (grey: too little capacity)"
+    below.set_xlabel(f"number of weights n{grey}")
     below.set_ylabel("settling time [s]")
     below.set_xticks(counts)
     below.legend(fontsize="small")
