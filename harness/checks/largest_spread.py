@@ -31,12 +31,12 @@ def check_largest_spread(
         SceneError: the scene is not one for `design`.
         SimulationError: a run cannot be completed.
     """
+    rows = Rows(scene.name, "largest_spread")
     if check.revolutions is not None:
         scene = scene.replace({"run.revolutions": check.revolutions})
     scenes = sized(scene, range(2, check.most + 1), 0.0, width=check.width)
     work = [b for s in scenes.values() for b in _both_ways(s, check.step)]
     runs = [found for (found,) in spread(run_batch, work, workers, progress)]
-    rows = Rows(scene.name, "largest_spread")
     slower: dict[int, float] = {}
     for (count, one), first, second in zip(scenes.items(), runs[::2], runs[1::2], strict=True):
         slower[count] = max(first.seconds, second.seconds)
