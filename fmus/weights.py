@@ -109,7 +109,8 @@ class BallBalancer(Unit):
         start = self.layout.index["weight[1].angle0"]
         self.memory = self.real[start : start + 2 * self.weights]
         if not self.plain:  # contacts, and impulse owed and pulse given as xi, eta each
-            self.memory += [0.0] * (self.weights + 4)
+            angles, speeds = self.memory[: self.weights], self.memory[self.weights :]
+            self.memory += tracks.first_contacts(self.track, angles, speeds) + [0.0] * 4
 
     def step(self, step: float) -> None:
         *signal, angle, speed, spin_up = self.real[self.layout.inputs]

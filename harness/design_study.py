@@ -8,21 +8,17 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..models.positions import least_distance
-from ..models.settling import plane_response, slow_roots
-from ..models.weights import Weights, spread
+from ..models.settling import settling_time
+from ..models.weights import spread
+from .design_decay import WINDOW, Decay, decay
 from .errors import SimulationError
 from .master import CoSimulation
 from .scene import Scene
 from .scene_balancer import WeightBalancer
-from .schedule import schedule
+from .schedule import schedule, steps_per_rev
 
 SETTLED = 0.01  # of the scale: residual unbalance that counts as balanced
-FITTED = (1e-4, 3e-3)  # of the scale: residuals from which the decay rate is fitted
-READINGS = 5  # communication steps between readings
-FEWEST = 8  # readings in a fit
-APART = 2.0  # the slow root is dominant where everything else is this many times faster
-FREE = 1e-3  # rad: weights closer than this touch, and the slow root knows no contact
+READINGS = 8  # about, in a revolution
 
 
 @dataclass(frozen=True)
@@ -46,18 +42,20 @@ class Settled:
     Attributes:
         seconds: until the residual stays below `SETTLED`; infinite where it did not.
         spread: p at the end.
-        rate: fitted decay rate of the residual [1/s], NaN without enough readings.
-        root: slow root at the end's p where it is real and dominant and no weights touch, else
-            NaN [1/s].
+        decay: the linear end of the run against the slow root.
         unconverged, steps: communication steps whose loop left more than 1e-3 of the force; of all.
     """
 
     seconds: float
     spread: float
-    rate: float
-    root: float
+    decay: Decay
     unconverged: int = 0
     steps: int = 0
+
+    @property
+    def predicted(self) -> float:
+        """Time in which the slow root of the position reached falls to `SETTLED` [s]."""
+        return settling_time(self.decay.root, SETTLED)
 
 
 def random_start(count: int, alpha: float, rng: random.Random) -> tuple[float, ...]:
@@ -70,6 +68,24 @@ def random_start(count: int, alpha: float, rng: random.Random) -> tuple[float, .
     cuts = sorted(rng.uniform(0.0, free) for _ in range(count - 1))
     begin = rng.uniform(0.0, math.tau)
     return tuple(begin + cut + 2.0 * alpha * k for k, cut in enumerate([0.0, *cuts]))
+
+
+def facing_start(count: int, alpha: float, rng: random.Random) -> tuple[float, ...]:
+    """Angles of two groups that face each other, from packed to evenly spread: p large [rad].
+
+    Args:
+        alpha: half the angle between neighbours that touch.
+    """
+    middle = rng.uniform(0.0, math.tau)
+    room = math.tau / count - 2.0 * alpha
+    angles: list[float] = []
+    for size, side in ((count - count // 2, 0.0), (count // 2, math.pi)):
+        gaps = [2.0 * alpha + rng.uniform(0.0, 0.5 * room) for _ in range(size - 1)]
+        place = middle + side - 0.5 * sum(gaps)
+        for gap in [0.0, *gaps]:
+            place += gap
+            angles.append(place)
+    return tuple(angles)
 
 
 def run_batch(batch: Batch) -> list[Settled]:
@@ -85,34 +101,44 @@ def _run(
 ) -> Settled:
     angles = {f"weight[{k}].angle0": angle for k, angle in enumerate(start, start=1)}
     units.start({balls.label: angles})
+    times, residuals, places = _readings(units, batch, balls)
+    alpha = math.asin((balls.weight_radius or 0.0) / balls.track_radius)
+    assembly, speed = batch.scene.assembly(), batch.scene.profile().speed(0.0)
+    return Settled(
+        settled_at(times, residuals),
+        spread(places[-1]),
+        decay(assembly, speed, alpha, times, residuals, places),
+        units.unconverged,
+        units.steps,
+    )
+
+
+def _readings(
+    units: CoSimulation, batch: Batch, balls: WeightBalancer
+) -> tuple[np.ndarray, np.ndarray, list[list[float]]]:
+    """Times [s], residuals over the scale, and angles of all weights until the run has settled."""
     unbalance = complex(batch.scene.assembly().rotor.unbalance[0])
-    times, residuals = [0.0], [math.inf]
+    unit = units.units[balls.label]
+    wanted = [f"weight[{k}].angle" for k in range(1, balls.count + 1)]
+    group = unit.group(["moment_xi", "moment_eta", *wanted])
+    times, residuals, places = [], [], []
+    every = max(1, round(steps_per_rev(batch.scene) / READINGS))
     turn = math.tau / batch.scene.profile().speed(0.0)
     low_since = math.inf
     ((step, count),) = schedule(batch.scene)
     for number in range(1, count + 1):
         units.step(step)
         units.time = number * step
-        if number % READINGS:
+        if number % every and number < count:
             continue
-        moment = complex(*units.read(balls.label, ("moment_xi", "moment_eta")))
+        xi, eta, *angles = unit.get(group)
         times.append(units.time)
-        residuals.append(abs(unbalance + moment) / batch.scale)
-        if residuals[-1] > FITTED[0]:
-            low_since = math.inf
-        else:
-            low_since = min(low_since, units.time)
-            if units.time - low_since > turn:  # a hundredth of SETTLED for a whole revolution
-                break
-    names = [f"weight[{k}].angle" for k in range(1, balls.count + 1)]
-    angles_end = units.read(balls.label, names)
-    final = spread(angles_end)
-    seconds = settled_at(np.array(times), np.array(residuals))
-    apart = 2.0 * math.asin((balls.weight_radius or 0.0) / balls.track_radius)
-    free = least_distance(angles_end) > apart + FREE
-    root = _dominant(batch.scene, final) if free else math.nan
-    rate = decay_rate(np.array(times), np.array(residuals))
-    return Settled(seconds, final, rate, root, units.unconverged, units.steps)
+        residuals.append(abs(unbalance + complex(xi, eta)) / batch.scale)
+        places.append(angles)
+        low_since = min(low_since, units.time) if residuals[-1] <= WINDOW[0] else math.inf
+        if units.time - low_since > turn:  # far below SETTLED for a whole revolution
+            break
+    return np.array(times), np.array(residuals), places
 
 
 def settled_at(times: np.ndarray, residuals: np.ndarray) -> float:
@@ -120,32 +146,6 @@ def settled_at(times: np.ndarray, residuals: np.ndarray) -> float:
     above = np.flatnonzero(residuals > SETTLED)
     last = int(above[-1]) if above.size else -1
     return math.inf if last + 1 >= len(times) else float(times[last + 1])
-
-
-def decay_rate(times: np.ndarray, residuals: np.ndarray) -> float:
-    """Rate of the exponential through the last readings within `FITTED` [1/s]; NaN if too few."""
-    low, high = FITTED
-    above = np.flatnonzero(residuals > high)
-    begin = int(above[-1]) + 1 if above.size else 0
-    chosen = np.arange(begin, len(residuals))
-    chosen = chosen[residuals[chosen] > low]
-    if len(chosen) < FEWEST:
-        return math.nan
-    return float(np.polyfit(times[chosen], np.log(residuals[chosen]), 1)[0])
-
-
-def _dominant(scene: Scene, final: float) -> float:
-    """The slow root where it is real and all else `APART` times faster, else NaN [1/s]."""
-    mounted = scene.assembly().weights[0]
-    assert isinstance(mounted.device, Weights)
-    rotor, speed = scene.assembly().loaded_rotor, scene.profile().speed(0.0)
-    first, second = slow_roots(mounted.device, final, plane_response(rotor, speed))[:2]
-    mass, damping, stiffness = (complex(m[0, 0]) for m in rotor.coefficients(speed))
-    whirl = max(np.roots([mass, damping, stiffness]).real)
-    if abs(first.imag) > 1e-9 * abs(first) or not first.real < 0.0:
-        return math.nan
-    alone = max(second.real, whirl) < APART * first.real
-    return float(first.real) if alone else math.nan
 
 
 def median_interval(values: list[float]) -> tuple[float, float, float]:

@@ -18,6 +18,7 @@ from pathlib import Path
 import numpy as np
 
 from .choice import Scheme, refuse_loose_tolerance, scheme_for
+from .contact_hint import contact_hint
 from .errors import SimulationError
 from .loop import consistent_start, loop_gain, rotor_response, value_eigenvalues
 from .onset import parts
@@ -149,7 +150,8 @@ class CoSimulation:
         except SimulationError as error:
             if not self.system.connections:
                 raise
-            raise SimulationError(f"{error}; loop gain {self.gain:.3g}") from error
+            hint = contact_hint(self.scene)
+            raise SimulationError(f"{error}; loop gain {self.gain:.3g}{hint}") from error
 
     def _step(self, step: float, longest: float | None) -> float:
         if self.acceleration:

@@ -32,6 +32,15 @@ def plot_design(data: Design, path: Path) -> Path:
         mfc="white",
         label="slow root at the largest p",
     )
+    there = [c for c in data.choices if math.isfinite(c.predicted_there)]
+    below.plot(
+        [c.count for c in there],
+        [c.predicted_there for c in there],
+        "d:",
+        color="#2c7a4b",
+        mfc="white",
+        label="slow root where the runs ended: median",
+    )
     settled = [c for c in data.choices if math.isfinite(c.median)]
     tops = [c.high if math.isfinite(c.high) else c.median for c in settled]
     below.errorbar(
@@ -50,7 +59,10 @@ def plot_design(data: Design, path: Path) -> Path:
         if not c.enough:
             below.axvspan(c.count - 0.4, c.count + 0.4, color="0.9", zorder=0)
     below.set_yscale("log")
-    below.set_xlabel("number of weights n (grey: too little capacity)")
+    for which in (below.yaxis.set_major_formatter, below.yaxis.set_minor_formatter):
+        which("{x:g}")
+    grey = "" if all(c.enough for c in data.choices) else " (grey: too little capacity)"
+    below.set_xlabel(f"number of weights n{grey}")
     below.set_ylabel("settling time [s]")
     below.set_xticks(counts)
     below.legend(fontsize="small")

@@ -6,7 +6,7 @@ from typing import Annotated, Any, Literal
 
 from pydantic import Field, field_validator
 
-from .scene_types import Positive, Table, Text, Unit, Whole
+from .scene_types import Positive, Real, Table, Text, Unit, Whole
 
 SpeedRange = Annotated[tuple[Positive, Positive], Unit("rad/s")]
 
@@ -78,7 +78,88 @@ class SizesCheck(Table):
     kind: Literal["goncharov_table"]
 
 
+class RankingCheck(Table):
+    """Which number of balls or rollers settles first: Goncharov 2017, Fig. 7, co-simulated.
+
+    Attributes:
+        starts: random starts for every number of weights.
+        most: numbers from 2 to this one.
+        width: of the space along the axis [m]: height of rollers, largest diameter of balls.
+        halved: starts of every number repeated with steps of half the length.
+    """
+
+    kind: Literal["goncharov_ranking"]
+    starts: Annotated[Whole, Field(ge=6, le=100_000)] = 200
+    most: Annotated[Whole, Field(ge=2, le=64)] = 8
+    width: Annotated[Positive | None, Unit("m")] = None
+    halved: Annotated[Whole, Field(ge=1, le=1000)] = 4
+
+
+class SlowRootCheck(Table):
+    """Decay of runs against the slow root, Goncharov 2017 (1), and the exact spectrum.
+
+    Attributes:
+        starts: for every number of weights, two groups that face each other.
+        most: numbers from 2 to this one.
+        width: as `RankingCheck`.
+        unbalance, revolutions: instead of the scene's [kg m, 1].
+    """
+
+    kind: Literal["slow_root"]
+    starts: Annotated[Whole, Field(ge=1, le=100_000)] = 20
+    most: Annotated[Whole, Field(ge=2, le=64)] = 8
+    width: Annotated[Positive | None, Unit("m")] = None
+    unbalance: Annotated[Positive | None, Unit("kg m")] = None
+    revolutions: Positive | None = None
+
+
+class LargestSpreadCheck(Table):
+    """Settling from the positions of largest p, Goncharov 2017 (10), (13), where weights touch.
+
+    Attributes:
+        most, width: as `RankingCheck`.
+        step: by which the unbalance changes, either way [of the capacity].
+        revolutions: instead of the scene's.
+    """
+
+    kind: Literal["largest_spread"]
+    most: Annotated[Whole, Field(ge=2, le=64)] = 8
+    width: Annotated[Positive | None, Unit("m")] = None
+    step: Annotated[Positive, Field(le=0.1)] = 0.001
+    revolutions: Positive | None = None
+
+
+class ContactOrderCheck(Table):
+    """Order of convergence in the communication step of a scene with weights that touch.
+
+    Attributes:
+        case: what the rows call it.
+        set: values replaced in the scene, as by `Scene.replace`.
+        order, within: what is expected, and how near.
+        steps, reference: communication steps a revolution of the runs, and of the exact one.
+        runs, shift: runs, and how far each weight starts further on over all of them [rad].
+    """
+
+    kind: Literal["contact_order"]
+    case: Text
+    set: dict[str, Any] = Field(default_factory=dict)
+    order: Positive
+    within: Positive = 0.3
+    steps: tuple[Whole, ...] = (20, 40, 80, 160)
+    reference: Whole = 1280
+    runs: Annotated[Whole, Field(ge=1, le=1000)] = 1
+    shift: Annotated[tuple[Real, ...], Unit("rad")] = ()
+
+
 AnyCheck = Annotated[
-    LiquidWindowCheck | CriticalSpeedsCheck | TableCheck | CapacityCheck | SizesCheck,
+    LiquidWindowCheck
+    | CriticalSpeedsCheck
+    | TableCheck
+    | CapacityCheck
+    | SizesCheck
+    | RankingCheck
+    | SlowRootCheck
+    | LargestSpreadCheck
+    | ContactOrderCheck,
     Field(discriminator="kind"),
 ]

@@ -8,8 +8,9 @@ Here `race` is that R, `ratio` is rho = r/R, and `track` is the radius of the ce
 
 Errata, each confirmed by a test: after the packed spread of 5.4.1 the text has alpha = pi/n for a
 half-filled race where (11) is right, alpha = pi/(2n); the brace of (16) closes before the root,
-which divides the second term only; Table 1 truncates .0518 to .051 and rounds the other s, and its
-sectors of 5, 7 and 8 rollers (195, 205, 208 degrees) should read 195.8, 204.5 and 207.5.
+which divides the second term only; two s of Table 1 are not rounded, that of 3 balls, .0518, cut
+off to .051, and that of 5 rollers, .13948, rounded twice to .140 by way of .1395; and its sectors
+of 5, 7 and 8 rollers (195, 205, 208 degrees) should read 195.8, 204.5 and 207.5.
 """
 
 from __future__ import annotations

@@ -18,11 +18,11 @@ def approaching(ring: Ring) -> bool:
     """True when weights that touch have rates towards each other."""
     if not ring.solid or ring.full:
         return False
-    following = [*ring.v[1:], ring.v[0]]
-    return any(
-        v > after and not ring.joined[k] and ring.gap(k) <= TOUCH
-        for k, (v, after) in enumerate(zip(ring.v, following, strict=True))
-    )
+    v, count = ring.v, ring.count
+    for k in range(count):
+        if v[k] > v[(k + 1) % count] and not ring.joined[k] and ring.gap(k) <= TOUCH:
+            return True
+    return False
 
 
 def settle(ring: Ring, now: Instant, spin_up: float, closed: int = -1) -> complex:

@@ -109,6 +109,8 @@ class Ring:
         n = self.count
         if not self.solid:
             return [[k] for k in range(n)]
+        if True not in linked:  # the usual case, and the hot one
+            return [[k % n] for k in range(1, n + 1)]
         start = next((k + 1 for k in range(n) if not linked[k]), 0)
         found: list[list[int]] = [[]]
         for k in range(start, start + n):
@@ -119,14 +121,17 @@ class Ring:
 
     def align(self) -> None:
         """Exact distances and one rate in every chain of lasting contacts; refuse overlaps."""
-        for k in range(self.count):
-            gap = self.gap(k)
+        apart, following = 2.0 * self.alpha, [*self.x[1:], self.x[0] + math.tau]
+        for k, (x, after) in enumerate(zip(self.x, following, strict=True)):
+            gap = after - x - apart
             if gap < -_OVERLAP:
                 raise ValueError(
                     f"weights overlap by {-gap:.3g} rad: neighbours need {2 * self.alpha:.6g} rad"
                 )
             if self.joined[k] and gap > _OVERLAP:
                 self.joined[k] = False
+        if True not in self.joined:
+            return
         for chain in self.chains(self.joined):
             if len(chain) > 1 and not self._aligned(chain):
                 lifted = [self._lifted(k, chain[0]) for k in chain]

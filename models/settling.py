@@ -64,16 +64,20 @@ def critical_drag(rotor: LinearRotor, speed: float, kappa: float = 1.0, plane: i
     return math.sqrt(-2.0 * response.real / kappa)
 
 
-def slow_root(weights: Weights, spread: float, drag_limit: float) -> complex:
+def slow_root(
+    weights: Weights, spread: float, drag_limit: float, count: float | None = None
+) -> complex:
     """Root lambda (1) [1/s]; complex where the drag is below critical.
 
     Args:
         weights: n, m and the drag.
         spread: p of the main motion.
         drag_limit: b_cr, `critical_drag`.
+        count: n_g of weights that touch (`touching.joint_spread`, with its p), instead of n.
     """
     d = weights.damping_rate
-    stiffness = (1.0 - spread) * weights.mass * weights.count * drag_limit**2
+    number = weights.count if count is None else count
+    stiffness = (1.0 - spread) * weights.mass * number * drag_limit**2
     root = cmath.sqrt(d * d - stiffness)
     if root.real == 0.0:
         return -0.5 * (d - root)

@@ -90,6 +90,26 @@ def static_moment(track: Track, angles: Sequence[float]) -> complex:
     return points.static_moment(track.weights, angles) + track.weights.added_mass * track.offset
 
 
+def first_contacts(track: Track, angles: Sequence[float], speeds: Sequence[float]) -> list[float]:
+    """`contacts` of a fresh start: weights that touch and move alike, whatever drives them.
+
+    Without them the first force would be that of weights that do not press on each other.
+
+    Raises:
+        ValueError: weights overlap.
+    """
+    none = [0.0] * track.weights.count
+    if not track.alpha or track.weights.count < 2:
+        return none
+    from .ring import TOUCH, Ring
+
+    ring = Ring(track, angles, speeds, none)
+    following = [*ring.v[1:], ring.v[0]]
+    for k, (rate, after) in enumerate(zip(ring.v, following, strict=True)):
+        ring.joined[k] = rate == after and ring.gap(k) <= TOUCH
+    return ring.state()[2]
+
+
 def advance(
     track: Track,
     angles: Sequence[float],

@@ -19,7 +19,7 @@ from autobalancer.harness.errors import SceneError
 from autobalancer.harness.wiring import plan
 from autobalancer.models.contact import restitution_on
 from autobalancer.models.pulse import discharge
-from autobalancer.models.track import Track, advance, reaction
+from autobalancer.models.track import Track, advance, first_contacts, reaction
 from autobalancer.models.weights import Weights
 
 SPEED = 30.0
@@ -32,8 +32,8 @@ ANGLES, RATES = [0.3, 1.1, 3.0], [6.0, -5.0, -3.0]
 STEP = 2e-3
 
 
-def unit_of(weights=3, **values):
-    unit = BallBalancer.configured(weights=weights, frame="rotor")(instance_name="unit")
+def unit_of(weights=3, frame="rotor", **values):
+    unit = BallBalancer.configured(weights=weights, frame=frame)(instance_name="unit")
     for name, value in values.items():
         unit.set_real([unit.layout.index[name]], [value])
     return unit
@@ -108,6 +108,69 @@ def test_without_options_the_state_and_the_way_are_those_of_point_weights(monkey
     unit = started(**dict.fromkeys(names, 0.0))
     pulled(unit, 0)
     assert len(unit.memory) == 6
+
+
+def test_contact_in_fixed_axes_is_that_in_the_rotors_to_the_order_of_the_signals():
+    """One acceleration, given to each unit by its own Taylor polynomials; collisions and pulses."""
+    turning, own = 1j * SPEED, 10j
+
+    def worst(step):
+        """Largest difference of forces turned back, and how many steps gave a pulse."""
+        rotor, fixed = started(), started(frame="fixed")
+        index = fixed.layout.index
+        error, pulses = 0.0, 0
+        for k in range(round(0.12 / step)):
+            t = k * step
+            a = 20.0 * cmath.exp(own * t)
+            turn = cmath.exp(turning * t)
+            for unit, names, value, rate in (
+                (rotor, ("a_xi", "F_xi"), a, own),
+                (fixed, ("a_x", "F_x"), a * turn, own + turning),
+            ):
+                first = unit.layout.index[names[0]]
+                orders = [value * rate**j for j in range(4)]
+                parts = [part for z in orders for part in (z.real, z.imag)]
+                unit.set_real(list(range(first, first + 8)), parts)
+            fixed.set_real([index["angle"]], [SPEED * t])
+            assert rotor.do_step(t, step)
+            assert fixed.do_step(t, step)
+            force, other = (
+                complex(*unit.get_real([unit.layout.index[n], unit.layout.index[n] + 1]))
+                for unit, n in ((rotor, "F_xi"), (fixed, "F_x"))
+            )
+            error = max(error, abs(other * cmath.exp(-turning * (t + step)) - force))
+            pulses += any(rotor.memory[-2:])
+            assert [bool(c) for c in rotor.memory[6:9]] == [bool(c) for c in fixed.memory[6:9]]
+        return error, pulses
+
+    coarse, pulses = worst(2e-3)
+    fine, _ = worst(1e-3)
+    assert pulses
+    assert coarse < 1e-3
+    assert coarse / fine > 6.0
+
+
+def test_weights_that_touch_at_the_start_press_on_each_other_in_the_first_force():
+    alpha = math.asin(0.12)
+    middle, a = math.pi - 0.4, 20.0 + 5.0j
+    angles = [middle - 2 * alpha, middle, middle + 2 * alpha]
+    unit = unit_of(**{**COMMON, "rolling_resistance": 0.0})
+    for k, angle in enumerate(angles, start=1):
+        unit.set_real([unit.layout.index[f"weight[{k}].angle0"]], [angle])
+    first = unit.layout.index["a_xi"]
+    unit.set_real([first, first + 1], [a.real, a.imag])
+    unit.exit_initialization_mode()
+    force = unit.layout.index["F_xi"]
+    found = complex(*unit.get_real([force, force + 1]))
+    track = Track(Weights(3, 0.02, 0.1, 0.01, 1.4), 0.012, 0.6, 0.0, 1e-3 - 2e-3j)
+    state = angles, [0.0] * 3
+    pressed = reaction(track, *state, [1.0, 1.0, 0.0], a, 0j, SPEED, 0.0)[0]
+    free = reaction(track, *state, [0.0] * 3, a, 0j, SPEED, 0.0)[0]
+    assert found == pytest.approx(pressed, rel=1e-12)
+    assert abs(pressed - free) > 1e-3 * abs(pressed)
+    # 1e-9 rad apart they do not touch
+    assert first_contacts(track, [angles[0] - 1e-9, *angles[1:]], [0.0] * 3) == [0.0, 1.0, 0.0]
+    assert first_contacts(track, angles, [0.0, 0.0, 1.0]) == [1.0, 0.0, 0.0]
 
 
 def test_sixty_four_packed_weights_stay_packed_in_the_fmu(tmp_path):

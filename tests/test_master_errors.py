@@ -159,3 +159,23 @@ def test_a_failure_leaves_no_directory_behind(scene, fmus, tmp_path, monkeypatch
 def test_a_parameter_the_unit_refuses_is_named(scene):
     with CoSimulation(scene) as cosim, pytest.raises(SimulationError, match=r"weights.*mass"):
         cosim.start({"weights": {"mass": -1.0}})
+
+
+@pytest.mark.parametrize(
+    ("coupling", "why"),
+    [
+        ({"coupling.tolerance": 1e-4}, "no step is short enough for tolerance = 0.0001"),
+        ({"balls.rolling_resistance": 0.01}, "corrector passes need not agree"),
+    ],
+)
+def test_contact_is_named_where_a_loop_that_must_converge_does_not(coupling, why):
+    changes = {"coupling.corrections": None, "coupling.steps_per_rev": 40, "run.revolutions": 20}
+    if "coupling.tolerance" in coupling:
+        del changes["coupling.steps_per_rev"]
+    name = "finite_weights" if "balls.rolling_resistance" in coupling else "contact_order"
+    scene = load_scene(name).replace({**changes, **coupling})
+    with pytest.raises(SimulationError, match=rf"balls can touch.*{why}.*corrections"):
+        cosimulate(scene)
+    # counted and said with a fixed number of passes
+    fixed = {"coupling.tolerance": None, "coupling.steps_per_rev": 40, "coupling.corrections": 4}
+    assert cosimulate(scene.replace(fixed), record=[]).steps > 0

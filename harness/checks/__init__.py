@@ -10,13 +10,22 @@ from ..scene import Scene
 from ..scene_check import (
     AnyCheck,
     CapacityCheck,
+    ContactOrderCheck,
     CriticalSpeedsCheck,
+    LargestSpreadCheck,
     LiquidWindowCheck,
+    RankingCheck,
     SizesCheck,
+    SlowRootCheck,
     TableCheck,
 )
 
 Progress = Callable[[float], None]
+_SHARING = (
+    RankingCheck,
+    SlowRootCheck,
+    LargestSpreadCheck,
+)  # they share their runs among the processes themselves
 
 
 def run_checks(scene: Scene, progress: Progress | None = None, workers: int = 1) -> list[Row]:
@@ -31,7 +40,8 @@ def run_checks(scene: Scene, progress: Progress | None = None, workers: int = 1)
         SimulationError: a run cannot be completed correctly.
     """
     parts = [(scene, check, row) for check in scene.check for row in _table_rows(check)]
-    if workers > 1 and len(parts) > 1:
+    sharing = any(isinstance(check, _SHARING) for check in scene.check)
+    if workers > 1 and len(parts) > 1 and not sharing:
         return [row for rows in spread(_alone, parts, workers, progress) for row in rows]
     rows: list[Row] = []
     for number, part in enumerate(parts):
@@ -40,7 +50,7 @@ def run_checks(scene: Scene, progress: Progress | None = None, workers: int = 1)
             if progress:
                 progress((done + fraction) / len(parts))
 
-        rows += _rows(*part, report)
+        rows += _rows(*part, report, workers)
     return rows
 
 
@@ -57,7 +67,9 @@ def _alone(part: tuple[Scene, AnyCheck, int]) -> list[Row]:
     return list(_rows(*part, lambda fraction: None))
 
 
-def _rows(scene: Scene, check: AnyCheck, table_row: int, progress: Progress) -> Iterator[Row]:
+def _rows(
+    scene: Scene, check: AnyCheck, table_row: int, progress: Progress, workers: int = 1
+) -> Iterator[Row]:
     if isinstance(check, LiquidWindowCheck):
         from .liquid_window import check_liquid_window
 
@@ -78,4 +90,20 @@ def _rows(scene: Scene, check: AnyCheck, table_row: int, progress: Progress) -> 
         from .capacity import check_sizes
 
         return check_sizes(scene)
+    if isinstance(check, RankingCheck):
+        from .ranking import check_ranking
+
+        return check_ranking(scene, check, progress, workers)
+    if isinstance(check, SlowRootCheck):
+        from .slow_root import check_slow_root
+
+        return check_slow_root(scene, check, progress, workers)
+    if isinstance(check, ContactOrderCheck):
+        from .contact_order import check_contact_order
+
+        return check_contact_order(scene, check, progress)
+    if isinstance(check, LargestSpreadCheck):
+        from .largest_spread import check_largest_spread
+
+        return check_largest_spread(scene, check, progress, workers)
     raise NotImplementedError(f"no check for {check!r}")

@@ -15,7 +15,7 @@ from ..terminal import console, progress_bars, ready_to_write, say
 if TYPE_CHECKING:
     from rich.table import Table
 
-    from ..design import Design
+    from ..design import Choice, Design
 
 
 def command(
@@ -80,12 +80,10 @@ def table(data: Design, starts: int) -> Table:
     title = f"{data.kind} for {data.unbalance:.4g} kg m, race {1e3 * data.race:.4g} mm"
     shown = Table(title=f"{title}, {starts} random starts each", title_justify="left")
     names = ("n", "radius mm", "mass kg", "capacity kg m", "p packed", "p largest", "(1-p) m n")
-    times = ("predicted s", "co-simulated s", "95 %", "settled", "decay rate off")
+    times = ("predicted s", "p reached", "predicted there s", "co-simulated s", "95 %", "settled")
     for name in (*names, *times):
         shown.add_column(name, justify="right")
     for c in data.choices:
-        error, runs = c.decay_error
-        settled = sum(math.isfinite(run.seconds) for run in c.runs)
         shown.add_row(
             str(c.count),
             f"{1e3 * c.radius:.4g}",
@@ -95,9 +93,17 @@ def table(data: Design, starts: int) -> Table:
             f"{c.largest:.3f}",
             f"{c.measure:.4f}",
             f"{c.predicted:.3g}" if math.isfinite(c.predicted) else "p = 1",
-            f"{c.median:.3g}" if math.isfinite(c.median) else "not settled",
-            f"{c.low:.3g} - {c.high:.3g}",
-            f"{settled}/{len(c.runs)}",
-            f"{error:.1%} ({runs})" if runs else "not dominant",
+            *(_measured(c) if c.runs else ("-", "-", "not run", "-", "-")),
         )
     return shown
+
+
+def _measured(c: Choice) -> tuple[str, ...]:
+    there = c.predicted_there
+    return (
+        f"{c.reached:.3f}",
+        f"{there:.3g}" if math.isfinite(there) else "p = 1",
+        f"{c.median:.3g}" if math.isfinite(c.median) else "not settled",
+        f"{c.low:.3g} - {c.high:.3g}",
+        f"{c.settled}/{len(c.runs)}",
+    )

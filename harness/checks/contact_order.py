@@ -1,0 +1,89 @@
+"""Order of convergence of runs with contact, in the communication step.
+
+How far an event is off depends on where in its step it falls: errors are means over runs whose
+weights start a little further on each time.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+
+import numpy as np
+
+from ..errors import SceneError
+from ..master import CoSimulation
+from ..report import Row
+from ..scene import Scene
+from ..scene_balancer import WeightBalancer
+from ..scene_check import ContactOrderCheck
+from .measure import Rows
+
+
+def check_contact_order(
+    scene: Scene, check: ContactOrderCheck, progress: Callable[[float], None]
+) -> Iterator[Row]:
+    """Fitted order of the rotor's and the weights' motion against what harness/weights.md states.
+
+    Raises:
+        SceneError: the scene has not exactly one set of weights, or the steps do not divide.
+        SimulationError: a run cannot be completed.
+    """
+    scene = scene.replace(check.set)
+    found = [b for b in scene.balancer if isinstance(b, WeightBalancer)]
+    coarsest = min(check.steps)
+    if len(found) == 1 and len(check.shift) not in (0, found[0].count):
+        raise SceneError(f"{scene.name}: check contact_order: shift: must have one number a weight")
+    if len(found) != 1 or any(n % coarsest for n in (*check.steps, check.reference)):
+        raise SceneError(
+            f"{scene.name}: check contact_order: needs one set of weights, and steps and reference "
+            f"that are multiples of the smallest number of steps, {coarsest}"
+        )
+    rows = Rows(scene.name, "contact_order")
+    exact = _motions(scene, found[0], check, check.reference)
+    largest = float(np.abs(exact[:, :, :2]).max())
+    progress(0.5)
+    errors = []
+    for steps in check.steps:
+        off = np.abs(_motions(scene, found[0], check, steps) - exact).max(axis=1)
+        errors.append([off[:, :2].max(axis=1).mean() / largest, off[:, 2:].max(axis=1).mean()])
+    progress(1.0)
+    told = ", ".join(map(str, check.steps))
+    for name, column in zip(("rotor", "weights"), np.array(errors).T, strict=True):
+        order = -float(np.polyfit(np.log(check.steps), np.log(column), 1)[0])
+        label = ", ".join(f"{error:.1e}" for error in column)
+        yield rows.number(
+            f"{check.case}: order, {name} (errors {label} at {told} steps a revolution)",
+            check.order,
+            order,
+            check.within,
+            f"the same with {check.reference} steps a revolution",
+            1.0,
+        )
+
+
+def _motions(
+    scene: Scene, balls: WeightBalancer, check: ContactOrderCheck, steps: int
+) -> np.ndarray:
+    """(runs, points, 2 + N): position of the rotor [m], angles of the weights [rad].
+
+    The points are those of the coarsest steps.
+    """
+    fine = scene.replace({"coupling.steps_per_rev": steps})
+    every = steps // min(check.steps)
+    begin, shift = np.array(balls.angles), np.array(check.shift or [0.0] * balls.count)
+    names = [f"weight[{k}].angle" for k in range(1, balls.count + 1)]
+    runs = []
+    with CoSimulation(fine) as units:
+        rotor = units.units["rotor"]
+        unit = units.units[balls.label]
+        place = rotor.group(["x", "y"])
+        angles = unit.group(names)
+        for number in range(check.runs):
+            start = begin + shift * (number / check.runs)
+            units.start({balls.label: {f"{n}0": a for n, a in zip(names, start, strict=True)}})
+            points = []
+            for count, _ in enumerate(units.run(), start=1):
+                if count % every == 0:
+                    points.append([*rotor.get(place), *unit.get(angles)])
+            runs.append(points)
+    return np.array(runs)

@@ -1,0 +1,110 @@
+"""Settling from the positions of largest p: two packed groups face to face, with contact."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator
+
+from ...models import capacity as theory
+from ...models.settling import critical_drag, settling_time, slow_root
+from ...models.touching import facing_measure
+from ...models.weights import Weights
+from ..design_scenes import sized
+from ..design_study import SETTLED, Batch, Settled, run_batch
+from ..parallel import spread
+from ..report import Row
+from ..scene import Scene
+from ..scene_balancer import WeightBalancer
+from ..scene_check import LargestSpreadCheck
+from .measure import Rows
+
+TIMES = 0.05  # of the predicted time: a change of 1e-3 of the capacity is not yet a small one
+SOURCE = "Goncharov 2017 (1), (10), (13)"
+
+
+def check_largest_spread(
+    scene: Scene, check: LargestSpreadCheck, progress: Callable[[float], None], workers: int = 1
+) -> Iterator[Row]:
+    """The slower of both ways in which the unbalance changes a little, for every number.
+
+    Raises:
+        SceneError: the scene is not one for `design`.
+        SimulationError: a run cannot be completed.
+    """
+    rows = Rows(scene.name, "largest_spread")
+    if check.revolutions is not None:
+        scene = scene.replace({"run.revolutions": check.revolutions})
+    scenes = sized(scene, range(2, check.most + 1), 0.0, width=check.width)
+    work = [b for s in scenes.values() for b in _both_ways(s, check.step)]
+    runs = [found for (found,) in spread(run_batch, work, workers, progress)]
+    slower: dict[int, float] = {}
+    for (count, one), first, second in zip(scenes.items(), runs[::2], runs[1::2], strict=True):
+        slower[count] = max(first.seconds, second.seconds)
+        yield _row(one, first, second, rows)
+    kind = _weights(scene).kind
+    claimed = theory.fastest_count(kind, scenes)
+    best = min(slower, key=lambda count: slower[count])
+    yield rows.statement(
+        f"{kind}: fastest of all from the position of largest p, slower way",
+        str(claimed),
+        str(best),
+        best == claimed,
+        "Goncharov 2017, Fig. 7, which leaves contact out",
+    )
+
+
+def _row(scene: Scene, first: Settled, second: Settled, rows: Rows) -> Row:
+    """The slower way against the slow root with contact."""
+    balls = _weights(scene)
+    device = balls.build().device
+    assert isinstance(device, Weights)
+    rotor, speed = scene.assembly().loaded_rotor, scene.profile().speed(0.0)
+    limit = critical_drag(rotor, speed, device.kappa)
+    alpha = theory.half_angle(balls.weight_radius or 0.0, balls.track_radius)
+    number, p = facing_measure(balls.count, alpha)
+    times = sorted((first.seconds, second.seconds))
+    free = settling_time(slow_root(device, theory.largest_spread(balls.count, alpha), limit))
+    name = f"{balls.count} {balls.kind} at the largest p, slower way"
+    if p > 1.0 - 1e-12:
+        return rows.statement(
+            f"{name}: slow direction",
+            "never settles",
+            "not settled" if math.isinf(times[1]) else f"settled in {times[1]:.3g} s",
+            math.isinf(times[1]),
+            f"{SOURCE}: {free:.3g} s without contact; the other way took {times[0]:.3g} s",
+        )
+    expected = settling_time(slow_root(device, p, limit, number), SETTLED)
+    return rows.number(
+        f"{name} [s] ({free:.3g} without contact)",
+        expected,
+        times[1],
+        TIMES,
+        f"{SOURCE} with contact; the other way took {times[0]:.3g} s",
+    )
+
+
+def _both_ways(scene: Scene, part: float) -> list[Batch]:
+    """Two packed groups at the unbalance that they balance, changed by a part of the capacity."""
+    balls = _weights(scene)
+    alpha = theory.half_angle(balls.weight_radius or 0.0, balls.track_radius)
+    small = balls.count // 2
+    large = balls.count - small
+    unit = balls.mass * balls.track_radius
+    held = unit * (theory.packed_factor(large, alpha) - theory.packed_factor(small, alpha))
+    change = part * unit * theory.packed_factor(balls.count, alpha)
+    angles = [math.pi + alpha * (2 * k - large + 1) for k in range(large)]
+    angles += [alpha * (2 * k - small + 1) for k in range(small)]
+    found = []
+    for amount in (held + change, held - change):
+        turned = {
+            "rotor.unbalance": abs(amount),
+            "rotor.unbalance_angle": 0.0 if amount >= 0.0 else math.pi,
+        }
+        found.append(Batch(scene.replace(turned), (tuple(angles),), change))
+    return found
+
+
+def _weights(scene: Scene) -> WeightBalancer:
+    (balls,) = scene.balancer
+    assert isinstance(balls, WeightBalancer)
+    return balls

@@ -1,0 +1,97 @@
+"""Which number of weights settles first: Goncharov's criterion against co-simulated runs."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator
+from dataclasses import replace
+
+import numpy as np
+
+from ...models.capacity import fastest_count
+from ..design import Design, design
+from ..design_scenes import batches
+from ..design_study import run_batch
+from ..design_words import contradictions, order, rivals
+from ..parallel import spread
+from ..report import Row
+from ..scene import Scene
+from ..scene_check import RankingCheck
+from ..schedule import steps_per_rev
+from .measure import Rows
+from .slow_root import decay_rows
+
+HALVED = 0.02  # of the settling time
+SOURCE = "Goncharov 2017, 5.4.3, Fig. 7"
+
+
+def check_ranking(
+    scene: Scene, check: RankingCheck, progress: Callable[[float], None], workers: int = 1
+) -> Iterator[Row]:
+    """The fastest number, the order, decay rates, and what the communication step leaves.
+
+    Raises:
+        SceneError: the scene is not one for `design`.
+        SimulationError: a run cannot be completed.
+    """
+    counts = range(2, check.most + 1)
+    rows = Rows(scene.name, "goncharov_ranking")
+    share = 1.0 - 2.0 * check.halved / (check.starts + 2.0 * check.halved)
+    data = design(
+        scene,
+        width=check.width,
+        counts=counts,
+        starts=check.starts,
+        workers=workers,
+        progress=lambda done: progress(share * done),
+    )
+    yield from _order(data, rows)
+    found = [run.decay for c in data.able for run in c.runs]
+    if any(one.dominant for one in found):
+        yield from decay_rows(found, rows)
+    yield _halved(check, data, rows, workers)
+    progress(1.0)
+
+
+def _order(data: Design, rows: Rows) -> Iterator[Row]:
+    able = [c.count for c in data.able]
+    claimed = fastest_count(data.kind, able)
+    found = rivals(data)
+    times = ", ".join(f"{c.count}: {c.median:.3g} s ({c.low:.3g}-{c.high:.3g})" for c in found)
+    yield rows.statement(
+        f"{data.kind}: first to settle, median and 95 % interval",
+        str(claimed),
+        times,
+        claimed in [c.count for c in found],
+        f"{SOURCE}; intervals that reach the fastest are named",
+    )
+    wrong = contradictions(data)
+    told = "; ".join(f"{b} before {a}" for a, b in wrong)
+    yield rows.statement(
+        f"{data.kind}: order of the medians",
+        order(sorted(data.able, key=lambda c: -c.measure)),
+        order(sorted(data.able, key=lambda c: c.median)) + (f" ({told})" if told else ""),
+        not wrong,
+        f"{SOURCE}: (1-p) m n at the largest p; fails where intervals that part contradict it",
+    )
+
+
+def _halved(check: RankingCheck, data: Design, rows: Rows, workers: int) -> Row:
+    """Settling times of the first starts with half the step against those of the study."""
+    coarse, work = [], []
+    for choice in data.able:
+        steps = 2 * steps_per_rev(choice.scene)
+        fine = choice.scene.replace({"coupling.steps_per_rev": steps})
+        for batch in batches(fine, data.unbalance, check.halved):
+            work += [replace(batch, starts=(start,)) for start in batch.starts]
+        coarse += [run.seconds for run in choice.runs[: check.halved]]
+    again = [run.seconds for runs in spread(run_batch, work, workers) for run in runs]
+    pairs = [(a, b) for a, b in zip(coarse, again, strict=True) if math.isfinite(a + b)]
+    measured, expected = np.array(pairs).T
+    return rows.worst(
+        f"settling time and that with half the step, worst of {len(pairs)} starts [s]",
+        expected,
+        measured,
+        HALVED,
+        "the same starts, co-simulated",
+    )

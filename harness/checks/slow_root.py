@@ -1,0 +1,60 @@
+"""Decay of co-simulated runs against Goncharov's slow root (1) and the exact spectrum."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+
+from ..design_decay import Decay
+from ..design_scenes import batches, sized, unbalance_of
+from ..design_study import facing_start, run_batch
+from ..design_words import deviations, excluded
+from ..parallel import spread
+from ..report import Row
+from ..scene import Scene
+from ..scene_check import SlowRootCheck
+from .measure import Rows
+
+DECAY = 0.05  # of the rate
+SOURCE = "Goncharov 2017 (1)"
+
+
+def check_slow_root(
+    scene: Scene, check: SlowRootCheck, progress: Callable[[float], None], workers: int = 1
+) -> Iterator[Row]:
+    """Fitted rates of runs from two groups face to face, where p is large and (1) decides.
+
+    Raises:
+        SceneError: the scene is not one for `design`.
+        SimulationError: a run cannot be completed.
+    """
+    rows = Rows(scene.name, "slow_root")
+    amount = check.unbalance
+    if amount is None:
+        amount = unbalance_of(scene)
+    if check.revolutions is not None:
+        scene = scene.replace({"run.revolutions": check.revolutions})
+    scenes = sized(scene, range(2, check.most + 1), amount, width=check.width)
+    work = [b for s in scenes.values() for b in batches(s, amount, check.starts, facing_start)]
+    outcomes = spread(run_batch, work, workers, progress)
+    found = [run.decay for runs in outcomes for run in runs]
+    yield from decay_rows(found, rows)
+
+
+def decay_rows(found: Sequence[Decay], rows: Rows) -> Iterator[Row]:
+    """How many runs have a dominant slow root, and how far their rates are off."""
+    chosen = [one for one in found if one.dominant]
+    touching = sum(one.touching for one in chosen)
+    told = excluded(found)
+    yield rows.statement(
+        "runs whose slow root is dominant",
+        "some",
+        f"{len(chosen)} of {len(found)}, {touching} with weights that touch"
+        + (f"; others: {told}" if told else ""),
+        bool(chosen),
+        "spectrum where the run ended; see harness/weights.md",
+    )
+    if not chosen:
+        return
+    for name, (middle, worst) in deviations(chosen).items():
+        label = f"{name}: worst of {len(chosen)} (median {middle:.2g})"
+        yield rows.number(label, 0.0, worst, DECAY, SOURCE, 1.0)
