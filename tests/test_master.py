@@ -80,7 +80,8 @@ def test_forces_of_all_balancers_on_a_plane_add_up():
 
 
 @pytest.mark.parametrize("tolerance", [1e-3, 1e-5, 1e-7])
-@pytest.mark.parametrize("name", bundled_scenes())
+# no tolerance is kept across a meeting of weights: tests/test_master_errors.py
+@pytest.mark.parametrize("name", [n for n in bundled_scenes() if n != "contact_order"])
 def test_tolerance_is_kept_on_every_bundled_scene(against, name, tolerance):
     runs = against(name, {"run.revolutions": 4})
     result = runs.run({"tolerance": tolerance, "steps_per_rev": None})
