@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from .errors import UserError
 from .scene import Scene
-from .scene_types import unit_of
+from .scene.types import unit_of
 
 SPEED = "operation.speed"
 MOST_POINTS = 2000  # along one axis: a slip of the keyboard

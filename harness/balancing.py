@@ -28,8 +28,8 @@ from ..models.influence import (
 from ..models.rotor import LinearRotor
 from .balancing_machine import Complex, Machine, Reading
 from .scene import Scene
-from .scene_balancing import Balancing
-from .scene_rotor import FlexibleRotor, PlanarRotor
+from .scene.balancing import Balancing
+from .scene.rotor import FlexibleRotor, PlanarRotor
 
 TRIAL = 10.0  # times what is permissible: seen clearly, and as harmless as the unbalance itself
 SHARE_INBOARD, SHARE_OVERHUNG = (0.3, 0.7), (0.3, 1.3)  # ISO 21940-11, of U_per at a support

@@ -20,8 +20,8 @@ from .errors import SceneError, SimulationError
 from .master import CoSimulation
 from .multipliers import states
 from .scene import Scene
-from .scene_balancing import Balancing
-from .scene_rotor import FlexibleRotor, PlanarRotor, TwoSupportRotor
+from .scene.balancing import Balancing
+from .scene.rotor import FlexibleRotor, PlanarRotor, TwoSupportRotor
 from .schedule import steps_per_rev
 
 Complex = NDArray[np.complexfloating]

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from .scene import Scene
-from .scene_balancer import WeightBalancer
+from .scene.balancer import WeightBalancer
 
 
 def contact_hint(scene: Scene) -> str:

@@ -26,7 +26,7 @@ from .recorder import Recorder, recorded
 from .resolution import Resolution
 from .result import Result
 from .scene import Scene, load_scene
-from .scene_balancer import LiquidBalancer
+from .scene.balancer import LiquidBalancer
 from .schedule import end_time, milestones, schedule, step_size
 from .schemes.adaptive import Adaptive
 from .schemes.explicit import Explicit

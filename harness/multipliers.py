@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from .errors import SimulationError
 from .master import CoSimulation
 from .scene import Scene
-from .scene_balancer import LiquidBalancer
+from .scene.balancer import LiquidBalancer
 from .schedule import steps_per_rev
 
 Vector = NDArray[np.float64]

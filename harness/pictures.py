@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 
 from .scene import Scene
-from .scene_check import LiquidWindowCheck
+from .scene.check import LiquidWindowCheck
 
 CURVE_POINTS = 600
 MEASURED_POINTS = 24

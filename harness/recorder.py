@@ -13,7 +13,7 @@ from .errors import SceneError
 from .resolution import SAID
 from .result import Result
 from .scene import Scene
-from .scene_balancer import LiquidBalancer
+from .scene.balancer import LiquidBalancer
 from .unit import Group, Unit
 
 if TYPE_CHECKING:

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .errors import UserError
-from .scene_messages import did_you_mean
+from .scene.messages import did_you_mean
 
 Signal = NDArray[np.float64]
 PICTURES = ("png", "svg", "pdf")

@@ -21,7 +21,7 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 
 from .master import CoSimulation
-from .precision_report import machine
+from .precision.report import machine
 from .recorder import Recorder, recorded
 from .scene import Scene, load_scene
 

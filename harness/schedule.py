@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 
 from .scene import Scene
-from .scene_run import DEFAULT_STEPS
+from .scene.run import DEFAULT_STEPS
 
 
 def steps_per_rev(scene: Scene) -> int:

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from .errors import SimulationError
 from .main_motion import MainMotion
 from .scene import Scene
-from .scene_balancer import WeightBalancer
+from .scene.balancer import WeightBalancer
 
 DISTURBANCE = 1e-6  # of each state's scale
 LARGEST = 1e-3  # deviation beyond which the equations are no longer linear to that part

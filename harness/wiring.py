@@ -13,8 +13,8 @@ import numpy as np
 from ..fmus.build import build
 from .errors import UnitError
 from .scene import Scene
-from .scene_balancer import LiquidBalancer, WeightBalancer
-from .scene_rotor import FlexibleRotor
+from .scene.balancer import LiquidBalancer, WeightBalancer
+from .scene.rotor import FlexibleRotor
 from .unit import Unit
 from .wiring_rotor import rotor_options
 

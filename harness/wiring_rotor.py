@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any
 
-from .scene_rotor import FlexibleRotor, PlanarRotor, TwoSupportRotor, Unbalance
+from .scene.rotor import FlexibleRotor, PlanarRotor, TwoSupportRotor, Unbalance
 
 Options = dict[str, Any]
 Parameters = dict[str, float]

@@ -20,16 +20,16 @@ from autobalancer.harness.checks.ranking import check_ranking
 from autobalancer.harness.checks.slow_root import check_slow_root
 from autobalancer.harness.cli import app
 from autobalancer.harness.design import design
-from autobalancer.harness.design_decay import decay
-from autobalancer.harness.design_study import (
+from autobalancer.harness.design.decay import decay
+from autobalancer.harness.design.study import (
     facing_start,
     median_interval,
     random_start,
     settled_at,
 )
-from autobalancer.harness.design_words import contradictions, rivals
+from autobalancer.harness.design.words import contradictions, rivals
 from autobalancer.harness.errors import SceneError, SimulationError
-from autobalancer.harness.scene_check import (
+from autobalancer.harness.scene.check import (
     CapacityCheck,
     LargestSpreadCheck,
     RankingCheck,

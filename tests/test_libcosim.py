@@ -9,7 +9,7 @@ import pytest
 
 from autobalancer.harness import Scene, cosimulate
 from autobalancer.harness.master import CoSimulation
-from autobalancer.harness.work_precision_libcosim import InLibcosim
+from autobalancer.harness.precision.libcosim import InLibcosim
 
 pytest.importorskip("libcosimpy")
 

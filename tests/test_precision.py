@@ -12,7 +12,7 @@ from typer.testing import CliRunner
 from autobalancer.harness import load_scene
 from autobalancer.harness.cli import app
 from autobalancer.harness.errors import SimulationError
-from autobalancer.harness.plots_precision import plot_precision
+from autobalancer.harness.plots.precision import plot_precision
 from autobalancer.harness.precision import (
     TWO_DECADES,
     Point,
@@ -21,7 +21,13 @@ from autobalancer.harness.precision import (
     observed_orders,
     precision,
 )
-from autobalancer.harness.precision_report import (
+from autobalancer.harness.precision.methods import (
+    ALONG_FIXED_AXES,
+    Method,
+    coupling_methods,
+    ready,
+)
+from autobalancer.harness.precision.report import (
     KEYS,
     as_json,
     cheapest_words,
@@ -30,14 +36,8 @@ from autobalancer.harness.precision_report import (
     table,
     write_csv,
 )
+from autobalancer.harness.precision.split import split_time
 from autobalancer.harness.recorder import recorded
-from autobalancer.harness.work_precision_methods import (
-    ALONG_FIXED_AXES,
-    Method,
-    coupling_methods,
-    ready,
-)
-from autobalancer.harness.work_precision_profile import split_time
 from autobalancer.models.monolith import simulate
 
 CUBIC = [Method("iterated", 3, n, 1) for n in (20, 40, 80)]
@@ -220,7 +220,7 @@ def test_liquid_scene_is_exact_at_any_step():
 
 
 def test_scene_without_a_reference_is_refused_in_words(short, monkeypatch):
-    monkeypatch.setattr("autobalancer.harness.precision_reference.BOUND", 1e-20)
+    monkeypatch.setattr("autobalancer.harness.precision.reference.BOUND", 1e-20)
     with pytest.raises(SimulationError, match="no error can be told"):
         precision(short, seconds=1.0, methods=HELD[:1])
 

@@ -9,16 +9,11 @@ import numpy as np
 import pytest
 from typer.testing import CliRunner
 
-from autobalancer.harness import (
-    UserError,
-    load_scene,
-    plots_rotor,
-    plots_rotor_motion,
-    plots_rotor_polar,
-    rotor_study,
-)
+from autobalancer.harness import UserError, load_scene, rotor_study
 from autobalancer.harness.balancing import balance
 from autobalancer.harness.cli import app
+from autobalancer.harness.plots import rotor as pictures
+from autobalancer.harness.plots import rotor_motion, rotor_polar
 from autobalancer.harness.scene import Scene
 
 
@@ -38,7 +33,7 @@ def drawn(monkeypatch):
         figures.append(figure)
         return path
 
-    for module in (plots_rotor, plots_rotor_motion, plots_rotor_polar):
+    for module in (pictures, rotor_motion, rotor_polar):
         monkeypatch.setattr(module, "save", keep)
     return figures
 
@@ -60,7 +55,7 @@ def test_campbell_curves_meet_the_speed_line_at_the_critical_speeds(drawn):
     w = data.speeds
     forward = (0.5 * w + np.sqrt((0.5 * w) ** 2 + 4 * 3.25 * 9.0)) / (2 * 3.25)
     np.testing.assert_allclose(tilt[:, -1], forward, rtol=1e-3)  # damping of 2 % shifts it by 4e-4
-    plots_rotor.plot_campbell(data, critical, "title", None)
+    pictures.plot_campbell(data, critical, "title", None)
     (figure,) = drawn
     marks = [line for line in figure.axes[0].lines if line.get_marker() == "o"]
     assert [float(line.get_xdata()[0]) for line in marks] == pytest.approx(critical.tolist())
@@ -89,7 +84,7 @@ def test_response_of_the_unit_is_that_of_a_disc(drawn):
         np.interp(data.points, data.speeds, np.abs(data.amplitude[:, 0, 0])), np.abs(exact),
         rtol=2e-2,
     )  # fmt: skip
-    plots_rotor.plot_response(data, None)
+    pictures.plot_response(data, None)
     (figure,) = drawn
     assert len(figure.axes) == 2  # x and y alike: drawn once
     assert figure.axes[0].get_ylabel() == "amplitude, 0-peak [mm]"
@@ -98,7 +93,7 @@ def test_response_of_the_unit_is_that_of_a_disc(drawn):
 
 def test_response_along_both_axes_is_drawn_where_they_differ(drawn):
     data = rotor_study.response_of(disc(stiffness=[2.0, 3.0]), 0.1, 3.0)
-    plots_rotor.plot_response(data, None)
+    pictures.plot_response(data, None)
     assert {axes.get_title() for axes in drawn[0].axes} >= {"along x", "along y"}
 
 
@@ -116,7 +111,7 @@ def test_orbits_are_closed_and_balancing_makes_them_smaller(drawn):
     np.testing.assert_allclose(radius, radius[:1].repeat(len(radius), 0), rtol=1e-6)  # circles
     assert len(data.run) == 2 * 40 + 1
     assert np.abs(data.run).max() < 0.05 * radius.max()
-    plots_rotor_motion.plot_orbits(data, None)
+    rotor_motion.plot_orbits(data, None)
     labels = [text for text in texts(drawn[0]) if text]
     assert all("[mm]" in text or "0-peak" in text for text in labels)
 
@@ -130,14 +125,14 @@ def test_run_up_passes_the_resonance_and_stays_below_its_steady_height(drawn):
     assert data.speeds[-1] == pytest.approx(3.0)
     # far above it the disc turns about its centre of mass
     assert data.run[-1, 0] == pytest.approx(0.005 / (1 - 1 / 9), rel=0.05)
-    plots_rotor_motion.plot_run_up(data, None)
+    rotor_motion.plot_run_up(data, None)
     assert drawn[0].axes[-1].get_xlabel().startswith("speed [rad/s]")
     assert drawn[0].axes[0].get_ylabel().endswith("0-peak [mm]")
 
 
 def test_polar_picture_ends_where_the_unbalance_is_undone(drawn):
     result = balance(load_scene("balancing_machine"))
-    plots_rotor_polar.plot_corrections(result, None)
+    rotor_polar.plot_corrections(result, None)
     (figure,) = drawn
     assert [axes.name for axes in figure.axes] == ["polar", "polar"]
     for i, axes in enumerate(figure.axes):
@@ -150,9 +145,9 @@ def test_polar_picture_ends_where_the_unbalance_is_undone(drawn):
 
 
 def test_moments_and_files_have_readable_units(tmp_path):
-    assert plots_rotor_polar.moment(3.0) == (1.0, "kg m")
-    assert plots_rotor_polar.moment(2e-5) == (pytest.approx(1e6), "g mm")
-    assert plots_rotor_polar.moment(1e-12)[1] == "mg mm"
+    assert rotor_polar.moment(3.0) == (1.0, "kg m")
+    assert rotor_polar.moment(2e-5) == (pytest.approx(1e6), "g mm")
+    assert rotor_polar.moment(1e-12)[1] == "mg mm"
 
 
 def test_command_prints_modes_and_writes_what_is_asked_for(tmp_path):

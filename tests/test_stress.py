@@ -14,17 +14,17 @@ from autobalancer.harness.errors import SimulationError
 from autobalancer.harness.master import CoSimulation, cosimulate
 from autobalancer.harness.onset import parts
 from autobalancer.harness.stress import as_json, run_case, stress
-from autobalancer.harness.stress_case import (
+from autobalancer.harness.stress.case import (
     Outcome,
     linear_motion,
     refusal,
     scene,
     stated_error,
 )
-from autobalancer.harness.stress_cases import all_cases
-from autobalancer.harness.stress_cases_rotor import _liquid_scene
-from autobalancer.harness.stress_cases_weights import _two
-from autobalancer.harness.stress_verdicts import Judged, judge, spinning, table
+from autobalancer.harness.stress.cases import all_cases
+from autobalancer.harness.stress.cases_rotor import _liquid_scene
+from autobalancer.harness.stress.cases_weights import _two
+from autobalancer.harness.stress.verdicts import Judged, judge, spinning, table
 from autobalancer.models.monolith import reference
 from autobalancer.models.oscillator import forced_motion
 from autobalancer.models.weights import Weights, advance
@@ -238,16 +238,16 @@ def test_closed_form_satisfies_the_equation_at_resonance_and_critical_damping():
 
 
 def test_a_wrong_answer_does_not_hold(monkeypatch):
-    from autobalancer.harness import stress_case
+    from autobalancer.harness.stress import case
 
-    right = stress_case.forced_motion
-    monkeypatch.setattr(stress_case, "forced_motion", lambda m, *rest: right(1.001 * m, *rest))
+    right = case.forced_motion
+    monkeypatch.setattr(case, "forced_motion", lambda m, *rest: right(1.001 * m, *rest))
     assert not run_case("damping ratio 0.1").holds
 
 
 def test_nan_never_holds_and_an_unforeseen_error_is_an_outcome(monkeypatch):
     from autobalancer.harness import stress as module
-    from autobalancer.harness.stress_case import Case
+    from autobalancer.harness.stress.case import Case
 
     def crash() -> Outcome:
         raise ZeroDivisionError("seen")
@@ -289,9 +289,9 @@ def test_command_exits_with_one_when_a_case_does_not_hold(tmp_path, monkeypatch)
     assert done.exit_code == 0, done.output
     assert json.loads(target.read_text(encoding="utf-8"))["rows"][0]["holds"] is True
     assert runner.invoke(app, ["stress", "no such case"]).exit_code == 2
-    from autobalancer.harness import stress_case
+    from autobalancer.harness.stress import case
 
-    monkeypatch.setattr(stress_case, "forced_motion", lambda *_a: np.zeros(2001, complex))
+    monkeypatch.setattr(case, "forced_motion", lambda *_a: np.zeros(2001, complex))
     assert runner.invoke(app, ["stress", "damping ratio 0.1"]).exit_code == 1
 
 

@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterable, Iterator
 from ..parallel import spread
 from ..report import Row
 from ..scene import Scene
-from ..scene_check import (
+from ..scene.check import (
     AnyCheck,
     CapacityCheck,
     ContactOrderCheck,

@@ -17,8 +17,8 @@ from ..master import cosimulate
 from ..report import Row
 from ..result import Result
 from ..scene import Scene
-from ..scene_balancer import WeightBalancer
-from ..scene_check import CapacityCheck
+from ..scene.balancer import WeightBalancer
+from ..scene.check import CapacityCheck
 from .measure import Rows
 
 RESIDUAL = 1e-3  # of the capacity

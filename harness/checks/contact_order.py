@@ -14,8 +14,8 @@ from ..errors import SceneError
 from ..master import CoSimulation
 from ..report import Row
 from ..scene import Scene
-from ..scene_balancer import WeightBalancer
-from ..scene_check import ContactOrderCheck
+from ..scene.balancer import WeightBalancer
+from ..scene.check import ContactOrderCheck
 from .measure import Rows
 
 

@@ -11,7 +11,7 @@ from ..errors import SceneError
 from ..main_motion import MainMotion
 from ..report import Row, text
 from ..scene import Scene
-from ..scene_check import CriticalSpeedsCheck
+from ..scene.check import CriticalSpeedsCheck
 from ..time_runs import growth_in_run, needed_revolutions, run_from_rest
 from .measure import Rows
 

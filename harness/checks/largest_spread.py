@@ -9,13 +9,13 @@ from ...models import capacity as theory
 from ...models.settling import critical_drag, settling_time, slow_root
 from ...models.touching import facing_measure
 from ...models.weights import Weights
-from ..design_scenes import sized
-from ..design_study import SETTLED, Batch, Settled, run_batch
+from ..design.scenes import sized
+from ..design.study import SETTLED, Batch, Settled, run_batch
 from ..parallel import spread
 from ..report import Row
 from ..scene import Scene
-from ..scene_balancer import WeightBalancer
-from ..scene_check import LargestSpreadCheck
+from ..scene.balancer import WeightBalancer
+from ..scene.check import LargestSpreadCheck
 from .measure import Rows
 
 TIMES = 0.05  # of the predicted time: a change of 1e-3 of the capacity is not yet a small one

@@ -18,7 +18,7 @@ from ..errors import SceneError
 from ..multipliers import Revolution
 from ..report import Row
 from ..scene import Scene
-from ..scene_check import LiquidWindowCheck
+from ..scene.check import LiquidWindowCheck
 from .measure import Rows, crossing
 
 BOUNDARY_TOLERANCE = 1e-4  # relative, of w_* and w^*

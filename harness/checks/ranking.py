@@ -10,13 +10,13 @@ import numpy as np
 
 from ...models.capacity import fastest_count
 from ..design import Design, design
-from ..design_scenes import batches
-from ..design_study import run_batch
-from ..design_words import contradictions, order, rivals
+from ..design.scenes import batches
+from ..design.study import run_batch
+from ..design.words import contradictions, order, rivals
 from ..parallel import spread
 from ..report import Row
 from ..scene import Scene
-from ..scene_check import RankingCheck
+from ..scene.check import RankingCheck
 from ..schedule import steps_per_rev
 from .measure import Rows
 from .slow_root import decay_rows

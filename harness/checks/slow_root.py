@@ -4,14 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
 
-from ..design_decay import Decay
-from ..design_scenes import batches, sized, unbalance_of
-from ..design_study import facing_start, run_batch
-from ..design_words import deviations, excluded
+from ..design.decay import Decay
+from ..design.scenes import batches, sized, unbalance_of
+from ..design.study import facing_start, run_batch
+from ..design.words import deviations, excluded
 from ..parallel import spread
 from ..report import Row
 from ..scene import Scene
-from ..scene_check import SlowRootCheck
+from ..scene.check import SlowRootCheck
 from .measure import Rows
 
 DECAY = 0.05  # of the rate

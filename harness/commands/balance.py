@@ -45,7 +45,7 @@ def command(
         result = balance(loaded, progress=lambda done: bars.update(task, completed=done))
     _print(result)
     if output is not None:
-        from ..plots_rotor_polar import plot_corrections
+        from ..plots.rotor_polar import plot_corrections
 
         say(f"Picture: {plot_corrections(result, output)}")
     if json_file is not None:

@@ -68,7 +68,7 @@ def command(
         say(line)
     say(f"FMUs loaded: RotorOnSupports.fmu, BallBalancer-weights-2 to -{most}.fmu")
     if output is not None:
-        from ..plots_design import plot_design
+        from ..plots.design import plot_design
 
         say(f"Picture: {plot_design(data, output)}")
 

@@ -67,7 +67,7 @@ def command(
     if csv is not None:
         say(f"Points: {data.to_csv(csv)}")
     if output is not None:
-        from ..plots_map import plot_map
+        from ..plots.map import plot_map
 
         say(f"Picture: {plot_map(data, output)}")
 

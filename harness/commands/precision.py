@@ -11,7 +11,7 @@ from ..terminal import console, progress_bars, ready_to_write, say
 
 if TYPE_CHECKING:
     from ..precision import Precision
-    from ..work_precision_profile import Split
+    from ..precision.split import Split
 
 PROFILED_STEPS = 20  # a revolution, or the scene's first measured step
 PROFILED_TOLERANCE = 1e-5
@@ -41,7 +41,7 @@ def command(
 ) -> None:
     """Measure what each digit costs: every scheme, order and step, and SciPy's methods."""
     from ..precision import precision
-    from ..precision_report import (
+    from ..precision.report import (
         as_json,
         cheapest_words,
         comparison_words,
@@ -82,7 +82,7 @@ def command(
         with write_whole(markdown_file) as stream:
             stream.write(markdown(found, splits))
     if output is not None:
-        from ..plots_precision import plot_precision
+        from ..plots.precision import plot_precision
 
         say(f"Picture: {plot_precision(found, output)}")
     if words := comparison_words(found):
@@ -92,8 +92,8 @@ def command(
 
 def _splits(found: Precision) -> list[Split]:
     """One coupling of every family that ran."""
-    from ..work_precision_methods import ALONG_FIXED_AXES
-    from ..work_precision_profile import split_time
+    from ..precision.methods import ALONG_FIXED_AXES
+    from ..precision.split import split_time
 
     chosen = {}
     for point in found.points:

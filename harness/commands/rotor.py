@@ -78,17 +78,19 @@ def command(
 
 
 def _draw(kind: str, scene: Scene, low: float, high: float, path: Path) -> None:
-    from .. import plots_rotor, plots_rotor_motion, rotor_study
+    from .. import rotor_study
+    from ..plots import rotor as pictures
+    from ..plots import rotor_motion
 
     if kind == "campbell":
         data, critical = rotor_study.campbell_of(scene, low, high)
-        plots_rotor.plot_campbell(data, critical, scene.title or scene.name, path)
+        pictures.plot_campbell(data, critical, scene.title or scene.name, path)
     elif kind == "response":
-        plots_rotor.plot_response(rotor_study.response_of(scene, low, high), path)
+        pictures.plot_response(rotor_study.response_of(scene, low, high), path)
     elif kind == "orbit":
-        plots_rotor_motion.plot_orbits(rotor_study.orbits_of(scene), path)
+        rotor_motion.plot_orbits(rotor_study.orbits_of(scene), path)
     else:
-        plots_rotor_motion.plot_run_up(rotor_study.run_up_of(scene, low, high), path)
+        rotor_motion.plot_run_up(rotor_study.run_up_of(scene, low, high), path)
 
 
 def modes_table(scene: Scene, found: Modes) -> Table:

@@ -82,7 +82,7 @@ def parse_change(text: str) -> tuple[str, Any]:
     Raises:
         UserError: there is no '=', or what follows is not a value.
     """
-    from ..scene_file import tomllib
+    from ..scene.file import tomllib
 
     key, equals, value = (part.strip() for part in text.partition("="))
     try:

@@ -27,7 +27,7 @@ def command(
     from ..report import write_json
     from ..result import write_whole
     from ..stress import as_json, markdown, stress, table
-    from ..stress_cases import all_cases
+    from ..stress.cases import all_cases
 
     ready_to_write(json_file)
     ready_to_write(markdown_file)
@@ -54,6 +54,6 @@ def command(
 
 
 def _listed() -> str:
-    from ..stress_cases import all_cases
+    from ..stress.cases import all_cases
 
     return "; ".join(all_cases())

@@ -1,0 +1,220 @@
+"""The methods whose error and run time are compared, each behind the same three calls."""
+
+from __future__ import annotations
+
+import time as clock
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...models.monolith import Monolith, Start, integrate, trajectory
+from ..errors import SimulationError
+from ..master import CoSimulation
+from ..recorder import Recorder
+from ..scene import Scene
+
+Array = NDArray[np.float64]
+
+EXPLICIT_STEPS = (10, 20, 40, 80, 160)
+ITERATED_STEPS = (8, 10, 14, 20, 28, 40, 80)
+TOLERANCES = (1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7)
+SOLVERS: dict[str, tuple[float, ...]] = {
+    "RK45": tuple(10.0**-k for k in range(3, 10)),
+    "DOP853": tuple(10.0**-k for k in range(3, 11)),
+    "LSODA": tuple(10.0**-k for k in range(3, 11)),
+    "Radau": tuple(10.0**-k for k in range(3, 9)),
+}
+ALONG_FIXED_AXES = "jacobi along fixed axes"  # what most tools do with most units
+SAMPLES_PER_REV = 20  # points of the monolith's dense output, as many as a record usually has
+
+
+@dataclass(frozen=True)
+class Method:
+    """A way to run a scene; what does not apply is None.
+
+    Attributes:
+        name: coupling scheme, `ALONG_FIXED_AXES`, `monolith` and SciPy's method, or another master.
+        order: of the exchanged signals.
+        steps_per_rev: communication steps a revolution.
+        corrections: corrector passes; None with `iterated`: until the loop has converged.
+        tolerance: of the tolerance-driven step, or SciPy's rtol.
+    """
+
+    name: str
+    order: int | None = None
+    steps_per_rev: int | None = None
+    corrections: int | None = None
+    tolerance: float | None = None
+
+    @property
+    def family(self) -> str:
+        """The method without its step or tolerance, in words."""
+        words = [self.name]
+        if self.order is not None:
+            words.append({0: "held", 1: "linear", 3: "cubic"}[self.order])
+        if self.name == "iterated" and self.tolerance is None:
+            passes = {None: "until converged", 1: "1 pass"}
+            words.append(passes.get(self.corrections, f"{self.corrections} passes"))
+        if self.name == "iterated" and self.tolerance is not None:
+            words.append("tolerance")
+        return " ".join(words)
+
+    @property
+    def setting(self) -> str:
+        """Step or tolerance, in words."""
+        if self.steps_per_rev is not None:
+            return f"{self.steps_per_rev} steps a revolution"
+        return f"tolerance {self.tolerance:g}"
+
+
+@dataclass(frozen=True, eq=False)
+class Run:
+    """A finished run: seconds without loading, its points, and its work (steps, evaluations)."""
+
+    seconds: float
+    time: Array
+    signals: dict[str, Array]
+    work: int
+    note: str = ""
+
+
+class Runner(Protocol):
+    """A method made ready for one scene."""
+
+    def run(self) -> Run:
+        """Run once, timed.
+
+        Raises:
+            SimulationError, ArithmeticError: it cannot.
+        """
+        ...
+
+    def close(self) -> None:
+        """Give back what it holds."""
+        ...
+
+
+class Coupled:
+    """The FMUs of a scene under one coupling, loaded once."""
+
+    def __init__(self, scene: Scene, names: Sequence[str]) -> None:
+        self.cosim = CoSimulation(scene)
+        self.names = list(names)
+
+    def run(self) -> Run:
+        recorder = Recorder(self.cosim.units, self.names)
+        begun = clock.perf_counter()
+        self.cosim.start()
+        recorder.take(0.0)
+        for _ in self.cosim.run():
+            recorder.take(self.cosim.time)
+        seconds = clock.perf_counter() - begun
+        result = recorder.result(self.cosim, seconds)
+        note = f"{result.unconverged} steps not converged" if result.unconverged else ""
+        return Run(seconds, result.time, result.signals, result.steps, note)
+
+    def close(self) -> None:
+        self.cosim.close()
+
+
+class InOnePiece:
+    """The monolith by one of SciPy's methods; only the integration is timed."""
+
+    def __init__(
+        self, scene: Scene, names: Sequence[str], method: str, rtol: float, time: Array
+    ) -> None:
+        start = Start(**dict(scene.run.initial.items()))
+        self._system = Monolith(scene.assembly(), scene.profile(), start.angle)
+        self._start, self._method, self._rtol = start, method, rtol
+        self._names, self._time = list(names), time
+
+    def run(self) -> Run:
+        begun = clock.perf_counter()
+        states, evaluations = integrate(
+            self._system, self._time, self._start, method=self._method, rtol=self._rtol
+        )
+        seconds = clock.perf_counter() - begun
+        found = trajectory(self._system, self._time, states)
+        return Run(seconds, self._time, {n: found.signal(n) for n in self._names}, evaluations)
+
+    def close(self) -> None:
+        pass
+
+
+def coupling_methods(exchanges_force: bool) -> list[Method]:
+    """Every scheme, order and step; one of each step where no force is exchanged."""
+    if not exchanges_force:
+        return [Method("auto", steps_per_rev=n) for n in (4, 10, 20, 40)]
+    found = [Method(ALONG_FIXED_AXES, 0, n) for n in EXPLICIT_STEPS]
+    found += [
+        Method(scheme, order, n)
+        for scheme in ("jacobi", "gauss-seidel")
+        for order in (0, 1, 3)
+        for n in EXPLICIT_STEPS
+    ]
+    found += [Method("compensated", 3, n) for n in ITERATED_STEPS]
+    found += [Method("iterated", o, n, 1) for o in (0, 1) for n in EXPLICIT_STEPS]
+    found += [Method("iterated", 3, n, passes) for passes in (1, None) for n in ITERATED_STEPS]
+    return found + [Method("iterated", 3, tolerance=t) for t in TOLERANCES]
+
+
+def monolith_methods() -> list[Method]:
+    """SciPy's methods over their tolerances."""
+    return [Method(f"monolith {m}", tolerance=t) for m, ts in SOLVERS.items() for t in ts]
+
+
+def coupled_scene(scene: Scene, method: Method) -> Scene:
+    """The scene under a method's coupling."""
+    plain = dict.fromkeys(f"coupling.{key}" for key in ("steps_per_rev", "tolerance"))
+    scheme = {
+        "coupling.scheme": method.name,
+        "coupling.order": 3 if method.order is None else method.order,
+        "coupling.corrections": method.corrections,
+    }
+    step = {
+        "coupling.steps_per_rev": method.steps_per_rev,
+        "coupling.tolerance": method.tolerance,
+    }
+    given = {key: value for key, value in step.items() if value is not None}
+    return scene.replace({**plain, **scheme, **given})
+
+
+def sample_times(scene: Scene) -> Array:
+    """Points at which the monolith is asked for its motion [s]."""
+    from ..schedule import end_time
+
+    count = max(2, round(SAMPLES_PER_REV * scene.run.revolutions))
+    return np.linspace(0.0, end_time(scene), count + 1)
+
+
+def ready(scene: Scene, method: Method, names: Sequence[str]) -> Runner:
+    """Load what a method needs.
+
+    Raises:
+        UserError: an FMU cannot be loaded.
+        SimulationError: this method cannot run this scene at all; the message says why.
+    """
+    if method.name.startswith("monolith "):
+        assert method.tolerance is not None
+        solver = method.name.removeprefix("monolith ")
+        return InOnePiece(scene, names, solver, method.tolerance, sample_times(scene))
+    if method.name == ALONG_FIXED_AXES:
+        from .fixed_axes import AlongFixedAxes
+
+        return AlongFixedAxes(coupled_scene(scene, replace(method, name="jacobi")), names)
+    if method.name == "libcosimpy":
+        from .libcosim import InLibcosim
+
+        return InLibcosim(coupled_scene(scene, replace(method, name="jacobi")), names)
+    return Coupled(coupled_scene(scene, method), names)
+
+
+def failure(run: Callable[[], Run]) -> tuple[Run | None, str]:
+    """A run, or the reason why there is none."""
+    try:
+        return run(), ""
+    except (SimulationError, ArithmeticError) as error:
+        return None, str(error)

@@ -1,0 +1,89 @@
+"""What the errors of a precision measurement are measured against, and where there is nothing."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+import numpy as np
+
+from ...models.monolith import ReferenceDisagreement, Start, reference
+from ...models.trajectory import Trajectory
+from ..errors import SimulationError
+from ..scene import Scene
+from ..scene.balancer import WeightBalancer
+from ..signal_units import unit_of_signal
+from .methods import Array
+
+RTOL = 3e-14  # a hair above the smallest SciPy accepts
+BOUND = 1e-3  # two methods that differ by more give no reference at all
+STILL = 1e-6  # of the largest range in the same unit: a signal that moves less has no range
+
+
+def right_motion(
+    scene: Scene, names: Sequence[str], times: Sequence[Array]
+) -> tuple[Trajectory, float]:
+    """The motion at every point that any run has, and its own error.
+
+    Args:
+        times: of every run [s].
+
+    Raises:
+        SimulationError: nobody knows it; the message says why.
+    """
+    for balancer in scene.balancer:
+        if isinstance(balancer, WeightBalancer):
+            _refuse_what_the_reference_lacks(scene, balancer)
+    every = np.unique(np.concatenate([[0.0], *times]))
+    states = [n for n in names if n.rpartition(".")[2] in ("x", "y", "vx", "vy", "angle", "speed")]
+    try:
+        right, own = reference(
+            scene.assembly(),
+            scene.profile(),
+            every,
+            initial=Start(**dict(scene.run.initial.items())),
+            rtol=RTOL,
+            bound=BOUND,
+            signals=[n for n in states if not n.startswith("rotor.angle")] or None,
+        )
+    except ReferenceDisagreement as error:
+        raise SimulationError(f"{scene.name}: no error can be told: {error}") from error
+    _refuse_contacts(scene, right)
+    return right, own
+
+
+def _refuse_what_the_reference_lacks(scene: Scene, balancer: WeightBalancer) -> None:
+    for name in ("rolling_resistance", "track_offset_xi", "track_offset_eta"):
+        if getattr(balancer, name):
+            raise SimulationError(
+                f"{scene.name}: no error can be told: the reference knows no {name} of "
+                f"{balancer.label!r}"
+            )
+
+
+def _refuse_contacts(scene: Scene, right: Trajectory) -> None:
+    """Raise SimulationError where weights of the reference, which are points, would touch."""
+    for balancer in scene.balancer:
+        if not isinstance(balancer, WeightBalancer) or not balancer.weight_radius:
+            continue
+        names = [f"{balancer.label}.weight[{k}].angle" for k in range(1, balancer.count + 1)]
+        angles = np.array([right.signal(name) for name in names])
+        apart = 2.0 * math.asin(balancer.weight_radius / balancer.track_radius)
+        for k in range(1, len(angles)):
+            gaps = np.abs((angles[k:] - angles[:-k] + math.pi) % (2.0 * math.pi) - math.pi)
+            touching = (gaps < apart).any(axis=0)
+            if touching.any():
+                raise SimulationError(
+                    f"{scene.name}: no error can be told: weights of {balancer.label!r} touch at "
+                    f"t = {right.time[touching.argmax()]:g} s, which the reference does not know"
+                )
+
+
+def signal_ranges(right: Trajectory, names: Sequence[str]) -> dict[str, float]:
+    """What each signal's error is measured by."""
+    reach = {name: float(np.ptp(right.signal(name))) for name in names}
+    found = {}
+    for name in names:
+        alike = [reach[n] for n in names if unit_of_signal(n) == unit_of_signal(name)]
+        found[name] = max(reach[name], STILL * max(alike)) or 1.0
+    return found

@@ -1,0 +1,222 @@
+"""What was measured as table, CSV, JSON, Markdown, and in words."""
+
+from __future__ import annotations
+
+import csv
+import platform
+from collections.abc import Iterable, Sequence
+from importlib.metadata import version
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from ..result import write_whole
+from . import TARGETS, TWO_DECADES, Point, Precision
+from .methods import ALONG_FIXED_AXES
+from .split import Split
+
+if TYPE_CHECKING:
+    from rich.table import Table
+
+KEYS = (
+    "scene", "method", "order", "steps_per_rev", "corrections", "tolerance",
+    "error", "seconds", "status",
+)  # fmt: skip
+PACKAGES = ("numpy", "scipy", "fmpy", "pythonfmu")
+
+
+def row(point: Point) -> dict[str, Any]:
+    """One point with the keys of the JSON document."""
+    method = point.method
+    return {
+        "scene": point.scene,
+        "method": method.name,
+        "order": method.order,
+        "steps_per_rev": method.steps_per_rev,
+        "corrections": method.corrections,
+        "tolerance": method.tolerance,
+        "error": point.error,
+        "seconds": point.seconds,
+        "status": point.status,
+    }
+
+
+def as_json(found: Precision) -> dict[str, Any]:
+    """`{"rows": [...]}`, a row for every method, step and tolerance."""
+    return {"rows": [row(point) for point in found.points]}
+
+
+def write_csv(found: Precision, path: Path) -> None:
+    """The rows with the error at the end, the error of x and y alone, and the work added.
+
+    Raises:
+        UserError: the file cannot be written.
+    """
+    with write_whole(path) as stream:
+        writer = csv.writer(stream, lineterminator="\n")
+        writer.writerow([*KEYS, "error_at_end", "error_of_rotor", "work"])
+        for point in found.points:
+            writer.writerow([*row(point).values(), point.at_end, point.rotor, point.work])
+
+
+def table(found: Precision) -> Table:
+    """Every point for the terminal, families apart."""
+    from rich.markup import escape
+    from rich.table import Table
+
+    grid = Table(title=f"Error against run time: {escape(found.scene.name)}", title_justify="left")
+    for column in ("method", "step or tolerance", "error", "at the end", "ms", "order", "status"):
+        right = column in ("error", "at the end", "ms", "order")
+        grid.add_column(column, justify="right" if right else "left", overflow="fold")
+    last = None
+    for point in _without_repeats(found.points):
+        family = point.method.family
+        if last not in (None, family):
+            grid.add_section()
+        order = found.orders.get(family)
+        grid.add_row(
+            escape(family) if family != last else "",
+            point.method.setting,
+            _number(point.error),
+            _number(point.at_end),
+            "-" if point.seconds is None else f"{1e3 * point.seconds:.1f}",
+            "" if family == last else "-" if order is None else f"{order:.1f}",
+            escape(point.status),
+        )
+        last = family
+    return grid
+
+
+def _without_repeats(points: Sequence[Point]) -> Iterable[Point]:
+    """A family that fails for one and the same reason is said once."""
+    said: set[tuple[str, str]] = set()
+    for point in points:
+        key = (point.method.family, point.status)
+        if not point.counts and key in said:
+            continue
+        said.add(key)
+        yield point
+
+
+def _number(value: float | None) -> str:
+    return "-" if value is None else f"{value:.1e}"
+
+
+def split_table(splits: Sequence[Split]) -> Table:
+    """Where the time goes."""
+    from rich.table import Table
+
+    grid = Table(title="Where the time goes", title_justify="left")
+    for column in ("method", "step or tolerance", "steps", "FMI calls", "us a step", "rotor",
+                   "balancers", "master"):  # fmt: skip
+        grid.add_column(
+            column, justify="left" if column.startswith(("meth", "step or")) else "right"
+        )
+    for split in splits:
+        shares = [split.rotor, split.balancers, split.master]
+        grid.add_row(
+            split.method.family,
+            split.method.setting,
+            str(split.steps),
+            str(split.calls),
+            f"{1e6 * split.total / split.steps:.0f}",
+            *(f"{part / split.total:.0%}" for part in shares),
+        )
+    return grid
+
+
+def reference_words(found: Precision) -> str:
+    """What the errors are measured against, and down to where they mean something."""
+    return (
+        f"Reference: two independent SciPy methods, which differ by {found.reference_error:.1e} of "
+        f"the signals' ranges; errors below {TWO_DECADES * found.reference_error:.0e} are not told "
+        f"apart from it. Signals: {', '.join(found.signals)}. Smallest of {found.rounds} runs "
+        "after one warm-up."
+    )
+
+
+def comparison_words(found: Precision) -> str:
+    """How much more exact one pass is than held forces along fixed axes; "" if one did not run.
+
+    The same units at the same steps: the ratio of the two rows' errors in x and y.
+    """
+    held = {
+        p.method.steps_per_rev: p.rotor
+        for p in found.points
+        if p.method.name == ALONG_FIXED_AXES and p.rotor
+    }
+    ways = []
+    for point in found.points:
+        method, steps = point.method, point.method.steps_per_rev
+        one_pass = method.name == "iterated" and (method.order, method.corrections) == (3, 1)
+        if one_pass and point.rotor and steps in held:
+            ratio = float(f"{held[steps] / point.rotor:.2g}")
+            ways.append(f"{ratio:,.0f} at {steps} ({point.rotor:.1e} against {held[steps]:.2g})")
+    if not ways:
+        return ""
+    return (
+        "Times as exact in x and y, over the largest of them, as the same units with held signals "
+        "along fixed axes: cubic signals and one pass, by steps a revolution, "
+        f"{'; '.join(ways)}."
+    )
+
+
+def cheapest_words(found: Precision) -> str:
+    """The last line: the cheapest way to each error."""
+    ways = []
+    for target in TARGETS:
+        coupled, whole = (found.cheapest(target, coupled=kind) for kind in (True, False))
+        way = "no way measured" if coupled is None else _way(coupled)
+        rival = "" if whole is None else f"; in one piece {_way(whole)}"
+        ways.append(f"to {target:g} by {way}{rival}" if coupled else f"to {target:g}: {way}{rival}")
+    return f"Cheapest for {found.scene.name}: {'. '.join(ways)}."
+
+
+def _way(point: Point) -> str:
+    assert point.seconds is not None
+    name = point.method.family.removeprefix("monolith ")
+    return f"{name}, {point.method.setting} ({1e3 * point.seconds:.0f} ms, {point.error:.1e})"
+
+
+def machine() -> str:
+    """Processor, Python and the versions that matter."""
+    processor = platform.processor() or platform.machine()
+    try:
+        for line in Path("/proc/cpuinfo").read_text().splitlines():
+            if line.startswith("model name"):
+                processor = line.partition(":")[2].strip()
+                break
+    except OSError:
+        pass
+    versions = ", ".join(f"{name} {version(name)}" for name in PACKAGES)
+    return f"{processor}; Python {platform.python_version()}, {versions}"
+
+
+def markdown(found: Precision, splits: Sequence[Split]) -> str:
+    """Everything as Markdown."""
+    lines = [f"### {found.scene.name}", "", reference_words(found), ""]
+    lines += ["| method | step or tolerance | error | at the end | ms | order | status |"]
+    lines += ["|---|---|---:|---:|---:|---:|---|"]
+    last = None
+    for point in _without_repeats(found.points):
+        family, order = point.method.family, found.orders.get(point.method.family)
+        cells = [
+            family if family != last else "",
+            point.method.setting,
+            _number(point.error),
+            _number(point.at_end),
+            "-" if point.seconds is None else f"{1e3 * point.seconds:.1f}",
+            "" if family == last else "-" if order is None else f"{order:.1f}",
+            point.status,
+        ]
+        lines.append(f"| {' | '.join(cells)} |")
+        last = family
+    lines += ["", "| where the time goes | steps | FMI calls | us a step | rotor | balancers |"
+              " master |", "|---|---:|---:|---:|---:|---:|---:|"]  # fmt: skip
+    for s in splits:
+        shares = " | ".join(f"{part / s.total:.0%}" for part in (s.rotor, s.balancers, s.master))
+        lines.append(
+            f"| {s.method.family}, {s.method.setting} | {s.steps} | {s.calls} | "
+            f"{1e6 * s.total / s.steps:.0f} | {shares} |"
+        )
+    compared = [comparison_words(found), ""] if comparison_words(found) else []
+    return "\n".join([*lines, "", *compared, cheapest_words(found), ""])

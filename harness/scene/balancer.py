@@ -1,0 +1,148 @@
+"""The [[balancer]] tables of a scene: balls, rollers, pendulums, liquid."""
+
+from __future__ import annotations
+
+import math
+from typing import Annotated, Literal
+
+from pydantic import Field, ValidationInfo, field_validator
+
+from ...models.assembly import Mounted
+from ...models.liquid import Liquid
+from ...models.weights import KAPPA, Weights
+from .types import Flag, NotNegative, Positive, Real, Table, Text, Unit, Whole, same_length
+
+MOST_WEIGHTS = 10_000  # a slip of the keyboard, not a balancer
+
+
+class Balancer(Table):
+    """What every balancer has: a name (default: its kind) and a plane, counted from 1."""
+
+    kind: str
+    name: Annotated[Text, Field(min_length=1, pattern=r"^[A-Za-z_][A-Za-z0-9_-]*$")] = ""
+    at: Annotated[Whole, Field(ge=1)] = 1
+    inertia_as_force: Flag = False
+
+    @property
+    def label(self) -> str:
+        """The name by which signals and overrides know this balancer."""
+        return self.name or self.kind
+
+
+class WeightBalancer(Balancer):
+    """Equal weights on one circular track, Filimonikhina 2017 (4).
+
+    Attributes:
+        weight_radius: with it weights collide and pack; without, they are points that pass.
+        restitution: of two weights on the free rotor, 0 to 1.
+        rolling_resistance: resistance over load.
+        track_offset_xi, track_offset_eta: of the track's centre from the plane's, in the rotor.
+    """
+
+    kind: Literal["balls", "rollers", "pendulums"]
+    count: Annotated[Whole, Field(ge=1, le=MOST_WEIGHTS)]
+    mass: Annotated[Positive, Unit("kg")]
+    track_radius: Annotated[Positive, Unit("m")]
+    drag: Annotated[NotNegative, Unit("N s/m")] = 0.0
+    weight_radius: Annotated[Positive | None, Unit("m")] = None
+    restitution: Annotated[NotNegative, Field(le=1.0)] = 0.0
+    rolling_resistance: NotNegative = 0.0
+    track_offset_xi: Annotated[Real, Unit("m")] = 0.0
+    track_offset_eta: Annotated[Real, Unit("m")] = 0.0
+    angles: Annotated[tuple[Real, ...] | None, Field(validate_default=True), Unit("rad")] = None
+    speeds: Annotated[tuple[Real, ...] | None, Field(validate_default=True), Unit("rad/s")] = None
+
+    @field_validator("weight_radius")
+    @classmethod
+    def _fits_the_track(cls, value: float | None, info: ValidationInfo) -> float | None:
+        count, track = info.data.get("count"), info.data.get("track_radius")
+        if value is None or count is None or track is None:
+            return value
+        if value >= track:
+            raise ValueError(f"must be less than track_radius = {track!r} m")
+        # neighbours whose centres run at track_radius R touch at 2 asin(r/R)
+        if count * math.asin(value / track) > math.pi * (1.0 + 1e-12):
+            raise ValueError(
+                f"{count} weights do not fit on a track of radius {track!r} m: "
+                f"must be at most {track * math.sin(math.pi / count):.6g} m"
+            )
+        return value
+
+    @field_validator("restitution")
+    @classmethod
+    def _needs_a_radius(cls, value: float, info: ValidationInfo) -> float:
+        if value > 0.0 and info.data.get("weight_radius", 0.0) is None:
+            raise ValueError("point weights do not collide: give weight_radius, or leave this out")
+        return value
+
+    @field_validator("angles", "speeds")
+    @classmethod
+    def _one_each(
+        cls, value: tuple[float, ...] | None, info: ValidationInfo
+    ) -> tuple[float, ...] | None:
+        count = info.data.get("count")
+        if count is None:
+            return value
+        if value is None:
+            turn = 2.0 * math.pi if info.field_name == "angles" else 0.0
+            return tuple(turn * k / count for k in range(count))
+        same_length(value, count, "weight")
+        return value
+
+    @field_validator("angles")
+    @classmethod
+    def _do_not_overlap(
+        cls, value: tuple[float, ...] | None, info: ValidationInfo
+    ) -> tuple[float, ...] | None:
+        radius, track = info.data.get("weight_radius"), info.data.get("track_radius")
+        if value is not None and len(value) > 1 and radius is not None and track is not None:
+            _refuse_overlap(value, 2.0 * math.asin(radius / track))
+        return value
+
+    @property
+    def kappa(self) -> float:
+        """7/5 ball, 3/2 roller, 1 pendulum."""
+        return KAPPA[self.kind]
+
+    def build(self) -> Mounted:
+        """The weights on their plane."""
+        device = Weights(self.count, self.mass, self.track_radius, self.drag, self.kappa)
+        return Mounted(self.label, device, self.at - 1, self.angles or (), self.speeds or ())
+
+
+def _refuse_overlap(angles: tuple[float, ...], apart: float) -> None:
+    """Raise ValueError when two weights stand closer than `apart` [rad] on the circle."""
+    order = sorted(range(len(angles)), key=lambda k: angles[k] % (2.0 * math.pi))
+    for first, second in zip(order, order[1:] + order[:1], strict=True):
+        distance = (angles[second] - angles[first]) % (2.0 * math.pi)
+        if distance < apart * (1.0 - 1e-9):
+            raise ValueError(
+                f"weights {first + 1} and {second + 1} overlap: {distance:.6g} rad apart, "
+                f"must be at least {apart:.6g} rad for their weight_radius"
+            )
+
+
+class LiquidBalancer(Balancer):
+    """Chamber, float, and liquid in the gap, Dubovik 2006."""
+
+    kind: Literal["liquid"]
+    chamber_radius: Annotated[Positive, Unit("m")]
+    float_radius: Annotated[Positive, Unit("m")]
+    height: Annotated[Positive, Unit("m")]
+    density: Annotated[Positive, Unit("kg/m^3")]
+
+    @field_validator("float_radius")
+    @classmethod
+    def _fits_the_chamber(cls, value: float, info: ValidationInfo) -> float:
+        chamber = info.data.get("chamber_radius")
+        if chamber is not None and value >= chamber:
+            raise ValueError(f"must be less than chamber_radius = {chamber!r} m")
+        return value
+
+    def build(self) -> Mounted:
+        """The liquid on its plane."""
+        device = Liquid(self.chamber_radius, self.float_radius, self.height, self.density)
+        return Mounted(self.label, device, self.at - 1)
+
+
+AnyBalancer = Annotated[WeightBalancer | LiquidBalancer, Field(discriminator="kind")]

@@ -1,0 +1,87 @@
+"""The [balancing] table of a scene: how its rotor is balanced on the virtual machine."""
+
+from __future__ import annotations
+
+import re
+from typing import Annotated, Literal
+
+from pydantic import Field, field_validator
+
+from .rotor import FlexibleRotor, PlanarRotor, TwoSupportRotor
+from .types import NotNegative, Positive, Real, Table, Text, Unit, Whole
+
+_GRADE = re.compile(r"^G\s?(\d+(?:\.\d+)?)$")
+
+
+class Balancing(Table):
+    """Grade to be met, planes, and how the machine measures and corrects.
+
+    Attributes:
+        grade: of ISO 21940-11, "G2.5" asks for e_per w = 2.5 mm/s.
+        service_speed: the grade's w; default: the speed on the machine.
+        planes: where corrections go; default: all planes of the rotor.
+        trial_unbalance: added in one plane after the other to find the coefficients; default: ten
+            times what is permissible in all.
+        technology: "complex" or "scalar" coefficients, or both, one after the other.
+        lag: the one phase the scalar technology is calibrated to; default: that of the first
+            support under the first plane's trial unbalance.
+        axis: direction in which the supports are watched.
+        revolutions: measured after steady state is reached.
+        noise, seed: rms of what is added to every sample of displacement, and its random numbers.
+        most_cycles: where a technology that does not converge is given up.
+    """
+
+    grade: Text
+    service_speed: Annotated[Positive | None, Unit("rad/s")] = None
+    planes: Annotated[tuple[Whole, ...] | None, Field(min_length=1)] = None
+    trial_unbalance: Annotated[Positive | None, Unit("kg m")] = None
+    technology: Literal["complex", "scalar", "both"] = "both"
+    lag: Annotated[Real | None, Unit("rad")] = None
+    axis: Literal["x", "y"] = "x"
+    revolutions: Annotated[Whole, Field(ge=1, le=100_000)] = 8
+    noise: Annotated[NotNegative, Unit("m")] = 0.0
+    seed: Annotated[Whole, Field(ge=0)] = 1
+    most_cycles: Annotated[Whole, Field(ge=2, le=1000)] = 20
+
+    @field_validator("grade")
+    @classmethod
+    def _is_a_grade(cls, value: str) -> str:
+        match = _GRADE.match(value)
+        if match is None or float(match[1]) <= 0.0:
+            raise ValueError('must be "G" and a number of mm/s above 0, such as "G2.5" or "G6.3"')
+        return value
+
+    @property
+    def precession(self) -> float:
+        """e_per w that the grade stands for [m/s]."""
+        match = _GRADE.match(self.grade)
+        assert match is not None
+        return 1e-3 * float(match[1])
+
+    @property
+    def technologies(self) -> tuple[str, ...]:
+        """Those asked for, in order."""
+        return ("complex", "scalar") if self.technology == "both" else (self.technology,)
+
+    def correction_planes(self, rotor: PlanarRotor | TwoSupportRotor | FlexibleRotor) -> list[int]:
+        """Numbers of the correction planes, from 1."""
+        return list(self.planes or range(1, rotor.plane_count + 1))
+
+    def problems(self, rotor: PlanarRotor | TwoSupportRotor | FlexibleRotor) -> list[str]:
+        """What does not fit the scene's rotor, in words."""
+        lines = []
+        planes = self.correction_planes(rotor)
+        sensors = 1 if isinstance(rotor, PlanarRotor) else 2
+        unknown = [p for p in planes if not 1 <= p <= rotor.plane_count]
+        shown = f"balancing.planes = {planes}"
+        if unknown:
+            lines.append(f"{shown}: must be planes of the rotor, 1 to {rotor.plane_count}")
+        elif len(set(planes)) < len(planes):
+            lines.append(f"{shown}: must all be different")
+        elif len(planes) != sensors:
+            each = "its one support" if sensors == 1 else "each of the 2 supports watched"
+            lines.append(
+                f"{shown}: must be {sensors} of the rotor's {rotor.plane_count} planes, one for "
+                f"{each}"
+            )
+        return lines

@@ -1,0 +1,118 @@
+"""Values put into a scene's document by path, such as `weights.drag` or `rotor.stiffness[2]`."""
+
+from __future__ import annotations
+
+import copy
+import re
+from collections.abc import Mapping
+from typing import Any
+
+from pydantic import BaseModel
+
+from ..errors import SceneError
+from .messages import choose_table, did_you_mean, keys_of, tables_in
+
+# giving one of these takes the other's place
+_ALTERNATIVES = {
+    "operation.speed": "run_up",
+    "operation.run_up": "speed",
+    "coupling.steps_per_rev": "tolerance",
+    "coupling.tolerance": "steps_per_rev",
+}
+_PART = re.compile(r"(?P<key>[A-Za-z_][A-Za-z0-9_-]*)(?P<indices>(?:\[\d+\])*)$")
+
+Document = dict[str, Any]
+TableType = type[BaseModel]
+
+
+def replaced(
+    document: Document,
+    changes: Mapping[str, Any],
+    tables: Mapping[str, TableType],
+    balancers: Mapping[str, int],
+) -> Document:
+    """A copy of a document with values replaced.
+
+    Args:
+        tables: what a path may begin with, and the table class behind it.
+        balancers: for a balancer's name, its place in the document's list.
+
+    Raises:
+        SceneError: a path is unknown; the message says what is possible.
+    """
+    document = copy.deepcopy(document)
+    for path, value in changes.items():
+        first, *rest = path.split(".")
+        if first not in tables:
+            raise SceneError(
+                f"{path!r}: unknown{did_you_mean(first, list(tables))}; begins with one of: "
+                f"{', '.join(tables)}"
+            )
+        if first in balancers:
+            holder = document["balancer"][balancers[first]]
+        else:
+            holder = document.setdefault(first, {})
+        _put(holder, tables[first], path, rest, _plain(value))
+    return document
+
+
+def _put(holder: Document, table: TableType, path: str, rest: list[str], value: Any) -> None:
+    """Follow `rest` down from a table of the document and set the value there."""
+    parts = [_PART.match(part) for part in rest]
+    if not parts:
+        raise SceneError(f"{path!r}: name a key of it: {', '.join(keys_of(table))}")
+    inner: TableType | None = table
+    for depth, part in enumerate(parts):
+        if part is None or (inner is not None and part["key"] not in keys_of(inner)):
+            known = keys_of(inner) if inner else []
+            raise SceneError(
+                f"{path!r}: unknown{did_you_mean(rest[depth], known)}; "
+                f"{'.'.join(path.split('.')[: depth + 1])} has: {', '.join(known) or 'no keys'}"
+            )
+        if depth == len(parts) - 1:
+            if value is not None:
+                holder.pop(_ALTERNATIVES.get(path, ""), None)
+            _assign(holder, part["key"], part["indices"], value, path)
+            return
+        below = holder.setdefault(part["key"], {})
+        for number in map(int, re.findall(r"\d+", part["indices"])):
+            count = len(below) if isinstance(below, list) else 0
+            if not 1 <= number <= count:
+                raise SceneError(f"{path!r}: {part['key']} has {count} entries, counted from 1")
+            below = below[number - 1]
+        if not isinstance(below, dict):
+            raise SceneError(f"{path!r}: {part[0]} has no keys of its own")
+        inner = _inner(inner, part["key"], below)
+        holder = below
+
+
+def _plain(value: Any) -> Any:
+    """NumPy scalars and arrays as Python numbers and lists."""
+    if hasattr(value, "tolist"):
+        return value.tolist()
+    return list(value) if isinstance(value, tuple) else value
+
+
+def _inner(table: TableType | None, key: str, value: Any) -> TableType | None:
+    if table is None:
+        return None
+    fields = {field.alias or name: field for name, field in table.model_fields.items()}
+    return choose_table(tables_in(fields[key].annotation), value)
+
+
+def _assign(target: Document, key: str, indices: str, value: Any, path: str) -> None:
+    """Set a key, or an element of the list there; None takes a key out."""
+    if not indices and value is None:
+        target.pop(key, None)
+        return
+    holder: Any = target
+    last: Any = key
+    for number in map(int, re.findall(r"\d+", indices)):
+        values = holder.get(last) if isinstance(holder, dict) else holder[last]
+        if isinstance(values, (int, float)):
+            values = holder[last] = [values, values]  # one number for both axes
+        count = len(values) if isinstance(values, list) else 0
+        if not 1 <= number <= count:
+            raise SceneError(f"{path!r}: the scene gives {count} values there, counted from 1")
+        holder, last = values, number - 1
+    holder[last] = value

@@ -1,0 +1,201 @@
+"""What a stress case is, and how its run is compared with a reference that is right there."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...models.monolith import Start, reference
+from ...models.oscillator import forced_motion
+from ..errors import SimulationError
+from ..master import cosimulate
+from ..result import Result
+from ..scene import Scene
+
+LEFT_ALONE = 1e-2  # of the range: a picture would not show it; asked of the default coupling
+TOLERANCE = 1e-5  # asked of the runs with a tolerance
+TOO_COARSE = "use more steps_per_rev"  # what a run says of steps too long for its signals
+FACTOR = 10.0  # by which the error that a run states of itself may be too small
+PROMISED = 3.0 * TOLERANCE  # what the error may be then
+REFERENCE_SHARE = 0.1  # of the error allowed: a reference less certain proves nothing
+
+Series = Mapping[str, NDArray[np.float64]]
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """What came of a case, in words, and whether that is a right answer or a clear refusal."""
+
+    text: str
+    holds: bool
+
+
+@dataclass(frozen=True)
+class Case:
+    """One extreme: its name, what is expected in words, and how to find out."""
+
+    name: str
+    expected: str
+    run: Callable[[], Outcome]
+
+
+def scene(
+    rotor: Mapping[str, Any],
+    *balancers: Mapping[str, Any],
+    speed: float = 3.0,
+    run_up: Mapping[str, float] | None = None,
+    revolutions: float = 5.0,
+    initial: Mapping[str, float] | None = None,
+    record: Sequence[str] | None = None,
+    **coupling: Any,
+) -> Scene:
+    """A planar scene from its tables."""
+    run: dict[str, Any] = {"revolutions": revolutions, "initial": dict(initial or {})}
+    if record is not None:
+        run["record"] = list(record)
+    return Scene.from_document(
+        {
+            "rotor": {"kind": "planar", **rotor},
+            "balancer": [dict(b) for b in balancers],
+            "operation": {"run_up": dict(run_up)} if run_up else {"speed": speed},
+            "coupling": coupling,
+            "run": run,
+        },
+        label="stress",
+    )
+
+
+def deviation(result: Result, expected: Series) -> float:
+    """Largest difference over time and signals, relative to each signal's range; NaN if any is."""
+    worst = [0.0]
+    for name, right in expected.items():
+        scale = float(np.ptp(right)) or float(np.max(np.abs(right))) or 1.0
+        worst.append(float(np.max(np.abs(result[name] - right))) / scale)
+    return float(np.max(worst))
+
+
+def linear_motion(scene: Scene, times: NDArray[np.float64]) -> Series:
+    """x and y of a planar rotor at constant speed whose balancers, if any, only add mass."""
+    rotor, w = scene.rotor.build(), scene.profile().end
+    loaded = scene.assembly().loaded_rotor
+    mass = float(loaded.mass[0, 0])
+    pull = complex(rotor.unbalance[0]) * w * w * np.exp(1j * scene.run.initial.angle)
+    start, inner = scene.run.initial, float(rotor.internal_damping[0, 0])
+    z0, v0 = complex(start.x, start.y), complex(start.vx, start.vy)
+    c_x, c_y = float(rotor.damping_x[0, 0]), float(rotor.damping_y[0, 0])
+    k_x, k_y = float(rotor.stiffness_x[0, 0]), float(rotor.stiffness_y[0, 0])
+    if rotor.isotropic:
+        z = forced_motion(mass, c_x + inner, k_x - 1j * inner * w, pull, w, times, z0, v0)
+        return {"rotor.x": z.real, "rotor.y": z.imag}
+    if inner:
+        raise ValueError("internal damping couples the axes of an anisotropic rotor")
+    x = forced_motion(mass, c_x, k_x, pull, w, times, z0.real, v0.real)
+    y = forced_motion(mass, c_y, k_y, pull, w, times, 1j * z0.imag, 1j * v0.imag)
+    return {"rotor.x": x.real, "rotor.y": y.imag}
+
+
+def against_closed_form(scene: Scene, allowed: float) -> Outcome:
+    """Run a scene without weights and compare with its closed form."""
+    result = cosimulate(scene, record=["rotor.x", "rotor.y"])
+    error = deviation(result, linear_motion(scene, result.time))
+    return Outcome(f"error {error:.1e} over {result.steps} steps", error <= allowed)
+
+
+def stated_error(result: Result) -> float:
+    """By how much of its motion a run says it errs for too coarse steps; 0 if it does not."""
+    for event in result.events:
+        if TOO_COARSE in event and (found := re.search(r"errs by about (\S+) of itself", event)):
+            return float(found[1])
+    return 0.0
+
+
+def _both_ways(error_of: Callable[[Scene, float], tuple[float, Result]], build: Scene) -> Outcome:
+    """A scene left alone, which may be refused or said to be too coarse, and with a tolerance."""
+    try:
+        error, result = error_of(build, LEFT_ALONE)
+        text, holds = f"as it is {error:.1e} in {result.steps} steps", error <= LEFT_ALONE
+        if stated := stated_error(result):
+            text = f"{text} and said to be too coarse ({stated:g})"
+            holds = error <= max(LEFT_ALONE, FACTOR * stated)
+    except SimulationError as refusal:
+        text, holds = f"as it is refused ({refusal})", "use" in str(refusal)
+    try:
+        error, result = error_of(build.replace({"coupling.tolerance": TOLERANCE}), PROMISED)
+    except SimulationError as refusal:
+        return Outcome(f"{text}; tolerance {TOLERANCE:g} refused ({refusal})", False)
+    text += f"; tolerance {TOLERANCE:g}: {error:.1e} in {result.steps} steps"
+    return Outcome(text, holds and error <= PROMISED)
+
+
+BOTH_WAYS = (
+    f"as it is error below {LEFT_ALONE:g} of the range or told it is too coarse, "
+    f"below {PROMISED:g} with tolerance {TOLERANCE:g}"
+)
+
+
+def force_against_closed_form(build: Scene) -> Outcome:
+    """Run a linear scene whose balancers send forces, and compare with its closed form."""
+
+    def error_of(scene: Scene, _allowed: float) -> tuple[float, Result]:
+        result = cosimulate(scene, record=["rotor.x", "rotor.y"])
+        return deviation(result, linear_motion(scene, result.time)), result
+
+    return _both_ways(error_of, build)
+
+
+STATES = ("x", "y", "vx", "vy", "angle", "speed")  # for which the reference states its error
+ROTOR_AND_MOMENT = ("rotor.x", "rotor.y", "weights.moment_xi", "weights.moment_eta")
+
+
+def error_against_monolith(
+    build: Scene, signals: Sequence[str], allowed: float, **options: Any
+) -> tuple[float, float, Result]:
+    """Error of a run in `signals`, the reference's own, and the run.
+
+    Args:
+        allowed: error that would be right; the reference's own is held below a tenth of it.
+        options: of `models.monolith.reference`.
+    """
+    result = cosimulate(build, record=signals)
+    right, own = reference(
+        build.assembly(),
+        build.profile(),
+        result.time,
+        initial=Start(**dict(build.run.initial.items())),
+        signals=[name for name in signals if name.rpartition(".")[2] in STATES],
+        bound=REFERENCE_SHARE * allowed,
+        **options,
+    )
+    error = deviation(result, {name: right.signal(name) for name in signals})
+    return error, own, result
+
+
+def against_monolith(
+    build: Scene, signals: Sequence[str] = ROTOR_AND_MOMENT, **options: Any
+) -> Outcome:
+    """Run a scene with weights and compare `signals` with the monolith's reference."""
+    worst = 0.0
+
+    def error_of(scene: Scene, allowed: float) -> tuple[float, Result]:
+        nonlocal worst
+        error, own, result = error_against_monolith(scene, signals, allowed, **options)
+        worst = max(worst, own)
+        return error, result
+
+    outcome = _both_ways(error_of, build)
+    return Outcome(f"{outcome.text}; reference {worst:.0e}", outcome.holds)
+
+
+def refusal(run: Callable[[], object], *words: str) -> Outcome:
+    """Expect a `SimulationError` whose message has all of `words`."""
+    try:
+        run()
+    except SimulationError as error:
+        missing = [word for word in words if word not in str(error)]
+        return Outcome(f"refused: {error}", not missing)
+    return Outcome("no refusal", False)

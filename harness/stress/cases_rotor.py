@@ -1,0 +1,211 @@
+"""Stress cases without weights: the rotor and the liquid against closed forms."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from functools import partial
+from typing import Any
+
+import numpy as np
+
+from ..master import cosimulate
+from ..scene import Scene
+from .case import (
+    BOTH_WAYS,
+    LEFT_ALONE,
+    Case,
+    Outcome,
+    against_closed_form,
+    force_against_closed_form,
+    linear_motion,
+    refusal,
+    scene,
+)
+
+EXACT = 1e-8  # of the range: steps are exact, what is left is rounding in the steps' matrices
+
+
+MOST_AS_FORCE = 100.0  # added mass per rotor's own that 40 steps a revolution can carry as force
+NEARLY_ALL_FORCE = (
+    f"40 steps a revolution refused: time, gain; at 100 error below {LEFT_ALONE:g} of the range"
+)
+
+
+def cases() -> list[Case]:
+    """Stiffness, damping, speed, resonance, endless undamped motion, liquid."""
+    return [
+        *_stiffness(),
+        *_damping(),
+        *_speeds(),
+        *_resonance(),
+        *_undamped(),
+        *_liquid(),
+        Case("zero unbalance, rotor at rest", "stays at rest exactly", _at_rest),
+    ]
+
+
+def _closed(name: str, allowed: float, build: Callable[[], Scene]) -> Case:
+    expected = f"error below {allowed:g} of the range (closed form)"
+    return Case(name, expected, lambda: against_closed_form(build(), allowed))
+
+
+def _stiffness() -> list[Case]:
+    found = []
+    for power in (2, 4, 6, 8, 10, 12, 14):
+        stiff = 10.0**power
+        rotor = {
+            "mass": 1.0,
+            "stiffness": [1e2, stiff],
+            "damping": [2.0, 0.2 * math.sqrt(stiff)],
+            "unbalance": 1e-3,
+        }
+        name = f"stiffness 1e2 and 1e{power} N/m in one rotor"
+        found.append(_closed(name, EXACT, partial(scene, rotor, speed=15.0, revolutions=20)))
+    return found
+
+
+def _damping() -> list[Case]:
+    found = []
+    for ratio in (0.0, 1e-6, 1e-3, 0.1, 1.0, 10.0, 1e2, 1e4):
+        rotor = {"mass": 2.0, "stiffness": 200.0, "damping": 40.0 * ratio, "unbalance": 1e-3}
+        build = partial(scene, rotor, speed=25.0, revolutions=50, initial={"x": 1e-3, "vy": 1e-2})
+        found.append(_closed(f"damping ratio {ratio:g}", EXACT, build))
+    return found
+
+
+def _speeds() -> list[Case]:
+    rotor = {"mass": 1.0, "stiffness": [90.0, 110.0], "damping": [1.0, 2.0], "unbalance": 1e-3}
+    found = []
+    for power in range(-3, 6):
+        build = partial(scene, rotor, speed=10.0**power, revolutions=10, initial={"y": 1e-3})
+        found.append(_closed(f"speed 1e{power} rad/s, rotor alone", EXACT, build))
+    return found
+
+
+def _resonance() -> list[Case]:
+    rotor = {"mass": 1.0, "stiffness": [100.0, 225.0], "unbalance": 1e-3}
+    both = {"mass": 1.0, "stiffness": 100.0, "unbalance": 1e-3}
+    return [
+        Case(
+            "exactly at a natural frequency, undamped",
+            "grows as U w t/(2 m), error below 1e-08 of the range",
+            partial(_grows, rotor),
+        ),
+        _closed(
+            "exactly at a natural frequency, undamped, isotropic",
+            EXACT,
+            partial(scene, both, speed=10.0, revolutions=200),
+        ),
+    ]
+
+
+def _grows(rotor: dict[str, object]) -> Outcome:
+    build = scene(rotor, speed=10.0, revolutions=200)
+    result = cosimulate(build, record=["rotor.x", "rotor.y"])
+    # m x'' + k x = U w^2 cos(w t) with k = m w^2, from rest: x = (U w t/2 m) sin(w t)
+    right = 1e-3 * 10.0 * result.time / 2.0 * np.sin(10.0 * result.time)
+    error = float(np.max(np.abs(result["rotor.x"] - right)) / np.ptp(right))
+    other = linear_motion(build, result.time)["rotor.y"]
+    error = max(error, float(np.max(np.abs(result["rotor.y"] - other)) / np.ptp(other)))
+    return Outcome(
+        f"x = {result['rotor.x'].max():.4g} m at most, error {error:.1e}", error <= EXACT
+    )
+
+
+def _undamped() -> list[Case]:
+    return [
+        Case(
+            f"no damping over 10,000 revolutions, {steps} steps a revolution",
+            "energy of the free vibration drifts by less than 1e-08",
+            partial(_energy, steps),
+        )
+        for steps in (4, 10)
+    ]
+
+
+def _energy(steps: int) -> Outcome:
+    k_x, k_y, start = 100.0, 230.0, {"x": 1e-3, "vy": 2e-2}
+    rotor = {"mass": 1.0, "stiffness": [k_x, k_y], "unbalance": 0.0}
+    names = [f"rotor.{name}" for name in ("x", "y", "vx", "vy")]
+    result = cosimulate(
+        scene(rotor, speed=20.0, revolutions=10_000, initial=start, steps_per_rev=steps),
+        record=names,
+    )
+    x, y, vx, vy = (result[name] for name in names)
+    energy = 0.5 * (k_x * x**2 + k_y * y**2 + vx**2 + vy**2)
+    drift = float(np.max(np.abs(energy / energy[0] - 1.0)))
+    return Outcome(f"drift {drift:.1e} over {result.steps} steps", drift <= EXACT)
+
+
+def _liquid() -> list[Case]:
+    found = []
+    for as_force in (False, True):
+        for excess, gap in ((1e-6, 0.5), (1e-3, 0.1), (1.0, 1e-2), (19.0, 1e-3), (9999.0, 1e-5)):
+            way = "as force" if as_force else "as added mass"
+            name = f"liquid mu = 1 + {excess:g}, gap {gap:g} of the radius, {way}"
+            build = partial(_liquid_scene, excess, gap, as_force)
+            if as_force and excess > MOST_AS_FORCE:
+                found.append(Case(name, NEARLY_ALL_FORCE, partial(_nearly_all_force, build)))
+            elif as_force:
+                found.append(Case(name, BOTH_WAYS, partial(_force, build)))
+            else:
+                found.append(_closed(name, EXACT, build))
+    for gain, works in ((0.98, True), (1.02, False)):
+        what = "settles, error below 0.1 of the range" if works else "refused: time, signal, gain"
+        found.append(
+            Case(
+                f"Jacobi with the liquid's inertia as force, loop gain {gain:g}",
+                what,
+                partial(_at_the_limit, gain, works),
+            )
+        )
+    return found
+
+
+def _nearly_all_force(build: Callable[[], Scene]) -> Outcome:
+    """What is left between force and inertia swings at sqrt(mu) times the natural frequency."""
+    refused = refusal(lambda: cosimulate(build()), "t = ", "gain 1e+04")
+    fine = build().replace({"coupling.steps_per_rev": 100})
+    right = against_closed_form(fine, LEFT_ALONE)
+    return Outcome(f"{refused.text}; {right.text}", refused.holds and right.holds)
+
+
+def _force(build: Callable[[], Scene]) -> Outcome:
+    return force_against_closed_form(build())
+
+
+def _liquid_scene(excess: float, gap: float, as_force: bool, **coupling: Any) -> Scene:
+    """A rotor of 1 kg whose liquid adds `excess` kg, at a natural frequency of 10 rad/s."""
+    radius, density = 0.1, 1000.0
+    liquid = {
+        "kind": "liquid",
+        "chamber_radius": radius,
+        "float_radius": radius * (1.0 - gap),
+        "height": excess / (density * math.pi * radius**2),
+        "density": density,
+        "inertia_as_force": as_force,
+    }
+    total = 1.0 + excess
+    rotor = {
+        "mass": 1.0,
+        "stiffness": 100.0 * total,
+        "damping": 2.0 * total,
+        "internal_damping": 0.5 * total,
+        "unbalance": 1e-6,
+    }
+    return scene(rotor, liquid, speed=15.0, revolutions=20, **coupling)
+
+
+def _at_the_limit(gain: float, works: bool) -> Outcome:
+    build = _liquid_scene(gain, 0.01, True, scheme="jacobi", order=0, steps_per_rev=400)
+    if works:
+        return against_closed_form(build, 0.1)
+    return refusal(lambda: cosimulate(build), "t = ", "liquid.F", "gain 1.02")
+
+
+def _at_rest() -> Outcome:
+    rotor = {"mass": 1.0, "stiffness": [100.0, 1e6], "damping": 1.0}
+    result = cosimulate(scene(rotor, speed=30.0, revolutions=100), record=["rotor.x", "rotor.y"])
+    moved = max(float(np.max(np.abs(result[name]))) for name in result.signals)
+    return Outcome(f"moves {moved:g} m", moved == 0.0)

@@ -1,0 +1,257 @@
+"""Stress cases with weights: the coupled units against the monolith, where it is right."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping
+from functools import partial
+from typing import Any
+
+import numpy as np
+
+from ..master import cosimulate
+from ..scene import Scene, load_scene
+from .case import (
+    BOTH_WAYS,
+    FACTOR,
+    ROTOR_AND_MOMENT,
+    Case,
+    Outcome,
+    against_monolith,
+    error_against_monolith,
+    scene,
+    stated_error,
+)
+
+XY = ("rotor.x", "rotor.y")
+MASS, SPEED, RADIUS = 0.025, 3.0, 1.0  # of the two-pendulum scene: kg, rad/s, m
+JACOBI_DRIFT = 1e-5  # of the energy integral over 1,000 revolutions at 40 steps each
+
+
+def cases() -> list[Case]:
+    """Drag, mass, number, speed, stiffness, steps, starts, run-up, and rotors that do not move."""
+    return [
+        *_drags(),
+        *_masses(),
+        *_numbers(),
+        *_speeds(),
+        *_stiffness(),
+        *_steps(),
+        *_starts(),
+        *_unmoved(),
+        Case("run-up through both critical speeds", BOTH_WAYS, _run_up),
+        Case(
+            "no damping and no drag with weights over 1,000 revolutions",
+            f"energy integral in the rotor frame drifts by less than {JACOBI_DRIFT:g}",
+            _energy_integral,
+        ),
+    ]
+
+
+def _two(changes: Mapping[str, Any]) -> Scene:
+    """The two-pendulum scene over five revolutions, its coupling left to the master."""
+    free = dict.fromkeys(("scheme", "order", "corrections", "steps_per_rev"))
+    document = {f"coupling.{key}": value for key, value in free.items()}
+    return load_scene("two_balls").replace({**document, "run.revolutions": 5, **changes})
+
+
+def _coupled(name: str, changes: Mapping[str, Any], **options: Any) -> Case:
+    return Case(name, BOTH_WAYS, partial(_against, partial(_two, changes), options))
+
+
+def _against(build: Callable[[], Scene], options: Mapping[str, Any]) -> Outcome:
+    return against_monolith(build(), **options)
+
+
+def _drags() -> list[Case]:
+    found = []
+    for factor in (0.0, 1e-6, 1e-3, 1.0, 1e1, 1e2, 1e3, 1e4, 1e6, 1e8):
+        # angles that drag all but fixes have no range; x and y tell whether the force is right
+        options = {"signals": XY, "rtol": 1e-10} if factor >= 1e2 else {}
+        name = f"drag {factor:g} m w"
+        found.append(_coupled(name, {"weights.drag": factor * MASS * SPEED}, **options))
+    return found
+
+
+def _masses() -> list[Case]:
+    found = []
+    for ratio in (1e-9, 1e-6, 1e-3, 0.1, 1.0, 10.0):
+        changes = {
+            "weights.mass": 0.95 * ratio,
+            "weights.drag": 0.475 * ratio,
+            "rotor.unbalance": 0.025,
+        }
+        if ratio > 1.0:
+            # neighbouring motions part fiftyfold in the fifth revolution, and errors with them
+            changes["run.revolutions"] = 4
+        found.append(_coupled(f"weights of {ratio:g} of the rotor's mass", changes))
+    return found
+
+
+def _numbers() -> list[Case]:
+    found = []
+    for count in (1, 64):
+        angles = [0.3 + 5.0 * k / count for k in range(count)]
+        changes = {
+            "weights.count": count,
+            "weights.mass": 0.05 / count,
+            "weights.drag": 0.025 / count,
+            "weights.angles": angles,
+        }
+        found.append(_coupled(f"{count} weight{'s' * (count > 1)}", changes))
+    return found
+
+
+def _speeds() -> list[Case]:
+    found = []
+    for power in (-3, -1, 0, 1, 3, 5):
+        speed = 10.0**power
+        scale = speed / SPEED  # everything turns and swings that much faster
+        changes = {
+            "operation.speed": speed,
+            "rotor.stiffness": [scale**2, 49.0 * scale**2],
+            "rotor.damping": [0.5 * scale, scale],
+            "weights.drag": 0.0125 * scale,
+        }
+        found.append(_coupled(f"speed 1e{power} rad/s with weights", changes))
+    for factor in (0.1, 10.0, 100.0):
+        name = f"speed {factor:g} times the scene's"
+        found.append(_coupled(name, {"operation.speed": factor * SPEED}))
+    # the pendulums all but rest there: their range is what is left of decayed motion
+    slow = {"operation.speed": 0.01 * SPEED}
+    found.append(_coupled("speed 0.01 times the scene's, x and y", slow, signals=XY))
+    return found
+
+
+def _stiffness() -> list[Case]:
+    found = []
+    for power in (2, 4, 6, 8, 10, 12, 14):
+        stiff = 10.0**power
+        rotor = {
+            "mass": 1.0,
+            "stiffness": [1e2, stiff],
+            "damping": [2.0, 2.0 * math.sqrt(stiff)],
+            "unbalance": 2e-3,
+        }
+        weights = {
+            "name": "weights",
+            "kind": "pendulums",
+            "count": 2,
+            "mass": 0.02,
+            "track_radius": 0.1,
+            "drag": 0.2,
+            "angles": [0.3, 1.0],
+        }
+        build = partial(scene, rotor, weights, speed=15.0, revolutions=5)
+        options = {"signals": ("rotor.x", *_MOMENT), "rtol": 1e-11}
+        name = f"stiffness 1e2 and 1e{power} N/m with weights"
+        found.append(Case(name, BOTH_WAYS, partial(_against, build, options)))
+    return found
+
+
+_MOMENT = ("weights.moment_xi", "weights.moment_eta")
+
+
+def _steps() -> list[Case]:
+    found = []
+    for steps, allowed in ((4, 0.2), (10, 1e-3), (100, 1e-6), (1000, 1e-8), (10_000, 1e-8)):
+        expected = f"error below {allowed:g} of the range" + " and told it is too coarse" * (
+            steps < 10
+        )
+        run = partial(_with_steps, steps, allowed)
+        found.append(Case(f"{steps} steps a revolution", expected, run))
+    return found
+
+
+def _with_steps(steps: int, allowed: float) -> Outcome:
+    revolutions = 1 if steps > 1000 else 3
+    build = _two({"coupling.steps_per_rev": steps, "run.revolutions": revolutions})
+    error, own, result = error_against_monolith(build, ROTOR_AND_MOMENT, allowed)
+    stated = stated_error(result)
+    said = f" and said to be too coarse ({stated:g})" if stated else ""
+    text = f"error {error:.1e} in {result.steps} steps{said}; reference {own:.0e}"
+    told = error <= FACTOR * stated if steps < 10 else not stated
+    return Outcome(text, error <= allowed and told)
+
+
+def _starts() -> list[Case]:
+    far = {"run.initial": {"x": 2.0, "y": -1.2, "vx": 4.0, "vy": 1.6}}
+    spinning = {"weights.speeds": [-20.0 * SPEED, 15.0 * SPEED], "run.revolutions": 3}
+    return [
+        _coupled("rotor released a hundred times as far out as it will run", far),
+        _coupled("weights that spin twenty times as fast as the rotor", spinning),
+        _coupled("zero unbalance, weights anywhere", {"rotor.unbalance": 0.0}),
+        Case("zero unbalance, weights evenly spread", "stays at rest, below 1e-12 m", _in_balance),
+    ]
+
+
+def _in_balance() -> Outcome:
+    build = _two({"rotor.unbalance": 0.0, "weights.angles": [0.0, math.pi], "run.revolutions": 50})
+    result = cosimulate(build, record=XY)
+    moved = max(float(np.max(np.abs(result[name]))) for name in XY)
+    return Outcome(f"moves {moved:.1e} m", moved < 1e-12)
+
+
+def _unmoved() -> list[Case]:
+    return [
+        Case(
+            f"balancer on a rotor of {what}",
+            "weights coast as nu e^{-d t}, error below 1e-08",
+            partial(_coasting, change),
+        )
+        for what, change in (
+            ("1e12 kg", {"rotor.mass": 1e12}),
+            ("1e14 N/m", {"rotor.stiffness": 1e14, "rotor.damping": 1e7}),
+        )
+    ]
+
+
+def _coasting(changes: Mapping[str, Any]) -> Outcome:
+    start, rates = (0.3, 1.0), (2.0, -1.0)
+    signals = [f"weights.weight[{k}].angle" for k in (1, 2)]
+    build = _two({**changes, "weights.speeds": list(rates), "rotor.unbalance": 0.0})
+    result = cosimulate(build, record=signals)
+    decay = 0.5  # d = b/(kappa m), 0.0125/0.025 1/s
+    worst = 0.0
+    for signal, angle, rate in zip(signals, start, rates, strict=True):
+        right = angle - rate / decay * np.expm1(-decay * result.time)
+        worst = max(worst, float(np.max(np.abs(result[signal] - right))))
+    return Outcome(f"error {worst:.1e} rad", worst <= 1e-8)
+
+
+def _run_up() -> Outcome:
+    return against_monolith(load_scene("run_up").replace({"coupling.tolerance": None}))
+
+
+def _energy_integral() -> Outcome:
+    """Without losses on equal supports the energy seen in the rotor frame is kept.
+
+    h = sum of q' dL/dq' - L for z and phi less w times the angular momentum (Jacobi's integral).
+    """
+    k, m1, u, w = 1.0, 0.95, 0.0, SPEED
+    names = [f"rotor.{n}" for n in ("x", "y", "vx", "vy", "angle")]
+    names += [f"weights.weight[{j}].{n}" for j in (1, 2) for n in ("angle", "speed")]
+    build = _two(
+        {
+            "rotor.stiffness": k,
+            "rotor.damping": 0.0,
+            "rotor.unbalance": u,
+            "weights.drag": 0.0,
+            "run.revolutions": 1000,
+            "coupling.steps_per_rev": 40,
+        }
+    )
+    run = cosimulate(build, record=names)
+    z, v = run["rotor.x"] + 1j * run["rotor.y"], run["rotor.vx"] + 1j * run["rotor.vy"]
+    energy = 0.5 * m1 * np.abs(v) ** 2 + 0.5 * k * np.abs(z) ** 2
+    momentum = m1 * (z.conj() * v).imag
+    for j in (1, 2):
+        arm = RADIUS * np.exp(1j * (run[f"weights.weight[{j}].angle"] + run["rotor.angle"]))
+        place = z + arm
+        velocity = v + 1j * (run[f"weights.weight[{j}].speed"] + w) * arm
+        energy = energy + 0.5 * MASS * np.abs(velocity) ** 2
+        momentum = momentum + MASS * (place.conj() * velocity).imag
+    integral = energy - w * momentum
+    size = float(np.max(np.abs(energy)) + w * np.max(np.abs(momentum)))
+    drift = float(np.max(np.abs(integral - integral[0]))) / size
+    return Outcome(f"drift {drift:.1e} over {run.steps} steps", drift <= JACOBI_DRIFT)
