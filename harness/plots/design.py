@@ -6,6 +6,7 @@ import math
 from pathlib import Path
 
 from matplotlib.figure import Figure
+from matplotlib.ticker import LogLocator, NullLocator
 
 from ..design import Design
 from . import save
@@ -55,12 +56,23 @@ def plot_design(data: Design, path: Path) -> Path:
         capsize=4,
         label="co-simulated: median, 95 % confidence",
     )
+    late = [c.count for c in data.choices if c.enough and math.isinf(c.median)]
+    if late:
+        below.plot(
+            late,
+            [0.95] * len(late),
+            "^",
+            color="#c03a2b",
+            transform=below.get_xaxis_transform(),
+            label="co-simulated: most starts do not settle",
+        )
     for c in data.choices:
         if not c.enough:
             below.axvspan(c.count - 0.4, c.count + 0.4, color="0.9", zorder=0)
     below.set_yscale("log")
-    for which in (below.yaxis.set_major_formatter, below.yaxis.set_minor_formatter):
-        which("{x:g}")
+    below.yaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 3.0, 5.0, 7.0)))
+    below.yaxis.set_minor_locator(NullLocator())
+    below.yaxis.set_major_formatter("{x:g}")
     grey = "" if all(c.enough for c in data.choices) else " (grey: too little capacity)"
     below.set_xlabel(f"number of weights n{grey}")
     below.set_ylabel("settling time [s]")

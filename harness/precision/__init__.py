@@ -19,16 +19,9 @@ from ..errors import SimulationError
 from ..recorder import recorded
 from ..scene import Scene
 from ..scene.balancer import LiquidBalancer
-from .methods import (
-    Method,
-    Run,
-    Runner,
-    coupling_methods,
-    failure,
-    monolith_methods,
-    ready,
-)
+from .methods import Method, coupling_methods, failure, monolith_methods, ready
 from .reference import right_motion, signal_ranges
+from .runner import Run, Runner
 
 TWO_DECADES = 100.0  # the reference must be that much better than a point whose error counts
 ASYMPTOTIC = 0.03  # an error above it says nothing of a method's order

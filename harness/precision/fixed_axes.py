@@ -22,7 +22,7 @@ from ..scene import Scene
 from ..schedule import milestones, schedule
 from ..unit import Group, Unit
 from ..wiring import plan, ports, provide
-from .methods import Run
+from .runner import Run
 
 AXES = ("x", "y")
 Pair = list[float]

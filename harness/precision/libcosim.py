@@ -21,7 +21,7 @@ from ..master import CoSimulation
 from ..scene import Scene
 from ..schedule import end_time, step_size
 from ..wiring import AXES
-from .methods import Run
+from .runner import Run
 
 NANOSECOND = 1e-9  # s: libcosim counts time in whole ones
 _TIMEOUT = 600  # s

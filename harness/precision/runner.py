@@ -1,0 +1,38 @@
+"""What every method is behind: made ready, run and closed."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class Run:
+    """A finished run: seconds without loading, its points, and its work (steps, evaluations)."""
+
+    seconds: float
+    time: Array
+    signals: dict[str, Array]
+    work: int
+    note: str = ""
+
+
+class Runner(Protocol):
+    """A method made ready for one scene."""
+
+    def run(self) -> Run:
+        """Run once, timed.
+
+        Raises:
+            SimulationError, ArithmeticError: it cannot.
+        """
+        ...
+
+    def close(self) -> None:
+        """Give back what it holds."""
+        ...
