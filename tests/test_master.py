@@ -84,7 +84,7 @@ def test_forces_of_all_balancers_on_a_plane_add_up():
 @pytest.mark.parametrize("name", [n for n in bundled_scenes() if n != "contact_order"])
 def test_tolerance_is_kept_on_every_bundled_scene(against, name, tolerance):
     runs = against(name, {"run.revolutions": 4})
-    result = runs.run({"tolerance": tolerance, "steps_per_rev": None})
+    result = runs.run({"scheme": "auto", "tolerance": tolerance, "steps_per_rev": None})
     assert runs.of_range(result) <= 3.0 * tolerance
 
 
