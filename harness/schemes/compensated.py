@@ -20,7 +20,7 @@ from functools import lru_cache
 
 import numpy as np
 
-from ..loop import QuasiNewton, difference, pack, rescaled, unpack
+from ..loop import QuasiNewton, rescaled
 from ..signals import Cubic, End, end_of, extrapolated, hermite
 from ..system import System, Track
 from .explicit import Explicit
@@ -72,6 +72,7 @@ class Compensated(Explicit):
         """One step; an explicit scheme has no residual and returns 0."""
         tracks, forces = system.accelerations, [c.force for c in system.connections]
         assumed = [extrapolated(f.now, f.past, f.past_step, 3) for f in forces]
+        assumed_ends = [end_of(cubic, step) for cubic in assumed]
         sent, count = assumed, 2 * len(forces)
         if self._missed:
             turn = self._speed(time) * self._missed_step
@@ -81,26 +82,30 @@ class Compensated(Explicit):
         if self._missed:
             motion = _made_good(motion, self._missed[count:], 0.0, self._missed_step, step)
         answers = system.balancer_pass(motion, time, step)
-        self.watch(system, assumed, answers, time, step)
+        self.watch(system, assumed_ends, answers, time, step)
 
-        assumed_ends = pack([end_of(cubic, step) for cubic in assumed], step)
-        missed = self._solve(difference(pack(answers, step), assumed_ends), step)
-        right = [a + b for a, b in zip(assumed_ends + pack(ends, step), missed, strict=True)]
+        missed = self._solve(assumed_ends, answers, step)
+        right = [
+            (value + missed[2 * k], slope + missed[2 * k + 1] / step)
+            for k, (value, slope) in enumerate([*assumed_ends, *ends])
+        ]
         self._missed, self._missed_step = missed, step
-        right_ends = unpack(right, step)
         system.accept(
-            _signals(tracks, right_ends[len(forces) :], step),
-            _signals(forces, right_ends[: len(forces)], step),
+            _signals(tracks, right[len(forces) :], step),
+            _signals(forces, right[: len(forces)], step),
             time,
             step,
         )
         return 0.0
 
-    def _solve(self, residual: Sequence[complex], step: float) -> list[complex]:
+    def _solve(self, assumed: Sequence[End], answers: Sequence[End], step: float) -> list[complex]:
         """Forces and accelerations that would have agreed, less those assumed and answered."""
         if step != self._solved_step:
             self._solution = rescaled(self._solution, step / self._solved_step)
             self._solved_step = step
+        residual: list[complex] = []
+        for (value, slope), (wanted, wanted_slope) in zip(answers, assumed, strict=True):
+            residual += (value - wanted, step * (slope - wanted_slope))
         return self._solution.dot(np.array(residual).view(float)).view(complex).tolist()
 
 

@@ -13,7 +13,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from ..errors import SimulationError
-from ..signals import Cubic, End, end_of
+from ..signals import End
 from ..system import System
 
 # value and slope at t = 2 of the cubic through values and slopes at t = 0 (BEFORE) and 1 (NOW)
@@ -56,7 +56,7 @@ class Explicit:
     def watch(
         self,
         system: System,
-        assumed: Sequence[Cubic],
+        assumed: Sequence[End],
         ends: Sequence[End],
         time: float,
         step: float,
@@ -67,8 +67,10 @@ class Explicit:
             SimulationError: the coupling diverges.
         """
         worst, name = 0.0, ""
-        for cubic, (value, _), connection in zip(assumed, ends, system.connections, strict=True):
-            missed = abs(value - end_of(cubic, step)[0])
+        for (wanted, _), (value, _), connection in zip(
+            assumed, ends, system.connections, strict=True
+        ):
+            missed = abs(value - wanted)
             if not missed <= worst:
                 worst, name = missed, connection.unit.name
             if abs(value) > self.largest:

@@ -13,7 +13,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from ..signals import extrapolated, hermite, interpolated
+from ..signals import end_of, extrapolated, hermite, interpolated
 from ..system import System
 from .explicit import Explicit
 
@@ -53,7 +53,8 @@ class GaussSeidel(Explicit):
             for track, end in zip(system.accelerations, acceleration_ends, strict=True)
         ]
         force_ends = system.balancer_pass(accelerations, time, step)
-        self.watch(system, forces, force_ends, time, step)
+        assumed = [end_of(cubic, step) for cubic in forces]
+        self.watch(system, assumed, force_ends, time, step)
         # the next extrapolation starts from what the balancers really did
         done = [
             hermite(c.force.now, end, step)

@@ -7,7 +7,7 @@ cubic signals below 1/169 = (1/13)^2, since force and acceleration are both extr
 
 from __future__ import annotations
 
-from ..signals import extrapolated, hermite
+from ..signals import end_of, extrapolated, hermite
 from ..system import System
 from .explicit import Explicit
 
@@ -30,7 +30,8 @@ class Jacobi(Explicit):
         ]
         acceleration_ends = system.rotor_pass(forces, time, step)
         force_ends = system.balancer_pass(accelerations, time, step)
-        self.watch(system, forces, force_ends, time, step)
+        assumed = [end_of(cubic, step) for cubic in forces]
+        self.watch(system, assumed, force_ends, time, step)
         system.accept(
             [
                 (hermite(track.now, end, step), end)
