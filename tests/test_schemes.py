@@ -228,12 +228,28 @@ def test_compensated_knows_no_limit_of_the_loop_gain(against, liquid_of_gain, ga
     assert errors[1] <= 1e-6 * (1.0 + gain)  # the loop turns an error of the force into that much
 
 
-def test_compensated_says_that_it_cannot_follow_a_mode_of_several_radians_a_step():
-    stiff = load_scene("two_balls").replace(
-        {"rotor.stiffness": [1.0, 5000.0], "coupling.scheme": "compensated"}
-    )
+STIFF = {  # mode of the y axis at 20 steps a revolution, 0.105 s each
+    1.5: {"rotor.stiffness": [1.0, 200.0]},
+    7.4: {"rotor.stiffness": [1.0, 5000.0]},
+}
+DRAGGED = {2.1: {"weights.drag": 0.5}, 8.4: {"weights.drag": 2.0}}  # d = b/m times the step
+
+
+@pytest.mark.parametrize(
+    ("changes", "times"), [(STIFF[1.5], 1.8), (DRAGGED[2.1], 50.0)], ids=["stiff", "drag"]
+)
+def test_compensated_is_better_than_gauss_seidel_while_a_step_is_short(against, changes, times):
+    runs = against("two_balls", changes)
+    plain = runs.run({"scheme": "gauss-seidel", "corrections": None})
+    found = runs.run({"scheme": "compensated", "corrections": None})
+    assert runs.of_range(found) * times <= runs.of_range(plain)
+
+
+@pytest.mark.parametrize("changes", [STIFF[7.4], DRAGGED[8.4]], ids=["stiff", "drag"])
+def test_compensated_says_that_it_cannot_follow_what_a_long_step_hides(changes):
+    scene = load_scene("two_balls").replace({"coupling.scheme": "compensated", **changes})
     with pytest.raises(SimulationError, match=r"t = .*use "):
-        cosimulate(stiff)
+        cosimulate(scene)
 
 
 def test_compensated_exchanges_slopes_and_keeps_no_tolerance():
