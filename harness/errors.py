@@ -21,3 +21,7 @@ class SimulationError(Exception):
 
     The message names time, signal and loop gain.  The command line exits with code 1.
     """
+
+
+class LoopError(SimulationError):
+    """Corrector passes, or steps however short, do not bring forces and motion into agreement."""

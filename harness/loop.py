@@ -126,7 +126,9 @@ def rotor_response(system: System, step: float) -> np.ndarray:
         return pack(system.read_accelerations(), step)
 
     nothing = [0j] * (2 * len(system.connections))
-    return jacobian(respond, nothing, respond(nothing), 1.0)
+    found = jacobian(respond, nothing, respond(nothing), 1.0)
+    respond(nothing)
+    return found
 
 
 def consistent_start(system: System, step: float) -> np.ndarray:

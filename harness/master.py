@@ -19,7 +19,7 @@ import numpy as np
 
 from .choice import Scheme, refuse_loose_tolerance, scheme_for
 from .contact_hint import contact_hint
-from .errors import SimulationError
+from .errors import LoopError, SimulationError
 from .loop import consistent_start, loop_gain, rotor_response, value_eigenvalues
 from .onset import parts
 from .recorder import Recorder, recorded
@@ -114,7 +114,8 @@ class CoSimulation:
         fixed = self.system.order == 3 and not isinstance(self.scheme, Adaptive)
         # an exchange that is unstable at any step is no matter of resolution
         judged = fixed and self.amplification <= 1.0 and self.system.connections
-        self.resolution = Resolution(self.scene, system) if judged else None
+        explicit = isinstance(self.scheme, Explicit)
+        self.resolution = Resolution(self.scene, system, explicit) if judged else None
 
     def _prepare(self, step: float) -> Scheme:
         """Bring the units to a consistent start, and make the scheme for this loop."""
@@ -150,17 +151,25 @@ class CoSimulation:
         except SimulationError as error:
             if not self.system.connections:
                 raise
-            hint = contact_hint(self.scene)
+            hint = contact_hint(self.scene) if isinstance(error, LoopError) else ""
             raise SimulationError(f"{error}; loop gain {self.gain:.3g}{hint}") from error
 
     def _step(self, step: float, longest: float | None) -> float:
         if self.acceleration:
             acceleration = self.profile.acceleration(self.time)
             self.system.drive(self.profile.speed(self.time), acceleration)
-            if acceleration != self.acceleration:
+            jumps = acceleration != self.acceleration
+            self.acceleration = acceleration
+            if jumps:
                 self._cross_kink(step)
                 step -= KINK * step
-            self.acceleration = acceleration
+                if self.scheme.first_halvings:
+                    for part in parts(self.system, step, self.scheme.first_halvings):
+                        self._take(part, longest)
+                    return step
+        return self._take(step, longest)
+
+    def _take(self, step: float, longest: float | None) -> float:
         if isinstance(self.scheme, Adaptive):
             step, residual = self.scheme.advance(self.system, self.time, longest or step, step)
         else:
@@ -218,7 +227,7 @@ class CoSimulation:
     def _unconverged(self, residual: float) -> None:
         self.unconverged += 1
         if residual >= 1.0 or self.scheme.corrections is None:
-            raise SimulationError(
+            raise LoopError(
                 f"the loop did not converge at t = {self.time:g} s: {self._forces()} still changes "
                 f"by {residual:.2g} of the largest force; use smaller steps or more corrections"
             )

@@ -3,7 +3,8 @@
 With steps given by the scene nothing else would notice: the loop converges, and the cubics between
 the communication points miss what happens there.  The cubic of the step before, taken on to the end
 of this one, misses a signal 120 times as far as this step's cubic errs on average
-(`schemes.adaptive` has the estimate).  What such errors do to the motion is estimated here:
+(`schemes.adaptive` has the estimate), and 4 times as far as it errs itself on average, which is
+what an explicit scheme steps on.  What such errors do to the motion is estimated here:
 
 - a force wrong by dF for a time h pushes the rotor by dF h, which within 1/w moves it by
   dF h/(M w), to be compared with how far it moves at all;
@@ -33,6 +34,7 @@ UNRESOLVED = 0.05  # of a signal's largest value: error of a cubic that no longe
 PERSISTENT = 20  # such steps in all: a transient that dies sooner is left to the estimate
 NOISE = 1e-9  # of what all weights together can pull: below it a signal is cancellation
 _PART = 120.0  # the prediction's miss over the error of the step's own cubic, steps being equal
+_PART_EXPLICIT = 4.0  # the same where the prediction itself is stepped on: its mean error
 LOST = UNRESOLVED * _PART
 _TURN = 2.0 * math.pi
 
@@ -61,6 +63,7 @@ class Resolution:
     Args:
         scene: what the errors move, and how far it moves.
         system: the coupled units.
+        explicit: whether forces are stepped on as predicted, and not corrected.
 
     Attributes:
         estimate: largest estimated error so far, relative to the motion.
@@ -71,7 +74,8 @@ class Resolution:
     strict = True
     refused = False
 
-    def __init__(self, scene: Scene, system: System) -> None:
+    def __init__(self, scene: Scene, system: System, explicit: bool = False) -> None:
+        self._part = _PART_EXPLICIT if explicit else _PART
         assembly, profile, start = scene.assembly(), scene.profile(), scene.run.initial
         rotor = assembly.loaded_rotor
         self._speed = max(profile.start, profile.end)
@@ -110,7 +114,7 @@ class Resolution:
             if track.missed > LOST * track.largest:
                 lost = track, name
         # a first step has no past to be judged by: the second one's miss is its miss too
-        times = (2.0 if self._blind else 1.0) / _PART
+        times = (2.0 if self._blind else 1.0) / self._part
         self._blind = missed == 0.0
         self._pushed = self._kept * self._pushed + times * missed
         worst, cause = 0.0, ""

@@ -176,6 +176,16 @@ def test_error_a_run_estimates_of_itself_is_the_real_one_within_a_factor(
     assert real[verdict]
 
 
+@pytest.mark.parametrize("scheme", ["gauss-seidel", "compensated"])
+def test_explicit_schemes_are_judged_by_what_they_step_on(scheme):
+    # both err by some tenth of the motion where the stiff mode turns by 2.8 rad a step
+    coupling = {"coupling.scheme": scheme, "coupling.corrections": None}
+    fine = load_scene("two_balls").replace(coupling)
+    assert cosimulate(fine, record=[]).events == ()
+    told = cosimulate(fine.replace({"rotor.stiffness": [1.0, 700.0]}), record=[]).events
+    assert any("errs by about" in event for event in told)
+
+
 def test_every_judged_run_is_counted_once():
     rows = [
         Judged("a", 1, 8, 5e-4, 1e-4, "silent"),

@@ -38,6 +38,15 @@ def check_contact_order(
             f"{scene.name}: check contact_order: needs one set of weights, and steps and reference "
             f"that are multiples of the smallest number of steps, {coarsest}"
         )
+    points = scene.run.revolutions * coarsest
+    profile = scene.profile()
+    whole = abs(points - round(points)) < 1e-9 * points
+    if profile.start != profile.end or scene.coupling.tolerance or not whole:
+        raise SceneError(
+            f"{scene.name}: check contact_order: needs a constant speed, no tolerance, and whole "
+            f"steps: run.revolutions = {scene.run.revolutions:g} times {coarsest} steps is "
+            f"{points:g}"
+        )
     rows = Rows(scene.name, "contact_order")
     exact = _motions(scene, found[0], check, check.reference)
     largest = float(np.abs(exact[:, :, :2]).max())

@@ -55,6 +55,15 @@ def check_ranking(
 
 def _order(data: Design, rows: Rows) -> Iterator[Row]:
     able = [c.count for c in data.able]
+    if not able:
+        yield rows.statement(
+            f"{data.kind}: numbers that can balance {data.unbalance:g} kg m",
+            "some",
+            "none",
+            False,
+            SOURCE,
+        )
+        return
     claimed = fastest_count(data.kind, able)
     found = rivals(data)
     times = ", ".join(f"{c.count}: {c.median:.3g} s ({c.low:.3g}-{c.high:.3g})" for c in found)
@@ -87,6 +96,12 @@ def _halved(check: RankingCheck, data: Design, rows: Rows, workers: int) -> Row:
         coarse += [run.seconds for run in choice.runs[: check.halved]]
     again = [run.seconds for runs in spread(run_batch, work, workers) for run in runs]
     pairs = [(a, b) for a, b in zip(coarse, again, strict=True) if math.isfinite(a + b)]
+    lost = sum(math.isfinite(a) != math.isfinite(b) for a, b in zip(coarse, again, strict=True))
+    if lost or not pairs:
+        told = f"{lost} starts settle with one of the steps alone, {len(pairs)} with both"
+        return rows.statement(
+            "settling with half the step", "alike", told, False, "the same starts"
+        )
     measured, expected = np.array(pairs).T
     return rows.worst(
         f"settling time and that with half the step, worst of {len(pairs)} starts [s]",

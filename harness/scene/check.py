@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from typing import Annotated, Any, Literal
 
-from pydantic import Field, field_validator
+from pydantic import Field, ValidationInfo, field_validator
 
+from .run import FEWEST_STEPS
 from .types import Positive, Real, Table, Text, Unit, Whole
 
 SpeedRange = Annotated[tuple[Positive, Positive], Unit("rad/s")]
@@ -145,10 +146,25 @@ class ContactOrderCheck(Table):
     set: dict[str, Any] = Field(default_factory=dict)
     order: Positive
     within: Positive = 0.3
-    steps: tuple[Whole, ...] = (20, 40, 80, 160)
-    reference: Whole = 1280
+    steps: Annotated[tuple[Annotated[Whole, Field(ge=FEWEST_STEPS)], ...], Field(min_length=2)] = (
+        20,
+        40,
+        80,
+        160,
+    )
+    reference: Annotated[Whole, Field(validate_default=True)] = 1280
     runs: Annotated[Whole, Field(ge=1, le=1000)] = 1
     shift: Annotated[tuple[Real, ...], Unit("rad")] = ()
+
+    @field_validator("reference")
+    @classmethod
+    def _finer(cls, value: int, info: ValidationInfo) -> int:
+        steps = info.data.get("steps", ())
+        if len(set(steps)) < len(steps):
+            raise ValueError(f"steps = {list(steps)} must all differ")
+        if steps and value <= max(steps):
+            raise ValueError(f"must be above the finest of the steps, {max(steps)}")
+        return value
 
 
 AnyCheck = Annotated[

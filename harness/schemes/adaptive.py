@@ -14,7 +14,7 @@ from __future__ import annotations
 
 import math
 
-from ..errors import SimulationError
+from ..errors import LoopError
 from ..signals import Cubic, End, end_of, extrapolated
 from ..system import System, Track
 from .iterated import Iterated, Trial
@@ -88,7 +88,7 @@ class Adaptive:
             self.rejected += 1
             self.rung = max(math.ceil(wanted), self.rung + 1)
             if self.rung > LOWEST:
-                raise SimulationError(
+                raise LoopError(
                     f"tolerance {self.tolerance:g} cannot be met at t = {time:g} s: steps of "
                     f"{step:.3g} s still err by {error:.3g}, loop residual {trial.residual:.3g}"
                 )

@@ -10,7 +10,7 @@ gives a free mass the velocity and the way it missed.
 Order: 4, with cubic signals only.
 Stability: any loop gain but 1 in short steps, since the Jacobian takes the loop out of the error.
 What is made good is right for a free mass: a mode that turns by more than about a radian a step, or
-drag that changes the loop, leaves part of the error.
+drag that changes the loop, leaves part of the error, and a gain above 1 multiplies what is left.
 """
 
 from __future__ import annotations
@@ -62,8 +62,8 @@ class Compensated(Explicit):
         """Largest factor by which a short step repeats a disturbance: the loop is solved."""
         return 0.0
 
-    def converge(self, system: System, time: float, step: float) -> None:
-        """A step at a jump of the drive: what was missed before it says nothing after it."""
+    def cross(self, system: System, time: float, step: float) -> None:
+        """A step over a jump of the drive: what was missed before it says nothing after it."""
         self._missed = []
         self.step(system, time, step)
         self._missed = []

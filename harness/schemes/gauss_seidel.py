@@ -32,8 +32,8 @@ class GaussSeidel(Explicit):
         repeated = [np.array([[j, j], [j - 1.0, j]]) for j in eigenvalues]
         return float(max((np.abs(np.linalg.eigvals(m)).max() for m in repeated), default=0.0))
 
-    def converge(self, system: System, time: float, step: float) -> None:
-        """A step at a jump of the drive: a line from before it to after it says nothing."""
+    def cross(self, system: System, time: float, step: float) -> None:
+        """A step over a jump of the drive: a line from before it to after it says nothing."""
         self._advance(system, time, step, jump=True)
 
     def step(self, system: System, time: float, step: float) -> float:

@@ -51,7 +51,7 @@ def stress(names: Sequence[str] | None = None, progress: Progress | None = None)
     """Run cases in as many processes as there are cores; rows in the cases' order.
 
     Args:
-        names: of `stress_cases.all_cases`; by default all.
+        names: of `stress.cases.all_cases`; by default all.
         progress: called with how many are done, how many there are, and the one just done.
     """
     names = list(all_cases() if names is None else names)
