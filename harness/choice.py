@@ -5,7 +5,6 @@ from __future__ import annotations
 import numpy as np
 
 from .errors import SceneError
-from .loop import loop_gain
 from .scene import Scene
 from .schemes.adaptive import Adaptive
 from .schemes.compensated import Compensated
@@ -20,14 +19,20 @@ Scheme = Jacobi | GaussSeidel | Compensated | Iterated | Adaptive
 
 
 def scheme_for(
-    scene: Scene, system: System, jacobian: np.ndarray, response: np.ndarray, step: float
+    scene: Scene,
+    system: System,
+    jacobian: np.ndarray,
+    response: np.ndarray,
+    step: float,
+    gain: float,
 ) -> Scheme:
     """The scene's scheme; `auto` iterates, and no more than the loop gain asks for.
 
     Args:
         jacobian, response: from `loop.consistent_start` and `loop.rotor_response` with `step` [s].
+        gain: of the loop.
     """
-    coupling, gain = scene.coupling, loop_gain(jacobian)
+    coupling = scene.coupling
     if coupling.scheme == "jacobi":
         return Jacobi()
     if coupling.scheme == "gauss-seidel" or not system.connections:

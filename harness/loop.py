@@ -88,7 +88,7 @@ class QuasiNewton:
 
     def correction(self, residual: Sequence[complex]) -> Vector:
         """The step du that would make the residual G(u) - u vanish."""
-        return self.inverse.dot(_components(residual)).view(complex).tolist()
+        return applied(self.inverse, residual)
 
     def learn(self, du: Sequence[complex], old: Sequence[complex], new: Sequence[complex]) -> None:
         """Use how the residual really changed over a step du (Broyden 1965, Sherman-Morrison)."""
@@ -99,6 +99,11 @@ class QuasiNewton:
             self.inverse = self.inverse + np.outer(
                 (moved - predicted) / weight, moved @ self.inverse
             )
+
+
+def applied(matrix: np.ndarray, vector: Sequence[complex]) -> Vector:
+    """A real matrix times a vector as `pack` makes them."""
+    return matrix.dot(_components(vector)).view(complex).tolist()
 
 
 def rescaled(matrix: np.ndarray, ratio: float) -> np.ndarray:
@@ -117,7 +122,6 @@ def rotor_response(system: System, step: float) -> np.ndarray:
 
     Leaves the rotor without forces.
     """
-
     if not system.connections:
         return np.zeros((0, 0))
 

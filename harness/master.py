@@ -124,7 +124,7 @@ class CoSimulation:
             response = rotor_response(system, step)
         jacobian = consistent_start(system, step)
         self.gain = loop_gain(jacobian)
-        scheme = scheme_for(self.scene, system, jacobian, response, step)
+        scheme = scheme_for(self.scene, system, jacobian, response, step, self.gain)
         self.amplification = 0.0
         if isinstance(scheme, Explicit):
             loop = value_eigenvalues(jacobian)

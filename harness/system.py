@@ -8,7 +8,7 @@ from ctypes import c_void_p
 from dataclasses import dataclass, field
 
 from .errors import SimulationError
-from .signals import REST, Cubic, End
+from .signals import REST, Cubic, End, end_of
 from .unit import Group, Unit
 from .wiring import UnitPlan, signals
 
@@ -35,9 +35,7 @@ class Track:
         value = end[0]
         self.missed = 0.0
         if self.past_step == step:
-            reach = step + step
-            f, d, d2, d3 = self.past
-            self.missed = abs(value - f - reach * (d + reach * (d2 / 2.0 + reach * d3 / 6.0)))
+            self.missed = abs(value - end_of(self.past, step + step)[0])
         modulus = abs(value)
         if modulus > self.largest:
             self.largest = modulus

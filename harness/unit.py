@@ -134,19 +134,19 @@ class Unit:
 
     def get(self, group: Group) -> list[float]:
         """Values of the group's variables."""
-        self.calls["get"] += 1
-        status = self._get(self._component, group.references, group.size, group.buffer)
-        if status > _WARNING:
-            self._check(status, f"reading {', '.join(group.names[:4])}")
+        self._read(group)
         return group.buffer[:]
 
     def get_vectors(self, group: Group) -> list[complex]:
         """Values of a group of pairs, x + i y each."""
+        self._read(group)
+        return group.vectors.tolist()
+
+    def _read(self, group: Group) -> None:
         self.calls["get"] += 1
         status = self._get(self._component, group.references, group.size, group.buffer)
         if status > _WARNING:
             self._check(status, f"reading {', '.join(group.names[:4])}")
-        return group.vectors.tolist()
 
     def set(self, group: Group, values: Sequence[float]) -> None:
         """Write the group's variables."""

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -102,8 +101,9 @@ def _restitution(scene: Scene, balancer: WeightBalancer) -> float:
     rotor = scene.assembly().loaded_rotor
     row = rotor.planes[balancer.at - 1]
     carrier = 1.0 / float(row @ np.linalg.solve(rotor.mass, row))
-    alpha = math.asin(balancer.weight_radius / balancer.track_radius)
-    return restitution_on(balancer.restitution, balancer.mass, carrier, alpha, balancer.kappa)
+    return restitution_on(
+        balancer.restitution, balancer.mass, carrier, balancer.half_angle, balancer.kappa
+    )
 
 
 def file_name(unit: UnitPlan) -> str:

@@ -8,14 +8,13 @@ stepping again from the same point, to 1e-12 of the substep, so that smooth part
 from __future__ import annotations
 
 import cmath
-import math
 from collections.abc import Sequence
 
 from .impacts import approaching, settle
 from .ring import Group, Instant, Ring
 from .roots import crossing
 from .suspects import End, Suspect, Watch
-from .weights import TURN_PER_SUBSTEP
+from .weights import TURN_PER_SUBSTEP, fastest_rate
 
 _LOCATED = 1e-12  # of the substep
 _MOST_PARTS = 100_000  # substeps and events within a communication step
@@ -65,15 +64,15 @@ class Mover:
 
     def _substeps(self, left: float, step: float) -> int:
         # as `weights.advance`, so that weights that meet nothing move in its substeps
-        rate = self.ring.drag
-        strongest = abs(self.signal[0]) + step * abs(self.signal[1])
-        gained = abs(self.spin_up) * (step if rate * step < 1.0 else 1.0 / rate)
-        fastest = max(map(abs, self.ring.v)) + math.sqrt(-strongest * self.ring.gain) + gained
+        ring = self.ring
+        fastest, strongest = fastest_rate(
+            ring.v, self.signal, ring.gain, self.spin_up, ring.drag, step
+        )
         turns = left * fastest / TURN_PER_SUBSTEP
         if not turns < _MOST_PARTS:
             raise ArithmeticError(
                 f"the weights would need {turns:.3g} substeps in {left:g} s: acceleration "
-                f"{strongest:g} m/s^2, rate {max(map(abs, self.ring.v)):g} rad/s"
+                f"{strongest:g} m/s^2, rate {max(map(abs, ring.v)):g} rad/s"
             )
         return 1 + int(turns)
 

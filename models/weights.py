@@ -163,6 +163,25 @@ def substep(
     )
 
 
+def fastest_rate(
+    speeds: Sequence[float],
+    signal: Sequence[complex],
+    gain: float,
+    spin_up: float,
+    rate: float,
+    step: float,
+) -> tuple[float, float]:
+    """Rate [rad/s] that no weight exceeds by much within a step, and the strongest acceleration.
+
+    Arguments as `advance`; `gain` = -1/(kappa R) and `rate` = d of the weights.
+    """
+    # value and slope only: corrector passes change the rest, and must not change the substeps
+    strongest = abs(signal[0]) + step * abs(signal[1])
+    # a run-up leaves free weights behind: they gain spin_up * step, or what the drag lets them
+    gained = abs(spin_up) * (step if rate * step < 1.0 else 1.0 / rate)
+    return max(map(abs, speeds)) + math.sqrt(-strongest * gain) + gained, strongest
+
+
 def advance(
     weights: Weights,
     angles: Sequence[float],
@@ -189,11 +208,7 @@ def advance(
     a0, a1, a2, a3 = signal
     gain = -1.0 / (weights.kappa * weights.track_radius)
     rate = weights.damping_rate
-    # value and slope only: corrector passes change the rest, and must not change the substeps
-    strongest = abs(a0) + step * abs(a1)
-    # a run-up leaves free weights behind: they gain spin_up * step, or what the drag lets them
-    gained = abs(spin_up) * (step if rate * step < 1.0 else 1.0 / rate)
-    fastest = max(map(abs, speeds)) + math.sqrt(-strongest * gain) + gained
+    fastest, strongest = fastest_rate(speeds, signal, gain, spin_up, rate, step)
     if not math.isfinite(sum(angles)):
         raise ArithmeticError(f"the weights' angles {list(angles)} are not finite")
     if max(map(abs, angles)) > _FAR:

@@ -9,12 +9,11 @@ from ...models import capacity as theory
 from ...models.settling import critical_drag, settling_time, slow_root
 from ...models.touching import facing_measure
 from ...models.weights import Weights
-from ..design.scenes import sized
+from ..design.scenes import sized, weights_of
 from ..design.study import SETTLED, Batch, Settled, run_batch
 from ..parallel import spread
 from ..report import Row
 from ..scene import Scene
-from ..scene.balancer import WeightBalancer
 from ..scene.check import LargestSpreadCheck
 from .measure import Rows
 
@@ -41,7 +40,7 @@ def check_largest_spread(
     for (count, one), first, second in zip(scenes.items(), runs[::2], runs[1::2], strict=True):
         slower[count] = max(first.seconds, second.seconds)
         yield _row(one, first, second, rows)
-    kind = _weights(scene).kind
+    kind = weights_of(scene).kind
     claimed = theory.fastest_count(kind, scenes)
     best = min(slower, key=lambda count: slower[count])
     yield rows.statement(
@@ -55,12 +54,12 @@ def check_largest_spread(
 
 def _row(scene: Scene, first: Settled, second: Settled, rows: Rows) -> Row:
     """The slower way against the slow root with contact."""
-    balls = _weights(scene)
+    balls = weights_of(scene)
     device = balls.build().device
     assert isinstance(device, Weights)
     rotor, speed = scene.assembly().loaded_rotor, scene.profile().speed(0.0)
     limit = critical_drag(rotor, speed, device.kappa)
-    alpha = theory.half_angle(balls.weight_radius or 0.0, balls.track_radius)
+    alpha = balls.half_angle
     number, p = facing_measure(balls.count, alpha)
     times = sorted((first.seconds, second.seconds))
     free = settling_time(slow_root(device, theory.largest_spread(balls.count, alpha), limit))
@@ -85,8 +84,8 @@ def _row(scene: Scene, first: Settled, second: Settled, rows: Rows) -> Row:
 
 def _both_ways(scene: Scene, part: float) -> list[Batch]:
     """Two packed groups at the unbalance that they balance, changed by a part of the capacity."""
-    balls = _weights(scene)
-    alpha = theory.half_angle(balls.weight_radius or 0.0, balls.track_radius)
+    balls = weights_of(scene)
+    alpha = balls.half_angle
     small = balls.count // 2
     large = balls.count - small
     unit = balls.mass * balls.track_radius
@@ -102,9 +101,3 @@ def _both_ways(scene: Scene, part: float) -> list[Batch]:
         }
         found.append(Batch(scene.replace(turned), (tuple(angles),), change))
     return found
-
-
-def _weights(scene: Scene) -> WeightBalancer:
-    (balls,) = scene.balancer
-    assert isinstance(balls, WeightBalancer)
-    return balls

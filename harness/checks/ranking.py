@@ -12,7 +12,7 @@ from ...models.capacity import fastest_count
 from ..design import Design, design
 from ..design.scenes import batches
 from ..design.study import run_batch
-from ..design.words import contradictions, order, rivals
+from ..design.words import by_measure, by_median, contradicted, order, rivals
 from ..parallel import spread
 from ..report import Row
 from ..scene import Scene
@@ -74,13 +74,12 @@ def _order(data: Design, rows: Rows) -> Iterator[Row]:
         claimed in [c.count for c in found],
         f"{SOURCE}; intervals that reach the fastest are named",
     )
-    wrong = contradictions(data)
-    told = "; ".join(f"{b} before {a}" for a, b in wrong)
+    told = contradicted(data)
     yield rows.statement(
         f"{data.kind}: order of the medians",
-        order(sorted(data.able, key=lambda c: -c.measure)),
-        order(sorted(data.able, key=lambda c: c.median)) + (f" ({told})" if told else ""),
-        not wrong,
+        order(by_measure(data)),
+        order(by_median(data)) + (f" ({told})" if told else ""),
+        not told,
         f"{SOURCE}: (1-p) m n at the largest p; fails where intervals that part contradict it",
     )
 

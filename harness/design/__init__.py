@@ -132,7 +132,7 @@ def _choice(scene: Scene, unbalance: float, runs: list[Settled]) -> Choice:
     device = balls.build().device
     assert isinstance(device, Weights)
     radius = balls.weight_radius or 0.0
-    alpha = theory.half_angle(radius, balls.track_radius)
+    alpha = balls.half_angle
     largest = theory.largest_spread(balls.count, alpha)
     rotor, speed = scene.assembly().loaded_rotor, scene.profile().speed(0.0)
     root = slow_root(device, largest, critical_drag(rotor, speed, device.kappa))

@@ -78,7 +78,7 @@ def decay(
         times, residuals: (k,) readings [s] and residual unbalance over the scale.
         angles: (k,) lists of the weights' angles [rad].
     """
-    begin = _after(residuals, WINDOW[1])
+    begin = below(residuals, WINDOW[1])
     groups = packed_groups(angles[-1], alpha)
     touching = len(groups) < len(angles[-1])
     root, slowest, following = spectrum(assembly, speed, alpha, groups)
@@ -125,8 +125,8 @@ def spectrum(
     return root, slowest, float(values[1 + swings].real)
 
 
-def _after(residuals: np.ndarray, limit: float) -> int:
-    """First reading after which all residuals are below the limit."""
+def below(residuals: np.ndarray, limit: float) -> int:
+    """First reading from which on no residual is above the limit; their number if the last is."""
     above = np.flatnonzero(residuals > limit)
     return int(above[-1]) + 1 if above.size else 0
 

@@ -88,8 +88,7 @@ def batches(
     if capacity_of(balls) < unbalance:
         return []
     rng = random.Random(1000 * SEED + balls.count)
-    alpha = theory.half_angle(balls.weight_radius or 0.0, balls.track_radius)
-    positions = [start(balls.count, alpha, rng) for _ in range(starts)]
+    positions = [start(balls.count, balls.half_angle, rng) for _ in range(starts)]
     scale = unbalance or capacity_of(balls)
     return [Batch(scene, tuple(positions[k : k + BATCH]), scale) for k in range(0, starts, BATCH)]
 

@@ -15,7 +15,7 @@ from ..master import CoSimulation
 from ..scene import Scene
 from ..scene.balancer import WeightBalancer
 from ..schedule import schedule, steps_per_rev
-from .decay import WINDOW, Decay, decay
+from .decay import WINDOW, Decay, below, decay
 
 SETTLED = 0.01  # of the scale: residual unbalance that counts as balanced
 READINGS = 8  # about, in a revolution
@@ -102,12 +102,11 @@ def _run(
     angles = {f"weight[{k}].angle0": angle for k, angle in enumerate(start, start=1)}
     units.start({balls.label: angles})
     times, residuals, places = _readings(units, batch, balls)
-    alpha = math.asin((balls.weight_radius or 0.0) / balls.track_radius)
     assembly, speed = batch.scene.assembly(), batch.scene.profile().speed(0.0)
     return Settled(
         settled_at(times, residuals),
         spread(places[-1]),
-        decay(assembly, speed, alpha, times, residuals, places),
+        decay(assembly, speed, balls.half_angle, times, residuals, places),
         units.unconverged,
         units.steps,
     )
@@ -143,9 +142,8 @@ def _readings(
 
 def settled_at(times: np.ndarray, residuals: np.ndarray) -> float:
     """Time after which all residuals are below `SETTLED`; infinite if the last one is not [s]."""
-    above = np.flatnonzero(residuals > SETTLED)
-    last = int(above[-1]) if above.size else -1
-    return math.inf if last + 1 >= len(times) else float(times[last + 1])
+    begin = below(residuals, SETTLED)
+    return math.inf if begin >= len(times) else float(times[begin])
 
 
 def median_interval(values: list[float]) -> tuple[float, float, float]:

@@ -47,10 +47,20 @@ def _recommendation(data: Design) -> list[str]:
     return lines
 
 
+def by_measure(data: Design) -> list[Choice]:
+    """Numbers with enough capacity, the fastest by Goncharov's measure at the largest p first."""
+    return sorted(data.able, key=lambda c: -c.measure)
+
+
+def by_median(data: Design) -> list[Choice]:
+    """The same, the fastest by the co-simulated medians first."""
+    return sorted(data.able, key=lambda c: c.median)
+
+
 def rivals(data: Design) -> list[Choice]:
     """The fastest one, first, and those whose confidence interval reaches its own."""
-    able = sorted(data.able, key=lambda c: c.median)
-    return [c for c in able if c.low <= able[0].high]
+    timed = by_median(data)
+    return [c for c in timed if c.low <= timed[0].high]
 
 
 def contradictions(data: Design) -> list[tuple[int, int]]:
@@ -58,10 +68,15 @@ def contradictions(data: Design) -> list[tuple[int, int]]:
 
     Only where the confidence intervals of the two do not touch.
     """
-    ranked = sorted(data.able, key=lambda c: -c.measure)
+    ranked = by_measure(data)
     return [
         (a.count, b.count) for i, a in enumerate(ranked) for b in ranked[i + 1 :] if b.high < a.low
     ]
+
+
+def contradicted(data: Design) -> str:
+    """The same in words; empty where there is nothing to say."""
+    return "; ".join(f"{b} before {a}" for a, b in contradictions(data))
 
 
 def order(choices: list[Choice]) -> str:
@@ -72,16 +87,13 @@ def order(choices: list[Choice]) -> str:
 def _ranking(data: Design) -> list[str]:
     if all(math.isinf(c.median) for c in data.able):
         return []
-    ranked = sorted(data.able, key=lambda c: -c.measure)
-    timed = sorted(data.able, key=lambda c: c.median)
-    wrong = contradictions(data)
-    told = "; ".join(f"{b} before {a}" for a, b in wrong)
+    told = contradicted(data)
     return [
-        f"Fastest first: {order(ranked)} by Goncharov's measure at the largest p, "
-        f"{order(timed)} by the medians. "
+        f"Fastest first: {order(by_measure(data))} by Goncharov's measure at the largest p, "
+        f"{order(by_median(data))} by the medians. "
         + (
             f"Confidence intervals that do not touch contradict the measure: {told}."
-            if wrong
+            if told
             else "No confidence intervals contradict the measure."
         )
     ]

@@ -13,7 +13,7 @@ from ..errors import SimulationError
 from ..scene import Scene
 from ..scene.balancer import WeightBalancer
 from ..signal_units import unit_of_signal
-from .methods import Array
+from .runner import Array
 
 RTOL = 3e-14  # a hair above the smallest SciPy accepts
 BOUND = 1e-3  # two methods that differ by more give no reference at all
@@ -68,7 +68,7 @@ def _refuse_contacts(scene: Scene, right: Trajectory) -> None:
             continue
         names = [f"{balancer.label}.weight[{k}].angle" for k in range(1, balancer.count + 1)]
         angles = np.array([right.signal(name) for name in names])
-        apart = 2.0 * math.asin(balancer.weight_radius / balancer.track_radius)
+        apart = 2.0 * balancer.half_angle
         for k in range(1, len(angles)):
             gaps = np.abs((angles[k:] - angles[:-k] + math.pi) % (2.0 * math.pi) - math.pi)
             touching = (gaps < apart).any(axis=0)

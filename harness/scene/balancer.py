@@ -104,6 +104,11 @@ class WeightBalancer(Balancer):
         """7/5 ball, 3/2 roller, 1 pendulum."""
         return KAPPA[self.kind]
 
+    @property
+    def half_angle(self) -> float:
+        """Half the angle between weights that touch [rad]; 0 for points."""
+        return math.asin((self.weight_radius or 0.0) / self.track_radius)
+
     def build(self) -> Mounted:
         """The weights on their plane."""
         device = Weights(self.count, self.mass, self.track_radius, self.drag, self.kappa)

@@ -20,7 +20,7 @@ from functools import lru_cache
 
 import numpy as np
 
-from ..loop import QuasiNewton, rescaled
+from ..loop import QuasiNewton, applied, rescaled
 from ..signals import Cubic, End, end_of, extrapolated, hermite
 from ..system import System, Track
 from .explicit import Explicit
@@ -106,7 +106,7 @@ class Compensated(Explicit):
         residual: list[complex] = []
         for (value, slope), (wanted, wanted_slope) in zip(answers, assumed, strict=True):
             residual += (value - wanted, step * (slope - wanted_slope))
-        return self._solution.dot(np.array(residual).view(float)).view(complex).tolist()
+        return applied(self._solution, residual)
 
 
 def _signals(tracks: Sequence[Track], ends: Sequence[End], step: float) -> list[tuple[Cubic, End]]:

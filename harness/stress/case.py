@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import re
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
@@ -15,8 +16,9 @@ from ...models.oscillator import forced_motion
 from ..errors import SimulationError
 from ..master import cosimulate
 from ..result import Result
-from ..scene import Scene
+from ..scene import Scene, load_scene
 
+UNEVEN = (2, 4, 6, 8, 10, 12, 14)  # powers of ten of the stiffness along y, 1e2 N/m along x
 LEFT_ALONE = 1e-2  # of the range: a picture would not show it; asked of the default coupling
 TOLERANCE = 1e-5  # asked of the runs with a tolerance
 TOO_COARSE = "use more steps_per_rev"  # what a run says of steps too long for its signals
@@ -68,6 +70,28 @@ def scene(
         },
         label="stress",
     )
+
+
+def left_to_the_master(name: str, changes: Mapping[str, Any]) -> Scene:
+    """A bundled scene over five revolutions, changed, with the default coupling."""
+    free = dict.fromkeys(("scheme", "order", "corrections", "steps_per_rev"))
+    default = {f"coupling.{key}": value for key, value in free.items()}
+    return load_scene(name).replace({**default, "run.revolutions": 5, **changes})
+
+
+def uneven(power: int, damping: float, unbalance: float) -> dict[str, Any]:
+    """Rotor of 1 kg on 1e2 N/m along x and 1e`power` N/m along y.
+
+    Args:
+        damping: along y, over the root of the stiffness there.
+    """
+    stiff = 10.0**power
+    return {
+        "mass": 1.0,
+        "stiffness": [1e2, stiff],
+        "damping": [2.0, damping * math.sqrt(stiff)],
+        "unbalance": unbalance,
+    }
 
 
 def deviation(result: Result, expected: Series) -> float:

@@ -14,6 +14,7 @@ from ..scene import Scene
 from .case import (
     BOTH_WAYS,
     LEFT_ALONE,
+    UNEVEN,
     Case,
     Outcome,
     against_closed_form,
@@ -21,6 +22,7 @@ from .case import (
     linear_motion,
     refusal,
     scene,
+    uneven,
 )
 
 EXACT = 1e-8  # of the range: steps are exact, what is left is rounding in the steps' matrices
@@ -52,14 +54,8 @@ def _closed(name: str, allowed: float, build: Callable[[], Scene]) -> Case:
 
 def _stiffness() -> list[Case]:
     found = []
-    for power in (2, 4, 6, 8, 10, 12, 14):
-        stiff = 10.0**power
-        rotor = {
-            "mass": 1.0,
-            "stiffness": [1e2, stiff],
-            "damping": [2.0, 0.2 * math.sqrt(stiff)],
-            "unbalance": 1e-3,
-        }
+    for power in UNEVEN:
+        rotor = uneven(power, 0.2, 1e-3)
         name = f"stiffness 1e2 and 1e{power} N/m in one rotor"
         found.append(_closed(name, EXACT, partial(scene, rotor, speed=15.0, revolutions=20)))
     return found

@@ -6,8 +6,8 @@ from collections.abc import Mapping
 from functools import partial
 from typing import Any
 
-from ..scene import Scene, load_scene
-from .case import BOTH_WAYS, Case, Outcome, against_monolith
+from ..scene import Scene
+from .case import BOTH_WAYS, Case, Outcome, against_monolith, left_to_the_master
 
 # what a stiff support all but holds has no range, its weights neither: the rest is compared
 _MOVING = {
@@ -60,9 +60,7 @@ def _case(name: str, scene: str, changes: Mapping[str, Any]) -> Case:
 
 
 def _against(name: str, changes: Mapping[str, Any], moving: tuple[str, ...] | None) -> Outcome:
-    free = dict.fromkeys(("scheme", "order", "corrections", "steps_per_rev"))
-    document = {f"coupling.{key}": value for key, value in free.items()}
-    build = load_scene(name).replace({**document, "run.revolutions": 5, **changes})
+    build = left_to_the_master(name, changes)
     signals = moving or (*_places(build), *_MOMENTS)
     return against_monolith(build, signals=signals, rtol=1e-11)
 

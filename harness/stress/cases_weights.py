@@ -15,12 +15,15 @@ from .case import (
     BOTH_WAYS,
     FACTOR,
     ROTOR_AND_MOMENT,
+    UNEVEN,
     Case,
     Outcome,
     against_monolith,
     error_against_monolith,
+    left_to_the_master,
     scene,
     stated_error,
+    uneven,
 )
 
 XY = ("rotor.x", "rotor.y")
@@ -50,9 +53,7 @@ def cases() -> list[Case]:
 
 def _two(changes: Mapping[str, Any]) -> Scene:
     """The two-pendulum scene over five revolutions, its coupling left to the master."""
-    free = dict.fromkeys(("scheme", "order", "corrections", "steps_per_rev"))
-    document = {f"coupling.{key}": value for key, value in free.items()}
-    return load_scene("two_balls").replace({**document, "run.revolutions": 5, **changes})
+    return left_to_the_master("two_balls", changes)
 
 
 def _coupled(name: str, changes: Mapping[str, Any], **options: Any) -> Case:
@@ -125,14 +126,8 @@ def _speeds() -> list[Case]:
 
 def _stiffness() -> list[Case]:
     found = []
-    for power in (2, 4, 6, 8, 10, 12, 14):
-        stiff = 10.0**power
-        rotor = {
-            "mass": 1.0,
-            "stiffness": [1e2, stiff],
-            "damping": [2.0, 2.0 * math.sqrt(stiff)],
-            "unbalance": 2e-3,
-        }
+    for power in UNEVEN:
+        rotor = uneven(power, 2.0, 2e-3)
         weights = {
             "name": "weights",
             "kind": "pendulums",
