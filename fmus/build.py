@@ -29,10 +29,7 @@ UNITS: dict[str, type[Unit]] = {
     unit.__name__: unit for unit in (RotorOnSupports, LiquidBalancer, BallBalancer)
 }
 _MODULES = {"RotorOnSupports": "rotor", "LiquidBalancer": "liquid", "BallBalancer": "weights"}
-_ROOT = {
-    "fmus": Path(__file__).resolve().parent,
-    "models": Path(__file__).resolve().parent.parent / "models",
-}
+_ROOT = Path(__file__).resolve().parent.parent
 _PYTHONFMU = Path(pythonfmu.__file__).resolve().parent
 # what a slave needs of pythonfmu, without its builder
 _EMBEDDED = ("_version", "default_experiment", "enums", "fmi2slave", "logmsg", "variables")
@@ -216,15 +213,16 @@ def _at_least_one(what: str, value: int) -> None:
 def _sources(module: str) -> dict[str, bytes]:
     """Python files of the embedded package: the unit's module and what it imports, no more."""
     sources = {"__init__.py": b"", "fmus/__init__.py": b"", "pythonfmu/__init__.py": b""}
-    waiting = [("fmus", module)]
+    waiting = [f"fmus.{module}"]
     while waiting:
-        folder, stem = waiting.pop()
-        path = f"{folder}/{stem}.py"
+        name = waiting.pop()
+        path = f"{name.replace('.', '/')}.py"
         if path in sources:
             continue
-        text = _text(_ROOT[folder] / f"{stem}.py")
-        sources[f"{folder}/__init__.py"] = b""
-        waiting += _imports(folder, text)
+        text = _text(_ROOT / path)
+        for folder in Path(path).parents[:-1]:
+            sources[f"{folder.as_posix()}/__init__.py"] = b""
+        waiting += _imports(name, text)
         if path == "fmus/_pythonfmu.py":
             text = text.replace("from pythonfmu.", "from ..pythonfmu.")
         sources[path] = text.encode()
@@ -238,18 +236,17 @@ def _text(path: Path) -> str:
     return path.read_text(encoding="utf-8").replace("\r\n", "\n")
 
 
-def _imports(folder: str, text: str) -> list[tuple[str, str]]:
-    """Modules of this project that a source imports relatively, as (folder, module)."""
+def _imports(module: str, text: str) -> list[str]:
+    """Modules of this project that a source imports relatively, by their dotted names."""
     found = []
     for node in ast.walk(ast.parse(text)):
         if isinstance(node, ast.ImportFrom) and node.level:
-            parts = (node.module or "").split(".")
-            if node.level == 1:
-                parts.insert(0, folder)
-            if len(parts) == 1 or not parts[1]:
-                found += [(parts[0], alias.name) for alias in node.names]
+            base = module.split(".")[: -node.level] + (node.module or "").split(".")
+            target = ".".join(part for part in base if part)
+            if (_ROOT / target.replace(".", "/")).is_dir():  # `from .package import module`
+                found += [f"{target}.{alias.name}" for alias in node.names]
             else:
-                found.append((parts[0], parts[1]))
+                found.append(target)
     return found
 
 

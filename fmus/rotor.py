@@ -8,9 +8,9 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
-from ..models.propagator import step_matrix
 from ..models.rotor import LinearRotor
-from ..models.variable_speed import VariableSpeedStep
+from ..models.steps.propagator import step_matrix
+from ..models.steps.variable_speed import VariableSpeedStep
 from .rotor_kinds import KINDS
 from .rotor_parts import SHAFTS, Sizes
 from .rotor_variables import rotor_variables

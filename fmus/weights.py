@@ -7,10 +7,10 @@ import math
 from collections.abc import Sequence
 
 # `track` imports the first three when it needs them; by then the folder may be gone
-from ..models import events, resistance, ring  # noqa: F401
-from ..models import track as tracks
-from ..models.pulse import discharge
-from ..models.track import Track
+from ..models.contact import events, resistance, ring  # noqa: F401
+from ..models.contact import track as tracks
+from ..models.contact.pulse import discharge
+from ..models.contact.track import Track
 from ..models.weights import Weights, advance, reaction, spread
 from .signals import FRAMES, at, hermite, orders
 from .slave import Unit

@@ -12,9 +12,18 @@ from typing import Any
 import typer
 from typer.core import TyperGroup
 
-from .commands import balance, build, check, design, map, precision, rotor, run, speeds, stress
+from .balancing import command as balance
+from .checks import command as check
+from .design import command as design
 from .errors import SimulationError, UserError
-from .terminal import say
+from .master import build_command as build
+from .master import run_command as run
+from .output.terminal import say
+from .precision import command as precision
+from .rotor import command as rotor
+from .stability import map_command as map
+from .stability import speeds_command as speeds
+from .stress import command as stress
 
 
 class Commands(TyperGroup):

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import pytest
 
 if TYPE_CHECKING:  # nothing heavy is loaded for tests that do not use the fixture
-    from .result import Result
+    from .master.result import Result
     from .scene import Scene
 
 
@@ -32,7 +32,7 @@ def cosim(request: pytest.FixtureRequest) -> Callable[..., Result]:
         fmus: Path | None = None,
         **overrides: Any,
     ) -> Result:
-        from .master import cosimulate
+        from .master.cosimulation import cosimulate
         from .scene import Scene, load_scene
 
         if isinstance(source, Scene):

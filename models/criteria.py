@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from scipy.optimize import brentq
 
 from .assembly import Assembly
-from .critical_speeds import Crossing
+from .linear.boundaries import Crossing
 
 
 @dataclass(frozen=True)

@@ -9,8 +9,8 @@ from numpy.typing import ArrayLike
 from scipy.integrate import solve_ivp
 
 from .assembly import Assembly, SpeedProfile
-from .coupled import REST, Array, Monolith, RightHandSide, Start
-from .trajectory import Trajectory, differences
+from .reference.coupled import REST, Array, Monolith, RightHandSide, Start
+from .reference.trajectory import Trajectory, differences
 
 __all__ = [
     "Monolith",

@@ -13,9 +13,9 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .assembly import Assembly
-from .balanced import CannotBalance
-from .floquet import exponents, fast_growth, one_turn_multipliers
-from .linearised import Linearised, linearise
+from .linear.balanced import CannotBalance
+from .linear.floquet import exponents, fast_growth, one_turn_multipliers
+from .linear.linearised import Linearised, linearise
 
 MARGIN = 1e-10  # growth per revolution that rounding alone can make
 

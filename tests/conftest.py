@@ -13,14 +13,14 @@ import pytest
 
 if TYPE_CHECKING:  # loaded where it is used: tests of the models alone need no harness
     from autobalancer.harness import Scene
-    from autobalancer.harness.result import Result
+    from autobalancer.harness.master.result import Result
 
 
 @cache
 def _motion(name: str, changes: tuple, times: tuple[float, ...], signals: tuple[str, ...]):
     from autobalancer.harness import load_scene
-    from autobalancer.models.coupled import Start
     from autobalancer.models.monolith import reference
+    from autobalancer.models.reference.coupled import Start
 
     scene = load_scene(name).replace(dict(changes))
     start = Start(**dict(scene.run.initial.items()))

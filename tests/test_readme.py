@@ -17,7 +17,7 @@ from fmpy import read_model_description
 
 from autobalancer.fmus.build import build
 from autobalancer.harness import Scene, bundled_scenes, check, load_scene
-from autobalancer.harness.savings import calls, in_a_process, omissions
+from autobalancer.harness.precision.omissions import calls, in_a_process, omissions
 from autobalancer.harness.scene.messages import tables_in
 
 ROOT = Path(__file__).parent.parent

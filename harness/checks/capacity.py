@@ -8,18 +8,18 @@ from collections.abc import Callable, Iterator
 
 import numpy as np
 
-from ...models import capacity as theory
-from ...models.positions import packed_angles
-from ...models.settling import plane_response
+from ...models.papers import capacity as theory
+from ...models.papers.positions import packed_angles
+from ...models.papers.settling import plane_response
 from ...models.weights import Weights
 from ..errors import SceneError
-from ..master import cosimulate
-from ..report import Row
-from ..result import Result
+from ..master.cosimulation import cosimulate
+from ..master.result import Result
 from ..scene import Scene
 from ..scene.balancer import WeightBalancer
 from ..scene.check import CapacityCheck
-from .measure import Rows
+from .report import Row
+from .rows import Rows
 
 RESIDUAL = 1e-3  # of the capacity
 ANGLES = 1e-3  # rad

@@ -11,12 +11,12 @@ from collections.abc import Callable, Iterator
 import numpy as np
 
 from ..errors import SceneError
-from ..master import CoSimulation
-from ..report import Row
+from ..master.cosimulation import CoSimulation
 from ..scene import Scene
 from ..scene.balancer import WeightBalancer
 from ..scene.check import ContactOrderCheck
-from .measure import Rows
+from .report import Row
+from .rows import Rows
 
 
 def check_contact_order(

@@ -4,16 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 
-from ...models.critical_speeds import Crossing
+from ...models.linear.boundaries import Crossing
 from ...models.stability import growth_rates
-from ..boundaries import Speeds, speeds
 from ..errors import SceneError
-from ..main_motion import MainMotion
-from ..report import Row, text
 from ..scene import Scene
 from ..scene.check import CriticalSpeedsCheck
-from ..time_runs import growth_in_run, needed_revolutions, run_from_rest
-from .measure import Rows
+from ..stability.boundaries import Speeds, speeds
+from ..stability.in_time import growth_in_run, needed_revolutions, run_from_rest
+from ..stability.main_motion import MainMotion
+from .report import Row, text
+from .rows import Rows
 
 SPEED_TOLERANCE = 1e-3  # relative, co-simulated against Floquet
 GROWTH_TOLERANCE = 5e-3  # relative, of a growth rate fitted to a run

@@ -8,16 +8,16 @@ from dataclasses import replace
 import numpy as np
 
 from ...models.criteria import Criterion
-from ...models.dimensionless import Dimensionless
+from ...models.papers.dimensionless import Dimensionless
+from ...models.papers.tables import TABLE_1, TABLE_2, TableRow
 from ...models.stability import growth_rates
-from ...models.tables import TABLE_1, TABLE_2, TableRow
 from ...models.weights import Weights
-from ..boundaries import Speeds, speeds
 from ..errors import SceneError
-from ..report import Row
 from ..scene import Scene
+from ..stability.boundaries import Speeds, speeds
 from .critical_speeds import growth_row, rest_row, speed_rows
-from .measure import Rows
+from .report import Row
+from .rows import Rows
 
 RANGE = (0.9, 13.0)  # n, below the lowest speed of both tables and well beyond the highest
 NARROWEST = 0.02  # n: no band wider than this is missed by Floquet

@@ -5,17 +5,17 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterator
 
-from ...models import capacity as theory
-from ...models.settling import critical_drag, settling_time, slow_root
-from ...models.touching import facing_measure
+from ...models.papers import capacity as theory
+from ...models.papers.settling import critical_drag, settling_time, slow_root
+from ...models.papers.touching import facing_measure
 from ...models.weights import Weights
 from ..design.scenes import sized, weights_of
-from ..design.study import SETTLED, Batch, Settled, run_batch
-from ..parallel import spread
-from ..report import Row
+from ..design.settling import SETTLED, Batch, Settled, run_batch
+from ..output.workers import spread
 from ..scene import Scene
 from ..scene.check import LargestSpreadCheck
-from .measure import Rows
+from .report import Row
+from .rows import Rows
 
 TIMES = 0.05  # of the predicted time: a change of 1e-3 of the capacity is not yet a small one
 SOURCE = "Goncharov 2017 (1), (10), (13)"

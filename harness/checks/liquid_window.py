@@ -13,13 +13,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ...models.window import LiquidWindow
+from ...models.papers.window import LiquidWindow
 from ..errors import SceneError
-from ..multipliers import Revolution
-from ..report import Row
 from ..scene import Scene
 from ..scene.check import LiquidWindowCheck
-from .measure import Rows, crossing
+from ..stability.revolution import Revolution
+from .report import Row
+from .rows import Rows, crossing
 
 BOUNDARY_TOLERANCE = 1e-4  # relative, of w_* and w^*
 GROWTH_TOLERANCE = 1e-3  # relative, of growth rates

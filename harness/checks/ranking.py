@@ -8,17 +8,17 @@ from dataclasses import replace
 
 import numpy as np
 
-from ...models.capacity import fastest_count
-from ..design import Design, design
+from ...models.papers.capacity import fastest_count
+from ..design.choices import Design, design
+from ..design.recommendation import by_measure, by_median, contradicted, order, rivals
 from ..design.scenes import batches
-from ..design.study import run_batch
-from ..design.words import by_measure, by_median, contradicted, order, rivals
-from ..parallel import spread
-from ..report import Row
+from ..design.settling import run_batch
+from ..master.schedule import steps_per_rev
+from ..output.workers import spread
 from ..scene import Scene
 from ..scene.check import RankingCheck
-from ..schedule import steps_per_rev
-from .measure import Rows
+from .report import Row
+from .rows import Rows
 from .slow_root import decay_rows
 
 HALVED = 0.02  # of the settling time

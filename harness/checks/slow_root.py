@@ -5,14 +5,14 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Sequence
 
 from ..design.decay import Decay
+from ..design.recommendation import deviations, excluded
 from ..design.scenes import batches, sized, unbalance_of
-from ..design.study import facing_start, run_batch
-from ..design.words import deviations, excluded
-from ..parallel import spread
-from ..report import Row
+from ..design.settling import facing_start, run_batch
+from ..output.workers import spread
 from ..scene import Scene
 from ..scene.check import SlowRootCheck
-from .measure import Rows
+from .report import Row
+from .rows import Rows
 
 DECAY = 0.05  # of the rate
 SOURCE = "Goncharov 2017 (1)"

@@ -17,11 +17,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from ...models.assembly import Assembly
-from ...models.balanced import CannotBalance
-from ...models.floquet import exponents
-from ...models.linearised import linearise
-from ...models.settling import critical_drag, slow_root
-from ...models.touching import Packed, joint_spread, merged, packed_groups
+from ...models.linear.balanced import CannotBalance
+from ...models.linear.floquet import exponents
+from ...models.linear.linearised import linearise
+from ...models.papers.settling import critical_drag, slow_root
+from ...models.papers.touching import Packed, joint_spread, merged, packed_groups
 from ...models.weights import Weights
 
 WINDOW = (1e-6, 1e-3)  # of the scale: residuals of the linear end of a run

@@ -5,12 +5,12 @@ from __future__ import annotations
 import random
 from collections.abc import Callable, Sequence
 
-from ...models import capacity as theory
-from ...models.settling import critical_drag
+from ...models.papers import capacity as theory
+from ...models.papers.settling import critical_drag
 from ..errors import SceneError
 from ..scene import Scene
 from ..scene.balancer import WeightBalancer
-from .study import Batch, random_start
+from .settling import Batch, random_start
 
 STEEL = 7800.0  # kg/m^3
 BATCH = 10  # starts that share one loading of the units

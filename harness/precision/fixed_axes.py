@@ -16,12 +16,12 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 
 from ..errors import SceneError, SimulationError
-from ..master import CoSimulation
-from ..recorder import Recorder
+from ..master.cosimulation import CoSimulation
+from ..master.fmu import Group, Unit
+from ..master.plan import plan, ports, provide
+from ..master.recorder import Recorder
+from ..master.schedule import milestones, schedule
 from ..scene import Scene
-from ..schedule import milestones, schedule
-from ..unit import Group, Unit
-from ..wiring import plan, ports, provide
 from .runner import Run
 
 AXES = ("x", "y")

@@ -17,10 +17,10 @@ from xml.sax.saxutils import quoteattr
 import numpy as np
 
 from ..errors import SimulationError
-from ..master import CoSimulation
+from ..master.cosimulation import CoSimulation
+from ..master.plan import AXES
+from ..master.schedule import end_time, step_size
 from ..scene import Scene
-from ..schedule import end_time, step_size
-from ..wiring import AXES
 from .runner import Run
 
 NANOSECOND = 1e-9  # s: libcosim counts time in whole ones

@@ -10,10 +10,10 @@ import numpy as np
 
 from ...models.monolith import Monolith, Start, integrate, trajectory
 from ..errors import SimulationError
-from ..master import CoSimulation
-from ..recorder import Recorder
+from ..master.cosimulation import CoSimulation
+from ..master.recorder import Recorder
+from ..master.schedule import end_time
 from ..scene import Scene
-from ..schedule import end_time
 from .fixed_axes import AlongFixedAxes
 from .libcosim import InLibcosim
 from .runner import Array, Run, Runner

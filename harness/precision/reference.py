@@ -8,11 +8,11 @@ from collections.abc import Sequence
 import numpy as np
 
 from ...models.monolith import ReferenceDisagreement, Start, reference
-from ...models.trajectory import Trajectory
+from ...models.reference.trajectory import Trajectory
 from ..errors import SimulationError
+from ..master.names import unit_of_signal
 from ..scene import Scene
 from ..scene.balancer import WeightBalancer
-from ..signal_units import unit_of_signal
 from .runner import Array
 
 RTOL = 3e-14  # a hair above the smallest SciPy accepts

@@ -9,10 +9,10 @@ from importlib.metadata import version
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from ..result import write_whole
-from . import TARGETS, TWO_DECADES, Point, Precision
+from ..master.result import write_whole
+from .measure import TARGETS, TWO_DECADES, Point, Precision
 from .methods import ALONG_FIXED_AXES
-from .split import Split
+from .time_shares import Split
 
 if TYPE_CHECKING:
     from rich.table import Table

@@ -10,7 +10,7 @@ from pydantic import Field, ValidationInfo, field_validator
 from ...models.assembly import Mounted
 from ...models.liquid import Liquid
 from ...models.weights import KAPPA, Weights
-from .types import Flag, NotNegative, Positive, Real, Table, Text, Unit, Whole, same_length
+from .quantities import Flag, NotNegative, Positive, Real, Table, Text, Unit, Whole, same_length
 
 MOST_WEIGHTS = 10_000  # a slip of the keyboard, not a balancer
 

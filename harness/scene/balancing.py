@@ -7,8 +7,8 @@ from typing import Annotated, Literal
 
 from pydantic import Field, field_validator
 
+from .quantities import NotNegative, Positive, Real, Table, Text, Unit, Whole
 from .rotor import FlexibleRotor, PlanarRotor, TwoSupportRotor
-from .types import NotNegative, Positive, Real, Table, Text, Unit, Whole
 
 _GRADE = re.compile(r"^G\s?(\d+(?:\.\d+)?)$")
 

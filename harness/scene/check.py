@@ -6,8 +6,8 @@ from typing import Annotated, Any, Literal
 
 from pydantic import Field, ValidationInfo, field_validator
 
+from .quantities import Positive, Real, Table, Text, Unit, Whole
 from .run import FEWEST_STEPS
-from .types import Positive, Real, Table, Text, Unit, Whole
 
 SpeedRange = Annotated[tuple[Positive, Positive], Unit("rad/s")]
 

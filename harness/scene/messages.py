@@ -9,7 +9,7 @@ from typing import Any, Literal, get_args, get_origin
 
 from pydantic import BaseModel, ValidationError
 
-from .types import unit_of
+from .quantities import unit_of
 
 Location = tuple[str | int, ...]
 

@@ -8,7 +8,7 @@ from typing import Annotated, Literal
 from pydantic import Field, ValidationInfo, field_validator
 
 from ...models.rotor import LinearRotor
-from .types import (
+from .quantities import (
     NotNegative,
     NotNegativePair,
     Positive,

@@ -7,7 +7,7 @@ from typing import Annotated, Literal
 from pydantic import BeforeValidator, Field, ValidationInfo, field_validator
 
 from ...models.assembly import SpeedProfile
-from .types import NotNegative, Positive, Real, Table, Text, Unit, Whole
+from .quantities import NotNegative, Positive, Real, Table, Text, Unit, Whole
 
 DEFAULT_STEPS = 40  # a revolution: 1e-6 on the two-ball scene with cubic signals
 FEWEST_STEPS = 4  # fewer do not resolve one revolution

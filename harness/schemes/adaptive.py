@@ -15,8 +15,8 @@ from __future__ import annotations
 import math
 
 from ..errors import LoopError
-from ..signals import Cubic, End, end_of, extrapolated
-from ..system import System, Track
+from ..master.signals import Cubic, End, end_of, extrapolated
+from ..master.system import System, Track
 from .iterated import Iterated, Trial
 
 LOCAL_SHARE = 0.2  # of the tolerance that one step may err: the errors of many steps add up

@@ -20,9 +20,9 @@ from functools import lru_cache
 
 import numpy as np
 
-from ..loop import QuasiNewton, applied, rescaled
-from ..signals import Cubic, End, end_of, extrapolated, hermite
-from ..system import System, Track
+from ..master.loop import QuasiNewton, applied, rescaled
+from ..master.signals import Cubic, End, end_of, extrapolated, hermite
+from ..master.system import System, Track
 from .explicit import Explicit
 
 _POINTS, _SHARES = np.polynomial.legendre.leggauss(

@@ -13,8 +13,8 @@ from collections.abc import Sequence
 import numpy as np
 
 from ..errors import SimulationError
-from ..signals import End
-from ..system import System
+from ..master.signals import End
+from ..master.system import System
 
 # value and slope at t = 2 of the cubic through values and slopes at t = 0 (BEFORE) and 1 (NOW)
 NOW = np.array([[-4.0, 4.0], [-12.0, 8.0]])

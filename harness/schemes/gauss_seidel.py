@@ -13,8 +13,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from ..signals import end_of, extrapolated, hermite, interpolated
-from ..system import System
+from ..master.signals import end_of, extrapolated, hermite, interpolated
+from ..master.system import System
 from .explicit import Explicit
 
 

@@ -13,9 +13,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..loop import QuasiNewton, Vector, difference, jacobian, loop_gain, pack, size, unpack
-from ..signals import Cubic, End, end_of, extrapolated, hermite, interpolated
-from ..system import System
+from ..master.loop import QuasiNewton, Vector, difference, jacobian, loop_gain, pack, size, unpack
+from ..master.signals import Cubic, End, end_of, extrapolated, hermite, interpolated
+from ..master.system import System
 
 CONVERGED = 1e-10  # residual of the forces relative to the largest force so far
 MAX_PASSES = 30  # quasi-Newton meets CONVERGED in two to six; more means it does not converge

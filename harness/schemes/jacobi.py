@@ -7,8 +7,8 @@ cubic signals below 1/169 = (1/13)^2, since force and acceleration are both extr
 
 from __future__ import annotations
 
-from ..signals import end_of, extrapolated, hermite
-from ..system import System
+from ..master.signals import end_of, extrapolated, hermite
+from ..master.system import System
 from .explicit import Explicit
 
 

@@ -12,10 +12,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...models.monolith import Start, reference
-from ...models.oscillator import forced_motion
+from ...models.reference.oscillator import forced_motion
 from ..errors import SimulationError
-from ..master import cosimulate
-from ..result import Result
+from ..master.cosimulation import cosimulate
+from ..master.result import Result
 from ..scene import Scene, load_scene
 
 UNEVEN = (2, 4, 6, 8, 10, 12, 14)  # powers of ten of the stiffness along y, 1e2 N/m along x

@@ -7,8 +7,8 @@ from functools import partial
 
 import numpy as np
 
-from ...models.oscillator import forced_motion
-from ..master import CoSimulation, cosimulate
+from ...models.reference.oscillator import forced_motion
+from ..master.cosimulation import CoSimulation, cosimulate
 from ..scene import load_scene
 from .case import ROTOR_AND_MOMENT, Case, Outcome, deviation, scene
 

@@ -1,0 +1,1 @@
+"""Balancing in cycles on a virtual machine: Polushkin 2016."""

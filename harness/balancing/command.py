@@ -1,0 +1,200 @@
+"""`autobalancer balance`: a scene's rotor on the virtual balancing machine."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from ..master.run_command import changed_scene
+from ..output.terminal import console, progress_bars, ready_to_write, say
+
+if TYPE_CHECKING:
+    from rich.table import Table
+
+    from .cycles import Balanced, Cycle, Technology
+
+
+def command(
+    scene: Annotated[str, typer.Argument(help="Scene with a table [balancing].")],
+    output: Annotated[
+        Path | None,
+        typer.Option("--output", "-o", metavar="FILE.png", help="Draw the corrections."),
+    ] = None,
+    json_file: Annotated[
+        Path | None, typer.Option("--json", metavar="FILE", help="Also write all as JSON.")
+    ] = None,
+    changes: Annotated[
+        list[str] | None,
+        typer.Option("--set", metavar="KEY=VALUE", help="Replace a value: balancing.noise=1e-7"),
+    ] = None,
+) -> None:
+    """Balance a scene's rotor on a virtual machine; exit code 1 if the grade is not met."""
+    from ..checks.report import write_json
+    from ..master.result import picture_format
+    from .cycles import balance
+
+    ready_to_write(output)
+    ready_to_write(json_file)
+    if output is not None:
+        picture_format(output)
+    loaded = changed_scene(scene, changes)
+    with progress_bars() as bars:
+        task = bars.add_task(f"balancing {loaded.name}", total=1.0)
+        result = balance(loaded, progress=lambda done: bars.update(task, completed=done))
+    _print(result)
+    if output is not None:
+        from .plot import plot_corrections
+
+        say(f"Picture: {plot_corrections(result, output)}")
+    if json_file is not None:
+        write_json(as_json(loaded.name, result), json_file)
+    if not all(t.truly for t in result.technologies):
+        raise typer.Exit(1)
+
+
+def _print(result: Balanced) -> None:
+    from rich.markup import escape
+
+    screen = console()
+    screen.print(escape(result.title), style="bold")
+    shares = ", ".join(f"{share:.4g}" for share in result.at_supports)
+    say(
+        f"{result.grade} permits {result.permissible:.4g} kg m, {shares} kg m at the supports; "
+        f"trial unbalance {result.trial:.4g} kg m; machine at {result.speed:g} rad/s"
+    )
+    screen.print(_coefficients(result))
+    for technology in result.technologies:
+        screen.print(_cycles(result, technology))
+        say(_verdict(technology), style="" if technology.truly else "bold red")
+    say(f"{result.runs} runs of the machine. FMUs loaded: {', '.join(result.units)}")
+
+
+def _coefficients(result: Balanced) -> Table:
+    from rich.markup import escape
+    from rich.table import Table
+
+    table = Table(
+        title="Influence coefficients, amplitude 0-peak per unbalance (20), (22)",
+        title_justify="left",
+    )
+    for column in ("support", "plane"):
+        table.add_column(column)
+    for column in ("measured [1/kg]", "phase", "uncertainty", "equations [1/kg]", "difference"):
+        table.add_column(escape(column), justify="right")
+    for i, row in enumerate(result.measured):
+        for j, value in enumerate(row):
+            exact = result.analytic[i, j]
+            table.add_row(
+                str(i + 1),
+                str(result.planes[j]),
+                f"{abs(value):.6g}",
+                _degrees(value),
+                f"{result.uncertainty[i, j]:.1e}",
+                f"{abs(exact):.6g}",
+                f"{abs(value - exact) / abs(exact):.1e}",
+            )
+    return table
+
+
+def _cycles(result: Balanced, technology: Technology) -> Table:
+    from rich.markup import escape
+    from rich.table import Table
+
+    title = (
+        f"{technology.name.capitalize()} coefficients: amplitude 0-peak at the supports [m], "
+        "unbalance found in the planes [kg m], residual in parts of what is permissible"
+    )
+    table = Table(title=escape(title), title_justify="left")
+    table.add_column("cycle", justify="right")
+    sensors = range(1, len(result.at_supports) + 1)
+    for s in sensors:
+        table.add_column(f"support {s} [m]", justify="right")
+    for plane in result.planes:
+        table.add_column(f"plane {plane} [kg m]", justify="right")
+    for s in sensors:
+        table.add_column(f"residual at {s}", justify="right")
+    table.add_column("actually", justify="right")
+    for number, cycle in enumerate(technology.cycles, start=1):
+        table.add_row(str(number), *_row(result, cycle))
+    return table
+
+
+def _row(result: Balanced, cycle: Cycle) -> list[str]:
+    actual = (cycle.actual_at_supports / result.at_supports).max()
+    return [
+        *(f"{abs(a):.3g} at {_degrees(a)}" for a in cycle.reading.amplitude),
+        *(f"{abs(d):.3g} at {_degrees(d)}" for d in cycle.found),
+        *(
+            f"{part:.1%}"
+            for part in (cycle.at_supports / result.at_supports)
+        ),
+        f"{actual:.1%}",
+    ]  # fmt: skip
+
+
+def _verdict(technology: Technology) -> str:
+    count = len(technology.cycles)
+    if technology.truly:
+        return f"Grade met after {count} cycles, control run included."
+    return f"Not balanced: {technology.note}."
+
+
+def _degrees(value: complex) -> str:
+    from cmath import phase
+    from math import degrees
+
+    return f"{degrees(phase(value)):.1f}°"
+
+
+def as_json(scene: str, result: Balanced) -> dict[str, Any]:
+    """Everything found, complex numbers as [real, imaginary], SI units."""
+    return {
+        "scene": scene,
+        "grade": result.grade,
+        "speed": result.speed,
+        "permissible": result.permissible,
+        "permissible_at_supports": result.at_supports.tolist(),
+        "trial_unbalance": result.trial,
+        "planes": list(result.planes),
+        "runs": result.runs,
+        "coefficients": {
+            "measured": _pairs(result.measured),
+            "uncertainty": result.uncertainty.tolist(),
+            "analytic": _pairs(result.analytic),
+            "difference": result.difference,
+        },
+        "technologies": [
+            {
+                "name": t.name,
+                "cycles": len(t.cycles),
+                "meets": t.meets,
+                "actually_meets": t.truly,
+                "note": t.note,
+                "coefficients": _pairs(t.coefficients),
+                "runs": [_run(c) for c in t.cycles],
+            }
+            for t in result.technologies
+        ],
+    }
+
+
+def _run(cycle: Cycle) -> dict[str, Any]:
+    return {
+        "mounted": _pairs(cycle.mounted),
+        "amplitude": _pairs(cycle.reading.amplitude),
+        "uncertainty": cycle.reading.uncertainty.tolist(),
+        "found": _pairs(cycle.found),
+        "found_at_supports": cycle.at_supports.tolist(),
+        "actual": _pairs(cycle.actual),
+        "actual_at_supports": cycle.actual_at_supports.tolist(),
+    }
+
+
+def _pairs(values: Any) -> Any:
+    """A complex array as nested lists of [real, imaginary]."""
+    from numpy import asarray, stack
+
+    array = asarray(values)
+    return stack([array.real, array.imag], axis=-1).tolist()

@@ -1,0 +1,81 @@
+"""`autobalancer check`: scenes against theory."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from ..output.terminal import (
+    console,
+    directory_to_fill,
+    progress_bars,
+    ready_to_write,
+    say,
+    say_facts,
+)
+
+if TYPE_CHECKING:
+    from ..scene import Scene
+    from .report import Row
+    from .runner import Checked
+
+
+def command(
+    scenes: Annotated[
+        list[str] | None,
+        typer.Argument(metavar="[SCENE]...", help="Scene files or bundled names; default: all."),
+    ] = None,
+    json_file: Annotated[
+        Path | None, typer.Option("--json", metavar="FILE", help="Also write the rows as JSON.")
+    ] = None,
+    report: Annotated[
+        Path | None, typer.Option(metavar="DIR", help="Also write table and pictures there.")
+    ] = None,
+) -> None:
+    """Check scenes against theory; exit code 1 if a row does not hold."""
+    from ..scene import load_scene
+    from .report import as_json, print_rows, verdict, write_json
+    from .runner import check_all, checked_scenes
+
+    ready_to_write(json_file)
+    loaded = [load_scene(name) for name in scenes] if scenes else checked_scenes()
+    if report is not None:
+        directory_to_fill(report)
+    with progress_bars() as bars:
+        tasks = [bars.add_task(f"checking {scene.name}", total=1.0) for scene in loaded]
+        results = check_all(loaded, lambda i, done: bars.update(tasks[i], completed=done))
+    rows = [row for result in results for row in result.rows]
+    for result in results:
+        print_rows(result.rows, console())
+        say_facts(result.units, result.left_out)
+        say("")
+    say(verdict(rows), style="bold")
+    if json_file is not None:
+        write_json(as_json(rows), json_file)
+    if report is not None:
+        _write_report(loaded, results, rows, report)
+    if not all(row.holds for row in rows):
+        raise typer.Exit(1)
+
+
+def _write_report(
+    scenes: list[Scene], results: list[Checked], rows: list[Row], directory: Path
+) -> None:
+    from ..master.result import write_whole
+    from .pictures import draw_pictures
+    from .report import as_json, markdown, write_json
+
+    text = markdown(rows)
+    with progress_bars() as bars:
+        for scene, result in zip(scenes, results, strict=True):
+            task = bars.add_task(f"drawing {scene.name}", total=None)
+            if all(row.quantity != "run" for row in result.rows):
+                for picture in draw_pictures(scene, directory):
+                    text += f"\n![{scene.title}]({picture.name})\n"
+            bars.remove_task(task)
+    with write_whole(directory / "report.md") as stream:
+        stream.write(text)
+    write_json(as_json(rows), directory / "report.json")
+    say(f"Report: {directory / 'report.md'}")

@@ -1,0 +1,154 @@
+"""How many weights, and how large: Goncharov's closed forms beside co-simulated settling times."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from ...models.papers import capacity as theory
+from ...models.papers.settling import critical_drag, settling_time, slow_root
+from ...models.weights import Weights
+from ..output.workers import spread as shared
+from ..scene import Scene
+from .scenes import STEEL, batches, capacity_of, race_of, sized, unbalance_of, weights_of
+from .settling import SETTLED, Settled, median_interval, run_batch
+
+
+@dataclass(frozen=True)
+class Choice:
+    """One number of weights.
+
+    Attributes:
+        scene: with these weights.
+        count, radius, mass, capacity: n, r [m], m [kg], S [kg m].
+        packed, largest: spread p of the packed group, and the largest one (10), (13).
+        measure: function (15) or (16) at this radius.
+        predicted: time in which the slow root (1) falls to `SETTLED` at the largest p [s].
+        enough: the capacity reaches the unbalance; where it does not, nothing is run.
+        median, low, high: co-simulated settling time and its 95 % confidence interval [s]; NaN
+            where nothing was run.
+        runs: every start.
+    """
+
+    scene: Scene
+    count: int
+    radius: float
+    mass: float
+    capacity: float
+    packed: float
+    largest: float
+    measure: float
+    predicted: float
+    enough: bool
+    median: float
+    low: float
+    high: float
+    runs: tuple[Settled, ...]
+
+    @property
+    def settled(self) -> int:
+        """How many starts settled."""
+        return sum(math.isfinite(run.seconds) for run in self.runs)
+
+    @property
+    def reached(self) -> float:
+        """Median of p where the runs ended."""
+        return float(np.median([run.spread for run in self.runs])) if self.runs else math.nan
+
+    @property
+    def predicted_there(self) -> float:
+        """Median of the times that the slow root predicts for the positions reached [s]."""
+        return float(np.median([run.predicted for run in self.runs])) if self.runs else math.nan
+
+
+@dataclass(frozen=True)
+class Design:
+    """All numbers of weights for one rotor and space."""
+
+    title: str
+    kind: str
+    unbalance: float
+    race: float
+    choices: tuple[Choice, ...]
+
+    @property
+    def able(self) -> list[Choice]:
+        """Those with enough capacity."""
+        return [c for c in self.choices if c.enough]
+
+    @property
+    def words(self) -> list[str]:
+        """The recommendation, and what has to be said about the numbers."""
+        from .recommendation import words
+
+        return words(self)
+
+
+def design(
+    scene: Scene,
+    *,
+    unbalance: float | None = None,
+    race: float | None = None,
+    width: float | None = None,
+    density: float = STEEL,
+    counts: Sequence[int] = range(2, 9),
+    starts: int = 200,
+    workers: int = 1,
+    progress: Callable[[float], None] | None = None,
+) -> Design:
+    """Compare numbers of weights on the rotor of a scene.
+
+    Args:
+        unbalance: the largest to be balanced [kg m], by default the scene's.
+        race: radius of the race [m], by default that of the scene's weights.
+        width: of the space along the axis [m]: height of rollers, largest diameter of balls; by
+            default the diameter of the scene's weights.
+        starts: random starts for every number of weights.
+
+    Raises:
+        SceneError: the scene is not a planar isotropic rotor at constant speed with one set of
+            balls or rollers with weight_radius.
+        SimulationError: a run cannot be completed, or the starts are too few.
+    """
+    median_interval([0.0] * starts)  # too few are refused before the work
+    balls = weights_of(scene)
+    amount = unbalance_of(scene) if unbalance is None else unbalance
+    race = race_of(balls) if race is None else race
+    scenes = sized(scene, counts, amount, race, width, density)
+    work = [batch for n in counts for batch in batches(scenes[n], amount, starts)]
+    outcomes = shared(run_batch, work, workers, progress)
+    runs: dict[int, list[Settled]] = {n: [] for n in counts}
+    for batch, outcome in zip(work, outcomes, strict=True):
+        runs[weights_of(batch.scene).count] += outcome
+    choices = tuple(_choice(scenes[n], amount, runs[n]) for n in counts)
+    return Design(scene.title, balls.kind, amount, race, choices)
+
+
+def _choice(scene: Scene, unbalance: float, runs: list[Settled]) -> Choice:
+    balls = weights_of(scene)
+    device = balls.build().device
+    assert isinstance(device, Weights)
+    radius = balls.weight_radius or 0.0
+    alpha = balls.half_angle
+    largest = theory.largest_spread(balls.count, alpha)
+    rotor, speed = scene.assembly().loaded_rotor, scene.profile().speed(0.0)
+    root = slow_root(device, largest, critical_drag(rotor, speed, device.kappa))
+    limit = capacity_of(balls)
+    times = [run.seconds for run in runs]
+    return Choice(
+        scene,
+        balls.count,
+        radius,
+        balls.mass,
+        limit,
+        theory.packed_spread(balls.count, alpha),
+        largest,
+        theory.settling_shape(balls.kind, radius / (balls.track_radius + radius), balls.count),
+        settling_time(root, SETTLED),
+        limit >= unbalance,
+        *(median_interval(times) if runs else (math.nan,) * 3),
+        tuple(runs),
+    )

@@ -1,0 +1,109 @@
+"""`autobalancer design`: how many weights, and how large."""
+
+from __future__ import annotations
+
+import math
+import os
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from ..errors import UserError
+from ..output.terminal import console, progress_bars, ready_to_write, say
+
+if TYPE_CHECKING:
+    from rich.table import Table
+
+    from .choices import Choice, Design
+
+
+def command(
+    scene: Annotated[str, typer.Argument(help="Scene file, or the name of a bundled scene.")],
+    unbalance: Annotated[
+        float | None, typer.Option(min=0.0, help="Largest unbalance, kg m; default: the scene's.")
+    ] = None,
+    race: Annotated[
+        float | None, typer.Option(help="Radius of the race, m; default: the scene's.")
+    ] = None,
+    width: Annotated[
+        float | None,
+        typer.Option(help="Space along the axis, m; default: the diameter of the scene's weights."),
+    ] = None,
+    density: Annotated[float, typer.Option(help="Of the weights, kg/m^3.")] = 7800.0,
+    starts: Annotated[int, typer.Option(min=6, help="Random starts for every number.")] = 200,
+    most: Annotated[int, typer.Option(min=2, max=64, help="Compare 2 to this many.")] = 8,
+    output: Annotated[
+        Path | None,
+        typer.Option("--output", "-o", metavar="FILE.png", help="Picture (png, svg, pdf)."),
+    ] = None,
+) -> None:
+    """Compare numbers of balls or rollers: capacity, spread, predicted and measured settling."""
+    from ..master.result import picture_format
+    from ..scene import load_scene
+    from .choices import design
+
+    ready_to_write(output)
+    if output is not None:
+        picture_format(output)
+    for name, value in (("--race", race), ("--width", width), ("--density", density)):
+        if value is not None and not 0.0 < value < math.inf:
+            raise UserError(f"{name} {value:g}: must be above 0")
+    loaded = load_scene(scene)
+    with progress_bars() as bars:
+        task = bars.add_task(f"designing for {loaded.name}", total=1.0)
+        data = design(
+            loaded,
+            unbalance=unbalance,
+            race=race,
+            width=width,
+            density=density,
+            counts=range(2, most + 1),
+            starts=starts,
+            workers=os.cpu_count() or 1,
+            progress=lambda done: bars.update(task, completed=done),
+        )
+    console().print(table(data, starts))
+    for line in data.words:
+        say(line)
+    say(f"FMUs loaded: RotorOnSupports.fmu, BallBalancer-weights-2 to -{most}.fmu")
+    if output is not None:
+        from .plot import plot_design
+
+        say(f"Picture: {plot_design(data, output)}")
+
+
+def table(data: Design, starts: int) -> Table:
+    """One line for every number of weights."""
+    from rich.table import Table
+
+    title = f"{data.kind} for {data.unbalance:.4g} kg m, race {1e3 * data.race:.4g} mm"
+    shown = Table(title=f"{title}, {starts} random starts each", title_justify="left")
+    names = ("n", "radius mm", "mass kg", "capacity kg m", "p packed", "p largest", "(1-p) m n")
+    times = ("predicted s", "p reached", "predicted there s", "co-simulated s", "95 %", "settled")
+    for name in (*names, *times):
+        shown.add_column(name, justify="right")
+    for c in data.choices:
+        shown.add_row(
+            str(c.count),
+            f"{1e3 * c.radius:.4g}",
+            f"{c.mass:.4g}",
+            f"{c.capacity:.4g}" + ("" if c.enough else " (too little)"),
+            f"{c.packed:.3f}",
+            f"{c.largest:.3f}",
+            f"{c.measure:.4f}",
+            f"{c.predicted:.3g}" if math.isfinite(c.predicted) else "p = 1",
+            *(_measured(c) if c.runs else ("-", "-", "not run", "-", "-")),
+        )
+    return shown
+
+
+def _measured(c: Choice) -> tuple[str, ...]:
+    there = c.predicted_there
+    return (
+        f"{c.reached:.3f}",
+        f"{there:.3g}" if math.isfinite(there) else "p = 1",
+        f"{c.median:.3g}" if math.isfinite(c.median) else "not settled",
+        f"{c.low:.3g} - {c.high:.3g}",
+        f"{c.settled}/{len(c.runs)}",
+    )

@@ -1,0 +1,83 @@
+"""Picture of a design: Goncharov's Fig. 7 with the co-simulated settling times on it."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+
+from matplotlib.figure import Figure
+from matplotlib.ticker import LogLocator, NullLocator
+
+from ..output.plot import save
+from .choices import Design
+
+
+def plot_design(data: Design, path: Path) -> Path:
+    """Functions (15), (16) over n above, predicted and co-simulated settling times below.
+
+    Raises:
+        UserError: the format is unknown, or the file cannot be written.
+    """
+    figure = Figure(figsize=(7.0, 6.4), layout="constrained")
+    above, below = figure.subplots(2, 1, sharex=True)
+    counts = [c.count for c in data.choices]
+    above.plot(counts, [c.measure for c in data.choices], "o-", color="#1f5fa8")
+    above.set_ylabel("(1 - p) m n, dimensionless,\nat the largest p")
+    above.set_title(f"{data.title}\n{data.kind}, race {1e3 * data.race:.4g} mm", fontsize="medium")
+    seen = [c for c in data.choices if math.isfinite(c.predicted)]
+    below.plot(
+        [c.count for c in seen],
+        [c.predicted for c in seen],
+        "s--",
+        color="#1f5fa8",
+        mfc="white",
+        label="slow root at the largest p",
+    )
+    there = [c for c in data.choices if math.isfinite(c.predicted_there)]
+    below.plot(
+        [c.count for c in there],
+        [c.predicted_there for c in there],
+        "d:",
+        color="#2c7a4b",
+        mfc="white",
+        label="slow root where the runs ended: median",
+    )
+    settled = [c for c in data.choices if math.isfinite(c.median)]
+    tops = [c.high if math.isfinite(c.high) else c.median for c in settled]
+    below.errorbar(
+        [c.count for c in settled],
+        [c.median for c in settled],
+        [
+            [c.median - c.low for c in settled],
+            [top - c.median for c, top in zip(settled, tops, strict=True)],
+        ],
+        fmt="o",
+        color="#c03a2b",
+        capsize=4,
+        label="co-simulated: median, 95 % confidence",
+    )
+    late = [c.count for c in data.choices if c.enough and math.isinf(c.median)]
+    if late:
+        below.plot(
+            late,
+            [0.95] * len(late),
+            "^",
+            color="#c03a2b",
+            transform=below.get_xaxis_transform(),
+            label="co-simulated: most starts do not settle",
+        )
+    for c in data.choices:
+        if not c.enough:
+            below.axvspan(c.count - 0.4, c.count + 0.4, color="0.9", zorder=0)
+    below.set_yscale("log")
+    below.yaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 3.0, 5.0, 7.0)))
+    below.yaxis.set_minor_locator(NullLocator())
+    below.yaxis.set_major_formatter("{x:g}")
+    grey = "" if all(c.enough for c in data.choices) else " (grey: too little capacity)"
+    below.set_xlabel(f"number of weights n{grey}")
+    below.set_ylabel("settling time [s]")
+    below.set_xticks(counts)
+    below.legend(fontsize="small")
+    for axes in (above, below):
+        axes.grid(alpha=0.3)
+    return save(figure, path)

@@ -1,0 +1,154 @@
+"""What a design says in words: the recommendation, and what must be known about the numbers."""
+
+from __future__ import annotations
+
+import math
+from collections import Counter
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+if TYPE_CHECKING:
+    from .choices import Choice, Design
+    from .decay import Decay
+
+
+def words(data: Design) -> list[str]:
+    """Lines for people."""
+    if not data.able:
+        best = max(data.choices, key=lambda c: c.capacity)
+        return [
+            f"No number of {data.kind} in this space balances {data.unbalance:.4g} kg m: "
+            f"{best.count} have the most, {best.capacity:.4g} kg m. Take a larger race, a wider "
+            "space or a denser material."
+        ]
+    lines = [*_recommendation(data), *_ranking(data)]
+    short = [str(c.count) for c in data.choices if not c.enough]
+    if short:
+        names = ", ".join(short)
+        lines.append(f"Too little capacity for {data.unbalance:.4g} kg m, not run: n = {names}.")
+    return [*lines, *_decays(data), *_steps(data), *_diameters(data)]
+
+
+def _recommendation(data: Design) -> list[str]:
+    fastest = min(data.able, key=lambda c: c.median)
+    if math.isinf(fastest.median):
+        return ["No recommendation: most starts did not settle within the scene's run."]
+    lines = [
+        f"Take {fastest.count} {data.kind} of radius {1e3 * fastest.radius:.3g} mm: they "
+        f"balance up to {fastest.capacity:.4g} kg m and settle in {fastest.median:.3g} s "
+        f"(median, 95 % confidence {fastest.low:.3g} to {fastest.high:.3g} s)."
+    ]
+    others = [c for c in rivals(data) if c is not fastest]
+    if others:
+        names = ", ".join(str(c.count) for c in others)
+        lines.append(f"The confidence intervals do not tell it apart from {names}.")
+    return lines
+
+
+def by_measure(data: Design) -> list[Choice]:
+    """Numbers with enough capacity, the fastest by Goncharov's measure at the largest p first."""
+    return sorted(data.able, key=lambda c: -c.measure)
+
+
+def by_median(data: Design) -> list[Choice]:
+    """The same, the fastest by the co-simulated medians first."""
+    return sorted(data.able, key=lambda c: c.median)
+
+
+def rivals(data: Design) -> list[Choice]:
+    """The fastest one, first, and those whose confidence interval reaches its own."""
+    timed = by_median(data)
+    return [c for c in timed if c.low <= timed[0].high]
+
+
+def contradictions(data: Design) -> list[tuple[int, int]]:
+    """Numbers (a, b) that Goncharov's measure at the largest p ranks a before b, settling b first.
+
+    Only where the confidence intervals of the two do not touch.
+    """
+    ranked = by_measure(data)
+    return [
+        (a.count, b.count) for i, a in enumerate(ranked) for b in ranked[i + 1 :] if b.high < a.low
+    ]
+
+
+def contradicted(data: Design) -> str:
+    """The same in words; empty where there is nothing to say."""
+    return "; ".join(f"{b} before {a}" for a, b in contradictions(data))
+
+
+def order(choices: list[Choice]) -> str:
+    """Their numbers of weights in a row."""
+    return " ".join(str(c.count) for c in choices)
+
+
+def _ranking(data: Design) -> list[str]:
+    if all(math.isinf(c.median) for c in data.able):
+        return []
+    told = contradicted(data)
+    return [
+        f"Fastest first: {order(by_measure(data))} by Goncharov's measure at the largest p, "
+        f"{order(by_median(data))} by the medians. "
+        + (
+            f"Confidence intervals that do not touch contradict the measure: {told}."
+            if told
+            else "No confidence intervals contradict the measure."
+        )
+    ]
+
+
+def _decays(data: Design) -> list[str]:
+    found = [run.decay for c in data.able for run in c.runs]
+    chosen = [one for one in found if one.dominant]
+    told = excluded(found)
+    line = f"Slow root dominant at the end of {len(chosen)} of {len(found)} runs"
+    if told:
+        line += f" (not compared: {told})"
+    parts = [
+        f"{name} {middle:.2%} (median), {worst:.2%} (worst)"
+        for name, (middle, worst) in (deviations(chosen) if chosen else {}).items()
+    ]
+    return [f"{line}: {'; '.join(parts)}." if parts else f"{line}."]
+
+
+def excluded(decays: Sequence[Decay]) -> str:
+    """Why slow roots were not compared, the most frequent reason first."""
+    reasons = Counter(one.excluded for one in decays if not one.dominant)
+    return ", ".join(f"{count} {why}" for why, count in reasons.most_common())
+
+
+def deviations(decays: Sequence[Decay]) -> dict[str, tuple[float, float]]:
+    """Median and largest of |a/b - 1| for pairs of fitted rate, exact eigenvalue and slow root."""
+    pairs = {
+        "fitted rate off the exact eigenvalue": [d.fitted / d.exact for d in decays],
+        "fitted rate off the slow root (1)": [d.fitted / d.root for d in decays],
+        "exact eigenvalue off the slow root (1)": [d.exact / d.root for d in decays],
+    }
+    found = {}
+    for name, ratios in pairs.items():
+        off = np.abs(np.array(ratios) - 1.0)
+        found[name] = float(np.median(off)), float(off.max())
+    return found
+
+
+def _steps(data: Design) -> list[str]:
+    runs = [run for c in data.able for run in c.runs]
+    left = sum(run.unconverged for run in runs)
+    if not left:
+        return []
+    return [
+        f"{left} of {sum(run.steps for run in runs)} communication steps, at contacts that "
+        "open or close, left a residual above 1e-3 of the force."
+    ]
+
+
+def _diameters(data: Design) -> list[str]:
+    return [
+        f"n = {c.count}: at p = 1 the weights stand on one diameter and have a direction "
+        "in which nothing drives them (slow root 0)"
+        + (": with no unbalance they end there." if not data.unbalance else ".")
+        for c in data.choices
+        if math.isinf(c.predicted)
+    ]

@@ -1,0 +1,165 @@
+"""Settling of weights from random starts, co-simulated: times, final spreads and decay rates."""
+
+from __future__ import annotations
+
+import math
+import random
+from dataclasses import dataclass
+
+import numpy as np
+
+from ...models.papers.settling import settling_time
+from ...models.weights import spread
+from ..errors import SimulationError
+from ..master.cosimulation import CoSimulation
+from ..master.schedule import schedule, steps_per_rev
+from ..scene import Scene
+from ..scene.balancer import WeightBalancer
+from .decay import WINDOW, Decay, below, decay
+
+SETTLED = 0.01  # of the scale: residual unbalance that counts as balanced
+READINGS = 8  # about, in a revolution
+
+
+@dataclass(frozen=True)
+class Batch:
+    """Starts of one design, run one after the other with the same loaded units.
+
+    Attributes:
+        starts: angles of all weights [rad], one list a start.
+        scale: residual unbalance 1 [kg m].
+    """
+
+    scene: Scene
+    starts: tuple[tuple[float, ...], ...]
+    scale: float
+
+
+@dataclass(frozen=True)
+class Settled:
+    """One run.
+
+    Attributes:
+        seconds: until the residual stays below `SETTLED`; infinite where it did not.
+        spread: p at the end.
+        decay: the linear end of the run against the slow root.
+        unconverged, steps: communication steps whose loop left more than 1e-3 of the force; of all.
+    """
+
+    seconds: float
+    spread: float
+    decay: Decay
+    unconverged: int = 0
+    steps: int = 0
+
+    @property
+    def predicted(self) -> float:
+        """Time in which the slow root of the position reached falls to `SETTLED` [s]."""
+        return settling_time(self.decay.root, SETTLED)
+
+
+def random_start(count: int, alpha: float, rng: random.Random) -> tuple[float, ...]:
+    """Angles of weights that do not overlap, uniform among all such positions [rad].
+
+    Args:
+        alpha: half the angle between neighbours that touch.
+    """
+    free = math.tau - 2.0 * count * alpha
+    cuts = sorted(rng.uniform(0.0, free) for _ in range(count - 1))
+    begin = rng.uniform(0.0, math.tau)
+    return tuple(begin + cut + 2.0 * alpha * k for k, cut in enumerate([0.0, *cuts]))
+
+
+def facing_start(count: int, alpha: float, rng: random.Random) -> tuple[float, ...]:
+    """Angles of two groups that face each other, from packed to evenly spread: p large [rad].
+
+    Args:
+        alpha: half the angle between neighbours that touch.
+    """
+    middle = rng.uniform(0.0, math.tau)
+    room = math.tau / count - 2.0 * alpha
+    angles: list[float] = []
+    for size, side in ((count - count // 2, 0.0), (count // 2, math.pi)):
+        gaps = [2.0 * alpha + rng.uniform(0.0, 0.5 * room) for _ in range(size - 1)]
+        place = middle + side - 0.5 * sum(gaps)
+        for gap in [0.0, *gaps]:
+            place += gap
+            angles.append(place)
+    return tuple(angles)
+
+
+def run_batch(batch: Batch) -> list[Settled]:
+    """Every start of a batch."""
+    balls = batch.scene.balancer[0]
+    assert isinstance(balls, WeightBalancer)
+    with CoSimulation(batch.scene) as units:
+        return [_run(units, batch, balls, start) for start in batch.starts]
+
+
+def _run(
+    units: CoSimulation, batch: Batch, balls: WeightBalancer, start: tuple[float, ...]
+) -> Settled:
+    angles = {f"weight[{k}].angle0": angle for k, angle in enumerate(start, start=1)}
+    units.start({balls.label: angles})
+    times, residuals, places = _readings(units, batch, balls)
+    assembly, speed = batch.scene.assembly(), batch.scene.profile().speed(0.0)
+    return Settled(
+        settled_at(times, residuals),
+        spread(places[-1]),
+        decay(assembly, speed, balls.half_angle, times, residuals, places),
+        units.unconverged,
+        units.steps,
+    )
+
+
+def _readings(
+    units: CoSimulation, batch: Batch, balls: WeightBalancer
+) -> tuple[np.ndarray, np.ndarray, list[list[float]]]:
+    """Times [s], residuals over the scale, and angles of all weights until the run has settled."""
+    unbalance = complex(batch.scene.assembly().rotor.unbalance[0])
+    unit = units.units[balls.label]
+    wanted = [f"weight[{k}].angle" for k in range(1, balls.count + 1)]
+    group = unit.group(["moment_xi", "moment_eta", *wanted])
+    times, residuals, places = [], [], []
+    every = max(1, round(steps_per_rev(batch.scene) / READINGS))
+    turn = math.tau / batch.scene.profile().speed(0.0)
+    low_since = math.inf
+    ((step, count),) = schedule(batch.scene)
+    for number in range(1, count + 1):
+        units.step(step)
+        units.time = number * step
+        if number % every and number < count:
+            continue
+        xi, eta, *angles = unit.get(group)
+        times.append(units.time)
+        residuals.append(abs(unbalance + complex(xi, eta)) / batch.scale)
+        places.append(angles)
+        low_since = min(low_since, units.time) if residuals[-1] <= WINDOW[0] else math.inf
+        if units.time - low_since > turn:  # far below SETTLED for a whole revolution
+            break
+    return np.array(times), np.array(residuals), places
+
+
+def settled_at(times: np.ndarray, residuals: np.ndarray) -> float:
+    """Time after which all residuals are below `SETTLED`; infinite if the last one is not [s]."""
+    begin = below(residuals, SETTLED)
+    return math.inf if begin >= len(times) else float(times[begin])
+
+
+def median_interval(values: list[float]) -> tuple[float, float, float]:
+    """Median and its 95 % confidence interval from order statistics, whatever the distribution.
+
+    Infinite values count as later than all others.
+
+    Raises:
+        SimulationError: there are too few values for an interval, 6 are needed.
+    """
+    from scipy.stats import binom
+
+    n = len(values)
+    rank = int(binom.ppf(0.025, n, 0.5))
+    if rank < 1 or n < 6:
+        raise SimulationError(f"{n} starts are too few for a confidence interval: 6 are needed")
+    order = sorted(values)
+    middle = 0.5 * (order[(n - 1) // 2] + order[n // 2])
+    return middle, order[rank - 1], order[n - rank]

@@ -1,0 +1,13 @@
+"""A scene's FMUs, coupled and stepped."""
+
+from typing import TYPE_CHECKING
+
+from .. import lazy_names
+
+if TYPE_CHECKING:
+    from .cosimulation import CoSimulation, cosimulate
+
+__all__ = ["CoSimulation", "cosimulate"]
+__getattr__, __dir__ = lazy_names(
+    __name__, {"CoSimulation": ".cosimulation", "cosimulate": ".cosimulation"}
+)

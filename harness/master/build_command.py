@@ -1,0 +1,63 @@
+"""`autobalancer build`: the units as FMU files."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+
+from ..errors import UserError
+from ..output.terminal import console, directory_to_fill, progress_bars, say
+
+UNITS = ("RotorOnSupports", "LiquidBalancer", "BallBalancer")
+
+
+def command(
+    scene: Annotated[
+        str | None,
+        typer.Argument(metavar="[SCENE]", help="Build exactly the units that this scene needs."),
+    ] = None,
+    output: Annotated[
+        Path, typer.Option("--output", "-o", metavar="DIR", help="Where the FMUs go.")
+    ] = Path(),
+) -> None:
+    """Build the three units as FMUs, or exactly those that a scene needs."""
+    from rich.table import Table
+
+    wanted, left_out = _wanted(scene)
+    directory_to_fill(output)
+    table = Table(title="Units built", title_justify="left")
+    for column in ("file", "unit", "options", "kB"):
+        table.add_column(column, justify="right" if column == "kB" else "left", overflow="fold")
+    with progress_bars() as bars:
+        for name, (unit, options) in bars.track(wanted.items(), description="building"):
+            path = _build(unit, output / name, options)
+            shown = ", ".join(f"{key} = {value}" for key, value in options.items()) or "-"
+            table.add_row(str(path), unit, shown, f"{path.stat().st_size / 1000:.0f}")
+    console().print(table)
+    say(f"Left out: {', '.join(left_out) or 'nothing'}")
+
+
+def _wanted(scene: str | None) -> tuple[dict[str, tuple[str, dict[str, Any]]], list[str]]:
+    """File name -> unit and options; and the units that the scene does without."""
+    if scene is None:
+        return {f"{unit}.fmu": (unit, {}) for unit in UNITS}, []
+    from ..scene import load_scene
+    from .plan import file_name, plan
+
+    plans = plan(load_scene(scene))
+    wanted = {file_name(unit): (unit.model, dict(unit.options)) for unit in plans}
+    used = {unit.model for unit in plans}
+    return wanted, [f"{unit} (none in the scene)" for unit in UNITS if unit not in used]
+
+
+def _build(unit: str, path: Path, options: dict[str, Any]) -> Path:
+    from ...fmus.build import build
+
+    try:
+        return Path(build(unit, path, **options))
+    except OSError as error:
+        raise UserError(f"{path}: cannot be written: {error.strerror or error}") from error
+    except ValueError as error:
+        raise UserError(f"{path}: {error}") from error

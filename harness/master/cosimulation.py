@@ -1,0 +1,288 @@
+"""The co-simulation master: rotor first, then the balancers, on cubic signals with rollback.
+
+Data flow of a step: predicted forces -> rotor -> accelerations -> balancers -> forces; the scheme
+decides whether they are compared with the prediction and the step is taken again.
+"""
+
+from __future__ import annotations
+
+import atexit
+import shutil
+import tempfile
+import time as clock
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from contextlib import ExitStack
+from functools import cache
+from pathlib import Path
+
+import numpy as np
+
+from ..errors import LoopError, SimulationError
+from ..scene import Scene, load_scene
+from ..scene.balancer import LiquidBalancer
+from ..schemes.adaptive import Adaptive
+from ..schemes.explicit import Explicit
+from ..schemes.iterated import Iterated
+from ..schemes.protocol import Scheme, refuse_loose_tolerance, scheme_for
+from ..schemes.startup import parts
+from .contact_hint import contact_hint
+from .fmu import Unit
+from .loop import consistent_start, loop_gain, rotor_response, value_eigenvalues
+from .plan import plan, ports, provide, refuse_other_build
+from .recorder import Recorder, recorded
+from .resolution import Resolution
+from .result import Result
+from .schedule import end_time, milestones, schedule, step_size
+from .system import System
+
+LOOSE = 1e-3  # a fixed number of passes that leaves more of the force than this is reported
+KINK = 1e-6  # of a step: what it errs is below 1e-7, and rounding does not yet spoil the slopes
+SLIVER = 1e-12  # of a time: rounding, not a step
+FEWEST_STEPS_PER_REV = 8  # with a tolerance: fewer would not show a revolution in a record
+Progress = Callable[[float], None]
+
+
+@cache
+def _built_units() -> Path:
+    """Directory of the FMUs built by this process, removed when it ends."""
+    directory = Path(tempfile.mkdtemp(prefix="autobalancer-units-"))
+    atexit.register(shutil.rmtree, directory, ignore_errors=True)
+    return directory
+
+
+class CoSimulation:
+    """The units of a scene, loaded and connected; restarted and stepped as often as wanted.
+
+    Args:
+        scene: what to simulate.
+        fmus: directory of ready-made FMUs; by default exactly those needed are built.
+        watch: also step balancers that exchange no force (their clearance is wanted).
+
+    Raises:
+        UnitError: an FMU is missing, corrupt, or of a different build.
+        SceneError: a tolerance is asked of a scheme or an order that cannot keep it.
+    """
+
+    def __init__(self, scene: Scene, *, fmus: Path | None = None, watch: bool = True) -> None:
+        refuse_loose_tolerance(scene)
+        self.scene, self.profile = scene, scene.profile()
+        self.plans = plan(scene)
+        self.paths = provide(self.plans, _built_units(), fmus)
+        coupling = scene.coupling
+        coupled = [not isinstance(b, LiquidBalancer) or b.inertia_as_force for b in scene.balancer]
+        with ExitStack() as stack:
+            units = [
+                stack.enter_context(Unit(path, unit.name))
+                for path, unit in zip(self.paths, self.plans, strict=True)
+            ]
+            for unit, unit_plan in zip(units, self.plans, strict=True):
+                refuse_other_build(unit, unit_plan)
+            self.system = System(units, self.plans, ports(scene), coupled, coupling.order, watch)
+            self._stack = stack.pop_all()
+        self.units = {unit.name: unit for unit in units}
+        self.gain = self.amplification = 0.0
+        self.time = 0.0
+        self.steps = self.unconverged = 0
+        self.worst_residual = 0.0
+
+    def start(
+        self,
+        changes: Mapping[str, Mapping[str, float | bool]] | None = None,
+        step: float | None = None,
+    ) -> None:
+        """Restart all units from the scene's start values, `changes` by unit name on top.
+
+        `step` is the communication step to come [s], by default the scene's.
+
+        Raises:
+            SimulationError: a unit refuses its parameters, or no consistent start exists.
+        """
+        changes = changes or {}
+        system = self.system
+        system.restart(changes)
+        self.time = 0.0
+        self.steps = self.unconverged = 0
+        self.worst_residual = 0.0
+        self.acceleration = self.profile.acceleration(0.0)
+        step = step or step_size(self.scene)
+        self.scheme = self._prepare(step)
+        for unit in self.units.values():
+            unit.start()
+        self.allowed_residual = LOOSE
+        if isinstance(self.scheme, Iterated) and self.scheme.corrections is None:
+            self.allowed_residual = self.scheme.tolerance
+        fixed = self.system.order == 3 and not isinstance(self.scheme, Adaptive)
+        # an exchange that is unstable at any step is no matter of resolution
+        judged = fixed and self.amplification <= 1.0 and self.system.connections
+        explicit = isinstance(self.scheme, Explicit)
+        self.resolution = Resolution(self.scene, system, explicit) if judged else None
+
+    def _prepare(self, step: float) -> Scheme:
+        """Bring the units to a consistent start, and make the scheme for this loop."""
+        system, response = self.system, np.zeros((0, 0))
+        if self.scene.coupling.scheme == "compensated":
+            response = rotor_response(system, step)
+        jacobian = consistent_start(system, step)
+        self.gain = loop_gain(jacobian)
+        scheme = scheme_for(self.scene, system, jacobian, response, step, self.gain)
+        self.amplification = 0.0
+        if isinstance(scheme, Explicit):
+            loop = value_eigenvalues(jacobian)
+            self.amplification = scheme.amplification(loop, system.order)
+        return scheme
+
+    def step(self, step: float, longest: float | None = None) -> float:
+        """One communication step of length `step` [s]; returns its length.
+
+        With a tolerance the step is chosen: at most `longest` and never beyond `step`.
+
+        Raises:
+            SimulationError: a unit failed, a signal is not finite, or the loop did not converge.
+        """
+        try:
+            if not self.system.fresh or isinstance(self.scheme, Adaptive):
+                return self._step(step, longest)
+            divided = parts(self.system, step, self.scheme.first_halvings)
+            for part in divided:
+                self._step(part, longest)
+            if len(divided) > 1 and isinstance(self.scheme, Iterated):
+                self.scheme.measure(self.system, self.time, step)
+            return step
+        except SimulationError as error:
+            if not self.system.connections:
+                raise
+            hint = contact_hint(self.scene) if isinstance(error, LoopError) else ""
+            raise SimulationError(f"{error}; loop gain {self.gain:.3g}{hint}") from error
+
+    def _step(self, step: float, longest: float | None) -> float:
+        if self.acceleration:
+            acceleration = self.profile.acceleration(self.time)
+            self.system.drive(self.profile.speed(self.time), acceleration)
+            jumps = acceleration != self.acceleration
+            self.acceleration = acceleration
+            if jumps:
+                self._cross_kink(step)
+                step -= KINK * step
+                if self.scheme.first_halvings:
+                    for part in parts(self.system, step, self.scheme.first_halvings):
+                        self._take(part, longest)
+                    return step
+        return self._take(step, longest)
+
+    def _take(self, step: float, longest: float | None) -> float:
+        if isinstance(self.scheme, Adaptive):
+            step, residual = self.scheme.advance(self.system, self.time, longest or step, step)
+        else:
+            residual = self.scheme.step(self.system, self.time, step)
+            if self.resolution:
+                self.resolution.check(self.time, step)
+        if residual > self.worst_residual:
+            self.worst_residual = residual
+        if residual > self.allowed_residual:
+            self._unconverged(residual)
+        self.system.follow(self.time, step)
+        self.time += step
+        self.steps += 1
+        return step
+
+    def _cross_kink(self, step: float) -> None:
+        """Bring the signals over a jump of the rotor's acceleration.
+
+        The units' outputs are still those before the jump, and FMI 2.0 lets nobody read new ones
+        without a step: so a negligible part of the coming step is taken on its own.
+        """
+        self.scheme.converge(self.system, self.time, KINK * step)
+        self.time += KINK * step
+        self.system.forget()
+
+    def run(self) -> Iterator[float]:
+        """Step through the scene's run; yields the finished fraction after every step.
+
+        Raises:
+            SimulationError: as `step`, or the scheme is unstable at the scene's loop gain.
+        """
+        if self.amplification > 1.0:
+            raise SimulationError(
+                f"{self.scheme.name} coupling of order {self.system.order} is unstable from "
+                f"t = 0 s, at any step: every step repeats an error of {self._forces()} "
+                f"{self.amplification:.3g}-fold; loop gain {self.gain:.3g}; use scheme = "
+                '"iterated" or "auto"'
+            )
+        end = end_time(self.scene)
+        for (step, count), bound in zip(schedule(self.scene), milestones(self.scene), strict=True):
+            start = self.time
+            if isinstance(self.scheme, Adaptive):
+                longest = step_size(self.scene, FEWEST_STEPS_PER_REV)
+                while bound - self.time > SLIVER * bound:
+                    self.step(bound - self.time, longest)
+                    yield self.time / end
+            else:
+                for number in range(1, count + 1):
+                    self.step(step)
+                    # a product instead of a sum: rounding must not move the communication points
+                    self.time = start + number * step
+                    yield self.time / end
+            self.time = bound
+
+    def _unconverged(self, residual: float) -> None:
+        self.unconverged += 1
+        if residual >= 1.0 or self.scheme.corrections is None:
+            raise LoopError(
+                f"the loop did not converge at t = {self.time:g} s: {self._forces()} still changes "
+                f"by {residual:.2g} of the largest force; use smaller steps or more corrections"
+            )
+
+    def _forces(self) -> str:
+        return ", ".join(f"{c.unit.name}.F" for c in self.system.connections)
+
+    def read(self, name: str, variables: Iterable[str]) -> list[float]:
+        """Present values of variables of one unit."""
+        unit = self.units[name]
+        return unit.get(unit.group(list(variables)))
+
+    def close(self) -> None:
+        """Free all instances."""
+        self._stack.close()
+
+    def __enter__(self) -> CoSimulation:
+        return self
+
+    def __exit__(self, *_exception: object) -> None:
+        self.close()
+
+
+def cosimulate(
+    scene: Scene | str | Path,
+    *,
+    record: Iterable[str] | None = None,
+    fmus: Path | None = None,
+    progress: Progress | None = None,
+) -> Result:
+    """Run a scene and return what it recorded.
+
+    Args:
+        scene: a scene, the path of a scene file, or the name of a bundled scene.
+        record: signals such as `rotor.x`; by default the scene's, an empty list records nothing.
+        fmus: directory of ready-made FMUs instead of building them.
+        progress: called with the finished fraction now and then.
+
+    Raises:
+        UserError: the scene or an FMU is wrong.
+        SimulationError: the run cannot be completed correctly.
+    """
+    if not isinstance(scene, Scene):
+        scene = load_scene(scene)
+    names = list(recorded(scene) if record is None else record)
+    with CoSimulation(scene, fmus=fmus) as cosim:
+        recorder = Recorder(cosim.units, names)
+        begun = clock.perf_counter()
+        cosim.start()
+        recorder.take(0.0)
+        for count, part in enumerate(cosim.run(), start=1):
+            recorder.take(cosim.time)
+            if progress and count % 256 == 0:
+                progress(part)
+        seconds = clock.perf_counter() - begun
+        if progress:
+            progress(1.0)
+        return recorder.result(cosim, seconds)

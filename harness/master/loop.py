@@ -1,0 +1,200 @@
+"""The algebraic loop force <-> acceleration: consistent start values, loop gain, quasi-Newton.
+
+A map G takes forces (value and slope of each connection) to the forces that the balancers answer
+with; a consistent start and every implicit step solve u = G(u).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+
+import numpy as np
+
+from ..errors import SimulationError
+from .signals import End
+from .system import System
+
+Vector = list[complex]  # of each connection the force and its slope times the step, one unit
+
+_START_TOLERANCE = 1e-12  # of the largest force: start values are as exact as the units
+_ROUNDING = 1e-13  # of the largest force, times the gain: what the loop makes of rounding
+_SINGULAR = 1e-12  # |1 - eigenvalue| below which a loop counts as one of gain 1
+_START_ITERATIONS = 20  # the map is affine in values and in slopes; Newton needs two or three
+
+
+def pack(ends: Sequence[End], step: float) -> Vector:
+    """Forces and slopes as one vector."""
+    vector: Vector = []
+    for value, slope in ends:
+        vector += (value, step * slope)
+    return vector
+
+
+def unpack(vector: Sequence[complex], step: float) -> list[End]:
+    """Inverse of `pack`."""
+    return [(vector[i], vector[i + 1] / step) for i in range(0, len(vector), 2)]
+
+
+def size(vector: Sequence[complex]) -> float:
+    """Largest modulus."""
+    return max(map(abs, vector), default=0.0)
+
+
+def difference(a: Sequence[complex], b: Sequence[complex]) -> Vector:
+    """a - b."""
+    return [x - y for x, y in zip(a, b, strict=True)]
+
+
+def jacobian(g: Callable[[Vector], Vector], u: Vector, g_u: Vector, change: float) -> np.ndarray:
+    """dG/du by one-sided differences of size `change`; exact for the affine maps met here.
+
+    Real and imaginary parts alternate in rows and columns.
+    """
+    columns = []
+    for i in range(len(u)):
+        for moved_by in (change, 1j * change):
+            moved = list(u)
+            moved[i] += moved_by
+            columns.append(_components(difference(g(moved), g_u)))
+    return np.array(columns).T / change
+
+
+class QuasiNewton:
+    """Solves u = G(u) with a kept inverse of 1 - dG/du, improved by Broyden's good update.
+
+    Converges unless the loop has an eigenvalue 1, where fixed-point iteration needs a gain below 1.
+
+    Args:
+        jacobian: dG/du in the units of `pack` with `step` [s].
+
+    Raises:
+        SimulationError: an eigenvalue is 1, so that u = G(u) has no unique solution.
+    """
+
+    def __init__(self, jacobian: np.ndarray, step: float) -> None:
+        self.step = step
+        if any(abs(1.0 - j) < _SINGULAR for j in value_eigenvalues(jacobian)):
+            raise SimulationError(
+                "the loop between force and acceleration has gain 1: every force answers itself, "
+                "and there is no unique solution"
+            )
+        self.inverse = np.linalg.inv(np.eye(len(jacobian)) - jacobian)
+
+    def rescale(self, step: float) -> None:
+        """Adapt to another step [s]: slopes enter as slope times step."""
+        ratio = step / self.step
+        if ratio != 1.0:
+            self.inverse, self.step = rescaled(self.inverse, ratio), step
+
+    def correction(self, residual: Sequence[complex]) -> Vector:
+        """The step du that would make the residual G(u) - u vanish."""
+        return applied(self.inverse, residual)
+
+    def learn(self, du: Sequence[complex], old: Sequence[complex], new: Sequence[complex]) -> None:
+        """Use how the residual really changed over a step du (Broyden 1965, Sherman-Morrison)."""
+        moved = _components(du)
+        predicted = self.inverse @ _components(difference(old, new))
+        weight = moved @ predicted
+        if weight != 0.0:
+            self.inverse = self.inverse + np.outer(
+                (moved - predicted) / weight, moved @ self.inverse
+            )
+
+
+def applied(matrix: np.ndarray, vector: Sequence[complex]) -> Vector:
+    """A real matrix times a vector as `pack` makes them."""
+    return matrix.dot(_components(vector)).view(complex).tolist()
+
+
+def rescaled(matrix: np.ndarray, ratio: float) -> np.ndarray:
+    """A matrix between vectors as `pack` makes them, for steps `ratio` times as long."""
+    rows, columns = (np.tile([1.0, 1.0, ratio, ratio], n // 4) for n in matrix.shape)
+    return rows[:, None] * matrix / columns
+
+
+def _components(vector: Sequence[complex]) -> np.ndarray:
+    """Real and imaginary parts, alternating."""
+    return np.array(vector, complex).view(float)
+
+
+def rotor_response(system: System, step: float) -> np.ndarray:
+    """d(acceleration)/d(force) of a rotor in initialisation mode, (4 p, 4 c) for p planes.
+
+    Leaves the rotor without forces.
+    """
+    if not system.connections:
+        return np.zeros((0, 0))
+
+    def respond(u: Vector) -> Vector:
+        system.set_forces([(value, slope, 0j, 0j) for value, slope in unpack(u, step)])
+        return pack(system.read_accelerations(), step)
+
+    nothing = [0j] * (2 * len(system.connections))
+    found = jacobian(respond, nothing, respond(nothing), 1.0)
+    respond(nothing)
+    return found
+
+
+def consistent_start(system: System, step: float) -> np.ndarray:
+    """Bring forces and accelerations of units in initialisation mode into agreement.
+
+    Returns:
+        dG/du at the start, (4 c, 4 c) for c connections; its spectral radius is the loop gain.
+
+    Raises:
+        SimulationError: the iteration did not converge, or the loop has gain 1.
+    """
+    if not system.connections:
+        return np.zeros((0, 0))
+
+    def respond(u: Vector) -> Vector:
+        ends = unpack(u, step)
+        system.set_forces([(value, slope, 0j, 0j) for value, slope in ends])
+        for track, end in zip(system.accelerations, system.read_accelerations(), strict=True):
+            track.now = end
+        forces = []
+        for connection in system.connections:
+            value, slope = system.accelerations[connection.plane].now
+            system.set_acceleration(connection, (value, slope, 0j, 0j))
+            forces.append(system.read_force(connection))
+        return pack(forces, step)
+
+    u = [0j] * (2 * len(system.connections))
+    g_u = respond(u)
+    change = size(g_u) or 1.0
+    slope_of_g = jacobian(respond, u, g_u, change)
+    if not np.isfinite(slope_of_g).all():
+        raise SimulationError("start values: the forces of the balancers are not finite at t = 0 s")
+    newton = QuasiNewton(slope_of_g, step)
+    residual = difference(g_u, u)
+    tolerance = max(_START_TOLERANCE, _ROUNDING * loop_gain(slope_of_g))
+    for _ in range(_START_ITERATIONS):
+        u = [a + b for a, b in zip(u, newton.correction(residual), strict=True)]
+        g_u = respond(u)
+        residual = difference(g_u, u)
+        if size(residual) <= tolerance * max(size(u), size(g_u)):
+            break
+    else:
+        raise SimulationError(
+            f"consistent start values were not found in {_START_ITERATIONS} iterations: forces "
+            f"still change by {size(residual):.3g} N of {size(u):.3g} N; loop gain "
+            f"{loop_gain(slope_of_g):.3g}"
+        )
+    for connection, end in zip(system.connections, unpack(g_u, step), strict=True):
+        connection.force.now = end
+    system.forget()
+    return slope_of_g
+
+
+def value_eigenvalues(jacobian: np.ndarray) -> list[complex]:
+    """Eigenvalues of the loop of values, 2 c of them; slopes answer slopes with the same ones.
+
+    As double eigenvalues of the whole they would have half the digits.
+    """
+    values = np.tile([True, True, False, False], len(jacobian) // 4)
+    return np.linalg.eigvals(jacobian[np.ix_(values, values)]).tolist()
+
+
+def loop_gain(jacobian: np.ndarray) -> float:
+    """Spectral radius of the coupling loop; explicit schemes need it below 1."""
+    return max(map(abs, value_eigenvalues(jacobian)), default=0.0)

@@ -1,0 +1,184 @@
+"""Signals that vary faster than the communication steps: said loudly instead of computed wrongly.
+
+With steps given by the scene nothing else would notice: the loop converges, and the cubics between
+the communication points miss what happens there.  The cubic of the step before, taken on to the end
+of this one, misses a signal 120 times as far as this step's cubic errs on average
+(`schemes.adaptive` has the estimate), and 4 times as far as it errs itself on average, which is
+what an explicit scheme steps on.  What such errors do to the motion is estimated here:
+
+- a force wrong by dF for a time h pushes the rotor by dF h, which within 1/w moves it by
+  dF h/(M w), to be compared with how far it moves at all;
+- an acceleration wrong by da turns a weight by da h/(kappa R w), drag permitting, to be compared
+  with 1 rad.
+
+Errors are added without their signs, since a weight that turns with a signal makes a steady push
+of it, and forgotten over a revolution.  The larger of the two sums is the estimated error.  A
+signal that is not resolved at all makes estimates meaningless: such steps are counted.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from ...models.weights import Weights
+from ..errors import SimulationError
+from ..scene import Scene
+from .system import System, Track
+
+SAID = 0.01  # of the motion: estimated error from which the run says so; a picture would show it
+REFUSED = 0.3  # of the motion: within the estimate's factor of three, all of it
+UNRESOLVED = 0.05  # of a signal's largest value: error of a cubic that no longer follows it
+PERSISTENT = 20  # such steps in all: a transient that dies sooner is left to the estimate
+NOISE = 1e-9  # of what all weights together can pull: below it a signal is cancellation
+_PART = 120.0  # the prediction's miss over the error of the step's own cubic, steps being equal
+_PART_EXPLICIT = 4.0  # the same where the prediction itself is stepped on: its mean error
+LOST = UNRESOLVED * _PART
+_TURN = 2.0 * math.pi
+
+
+@dataclass(slots=True)
+class _Plane:
+    """What the acceleration of a plane moves.
+
+    Attributes:
+        turned: angle [rad] by which a push of 1 m/s turns a weight there until it is forgotten.
+        speed, place: the acceleration drawn back once [m/s] and twice [m], as supports do.
+        swung: its errors over the steps of the last revolution [m/s2].
+    """
+
+    track: Track
+    name: str
+    turned: float
+    speed: complex = 0j
+    place: complex = 0j
+    swung: float = 0.0
+
+
+class Resolution:
+    """Watches the cubic signals of a run whose steps are given.
+
+    Args:
+        scene: what the errors move, and how far it moves.
+        system: the coupled units.
+        explicit: whether forces are stepped on as predicted, and not corrected.
+
+    Attributes:
+        estimate: largest estimated error so far, relative to the motion.
+        unresolved: steps with a signal that the cubics do not follow.
+        strict: whether what is wrong is refused; else it is only noted in `refused`.
+    """
+
+    strict = True
+    refused = False
+
+    def __init__(self, scene: Scene, system: System, explicit: bool = False) -> None:
+        self._part = _PART_EXPLICIT if explicit else _PART
+        assembly, profile, start = scene.assembly(), scene.profile(), scene.run.initial
+        rotor = assembly.loaded_rotor
+        self._speed = max(profile.start, profile.end)
+        # a push moves the rotor for 1/pace: stiff supports turn it back before the rotor turns
+        soft = min(_slowest(rotor.mass, k) for k in (rotor.stiffness_x, rotor.stiffness_y))
+        self._pace = max(self._speed, soft)
+        self._mass = float(rotor.mass.sum())
+        pull = (assembly.capacity + float(np.abs(rotor.unbalance).sum())) * self._speed**2
+        out = math.hypot(start.x, start.y) + math.hypot(start.vx, start.vy) / self._pace
+        self._reach = pull / (self._mass * self._pace**2) + out  # m: how far the rotor moves
+        self._forces = [(c.force, f"{c.unit.name}.F") for c in system.connections]
+        self._planes = [
+            _Plane(track, f"rotor.plane[{plane}].a", _turned(scene, system, plane, self._speed))
+            for track, plane in zip(system.accelerations, system.connected, strict=True)
+        ]
+        least = NOISE * assembly.capacity * self._speed**2
+        for track, _ in self._forces:
+            track.largest = max(least, abs(track.now[0]))
+        for plane in self._planes:
+            plane.track.largest = max(least / self._mass, abs(plane.track.now[0]))
+        self._pushed, self._step, self._blind = 0.0, 0.0, True
+        self.estimate, self.unresolved = 0.0, 0
+
+    def check(self, time: float, step: float) -> None:
+        """Look at the step just finished.
+
+        Raises:
+            SimulationError: what the signals miss moves the units about as much as all the rest, or
+                signals have been unresolved for too many steps.
+        """
+        if step != self._step:
+            self._change(step)
+        lost, missed = None, 0.0
+        for track, name in self._forces:
+            missed += track.missed
+            if track.missed > LOST * track.largest:
+                lost = track, name
+        # a first step has no past to be judged by: the second one's miss is its miss too
+        times = (2.0 if self._blind else 1.0) / self._part
+        self._blind = missed == 0.0
+        self._pushed = self._kept * self._pushed + times * missed
+        worst, cause = 0.0, ""
+        for plane in self._planes:
+            track = plane.track
+            plane.speed += self._new * (track.now[0] / self._pace - plane.speed)
+            plane.place += self._new * (plane.speed / self._pace - plane.place)
+            self._reach = max(self._reach, abs(plane.place))
+            plane.swung = self._kept_turning * plane.swung + times * track.missed
+            if plane.swung * plane.turned * step > worst:
+                worst, cause = plane.swung * plane.turned * step, plane.name
+            if track.missed > LOST * track.largest:
+                lost = track, plane.name
+        if self._pushed * self._moved > worst * self._reach:
+            worst, cause = self._pushed * self._moved / self._reach, self._forces[0][1]
+        if worst > self.estimate:
+            self.estimate = worst
+            if worst >= REFUSED:
+                moved = f"moves the units {worst:.2g} times as far as they move at all"
+                self._refuse(time, f"what the cubics miss of {cause} {moved}")
+        if lost:
+            self._count(time, *lost)
+
+    def _change(self, step: float) -> None:
+        """Take over another length of the steps [s]."""
+        self._step, self._blind = step, True
+        self._kept = math.exp(-step * self._pace / _TURN)
+        self._kept_turning = math.exp(-step * self._speed / _TURN)
+        self._new = 1.0 - math.exp(-step * self._pace)
+        # m/N: a force that lasts longer than 1/pace moves the rotor no further
+        self._moved = min(step, 1.0 / self._pace) / (self._mass * self._pace)
+
+    def _count(self, time: float, track: Track, name: str) -> None:
+        self.unresolved += 1
+        if self.unresolved >= PERSISTENT:
+            share = track.missed / track.largest
+            self._refuse(
+                time,
+                f"{name} has ended {self.unresolved} steps far from where the one before led, now "
+                f"by {share:.2g} of its largest value",
+            )
+
+    def _refuse(self, time: float, why: str) -> None:
+        self.refused = True
+        if not self.strict:
+            return
+        raise SimulationError(
+            f"communication steps of {self._step:.3g} s are too long at t = {time:g} s: {why}; "
+            "use more steps_per_rev, or a tolerance"
+        )
+
+
+def _slowest(mass: np.ndarray, stiffness: np.ndarray) -> float:
+    """Lowest natural frequency along an axis [rad/s]."""
+    squares = np.linalg.eigvals(np.linalg.solve(mass, stiffness)).real
+    return math.sqrt(max(0.0, float(squares.min())))
+
+
+def _turned(scene: Scene, system: System, plane: int, speed: float) -> float:
+    """Angle [rad] by which a push of 1 m/s turns a weight on a plane until it is forgotten."""
+    found = [0.0]
+    for mounted, at in zip(scene.assembly().balancers, system.planes, strict=True):
+        device = mounted.device
+        if at == plane and isinstance(device, Weights):
+            slowing = device.drag / (device.kappa * device.mass)
+            found.append(1.0 / (device.kappa * device.track_radius * max(speed, slowing)))
+    return max(found)

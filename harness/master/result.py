@@ -1,0 +1,241 @@
+"""What a co-simulation gives back: recorded signals, the facts of the run, and checks on them."""
+
+from __future__ import annotations
+
+import contextlib
+import csv
+import os
+import tempfile
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import IO, Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from ..errors import UserError
+from ..scene.messages import did_you_mean
+
+Signal = NDArray[np.float64]
+PICTURES = ("png", "svg", "pdf")
+
+
+class UnknownSignalError(UserError, KeyError):
+    """A signal that was not recorded."""
+
+    __str__ = Exception.__str__  # KeyError would print the message in quotes
+
+
+@dataclass(frozen=True, eq=False)
+class Result:
+    """A finished run.
+
+    Attributes:
+        scene_title: title of the scene.
+        time: (T,) communication points [s].
+        signals: (T,) each, by name, in SI units.
+        seconds: wall-clock time of the run without building and loading [s].
+        left_out: what the run did without because the scene does not need it.
+        units: names of the FMUs loaded.
+        events: what a reader must know, such as the time at which a float touches the wall.
+        steps: communication steps taken.
+        passes: steps including corrector passes and rejected ones.
+        calls: number of FMI calls by kind.
+        unconverged: steps in which the coupling loop did not converge.
+    """
+
+    scene_title: str
+    time: Signal
+    signals: dict[str, Signal]
+    seconds: float
+    left_out: tuple[str, ...] = ()
+    units: tuple[str, ...] = ()
+    events: tuple[str, ...] = ()
+    steps: int = 0
+    passes: int = 0
+    calls: dict[str, int] = field(default_factory=dict)
+    unconverged: int = 0
+
+    def __getitem__(self, name: str) -> Signal:
+        """Signal by name, (T,).
+
+        Raises:
+            UnknownSignalError: it was not recorded; the message lists what was.
+        """
+        try:
+            return self.signals[name]
+        except KeyError:
+            known = ", ".join(self.signals) or "nothing"
+            raise UnknownSignalError(
+                f"{name!r} was not recorded{did_you_mean(name, list(self.signals))}; "
+                f"recorded: {known}; name it in [run] record or in cosimulate(record=...)"
+            ) from None
+
+    def __contains__(self, name: object) -> bool:
+        return name in self.signals
+
+    def to_csv(self, path: str | Path) -> Path:
+        """Write time and signals as CSV, completely or not at all.
+
+        Raises:
+            UserError: the file cannot be written.
+        """
+        with write_whole(path) as stream:
+            writer = csv.writer(stream, lineterminator="\n")
+            writer.writerow(["time", *self.signals])
+            writer.writerows(np.column_stack([self.time, *self.signals.values()]).tolist())
+        return Path(path)
+
+    def plot(self, path: str | Path) -> Path:
+        """Draw the time history into a picture file.
+
+        Raises:
+            UserError: the file cannot be written, or nothing that can be drawn was recorded.
+        """
+        from ..output.plot import plot_run  # matplotlib is loaded only to plot
+
+        return plot_run(self, Path(path))
+
+    def assert_close(self, name: str, reference: ArrayLike, relative: float) -> None:
+        """Fail unless a signal stays within `relative` of the reference's largest magnitude.
+
+        Args:
+            name: recorded signal.
+            reference: (T,) values at `time`, or one number.
+        """
+        __tracebackhide__ = True  # pytest then shows the caller's line
+        measured = self[name]
+        expected = np.broadcast_to(np.asarray(reference, float), measured.shape)
+        difference = np.abs(measured - expected)
+        bound = relative * float(np.max(np.abs(expected)))
+        bad = ~(difference <= bound)  # written so that NaN fails
+        if bad.any():
+            k = _worst(difference)
+            raise AssertionError(
+                f"{name} differs by {difference[k]:.3g} at t = {self.time[k]:.6g} s: is "
+                f"{measured[k]:.9g}, expected {expected[k]:.9g}; allowed {bound:.3g} = "
+                f"{relative:g} of the largest expected value ({int(bad.sum())} of {len(bad)} "
+                f"points off) [{self.scene_title}]"
+            )
+
+    def assert_bounded(self, name: str, limit: float, *, after: float = 0.0) -> None:
+        """Fail unless |signal| <= limit at every point from time `after` [s] on."""
+        __tracebackhide__ = True  # pytest then shows the caller's line
+        late = self._from(after)
+        measured = np.abs(self[name][late])
+        bad = ~(measured <= limit)
+        if bad.any():
+            k, first = _worst(measured), int(np.argmax(bad))
+            times = self.time[late]
+            raise AssertionError(
+                f"|{name}| reaches {measured[k]:.6g} at t = {times[k]:.6g} s, limit {limit:g}; "
+                f"exceeded first at t = {times[first]:.6g} s [{self.scene_title}]"
+            )
+
+    def assert_balanced(self, below: float, *, last: float = 0.1) -> None:
+        """Fail unless the rotor's displacement ends below a limit.
+
+        Args:
+            below: allowed largest sqrt(x^2 + y^2) of every recorded station [m].
+            last: judged over this last fraction of the run.
+        """
+        __tracebackhide__ = True  # pytest then shows the caller's line
+        if not 0.0 < last <= 1.0:
+            raise UserError(f"assert_balanced: last = {last:g}: must be above 0 and at most 1")
+        stations = [
+            n[: -len("x")] for n in self.signals if n.startswith("rotor.") and n[-2:] == ".x"
+        ]
+        stations = [base for base in stations if f"{base}y" in self.signals and "plane" not in base]
+        if not stations:
+            self["rotor.x"], self["rotor.y"]  # raises, and says what was recorded
+        late = self._from(self.time[-1] - last * (self.time[-1] - self.time[0]))
+        for base in stations:
+            swing = np.hypot(self[f"{base}x"][late], self[f"{base}y"][late])
+            if not np.all(swing <= below):
+                k = _worst(swing)
+                raise AssertionError(
+                    f"not balanced: {base[:-1]} still moves {swing[k]:.6g} m (0-peak) at "
+                    f"t = {self.time[late][k]:.6g} s, expected at most {below:g} m over the last "
+                    f"{last:.0%} of {self.time[-1]:.6g} s{self._moments()} [{self.scene_title}]"
+                )
+
+    def residual_moment(self, balancer: str) -> Signal:
+        """Static moment of a balancer's weights |sum m R e^{i theta}|, (T,) [kg m]."""
+        return np.hypot(self[f"{balancer}.moment_xi"], self[f"{balancer}.moment_eta"])
+
+    def _moments(self) -> str:
+        names = [n.removesuffix(".moment_xi") for n in self.signals if n.endswith(".moment_xi")]
+        said = [
+            f"; weights of {n!r} hold {self.residual_moment(n)[-1]:.6g} kg m"
+            for n in names
+            if f"{n}.moment_eta" in self.signals
+        ]
+        return "".join(said)
+
+    def _from(self, after: float) -> NDArray[np.bool_]:
+        late = self.time >= after
+        if not late.any():
+            raise UserError(f"the run ends at t = {self.time[-1]:g} s, before t = {after:g} s")
+        return late
+
+
+def _worst(values: NDArray) -> int:
+    """Index of the largest value, or of the first that is not a number."""
+    bad = np.isnan(values)
+    return int(np.argmax(bad)) if bad.any() else int(np.argmax(values))
+
+
+def picture_format(path: Path) -> str:
+    """Format of a picture by the end of its name.
+
+    Raises:
+        UserError: it is none of those known.
+    """
+    kind = path.suffix.removeprefix(".").lower()
+    if kind not in PICTURES:
+        raise UserError(f"{path}: pictures end in {', '.join('.' + name for name in PICTURES)}")
+    return kind
+
+
+@contextlib.contextmanager
+def write_whole(path: str | Path, mode: str = "w") -> Iterator[IO[Any]]:
+    """A file that appears complete or not at all: written beside its place, then moved there.
+
+    A device or pipe is written to as it is: moving a file there would replace it.
+
+    Raises:
+        UserError: the directory is missing, not writable, or the disk is full; nothing is left.
+    """
+    target = Path(os.path.realpath(path))  # a link stays a link
+    text: dict[str, Any] = {} if "b" in mode else {"encoding": "utf-8", "newline": ""}
+    try:
+        if target.exists() and not target.is_file():
+            with open(target, mode, **text) as stream:
+                yield stream
+            return
+        handle, temporary = tempfile.mkstemp(
+            dir=target.parent, prefix=f".{target.name}-", suffix=target.suffix
+        )
+        try:
+            with open(handle, mode, **text) as stream:
+                yield stream
+                stream.flush()
+                os.fsync(stream.fileno())
+            os.chmod(temporary, _permissions(target))
+            os.replace(temporary, target)
+        except BaseException:
+            with contextlib.suppress(OSError):
+                os.unlink(temporary)
+            raise
+    except OSError as error:
+        raise UserError(f"{path}: cannot be written: {error.strerror or error}") from error
+
+
+def _permissions(target: Path) -> int:
+    """Those of the file to be replaced, or of a new one (mkstemp makes its own private)."""
+    if target.exists():
+        return target.stat().st_mode & 0o7777
+    umask = os.umask(0)
+    os.umask(umask)
+    return 0o666 & ~umask

@@ -1,0 +1,53 @@
+"""When the units meet: communication steps over the run of a scene."""
+
+from __future__ import annotations
+
+import math
+
+from ..scene import Scene
+from ..scene.run import DEFAULT_STEPS
+
+
+def steps_per_rev(scene: Scene) -> int:
+    """Communication steps a revolution (at the highest speed of a run-up)."""
+    return scene.coupling.steps_per_rev or DEFAULT_STEPS
+
+
+def step_size(scene: Scene, steps: int | None = None) -> float:
+    """Communication step [s]: a fraction of the shortest revolution of the run.
+
+    `steps` a revolution are by default the scene's.
+    """
+    profile = scene.profile()
+    return 2.0 * math.pi / (max(profile.start, profile.end) * (steps or steps_per_rev(scene)))
+
+
+def end_time(scene: Scene) -> float:
+    """Time after which the scene's number of revolutions is done [s]."""
+    profile = scene.profile()
+    turned = 2.0 * math.pi * scene.run.revolutions
+    ramp_turns = profile.angle(profile.seconds)
+    if turned > ramp_turns:
+        return profile.seconds * (ramp_turns > 0.0) + (turned - ramp_turns) / profile.end
+    # angle = start t + a t^2/2 on the ramp, solved in the form that does not cancel
+    start = profile.start
+    root = math.sqrt(start * start + 2.0 * profile.acceleration(0.0) * turned)
+    return 2.0 * turned / (start + root)
+
+
+def milestones(scene: Scene) -> list[float]:
+    """Times that must be communication points [s]: the end of a run-up, the end of the run."""
+    end, ramp = end_time(scene), scene.profile().seconds
+    return [ramp, end] if 0.0 < ramp < end else [end]
+
+
+def schedule(scene: Scene) -> list[tuple[float, int]]:
+    """Fixed step lengths [s] and how many of each, so that every milestone is met."""
+    parts = []
+    start = 0.0
+    for bound in milestones(scene):
+        # a remainder of rounding must not become a step of its own
+        count = max(1, math.ceil((bound - start) / step_size(scene) - 1e-9))
+        parts.append(((bound - start) / count, count))
+        start = bound
+    return parts

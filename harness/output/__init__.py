@@ -1,0 +1,1 @@
+"""Files, tables, terminal, pictures, workers: what every command uses; knows no feature."""

@@ -1,0 +1,170 @@
+"""Pictures: the time history of a run, and the window of a liquid balancer.
+
+Figures are made without pyplot, so that neither a display nor a global state is touched.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from matplotlib.figure import Figure
+from numpy.typing import NDArray
+
+from ..errors import UserError
+from ..master.names import unit_of_signal
+from ..master.result import Result, picture_format, write_whole
+
+WITH, WITHOUT, LIMIT = "tab:blue", "tab:gray", "tab:red"
+_MOST_LINES = 12  # in one panel; more cannot be told apart
+_PREFIXES = ((1.0, ""), (1e-3, "m"), (1e-6, "µ"), (1e-9, "n"))
+
+
+@dataclass(frozen=True)
+class WindowCurves:
+    """Bending against speed with and without a liquid balancer.
+
+    Attributes:
+        title: of the picture.
+        speeds, bending, bending_without: (S,) theory, Dubovik 2006 (6) [rad/s, m].
+        points, measured, measured_without: (P,) from the co-simulation [rad/s, m].
+        lower: w_* [rad/s].
+        upper: w^* [rad/s]; None: no upper limit.
+        gap: clearance between float and wall [m].
+    """
+
+    title: str
+    speeds: NDArray[np.float64]
+    bending: NDArray[np.float64]
+    bending_without: NDArray[np.float64]
+    points: NDArray[np.float64]
+    measured: NDArray[np.float64]
+    measured_without: NDArray[np.float64]
+    lower: float
+    upper: float | None
+    gap: float
+
+
+def save(figure: Figure, path: Path) -> Path:
+    """Write a figure, completely or not at all.
+
+    Raises:
+        UserError: the format is unknown, or the file cannot be written.
+    """
+    kind = picture_format(path)
+    with write_whole(path, "wb") as stream:
+        figure.savefig(stream, format=kind, dpi=150)
+    return path
+
+
+def metres(largest: float) -> tuple[float, str]:
+    """Factor and unit in which a length reads well."""
+    for size, prefix in _PREFIXES:
+        if largest >= size or size == _PREFIXES[-1][0]:
+            return 1.0 / size, f"{prefix}m"
+    raise AssertionError("unreachable")
+
+
+def _panels(result: Result) -> dict[str, list[str]]:
+    """Signals by panel title: what belongs together stands together."""
+    panels: dict[str, list[str]] = {}
+    for name in result.signals:
+        unit = unit_of_signal(name)
+        if unit == "m" and name.endswith((".x", ".y")):
+            title = "displacement"
+        elif ".weight[" in name and name.endswith(".angle"):
+            title = "weights, angle in the rotor"
+        else:
+            title = name.rpartition(".")[2].removesuffix("_xi").removesuffix("_eta")
+        panels.setdefault(f"{title}\t{unit}", []).append(name)
+    return panels
+
+
+def _draw(axes: Any, result: Result, names: Sequence[str], title: str, unit: str) -> None:
+    largest = max(float(np.max(np.abs(result[name]), initial=0.0)) for name in names)
+    factor, shown = metres(largest) if unit == "m" else (1.0, unit)
+    for name in names[:_MOST_LINES]:
+        values = result[name] * factor
+        label = name
+        if title == "displacement":
+            label += f", 0-peak {np.max(np.abs(values)):.3g} {shown}"
+        axes.plot(result.time, values, label=label, linewidth=1.0)
+    if len(names) > _MOST_LINES:
+        axes.plot([], [], " ", label=f"and {len(names) - _MOST_LINES} more, not drawn")
+    axes.set_ylabel(f"{title} [{shown}]" if shown else title)
+    axes.grid(alpha=0.3)
+    axes.legend(loc="upper right", fontsize="small")
+
+
+def plot_run(result: Result, path: Path) -> Path:
+    """Time history of everything recorded: displacements, weights' angles, the rest by quantity.
+
+    Raises:
+        UserError: nothing was recorded, or the file cannot be written.
+    """
+    panels = _panels(result)
+    if not panels:
+        raise UserError(f"{path}: nothing to draw: the run recorded no signal")
+    figure = Figure(figsize=(9.0, 1.0 + 2.4 * len(panels)), layout="constrained")
+    grid = figure.subplots(len(panels), 1, sharex=True, squeeze=False)[:, 0]
+    for axes, (heading, names) in zip(grid, panels.items(), strict=True):
+        title, unit = heading.split("\t")
+        _draw(axes, result, names, title, unit)
+    grid[-1].set_xlabel("time [s]")
+    figure.suptitle(result.scene_title or "run")
+    return save(figure, path)
+
+
+def plot_liquid_window(data: WindowCurves, path: Path) -> Path:
+    """Bending against speed: theory as lines, co-simulation as points, the window shaded.
+
+    Raises:
+        UserError: the file cannot be written.
+    """
+    figure = Figure(figsize=(9.0, 5.5), layout="constrained")
+    axes = figure.subplots()
+    factor, unit = metres(max(data.gap, float(np.median(data.bending))))
+    for curve, points, colour, name in (
+        (data.bending, data.measured, WITH, "with liquid"),
+        (data.bending_without, data.measured_without, WITHOUT, "without"),
+    ):
+        axes.plot(data.speeds, curve * factor, color=colour, label=f"{name}, theory (6)")
+        axes.plot(data.points, points * factor, "o", color=colour, ms=4, label=f"{name}, measured")
+    end = float(data.speeds[-1])
+    axes.axvline(data.lower, color="tab:green", ls="--", label=f"$w_*$ = {data.lower:.5g} rad/s")
+    if data.upper is not None:
+        axes.axvline(data.upper, color=LIMIT, ls="--", label=f"$w^*$ = {data.upper:.5g} rad/s")
+    if data.upper is None or data.upper > data.lower:
+        note = "window" if data.upper is not None else "window, no upper limit"
+        axes.axvspan(data.lower, data.upper or end, color="tab:green", alpha=0.12, label=note)
+    else:
+        axes.plot([], [], " ", label="window empty: $w^* \\leq w_*$")
+    axes.axhline(
+        data.gap * factor, color="black", ls=":", label=f"gap {data.gap * factor:.4g} {unit}"
+    )
+    touching = data.bending > data.gap
+    if touching.any():
+        axes.fill_between(
+            data.speeds,
+            0.0,
+            1.0,
+            where=touching,
+            transform=axes.get_xaxis_transform(),
+            facecolor="none",
+            edgecolor=LIMIT,
+            hatch="//",
+            alpha=0.35,
+            label="float touches the wall: model not valid",
+        )
+    axes.set_yscale("log")
+    axes.yaxis.set_major_formatter("{x:g}")
+    axes.set_xlim(float(data.speeds[0]), end)
+    axes.set_xlabel("speed [rad/s]")
+    axes.set_ylabel(f"steady bending, 0-peak [{unit}]")
+    axes.grid(which="both", alpha=0.25)
+    axes.legend(fontsize="small")
+    axes.set_title(data.title)
+    return save(figure, path)

@@ -1,0 +1,79 @@
+"""The terminal: tables on standard output, progress and problems on standard error."""
+
+from __future__ import annotations
+
+import os
+import sys
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from ..errors import UserError
+
+if TYPE_CHECKING:
+    from rich.console import Console
+    from rich.progress import Progress
+
+PIPED_WIDTH = 160  # columns of a table that no terminal limits
+
+
+def console(error: bool = False) -> Console:
+    """Standard output, or standard error."""
+    from rich.console import Console
+
+    stream = sys.stderr if error else sys.stdout
+    limited = stream.isatty() or "COLUMNS" in os.environ
+    return Console(stderr=error, width=None if limited else PIPED_WIDTH, highlight=False)
+
+
+@contextmanager
+def progress_bars() -> Iterator[Progress]:
+    """Bars on standard error that vanish when the work is done; nothing when it is a file."""
+    from rich.progress import BarColumn, Progress, TaskProgressColumn, TextColumn
+    from rich.progress import TimeElapsedColumn as Elapsed
+
+    screen = console(error=True)
+    columns = (TextColumn("{task.description}"), BarColumn(), TaskProgressColumn(), Elapsed())
+    with Progress(
+        *columns, console=screen, transient=True, disable=not screen.is_terminal
+    ) as progress:
+        yield progress
+
+
+def say(text: str, style: str = "", error: bool = False) -> None:
+    """One line of plain text."""
+    console(error).print(text, style=style or None, markup=False, soft_wrap=True)
+
+
+def say_facts(units: Iterable[str], left_out: Iterable[str]) -> None:
+    """Which FMUs were loaded and what was left out."""
+    say(f"FMUs loaded: {', '.join(units) or 'none'}")
+    say(f"Left out: {'; '.join(left_out) or 'nothing'}")
+
+
+def ready_to_write(path: Path | None) -> None:
+    """Refuse a place that cannot be written to before long work begins.
+
+    Raises:
+        UserError: the directory does not exist, or a directory stands in the file's place.
+    """
+    if path is None:
+        return
+    if not path.parent.is_dir():
+        raise UserError(f"{path}: cannot be written: there is no directory {path.parent}")
+    if path.is_dir():
+        raise UserError(f"{path}: cannot be written: it is a directory")
+
+
+def directory_to_fill(path: Path) -> Path:
+    """Make a directory, with its parents.
+
+    Raises:
+        UserError: it cannot be made.
+    """
+    try:
+        path.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise UserError(f"{path}: cannot be made a directory: {error.strerror or error}") from error
+    return path

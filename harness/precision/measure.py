@@ -1,0 +1,242 @@
+"""Error against run time: every coupling scheme, the monolith by SciPy, and another master.
+
+The measure: largest difference from the reference over time and recorded signals, relative to each
+signal's range; the smallest of several run times, all methods taking turns so that whatever else
+the machine does meets all alike.
+"""
+
+from __future__ import annotations
+
+import math
+import time as clock
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from ...models.reference.trajectory import Trajectory
+from ..errors import SimulationError
+from ..master.recorder import recorded
+from ..scene import Scene
+from ..scene.balancer import LiquidBalancer
+from .methods import Method, coupling_methods, failure, monolith_methods, ready
+from .reference import right_motion, signal_ranges
+from .runner import Run, Runner
+
+TWO_DECADES = 100.0  # the reference must be that much better than a point whose error counts
+ASYMPTOTIC = 0.03  # an error above it says nothing of a method's order
+FEWEST_ROUNDS, MOST_ROUNDS = 2, 7
+TARGETS = (1e-3, 1e-5, 1e-7)
+SHARE = 1 / 90  # of the time given, that one run may take; what takes longer is left out by name
+SHARE_CUBIC = 1 / 45  # the same where small errors are to be had
+FINER = 1.5  # how much longer than the one before it a run takes, with smaller steps
+LIBCOSIM_STEPS = (20, 40, 80, 160)
+
+Progress = Callable[[float, str], None]
+
+
+@dataclass(frozen=True)
+class Point:
+    """One method at one step or tolerance.
+
+    Attributes:
+        error: over time and signals, relative to each signal's range.
+        at_end: the same at the end of the run.
+        seconds: smallest of the runs.
+        work: communication steps, or evaluations of the right-hand side.
+        status: `ok`, or what is wrong with it in words.
+        rotor: error of the rotor's displacements alone, relative to the largest of them.
+    """
+
+    scene: str
+    method: Method
+    error: float | None
+    at_end: float | None
+    seconds: float | None
+    work: int | None
+    status: str
+    rotor: float | None = None
+
+    @property
+    def counts(self) -> bool:
+        """Whether it ran to the end."""
+        return self.error is not None
+
+
+@dataclass(frozen=True)
+class Precision:
+    """Everything measured for one scene.
+
+    Attributes:
+        reference_error: by how much the two reference methods differ, relative to the ranges.
+        rounds: how often every method was timed.
+        orders: observed order by family of methods: error ~ work^-order.
+    """
+
+    scene: Scene
+    points: tuple[Point, ...]
+    signals: tuple[str, ...]
+    reference_error: float
+    rounds: int
+    orders: Mapping[str, float] = field(default_factory=dict)
+
+    def cheapest(self, error: float, *, coupled: bool | None = None) -> Point | None:
+        """The fastest point at least that exact; only co-simulations, or only the monolith."""
+        good = [
+            point
+            for point in self.points
+            if point.error is not None
+            and point.error <= error
+            and (coupled is None or coupled != point.method.name.startswith("monolith"))
+        ]
+        return min(good, key=lambda point: point.seconds or math.inf, default=None)
+
+
+def precision(
+    scene: Scene,
+    *,
+    seconds: float = 75.0,
+    methods: Sequence[Method] | None = None,
+    progress: Progress | None = None,
+) -> Precision:
+    """Measure a scene.
+
+    Args:
+        seconds: about how long all of it may take; methods too slow for it are left out by name.
+        methods: by default every one there is.
+        progress: called with the finished fraction and what is being done.
+
+    Raises:
+        SimulationError: the reference methods disagree, so that no error can be told.
+        UserError: the scene or an FMU is wrong.
+    """
+    names = tuple(recorded(scene))
+    chosen = list(methods) if methods is not None else all_methods(scene)
+    bench = _Bench(scene, names, seconds, progress or (lambda _part, _what: None))
+    try:
+        bench.warm_up(chosen)
+        right, own = right_motion(scene, names, [run.time for run in bench.first.values()])
+        rounds = bench.rounds()
+    finally:
+        bench.close()
+    ranges = signal_ranges(right, names)
+    points = tuple(_point(scene, m, bench, right, ranges, own) for m in chosen)
+    return Precision(scene, points, names, own, rounds, observed_orders(points, own))
+
+
+def all_methods(scene: Scene) -> list[Method]:
+    """Every method that could run the scene."""
+    exchanges = any(not isinstance(b, LiquidBalancer) or b.inertia_as_force for b in scene.balancer)
+    found = coupling_methods(exchanges)
+    if exchanges:
+        found += [Method("libcosimpy", 0, n) for n in LIBCOSIM_STEPS]
+    return found + monolith_methods()
+
+
+class _Bench:
+    """All methods made ready, warmed up once, then timed in turns."""
+
+    def __init__(
+        self, scene: Scene, names: Sequence[str], seconds: float, progress: Progress
+    ) -> None:
+        self._scene, self._names, self._progress = scene, names, progress
+        self._begun, self._seconds = clock.perf_counter(), seconds
+        self._ready: dict[Method, Runner] = {}
+        self.first: dict[Method, Run] = {}
+        self.status: dict[Method, str] = {}
+        self.best: dict[Method, float] = {}
+
+    def warm_up(self, methods: Sequence[Method]) -> None:
+        """Load and run every method once; the runs give the errors."""
+        slowest: dict[str, float] = {}
+        for number, method in enumerate(methods):
+            self._progress(0.5 * number / len(methods), f"{method.family}, {method.setting}")
+            before, share = slowest.get(method.family, 0.0), SHARE
+            if method.order not in (0, 1):
+                share = SHARE_CUBIC
+            limit = share * self._seconds
+            if FINER * before > limit:
+                self.status[method] = f"left out: takes more than {limit:.2g} s a run (--seconds)"
+                continue
+            try:
+                self._ready[method] = ready(self._scene, method, self._names)
+            except SimulationError as error:
+                self.status[method] = f"failed: {error}"
+                continue
+            run, reason = failure(self._ready[method].run)
+            if run is None:
+                self.status[method] = f"failed: {reason}"
+                self._ready.pop(method).close()
+                continue
+            slowest[method.family] = run.seconds
+            self.first[method], self.status[method] = run, run.note or "ok"
+
+    def rounds(self) -> int:
+        """Time all methods in turns until the time is used; returns how many rounds were made."""
+        done = 0
+        while done < MOST_ROUNDS:
+            begun = clock.perf_counter()
+            for number, (method, runner) in enumerate(self._ready.items()):
+                used = (done + number / len(self._ready)) / MOST_ROUNDS
+                self._progress(0.5 + 0.5 * used, f"round {done + 1}")
+                run = runner.run()
+                self.best[method] = min(self.best.get(method, math.inf), run.seconds)
+            done += 1
+            now = clock.perf_counter()
+            late = now + (now - begun) > self._begun + self._seconds
+            if late and done >= FEWEST_ROUNDS:
+                break
+        return done
+
+    def close(self) -> None:
+        for runner in self._ready.values():
+            runner.close()
+
+
+def _point(
+    scene: Scene,
+    method: Method,
+    bench: _Bench,
+    right: Trajectory,
+    ranges: Mapping[str, float],
+    own: float,
+) -> Point:
+    run = bench.first.get(method)
+    if run is None:
+        return Point(scene.name, method, None, None, None, None, bench.status[method])
+    at = np.searchsorted(right.time, run.time)
+    missed = {name: np.abs(run.signals[name] - right.signal(name)[at]) for name in ranges}
+    gaps = [missed[name] / ranges[name] for name in ranges]
+    error, at_end = float(np.max(gaps)), float(np.max([gap[-1] for gap in gaps]))
+    status = bench.status[method]
+    if not math.isfinite(error):
+        return Point(scene.name, method, None, None, None, run.work, "failed: not finite")
+    if error > 1.0:
+        status = "failed: the error is larger than the signal"
+    elif error < TWO_DECADES * own and status == "ok":
+        status = "ok, within two decades of the reference's own error"
+    seconds = bench.best.get(method, run.seconds)
+    places = [n for n in missed if n.startswith("rotor.") and n.rpartition(".")[2] in ("x", "y")]
+    reach = max((float(np.max(np.abs(right.signal(n)))) for n in places), default=0.0)
+    rotor = max(float(np.max(missed[n])) for n in places) / reach if reach else None
+    return Point(scene.name, method, error, at_end, seconds, run.work, status, rotor)
+
+
+def observed_orders(points: Sequence[Point], own: float) -> dict[str, float]:
+    """Slope of log error against log work of every family, over its points in the asymptotic range.
+
+    Those are errors below `ASYMPTOTIC` and two decades above the reference's own; at least two,
+    and of more the three finest.
+    """
+    families: dict[str, list[tuple[float, float]]] = {}
+    for point in points:
+        if point.error and point.work and TWO_DECADES * own < point.error < ASYMPTOTIC:
+            families.setdefault(point.method.family, []).append(
+                (math.log(point.work), math.log(point.error))
+            )
+    found = {}
+    for family, pairs in families.items():
+        finest = np.array(sorted(pairs)[-3:])
+        if len(finest) >= 2 and np.ptp(finest[:, 0]) > 0.0:
+            found[family] = -float(np.polyfit(finest[:, 0], finest[:, 1], 1)[0])
+    return found

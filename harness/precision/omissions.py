@@ -1,0 +1,224 @@
+"""What each omission saves in calls, time and memory.
+
+    python -m autobalancer.harness.precision.omissions
+
+Every row is one scene twice: with something that a run usually leaves out, and without it.  Times
+are the processor's for a run without loading, both ways taking turns, the smallest of several;
+memory is what Python holds at the end of a run for units and result, in a fresh process.
+"""
+
+from __future__ import annotations
+
+import json
+import math
+import subprocess
+import sys
+import time as clock
+import tracemalloc
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from tempfile import TemporaryDirectory
+
+from ..master.cosimulation import CoSimulation
+from ..master.recorder import Recorder, recorded
+from ..scene import Scene, load_scene
+from .report import machine
+
+ROUNDS = 7  # of time, both ways in turns
+_MODULE = "autobalancer.harness.precision.omissions"
+
+
+@dataclass(frozen=True)
+class Way:
+    """One way to run a scene.
+
+    Attributes:
+        record: signals; None: what the scene records; "all": every output of every unit.
+        watch: whether balancers without force are stepped, for their clearance.
+        draw: whether the run is drawn at the end.
+    """
+
+    scene: Callable[[], Scene]
+    record: Sequence[str] | str | None = None
+    watch: bool = True
+    draw: bool = False
+
+
+@dataclass(frozen=True)
+class Omission:
+    """What is left out of which scene, with it and without it."""
+
+    what: str
+    scene: str
+    full: Way
+    lean: Way
+
+
+@dataclass(frozen=True)
+class Cost:
+    """FMI calls and seconds a step; Python's memory [bytes] and modules at the end."""
+
+    calls: float
+    seconds: float
+    memory: int = 0
+    modules: int = 0
+
+
+def _scene(name: str, **changes: object) -> Callable[[], Scene]:
+    return lambda: (
+        load_scene(name)
+        .without()
+        .replace({key.replace("__", "."): value for key, value in changes.items()})
+    )
+
+
+def omissions() -> list[Omission]:
+    """Everything that runs leave out."""
+    disc, balls = _scene("liquid_disc"), _scene("two_balls")
+    alike = (82081.5, 82081.5 * (1.0 + 1e-12))  # equal but for rounding: two real axes
+    ramp = {"from": 200.0 * (1.0 - 1e-9), "to": 200.0, "seconds": 10.0}
+    force = _scene("liquid_disc", liquid__inertia_as_force=True)
+    both = _scene("balls_and_liquid", run__revolutions=20)
+    finite = _scene("two_balls", weights__weight_radius=0.01)
+    many = _scene("two_balls", coupling__corrections=None, coupling__scheme="iterated")
+    once = _scene("two_balls", coupling__corrections=1)
+    held = _scene("two_balls", coupling__corrections=1, coupling__order=0)
+    explicit = _scene("two_balls", coupling__corrections=None, coupling__scheme="gauss-seidel")
+    carried = _scene("two_balls", coupling__corrections=None, coupling__scheme="compensated")
+    return [
+        Omission("force exchange of a liquid: added mass alone", "liquid_disc",
+                 Way(force), Way(disc)),
+        Omission("the liquid's unit: no liquid in the scene", "balls_and_liquid",
+                 Way(both), Way(lambda: both().without("liquid"))),
+        Omission("clearance: `watch = False`", "liquid_disc",
+                 Way(disc, []), Way(disc, [], watch=False)),
+        Omission("recording everything: the scene's signals", "liquid_disc",
+                 Way(disc, "all"), Way(disc)),
+        Omission("recording: `record = []`", "liquid_disc", Way(disc), Way(disc, [])),
+        Omission("the second axis: supports alike", "liquid_disc",
+                 Way(_scene("liquid_disc", rotor__stiffness=alike)), Way(disc)),
+        Omission("variable speed", "liquid_disc",
+                 Way(_scene("liquid_disc", operation__run_up=ramp)), Way(disc)),
+        Omission("passes until converged: one pass", "two_balls", Way(many), Way(once)),
+        Omission("the corrector pass: `gauss-seidel`", "two_balls", Way(once), Way(explicit)),
+        Omission("the corrector pass: `compensated`", "two_balls", Way(once), Way(carried)),
+        Omission("slopes of the signals: `order = 0`", "two_balls", Way(once), Way(held)),
+        Omission("contacts: point weights", "two_balls", Way(finite), Way(balls)),
+        Omission("the picture", "two_balls", Way(balls, draw=True), Way(balls)),
+    ]  # fmt: skip
+
+
+class _Prepared:
+    """A way with its units loaded."""
+
+    def __init__(self, way: Way) -> None:
+        scene = way.scene()
+        self.way, self.cosim = way, CoSimulation(scene, watch=way.watch)
+        self.names = list(recorded(scene) if way.record is None else way.record)
+        if way.record == "all":
+            self.names = [
+                f"{unit.name}.{v.name}"
+                for unit in self.cosim.units.values()
+                for v in unit.variables.values()
+                if v.causality == "output"
+            ]
+
+    def run(self) -> Cost:
+        cosim = self.cosim
+        recorder = Recorder(cosim.units, self.names)
+        cosim.start()
+        before = self._calls()
+        begun = clock.process_time()
+        recorder.take(0.0)
+        for _ in cosim.run():
+            recorder.take(cosim.time)
+        seconds = clock.process_time() - begun
+        calls = self._calls() - before
+        self.result = recorder.result(cosim, seconds)
+        if self.way.draw:
+            with TemporaryDirectory() as directory:
+                self.result.plot(Path(directory) / "run.png")
+            seconds = clock.process_time() - begun
+        return Cost(calls / cosim.steps, seconds / cosim.steps)
+
+    def _calls(self) -> int:
+        return sum(sum(unit.calls.values()) for unit in self.cosim.units.values())
+
+
+def calls(omission: Omission) -> tuple[float, float]:
+    """FMI calls a step with what is left out and without it."""
+    found = []
+    for way in (omission.full, omission.lean):
+        prepared = _Prepared(way)
+        found.append(prepared.run().calls)
+        prepared.cosim.close()
+    return found[0], found[1]
+
+
+def measure(omission: Omission) -> tuple[Cost, Cost]:
+    """Both ways' costs."""
+    ways = [_Prepared(way) for way in (omission.full, omission.lean)]
+    best = [Cost(0.0, math.inf)] * 2
+    for _ in range(ROUNDS + 1):  # the first warms up
+        for k, prepared in enumerate(ways):
+            best[k] = min(best[k], prepared.run(), key=lambda cost: cost.seconds)
+    for prepared in ways:
+        prepared.cosim.close()
+    found = []
+    for kind, cost in zip(("full", "lean"), best, strict=True):
+        memory, modules = in_a_process(omission, kind)
+        found.append(replace(cost, memory=memory, modules=modules))
+    return found[0], found[1]
+
+
+def in_a_process(omission: Omission, kind: str) -> tuple[int, int]:
+    """Memory [bytes] and number of modules of a fresh process; `kind` is "full" or "lean"."""
+    done = subprocess.run(
+        [sys.executable, "-m", _MODULE, omission.what, kind],
+        capture_output=True,
+        text=True,
+        timeout=300,
+        check=True,
+    )
+    memory, modules = json.loads(done.stdout.splitlines()[-1])
+    return memory, modules
+
+
+def _child(what: str, kind: str) -> None:
+    (omission,) = [o for o in omissions() if o.what == what]
+    tracemalloc.start()
+    prepared = _Prepared(getattr(omission, kind))
+    prepared.run()
+    print(json.dumps([tracemalloc.get_traced_memory()[0], len(sys.modules)]))
+    prepared.cosim.close()
+
+
+def line(omission: Omission, full: Cost, lean: Cost) -> str:
+    """A row of the table, in Markdown."""
+    return (
+        f"| {omission.what} | `{omission.scene}` | {full.calls:.1f} | {lean.calls:.1f} | "
+        f"{full.seconds / lean.seconds:.2f} | {(full.memory - lean.memory) / 1e6:.2f} | "
+        f"{full.modules - lean.modules} |"
+    )
+
+
+HEAD = (
+    "| left out | scene | FMI calls a step with | without | time with/without | MB less | "
+    "modules less |\n|---|---|---:|---:|---:|---:|---:|"
+)
+
+
+def main() -> None:
+    """Print the table."""
+    print(HEAD)
+    for omission in omissions():
+        print(line(omission, *measure(omission)), flush=True)
+    print(f"\n{machine()}")
+
+
+if __name__ == "__main__":
+    if len(sys.argv) == 3:
+        _child(*sys.argv[1:])
+    else:
+        main()

@@ -1,0 +1,100 @@
+"""Work-precision diagram: error across, seconds up, both logarithmic."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+from matplotlib.figure import Figure
+
+from ..output.plot import save
+from .measure import TWO_DECADES, Point, Precision
+from .methods import ALONG_FIXED_AXES
+from .report import machine
+
+_COLOURS = {
+    "jacobi": "tab:red",
+    ALONG_FIXED_AXES: "tab:brown",
+    "gauss-seidel": "tab:orange",
+    "compensated": "tab:olive",
+    "iterated": "tab:blue",
+    "auto": "tab:blue",
+    "libcosimpy": "tab:pink",
+    "monolith RK45": "0.70",
+    "monolith DOP853": "0.45",
+    "monolith LSODA": "0.0",
+    "monolith Radau": "0.82",
+}
+_STYLES: dict[int | None, str] = {0: ":", 1: "--", 3: "-", None: "-"}
+_MARKERS: dict[int | None, str] = {0: "v", 1: "s", 3: "o", None: "."}
+_TOLERANCE = "tab:green"
+
+
+def plot_precision(found: Precision, path: Path) -> Path:
+    """Draw a measured scene.
+
+    Raises:
+        UserError: the file cannot be written.
+    """
+    figure = Figure(figsize=(10.5, 6.4), layout="constrained")
+    axes = figure.subplots()
+    families: dict[str, list[Point]] = {}
+    for point in found.points:
+        if point.error and point.seconds and point.error < 1.0:
+            families.setdefault(point.method.family, []).append(point)
+    for family, points in families.items():
+        _draw(axes, found, family, points)
+    limit = TWO_DECADES * found.reference_error
+    axes.axvspan(axes.get_xlim()[0] * 0.1, limit, color="0.92", zorder=0)
+    smallest = min((p.error for p in found.points if p.error), default=limit)
+    axes.set_xscale("log")
+    axes.set_yscale("log")
+    axes.set_xlim(max(0.3 * smallest, 1e-16), 1.0)
+    axes.set_xlabel("largest error over time and signals, relative to each signal's range")
+    axes.set_ylabel("run time [s]")
+    axes.grid(which="major", alpha=0.35)
+    axes.grid(which="minor", alpha=0.1)
+    figure.legend(loc="outside right upper", fontsize="small", frameon=False)
+    axes.set_title(found.scene.title or found.scene.name, fontsize="medium")
+    figure.supxlabel(_footer(found), fontsize="x-small", color="0.35")
+    return save(figure, path)
+
+
+def _draw(axes: Any, found: Precision, family: str, points: Sequence[Point]) -> None:
+    method = points[0].method
+    whole = method.name.startswith("monolith")
+    stepped = method.tolerance is not None and not whole
+    colour = _TOLERANCE if stepped else _COLOURS.get(method.name, "tab:purple")
+    order = found.orders.get(family)
+    label = family if order is None or whole else f"{family} (order {order:.1f})"
+    many = method.name == "iterated" and method.order == 3 and method.corrections is None
+    axes.plot(
+        [p.error for p in points],
+        [p.seconds for p in points],
+        label=label,
+        color="tab:cyan" if many and not stepped else colour,
+        linestyle="-." if whole else _STYLES[method.order],
+        marker="x" if whole else _MARKERS[method.order],
+        markersize=4.5,
+        linewidth=2.2 if method.order == 3 and not whole else 1.2,
+    )
+    if method.order == 3 and not whole:
+        for point in (points[0], points[-1]) if len(points) > 1 else points[:1]:
+            steps, tolerance = point.method.steps_per_rev, point.method.tolerance
+            axes.annotate(
+                f"{steps}" if steps else f"{tolerance:.0e}",
+                (point.error, point.seconds),
+                textcoords="offset points",
+                xytext=(4, 4),
+                fontsize="x-small",
+                color=colour,
+            )
+
+
+def _footer(found: Precision) -> str:
+    return (
+        "Numbers at points: communication steps a revolution, or the tolerance asked. Smallest of "
+        f"{found.rounds} runs, taking turns. Grey: within two decades of the reference's error.\n"
+        f"{machine()}"
+    )

@@ -1,0 +1,1 @@
+"""The rotor alone: modes, Campbell diagram, response, run-up."""

@@ -1,0 +1,156 @@
+"""Pictures of a rotor over its speed: Campbell diagram and unbalance response."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+from numpy.typing import NDArray
+
+from ...models.linear.modes import Campbell
+from ..output.plot import metres, save
+from .study import Response
+
+COLOURS = ("tab:blue", "tab:orange", "tab:green", "tab:purple", "tab:brown", "tab:pink")
+CRITICAL = "tab:red"
+_LINES = {"forward": "-", "backward": "--", "planar": ":"}  # senses of whirl
+_STRAIGHT = 1e-6  # |whirl| below it is no whirl, as in the modes
+
+
+def plot_campbell(data: Campbell, critical: NDArray[np.float64], title: str, path: Path) -> Path:
+    """Natural frequencies and damping ratios against speed, forward and backward whirl.
+
+    Raises:
+        UserError: the file cannot be written.
+    """
+    figure = Figure(figsize=(9.0, 8.0), layout="constrained")
+    above, below = figure.subplots(2, 1, sharex=True, height_ratios=(2, 1))
+    frequency = np.abs(data.eigenvalues)
+    damping = -data.eigenvalues.real / np.where(frequency > 0.0, frequency, 1.0)
+    for k in range(frequency.shape[1]):
+        colour = COLOURS[k % len(COLOURS)]
+        _by_whirl(above, data.speeds, frequency[:, k], data.whirl[:, k], colour)
+        _by_whirl(below, data.speeds, damping[:, k], data.whirl[:, k], colour)
+    above.plot(data.speeds, data.speeds, color="gray", lw=1.0)
+    for number, speed in enumerate(critical):
+        above.plot(speed, speed, "o", color=CRITICAL, ms=7, mfc="none", mew=1.8)
+        # neighbours may be close: one label below, the next above
+        where, side = ((8, -12), "left") if number % 2 == 0 else ((-8, 6), "right")
+        above.annotate(
+            f"{speed:.4g}", (speed, speed), textcoords="offset points", xytext=where, ha=side,
+            color=CRITICAL, fontsize="small",
+        )  # fmt: skip
+    _campbell_legend(above)
+    above.set_ylim(0.0, _top(frequency, data.speeds))
+    above.set_ylabel("natural frequency $|\\lambda|$ [rad/s]")
+    below.axhline(0.0, color="black", lw=0.8)
+    below.set_ylabel("damping ratio [1]\n(negative: unstable)")
+    below.set_xlabel("speed [rad/s]")
+    below.set_xlim(0.0, float(data.speeds[-1]))
+    for axes in (above, below):
+        axes.grid(alpha=0.3)
+    above.set_title(f"{title}\nrotor without balancers")
+    return save(figure, path)
+
+
+def _top(frequency: NDArray[np.float64], speeds: NDArray[np.float64]) -> float:
+    """Where the frequency axis ends: modes far above the speeds would press the rest together."""
+    low = frequency[frequency <= 1.3 * speeds[-1]]
+    return 1.08 * max(float(speeds[-1]), float(low.max(initial=0.0)))
+
+
+def _by_whirl(
+    axes: Any,
+    x: NDArray[np.float64],
+    y: NDArray[np.float64],
+    whirl: NDArray[np.float64],
+    colour: str,
+) -> None:
+    """One mode, its line telling the sense of its whirl at each speed."""
+    sense = np.where(np.abs(whirl) < _STRAIGHT, 0, np.sign(whirl))
+    for value, line in zip((1, -1, 0), _LINES.values(), strict=True):
+        inside = sense == value
+        # one more point on, so that a change of sense leaves no gap
+        shown = inside | np.concatenate([[False], inside[:-1]])
+        if inside.any():
+            axes.plot(x, np.where(shown, y, np.nan), line, color=colour, lw=1.5)
+
+
+def _campbell_legend(axes: Any) -> None:
+    handles = [
+        *(
+            Line2D([], [], color="black", ls=line, label=f"{name} motion")
+            for name, line in _LINES.items()
+        ),
+        Line2D([], [], color="gray", lw=1.0, label="frequency = speed"),
+        Line2D(
+            [], [], color=CRITICAL, ls="", marker="o", mfc="none", mew=1.8,
+            label="critical speed, undamped",
+        ),
+    ]  # fmt: skip
+    axes.legend(handles=handles, loc="upper left", fontsize="small")
+
+
+def plot_response(data: Response, path: Path) -> Path:
+    """Amplitude and phase of every station against speed, x and y side by side.
+
+    Raises:
+        UserError: the file cannot be written.
+    """
+    alike = np.allclose(data.amplitude[:, 1], -1j * data.amplitude[:, 0], rtol=1e-9, atol=0.0)
+    axes_shown = (0,) if alike else (0, 1)
+    figure = Figure(figsize=(7.5 * len(axes_shown), 8.0), layout="constrained")
+    grid = figure.subplots(
+        2, len(axes_shown), sharex=True, sharey="row", squeeze=False, height_ratios=(2, 1)
+    )
+    factor, unit = metres(float(np.abs(data.amplitude[:, list(axes_shown)]).max()))
+    for column, along in enumerate(axes_shown):
+        above, below = grid[:, column]
+        _response_lines(above, below, data, along, factor)
+        for axes in (above, below):
+            _mark_critical(axes, data.critical)
+            axes.grid(which="both", alpha=0.25)
+        name = "x and y alike, y a quarter turn later" if alike else f"along {'xy'[along]}"
+        above.set_title(name)
+        above.set_yscale("log")
+        below.set_xlabel("speed [rad/s]")
+        below.set_yticks(range(-180, 181, 90))
+        below.set_xlim(0.0, float(data.speeds[-1]))
+    grid[0, 0].set_ylabel(f"amplitude, 0-peak [{unit}]")
+    grid[1, 0].set_ylabel("phase to the rotor's angle [deg]")
+    grid[0, 0].legend(fontsize="small")
+    figure.suptitle(f"{data.title}\nunbalance response of the rotor without balancers")
+    return save(figure, path)
+
+
+def _response_lines(above: Any, below: Any, data: Response, along: int, factor: float) -> None:
+    for j, name in enumerate(data.stations):
+        colour = COLOURS[j % len(COLOURS)]
+        curve, points = data.amplitude[:, along, j], data.measured[:, along, j]
+        above.plot(data.speeds, np.abs(curve) * factor, color=colour, label=f"{name}, equations")
+        above.plot(
+            data.points, np.abs(points) * factor, "o", ms=4, color=colour,
+            label=f"{name}, co-simulated unit",
+        )  # fmt: skip
+        below.plot(*_unbroken(data.speeds, curve), color=colour)
+        below.plot(data.points, np.degrees(np.angle(points)), "o", ms=4, color=colour)
+
+
+def _unbroken(
+    speeds: NDArray[np.float64], curve: NDArray[np.complexfloating]
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Phase in degrees without the lines that jumps from -180 to 180 would draw."""
+    phase = np.degrees(np.angle(curve))
+    jumps = np.flatnonzero(np.abs(np.diff(phase)) > 180.0) + 1
+    return np.insert(speeds, jumps, np.nan), np.insert(phase, jumps, np.nan)
+
+
+def _mark_critical(axes: Any, critical: Sequence[float] | NDArray[np.float64]) -> None:
+    for number, speed in enumerate(critical):
+        axes.axvline(
+            speed, color=CRITICAL, ls="--", lw=0.9, label="critical speeds" if not number else None
+        )

@@ -1,0 +1,230 @@
+"""What a rotor person asks first: natural frequencies, unbalance response, orbits, a run-up.
+
+Curves come from the rotor's equations, points and motions from its co-simulated unit.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...models.linear.modes import Campbell, Modes, campbell, critical_speeds, modes
+from ...models.papers.influence import influence
+from ..balancing.machine import synchronous
+from ..errors import UserError
+from ..master.cosimulation import cosimulate
+from ..scene import Scene
+from ..stability.revolution import Revolution
+
+Array = NDArray[np.float64]
+
+CURVE_POINTS = 400
+MEASURED_POINTS = 16
+LAST_REVOLUTIONS = 2  # of a run: shown as its orbit
+RUN_UP_REVOLUTIONS = 100  # slow enough for resonances to show, short enough to wait for
+ABOVE = 1.3  # a range ends this much above the highest speed of interest
+FAR = 3.0  # critical speeds beyond this many operating speeds are of no interest
+
+
+@dataclass(frozen=True, eq=False)
+class Response:
+    """Steady vibration by unbalance of the rotor without balancers.
+
+    Attributes:
+        title: of the scene.
+        stations: names of the stations.
+        speeds, amplitude: (m,) and (m, 2, n) complex, x and y of every station, 0-peak: x =
+            Re(A e^{i angle}) by the equations [rad/s, m].
+        points, measured: (k,), (k, 2, n), the same by the co-simulated unit.
+        critical: critical speeds within the range [rad/s].
+    """
+
+    title: str
+    stations: tuple[str, ...]
+    speeds: Array
+    amplitude: NDArray[np.complexfloating]
+    points: Array
+    measured: NDArray[np.complexfloating]
+    critical: Array
+
+
+@dataclass(frozen=True, eq=False)
+class Orbits:
+    """Orbits of the stations.
+
+    Attributes:
+        title: of the scene.
+        speed: [rad/s].
+        stations: names of the stations.
+        alone: (m, 2, n) x and y over one revolution of the rotor without balancers, steady [m].
+        run: (m, 2, n) over the last revolutions of the scene's run; empty without balancers.
+        revolutions: how many those are.
+    """
+
+    title: str
+    speed: float
+    stations: tuple[str, ...]
+    alone: Array
+    run: Array
+    revolutions: int
+
+
+@dataclass(frozen=True, eq=False)
+class RunUp:
+    """Displacement while the speed rises.
+
+    Attributes:
+        title: of the scene.
+        stations: names of the stations.
+        seconds: duration of the rise.
+        speeds: (m,) [rad/s].
+        run: (m, n) sqrt(x^2 + y^2) with the balancers [m].
+        alone: (m, n) without them; empty where the scene has none.
+        critical: critical speeds of the rotor alone within the range [rad/s].
+    """
+
+    title: str
+    stations: tuple[str, ...]
+    seconds: float
+    speeds: Array
+    run: Array
+    alone: Array
+    critical: Array
+
+
+def station_names(scene: Scene) -> tuple[str, ...]:
+    """What the stations are called in pictures."""
+    count = scene.rotor.build().stations
+    if count == 1:
+        return ("disc",)
+    if scene.rotor.kind == "two_support":
+        return ("support 1", "support 2")
+    return tuple(f"station {j}" for j in range(1, count + 1))
+
+
+def _outputs(stations: int) -> list[str]:
+    """x of all stations, then y."""
+    prefixes = [f"station[{j}]." for j in range(1, stations + 1)] if stations > 1 else [""]
+    return [f"{prefix}{axis}" for axis in "xy" for prefix in prefixes]
+
+
+def operating_speed(scene: Scene) -> float:
+    """The scene's speed, or where its run-up ends [rad/s]."""
+    return scene.profile().end
+
+
+def speed_range(scene: Scene) -> tuple[float, float]:
+    """From near standstill to beyond the operating speed and the critical ones near it [rad/s]."""
+    speed = operating_speed(scene)
+    critical = critical_speeds(scene.rotor.build())
+    high = ABOVE * max([speed, *critical[critical < FAR * speed].tolist()])
+    return high / 100.0, high
+
+
+def modes_at(scene: Scene) -> Modes:
+    """Modes of the rotor without balancers at the operating speed."""
+    return modes(scene.rotor.build(), operating_speed(scene))
+
+
+def campbell_of(scene: Scene, low: float, high: float) -> tuple[Campbell, Array]:
+    """Modes of the rotor without balancers over a range of speeds, and its critical speeds there.
+
+    Raises:
+        UserError: a mode is overdamped in part of the range.
+    """
+    rotor = scene.rotor.build()
+    try:
+        found = campbell(rotor, np.linspace(low, high, CURVE_POINTS).tolist())
+    except ValueError as error:
+        raise UserError(f"{low:g} to {high:g} rad/s: {error}") from error
+    return found, _within(critical_speeds(rotor), low, high)
+
+
+def response_of(scene: Scene, low: float, high: float, fmus: Path | None = None) -> Response:
+    """Unbalance response by the equations, and by the unit at some speeds.
+
+    Raises:
+        UserError: the rotor has no unbalance, or no damping at a critical speed.
+    """
+    rotor = scene.rotor.build()
+    if not np.abs(rotor.unbalance).any():
+        raise UserError(f"{scene.path or scene.name}: rotor: has no unbalance to respond to")
+    stations = np.eye(rotor.stations)
+    speeds, points = np.linspace(low, high, CURVE_POINTS), np.linspace(low, high, MEASURED_POINTS)
+    try:
+        curve = [influence(rotor, float(w), stations) @ rotor.unbalance for w in speeds]
+    except ValueError as error:
+        raise UserError(str(error)) from error
+    with Revolution(scene.without_balancers(), fmus=fmus) as units:
+        measured = [_steady(units, float(w))[0] for w in points]
+    return Response(
+        title=scene.title or scene.name,
+        stations=station_names(scene),
+        speeds=speeds,
+        amplitude=np.array(curve),
+        points=points,
+        measured=np.array(measured),
+        critical=_within(critical_speeds(rotor), low, high),
+    )
+
+
+def _steady(units: Revolution, speed: float) -> tuple[NDArray[np.complexfloating], Array]:
+    """Synchronous amplitude (2, n) and orbit (m, 2, n) of the revolution that repeats itself."""
+    state, _ = units.steady(speed, np.zeros(len(units.states)))
+    n = units.scene.rotor.build().stations
+    names = ["angle", *_outputs(n)]
+    rows: list[list[float]] = []
+    units.begin(state, speed)
+    for _ in range(units.steps):
+        units.cosim.step(2.0 * math.pi / (speed * units.steps))
+        rows.append(units.cosim.read("rotor", names))
+    table = np.array(rows)
+    amplitude = synchronous(table[:, 0], table[:, 1:].T).amplitude
+    return amplitude.reshape(2, n), table[:, 1:].reshape(-1, 2, n)
+
+
+def orbits_of(scene: Scene, fmus: Path | None = None) -> Orbits:
+    """Orbits at the operating speed: of the rotor alone, and at the end of the scene's run."""
+    speed = operating_speed(scene)
+    names = station_names(scene)
+    with Revolution(scene.without_balancers(), steps=120, fmus=fmus) as units:
+        alone = _steady(units, speed)[1]
+    alone = np.concatenate([alone, alone[:1]])
+    run = np.empty((0, 2, len(names)))
+    if scene.balancer:
+        outputs = [f"rotor.{name}" for name in _outputs(len(names))]
+        result = cosimulate(scene, record=outputs, fmus=fmus)
+        period = 2.0 * math.pi / speed
+        late = result.time >= result.time[-1] - LAST_REVOLUTIONS * period * (1.0 + 1e-9)
+        run = np.stack([result[name][late] for name in outputs], axis=1).reshape(-1, 2, len(names))
+    return Orbits(scene.title or scene.name, speed, names, alone, run, LAST_REVOLUTIONS)
+
+
+def run_up_of(scene: Scene, low: float, high: float, fmus: Path | None = None) -> RunUp:
+    """A linear run-up through the range, with and without the balancers, from rest."""
+    seconds = 2.0 * (2.0 * math.pi * RUN_UP_REVOLUTIONS) / (low + high)
+    rising = scene.replace(
+        {
+            "operation.run_up": {"from": low, "to": high, "seconds": seconds},
+            "run.revolutions": RUN_UP_REVOLUTIONS,
+        }
+    )
+    names = station_names(scene)
+    outputs = [f"rotor.{name}" for name in _outputs(len(names))]
+    swings = []
+    for variant in [rising, rising.without_balancers()] if scene.balancer else [rising]:
+        result = cosimulate(variant, record=outputs, fmus=fmus)
+        motion = np.array([result[name] for name in outputs]).reshape(2, len(names), -1)
+        swings.append(np.hypot(motion[0], motion[1]).T)
+        speeds = np.array([rising.profile().speed(t) for t in result.time])
+    alone = swings[1] if len(swings) > 1 else np.empty((0, len(names)))
+    critical = _within(critical_speeds(scene.rotor.build()), low, high)
+    return RunUp(scene.title or scene.name, names, seconds, speeds, swings[0], alone, critical)
+
+
+def _within(values: Array, low: float, high: float) -> Array:
+    return values[(values >= low) & (values <= high)]

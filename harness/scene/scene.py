@@ -1,0 +1,193 @@
+"""Scene files: a rotor, its balancers, how it is driven, coupled, run and checked.
+
+A scene is read, every problem of the file is reported at once, and what remains is frozen; change
+it with `Scene.replace`, which validates again.
+"""
+
+from __future__ import annotations
+
+import copy
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from pydantic import Field, PrivateAttr, TypeAdapter, ValidationError
+
+from ...models.assembly import Assembly, SpeedProfile
+from ..errors import SceneError
+from .balancer import AnyBalancer
+from .balancing import Balancing
+from .check import AnyCheck
+from .file import bundled_scenes, find, read
+from .messages import Place, problems, show, statement
+from .quantities import Flag, Table, Text
+from .replace import replaced
+from .rotor import Rotor
+from .run import Coupling, Operation, Run
+
+__all__ = ["Scene", "bundled_scenes", "load_scene"]
+
+TABLES = ("rotor", "operation", "coupling", "run")
+_ROTOR: TypeAdapter[Any] = TypeAdapter(Rotor)
+
+
+class Scene(Table):
+    """A validated scene.  Make one with `load_scene` or `Scene.from_document`."""
+
+    title: Text = ""
+    source: Text = ""
+    rotor: Rotor
+    balancer: tuple[AnyBalancer, ...] = ()
+    operation: Operation
+    coupling: Coupling = Coupling()
+    run: Run = Run()
+    check: tuple[AnyCheck, ...] = Field(default=())
+    on_request: Flag = False  # long: checked only when it is named
+    balancing: Balancing | None = None
+
+    _document: dict[str, Any] = PrivateAttr(default_factory=dict)
+    _path: Path | None = PrivateAttr(default=None)
+    _label: str = PrivateAttr(default="scene")
+
+    @classmethod
+    def from_document(
+        cls, document: Mapping[str, Any], *, path: Path | None = None, label: str = "scene"
+    ) -> Scene:
+        """Validate a document as `tomllib` gives it.
+
+        Args:
+            path: file it came from.
+            label: what messages call it.
+
+        Raises:
+            SceneError: one line for every problem there is.
+        """
+        content = copy.deepcopy(dict(document))
+        found: list[str] = []
+        scene = None
+        try:
+            scene = cls.model_validate(content)
+        except ValidationError as error:
+            found = problems(error, content, cls)
+        found += _across(content)
+        if scene is not None and not found:
+            found = scene._refused_by_models()
+        if scene is None or found:
+            raise SceneError("\n".join(f"{label}: {line}" for line in found))
+        scene._document, scene._path, scene._label = content, path, label
+        return scene
+
+    @property
+    def path(self) -> Path | None:
+        """File the scene was read from."""
+        return self._path
+
+    @property
+    def name(self) -> str:
+        """Short name: the file's stem."""
+        return self._path.stem if self._path else self._label
+
+    def assembly(self) -> Assembly:
+        """The rotor with its balancers, for the models."""
+        return Assembly(self.rotor.build(), tuple(b.build() for b in self.balancer))
+
+    def profile(self) -> SpeedProfile:
+        """Speed against time."""
+        return self.operation.profile()
+
+    def replace(self, changes: Mapping[str, Any]) -> Scene:
+        """A validated copy with values replaced, for example {"rotor.unbalance": 0.1}.
+
+        Paths begin with rotor, operation, coupling, run, or a balancer's name; elements of lists
+        count from 1 ("rotor.stiffness[2]").  None takes a key out, back to its default.  Speed and
+        run_up, steps_per_rev and tolerance take each other's place.
+
+        Raises:
+            SceneError: a path is unknown (says what is possible), or a value is wrong.
+        """
+        labels = {balancer.label: i for i, balancer in enumerate(self.balancer)}
+        tables: dict[str, type[Table]] = {name: type(getattr(self, name)) for name in TABLES}
+        if self.balancing is not None:
+            tables["balancing"] = Balancing
+        tables |= {balancer.label: type(balancer) for balancer in self.balancer}
+        try:
+            document = replaced(self._document, changes, tables, labels)
+        except SceneError as error:
+            raise SceneError(f"{self._label}: {error}") from None
+        return Scene.from_document(document, path=self._path, label=self._label)
+
+    def without_balancers(self) -> Scene:
+        """The bare rotor, with nothing to check."""
+        document = {k: v for k, v in self._document.items() if k not in {"balancer", "check"}}
+        return Scene.from_document(document, path=self._path, label=self._label)
+
+    def without(self, *names: str) -> Scene:
+        """The scene less the balancers of these names, with nothing to check."""
+        document = {k: v for k, v in self._document.items() if k != "check"}
+        kept = zip(self.balancer, self._document["balancer"], strict=True)
+        document["balancer"] = [table for balancer, table in kept if balancer.label not in names]
+        return Scene.from_document(document, path=self._path, label=self._label)
+
+    def _refused_by_models(self) -> list[str]:
+        """What the models themselves refuse, once the tables are right."""
+        try:
+            rotor = self.rotor.build()
+        except ValueError as error:
+            return [f"rotor: {error}"]
+        lines = []
+        if self.balancing is not None:
+            lines += self.balancing.problems(self.rotor)
+        for i, check in enumerate(self.check, start=1):
+            liquids = [b for b in self.balancer if b.kind == "liquid"]
+            fits = len(liquids) == len(self.balancer) == 1 and rotor.isotropic
+            if check.kind == "liquid_window" and not (fits and self.rotor.kind == "planar"):
+                lines.append(
+                    f'check[{i}].kind = "liquid_window": needs a planar rotor with equal stiffness '
+                    "and damping in x and y, and one balancer of kind liquid"
+                )
+        return lines
+
+
+def _across(document: Mapping[str, Any]) -> list[str]:
+    """Problems between tables, found in the document even when single values are wrong."""
+    balancers = document.get("balancer", [])
+    if not isinstance(balancers, list):
+        return []
+    entries = [(i, b) for i, b in enumerate(balancers, start=1) if isinstance(b, dict)]
+    reserved = (*TABLES, "balancing")
+    lines, seen = [], {name: f"the table [{name}]" for name in reserved}
+    for i, entry in entries:
+        name = entry.get("name", entry.get("kind"))
+        if not isinstance(name, str):
+            continue
+        if name in seen:
+            lines.append(
+                f"balancer[{i}].name = {show(name)}: taken by {seen[name]}; give every balancer "
+                "a name of its own"
+            )
+        seen.setdefault(name, f"balancer[{i}]")
+    try:
+        planes = _ROTOR.validate_python(document.get("rotor")).plane_count
+    except ValidationError:
+        return lines
+    for i, entry in entries:
+        at = entry.get("at", 1)
+        if type(at) is int and at > planes:
+            allowed = f"must be 1 to {planes}, the rotor's planes"
+            if planes < 2:
+                allowed = (
+                    "must be 1, the rotor's only plane" if planes else "the rotor has no planes"
+                )
+            lines.append(statement(Place(f"balancer[{i}].at", at, "", None), allowed))
+    return lines
+
+
+def load_scene(source: str | Path) -> Scene:
+    """Read a scene file, or a bundled scene by its name.
+
+    Raises:
+        SceneError: the file is missing, not TOML, or wrong; one line for every problem.
+    """
+    path = find(source)
+    label = path.name if isinstance(source, str) and not Path(source).is_file() else str(source)
+    return Scene.from_document(read(path), path=path, label=label)

@@ -1,0 +1,1 @@
+"""Where balancing begins and ends: main motion, multipliers, boundaries, maps."""

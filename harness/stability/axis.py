@@ -1,0 +1,70 @@
+"""Axis of a map: a parameter of a scene and the values it takes."""
+
+from __future__ import annotations
+
+import math
+import re
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..errors import UserError
+from ..scene import Scene
+from ..scene.quantities import unit_of
+
+SPEED = "operation.speed"
+MOST_POINTS = 2000  # along one axis: a slip of the keyboard
+
+
+@dataclass(frozen=True)
+class Axis:
+    """A parameter of a scene and the values it takes.
+
+    Attributes:
+        path: as for `Scene.replace`, such as `weights.drag`.
+        values: (N,) rising.
+        log: spaced and drawn logarithmically.
+    """
+
+    path: str
+    values: NDArray[np.float64]
+    log: bool = False
+
+    @classmethod
+    def parse(cls, text: str) -> Axis:
+        """PATH=LOW:HIGH:N or PATH=LOW:HIGH:N:log; `speed` is short for operation.speed.
+
+        Raises:
+            UserError: it is not written like that, or the values are not rising.
+        """
+        example = "must be PATH=LOW:HIGH:N[:log], such as speed=0.5:12:100"
+        path, _, span = (part.strip() for part in text.partition("="))
+        parts = span.split(":")
+        if not path or len(parts) not in (3, 4) or parts[3:] not in ([], ["log"]):
+            raise UserError(f"{text}: {example}")
+        try:
+            low, high, count = float(parts[0]), float(parts[1]), int(parts[2])
+        except ValueError as error:
+            raise UserError(f"{text}: {example}") from error
+        log = len(parts) == 4
+        if not (math.isfinite(low) and math.isfinite(high) and low < high):
+            raise UserError(f"{text}: {low:g} to {high:g} must be finite and rising")
+        if log and low <= 0.0:
+            raise UserError(f"{text}: a logarithmic axis must begin above 0, not at {low:g}")
+        if not 2 <= count <= MOST_POINTS:
+            raise UserError(f"{text}: N = {count} must be 2 to {MOST_POINTS}")
+        values = np.geomspace(low, high, count) if log else np.linspace(low, high, count)
+        return cls(SPEED if path == "speed" else path, values, log)
+
+    def label(self, scene: Scene) -> str:
+        """Name and unit, such as `weights.drag [N s/m]`."""
+        first, _, rest = self.path.partition(".")
+        holder = next((b for b in scene.balancer if b.label == first), None)
+        holder = holder or getattr(scene, first, None)
+        key = re.sub(r"\[\d+\]", "", rest)
+        unit = ""
+        if holder is not None and key in type(holder).model_fields:
+            unit = unit_of(type(holder), key)
+        name = "speed" if self.path == SPEED else self.path
+        return f"{name} [{unit}]" if unit else name

@@ -1,0 +1,255 @@
+"""Critical speeds of a scene by three methods next to each other.
+
+criterion: the closed formula of Filimonikhina 2017 for planar rotors.
+floquet: exact linear stability of the equations.
+cosim: largest multiplier of the coupled units' one-revolution map, no equation involved.
+cosim-run: growth fitted to a run of the coupled units, for many weights.
+"""
+
+from __future__ import annotations
+
+import functools
+import math
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass, field
+from itertools import pairwise
+from typing import Any, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.optimize import brentq
+
+from ...models.criteria import Criterion
+from ...models.linear.balanced import CannotBalance
+from ...models.linear.boundaries import Crossing, critical_speeds
+from ...models.stability import growth_rates
+from ..errors import UserError
+from ..output.workers import spread
+from ..scene import Scene
+from .main_motion import MainMotion, NoMainMotion
+
+METHODS = ("criterion", "floquet", "cosim", "cosim-run")
+DEFAULT_METHODS = METHODS[:3]
+TOLERANCE = 1e-6  # relative, of a co-simulated critical speed
+SCAN = 60  # intervals of a co-simulated scan, unless other methods say where to look
+NEAR = 2e-3  # relative distance from a guess at which the co-simulation is asked
+_PARTS = 8  # of a scan, so that progress is seen
+
+Progress = Callable[[float], None]
+Side = Literal["stable", "unstable"]
+
+
+@dataclass(frozen=True)
+class Speeds:
+    """Critical speeds within a range by several methods.
+
+    Attributes:
+        scene: its name.
+        range: low and high [rad/s].
+        methods: crossings of every method that applies, ascending.
+        lowest: what each of these finds at the low end of the range.
+        refused: why each other method does not apply.
+    """
+
+    scene: str
+    range: tuple[float, float]
+    methods: dict[str, tuple[Crossing, ...]] = field(default_factory=dict)
+    lowest: dict[str, Side] = field(default_factory=dict)
+    refused: dict[str, str] = field(default_factory=dict)
+
+    def as_json(self) -> dict[str, Any]:
+        """Plain lists and numbers."""
+        return {
+            "scene": self.scene,
+            "range": list(self.range),
+            "methods": {
+                name: [{"speed": c.speed, "above": c.above} for c in found]
+                for name, found in self.methods.items()
+            },
+            "below_first": dict(self.lowest),
+            "not_applicable": dict(self.refused),
+        }
+
+    def rows(self) -> list[dict[str, Crossing]]:
+        """Crossings of the methods that belong together, one row each, ascending.
+
+        Each method's crossing joins the nearest one of the most exact method that leads to the
+        same side; what finds no partner stands alone.
+        """
+        order = [m for m in ("floquet", "cosim", "cosim-run", "criterion") if m in self.methods]
+        rows: list[dict[str, Crossing]] = []
+        for method in order:
+            left = list(self.methods[method])
+            pairs = sorted(
+                (abs(crossing.speed - next(iter(row.values())).speed), i, j)
+                for i, row in enumerate(rows)
+                for j, crossing in enumerate(left)
+                if next(iter(row.values())).above == crossing.above
+            )
+            taken: set[int] = set()
+            for _, i, j in pairs:
+                if method not in rows[i] and j not in taken:
+                    rows[i][method] = left[j]
+                    taken.add(j)
+            rows += [{method: c} for j, c in enumerate(left) if j not in taken]
+        return sorted(rows, key=lambda row: next(iter(row.values())).speed)
+
+
+def speeds(
+    scene: Scene,
+    range: tuple[float, float],
+    methods: Iterable[str] = DEFAULT_METHODS,
+    *,
+    narrowest: float | None = None,
+    scan: int = SCAN,
+    steps: int | None = None,
+    workers: int = 1,
+    progress: Progress | None = None,
+) -> Speeds:
+    """Every speed within a range at which balancing begins or ends, by each method.
+
+    The co-simulation looks on both sides of every speed that Floquet found, between them, and at
+    both ends of the range; without Floquet it scans the range itself.
+
+    Args:
+        range: low and high [rad/s].
+        methods: of `METHODS`.
+        narrowest: width of a band that Floquet must not miss [rad/s]; a thousandth of the range.
+        scan: intervals of the co-simulation's own scan: narrower bands can be missed.
+        steps: communication steps a revolution; by default the scene's.
+        workers: processes for the co-simulation; a script that asks for more than one needs
+            `if __name__ == "__main__":`.
+        progress: called with the finished fraction of the co-simulation.
+
+    Raises:
+        UserError: the range is empty, or a method is unknown.
+        SimulationError: a co-simulation cannot be completed correctly.
+    """
+    low, high = range
+    _refuse_range(low, high)
+    wanted = list(dict.fromkeys(methods))
+    for method in wanted:
+        if method not in METHODS:
+            raise UserError(f"method {method!r}: must be one of {', '.join(METHODS)}")
+    result = Speeds(scene.name, (low, high))
+    if "criterion" in wanted:
+        _by_criterion(scene, result)
+    if "floquet" in wanted:
+        _by_floquet(scene, result, narrowest)
+    nodes = np.linspace(low, high, scan + 1)
+    if "floquet" in result.methods:
+        nodes = nodes_around([c.speed for c in result.methods["floquet"]], low, high)
+    for method in (m for m in wanted if m.startswith("cosim")):
+        _by_units(scene, result, method, nodes, steps, workers, progress)
+    return result
+
+
+def _refuse_range(low: float, high: float) -> None:
+    if not 0.0 < low < high < math.inf:
+        raise UserError(f"range {low:g} to {high:g} rad/s: must be positive and rising")
+
+
+def _side(growth: float) -> Side:
+    return "unstable" if growth > 0.0 else "stable"
+
+
+def _by_criterion(scene: Scene, result: Speeds) -> None:
+    assembly = scene.assembly()
+    low, high = result.range
+    try:
+        if not assembly.weights:
+            raise ValueError("the criterion is for weights, and the scene has none")
+        criterion = Criterion.of(assembly)
+    except ValueError as error:
+        result.refused["criterion"] = str(error)
+        return
+    inside = [c for c in criterion.crossings if low <= c.speed <= high]
+    result.methods["criterion"] = tuple(inside)
+    result.lowest["criterion"] = _side(float(criterion.value(low)))
+
+
+def _by_floquet(scene: Scene, result: Speeds, narrowest: float | None) -> None:
+    assembly = scene.assembly()
+    try:
+        found = critical_speeds(assembly, *result.range, narrowest=narrowest)
+    except (CannotBalance, ArithmeticError) as error:
+        result.refused["floquet"] = str(error)
+        return
+    result.methods["floquet"] = tuple(found)
+    result.lowest["floquet"] = _side(float(growth_rates(assembly, result.range[0])[0]))
+
+
+def nodes_around(guesses: Sequence[float], low: float, high: float) -> NDArray[np.float64]:
+    """Speeds at which the sign of the growth shows whether the guessed crossings are there.
+
+    Both sides of every guess, the middle between neighbours, and the ends of the range.
+    """
+    bounds = [low, *guesses, high]
+    nodes = {low, high}
+    for before, guess, after in zip(bounds, bounds[1:], bounds[2:], strict=False):
+        reach = min(NEAR * guess, (guess - before) / 3.0, (after - guess) / 3.0)
+        nodes |= {guess - reach, guess + reach, 0.5 * (before + guess), 0.5 * (guess + after)}
+    return np.array(sorted(nodes))
+
+
+def _by_units(
+    scene: Scene,
+    result: Speeds,
+    method: str,
+    nodes: NDArray,
+    steps: int | None,
+    workers: int,
+    progress: Progress | None,
+) -> None:
+    parts = min(_PARTS, max(1, (len(nodes) - 1) // 2)) if workers > 1 else 1
+    cuts = np.linspace(0, len(nodes) - 1, parts + 1).astype(int)
+    jobs = [
+        _Job(scene, method, tuple(map(float, nodes[a : b + 1])), steps) for a, b in pairwise(cuts)
+    ]
+    try:
+        # within this process progress is told by every speed, across processes by every part
+        inner = progress if workers < 2 else None
+        work = functools.partial(_search, progress=inner) if inner else _search
+        found = spread(work, jobs, workers, None if inner else progress)
+    except NoMainMotion as error:
+        result.refused[method] = str(error)
+        return
+    result.methods[method] = tuple(c for crossings, _ in found for c in crossings)
+    result.lowest[method] = found[0][1]
+
+
+@dataclass(frozen=True)
+class _Job:
+    scene: Scene
+    method: str
+    nodes: tuple[float, ...]
+    steps: int | None
+
+
+def _search(job: _Job, progress: Progress | None = None) -> tuple[list[Crossing], Side]:
+    from .in_time import growth_in_run
+
+    with MainMotion(job.scene, steps=job.steps) as motion:
+        in_run = functools.partial(growth_in_run, motion)
+        growth = motion.growth if job.method == "cosim" else in_run
+        return crossings(growth, job.nodes, progress)
+
+
+def crossings(
+    growth: Callable[[float], float],
+    nodes: Sequence[float],
+    progress: Progress | None = None,
+) -> tuple[list[Crossing], Side]:
+    """Changes of sign of a measured growth rate between neighbouring speeds, and the first sign."""
+    known = functools.cache(growth)
+    values = []
+    for number, speed in enumerate(nodes, start=1):
+        values.append(known(speed))
+        if progress:
+            progress(number / len(nodes))
+    found = []
+    unstable = np.array(values) > 0.0
+    for i in np.flatnonzero(unstable[1:] != unstable[:-1]).tolist():
+        speed = brentq(known, nodes[i], nodes[i + 1], xtol=TOLERANCE * nodes[i])
+        found.append(Crossing(float(speed), _side(values[i + 1])))
+    return found, _side(values[0])

@@ -1,0 +1,134 @@
+"""Stability seen in time: growth fitted to a run, and where a run from rest ends."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..errors import SimulationError
+from ..scene import Scene
+from ..scene.balancer import WeightBalancer
+from .main_motion import MainMotion
+
+DISTURBANCE = 1e-6  # of each state's scale
+LARGEST = 1e-3  # deviation beyond which the equations are no longer linear to that part
+SMALLEST = 1e-10  # change per revolution that the coupling's own error may fake
+SHARE = 1e-4  # of the motion in the window: what is below is noise of the fit
+FEWEST = 6  # revolutions in the window
+LATE = 10  # last part of a run in which it is judged: one tenth
+BALANCED = 0.01  # residual moment over that at the start
+SETTLING = 9.0  # times 1/growth rate: e^-9 leaves 1e-4 of what the main motion is missed by
+TRANSIENT = 60.0  # revolutions before that: the weights find their places
+_GOLDEN = 0.6180339887498949
+
+
+def growth_in_run(motion: MainMotion, speed: float, revolutions: int = 120) -> float:
+    """Growth rate [1/s] of a small disturbance, fitted to one run of the units.
+
+    Costs one run whatever the number of states, and needs no derivative: for many weights and for
+    units too rough for differences.  States once a revolution obey x' = A x; the part of A that the
+    run shows is found by least squares (dynamic mode decomposition) over the second half, in which
+    the slowest motion prevails.
+
+    Raises:
+        SimulationError: the disturbance vanished or became large within a few revolutions.
+    """
+    size = len(motion.state)
+    pattern = np.modf(np.arange(1, size + 1) * _GOLDEN)[0] - 0.5
+    units = motion.units
+    units.begin(motion.state + DISTURBANCE * pattern * units.scale(speed), speed)
+    seen = [motion.seen(units.turn(speed), speed)]
+    changes: list[NDArray] = []  # they obey the same map, and do not ask where the run ends
+    while len(changes) < revolutions:
+        seen.append(motion.seen(units.turn(speed), speed))
+        change = seen[-1] - seen[-2]
+        if np.abs(change).max() < SMALLEST or np.abs(seen[-1]).max() > LARGEST:
+            break
+        changes.append(change)
+    window = np.array(changes[len(changes) // 2 :])
+    if len(window) < FEWEST:
+        raise SimulationError(
+            f"{units.scene.name}: at {speed:g} rad/s the disturbance has vanished or grown large "
+            f"after {len(seen)} revolutions: too few to fit a growth rate; use method cosim"
+        )
+    return math.log(_largest_multiplier(window)) * speed / (2.0 * math.pi)
+
+
+def _largest_multiplier(window: NDArray) -> float:
+    """Largest modulus among the multipliers that a sequence of states (k, d) shows."""
+    before, after = window[:-1].T, window[1:].T
+    length = np.linalg.norm(before, axis=0)  # every revolution counts alike
+    left, values, right = np.linalg.svd(before / length, full_matrices=False)
+    kept = values > SHARE * values[0]
+    reduced = left[:, kept].T @ (after / length) @ right[kept].T / values[kept]
+    return float(np.abs(np.linalg.eigvals(reduced)).max())
+
+
+@dataclass(frozen=True)
+class Ended:
+    """How a run from rest ended.
+
+    Attributes:
+        speed: [rad/s].
+        revolutions: length of the run.
+        residual: largest unbalance left at any station in the last tenth of the run [kg m].
+        share: residual over the unbalance at the start of the run, weights included.
+        amplitude: largest displacement of any station then, 0-peak [m].
+    """
+
+    speed: float
+    revolutions: float
+    residual: float
+    share: float
+    amplitude: float
+
+    @property
+    def balanced(self) -> bool:
+        """Whether no more than 1 % of the unbalance at the start is left."""
+        return self.share <= BALANCED
+
+    def __str__(self) -> str:
+        word = "balanced" if self.balanced else "not balanced"
+        return (
+            f"{word}: residual moment {self.residual:.3g} kg m ({self.share:.2g} of the first) "
+            f"after {self.revolutions:.0f} revolutions"
+        )
+
+
+def needed_revolutions(growth: float, speed: float, most: float = 3000.0) -> float:
+    """Length of a run that shows whether a motion of this growth rate [1/s] comes to balance."""
+    period = 2.0 * math.pi / speed
+    return min(most, math.ceil(TRANSIENT + SETTLING / max(abs(growth) * period, 1e-9)))
+
+
+def run_from_rest(scene: Scene, speed: float, revolutions: float) -> Ended:
+    """Run a scene at a speed, rotor at rest in the middle, weights where the scene puts them.
+
+    Raises:
+        SimulationError: the run cannot be completed correctly.
+    """
+    from ..master.cosimulation import cosimulate
+    from ..master.recorder import recorded
+
+    scene = scene.replace({"operation.speed": speed, "run.revolutions": revolutions})
+    plain = scene.replace({"run.record": None})
+    result = cosimulate(scene, record=[n for n in recorded(plain) if "clearance" not in n])
+    rotor = scene.rotor.build()
+    left = np.tile(rotor.unbalance, (len(result.time), 1)).astype(complex)
+    for balancer in scene.balancer:
+        if isinstance(balancer, WeightBalancer):
+            xi, eta = (result[f"{balancer.label}.moment_{axis}"] for axis in ("xi", "eta"))
+            left += (xi + 1j * eta)[:, None] * rotor.planes[balancer.at - 1]
+    size = np.abs(left).max(axis=1)
+    swings = [
+        np.hypot(result[name], result[f"{name[:-1]}y"])
+        for name in result.signals
+        if name.startswith("rotor.") and name.endswith("x")
+    ]
+    late = slice(-(len(result.time) // LATE), None)
+    residual = float(size[late].max())
+    amplitude = float(max(swing[late].max() for swing in swings))
+    return Ended(speed, revolutions, residual, residual / float(size[0]), amplitude)

@@ -1,0 +1,251 @@
+"""The main motion of a scene's coupled units, and how small deviations from it grow.
+
+Known of the units is only what their FMUs declare: start values, the acceleration of the rotor's
+planes, the static moment of each balancer's weights.
+
+Main motion.  The rotor rests, the weights turn with it where the planes' acceleration vanishes;
+that position does not depend on the speed.
+
+Neutral directions.  Weights act on the rotor through their static moment alone.  Turns that change
+the moment of no station (N - 2 for N >= 3 weights in a plane) meet no reaction, lead to another
+main motion and have multiplier 1 by structure.  They are the kernel of the measured derivative of
+moments by angles: the map is taken modulo them, so that no multiplier has to be judged by its
+distance from 1.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from pathlib import Path
+from typing import TypeVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..errors import SimulationError
+from ..master.fmu import Group, Unit
+from ..master.plan import ports
+from ..scene import Scene
+from .revolution import PERTURBATION, Revolution, Vector
+
+Matrix = NDArray[np.float64]
+Outcome = TypeVar("Outcome")
+
+BALANCED = 1e-9  # acceleration of a plane over that of the whole unbalance and all weights
+AT_REST = 1e-6  # of each state's scale: what a revolution may move a main motion
+NEUTRAL_RANK = 1e-6  # of a moment's derivative, which central differences give to 1e-8
+NEUTRAL_RETURN = 1e-5  # what a revolution may change a neutral turn; differences and steps err less
+MOST_REFINED = 32  # times the given steps a revolution
+_LONGEST_TURN = 0.5  # rad per iteration: a longer one leaves the neighbourhood of the start
+_ITERATIONS = 30
+_STARTS = 5
+_GOLDEN = 0.6180339887498949
+
+
+class NoMainMotion(SimulationError):
+    """The weights cannot undo the unbalance, or the rotor cannot rest."""
+
+
+class MainMotion:
+    """Multipliers and growth about the main motion, measured on the coupled units at any speed.
+
+    Args:
+        scene: the weights' angles are the first guess of the balanced ones.
+        steps: communication steps a revolution; by default the scene's.
+        fmus: directory of ready-made FMUs.
+
+    Attributes:
+        state: (n,) states of the units in the main motion.
+        neutral: (n, m) turns of the weights with multiplier 1 by structure.
+
+    Raises:
+        NoMainMotion: no balanced position of the weights was found.
+    """
+
+    def __init__(self, scene: Scene, *, steps: int | None = None, fmus: Path | None = None) -> None:
+        self.units = Revolution(scene, steps=steps, fmus=fmus)
+        try:
+            self._speed = abs(scene.profile().end)  # any will do for what follows
+            self._angles = [
+                i for i, s in enumerate(self.units.states) if s.unit != "rotor" and not s.is_rate
+            ]
+            self.state = self._balanced()
+            self._rows, self._columns, self.neutral = self._split()
+            self._refuse_false_neutral()
+        except BaseException:
+            self.units.close()
+            raise
+
+    def _read(self, state: Vector, groups: list[tuple[Unit, Group]]) -> Vector:
+        """Outputs of the units at the very start of a motion from a state."""
+        self.units.begin(state, self._speed)
+        return np.array([value for unit, group in groups for value in unit.get(group)])
+
+    def _slopes(self, state: Vector, which: list[int], groups: list[tuple[Unit, Group]]) -> Matrix:
+        """Derivative of outputs at the start by some states."""
+        columns = []
+        for i in which:
+            change = np.zeros(len(state))
+            change[i] = PERTURBATION * self.units.states[i].scale
+            ends = self._read(state + change, groups), self._read(state - change, groups)
+            columns.append((ends[0] - ends[1]) / (2.0 * change[i]))
+        return np.array(columns).T
+
+    def _balanced(self) -> Vector:
+        """Rotor at rest, every weight at rest in the rotor where no plane is accelerated.
+
+        Of the family of positions of three and more weights it is the one next to the scene's
+        angles: the stability of its members differs.
+        """
+        rest = np.zeros(len(self.units.states))
+        if not self._angles:
+            return rest  # a linear rotor: deviations grow alike from any motion
+        rotor = self.units.cosim.system.rotor
+        names = [n for n in rotor.variables if n.startswith("plane[") and ".a_" in n]
+        outputs = [(rotor, rotor.group(names))]
+        scale = self.units.states[0].scale * self._speed**2
+        first = self.units.first[self._angles]
+        spread = np.modf(np.arange(1, len(first) + 1) * _GOLDEN)[0] - 0.5
+        for attempt in range(_STARTS):
+            rest[self._angles] = first + 0.3 * attempt * spread
+            found = self._newton(rest, outputs, scale)
+            if found is not None and self._rests(found):
+                return found
+        raise NoMainMotion(
+            f"{self.units.scene.name}: no angles of the weights were found at which the rotor "
+            "rests: they cannot undo its unbalance"
+        )
+
+    def _rests(self, state: Vector) -> bool:
+        """Whether a revolution leaves a state as it is."""
+        end = self._resolved(lambda: self.units(state, self._speed))
+        moved = (end - state) / self.units.scale(self._speed)
+        return bool(np.abs(moved).max() <= AT_REST)
+
+    def _newton(
+        self, state: Vector, outputs: list[tuple[Unit, Group]], scale: float
+    ) -> Vector | None:
+        """Least turns that take away the planes' acceleration; None when that does not converge."""
+        state = state.copy()
+        for _ in range(_ITERATIONS):
+            left = self._read(state, outputs)
+            near = np.abs(left).max() <= BALANCED * scale
+            slopes = self._slopes(state, self._angles, outputs)
+            turn = np.linalg.lstsq(slopes, -left, rcond=1e-6)[0]
+            longest = float(np.abs(turn).max())
+            state[self._angles] += turn * min(1.0, _LONGEST_TURN / max(longest, 1e-300))
+            if near:
+                return state  # its last turn has squared the error
+        return None
+
+    def _split(self) -> tuple[Matrix, Matrix, Matrix]:
+        """Coordinates L (d, n) that neutral turns do not change, a right inverse (n, d), and them.
+
+        L keeps every state but the angles; of those it keeps what the stations' moments see.
+        """
+        count = len(self.units.states)
+        if not self._angles:
+            return np.eye(count), np.eye(count), np.zeros((count, 0))
+        moments = self._moment_slopes()
+        size = np.linalg.norm(moments, axis=0)  # light and heavy weights alike
+        size[size == 0.0] = 1.0
+        _, values, seen = np.linalg.svd(moments / size)
+        rank = int((values > NEUTRAL_RANK * values.max(initial=0.0)).sum())
+        others = [i for i in range(count) if i not in self._angles]
+        rows = np.zeros((len(others) + rank, count))
+        columns = np.zeros((count, len(others) + rank))
+        for i, state in enumerate(others):
+            rows[i, state] = columns[state, i] = 1.0
+        rows[len(others) :, self._angles] = seen[:rank] * size
+        columns[self._angles, len(others) :] = (seen[:rank] / size).T
+        neutral = np.zeros((count, len(seen) - rank))
+        neutral[self._angles] = (seen[rank:] / size).T
+        return rows, columns, neutral / np.abs(neutral).max(axis=0, initial=1e-300)
+
+    def _moment_slopes(self) -> Matrix:
+        """Moment on every station by the angle of every weight, (2 stations, K)."""
+        cosim = self.units.cosim
+        planes = dict(zip([b.label for b in cosim.scene.balancer], ports(cosim.scene), strict=True))
+        rotor = cosim.system.rotor
+        stations = [
+            i for i, s in enumerate(self.units.states) if s.unit == "rotor" and s.output[-1] == "x"
+        ]
+        stations = [i for i in stations if not self.units.states[i].is_rate]
+        blocks = []
+        for name, unit in cosim.units.items():
+            mine = [i for i in self._angles if self.units.states[i].unit == name]
+            if not mine:
+                continue
+            plane = [(rotor, rotor.group([f"plane[{planes[name]}].x"]))]
+            share = self._slopes(self.state, stations, plane)  # (1, stations): force's way back
+            moment = [(unit, unit.group(["moment_xi", "moment_eta"]))]
+            blocks.append(np.kron(share.T, self._slopes(self.state, mine, moment)))
+        return np.hstack(blocks)
+
+    def _map(self, columns: Matrix, speed: float) -> Matrix:
+        """Derivative of the one-revolution map along given directions, in the states' scales."""
+        scale = self.units.scale(speed)
+        ends = []
+        for direction in columns.T:
+            change = PERTURBATION * direction / np.abs(direction).max()
+            ahead = self.units(self.state + change * scale, speed)
+            behind = self.units(self.state - change * scale, speed)
+            ends.append((ahead - behind) / (2.0 * scale) * np.abs(direction).max() / PERTURBATION)
+        return np.array(ends).T
+
+    def _resolved(self, measure: Callable[[], Outcome]) -> Outcome:
+        """What `measure` gives; steps are halved as often as the coupling refuses them as too long.
+
+        Far below the natural frequencies, or under heavy drag, a given number of steps a revolution
+        does not resolve what the units do.
+        """
+        given = self.units.steps
+        try:
+            while True:
+                try:
+                    return measure()
+                except SimulationError:
+                    if self.units.steps >= MOST_REFINED * given:
+                        raise
+                    self.units.steps *= 2
+        finally:
+            self.units.steps = given
+
+    def _refuse_false_neutral(self) -> None:
+        """What is taken for neutral must come back unchanged."""
+        if not self.neutral.shape[1]:
+            return
+        ends = self._resolved(lambda: self._map(self.neutral, self._speed))
+        error = np.abs(ends - self.neutral).max()
+        if not error <= NEUTRAL_RETURN:
+            raise SimulationError(
+                f"{self.units.scene.name}: turns of the weights that change no moment still change "
+                f"by {error:.2g} of themselves in a revolution at {self._speed:g} rad/s: the units "
+                "do more than their moments say, or the coupling is too coarse"
+            )
+
+    def multipliers(self, speed: float) -> NDArray[np.complex128]:
+        """Multipliers of one revolution but the neutral ones, largest modulus first."""
+        reduced = self._rows @ self._resolved(lambda: self._map(self._columns, speed))
+        values = np.linalg.eigvals(reduced).astype(complex)
+        return values[np.argsort(-np.abs(values), kind="stable")]
+
+    def growth(self, speed: float) -> float:
+        """Largest growth rate [1/s] of a small deviation; negative means stable."""
+        largest = float(np.abs(self.multipliers(speed)[0]))
+        return math.log(max(largest, 1e-300)) * speed / (2.0 * math.pi)
+
+    def seen(self, state: Vector, speed: float) -> Vector:
+        """A state's deviation from the main motion in scaled coordinates, neutral turns apart."""
+        return self._rows @ ((state - self.state) / self.units.scale(speed))
+
+    def close(self) -> None:
+        """Free the units."""
+        self.units.close()
+
+    def __enter__(self) -> MainMotion:
+        return self
+
+    def __exit__(self, *_exception: object) -> None:
+        self.close()

@@ -1,0 +1,233 @@
+"""Stability over two parameters of a scene: growth rates on a grid, some points co-simulated."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...models.assembly import Assembly
+from ...models.criteria import Criterion
+from ...models.stability import growth_map
+from ..errors import SimulationError, UserError
+from ..master.result import write_whole
+from ..output.workers import spread
+from ..scene import Scene
+from .axis import SPEED, Axis
+from .main_motion import MainMotion
+
+_ROWS = 8  # values of the slower axis a batch, so that progress is seen
+_PLASTIC = 1.324717957244746  # its powers spread points evenly over a square
+
+Progress = Callable[[float], None]
+
+
+@dataclass(frozen=True)
+class Point:
+    """A co-simulated point.
+
+    Attributes:
+        x, y: places on both axes.
+        growth: largest growth rate [1/s]; NaN where there is no verdict.
+        refusal: why not.
+    """
+
+    x: int
+    y: int
+    growth: float
+    refusal: str = ""
+
+
+@dataclass(frozen=True)
+class StabilityMap:
+    """Growth rates over two parameters.
+
+    Attributes:
+        title: of the scene.
+        x, y: axes, and their labels.
+        growth: (len(y), len(x)) largest growth rate [1/s]; NaN where weights cannot balance.
+        criterion: (len(y), len(x)) negative where the criterion says balanced, in units of its
+            largest value; None where it does not apply.
+        no_criterion: why not.
+        points: co-simulated.
+    """
+
+    title: str
+    x: Axis
+    y: Axis
+    labels: tuple[str, str]
+    growth: NDArray[np.float64]
+    criterion: NDArray[np.float64] | None
+    no_criterion: str = ""
+    points: tuple[Point, ...] = field(default=())
+
+    @property
+    def agreeing(self) -> int:
+        """Co-simulated points on the same side as Floquet, or without a main motion by both."""
+        return sum(
+            (p.growth > 0.0) == (self.growth[p.y, p.x] > 0.0)
+            and math.isnan(p.growth) == math.isnan(self.growth[p.y, p.x])
+            for p in self.points
+        )
+
+    def to_csv(self, path: Path) -> Path:
+        """One line a point of the grid.
+
+        Raises:
+            UserError: the file cannot be written.
+        """
+        measured = {(p.y, p.x): f"{p.growth:.10g}" for p in self.points}
+        with write_whole(path) as stream:
+            heads = (*self.labels, "growth rate [1/s]", "criterion", "cosim growth rate [1/s]")
+            stream.write(",".join(heads) + "\n")
+            for j, y in enumerate(self.y.values):
+                for i, x in enumerate(self.x.values):
+                    word = ""
+                    if self.criterion is not None:
+                        word = "stable" if self.criterion[j, i] < 0.0 else "unstable"
+                    cells = (f"{x:.10g}", f"{y:.10g}", f"{self.growth[j, i]:.10g}", word)
+                    stream.write(",".join((*cells, measured.get((j, i), ""))) + "\n")
+        return path
+
+
+def stability_map(
+    scene: Scene,
+    x: Axis,
+    y: Axis,
+    *,
+    cosim: int = 0,
+    workers: int = 1,
+    progress: Progress | None = None,
+) -> StabilityMap:
+    """Growth rates by Floquet over two parameters, and by co-simulation at some points.
+
+    Args:
+        cosim: how many points of the grid, spread evenly, are also co-simulated.
+        workers: processes; a script that asks for more than one needs
+            `if __name__ == "__main__":`.
+        progress: called with the finished fraction.
+
+    Raises:
+        UserError: a path is unknown, a value on an axis is wrong, or both axes are the same.
+    """
+    if x.path == y.path:
+        raise UserError(f"{x.path}: both axes are the same")
+    share = 1.0 if not cosim else 0.5
+
+    def report(done: float) -> None:
+        if progress:
+            progress(done)
+
+    jobs = list(_jobs(scene, x, y))
+    parts = spread(_strip, jobs, workers, lambda done: report(share * done))
+    growth = np.vstack([part[0] for part in parts])
+    criterion = np.vstack([part[1] for part in parts])
+    if jobs[0].transposed:
+        growth, criterion = growth.T, criterion.T
+    points: list[Point] = []
+    if cosim:
+        places = _places(cosim, len(x.values), len(y.values))
+        work = [(scene, {x.path: x.values[i], y.path: y.values[j]}) for i, j in places]
+        rates = spread(_measure, work, workers, lambda done: report(0.5 + 0.5 * done))
+        points = [Point(*place, *rate) for place, rate in zip(places, rates, strict=True)]
+    applies = bool(np.isfinite(criterion).any())
+    return StabilityMap(
+        scene.title or scene.name,
+        x,
+        y,
+        (x.label(scene), y.label(scene)),
+        growth,
+        criterion if applies else None,
+        "" if applies else _why_no_criterion(scene),
+        tuple(points),
+    )
+
+
+@dataclass(frozen=True)
+class _Job:
+    """Some values of the slow axis, with all of the fast one; the speed is fast if it takes part.
+
+    Attributes:
+        transposed: the slow axis is x.
+    """
+
+    scene: Scene
+    slow: str
+    values: tuple[float, ...]
+    fast: Axis
+    transposed: bool
+
+
+def _jobs(scene: Scene, x: Axis, y: Axis) -> Iterator[_Job]:
+    transposed = y.path == SPEED
+    slow, fast = (x, y) if transposed else (y, x)
+    for start in range(0, len(slow.values), _ROWS):
+        values = tuple(slow.values[start : start + _ROWS].tolist())
+        yield _Job(scene, slow.path, values, fast, transposed)
+
+
+def _strip(job: _Job) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Growth rates and the criterion, (values, fast values) each."""
+    growth, criterion = [], []
+    if job.fast.path == SPEED:
+        assemblies = [job.scene.replace({job.slow: v}).assembly() for v in job.values]
+        growth = list(growth_map(assemblies, job.fast.values))
+        criterion = [_criterion(a, job.fast.values) for a in assemblies]
+    else:
+        for value in job.values:
+            scenes = [
+                job.scene.replace({job.slow: value, job.fast.path: v}) for v in job.fast.values
+            ]
+            speed = np.array([scenes[0].profile().end])
+            assemblies = [scene.assembly() for scene in scenes]
+            growth.append(growth_map(assemblies, speed)[:, 0])
+            criterion.append(np.concatenate([_criterion(a, speed) for a in assemblies]))
+    return np.array(growth), np.array(criterion)
+
+
+def _criterion(assembly: Assembly, speeds: NDArray[np.float64]) -> NDArray[np.float64]:
+    try:
+        if not assembly.weights:
+            raise ValueError
+        criterion = Criterion.of(assembly)
+    except ValueError:
+        return np.full(len(speeds), np.nan)
+    scale = (criterion.w_x * criterion.w_y) ** 3 + speeds**6
+    return np.asarray(criterion.value(speeds)) / scale
+
+
+def _why_no_criterion(scene: Scene) -> str:
+    assembly = scene.assembly()
+    if not assembly.weights:
+        return "the criterion is for weights, and the scene has none"
+    try:
+        Criterion.of(assembly)
+    except ValueError as error:
+        return str(error)
+    return "no point of the map has one"
+
+
+def _places(count: int, columns: int, rows: int) -> list[tuple[int, int]]:
+    """Different points of the grid, evenly spread (additive recurrence of the plastic number)."""
+    count = min(count, columns * rows)
+    places: dict[tuple[int, int], None] = {}
+    k = 0
+    while len(places) < count:
+        k += 1
+        u, v = (0.5 + k / _PLASTIC) % 1.0, (0.5 + k / _PLASTIC**2) % 1.0
+        places[int(u * columns), int(v * rows)] = None
+    return list(places)
+
+
+def _measure(job: tuple[Scene, dict[str, float]]) -> tuple[float, str]:
+    scene, changes = job
+    scene = scene.replace(changes)
+    try:
+        with MainMotion(scene) as motion:
+            return motion.growth(scene.profile().end), ""
+    except SimulationError as error:  # one point without a verdict must not cost the map
+        return math.nan, str(error)

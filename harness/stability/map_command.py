@@ -1,0 +1,94 @@
+"""`autobalancer map`: a stability map over any two parameters of a scene."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from ..errors import UserError
+from ..output.terminal import progress_bars, ready_to_write, say
+
+if TYPE_CHECKING:
+    from .map import StabilityMap
+
+AXIS = "PATH=LOW:HIGH:N[:log]"
+
+
+def command(
+    scene: Annotated[str, typer.Argument(help="Scene file, or the name of a bundled scene.")],
+    x: Annotated[str, typer.Option(metavar=AXIS, help="Such as speed=0.5:12:100 (rad/s).")],
+    y: Annotated[str, typer.Option(metavar=AXIS, help="Such as weights.drag=1e-4:1:100:log.")],
+    output: Annotated[
+        Path | None,
+        typer.Option("--output", "-o", metavar="FILE.png", help="Picture (png, svg, pdf)."),
+    ] = None,
+    csv: Annotated[Path | None, typer.Option(metavar="FILE.csv", help="Every point.")] = None,
+    cosim: Annotated[
+        int, typer.Option(min=0, metavar="K", help="Co-simulate K points of the map, too.")
+    ] = 0,
+) -> None:
+    """Draw where balancing is stable over two parameters, by criterion, Floquet and the units."""
+    from ..master.result import picture_format
+    from ..scene import load_scene
+    from .axis import Axis
+    from .map import stability_map
+
+    if output is None and csv is None:
+        output = Path("map.png")
+    ready_to_write(output)
+    ready_to_write(csv)
+    if output is not None:
+        picture_format(output)
+    axes = []
+    for option, text in (("--x", x), ("--y", y)):
+        try:
+            axes.append(Axis.parse(text))
+        except UserError as error:
+            raise UserError(f"{option} {error}") from error
+    loaded = load_scene(scene)
+    with progress_bars() as bars:
+        task = bars.add_task(f"mapping {loaded.name}", total=1.0)
+        data = stability_map(
+            loaded,
+            *axes,
+            cosim=cosim,
+            workers=os.cpu_count() or 1,
+            progress=lambda done: bars.update(task, completed=done),
+        )
+    _say(data)
+    if cosim:
+        from ..master.plan import file_name, plan
+
+        units = dict.fromkeys(file_name(unit) for unit in plan(loaded))
+        say(f"FMUs loaded: {', '.join(units)}")
+    if csv is not None:
+        say(f"Points: {data.to_csv(csv)}")
+    if output is not None:
+        from .plot import plot_map
+
+        say(f"Picture: {plot_map(data, output)}")
+
+
+def _say(data: StabilityMap) -> None:
+    import numpy as np
+
+    growth = data.growth
+    none = int(np.isnan(growth).sum())
+    say(
+        f"{growth.size} points: {int((growth <= 0.0).sum())} balanced, "
+        f"{int((growth > 0.0).sum())} not, {none} where the weights cannot balance"
+    )
+    if data.criterion is None:
+        say(f"criterion: does not apply: {data.no_criterion}")
+    if data.points:
+        say(f"{data.agreeing} of {len(data.points)} co-simulated points agree with Floquet")
+    for point in data.points:
+        if point.refusal:
+            place = ", ".join(
+                f"{axis.path} = {axis.values[i]:.4g}"
+                for axis, i in ((data.x, point.x), (data.y, point.y))
+            )
+            say(f"no verdict at {place}: {point.refusal}", style="yellow")

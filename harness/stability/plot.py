@@ -1,0 +1,99 @@
+"""Picture of a stability map: growth rates as colour, boundaries as lines, co-simulated points."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from matplotlib.artist import Artist
+from matplotlib.colors import SymLogNorm
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+from matplotlib.patches import Patch
+
+from ..output.plot import save
+from .map import StabilityMap
+
+DECADES = 3.0  # of growth rates told apart on either side of zero
+
+
+def plot_map(data: StabilityMap, path: Path) -> Path:
+    """Blue where deviations decay, red where they grow.
+
+    Raises:
+        UserError: the format is unknown, or the file cannot be written.
+    """
+    figure = Figure(figsize=(8.6, 5.6), layout="constrained")
+    axes = figure.subplots()
+    x, y = data.x.values, data.y.values
+    finite = np.abs(data.growth[np.isfinite(data.growth)])
+    largest = float(np.quantile(finite, 0.98)) if finite.size else 1.0
+    # the tail is cut so that it cannot wash out the rest
+    norm = SymLogNorm(largest / 10.0**DECADES, vmin=-largest, vmax=largest, base=10.0)
+    colours = axes.pcolormesh(
+        x, y, np.ma.masked_invalid(data.growth), cmap="RdBu_r", norm=norm, shading="gouraud"
+        if np.isfinite(data.growth).all() else "nearest", rasterized=True,
+    )  # fmt: skip
+    bar = figure.colorbar(colours, ax=axes, extend="both", pad=0.015)
+    bar.set_label("largest growth rate [1/s]: below 0 balanced, above 0 not")
+    handles: list[Artist] = [_boundary(axes, x, y, data.growth, "black", "-", "Floquet boundary")]
+    if data.criterion is not None:
+        handles.append(_boundary(axes, x, y, data.criterion, "#e0a000", "--", "criterion boundary"))
+    if np.isnan(data.growth).any():
+        axes.set_facecolor("0.85")
+        axes.patch.set_hatch("///")
+        axes.patch.set_edgecolor("0.6")
+        handles.append(
+            Patch(facecolor="0.85", edgecolor="0.6", hatch="///", label="weights cannot balance")
+        )
+    handles += _points(axes, data)
+    for scale, axis in ((axes.set_xscale, data.x), (axes.set_yscale, data.y)):
+        scale("log" if axis.log else "linear")
+    axes.set_xlim(x[0], x[-1])
+    axes.set_ylim(y[0], y[-1])
+    axes.set_xlabel(data.labels[0])
+    axes.set_ylabel(data.labels[1])
+    axes.set_title(data.title)
+    figure.legend(
+        handles=handles, loc="outside lower center", ncols=min(3, len(handles)), fontsize="small"
+    )
+    return save(figure, path)
+
+
+def _boundary(
+    axes: Any, x: np.ndarray, y: np.ndarray, values: np.ndarray, colour: str, style: str, name: str
+) -> Line2D:
+    """The line on which `values` change sign."""
+    shown = np.ma.masked_invalid(values)
+    if np.ma.min(shown) < 0.0 < np.ma.max(shown):
+        axes.contour(x, y, shown, levels=[0.0], colors=colour, linestyles=style, linewidths=1.6)
+    return Line2D([], [], color=colour, ls=style, lw=1.6, label=name)
+
+
+def _points(axes: Any, data: StabilityMap) -> list[Line2D]:
+    kinds = (
+        ("o", "white", "co-simulated: balanced", lambda g: g <= 0.0),
+        ("X", "black", "co-simulated: not balanced", lambda g: g > 0.0),
+        ("s", "none", "co-simulated: no verdict", math.isnan),
+    )
+    handles = []
+    for marker, face, label, belongs in kinds:
+        chosen = [p for p in data.points if belongs(p.growth)]
+        if chosen:
+            edge = "white" if face == "black" else "black"
+            (line,) = axes.plot(
+                [data.x.values[p.x] for p in chosen],
+                [data.y.values[p.y] for p in chosen],
+                marker,
+                ms=6.5,
+                mfc=face,
+                mec=edge,
+                mew=0.9,
+                label=label,
+                clip_on=False,
+                zorder=5,
+            )
+            handles.append(line)
+    return handles

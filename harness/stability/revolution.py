@@ -1,0 +1,183 @@
+"""Stability from the co-simulated units: the map of one revolution and its multipliers.
+
+Nothing here knows an equation.  The units are started from perturbed start values, coupled for one
+revolution, and read; differences of the outcomes are the columns of the monodromy matrix.  Start
+values are used rather than an edited copy of the units' states because every FMI tool has them.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..errors import SimulationError
+from ..master.cosimulation import CoSimulation
+from ..master.schedule import steps_per_rev
+from ..scene import Scene
+from ..scene.balancer import LiquidBalancer
+
+Vector = NDArray[np.float64]
+
+PERTURBATION = 1e-4  # of each state's scale: central differences err by 1e-8, rounding by 1e-12
+FIXED_POINT_TOLERANCE = 1e-9  # of each state's scale; iterated coupling is converged to 1e-10
+FIXED_POINT_ITERATIONS = 20
+
+
+@dataclass(frozen=True)
+class State:
+    """One state of one unit: the parameter that starts it, the output that shows it, its scale."""
+
+    unit: str
+    start: str
+    output: str
+    is_rate: bool
+    scale: float
+
+
+def states(scene: Scene) -> list[State]:
+    """All states of a scene's units; scales are those of displacements caused by the unbalance."""
+    assembly = scene.assembly()
+    rotor = assembly.rotor
+    moment = float(np.abs(rotor.unbalance).max(initial=0.0))
+    moment += assembly.capacity
+    length = moment / float(np.trace(rotor.mass)) or 1e-3
+    prefixes = [""]
+    if rotor.stations > 1:
+        prefixes = [f"station[{j}]." for j in range(1, rotor.stations + 1)]
+    found = [
+        State("rotor", f"{prefix}{rate}{axis}0", f"{prefix}{rate}{axis}", bool(rate), length)
+        for rate in ("", "v")
+        for axis in "xy"
+        for prefix in prefixes
+    ]
+    for balancer in scene.balancer:
+        if not isinstance(balancer, LiquidBalancer):
+            for k in range(1, balancer.count + 1):
+                weight = f"weight[{k}]."
+                found.append(State(balancer.label, weight + "angle0", weight + "angle", False, 1.0))
+                found.append(State(balancer.label, weight + "speed0", weight + "speed", True, 1.0))
+    return found
+
+
+class Revolution:
+    """One revolution of a scene's coupled units as a map of their states.
+
+    Args:
+        scene: its start values are the first guess of the main motion.
+        steps: communication steps a revolution; by default the scene's.
+        fmus: directory of ready-made FMUs.
+    """
+
+    def __init__(self, scene: Scene, *, steps: int | None = None, fmus: Path | None = None) -> None:
+        # the map is that of a constant speed, and every start must meet the same points
+        constant = {"operation.speed": scene.profile().end, "coupling.tolerance": None}
+        self.scene = scene = scene.replace(constant)
+        self.steps = steps or steps_per_rev(scene)
+        self.cosim = CoSimulation(scene, fmus=fmus, watch=False)
+        self.states = states(scene)
+        self._drives = [p.name for p in self.cosim.plans if "speed" in p.parameters]
+        self._outputs = {
+            name: unit.group([s.output for s in self.states if s.unit == name])
+            for name, unit in self.cosim.units.items()
+            if any(s.unit == name for s in self.states)
+        }
+        start = {
+            name: dict(p.parameters)
+            for name, p in zip(self.cosim.units, self.cosim.plans, strict=True)
+        }
+        self.first = np.array([float(start[s.unit].get(s.start, 0.0)) for s in self.states])
+
+    def scale(self, speed: float) -> Vector:
+        """Size of each state at a speed [rad/s]: lengths and angles, rates times the speed."""
+        return np.array([s.scale * (abs(speed) if s.is_rate else 1.0) for s in self.states])
+
+    def __call__(self, state: Vector, speed: float) -> Vector:
+        """States one revolution later, rotor at the same angle."""
+        self.begin(state, speed)
+        return self.turn(speed)
+
+    def begin(self, state: Vector, speed: float) -> None:
+        """Start the units from a state, rotor at its starting angle."""
+        changes: dict[str, dict[str, float | bool]] = {
+            name: {"speed": speed, "acceleration": 0.0} for name in self._drives
+        }
+        for value, s in zip(state, self.states, strict=True):
+            changes.setdefault(s.unit, {})[s.start] = float(value)
+        self.cosim.start(changes, self._step(speed))
+
+    def turn(self, speed: float) -> Vector:
+        """Step the units through one more revolution; their states then."""
+        step = self._step(speed)
+        for _ in range(self.steps):
+            self.cosim.step(step)
+        return self.now()
+
+    def _step(self, speed: float) -> float:
+        return 2.0 * math.pi / (abs(speed) * self.steps)
+
+    def now(self) -> Vector:
+        """Present states of the units."""
+        return np.array(
+            [
+                value
+                for name, group in self._outputs.items()
+                for value in self.cosim.units[name].get(group)
+            ]
+        )
+
+    def monodromy(self, state: Vector, speed: float) -> NDArray[np.float64]:
+        """Derivative of the map at a state, (n, n), in units of the states' scales."""
+        scale = self.scale(speed)
+        columns = []
+        for i in range(len(state)):
+            change = np.zeros(len(state))
+            change[i] = PERTURBATION * scale[i]
+            ahead, behind = self(state + change, speed), self(state - change, speed)
+            columns.append((ahead - behind) / (2.0 * PERTURBATION * scale))
+        return np.array(columns).T
+
+    def steady(self, speed: float, guess: Vector | None = None) -> tuple[Vector, NDArray]:
+        """Main motion: the states that one revolution returns to, and the monodromy matrix there.
+
+        Weights in a family of equilibria stay nearest to the guess (least squares).
+
+        Raises:
+            SimulationError: no fixed point near the guess.
+        """
+        state = self.first.copy() if guess is None else np.array(guess, float)
+        scale = self.scale(speed)
+        for _ in range(FIXED_POINT_ITERATIONS):
+            monodromy = self.monodromy(state, speed)
+            residual = (self(state, speed) - state) / scale
+            step = np.linalg.lstsq(np.eye(len(state)) - monodromy, residual, rcond=1e-6)[0]
+            state = state + step * scale
+            if np.abs(residual).max() <= FIXED_POINT_TOLERANCE * (1 + np.abs(state / scale).max()):
+                return state, monodromy
+        raise SimulationError(
+            f"no main motion found at {speed:g} rad/s: one revolution still moves the states by "
+            f"{np.abs(residual).max():.3g} of their scale after {FIXED_POINT_ITERATIONS} iterations"
+        )
+
+    def multipliers(self, speed: float, state: Vector | None = None) -> NDArray[np.complex128]:
+        """Multipliers of the main motion, largest modulus first; `state` if it is known."""
+        monodromy = self.steady(speed)[1] if state is None else self.monodromy(state, speed)
+        values = np.linalg.eigvals(monodromy).astype(complex)
+        return values[np.argsort(-np.abs(values), kind="stable")]
+
+    def growth_rates(self, speed: float, state: Vector | None = None) -> Vector:
+        """ln|multiplier| / period, largest first [1/s]."""
+        return np.log(np.abs(self.multipliers(speed, state))) * abs(speed) / (2.0 * math.pi)
+
+    def close(self) -> None:
+        """Free the units."""
+        self.cosim.close()
+
+    def __enter__(self) -> Revolution:
+        return self
+
+    def __exit__(self, *_exception: object) -> None:
+        self.close()

@@ -1,0 +1,113 @@
+"""`autobalancer speeds`: critical speeds by criterion, Floquet and co-simulation side by side."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from ..errors import UserError
+from ..output.terminal import console, progress_bars, ready_to_write, say
+
+if TYPE_CHECKING:
+    from rich.table import Table
+
+    from ..scene import Scene
+    from .boundaries import Speeds
+
+DEFAULT = "criterion,floquet,cosim"
+
+
+def command(
+    scene: Annotated[str, typer.Argument(help="Scene file, or the name of a bundled scene.")],
+    range_: Annotated[
+        tuple[float, float], typer.Option("--range", metavar="LOW HIGH", help="Speeds [rad/s].")
+    ],
+    method: Annotated[
+        str, typer.Option(help="criterion, floquet, cosim, cosim-run; several with commas.")
+    ] = DEFAULT,
+    json_file: Annotated[
+        Path | None, typer.Option("--json", metavar="FILE", help="Also write the speeds as JSON.")
+    ] = None,
+    scan: Annotated[
+        int, typer.Option(min=2, help="Intervals of a co-simulated scan when Floquet is not asked.")
+    ] = 60,
+    narrowest: Annotated[
+        float | None,
+        typer.Option(help="Width of a band Floquet must not miss [rad/s]; default: range/1000."),
+    ] = None,
+) -> None:
+    """Find the speeds at which balancing begins or ends."""
+    from ..checks.report import write_json
+    from ..scene import load_scene
+    from .boundaries import speeds
+
+    ready_to_write(json_file)
+    if narrowest is not None and not narrowest > 0.0:
+        raise UserError(f"--narrowest {narrowest:g} rad/s: must be positive")
+    loaded = load_scene(scene)
+    with progress_bars() as bars:
+        task = bars.add_task(f"critical speeds of {loaded.name}", total=1.0)
+        found = speeds(
+            loaded,
+            range_,
+            [name.strip() for name in method.split(",") if name.strip()],
+            narrowest=narrowest,
+            scan=scan,
+            workers=os.cpu_count() or 1,
+            progress=lambda done: bars.update(task, completed=done),
+        )
+    console().print(table(found, loaded.title or loaded.name))
+    for name, side in found.lowest.items():
+        throughout = "" if found.methods[name] else ", and up to its end"
+        say(f"{name}: {side} at the low end of the range{throughout}")
+    for name, reason in found.refused.items():
+        say(f"{name}: does not apply: {reason}", style="yellow")
+    for name in found.methods:
+        if name.startswith("cosim"):
+            say(f"{name}: {_looked(found, scan)}")
+    co_simulated = any(name.startswith("cosim") for name in found.methods)
+    say(f"FMUs loaded: {_units(loaded) if co_simulated else 'none'}")
+    if json_file is not None:
+        write_json(found.as_json(), json_file)
+
+
+def table(found: Speeds, title: str) -> Table:
+    """Crossings by method; what the methods hold for the same one stands in one row."""
+    from rich.markup import escape
+    from rich.table import Table
+
+    low, high = found.range
+    grid = Table(
+        title=escape(f"{title}: critical speeds from {low:g} to {high:g} rad/s"),
+        title_justify="left",
+    )
+    for column in ("", "above it", *(f"{name} [rad/s]" for name in found.methods)):
+        grid.add_column(column, justify="right" if "[" in column else "left")
+    both = "floquet" in found.methods and "cosim" in found.methods
+    if both:
+        grid.add_column("cosim - floquet", justify="right")
+    for number, row in enumerate(found.rows(), start=1):
+        above = next(iter(row.values())).above
+        cells = [f"{row[name].speed:.8g}" if name in row else "-" for name in found.methods]
+        if both:
+            pair = "floquet" in row and "cosim" in row
+            cells.append(f"{row['cosim'].speed - row['floquet'].speed:.1e}" if pair else "-")
+        colour = "green" if above == "stable" else "red"
+        grid.add_row(str(number), f"[{colour}]{above}[/{colour}]", *cells)
+    return grid
+
+
+def _looked(found: Speeds, scan: int) -> str:
+    if "floquet" in found.methods:
+        return "looked on both sides of every speed of Floquet, between them and at the ends"
+    width = (found.range[1] - found.range[0]) / scan
+    return f"scanned by itself: bands narrower than {width:.3g} rad/s can be missed"
+
+
+def _units(scene: Scene) -> str:
+    from ..master.plan import file_name, plan
+
+    return ", ".join(dict.fromkeys(file_name(p) for p in plan(scene)))

@@ -1,0 +1,1 @@
+"""Weights of finite size: contact, impacts, sticking, offset track."""

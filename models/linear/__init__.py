@@ -1,0 +1,1 @@
+"""Small deviations: linearisation, Floquet multipliers, boundaries of stability, modes."""

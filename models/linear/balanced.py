@@ -1,0 +1,196 @@
+"""The main motion: where the weights must stand so that the rotor does not move.
+
+With weights at angles theta_k in the rotor the rotor stands still when their static moments undo
+the unbalance, S^T (sum m R e^{i theta}) + u = 0 (Filimonikhina 2017 (3), plane by plane).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..assembly import Assembly
+from ..weights import Weights
+
+_BALANCED = 1e-12  # residual moment over the sum of all moments: rounding only
+_RANK = 1e-12  # singular values below this share of the largest one are rounding
+_IN_LINE = 0.05  # of 1 - p: weights within some 0.2 rad of one diameter
+_FREE = 1e-6  # of the capacity: weights that undo more are packed together anyway
+_NEWTON = 60
+_STARTS = 12
+_LONGEST_TURN = 0.5  # rad per Newton step: a larger one leaves the neighbourhood of the start
+
+
+class CannotBalance(ValueError):
+    """The weights cannot undo the unbalance.
+
+    Attributes:
+        needed: moment the weights of a plane would have to supply [kg m].
+        capacity: largest moment they can supply [kg m].
+    """
+
+    def __init__(self, message: str, needed: float, capacity: float) -> None:
+        super().__init__(message)
+        self.needed = needed
+        self.capacity = capacity
+
+
+@dataclass(frozen=True, eq=False)
+class WeightTable:
+    """Every single weight of an assembly, K of them, one row each.
+
+    Attributes:
+        angle: in the rotor [rad].
+        plane: index of its plane.
+        moment: m R [kg m].
+        kappa_radius: kappa R [m].
+        damping_rate: d = b/(kappa m) [1/s].
+    """
+
+    angle: NDArray[np.float64]
+    plane: NDArray[np.int_]
+    moment: NDArray[np.float64]
+    kappa_radius: NDArray[np.float64]
+    damping_rate: NDArray[np.float64]
+
+    @classmethod
+    def of(cls, assembly: Assembly) -> WeightTable:
+        """All weights in the order of the balancers, at their starting angles."""
+        angle: list[float] = []
+        rows: list[tuple[int, float, float, float]] = []
+        for mounted in assembly.weights:
+            device = mounted.device
+            assert isinstance(device, Weights)
+            if len(mounted.angles) != device.count:
+                raise ValueError(
+                    f"{mounted.name}: {len(mounted.angles)} angles for {device.count} weights"
+                )
+            angle.extend(mounted.angles)
+            row = (
+                mounted.plane,
+                device.mass * device.track_radius,
+                device.kappa * device.track_radius,
+                device.damping_rate,
+            )
+            rows.extend([row] * device.count)
+        columns = np.array(rows, float).reshape(-1, 4).T
+        return cls(
+            np.array(angle, float), columns[0].astype(int), columns[1], columns[2], columns[3]
+        )
+
+
+def residual_unbalance(assembly: Assembly, angles: NDArray[np.float64]) -> NDArray[np.complex128]:
+    """What the weights at `angles` (K,) [rad] leave of the unbalance, S^T moments + u (n,)."""
+    table = WeightTable.of(assembly)
+    return _residual(assembly, table, angles)
+
+
+def _residual(assembly: Assembly, table: WeightTable, angles: NDArray) -> NDArray[np.complex128]:
+    pulls = assembly.rotor.planes[table.plane] * table.moment[:, None]
+    return assembly.rotor.unbalance + np.exp(1j * angles) @ pulls
+
+
+def _check_reach(assembly: Assembly, table: WeightTable) -> dict[int, complex]:
+    """Moment each plane must supply when it is unique; raises when one is out of reach."""
+    used = np.unique(table.plane)
+    share = assembly.rotor.planes[used].T.astype(complex)
+    target = -assembly.rotor.unbalance
+    size = float(np.abs(target).max(initial=0.0))
+    needed, _, rank, _ = np.linalg.lstsq(share, target, rcond=_RANK)
+    left = float(np.abs(share @ needed - target).max(initial=0.0))
+    total = float(table.moment.sum())
+    if left > 1e-10 * size:
+        raise CannotBalance(
+            f"an unbalance of {size:g} kg m cannot be undone in the planes that carry weights: "
+            f"{left:g} kg m would be left whatever their moment",
+            size,
+            total,
+        )
+    if rank < len(used):
+        return {}
+    moments: dict[int, complex] = {}
+    for plane, moment in zip(used.tolist(), needed, strict=True):
+        lengths = table.moment[table.plane == plane]
+        most = float(lengths.sum())
+        least = max(0.0, 2.0 * float(lengths.max()) - most)
+        size = abs(moment)
+        if size > most * (1.0 + _BALANCED) or size < least * (1.0 - _BALANCED):
+            span = f"at most {most:g}" if size > most else f"no less than {least:g}"
+            raise CannotBalance(
+                f"the unbalance needs a moment of {size:g} kg m in plane {plane + 1}; "
+                f"its {len(lengths)} weights can make {span} kg m",
+                size,
+                most,
+            )
+        moments[plane] = complex(moment)
+    return moments
+
+
+def _newton(assembly: Assembly, table: WeightTable, angles: NDArray) -> NDArray | None:
+    """Gauss-Newton with least turns; None when it does not reach balance."""
+    pulls = assembly.rotor.planes[table.plane] * table.moment[:, None]
+    scale = float(np.abs(pulls).sum()) + float(np.abs(assembly.rotor.unbalance).sum())
+    for _ in range(_NEWTON):
+        left = _residual(assembly, table, angles)
+        if float(np.abs(left).max()) <= _BALANCED * scale:
+            return angles
+        slope = 1j * np.exp(1j * angles)[:, None] * pulls
+        matrix = np.concatenate([slope.real, slope.imag], axis=1).T
+        right = np.concatenate([left.real, left.imag])
+        turn = np.linalg.lstsq(matrix, -right, rcond=1e-6)[0]
+        longest = float(np.abs(turn).max())
+        angles = angles + turn * min(1.0, _LONGEST_TURN / longest if longest > 0.0 else 1.0)
+    return None
+
+
+def _needlessly_in_line(table: WeightTable, moments: dict[int, complex], angles: NDArray) -> bool:
+    """Whether all weights of a plane stand on one diameter though others of the family do not.
+
+    There they cannot push across it, and what drives them vanishes; evenly spread weights end so.
+    """
+    for plane, moment in moments.items():
+        on = table.plane == plane
+        lengths = table.moment[on]
+        free = len(lengths) > 2 and abs(moment) < lengths.sum() * (1.0 - _FREE)
+        if free and abs(lengths @ np.exp(2j * angles[on])) > lengths.sum() * (1.0 - _IN_LINE):
+            return True
+    return False
+
+
+def balanced_angles(assembly: Assembly) -> NDArray[np.float64]:
+    """Angles (K,) [rad] of all weights in the main motion.
+
+    The given angles when they balance; else the balanced position that Newton's method with least
+    turns finds from them.  Two weights have one such position up to their exchange; of the family
+    of three and more weights it is the member next to the given angles.  A start from which the
+    weights cannot reach balance, or only with all of them on one line, is left by a small fixed
+    spread.
+
+    Raises:
+        CannotBalance: the unbalance is out of the weights' reach.
+        ArithmeticError: no balanced position was found although none of these limits forbids one.
+    """
+    table = WeightTable.of(assembly)
+    if len(table.angle) == 0:
+        return table.angle
+    moments = _check_reach(assembly, table)
+    start = table.angle.copy()
+    for plane, moment in moments.items():
+        on = table.plane == plane
+        if abs(moment) >= table.moment[on].sum() * (1.0 - _BALANCED):
+            start[on] = np.angle(moment)  # all weights together: Newton would creep there
+    golden = np.modf(np.arange(1, len(start) + 1) * 0.6180339887498949)[0] - 0.5
+    in_line = None
+    for attempt in range(_STARTS):
+        found = _newton(assembly, table, start + 0.3 * attempt * golden if attempt else start)
+        if found is None:
+            continue
+        if found is start or not _needlessly_in_line(table, moments, found):
+            return found
+        in_line = found if in_line is None else in_line
+    if in_line is not None:
+        return in_line
+    size = float(np.abs(assembly.rotor.unbalance).max(initial=0.0))
+    raise ArithmeticError(f"no balanced position found for an unbalance of {size:g} kg m")

@@ -1,0 +1,228 @@
+"""Small motions about the main motion, x' = A(t) x, in the frame of the rotor.
+
+In that frame (zeta = z e^{-i beta}, D = d/dt + i w) rotor and weights read
+
+    M D^2 zeta + (C + C_i - i w G) D zeta + (K - i w C_i) zeta + anisotropy = -D^2 S^T ds,
+    kappa theta_k'' + (b/m) theta_k' = -(1/R) Im(D^2 zeta_plane e^{-i theta_k}),
+    anisotropy = e^{-2 i beta} (dC conj(D zeta) + dK conj(zeta)),
+
+dC, dK half the difference between the axes: constant coefficients for an isotropic rotor, one pair
+of harmonics of 2 beta for any other (Filimonikhin 2011 (11), Filimonikhina 2017 (9)).
+
+Turns of the weights that leave S^T ds unchanged are neutral: the turned weights are at rest again,
+so their multiplier is exactly 1.  They are taken out by coordinates, not recognised afterwards: the
+state holds only the part of the turns that S^T ds sees, and of the rates only what feeds it.
+The rates left over, of weights of equal drag rate d, decay freely as e^{-d t}.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..assembly import Assembly
+from ..rotor import LinearRotor
+from .balanced import WeightTable, balanced_angles
+
+Matrix = NDArray[np.float64]
+_TURN = np.array([[0.0, -1.0], [1.0, 0.0]])  # i
+# e^{-2 i beta} conj(zeta) = (mirror[0] cos 2 beta + mirror[1] sin 2 beta) zeta
+_MIRRORS = np.array([[[1.0, 0.0], [0.0, -1.0]], [[0.0, -1.0], [-1.0, 0.0]]])
+_RANK = 1e-12  # such a direction couples to the rotor with the square of this
+
+
+@dataclass(frozen=True, eq=False)
+class Linearised:
+    """A(w, beta) = sum_k w^k steady[k] + cosine cos 2 beta + sine sin 2 beta.
+
+    Attributes:
+        steady: (3, d, d) coefficients of 1, w, w^2.
+        cosine, sine: (d, d) parts due to anisotropy.
+        turning: (d, d) what w must be multiplied by and added to undo the turning of the frame.
+        constant: True when they vanish, so that eigenvalues decide.
+        neutral: number of turns of weights that change no moment: multiplier exactly 1 each.
+        free_decay: (f,) drag rates d of the free rates: multiplier e^{-d T} each [1/s].
+        fastest: estimate of the highest natural frequency [rad/s].
+        angles: (K,) of the weights in the main motion [rad].
+    """
+
+    steady: Matrix
+    cosine: Matrix
+    sine: Matrix
+    turning: Matrix
+    constant: bool
+    neutral: int
+    free_decay: NDArray[np.float64]
+    fastest: float
+    angles: NDArray[np.float64]
+
+    @property
+    def size(self) -> int:
+        """Order d of the system without neutral and freely decaying directions."""
+        return int(self.steady.shape[1])
+
+
+@dataclass(frozen=True, eq=False)
+class _Couplings:
+    """Weights in the coordinates that the rotor sees: turns g (r,) and rates v (R,)."""
+
+    pull_turn: Matrix  # (2n, r)  S^T ds = pull_turn g
+    pull_rate: Matrix  # (2n, R)  and of the rates
+    feed: Matrix  # (r, R)   g' = feed v
+    drag: NDArray[np.float64]  # (R,)     v' = -drag v - drive a
+    drive: Matrix  # (R, 2n)
+    neutral: int
+    free_decay: NDArray[np.float64]
+
+
+def _row_space(matrix: Matrix) -> Matrix:
+    """Orthonormal basis (columns) of the row space."""
+    _, values, rows = np.linalg.svd(matrix, full_matrices=False)
+    rank = int((values > _RANK * values.max(initial=0.0)).sum())
+    return rows[:rank].T
+
+
+def _couplings(assembly: Assembly, table: WeightTable, angles: NDArray) -> _Couplings:
+    """Split the weights' turns and rates, group by group of equal drag rate."""
+    planes = assembly.rotor.planes[table.plane]  # (K, n)
+    tangent = np.hstack(
+        [-np.sin(angles)[:, None] * planes, np.cos(angles)[:, None] * planes]
+    )  # (K, 2n): along-track part of a unit acceleration; transposed, of a unit moment
+    reach = np.linalg.norm(planes, axis=1)
+    reach[reach == 0.0] = 1.0
+    # turns are counted as moments, so that light and heavy weights have columns of equal length
+    column = (tangent / reach[:, None]).T
+    turns = _row_space(column)
+    bases, drags, drives, decays = [], [], [], []
+    for rate in np.unique(table.damping_rate):
+        group = np.flatnonzero(table.damping_rate == rate)
+        inside = _row_space(column[:, group])
+        basis = np.zeros((len(angles), inside.shape[1]))
+        basis[group] = inside
+        bases.append(basis)
+        drags.append(np.full(inside.shape[1], rate))
+        decays.append(np.full(len(group) - inside.shape[1], rate))
+        weight = table.moment[group] * reach[group] / table.kappa_radius[group]
+        drives.append(inside.T @ (weight[:, None] * tangent[group]))
+    rates = np.hstack(bases)
+    return _Couplings(
+        pull_turn=column @ turns,
+        pull_rate=column @ rates,
+        feed=turns.T @ rates,
+        drag=np.concatenate(drags),
+        drive=np.vstack(drives),
+        neutral=len(angles) - turns.shape[1],
+        free_decay=np.concatenate(decays),
+    )
+
+
+def _no_weights(stations: int) -> _Couplings:
+    """The rotor alone."""
+    none = np.zeros(0)
+    return _Couplings(
+        np.zeros((2 * stations, 0)),
+        np.zeros((2 * stations, 0)),
+        np.zeros((0, 0)),
+        none,
+        np.zeros((0, 2 * stations)),
+        0,
+        none,
+    )
+
+
+@dataclass(frozen=True, eq=False)
+class _Blocks:
+    """Where q = zeta, u = D zeta, turns g and rates v stand in the state; real parts first."""
+
+    q: slice
+    u: slice
+    g: slice
+    v: slice
+    size: int
+
+    @classmethod
+    def of(cls, couplings: _Couplings) -> _Blocks:
+        n2, r = couplings.pull_turn.shape
+        size = 2 * n2 + r + couplings.pull_rate.shape[1]
+        v = slice(2 * n2 + r, size)
+        return cls(slice(0, n2), slice(n2, 2 * n2), slice(2 * n2, 2 * n2 + r), v, size)
+
+
+def _forces(rotor: LinearRotor, c: _Couplings, at: _Blocks) -> tuple[Matrix, Matrix]:
+    """Rows of M_eff D^2 zeta: by powers of w (3, 2n, d), and by cos, sin of 2 beta (2, 2n, d)."""
+    both, turn = np.eye(2), np.kron(_TURN, np.eye(rotor.stations))
+    mean_stiffness = (rotor.stiffness_x + rotor.stiffness_y) / 2.0
+    mean_damping = (rotor.damping_x + rotor.damping_y) / 2.0 + rotor.internal_damping
+    steady = np.zeros((3, 2 * rotor.stations, at.size))
+    steady[0, :, at.q] = -np.kron(both, mean_stiffness)
+    steady[0, :, at.u] = -np.kron(both, mean_damping)
+    steady[0, :, at.v] = c.pull_rate * c.drag
+    steady[1, :, at.q] = turn @ np.kron(both, rotor.internal_damping)
+    steady[1, :, at.u] = turn @ np.kron(both, rotor.gyroscopic)
+    steady[1, :, at.v] = -2.0 * turn @ c.pull_rate
+    steady[2, :, at.g] = c.pull_turn
+    swing = np.zeros((2, 2 * rotor.stations, at.size))
+    for part, mirror in enumerate(_MIRRORS):
+        swing[part, :, at.q] = -np.kron(mirror, (rotor.stiffness_x - rotor.stiffness_y) / 2.0)
+        swing[part, :, at.u] = -np.kron(mirror, (rotor.damping_x - rotor.damping_y) / 2.0)
+    return steady, swing
+
+
+def _fastest(rotor: LinearRotor, mass: Matrix) -> float:
+    """Estimate of the highest natural frequency [rad/s] for the real (2n, 2n) mass matrix."""
+    stiffness = np.kron(np.diag([1.0, 0.0]), rotor.stiffness_x)
+    stiffness += np.kron(np.diag([0.0, 1.0]), rotor.stiffness_y)
+    return float(np.sqrt(np.abs(np.linalg.eigvals(np.linalg.solve(mass, stiffness))).max()))
+
+
+def linearise(assembly: Assembly) -> Linearised:
+    """The system about the main motion of any assembly.
+
+    Without weights the frame is fixed instead, where every rotor has constant coefficients; the
+    main motion is then the steady whirl, and a linear rotor is disturbed alike about any motion.
+
+    Raises:
+        CannotBalance: the weights cannot undo the unbalance.
+    """
+    rotor = assembly.loaded_rotor
+    angles = balanced_angles(assembly)
+    in_rotor = len(angles) > 0
+    if in_rotor:
+        c = _couplings(assembly, WeightTable.of(assembly), angles)
+    else:
+        c = _no_weights(rotor.stations)
+    at = _Blocks.of(c)
+    mass = np.kron(np.eye(2), rotor.mass) - c.pull_rate @ c.drive
+
+    def rows(force: Matrix) -> Matrix:
+        """A as far as it comes from D^2 zeta."""
+        acceleration = np.linalg.solve(mass, force)
+        out = np.zeros((*force.shape[:-2], at.size, at.size))
+        out[..., at.u, :], out[..., at.v, :] = acceleration, -c.drive @ acceleration
+        return out
+
+    forces, swing = _forces(rotor, c, at)
+    steady, (cosine, sine) = rows(forces), rows(swing)
+    steady[0, at.q, at.u] += np.eye(2 * rotor.stations)
+    steady[0, at.g, at.v] += c.feed
+    steady[0, at.v, at.v] -= np.diag(c.drag)
+    turning = np.zeros((at.size, at.size))
+    if in_rotor:
+        turning[at.q, at.q] = turning[at.u, at.u] = np.kron(_TURN, np.eye(rotor.stations))
+        steady[1] -= turning
+    else:
+        steady[0] += cosine
+        cosine, sine = np.zeros_like(cosine), np.zeros_like(sine)
+    return Linearised(
+        steady=steady,
+        cosine=cosine,
+        sine=sine,
+        turning=turning,
+        constant=not (cosine.any() or sine.any()),
+        neutral=c.neutral,
+        free_decay=c.free_decay,
+        fastest=_fastest(rotor, mass),
+        angles=angles,
+    )

@@ -1,0 +1,181 @@
+"""Natural frequencies, damping and mode shapes of a turning rotor; its critical speeds.
+
+Motion q = e^{lambda t}: |lambda| is the natural frequency, -Re/|lambda| the damping ratio, and the
+sense in which the shaft's centre runs round its orbit tells forward whirl from backward.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.linalg import eigh
+from scipy.optimize import linear_sum_assignment
+
+from ..rotor import LinearRotor
+
+_PLANAR = 1e-6  # |whirl| below it is a straight line: rounding of equal x and y frequencies
+_REAL = 1e-9  # |Im|/|lambda| below it is an overdamped motion, not an oscillation
+
+
+@dataclass(frozen=True, eq=False)
+class Modes:
+    """Modes at one speed, by rising frequency; m = 2n (more if some are overdamped).
+
+    Attributes:
+        speed: of the rotor [rad/s].
+        eigenvalues: (m,) lambda with Im >= 0 [1/s].
+        shapes: (m, 2, n) complex amplitudes of x and y per station, largest modulus 1:
+            x = Re(X e^{lambda t}).
+        whirl: (m,) +1 forward circles, -1 backward circles, 0 a straight line, ellipses between.
+    """
+
+    speed: float
+    eigenvalues: NDArray[np.complex128]
+    shapes: NDArray[np.complex128]
+    whirl: NDArray[np.float64]
+
+    @property
+    def natural_frequencies(self) -> NDArray[np.float64]:
+        """|lambda| (m,) [rad/s]."""
+        return np.abs(self.eigenvalues)
+
+    @property
+    def damped_frequencies(self) -> NDArray[np.float64]:
+        """Im lambda (m,) [rad/s], 0 for an overdamped motion."""
+        return self.eigenvalues.imag
+
+    @property
+    def damping_ratios(self) -> NDArray[np.float64]:
+        """-Re lambda/|lambda| (m,), negative when unstable, 0 where lambda = 0."""
+        size = np.abs(self.eigenvalues)
+        return -self.eigenvalues.real / np.where(size > 0.0, size, 1.0)
+
+    @property
+    def directions(self) -> tuple[str, ...]:
+        """ "forward", "backward" or "planar" for each mode."""
+        return tuple(
+            "planar" if abs(w) < _PLANAR else "forward" if w > 0.0 else "backward"
+            for w in self.whirl
+        )
+
+
+@dataclass(frozen=True, eq=False)
+class Campbell:
+    """Modes followed over the speeds: column k is one and the same mode.
+
+    Attributes:
+        speeds: (s,) [rad/s].
+        eigenvalues: (s, m) [1/s].
+        whirl: (s, m) as in `Modes`.
+    """
+
+    speeds: NDArray[np.float64]
+    eigenvalues: NDArray[np.complex128]
+    whirl: NDArray[np.float64]
+
+
+def modes(rotor: LinearRotor, speed: float) -> Modes:
+    """Modes at a constant speed [rad/s]."""
+    values, vectors = _eigenpairs(rotor, speed)
+    values = np.where(np.abs(values.imag) <= _REAL * np.abs(values), values.real, values)
+    if rotor.isotropic:
+        # e^{lambda t} of z = x + i y turns; as real motion its conjugate has Im >= 0
+        backward = values.imag < 0.0
+        values = np.where(backward, values.conj(), values)
+        x = np.where(backward[:, None], vectors.conj(), vectors)
+        shapes = np.stack([x, np.where(backward, 1j, -1j)[:, None] * x], axis=1)
+    else:
+        upper = values.imag >= 0.0
+        values = values[upper]
+        shapes = vectors[upper].reshape(len(values), 2, rotor.stations)
+    order = np.lexsort((values.real, np.abs(values)))
+    shapes = _normalised(shapes[order])
+    values = values[order]
+    whirl = np.where(values.imag > 0.0, _whirl(shapes), 0.0)
+    return Modes(speed, values, shapes, whirl)
+
+
+def campbell(rotor: LinearRotor, speeds: Sequence[float]) -> Campbell:
+    """Modes against speed, each followed from one speed to the next.
+
+    Where two frequencies cross, eigenvalue and shape together tell the modes apart.
+
+    Raises:
+        ValueError: no speeds, or a mode is an oscillation at one speed and overdamped at another,
+            so that their number changes.
+    """
+    if not len(speeds):
+        raise ValueError("speeds: give at least one [rad/s]")
+    steps = [modes(rotor, float(speed)) for speed in speeds]
+    if len({len(step.eigenvalues) for step in steps}) > 1:
+        raise ValueError(
+            "a mode is overdamped at some of these speeds and oscillates at others: "
+            "use modes() at each speed"
+        )
+    tracks = [np.arange(len(steps[0].eigenvalues))]
+    for last, now in pairwise(steps):
+        tracks.append(_match(last, now)[tracks[-1]])
+    return Campbell(
+        np.asarray(speeds, float),
+        np.array([step.eigenvalues[t] for step, t in zip(steps, tracks, strict=True)]),
+        np.array([step.whirl[t] for step, t in zip(steps, tracks, strict=True)]),
+    )
+
+
+def critical_speeds(rotor: LinearRotor) -> NDArray[np.float64]:
+    """Speeds at which unbalance excites an undamped mode [rad/s], ascending.
+
+    K v = w^2 (M - G) v for an isotropic rotor: forward whirl only, and where the polar inertia
+    exceeds the transverse one a mode has none.  Otherwise K v = w^2 (M - i J G) v in both axes,
+    where backward whirl is excited too.
+    """
+    mass, damping, stiffness = rotor.coefficients(0.0)
+    _, turning, _ = rotor.coefficients(1.0)
+    elastic = stiffness.real if rotor.isotropic else stiffness
+    inertial = mass - 1j * (turning - damping)
+    # K is positive definite, M - i J G need not be: solve for 1/w^2
+    inverse_squares = eigh(inertial, elastic, eigvals_only=True)
+    real = inverse_squares[inverse_squares > np.finfo(float).eps * np.abs(inverse_squares).max()]
+    return np.sort(1.0 / np.sqrt(real))
+
+
+def _eigenpairs(rotor: LinearRotor, speed: float) -> tuple[NDArray, NDArray]:
+    """Eigenvalues (2 dof,) and displacement parts of the eigenvectors, (2 dof, dof)."""
+    mass, damping, stiffness = rotor.coefficients(speed)
+    dof = len(mass)
+    system = np.zeros((2 * dof, 2 * dof), dtype=mass.dtype)
+    system[:dof, dof:] = np.eye(dof)
+    system[dof:] = -np.linalg.solve(mass, np.hstack([stiffness, damping]))
+    values, vectors = np.linalg.eig(system)
+    return values, vectors[:dof].T
+
+
+def _normalised(shapes: NDArray) -> NDArray:
+    """Every shape divided by its largest entry."""
+    flat = shapes.reshape(len(shapes), -1)
+    largest = flat[np.arange(len(flat)), np.abs(flat).argmax(axis=1)]
+    return shapes / largest[:, None, None]
+
+
+def _whirl(shapes: NDArray) -> NDArray[np.float64]:
+    """z = (X + i Y)/2 e^{i t} + conj(X - i Y)/2 e^{-i t}: forward share less backward."""
+    x, y = shapes[:, 0], shapes[:, 1]
+    forward = (np.abs(x + 1j * y) ** 2).sum(axis=1)
+    backward = (np.abs(x - 1j * y) ** 2).sum(axis=1)
+    return (forward - backward) / (forward + backward)
+
+
+def _match(last: Modes, now: Modes) -> NDArray[np.intp]:
+    """Index in `now` of every mode of `last`: nearest eigenvalue, least change of shape."""
+    a = last.shapes.reshape(len(last.shapes), -1)
+    b = now.shapes.reshape(len(now.shapes), -1)
+    a = a / np.linalg.norm(a, axis=1)[:, None]
+    b = b / np.linalg.norm(b, axis=1)[:, None]
+    size = np.abs(last.eigenvalues).max()
+    apart = np.abs(last.eigenvalues[:, None] - now.eigenvalues) / (size or 1.0)
+    cost = apart + (1.0 - np.abs(a.conj() @ b.T) ** 2)
+    return linear_sum_assignment(cost)[1]

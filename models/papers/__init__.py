@@ -1,0 +1,1 @@
+"""Closed forms and tables of the papers."""

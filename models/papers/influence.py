@@ -1,0 +1,156 @@
+"""Influence coefficients: vibration of the supports per unbalance in a correction plane.
+
+Polushkin 2016.  An unbalance D = |D| e^{i phi} [kg m] in plane j makes support i vibrate as
+x_i = Re(K_ij D e^{i w t}): K_ij [1/kg] is complex, a coefficient of the old technology is a real
+number.  Superposition gives A = K D (6); trial runs give K (20), (22) and its inverse gives D (23).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..rotor import LinearRotor
+
+Complex = NDArray[np.complexfloating]
+
+
+def influence(rotor: LinearRotor, speed: float, planes: NDArray | None = None) -> Complex:
+    """Synchronous response of every station to a unit unbalance in every plane, (2, n, p) [1/kg].
+
+    `[0, i, j]` is K_ij of x = Re(K D e^{i w t}), `[1, i, j]` that of y.  Gyroscopic coupling and
+    anisotropy are in it.
+
+    Args:
+        speed: w [rad/s].
+        planes: (p, n) rows instead of the rotor's own, for a plane at any position
+            (`rotor_kinds.line_rows`).
+
+    Raises:
+        ValueError: an undamped rotor turns exactly at its critical speed: no bounded response.
+    """
+    rows = rotor.planes if planes is None else np.asarray(planes, float)
+    mass, damping, stiffness = rotor.coefficients(speed)
+    dynamic = stiffness - speed**2 * mass + 1j * speed * damping
+    force = speed**2 * rows.T.astype(complex)
+    try:
+        if rotor.isotropic:
+            z = np.linalg.solve(dynamic, force)
+            return np.array([z, -1j * z])
+        # z = e^{i w t}: y = sin w t = Re(-i e^{i w t})
+        both = np.linalg.solve(dynamic, np.vstack([force, -1j * force]))
+    except np.linalg.LinAlgError:
+        raise ValueError(
+            f"speed = {speed!r} rad/s: a critical speed of an undamped rotor, no bounded response"
+        ) from None
+    return both.reshape(2, rotor.stations, -1)
+
+
+def inverse_dynamic_stiffness(
+    mass: float,
+    inertia: float,
+    span: float,
+    stiffness: Sequence[float],
+    damping: Sequence[float],
+    speed: float,
+) -> Complex:
+    """[L]^-1 (2, 2) [m/N] of the symmetric rigid rotor in one axis, Polushkin 2016 (13), (14).
+
+    Args:
+        mass, inertia, span: m [kg], I [kg m^2], l [m]; the centre of mass is in the middle.
+        stiffness, damping: (k1, k2) [N/m] and (c1, c2) [N s/m].
+        speed: w [rad/s].
+    """
+    own = speed**2 * (mass / 4.0 + inertia / span**2)
+    cross = speed**2 * (mass / 4.0 - inertia / span**2)
+    first = stiffness[0] - own + 1j * speed * damping[0]
+    second = stiffness[1] - own + 1j * speed * damping[1]
+    determinant = first * second - cross**2
+    return np.array([[second, cross], [cross, first]]) / determinant
+
+
+def left_plane(inverse: Complex, span: float, speed: float, distance: float) -> Complex:
+    """(15): {K_11, K_21} of a plane at `distance` A from the left support, (2,) [1/kg]."""
+    return speed**2 / span * (inverse @ np.array([span - distance, distance]))
+
+
+def right_plane(inverse: Complex, span: float, speed: float, distance: float) -> Complex:
+    """(17): {K_12, K_22} of a plane at `distance` C from the right support, (2,) [1/kg]."""
+    return speed**2 / span * (inverse @ np.array([distance, span - distance]))
+
+
+def from_trial_runs(first_run: NDArray, trial_runs: NDArray, trial_unbalances: NDArray) -> Complex:
+    """(20), (22): K (s, p) from what s sensors saw, one trial unbalance a run.
+
+    Args:
+        first_run: (s,) complex amplitudes A_i without trial unbalance [m].
+        trial_runs: (p, s) amplitudes A_ij with the trial unbalance in plane j alone [m].
+        trial_unbalances: (p,) complex trial unbalances, none of them zero [kg m].
+
+    Raises:
+        ValueError: a trial unbalance is zero, or the shapes do not fit.
+    """
+    before = np.asarray(first_run, complex)
+    runs = np.asarray(trial_runs, complex)
+    trials = np.asarray(trial_unbalances, complex)
+    if runs.shape != (len(trials), len(before)):
+        raise ValueError(
+            f"trial_runs has shape {runs.shape}: must be {(len(trials), len(before))}, "
+            "one run a trial unbalance and one amplitude a sensor"
+        )
+    if not np.all(np.abs(trials) > 0.0):
+        raise ValueError(f"trial_unbalances = {trials.tolist()}: none may be zero [kg m]")
+    return ((runs - before) / trials[:, None]).T
+
+
+def unbalance_from_response(coefficients: NDArray, response: NDArray) -> Complex:
+    """(23): unbalances D (p,) [kg m] from amplitudes A (s,) [m]; the correction to mount is -D.
+
+    With more sensors than planes the least-squares solution.
+
+    Raises:
+        ValueError: the coefficients do not tell the planes apart.
+    """
+    k = np.asarray(coefficients, complex)
+    solution, _, rank, _ = np.linalg.lstsq(k, np.asarray(response, complex), rcond=None)
+    if rank < k.shape[1]:
+        raise ValueError(
+            f"influence coefficients of rank {rank} for {k.shape[1]} planes: "
+            "move a plane or a sensor"
+        )
+    return solution
+
+
+def scalar_coefficients(coefficients: NDArray, lag: float = 0.0) -> Complex:
+    """(4): magnitudes |K_ij|, all with one phase `lag` [rad] that the machine was calibrated to."""
+    return np.abs(coefficients) * np.exp(1j * lag)
+
+
+def residual_map(true: NDArray, used: NDArray) -> Complex:
+    """Matrix (p, p) that takes the unbalance before a correction to the one after it.
+
+    D' = D - used^-1 (true D).  Its spectral radius says whether repeated correction with the
+    coefficients `used` converges, and how fast; zero for the true ones.
+    """
+    return np.eye(np.shape(true)[1]) - np.linalg.pinv(used) @ np.asarray(true, complex)
+
+
+def balancing_cycles(
+    true: NDArray, used: NDArray, unbalance: NDArray, allowed: float, most: int = 50
+) -> list[Complex]:
+    """Unbalances (p,) found at each run, the last one the control run within `allowed` [kg m].
+
+    The number of entries is the paper's number of balancing cycles.  When `most` runs do not
+    suffice the last entry is still above `allowed`.
+
+    Args:
+        true, used: (s, p) coefficients of the machine, and those its operator works with [1/kg].
+        unbalance: (p,) complex unbalances at the start [kg m].
+        allowed: largest modulus that may remain in any plane [kg m].
+    """
+    runs = [np.asarray(unbalance, complex)]
+    while np.abs(runs[-1]).max() > allowed and len(runs) < most:
+        runs.append(runs[-1] - unbalance_from_response(used, np.asarray(true) @ runs[-1]))
+    return runs

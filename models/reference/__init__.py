@@ -1,0 +1,1 @@
+"""Independent motion of a whole assembly, to hold co-simulation against."""

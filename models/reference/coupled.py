@@ -1,0 +1,215 @@
+"""A rotor and its balancers as one ordinary differential equation.
+
+Formulated apart from the units, which work in the rotor frame and split the force: here the axes
+are fixed, the weights' angles phi absolute, and Filimonikhina 2017 (4) with the liquid of
+Dubovik 2006 (3) and the w' terms of (5) is solved for all accelerations at once.  With a weight's
+
+    phi'' = -d (phi' - w) + (x'' sin phi - y'' cos phi)/(kappa R),      d = b/(kappa m),
+
+put into the force, N weights leave the mass N m 1 - (m/kappa) sum [[s^2, -s c], [-s c, c^2]] on
+their plane (s, c = sin phi, cos phi), which turns with them and is solved for at each evaluation.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..assembly import Assembly, SpeedProfile
+from ..weights import Weights
+
+Array = NDArray[np.float64]
+RightHandSide = Callable[[float, Array], "Array | list[float]"]
+
+
+@dataclass(frozen=True)
+class Start:
+    """Motion at time 0: displacements and velocities per station (or of all), angle of the rotor.
+
+    `x`, `y` [m], `vx`, `vy` [m/s], `angle` [rad].  The weights' start is in their `Mounted`.
+    """
+
+    x: float | Sequence[float] = 0.0
+    y: float | Sequence[float] = 0.0
+    vx: float | Sequence[float] = 0.0
+    vy: float | Sequence[float] = 0.0
+    angle: float = 0.0
+
+
+REST = Start()
+
+
+class Monolith:
+    """The coupled equations of `assembly` driven with `profile`.
+
+    The state, (4 n + 2 N,) for n stations and N weights of all balancers in their order, is
+    (x, y, vx, vy, phi, phi').  `rhs(t, y)` is its derivative: in plain numbers for one station,
+    where it is several times faster, else in arrays.  Both are the same equations.
+    """
+
+    def __init__(self, assembly: Assembly, profile: SpeedProfile, angle: float = 0.0) -> None:
+        """Set up the matrices; `angle` [rad] is the rotor's at time 0."""
+        rotor = assembly.rotor
+        self.assembly, self.profile, self.angle = assembly, profile, angle
+        self.stations = rotor.stations
+        mounted = [m for m in assembly.weights for _ in range(_weights(m.device).count)]
+        devices = [_weights(m.device) for m in mounted]
+        self._plane = np.array([m.plane for m in mounted], int)
+        self._pull = np.array([d.mass * d.track_radius for d in devices])
+        self._share = np.array([d.mass / d.kappa for d in devices])
+        self._drag = np.array([d.damping_rate for d in devices])
+        self._lever = np.array([1.0 / (d.kappa * d.track_radius) for d in devices])
+        self._damping_x = rotor.damping_x + rotor.internal_damping
+        self._damping_y = rotor.damping_y + rotor.internal_damping
+        plain = self.stations == 1 and bool((rotor.planes == 1.0).all())
+        plain = plain and not rotor.gyroscopic.any()
+        self.rhs: RightHandSide = self.scalar_rhs() if plain else self.array_rhs
+
+    @property
+    def size(self) -> int:
+        """Length of the state, 4 n + 2 N."""
+        return 4 * self.stations + 2 * len(self._plane)
+
+    def initial(self, start: Start = REST) -> Array:
+        """State at time 0, (size,).
+
+        Raises:
+            ValueError: a weight's angle is missing, or a value is not one number or n of them.
+        """
+        parts = [
+            np.broadcast_to(np.asarray(value, float), self.stations)
+            for value in (start.x, start.y, start.vx, start.vy)
+        ]
+        angles: list[float] = []
+        rates: list[float] = []
+        for m in self.assembly.weights:
+            count = _weights(m.device).count
+            if len(m.angles) != count or len(m.speeds) not in (0, count):
+                raise ValueError(f"{m.name}: needs {count} angles, and as many speeds or none")
+            angles += m.angles
+            rates += m.speeds or (0.0,) * count
+        phi = np.array(angles) + start.angle
+        return np.concatenate([*parts, phi, np.array(rates) + self.profile.speed(0.0)])
+
+    def scales(self, start: Start = REST) -> Array:
+        """Typical size of each part of the state, (size,): what absolute tolerances refer to."""
+        rotor = self.assembly.rotor
+        moment = max([float(np.abs(rotor.unbalance).max()), *self._pull])
+        mass = float(np.abs(np.linalg.eigvalsh(self.assembly.loaded_rotor.mass)).max())
+        speed = max(abs(self.profile.start), abs(self.profile.end))
+        state = np.abs(self.initial(start))
+        n = self.stations
+        length = max(moment / mass, float(state[: 2 * n].max())) or 1.0
+        velocity = max(length * speed, float(state[2 * n : 4 * n].max())) or length
+        ones = np.ones(len(self._plane))
+        turning = max([speed, *state[4 * n + len(ones) :]]) or 1.0
+        lateral = np.repeat([length, velocity], 2 * n)
+        return np.concatenate([lateral, ones, turning * ones])
+
+    def accelerations(self, t: float, y: Array) -> tuple[Array, Array]:
+        """x'' and y'' of the stations, (2, n) [m/s^2], and phi'' of the weights (N,) [rad/s^2]."""
+        rotor, n, count = self.assembly.rotor, self.stations, len(self._plane)
+        q_x, q_y, v_x, v_y = y[: 4 * n].reshape(4, n)
+        phi, phi1 = y[4 * n :].reshape(2, count)
+        w, w1 = self.profile.speed(t), self.profile.acceleration(t)
+        s, c, slip = np.sin(phi), np.cos(phi), self._drag * (phi1 - w)
+
+        def on_planes(values: Array) -> Array:
+            return np.bincount(self._plane, values, rotor.plane_count).astype(float)
+
+        lateral, added = rotor.planes, self.assembly.added_mass
+        mass = np.empty((2 * n, 2 * n))
+        xx, yy = added - on_planes(self._share * s * s), added - on_planes(self._share * c * c)
+        mass[:n, :n] = rotor.mass + lateral.T @ (xx[:, None] * lateral)
+        mass[n:, n:] = rotor.mass + lateral.T @ (yy[:, None] * lateral)
+        mass[:n, n:] = lateral.T @ (on_planes(self._share * s * c)[:, None] * lateral)
+        mass[n:, :n] = mass[:n, n:].T
+        turned = self.angle + self.profile.angle(t)
+        pull = rotor.unbalance * (w * w - 1j * w1) * np.exp(1j * turned)
+        f_x = on_planes(self._pull * (phi1 * phi1 * c - slip * s)) @ lateral + pull.real
+        f_y = on_planes(self._pull * (phi1 * phi1 * s + slip * c)) @ lateral + pull.imag
+        inner, gyro = w * rotor.internal_damping, w * rotor.gyroscopic
+        f_x -= self._damping_x @ v_x + gyro @ v_y + rotor.stiffness_x @ q_x + inner @ q_y
+        f_y -= self._damping_y @ v_y - gyro @ v_x + rotor.stiffness_y @ q_y - inner @ q_x
+        a = np.linalg.solve(mass, np.concatenate([f_x, f_y])).reshape(2, n)
+        a_x, a_y = (a @ lateral.T)[:, self._plane]
+        return a, self._lever * (a_x * s - a_y * c) - slip
+
+    def array_rhs(self, t: float, y: Array) -> Array:
+        """Derivative of the state, (size,), for any number of stations and planes."""
+        n, count = self.stations, len(self._plane)
+        a, phi2 = self.accelerations(t, y)
+        return np.concatenate([y[2 * n : 4 * n], a.ravel(), y[4 * n + count :], phi2])
+
+    def scalar_rhs(self) -> RightHandSide:
+        """Right-hand side of one station in plain numbers: no arrays, nothing looked up inside.
+
+        Run times of the monolith are compared with this one.
+        """
+        rotor = self.assembly.rotor
+        bare = float(rotor.mass[0, 0] + self.assembly.added_mass.sum())
+        k_x, k_y = float(rotor.stiffness_x[0, 0]), float(rotor.stiffness_y[0, 0])
+        c_x, c_y = float(self._damping_x[0, 0]), float(self._damping_y[0, 0])
+        inner, start = float(rotor.internal_damping[0, 0]), self.angle
+        u, u_angle = abs(complex(rotor.unbalance[0])), float(np.angle(rotor.unbalance[0]))
+        table = (self._pull, self._share, self._drag, self._lever)
+        rows = list(zip(*(column.tolist() for column in table), strict=True))
+        first_rate, profile = 4 + len(rows), self.profile
+        steady, w = profile.start == profile.end, profile.end
+        sin, cos = math.sin, math.cos
+
+        def rhs(t: float, y: Array) -> list[float]:
+            state = y.tolist()
+            x, yy, v_x, v_y = state[:4]
+            if steady:
+                speed, turned = w, start + w * t + u_angle
+            else:
+                speed, turned = profile.speed(t), start + profile.angle(t) + u_angle
+            c, s, pull, swirl = cos(turned), sin(turned), u * speed * speed, inner * speed
+            f_x = pull * c - c_x * v_x - k_x * x - swirl * yy
+            f_y = pull * s - c_y * v_y - k_y * yy + swirl * x
+            if not steady:
+                spin_up = profile.acceleration(t)
+                f_x += u * spin_up * s
+                f_y -= u * spin_up * c
+            m_xx = m_yy = bare
+            m_xy = 0.0
+            rates = state[first_rate:]
+            held = []
+            for phi, rate, (moment, share, drag, lever) in zip(
+                state[4:first_rate], rates, rows, strict=True
+            ):
+                c, s, slip, square = cos(phi), sin(phi), drag * (rate - speed), rate * rate
+                m_xx -= share * s * s
+                m_yy -= share * c * c
+                m_xy += share * s * c
+                f_x += moment * (square * c - slip * s)
+                f_y += moment * (square * s + slip * c)
+                held.append((lever * s, lever * c, slip))
+            scale = 1.0 / (m_xx * m_yy - m_xy * m_xy)
+            a_x = (m_yy * f_x - m_xy * f_y) * scale
+            a_y = (m_xx * f_y - m_xy * f_x) * scale
+            return [
+                v_x, v_y, a_x, a_y, *rates, *[a_x * s - a_y * c - slip for s, c, slip in held]
+            ]  # fmt: skip
+
+        return rhs
+
+    @property
+    def fastest_mode(self) -> float:
+        """Largest modulus of an eigenvalue of the rotor, or rate of a drag [1/s]."""
+        mass, damping, stiffness = self.assembly.loaded_rotor.coefficients(self.profile.end)
+        dof = len(mass)
+        companion = np.zeros((2 * dof, 2 * dof), mass.dtype)
+        companion[:dof, dof:] = np.eye(dof)
+        companion[dof:] = -np.linalg.solve(mass, np.hstack([stiffness, damping]))
+        return float(max([np.abs(np.linalg.eigvals(companion)).max(), *self._drag]))
+
+
+def _weights(device: object) -> Weights:
+    assert isinstance(device, Weights)
+    return device

@@ -1,0 +1,1 @@
+"""Steps of the rotor: exact at constant speed, Radau IIA while it changes."""

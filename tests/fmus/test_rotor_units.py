@@ -1,0 +1,493 @@
+"""The rotor unit of every kind: against independent integration, alone and coupled."""
+
+from __future__ import annotations
+
+import itertools
+import math
+import time
+
+import fmpy
+import numpy as np
+import pytest
+from fmpy.validation import validate_fmu
+from scipy.integrate import solve_ivp
+
+from autobalancer.fmus.build import build
+from autobalancer.fmus.rotor import RotorOnSupports
+from autobalancer.fmus.variables import derivative
+from autobalancer.harness import SceneError, cosimulate, load_scene
+from autobalancer.harness.master.cosimulation import CoSimulation
+from autobalancer.harness.master.plan import plan, ports
+from autobalancer.harness.scene import Scene
+from autobalancer.harness.stability.revolution import Revolution
+from autobalancer.models.linear.balanced import balanced_angles
+from autobalancer.models.linear.boundaries import critical_speeds
+from autobalancer.models.linear.modes import critical_speeds as rotor_critical_speeds
+from autobalancer.models.monolith import reference
+from autobalancer.models.rotor import LinearRotor
+from autobalancer.models.stability import growth_rates, neutral_count
+
+NEW_SCENES = ("three_mass_shaft", "drum", "grinder", "two_plane_rodrigues")
+
+BODY = {
+    "mass": 12.0,
+    "inertia": 0.7,
+    "polar_inertia": 0.9,
+    "span": 0.8,
+    "com": 0.3,
+    "support[1].stiffness_x": 2e5,
+    "support[1].stiffness_y": 3e5,
+    "support[2].stiffness_x": 1.5e5,
+    "support[2].stiffness_y": 2.5e5,
+    "support[1].damping_x": 150.0,
+    "support[1].damping_y": 60.0,
+    "support[2].damping_x": 90.0,
+    "support[2].damping_y": 120.0,
+    "plane[1].position": -0.1,
+    "plane[2].position": 0.95,
+    "unbalance[1].position": 0.1,
+    "unbalance[1].amount": 3e-3,
+    "unbalance[1].angle": 0.4,
+    "unbalance[2].position": 0.9,
+    "unbalance[2].amount": 2e-3,
+    "unbalance[2].angle": 2.0,
+}
+BODY_MODEL = {
+    "mass": 12.0,
+    "inertia": 0.7,
+    "polar_inertia": 0.9,
+    "span": 0.8,
+    "com": 0.3,
+    "stiffness": ((2e5, 3e5), (1.5e5, 2.5e5)),
+    "damping": ((150.0, 60.0), (90.0, 120.0)),
+    "planes": (-0.1, 0.95),
+    "unbalances": [(0.1, 3e-3, 0.4), (0.9, 2e-3, 2.0)],
+}
+BODY_SIZES = {"kind": "two_support", "stations": 2, "planes": 2, "unbalances": 2}
+PLACES, MASSES = (0.0, 0.12, 0.3, 0.45), (1.0, 2.0, 1.5, 0.8)
+SHAFT = {
+    **{f"station[{j}].z": z for j, z in enumerate(PLACES, 1)},
+    **{f"station[{j}].mass": m for j, m in enumerate(MASSES, 1)},
+    "support[1].position": 0.3,
+    "support[2].position": 0.0,
+    **{f"support[1].{what}_{a}": v for what, v in (("stiffness", 3e5), ("damping", 80.0))
+       for a in "xy"},
+    **{f"support[2].{what}_{a}": v for what, v in (("stiffness", 2e5), ("damping", 60.0))
+       for a in "xy"},
+    "internal_damping": 5.0,
+    "plane[1].position": 0.45,
+    "plane[2].position": 0.12,
+    "unbalance[1].position": 0.45,
+    "unbalance[1].amount": 1e-3,
+    "unbalance[1].angle": 0.7,
+}  # fmt: skip
+SHAFT_MODEL = {
+    "stations": PLACES,
+    "masses": MASSES,
+    "supports": (3, 1),
+    "support_stiffness": ((3e5, 3e5), (2e5, 2e5)),
+    "support_damping": ((80.0, 80.0), (60.0, 60.0)),
+    "internal_damping": 5.0,
+    "unbalances": [(0.45, 1e-3, 0.7)],
+}
+SHAFT_SIZES = {"kind": "flexible", "stations": 4, "planes": 2, "unbalances": 1}
+DELTA = ((4e-6, -2e-6), (-2e-6, 5e-6))
+
+
+def unit_of(sizes, values, frame="rotor"):
+    """A unit in plain Python, its parameters set but not yet checked."""
+    unit = RotorOnSupports.configured(frame=frame, **sizes)(instance_name="rotor")
+    for name, value in values.items():
+        put(unit, name, value)
+    return unit
+
+
+def put(unit, name, value):
+    unit.set_real([unit.layout.index[name]], [float(value)])
+
+
+def look(unit, *names):
+    return np.array(unit.get_real([unit.layout.index[name] for name in names]))
+
+
+def cases():
+    """(sizes, parameters of the unit, the same rotor with its planes)"""
+    yield BODY_SIZES, BODY, LinearRotor.two_support(**BODY_MODEL), None
+    rotor = LinearRotor.flexible(**SHAFT_MODEL, bending_stiffness=2e3)
+    uniform = {**SHAFT, "bending_stiffness": 2e3}
+    yield {**SHAFT_SIZES, "shaft": "uniform"}, uniform, rotor, [3, 1]
+    measured = {**SHAFT, "compliance[1,1]": 4e-6, "compliance[1,2]": -2e-6, "compliance[2,2]": 5e-6}
+    rotor = LinearRotor.flexible(**SHAFT_MODEL, compliance=DELTA)
+    yield {**SHAFT_SIZES, "shaft": "compliance"}, measured, rotor, [3, 1]
+
+
+CASES = list(cases())
+NAMES = ["two_support", "uniform shaft", "compliance"]
+FORCES = np.array([[30.0 - 12.0j, 8.0 + 5.0j], [900.0j, -400.0], [3e4, 2e4j], [-4e6, 1e6j]])
+
+
+def integrated(rotor, planes, speed, spin_up, added, frame, duration, state):
+    """Displacements and velocities (4 n,) by DOP853 in real x and y, from the matrices alone."""
+    rows = rotor.planes if planes is None else np.eye(rotor.stations)[planes]
+    mass = rotor.mass + rows.T @ np.diag(added) @ rows
+    inverse, n = np.linalg.inv(mass), rotor.stations
+
+    def rhs(t, s):
+        x, y, vx, vy = s.reshape(4, n)
+        w = speed + spin_up * t
+        turn = np.exp(1j * (0.3 + speed * t + spin_up * t * t / 2))
+        force = FORCES[0] + t * (FORCES[1] + t * (FORCES[2] / 2 + t * FORCES[3] / 6))
+        pull = rows.T @ (force * (turn if frame == "rotor" else 1.0))
+        pull = pull + rotor.unbalance * (w * w - 1j * spin_up) * turn
+        inner, gyro = rotor.internal_damping, rotor.gyroscopic
+        ax = pull.real - rotor.stiffness_x @ x - (rotor.damping_x + inner) @ vx
+        ay = pull.imag - rotor.stiffness_y @ y - (rotor.damping_y + inner) @ vy
+        ax = ax - w * (inner @ y) - w * (gyro @ vy)
+        ay = ay + w * (inner @ x) + w * (gyro @ vx)
+        return np.concatenate([vx, vy, inverse @ ax, inverse @ ay])
+
+    solved = solve_ivp(rhs, (0.0, duration), state, "DOP853", rtol=1e-12, atol=1e-15)
+    end = solved.y[:, -1]
+    slopes = rhs(duration, end)[2 * n :].reshape(2, n)
+    return end, rows @ (slopes[0] + 1j * slopes[1])
+
+
+@pytest.mark.parametrize("frame", ["rotor", "fixed"])
+@pytest.mark.parametrize(("spin_up", "tolerance"), [(0.0, 1e-9), (400.0, 1e-7)])
+@pytest.mark.parametrize(("sizes", "values", "rotor", "planes"), CASES, ids=NAMES)
+def test_a_step_is_the_solution_of_the_equations(
+    sizes, values, rotor, planes, spin_up, tolerance, frame
+):
+    """A cubic force on two planes, added mass, unbalances, every kind of damping."""
+    n, step, speed, added = rotor.stations, 2e-3, 260.0, (0.3, 0.5)
+    rng = np.random.default_rng(3)
+    start = np.concatenate([rng.normal(0, 1e-4, 2 * n), rng.normal(0, 1e-2, 2 * n)])
+    unit = unit_of(sizes, {**values, "angle0": 0.3, "speed": speed, "acceleration": spin_up}, frame)
+    for name, row in zip(("x", "y", "vx", "vy"), start.reshape(4, n), strict=True):
+        for j, value in enumerate(row, 1):
+            put(unit, f"station[{j}].{name}0", value)
+    for i, mass in enumerate(added, 1):
+        put(unit, f"plane[{i}].added_mass", mass)
+        for k, axis in enumerate(("xi", "eta") if frame == "rotor" else "xy"):
+            for order, value in enumerate(FORCES[:, i - 1]):
+                name = derivative(f"plane[{i}].F_{axis}", order)
+                put(unit, name, (value.real, value.imag)[k])
+    unit.exit_initialization_mode()
+    h = step / 64 if spin_up else step  # Radau IIA has an error, the exact step has none
+    assert unit.do_step(0.0, h)
+    end, acceleration = integrated(rotor, planes, speed, spin_up, added, frame, h, start)
+    found = np.concatenate(
+        [look(unit, *(f"station[{j}].{name}" for j in range(1, n + 1)))
+         for name in ("x", "y", "vx", "vy")]
+    )  # fmt: skip
+    np.testing.assert_allclose(
+        found[: 2 * n], end[: 2 * n], rtol=0.0, atol=tolerance * abs(end[: 2 * n]).max()
+    )
+    np.testing.assert_allclose(
+        found[2 * n :], end[2 * n :], rtol=0.0, atol=tolerance * abs(end[2 * n :]).max()
+    )
+    axes = ("xi", "eta") if frame == "rotor" else ("x", "y")
+    a = [complex(*look(unit, *(f"plane[{i}].a_{axis}" for axis in axes))) for i in (1, 2)]
+    turn = np.exp(-1j * look(unit, "angle")[0]) if frame == "rotor" else 1.0
+    np.testing.assert_allclose(
+        a, acceleration * turn, rtol=0.0, atol=1e-6 * abs(acceleration).max()
+    )
+    rows = rotor.planes if planes is None else np.eye(n)[planes]
+    x = [look(unit, f"plane[{i}].x")[0] for i in (1, 2)]
+    np.testing.assert_allclose(x, rows @ end[:n], rtol=0.0, atol=tolerance * abs(end[:n]).max())
+
+
+@pytest.mark.parametrize(
+    ("sizes", "changes", "message"),
+    [
+        (BODY_SIZES, {"polar_inertia": 1.5}, r"polar_inertia = 1.5 .* 0 to 2 inertia"),
+        (BODY_SIZES, {"span": 0.0}, r"span = 0.0 m: must be .* above 0 m"),
+        (CASES[1][0], {"plane[2].position": 0.2}, r"plane\[2\].position = 0.2 m: .* of a station"),
+        (CASES[1][0], {"support[2].position": 0.3}, r"supports = \[3, 3\]: must be two different"),
+        (CASES[1][0], {"station[2].z": 0.5}, r"stations = .* each beyond the last"),
+        (CASES[1][0], {"station[2].mass": 0.0}, r"station\[2\].mass = 0.0 kg: must be"),
+        (CASES[1][0], {"unbalance[1].position": 0.1}, r"position = 0.1 m: must be a disc's"),
+        (CASES[2][0], {"compliance[1,1]": -4e-6}, r"compliance = .* must be positive definite"),
+    ],
+)
+def test_impossible_rotors_are_refused_with_the_reason(sizes, changes, message):
+    values = BODY if sizes is BODY_SIZES else next(v for s, v, _, _ in CASES if s is sizes)
+    unit = unit_of(sizes, {**values, **changes})
+    with pytest.raises(RuntimeError, match=message):
+        unit.exit_initialization_mode()
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        ({"kind": "two_support", "stations": 3}, r"stations = 3: .* exactly 2, its supports"),
+        ({"kind": "flexible", "stations": 1}, r"stations = 1: .* at least 2"),
+        ({"kind": "flexible", "stations": 3, "shaft": "rope"}, r"shaft = 'rope': must be one of"),
+        ({"kind": "two_support", "stations": 2, "unbalances": 0}, r"unbalances = 0: .* at least 1"),
+        ({"kind": "planar", "stations": 2}, r"stations = 2: a planar rotor has exactly 1"),
+    ],
+)
+def test_impossible_sizes_are_refused_when_building(tmp_path, options, message):
+    with pytest.raises(ValueError, match=message):
+        build("RotorOnSupports", tmp_path, **options)
+    assert not list(tmp_path.iterdir())
+
+
+@pytest.mark.parametrize("case", CASES, ids=NAMES)
+def test_built_unit_is_valid_reproducible_and_runs_in_a_plain_tool(case, tmp_path):
+    sizes = case[0]
+    path = build("RotorOnSupports", tmp_path / "a.fmu", **sizes)
+    assert validate_fmu(str(path)) == []
+    assert path.read_bytes() == build("RotorOnSupports", tmp_path / "b.fmu", **sizes).read_bytes()
+    description = fmpy.read_model_description(str(path))
+    variables = {v.name: v for v in description.modelVariables}
+    assert variables["unbalance[1].amount"].unit == "kg.m"
+    expected = {"uniform": "bending_stiffness", "compliance": "compliance[1,2]", None: "inertia"}
+    assert expected[sizes.get("shaft")] in variables
+    outputs = [f"station[{sizes['stations']}].x", "plane[2].y", "bending"]
+    held = fmpy.simulate_fmu(
+        str(path), stop_time=0.05, output_interval=5e-4, start_values={"speed": 260.0},
+        output=outputs,
+    )  # fmt: skip
+    assert np.isfinite([held[name] for name in outputs]).all()
+    assert np.abs(held[outputs[0]]).max() > 0.0
+
+
+def test_bending_is_the_deflection_from_the_line_through_the_supports():
+    """A disc at mid-span under a static force bends by l^3/(48 E I)."""
+    places, stiff = [0.0, 0.5, 1.0], 1e9
+    values = {
+        **{f"station[{j}].z": z for j, z in enumerate(places, 1)},
+        **{f"station[{j}].mass": 1.0 for j in (1, 2, 3)},
+        "support[1].position": 0.0,
+        "support[2].position": 1.0,
+        **{f"support[{s}].stiffness_{a}": stiff for s in (1, 2) for a in "xy"},
+        "bending_stiffness": 2e3,
+        "internal_damping": 2e3,
+        "plane[1].position": 0.5,
+        "unbalance[1].amount": 0.0,
+        "speed": 1e-9,
+        "plane[1].F_xi": 100.0,
+    }
+    unit = unit_of({"kind": "flexible", "stations": 3, "planes": 1}, values)
+    unit.exit_initialization_mode()
+    for k in range(2000):
+        assert unit.do_step(k * 1e-2, 1e-2)
+    assert look(unit, "bending")[0] == pytest.approx(100.0 / (48.0 * 2e3), rel=1e-9)
+
+
+def test_only_stations_with_balancers_are_ports():
+    """Ten stations, three balancers on two of them: two planes, in the order of the stations."""
+    scene = Scene.from_document(long_shaft([balls("a", 8), balls("b", 3), balls("c", 8)]))
+    unit = plan(scene)[0]
+    assert unit.options["planes"] == 2
+    assert ports(scene) == [2, 1, 2]
+    assert unit.parameters["plane[1].position"] == pytest.approx(0.2)
+    assert unit.parameters["plane[2].position"] == pytest.approx(0.7)
+
+
+def balls(name, at, **changes):
+    return {
+        "name": name, "kind": "balls", "count": 2, "mass": 0.01, "track_radius": 1.0,
+        "drag": 0.1, "angles": [0.3, 1.0], "at": at, **changes,
+    }  # fmt: skip
+
+
+def long_shaft(balancers, discs=10, axes=(1.0, 1.0)):
+    return {
+        "rotor": {
+            "kind": "flexible",
+            "stations": [0.1 * j for j in range(discs)],
+            "masses": [1.0 / discs] * discs,
+            "supports": [1, discs],
+            "support_stiffness": [list(axes), list(axes)],
+            "support_damping": [0.1, 0.1],
+            "bending_stiffness": 3e-4,
+            "internal_damping": 0.01,
+            "unbalances": [{"position": 0.4, "amount": 0.01, "angle": 0.0}],
+        },
+        "balancer": balancers,
+        "operation": {"speed": 3.0},
+        "coupling": {"scheme": "iterated", "corrections": 1},
+    }
+
+
+@pytest.mark.parametrize("name", NEW_SCENES)
+def test_scene_follows_the_equations_in_one_piece(name):
+    """Largest error over 20 revolutions at 40 steps each, relative to the largest displacement."""
+    scene = load_scene(name).replace({"run.revolutions": 20})
+    assert scene.coupling.steps_per_rev == 40
+    rotor = scene.assembly().rotor
+    names = [f"rotor.station[{j}].{a}" for j in range(1, rotor.stations + 1) for a in "xy"]
+    result = cosimulate(scene, record=names)
+    signals = [f"rotor.station[{j}].{a}" for j in range(1, rotor.stations + 1) for a in "xy"]
+    exact, error = reference(scene.assembly(), scene.profile(), result.time, signals=signals)
+    largest = max(np.abs(exact[signal]).max() for signal in names)
+    assert error < 1e-8
+    for signal in names:
+        np.testing.assert_allclose(result[signal], exact[signal], rtol=0.0, atol=1e-5 * largest)
+
+
+def test_liquid_and_balls_share_a_flexible_shaft():
+    """Two planes with one balancer each and one plane with both."""
+    document = load_scene("three_mass_shaft").model_dump(by_alias=True, exclude_none=True)
+    document = {k: v for k, v in document.items() if k in {"rotor", "operation"}}
+    liquid = {"chamber_radius": 0.12, "float_radius": 0.06, "height": 1e-3, "density": 1e3}
+    document["balancer"] = [
+        balls("left", 1),
+        {"name": "middle", "kind": "liquid", "at": 2, **liquid},
+        {"name": "right", "kind": "liquid", "at": 3, "inertia_as_force": True, **liquid},
+        balls("rollers", 3, kind="rollers", count=3, angles=[0.0, 2.0, 4.0]),
+    ]
+    scene = Scene.from_document({**document, "run": {"revolutions": 5}})
+    names = [f"rotor.station[{j}].{a}" for j in (1, 2, 3) for a in "xy"]
+    result = cosimulate(scene, record=names)
+    exact, _ = reference(scene.assembly(), scene.profile(), result.time, signals=names)
+    largest = max(np.abs(exact[signal]).max() for signal in names)
+    for signal in names:
+        np.testing.assert_allclose(result[signal], exact[signal], rtol=0.0, atol=1e-5 * largest)
+
+
+def test_run_up_of_a_gyroscopic_rotor_follows_the_equations():
+    """Anisotropic and gyroscopic: variable speed across the ramp's end."""
+    changes = {
+        "operation.run_up": {"from": 20.0, "to": 60.0, "seconds": 1.2},
+        "run.revolutions": 12,
+    }
+    scene = load_scene("drum").replace(changes)
+    names = [f"rotor.station[{j}].{a}" for j in (1, 2) for a in "xy"]
+    result = cosimulate(scene, record=names)
+    exact, _ = reference(scene.assembly(), scene.profile(), result.time, signals=names)
+    largest = max(np.abs(exact[signal]).max() for signal in names)
+    for signal in names:
+        np.testing.assert_allclose(result[signal], exact[signal], rtol=0.0, atol=1e-5 * largest)
+
+
+def balanced_state(units, scene):
+    """Main motion: rotor at rest in the middle, weights where they balance."""
+    state = np.zeros(len(units.states))
+    angles = iter(balanced_angles(scene.assembly()))
+    for i, s in enumerate(units.states):
+        if s.output.endswith(".angle"):
+            state[i] = next(angles)
+    return state
+
+
+def growth(units, scene, speed, state):
+    """Largest growth rate by the units, the neutral turns of three and more weights apart."""
+    values = units.multipliers(speed, state)
+    neutral = np.argsort(np.abs(values - 1.0))[: neutral_count(scene.assembly())]
+    return math.log(np.abs(np.delete(values, neutral)).max())
+
+
+@pytest.mark.parametrize(
+    ("name", "changes", "limits", "above"),
+    [
+        ("three_mass_shaft", {}, (0.3, 8.0), ["stable", "unstable", "stable"]),
+        ("drum", {}, (5.0, 200.0), ["stable"]),
+        ("two_plane_rodrigues", {}, (0.3, 8.0), ["stable"]),
+        ("two_plane_rodrigues", {"rotor.unbalances[1].amount": 0.02}, (0.3, 8.0), ["stable"]),
+    ],
+    ids=["shaft", "drum", "rodrigues", "rodrigues, twice the unbalance"],
+)
+def test_critical_speeds_of_the_units_are_those_of_floquet(name, changes, limits, above):
+    """The largest multiplier of the coupled units crosses 1 within 1e-3 of Floquet's speed."""
+    scene = load_scene(name).replace(changes)
+    crossings = critical_speeds(scene.assembly(), *limits)
+    assert [crossing.above for crossing in crossings] == above
+    with Revolution(scene) as units:
+        state = balanced_state(units, scene)
+        for crossing in crossings:
+            low, high = (
+                growth(units, scene, crossing.speed * factor, state) for factor in (0.999, 1.001)
+            )
+            assert low * high < 0.0
+            assert (low > 0.0) == (crossing.above == "stable")
+
+
+@pytest.mark.parametrize(
+    ("unbalance", "stable"), [(0.0, True), (0.02, True), (0.03, False), (0.035, True)]
+)
+def test_rodrigues_balanced_state_is_lost_where_the_pairs_stand_square(unbalance, stable):
+    """At 5 rad/s: mean e^{2 i theta} of a pair at +-alpha passes 0 at alpha = 45 degrees.
+
+    The moments needed are then 2 sqrt(2) m R = 0.0283 in all; co-simulation and Floquet agree.
+    """
+    scene = load_scene("two_plane_rodrigues").replace({"rotor.unbalances[1].amount": unbalance})
+    exact = growth_rates(scene.assembly(), [5.0])[0] * 2.0 * math.pi / 5.0
+    with Revolution(scene) as units:
+        found = growth(units, scene, 5.0, balanced_state(units, scene))
+    assert found == pytest.approx(exact, rel=1e-3)
+    assert (found < 0.0) == stable
+
+
+def test_rodrigues_rotor_has_critical_speeds_1_and_1_81():
+    """Rodrigues et al. 2008: sqrt(k11/M) = 1 and sqrt(k22/(Jt - Jp)) = 1.81."""
+    rotor = load_scene("two_plane_rodrigues").assembly().rotor
+    assert rotor_critical_speeds(rotor) == pytest.approx([1.0, math.sqrt(9.0 / 2.75)], rel=1e-12)
+    assert round(math.sqrt(9.0 / 2.75), 2) == 1.81
+    modal = np.array([[1.0, 1.0], [-3.0, 3.0]])  # translation of, and tilt about the centre
+    assert modal @ rotor.stiffness_x @ modal.T == pytest.approx(np.diag([1.0, 9.0]))
+    assert modal @ rotor.damping_x @ modal.T == pytest.approx(0.02 * np.diag([1.0, 9.0]))
+    assert modal @ rotor.mass @ modal.T == pytest.approx(np.diag([1.0, 3.25]))
+    assert modal @ rotor.gyroscopic @ modal.T == pytest.approx(np.diag([0.0, 0.5]))
+
+
+@pytest.mark.parametrize("axes", [(1.0, 1.0), (1.0, 2.0)], ids=["isotropic", "anisotropic"])
+def test_ten_discs_cost_at_most_twice_a_planar_rotor(axes):
+    """One step of the coupled units, two balancers each; the best of interleaved runs."""
+    disc = {"kind": "planar", "mass": 1.0, "stiffness": list(axes), "damping": 0.1,
+            "unbalance": 0.01}  # fmt: skip
+    planar = {**long_shaft([balls("a", 1), balls("b", 1)]), "rotor": disc}
+    documents = [planar, long_shaft([balls("a", 3), balls("b", 8)], axes=axes)]
+    step, count = 2.0 * math.pi / 3.0 / 40.0, 200
+    best = [math.inf, math.inf]
+    pair = [CoSimulation(Scene.from_document(document)) for document in documents]
+    for _, (i, cosim) in itertools.product(range(8), enumerate(pair)):
+        cosim.start()
+        begun = time.perf_counter()
+        for _ in range(count):
+            cosim.step(step)
+        best[i] = min(best[i], (time.perf_counter() - begun) / count)
+    for cosim in pair:
+        cosim.close()
+    print(f"planar {best[0] * 1e6:.0f} us, ten discs {best[1] * 1e6:.0f} us a step")
+    assert best[1] <= 2.0 * best[0]
+
+
+def test_state_of_a_long_shaft_survives_rollback_to_the_bit():
+    unit = unit_of(CASES[1][0], {**CASES[1][1], "speed": 260.0})
+    unit.exit_initialization_mode()
+    for k in range(5):
+        assert unit.do_step(k * 1e-3, 1e-3)
+    state = unit._fmu_state_to_bytes(unit._get_fmu_state())
+    ends = []
+    for _ in range(2):
+        unit._set_fmu_state(unit._fmu_state_from_bytes(state))
+        for k in range(5, 9):
+            assert unit.do_step(k * 1e-3, 1e-3)
+        ends.append(look(unit, *(f"station[{j}].{v}" for j in (1, 4) for v in ("x", "vy"))))
+    assert np.array_equal(*ends)
+
+
+def test_balancing_is_lost_where_the_rest_resonates_with_the_balancers_held():
+    """The middle disc on the shaft between held ends: w = 1/sqrt(delta_22 M_2) = sqrt(5)."""
+    crossings = critical_speeds(load_scene("three_mass_shaft").assembly(), 2.1, 2.4)
+    assert [c.above for c in crossings] == ["unstable"]
+    assert crossings[0].speed == pytest.approx(math.sqrt(5.0), rel=1e-6)
+
+
+def test_single_unbalances_can_be_replaced_by_path():
+    scene = load_scene("three_mass_shaft")
+    changed = scene.replace({"rotor.unbalances[2].amount": 0.004})
+    assert [u.amount for u in changed.rotor.unbalances] == [0.010, 0.004]
+    assert [u.amount for u in scene.rotor.unbalances] == [0.010, 0.008]
+    for path, message in (
+        ("rotor.unbalances[3].amount", r"unbalances has 2 entries, counted from 1"),
+        ("rotor.unbalances[1].amont", r'did you mean "amount"'),
+        ("rotor.unbalances.amount", r"unbalances has no keys of its own"),
+    ):
+        with pytest.raises(SceneError, match=message):
+            scene.replace({path: 1.0})
+    with pytest.raises(SceneError, match=r"amount = -1.0 kg m: must be 0 or more"):
+        scene.replace({"rotor.unbalances[1].amount": -1.0})

@@ -1,0 +1,134 @@
+"""The liquid window check: every bundled scene holds, and wrong theory or wrong units do not."""
+
+from __future__ import annotations
+
+import dataclasses
+
+import pytest
+
+from autobalancer.harness import Scene, bundled_scenes, load_scene
+from autobalancer.harness.checks.registry import run_checks
+from autobalancer.models.papers.window import LiquidWindow
+
+SCENES = [
+    name
+    for name in bundled_scenes()
+    if any(check.kind == "liquid_window" for check in load_scene(name).check)
+]
+
+
+def quick(name: str, **changes) -> Scene:
+    """The scene with the check at fewer speeds."""
+    scene = load_scene(name)
+    scene = scene.replace(changes) if changes else scene
+    document = {**scene._document, "check": [{"kind": "liquid_window", "speeds": 3}]}
+    return Scene.from_document(document, label=name)
+
+
+def row(rows, start: str):
+    (found,) = [r for r in rows if r.quantity.startswith(start)]
+    return found
+
+
+def test_every_case_of_the_window_is_bundled():
+    windows = {name: LiquidWindow.of(load_scene(name).assembly()) for name in SCENES}
+    assert any(not w.empty and w.upper is not None for w in windows.values())
+    assert any(w.empty for w in windows.values())
+    assert any(w.upper is None for w in windows.values())
+    heavy = [n for n, w in windows.items() if w.mu == pytest.approx(20.0, rel=1e-4)]
+    as_force = {load_scene(n).balancer[0].inertia_as_force for n in heavy}
+    assert as_force == {True, False}
+    assert any(w.touching_speeds() for w in windows.values())
+
+
+@pytest.mark.parametrize("name", SCENES)
+def test_every_row_of_a_bundled_scene_holds(name):
+    rows = run_checks(quick(name))
+    assert [r.quantity for r in rows if not r.holds] == []
+    numbers = [r for r in rows if r.error is not None]
+    assert all(r.error <= r.tolerance for r in numbers)
+    assert row(rows, "lower boundary").tolerance == 1e-4
+    assert {r.tolerance for r in numbers if "bending" in r.quantity} == {1e-5}
+    assert {r.tolerance for r in numbers if "growth" in r.quantity} <= {1e-3}
+
+
+def test_no_internal_friction_is_said_in_words_not_as_infinity():
+    rows = run_checks(quick("liquid_no_internal"))
+    upper = row(rows, "upper boundary")
+    assert upper.holds
+    assert upper.expected == "none (p = 0)"
+    assert "inf" not in str(upper.measured)
+
+
+def test_an_empty_window_is_said_with_its_condition():
+    window = row(run_checks(quick("liquid_closed")), "window")
+    assert window.holds
+    assert window.expected.startswith("empty: (1+chi/p)^2 = 1.103 <= 2mu/(1+mu) = 1.116")
+    assert window.measured.startswith("empty: w^* = 109.33 <= w_* = 109.985")
+
+
+def test_a_touching_float_is_said_with_the_speed_where_it_begins():
+    touch = row(run_checks(quick("liquid_touch")), "float clear")
+    assert touch.holds
+    assert "113.63 rad/s" in str(touch.measured)
+    assert "model invalid" in str(touch.measured)
+
+
+@pytest.mark.parametrize(
+    ("attribute", "start"),
+    [("lower", "lower boundary"), ("upper", "upper boundary")],
+)
+def test_a_boundary_that_is_off_by_3e_4_does_not_hold(monkeypatch, attribute, start):
+    theory = getattr(LiquidWindow, attribute).fget
+    monkeypatch.setattr(LiquidWindow, attribute, property(lambda w: theory(w) * (1.0 + 3e-4)))
+    wrong = row(run_checks(quick("liquid_disc")), start)
+    assert not wrong.holds
+    assert wrong.error == pytest.approx(3e-4, rel=1e-3)
+
+
+@pytest.mark.parametrize(
+    ("method", "change", "start"),
+    [
+        ("bending", lambda value: value * (1.0 + 3e-5), "steady bending"),
+        ("phase", lambda value: value + 3e-5, "phase"),
+        ("roots", lambda value: tuple(1.003 * root for root in value), "growth rate"),
+    ],
+)
+def test_a_curve_that_is_slightly_off_does_not_hold(monkeypatch, method, change, start):
+    theory = getattr(LiquidWindow, method)
+    monkeypatch.setattr(
+        LiquidWindow, method, lambda window, *speeds: change(theory(window, *speeds))
+    )
+    rows = run_checks(quick("liquid_disc"))
+    assert not row(rows, start).holds
+    assert [r.holds for r in rows if not r.quantity.startswith(start)] == [True] * (len(rows) - 1)
+
+
+@pytest.mark.parametrize(
+    ("unit", "parameter", "factor", "fails"),
+    [
+        ("liquid", "density", 1.01, "lower boundary"),
+        ("rotor", "internal_damping", 1.01, "upper boundary"),
+        ("rotor", "unbalance", 1.001, "steady bending"),
+        ("rotor", "damping_x", 1.01, "growth rate"),
+    ],
+)
+def test_units_that_are_not_those_of_the_scene_do_not_hold(
+    monkeypatch, unit, parameter, factor, fails
+):
+    from autobalancer.harness.master import cosimulation as master
+
+    honest = master.plan
+
+    def altered(scene):
+        return [
+            dataclasses.replace(
+                p, parameters={**p.parameters, parameter: p.parameters[parameter] * factor}
+            )
+            if p.name == unit
+            else p
+            for p in honest(scene)
+        ]
+
+    monkeypatch.setattr(master, "plan", altered)
+    assert not row(run_checks(quick("liquid_disc")), fails).holds

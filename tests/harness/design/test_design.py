@@ -1,0 +1,238 @@
+"""Design of a balancer, and the co-simulated capacity of weights of finite size."""
+
+from __future__ import annotations
+
+import cmath
+import math
+import random
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+from scipy.optimize import brentq
+from typer.testing import CliRunner
+
+from autobalancer.harness import load_scene
+from autobalancer.harness.checks.capacity import check_capacity, check_sizes, packed_turn
+from autobalancer.harness.checks.contact_order import check_contact_order
+from autobalancer.harness.checks.largest_spread import check_largest_spread
+from autobalancer.harness.checks.ranking import check_ranking
+from autobalancer.harness.checks.slow_root import check_slow_root
+from autobalancer.harness.cli import app
+from autobalancer.harness.design.choices import design
+from autobalancer.harness.design.decay import decay
+from autobalancer.harness.design.recommendation import contradictions, rivals
+from autobalancer.harness.design.settling import (
+    facing_start,
+    median_interval,
+    random_start,
+    settled_at,
+)
+from autobalancer.harness.errors import SceneError, SimulationError
+from autobalancer.harness.scene.check import (
+    CapacityCheck,
+    LargestSpreadCheck,
+    RankingCheck,
+    SlowRootCheck,
+)
+from autobalancer.models.papers.positions import fan_angles, least_distance
+from autobalancer.models.weights import spread
+
+
+def test_random_starts_never_overlap_and_reach_the_whole_circle():
+    rng, alpha = random.Random(2), 0.3
+    starts = [random_start(5, alpha, rng) for _ in range(500)]
+    assert min(map(least_distance, starts)) >= 2 * alpha - 1e-12
+    resultant = np.mean([np.exp(1j * np.array(s)).sum() for s in starts])
+    assert abs(resultant) < 0.3
+
+
+def test_facing_starts_never_overlap_and_have_a_larger_spread():
+    rng, alpha = random.Random(2), 0.2
+    for count in range(2, 9):
+        starts = [facing_start(count, alpha, rng) for _ in range(50)]
+        assert min(map(least_distance, starts)) >= 2 * alpha - 1e-12
+        others = [random_start(count, alpha, rng) for _ in range(50)]
+        medians = [np.median([spread(start) for start in some]) for some in (starts, others)]
+        assert medians[0] > medians[1] + 0.1
+
+
+def test_settling_time_is_the_last_time_above_the_limit():
+    times = np.array([0.0, 1.0, 2.0, 3.0, 4.0])
+    assert settled_at(times, np.array([9.0, 0.001, 0.5, 0.001, 0.0])) == 3.0
+    assert settled_at(times, np.array([9.0, 0.001, 0.5, 0.001, 0.02])) == math.inf
+
+
+def test_interval_of_the_median_covers_it_95_times_in_100():
+    rng = np.random.default_rng(4)
+    covered = 0
+    for _ in range(1000):
+        _, low, high = median_interval(rng.exponential(1.0, 40).tolist())
+        covered += low <= math.log(2.0) <= high
+    assert 935 <= covered <= 990
+    assert median_interval([1.0] * 5 + [math.inf] * 5)[2] == math.inf
+    with pytest.raises(SimulationError, match="too few"):
+        median_interval([1.0] * 5)
+
+
+def test_residual_and_packed_angles_on_both_sides_of_the_capacity():
+    scene = load_scene("finite_weights").replace({"run.revolutions": 60})
+    check = CapacityCheck(kind="capacity", points=3, up_to=1.2)
+    rows = list(check_capacity(scene, check, lambda fraction: None))
+    assert len(rows) == 4
+    assert [row for row in rows if not row.holds] == []
+    # the rotor's damping turns the group: without that the angles would not hold
+    assert rows[-1].error < 1e-4
+
+
+@pytest.mark.parametrize("share", [0.3, 0.8, 0.99])
+def test_packed_group_rests_where_nothing_drives_it_along_the_track(share):
+    response = cmath.rect(-3.0, 0.2)
+
+    def drive(delta):
+        return (response * (1.0 - share * cmath.exp(1j * delta)) * cmath.exp(-1j * delta)).imag
+
+    assert packed_turn(response, share) == pytest.approx(brentq(drive, -0.5, 0.5), abs=1e-10)
+
+
+def test_table_1_rows_hold_and_name_the_two_digits_that_are_not_rounded():
+    rows = list(check_sizes(load_scene("finite_weights")))
+    assert all(row.holds for row in rows)
+    named = [(row.quantity, row.source.split(", ")[-1]) for row in rows if "in print" in row.source]
+    assert named == [("3 balls: s", "cut off in print"), ("5 rollers: s", "rounded twice in print")]
+
+
+def test_capacity_check_refuses_point_weights():
+    check = CapacityCheck(kind="capacity")
+    with pytest.raises(SceneError, match="weight_radius"):
+        list(check_capacity(load_scene("two_balls"), check, lambda fraction: None))
+
+
+def test_decay_is_the_exact_eigenvalue_and_near_the_slow_root_where_that_is_dominant():
+    check = SlowRootCheck(kind="slow_root", starts=4, most=5, width=0.1, unbalance=0.142)
+    rows = list(check_slow_root(load_scene("goncharov_rollers"), check, lambda fraction: None))
+    assert [row for row in rows if not row.holds] == []
+    counted, fitted, closed, _ = rows
+    assert int(counted.measured.split()[0]) >= 3
+    assert "of 16" in counted.measured
+    assert fitted.error < 2e-3
+    # (1) knows no damping of the rotor, which is an eighth of critical here
+    assert 1e-3 < closed.error < 0.05
+
+
+def test_decay_says_why_a_slow_root_is_not_compared():
+    scene = load_scene("goncharov_rollers")
+    assembly = scene.assembly()
+    alpha = math.asin(0.0314 / 0.0936)
+    spread_out = [2 * math.pi * k / 5 for k in range(5)]
+    times, falling = np.linspace(0.0, 30.0, 400), 0.1 * np.exp(-np.linspace(0.0, 12.0, 400))
+    balanced = fan_angles(assembly.weights[0].device, 0.0314, 0.284)
+    args = assembly, 80.0, alpha, times
+    assert decay(*args, 0.5 * falling**0.1, [balanced] * 400).excluded == "not yet at rest"
+    closer = [balanced[0], balanced[0] + 2 * alpha, *balanced[2:]]
+    moved = decay(*args, falling, [closer] * 390 + [balanced] * 10)
+    assert moved.excluded == "contacts change"
+    # at p near 0 both slow roots are the same
+    assert spread(spread_out) < 1e-12
+    assert decay(*args, falling, [balanced] * 400).excluded in (
+        "others nearly as slow",
+        "slowest motion swings",
+    )
+
+
+def test_numbers_without_the_capacity_are_not_run_and_named():
+    scene = load_scene("finite_weights").replace({"run.revolutions": 30})
+    data = design(scene, unbalance=0.1, counts=[2, 3], starts=6)
+    two, three = data.choices
+    assert not two.enough
+    assert two.runs == ()
+    assert math.isnan(two.median)
+    assert three.enough
+    assert len(three.runs) == 6
+    assert any("not run: n = 2" in line for line in data.words)
+
+
+def test_a_rotor_below_its_critical_speed_is_refused():
+    scene = load_scene("finite_weights").replace({"operation.speed": 20.0})
+    with pytest.raises(SceneError, match="heavy side"):
+        design(scene, starts=6)
+
+
+def test_ranking_rows_compare_first_and_order_and_the_step():
+    scene = load_scene("goncharov_balls").replace({"run.revolutions": 100})
+    check = RankingCheck(kind="goncharov_ranking", starts=6, most=3, width=0.25, halved=1)
+    rows = list(check_ranking(scene, check, lambda fraction: None, 2))
+    named = {row.quantity.split(",")[0]: row for row in rows}
+    first = named["balls: first to settle"]
+    assert first.expected == "3"
+    assert first.measured.startswith("3: ")
+    assert first.holds
+    assert named["balls: order of the medians"].measured == "3 2"
+    assert named["balls: order of the medians"].holds
+    assert rows[-1].quantity.startswith("settling time and that with half the step")
+    assert rows[-1].holds
+
+
+def test_three_weights_at_the_largest_p_have_the_slow_direction_of_two_and_it_is_named():
+    scene = load_scene("goncharov_rollers")
+    check = LargestSpreadCheck(kind="largest_spread", most=4, width=0.1, revolutions=250)
+    two, three, four, best = check_largest_spread(scene, check, lambda fraction: None, 2)
+    for row in (two, three):
+        assert row.quantity.endswith("slow direction")
+        assert row.measured == "not settled"
+        assert row.holds
+    assert four.holds
+    assert four.expected == pytest.approx(2.0 * 5.95, rel=0.05)  # half of a, nearly twice the time
+    assert best.measured == "4"
+
+
+def test_contradictions_need_intervals_that_do_not_touch():
+    def choice(count, measure, low, high):
+        fields = {"enough": True, "count": count, "measure": measure, "low": low, "high": high}
+        return SimpleNamespace(**fields, median=0.5 * (low + high))
+
+    choices = [choice(3, 3.0, 2.0, 3.0), choice(4, 2.0, 1.0, 1.9), choice(5, 1.0, 1.5, 2.5)]
+    data = SimpleNamespace(able=choices)
+    assert contradictions(data) == [(3, 4)]
+    assert [c.count for c in rivals(data)] == [4, 5]
+
+
+@pytest.mark.parametrize(("case", "order"), [(1, 1.0), (3, 4.0)])
+def test_contact_converges_at_its_order_in_the_communication_step(case, order):
+    scene = load_scene("contact_order")
+    check = scene.check[case].model_copy(update={"reference": 640, "runs": 4})
+    assert check.order == order
+    rows = list(check_contact_order(scene, check, lambda fraction: None))
+    assert [row for row in rows if not row.holds] == []
+    assert len(rows) == 2
+
+
+def test_two_weights_without_unbalance_are_named_not_failed():
+    changes = {"run.revolutions": 40, "coupling.steps_per_rev": 20}
+    scene = load_scene("finite_weights").replace(changes)
+    data = design(scene, unbalance=0.0, counts=[2], starts=6)
+    (two,) = data.choices
+    assert two.predicted == math.inf
+    # what is left falls in the driven direction: nothing has to move along the other one
+    assert two.median < 2.0
+    assert all(run.spread == pytest.approx(1.0, abs=0.01) for run in two.runs)
+    assert any("one diameter" in line for line in data.words)
+
+
+def test_design_command_shows_a_table_words_and_a_picture(tmp_path, monkeypatch):
+    monkeypatch.setenv("COLUMNS", "200")
+    scene = tmp_path / "short.toml"
+    text = load_scene("finite_weights").path.read_text()
+    short = text.replace("revolutions = 100", "revolutions = 30")
+    scene.write_text(short.replace("steps_per_rev = 40", "steps_per_rev = 20"))
+    picture = tmp_path / "design.png"
+    arguments = ["design", str(scene), "--starts", "6", "--most", "3", "-o", str(picture)]
+    result = CliRunner().invoke(app, arguments)
+    assert result.exit_code == 0, result.output
+    assert "p largest" in result.output
+    assert "balls of radius" in result.output
+    assert picture.stat().st_size > 10_000
+    short = CliRunner().invoke(app, [*arguments, "--unbalance", "5"])
+    assert "No number of balls in this space" in short.output
+    refused = CliRunner().invoke(app, ["design", "two_balls"])
+    assert refused.exit_code == 2

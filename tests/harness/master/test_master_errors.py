@@ -1,0 +1,184 @@
+"""FMUs that are missing, broken, of another build or fail in mid-run: messages worth reading."""
+
+from __future__ import annotations
+
+import re
+
+import pytest
+
+from autobalancer.harness import SimulationError, UnitError, build, cosimulate, load_scene
+from autobalancer.harness.master.cosimulation import CoSimulation
+from autobalancer.harness.master.fmu import Unit
+
+DESCRIPTION = "modelDescription.xml"
+
+
+@pytest.fixture
+def scene():
+    return load_scene("two_balls").replace({"run.revolutions": 2})
+
+
+@pytest.fixture
+def fmus(tmp_path):
+    """A directory with the units of the two-ball scene."""
+    build("RotorOnSupports", tmp_path)
+    build("BallBalancer", tmp_path, weights=2)
+    return tmp_path
+
+
+def described(change):
+    """Change the model description only."""
+
+    def members(name, content):
+        return name, change(content.decode()).encode() if name == DESCRIPTION else content
+
+    return members
+
+
+def test_ready_made_fmus_give_what_built_ones_give(scene, fmus):
+    ours, theirs = cosimulate(scene), cosimulate(scene, fmus=fmus)
+    assert (ours["rotor.x"] == theirs["rotor.x"]).all()
+
+
+def test_a_missing_fmu_is_named_with_what_was_expected(scene, fmus):
+    (fmus / "BallBalancer.fmu").unlink()
+    with pytest.raises(UnitError, match=r"'weights'.*BallBalancer-weights-2\.fmu.*build") as error:
+        cosimulate(scene, fmus=fmus)
+    assert str(fmus) in str(error.value)
+    with pytest.raises(UnitError, match=r"nowhere\.fmu: no such FMU file"):
+        Unit(fmus / "nowhere.fmu", "rotor")
+
+
+@pytest.mark.parametrize("content", [b"", b"this is no archive", b"PK\x03\x04" + bytes(200)])
+def test_a_corrupt_archive_is_no_fmu(scene, fmus, content):
+    path = fmus / "BallBalancer.fmu"
+    path.write_bytes(content)
+    with pytest.raises(UnitError, match=re.escape(str(path))):
+        cosimulate(scene, fmus=fmus)
+
+
+def test_an_archive_cut_short_is_no_fmu(scene, fmus):
+    path = fmus / "RotorOnSupports.fmu"
+    path.write_bytes(path.read_bytes()[: path.stat().st_size // 2])
+    with pytest.raises(UnitError, match=re.escape(str(path))):
+        cosimulate(scene, fmus=fmus)
+
+
+def test_a_description_that_is_not_xml_is_said_to_be_wrong(scene, fmus, rewritten, tmp_path):
+    path = fmus / "BallBalancer.fmu"
+    broken = rewritten(path, tmp_path / "broken.fmu", described(lambda text: text[:300]))
+    broken.replace(path)
+    with pytest.raises(UnitError, match=r"BallBalancer\.fmu: its modelDescription\.xml is wrong"):
+        cosimulate(scene, fmus=fmus)
+
+
+def model_exchange(text: str) -> str:
+    text = re.sub(
+        r"<CoSimulation .*?(/>|</CoSimulation>)",
+        '<ModelExchange modelIdentifier="BallBalancer"/>',
+        text,
+        count=1,
+        flags=re.DOTALL,
+    )
+    assert "<ModelExchange" in text
+    return text
+
+
+@pytest.mark.parametrize(
+    "change",
+    [model_exchange, lambda text: text.replace('fmiVersion="2.0"', 'fmiVersion="1.0"')],
+    ids=["model exchange only", "FMI 1.0"],
+)
+def test_another_interface_is_refused(scene, fmus, rewritten, tmp_path, change):
+    path = fmus / "BallBalancer.fmu"
+    rewritten(path, tmp_path / "other.fmu", described(change)).replace(path)
+    with pytest.raises(UnitError, match=r"BallBalancer\.fmu: .*(FMI 2\.0 co-simulation|wrong)"):
+        cosimulate(scene, fmus=fmus)
+
+
+@pytest.mark.parametrize("weights", [1, 3, 12])
+def test_an_fmu_with_another_number_of_weights_is_refused(scene, fmus, weights):
+    build("BallBalancer", fmus, weights=weights)
+    with pytest.raises(UnitError, match=r"BallBalancer\.fmu: .*'?weights.*different build"):
+        cosimulate(scene, fmus=fmus)
+
+
+@pytest.mark.parametrize("unit", ["RotorOnSupports", "BallBalancer"])
+def test_an_fmu_in_fixed_axes_is_refused(scene, fmus, unit):
+    build(unit, fmus, frame="fixed")
+    with pytest.raises(UnitError, match=rf"{unit}\.fmu: has no variable .*(a|F)_xi.*build"):
+        cosimulate(scene, fmus=fmus)
+
+
+def test_another_unit_under_the_expected_name_is_refused(scene, fmus):
+    (fmus / "RotorOnSupports.fmu").replace(fmus / "BallBalancer.fmu")
+    build("RotorOnSupports", fmus)
+    with pytest.raises(UnitError, match=r"BallBalancer\.fmu: has no variable"):
+        cosimulate(scene, fmus=fmus)
+
+
+def failing_late(name: str, content: bytes) -> tuple[str, bytes]:
+    """A ball balancer, under module names of its own, that breaks after half a second."""
+    renamed = re.sub(r"_([0-9a-f]{16})\b", lambda m: "_" + m[1][::-1], name)
+    if name.endswith((".py", ".txt", ".xml", ".json")):
+        text = content.decode()
+        text = re.sub(r"_([0-9a-f]{16})\b", lambda m: "_" + m[1][::-1], text)
+        if name.endswith("fmus/weights.py"):
+            start = "    def step(self, step: float) -> None:\n"
+            assert text.count(start) == 1
+            trap = "        if self.time > 0.5:\n            raise ArithmeticError('it broke')\n"
+            text = text.replace(start, start + trap)
+        content = text.encode()
+    return renamed, content
+
+
+def test_a_unit_that_fails_in_mid_run_is_named_with_time_and_reason(
+    scene, fmus, rewritten, tmp_path
+):
+    path = fmus / "BallBalancer.fmu"
+    rewritten(path, tmp_path / "late.fmu", failing_late).replace(path)
+    with pytest.raises(SimulationError) as error:
+        cosimulate(scene, fmus=fmus)
+    message = str(error.value)
+    time = float(re.search(r"weights at t = ([\d.]+) s", message)[1])
+    assert 0.5 < time <= 0.5 + 2 * 0.105  # steps of 0.105 s
+    assert "it broke" in message
+    assert "loop gain" in message
+
+
+def test_a_failure_leaves_no_directory_behind(scene, fmus, tmp_path, monkeypatch):
+    scratch = tmp_path / "scratch"
+    scratch.mkdir()
+    monkeypatch.setattr("tempfile.tempdir", str(scratch))
+    (fmus / "BallBalancer.fmu").write_bytes(b"broken")
+    with pytest.raises(UnitError):
+        CoSimulation(scene, fmus=fmus)
+    assert list(scratch.iterdir()) == []
+
+
+def test_a_parameter_the_unit_refuses_is_named(scene):
+    with CoSimulation(scene) as cosim, pytest.raises(SimulationError, match=r"weights.*mass"):
+        cosim.start({"weights": {"mass": -1.0}})
+
+
+@pytest.mark.parametrize(
+    ("coupling", "why"),
+    [
+        ({"coupling.tolerance": 1e-4}, "no step is short enough for tolerance = 0.0001"),
+        ({"balls.rolling_resistance": 0.01}, "corrector passes need not agree"),
+    ],
+)
+def test_contact_is_named_where_a_loop_that_must_converge_does_not(coupling, why):
+    changes = {"coupling.corrections": None, "coupling.steps_per_rev": 40, "run.revolutions": 20}
+    if "coupling.tolerance" in coupling:
+        del changes["coupling.steps_per_rev"]
+    name = "finite_weights" if "balls.rolling_resistance" in coupling else "contact_order"
+    meeting = {"balls.speeds": [12.0, -12.0]} if name == "contact_order" else {}
+    scene = load_scene(name).replace({**changes, **coupling, **meeting})
+    with pytest.raises(SimulationError, match=rf"balls can touch.*{why}.*corrections"):
+        cosimulate(scene)
+    # what it says to do helps: such steps are counted and said, and the run goes on
+    fixed = {"coupling.tolerance": None, "coupling.steps_per_rev": 40, "coupling.corrections": 4}
+    done = cosimulate(scene.replace(fixed), record=[])
+    assert done.steps == 800
+    assert bool(done.unconverged) == any("left a residual" in event for event in done.events)

@@ -1,0 +1,198 @@
+"""Results, rows, pictures: what they say, and that files appear whole or not at all."""
+
+import contextlib
+import errno
+import json
+import os
+import resource
+
+import numpy as np
+import pytest
+
+from autobalancer.harness.checks.report import Row, as_json, markdown, verdict, within, write_json
+from autobalancer.harness.errors import UserError
+from autobalancer.harness.master.names import unit_of_signal
+from autobalancer.harness.master.result import Result, UnknownSignalError, write_whole
+
+
+@pytest.fixture
+def result() -> Result:
+    time = np.linspace(0.0, 10.0, 1001)
+    decay = np.exp(-time)
+    signals = {
+        "rotor.x": decay * np.cos(6.0 * time),
+        "rotor.y": decay * np.sin(6.0 * time),
+        "weights.moment_xi": np.full_like(time, 0.3),
+        "weights.moment_eta": np.full_like(time, 0.4),
+    }
+    return Result("a decaying circle", time, signals, 0.1, units=("RotorOnSupports.fmu",))
+
+
+def test_unknown_signal_lists_what_was_recorded(result):
+    with pytest.raises(UnknownSignalError, match=r"'rotor.z'.*did you mean.*rotor.y") as caught:
+        result["rotor.z"]
+    assert isinstance(caught.value, (KeyError, UserError))
+    assert "recorded: rotor.x, rotor.y, weights.moment_xi" in str(caught.value)
+
+
+def test_assert_close_passes_within_and_names_the_worst_time_beyond(result):
+    exact = np.exp(-result.time) * np.cos(6.0 * result.time)
+    result.assert_close("rotor.x", exact, 1e-12)
+    wrong = exact.copy()
+    wrong[500] += 0.02
+    with pytest.raises(AssertionError, match=r"rotor.x differs by 0.02 at t = 5 s.*allowed 0.01"):
+        result.assert_close("rotor.x", wrong, 0.01)
+    result.assert_close("rotor.x", wrong, 0.03)
+
+
+@pytest.mark.parametrize(
+    "check",
+    [
+        lambda result: result.assert_close("rotor.x", 1.0, 100.0),
+        lambda result: result.assert_bounded("rotor.x", 1e9),
+        lambda result: result.assert_balanced(below=1e9),
+    ],
+    ids=["close", "bounded", "balanced"],
+)
+def test_a_value_that_is_not_a_number_fails_every_assertion(result, check):
+    check(result)
+    result.signals["rotor.x"][-3] = np.nan
+    with pytest.raises(AssertionError, match=r"t = 9.98 s"):
+        check(result)
+
+
+def test_assert_bounded_names_first_and_worst_time(result):
+    result.assert_bounded("rotor.x", 1.0)
+    with pytest.raises(AssertionError, match=r"reaches 1 at t = 0 s.*first at t = 0 s"):
+        result.assert_bounded("rotor.x", 0.5)
+    result.assert_bounded("rotor.x", 0.5, after=1.0)
+    with pytest.raises(UserError, match="the run ends at t = 10 s"):
+        result.assert_bounded("rotor.x", 0.5, after=11.0)
+
+
+def test_assert_balanced_judges_the_end_of_the_run_and_tells_the_moment(result):
+    result.assert_balanced(below=np.exp(-9.0) * 1.001)
+    with pytest.raises(AssertionError, match=r"rotor still moves 0.00012341 m .*hold 0.5 kg m"):
+        result.assert_balanced(below=np.exp(-9.0) * 0.999)
+
+
+def test_assert_balanced_needs_the_displacement():
+    with pytest.raises(UserError, match=r"'rotor.x' was not recorded"):
+        Result("empty", np.array([0.0, 1.0]), {}, 0.0).assert_balanced(below=1.0)
+
+
+def test_csv_keeps_every_digit(result, tmp_path):
+    path = result.to_csv(tmp_path / "out.csv")
+    lines = path.read_text(encoding="utf-8").splitlines()
+    assert lines[0] == "time,rotor.x,rotor.y,weights.moment_xi,weights.moment_eta"
+    table = np.loadtxt(path, delimiter=",", skiprows=1)
+    assert np.array_equal(table[:, 1], result["rotor.x"])
+
+
+@contextlib.contextmanager
+def files_no_larger_than(size: int):
+    """The system refuses to let any file grow beyond this, as a full disk would."""
+    soft, hard = resource.getrlimit(resource.RLIMIT_FSIZE)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (size, hard))
+    try:
+        yield
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, (soft, hard))
+
+
+def test_a_disk_that_fills_up_leaves_the_old_file_and_nothing_else(result, tmp_path):
+    path = tmp_path / "out.csv"
+    path.write_text("old", encoding="utf-8")
+    with files_no_larger_than(20_000), pytest.raises(UserError, match="cannot be written"):
+        result.to_csv(path)
+    assert path.read_text(encoding="utf-8") == "old"
+    assert os.listdir(tmp_path) == ["out.csv"]
+
+
+def test_a_disk_that_fills_up_leaves_no_half_picture(result, tmp_path):
+    with files_no_larger_than(5_000), pytest.raises(UserError, match="cannot be written"):
+        result.plot(tmp_path / "out.png")
+    assert os.listdir(tmp_path) == []
+
+
+def test_an_error_while_writing_leaves_nothing(tmp_path):
+    with pytest.raises(TypeError), write_whole(tmp_path / "x.txt") as stream:
+        stream.writelines(["half", 1])
+    assert os.listdir(tmp_path) == []
+
+
+def test_a_device_is_written_to_and_not_replaced():
+    with write_whole("/dev/null") as stream:
+        stream.write("gone")
+    assert not os.path.isfile("/dev/null")
+    with pytest.raises(UserError, match=os.strerror(errno.ENOSPC)), write_whole("/dev/full") as s:
+        s.write("x" * 100_000)
+    assert not os.path.isfile("/dev/full")
+
+
+def test_a_link_stays_a_link(tmp_path):
+    (tmp_path / "real.txt").write_text("old", encoding="utf-8")
+    (tmp_path / "link.txt").symlink_to("real.txt")
+    with write_whole(tmp_path / "link.txt") as stream:
+        stream.write("new")
+    assert (tmp_path / "link.txt").is_symlink()
+    assert (tmp_path / "real.txt").read_text(encoding="utf-8") == "new"
+
+
+def test_picture_formats_are_named(result, tmp_path):
+    with pytest.raises(UserError, match=r"pictures end in \.png, \.svg, \.pdf"):
+        result.plot(tmp_path / "out.doc")
+
+
+def test_picture_states_units_and_0_peak(result, tmp_path):
+    text = result.plot(tmp_path / "out.svg").read_text(encoding="utf-8")
+    # glyphs are drawn, but every text stands in a comment beside them
+    for words in ("displacement [m]", "moment [kg m]", "time [s]", "rotor.x, 0-peak 1 m"):
+        assert f"<!-- {words} -->" in text
+
+
+def test_json_has_words_where_it_has_no_numbers(tmp_path):
+    rows = [
+        within("s", "c", "q", 1.0, float("nan"), tolerance=1e-3, seconds=0.1, source="p"),
+        Row("s", "c", "q", "none", float("inf"), None, None, True, 0.1, "p"),
+    ]
+    write_json(as_json(rows), tmp_path / "rows.json")
+    document = json.loads(
+        (tmp_path / "rows.json").read_text(encoding="utf-8"), parse_constant=pytest.fail
+    )
+    assert document["holds"] is False
+    assert [row["measured"] for row in document["rows"]] == ["nan", "inf"]
+    assert document["rows"][1]["error"] is None
+
+
+def test_nothing_checked_does_not_hold():
+    assert as_json([])["holds"] is False
+    assert verdict([]) == "Nothing was checked."
+
+
+def test_row_holds_up_to_its_tolerance():
+    facts = {"tolerance": 1e-3, "seconds": 0.0, "source": ""}
+    assert within("s", "c", "q", 2.0, 2.0019, **facts).holds
+    assert not within("s", "c", "q", 2.0, 2.0021, **facts).holds
+
+
+def test_markdown_says_which_row_fails():
+    row = within("scene", "check", "a | b", 1.0, 2.0, tolerance=0.1, seconds=0.0, source="paper")
+    assert "1 of 1 rows do NOT hold." in markdown([row])
+    assert "a \\| b | 1 | 2 | 1 | 0.1 | **NO** |" in markdown([row])
+
+
+@pytest.mark.parametrize(
+    ("name", "unit"),
+    [
+        ("rotor.x", "m"),
+        ("rotor.station[2].vy", "m/s"),
+        ("weights.weight[1].angle", "rad"),
+        ("weights.moment_xi", "kg m"),
+        ("rotor.der(plane[1].a_xi)", "m/s^2 s^-1"),
+        ("weights.der(F_xi)", "N s^-1"),
+        ("rotor.something", ""),
+    ],
+)
+def test_signals_have_units(name, unit):
+    assert unit_of_signal(name) == unit

@@ -1,0 +1,267 @@
+"""Error against run time: the measure, the orders, and what is said of failures."""
+
+from __future__ import annotations
+
+import csv
+import json
+
+import numpy as np
+import pytest
+from typer.testing import CliRunner
+
+from autobalancer.harness import load_scene
+from autobalancer.harness.cli import app
+from autobalancer.harness.errors import SimulationError
+from autobalancer.harness.master.recorder import recorded
+from autobalancer.harness.precision.measure import (
+    TWO_DECADES,
+    Point,
+    Precision,
+    all_methods,
+    observed_orders,
+    precision,
+)
+from autobalancer.harness.precision.methods import ALONG_FIXED_AXES, Method, coupling_methods, ready
+from autobalancer.harness.precision.plot import plot_precision
+from autobalancer.harness.precision.report import (
+    KEYS,
+    as_json,
+    cheapest_words,
+    comparison_words,
+    markdown,
+    table,
+    write_csv,
+)
+from autobalancer.harness.precision.time_shares import split_time
+from autobalancer.models.monolith import simulate
+
+CUBIC = [Method("iterated", 3, n, 1) for n in (20, 40, 80)]
+HELD = [Method("jacobi", 0, n) for n in (20, 80, 160)]
+LINEAR = [Method("gauss-seidel", 1, n) for n in (40, 80)]
+
+
+@pytest.fixture(scope="module")
+def short():
+    return load_scene("two_balls").replace({"run.revolutions": 4})
+
+
+@pytest.fixture(scope="module")
+def measured(short):
+    loose = [Method("monolith LSODA", tolerance=10.0**-k) for k in (4, 6, 8)]
+    bad = [Method("jacobi", 3, 40)]
+    return precision(short, seconds=12.0, methods=[*CUBIC, *HELD, *LINEAR, *loose, *bad])
+
+
+def test_every_scheme_has_the_order_it_states(measured):
+    assert measured.orders["iterated cubic 1 pass"] == pytest.approx(4.0, abs=0.3)
+    assert measured.orders["gauss-seidel linear"] == pytest.approx(2.0, abs=0.2)
+    assert measured.orders["jacobi held"] == pytest.approx(1.0, abs=0.2)
+
+
+def test_reference_is_two_decades_better_than_every_point_called_ok(measured):
+    ok = [point for point in measured.points if point.status == "ok"]
+    assert len(ok) >= 10
+    assert all(TWO_DECADES * measured.reference_error <= point.error for point in ok)
+
+
+def test_errors_agree_with_a_comparison_made_by_hand(short, measured):
+    from autobalancer.harness import cosimulate
+
+    run = cosimulate(short.replace({"coupling.steps_per_rev": 20, "coupling.corrections": 1}))
+    right = simulate(short.assembly(), short.profile(), run.time, method="RK45", rtol=1e-11)
+    by_hand = max(
+        np.max(np.abs(run[name] - right.signal(name))) / np.ptp(right.signal(name))
+        for name in run.signals
+    )
+    (point,) = [p for p in measured.points if p.method == CUBIC[0]]
+    assert point.error == pytest.approx(by_hand, rel=0.05)
+    assert 0.0 < point.at_end <= point.error
+
+
+def test_cubic_signals_beat_held_jacobi_a_thousandfold_at_equal_steps(measured):
+    error = {point.method: point.error for point in measured.points}
+    assert error[HELD[0]] > 1000.0 * error[CUBIC[0]]
+
+
+def test_one_pass_is_5000_times_as_exact_as_held_jacobi_along_fixed_axes():
+    methods = [Method(ALONG_FIXED_AXES, 0, 20), CUBIC[0]]
+    found = precision(load_scene("two_balls"), seconds=1.0, methods=methods)
+    held, one_pass = found.points
+    assert held.rotor > 5000.0 * one_pass.rotor
+    assert held.error > 5000.0 * one_pass.error
+    words = comparison_words(found).split("revolution, ")[1]
+    assert words.startswith(f"{float(f'{held.rotor / one_pass.rotor:.2g}'):,.0f} at 20 (")
+    assert words.strip(".") in markdown(found, [])
+
+
+def test_held_jacobi_along_fixed_axes_errs_as_in_another_implementation():
+    """x and y over their amplitude, the weights' inertia as force: 2.1e-1, 1.0e-1, 5.2e-2."""
+    scene = load_scene("two_balls").replace({"weights.inertia_as_force": True})
+    methods = [Method(ALONG_FIXED_AXES, 0, n) for n in (20, 40, 80)]
+    found = precision(scene, seconds=30.0, methods=methods)
+    errors = [point.rotor for point in found.points]
+    assert errors == pytest.approx([2.1e-1, 1.0e-1, 5.2e-2], rel=0.05)
+
+
+@pytest.mark.parametrize(("name", "turns"), [("run_up", 6), ("balls_and_liquid", 3)])
+def test_units_along_fixed_axes_run_up_and_watch_the_clearance(name, turns):
+    """They converge at order 1, which a wrong angle, speed or place would not."""
+    scene = load_scene(name).replace({"run.revolutions": turns, "coupling.tolerance": None})
+    errors = []
+    for steps in (80, 240):
+        runner = ready(scene, Method(ALONG_FIXED_AXES, 0, steps), recorded(scene))
+        run = runner.run()
+        runner.close()
+        right = simulate(scene.assembly(), scene.profile(), run.time, rtol=1e-7)
+        errors.append(
+            max(
+                np.max(np.abs(values - right.signal(signal))) / np.ptp(right.signal(signal))
+                for signal, values in run.signals.items()
+            )
+        )
+    assert errors[0] < 0.3
+    assert errors[1] == pytest.approx(errors[0] / 3.0, rel=0.2)
+
+
+def test_comparison_needs_both_couplings(measured):
+    assert comparison_words(measured) == ""
+
+
+def test_signals_that_only_turning_units_have_are_refused_in_words(short):
+    scene = short.replace({"run.record": ["rotor.x", "rotor.plane[1].a_xi"]})
+    methods = [Method(ALONG_FIXED_AXES, 0, 20), CUBIC[0]]
+    found = precision(scene, seconds=1.0, methods=methods)
+    assert found.points[0].status.startswith("failed: units along fixed axes: run.record")
+
+
+def test_a_method_that_cannot_run_is_named_with_its_reason(measured):
+    (point,) = [p for p in measured.points if p.method.name == "jacobi" and p.method.order == 3]
+    assert point.error is None
+    assert point.seconds is None
+    assert "unstable" in point.status
+    assert "loop gain" in point.status
+    assert "unstable" in markdown(measured, [])
+
+
+def test_methods_too_slow_for_the_time_given_are_left_out_by_name(short):
+    found = precision(short.replace({"run.revolutions": 20}), seconds=0.01, methods=CUBIC)
+    statuses = [point.status for point in found.points]
+    assert statuses[0].startswith("ok")
+    assert all(status.startswith("left out") for status in statuses[1:])
+
+
+def test_json_has_the_pinned_keys_and_csv_the_same_rows(measured, tmp_path):
+    rows = json.loads(json.dumps(as_json(measured)))["rows"]
+    assert all(tuple(row) == KEYS for row in rows)
+    assert set(KEYS) == {
+        "scene", "method", "order", "steps_per_rev", "corrections", "tolerance", "error",
+        "seconds", "status",
+    }  # fmt: skip
+    write_csv(measured, tmp_path / "rows.csv")
+    with open(tmp_path / "rows.csv", newline="", encoding="utf-8") as stream:
+        written = list(csv.DictReader(stream))
+    assert len(written) == len(rows) == len(measured.points)
+    assert float(written[0]["error"]) == rows[0]["error"]
+
+
+def test_cheapest_is_the_fastest_that_is_exact_enough(short):
+    points = [
+        Point("s", Method("jacobi", 0, 20), 1e-2, 1e-2, 0.1, 1, "ok"),
+        Point("s", Method("iterated", 3, 20, 1), 1e-4, 1e-4, 0.3, 1, "ok"),
+        Point("s", Method("gauss-seidel", 3, 40), 5e-4, 1e-4, 0.2, 1, "ok"),
+        Point("s", Method("monolith LSODA", tolerance=1e-5), 1e-6, 1e-6, 0.25, 1, "ok"),
+        Point("s", Method("iterated", 3, 10, 1), None, None, None, None, "failed: why"),
+    ]
+    found = Precision(short, tuple(points), ("rotor.x",), 1e-12, 3)
+    assert found.cheapest(1e-3).method.name == "gauss-seidel"
+    assert found.cheapest(2e-4).method.name == "monolith LSODA"
+    assert found.cheapest(2e-4, coupled=True).method.name == "iterated"
+    assert found.cheapest(1e-8) is None
+    words = cheapest_words(found)
+    assert "to 0.001 by gauss-seidel cubic, 40 steps a revolution (200 ms" in words
+    assert "to 1e-07: no way measured" in words
+
+
+def test_points_at_the_reference_own_error_do_not_count_for_the_order():
+    points = [
+        Point("s", Method("iterated", 3, n, 1), error, error, 1.0, n, "ok")
+        for n, error in ((10, 1e-4), (20, 1e-4 / 16), (40, 1e-4 / 256), (80, 1e-7))
+    ]
+    assert observed_orders(points, own=1e-8)["iterated cubic 1 pass"] == pytest.approx(4.0)
+
+
+def test_time_splits_into_units_and_master_and_counts_every_call(short):
+    split = split_time(short, CUBIC[0], ["rotor.x"], runs=2)
+    assert split.steps == 80
+    # two passes a step: set, step, get of both units, two saves, restores; freed without a count
+    assert split.calls >= 2 * 6 * split.steps
+    assert 0.0 < split.rotor < split.total
+    assert 0.0 < split.balancers < split.total
+    assert split.master > 0.0
+
+
+def test_scene_without_force_exchange_is_measured_once_a_step():
+    scene = load_scene("liquid_disc")
+    assert {m.name for m in all_methods(scene) if "monolith" not in m.name} == {"auto"}
+    assert len(coupling_methods(True)) > len(coupling_methods(False))
+
+
+def test_liquid_scene_is_exact_at_any_step():
+    scene = load_scene("liquid_disc").replace({"run.revolutions": 3})
+    methods = [Method("auto", steps_per_rev=10), Method("monolith DOP853", tolerance=1e-6)]
+    found = precision(scene, seconds=2.0, methods=methods)
+    assert found.points[0].error < 1e-9
+    assert "reference" in found.points[0].status
+
+
+def test_scene_without_a_reference_is_refused_in_words(short, monkeypatch):
+    monkeypatch.setattr("autobalancer.harness.precision.reference.BOUND", 1e-20)
+    with pytest.raises(SimulationError, match="no error can be told"):
+        precision(short, seconds=1.0, methods=HELD[:1])
+
+
+def test_weights_that_touch_or_stick_have_no_reference():
+    scene = load_scene("finite_weights").replace({"run.revolutions": 8})
+    methods = [Method("iterated", 3, 20, 1)]
+    assert precision(scene, seconds=1.0, methods=methods).points[0].error < 1e-3
+    crowded = scene.replace({"balls.angles": [1.0, 1.6, 2.2]})  # 0.1 rad between them
+    with pytest.raises(SimulationError, match=r"weights of 'balls' touch at t = "):
+        precision(crowded, seconds=1.0, methods=methods)
+    with pytest.raises(SimulationError, match="knows no rolling_resistance of 'balls'"):
+        precision(scene.replace({"balls.rolling_resistance": 1e-3}), seconds=1.0, methods=methods)
+
+
+def test_libcosim_gives_the_same_error_as_held_jacobi_with_the_same_units(short):
+    pytest.importorskip("libcosimpy")
+    found = precision(short, seconds=1.0, methods=[HELD[1], Method("libcosimpy", 0, 80)])
+    ours, theirs = found.points
+    assert theirs.error == pytest.approx(ours.error, rel=1e-4)
+
+
+def test_libcosim_cannot_run_up_and_says_so():
+    scene = load_scene("run_up").replace({"run.revolutions": 1})
+    found = precision(scene, seconds=1.0, methods=[Method("libcosimpy", 0, 20), CUBIC[0]])
+    assert "failed: libcosimpy" in found.points[0].status
+
+
+def test_picture_and_table_are_made_of_what_was_measured(measured, tmp_path):
+    picture = plot_precision(measured, tmp_path / "wp.png")
+    assert picture.read_bytes().startswith(b"\x89PNG")
+    assert table(measured).row_count == len(measured.points)
+
+
+def test_command_writes_what_is_asked_and_ends_with_the_cheapest_way(tmp_path, monkeypatch):
+    scene = tmp_path / "short.toml"
+    source = load_scene("two_balls").path.read_text(encoding="utf-8")
+    scene.write_text(source.replace("revolutions = 20", "revolutions = 1"), encoding="utf-8")
+    target = tmp_path / "rows.json"
+    few = [*CUBIC, *HELD, Method("monolith LSODA", tolerance=1e-4)]
+    monkeypatch.setattr("autobalancer.harness.precision.all_methods", lambda _scene: few)
+    done = CliRunner().invoke(
+        app, ["precision", str(scene), "--seconds", "10", "--json", str(target)]
+    )
+    assert done.exit_code == 0, done.output
+    assert json.loads(target.read_text(encoding="utf-8"))["rows"]
+    last = " ".join(done.output.strip().split("Cheapest for short:")[-1].split())
+    assert "to 0.001 by" in last
+    assert "to 1e-07" in last

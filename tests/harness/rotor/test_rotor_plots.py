@@ -1,0 +1,186 @@
+"""Pictures of a rotor: what they show is right, and every axis says its unit."""
+
+from __future__ import annotations
+
+import json
+import math
+
+import numpy as np
+import pytest
+from typer.testing import CliRunner
+
+from autobalancer.harness import UserError, load_scene
+from autobalancer.harness.balancing import plot as rotor_polar
+from autobalancer.harness.balancing.cycles import balance
+from autobalancer.harness.cli import app
+from autobalancer.harness.rotor import plot as pictures
+from autobalancer.harness.rotor import plot_motion as rotor_motion
+from autobalancer.harness.rotor import study as rotor_study
+from autobalancer.harness.scene import Scene
+
+
+def disc(**changes):
+    """A planar rotor whose every answer has a closed form: k/m = 1, zeta = c/(2 m)."""
+    rotor = {"kind": "planar", "mass": 2.0, "stiffness": 2.0, "damping": 0.08,
+             "unbalance": 0.01, "unbalance_angle": 0.5, **changes}  # fmt: skip
+    return Scene.from_document({"rotor": rotor, "operation": {"speed": 1.5}})
+
+
+@pytest.fixture
+def drawn(monkeypatch):
+    """Figures instead of files."""
+    figures = []
+
+    def keep(figure, path):
+        figures.append(figure)
+        return path
+
+    for module in (pictures, rotor_motion, rotor_polar):
+        monkeypatch.setattr(module, "save", keep)
+    return figures
+
+
+def texts(figure):
+    """Everything a reader can read around the axes."""
+    found = []
+    for axes in figure.axes:
+        found += [axes.get_xlabel(), axes.get_ylabel(), axes.get_title()]
+    return found
+
+
+def test_campbell_curves_meet_the_speed_line_at_the_critical_speeds(drawn):
+    """Rodrigues' rotor: forward tilt mode Jt l^2 - Jp w l - k22 = 0 crosses l = w at 1.81."""
+    scene = load_scene("two_plane_rodrigues")
+    data, critical = rotor_study.campbell_of(scene, 0.02, 4.0)
+    assert critical == pytest.approx([1.0, math.sqrt(9.0 / 2.75)])
+    tilt = np.sort(np.abs(data.eigenvalues.imag), axis=1)
+    w = data.speeds
+    forward = (0.5 * w + np.sqrt((0.5 * w) ** 2 + 4 * 3.25 * 9.0)) / (2 * 3.25)
+    np.testing.assert_allclose(tilt[:, -1], forward, rtol=1e-3)  # damping of 2 % shifts it by 4e-4
+    pictures.plot_campbell(data, critical, "title", None)
+    (figure,) = drawn
+    marks = [line for line in figure.axes[0].lines if line.get_marker() == "o"]
+    assert [float(line.get_xdata()[0]) for line in marks] == pytest.approx(critical.tolist())
+    lines = [line.get_linestyle() for line in figure.axes[0].lines if len(line.get_xdata()) > 1]
+    assert "--" in lines  # the backward mode
+    assert figure.axes[0].get_ylabel().endswith("[rad/s]")
+    assert "[1]" in figure.axes[1].get_ylabel()
+    assert figure.axes[1].get_xlabel() == "speed [rad/s]"
+
+
+def test_campbell_says_when_a_mode_changes_its_nature():
+    """Internal damping makes a heavily damped disc oscillate at higher speeds only."""
+    scene = disc(damping=[5.0, 3.0], internal_damping=1.0)
+    with pytest.raises(UserError, match=r"0.1 to 9 rad/s: a mode is overdamped at some"):
+        rotor_study.campbell_of(scene, 0.1, 9.0)
+
+
+def test_response_of_the_unit_is_that_of_a_disc(drawn):
+    """|A| = u w^2/|k - m w^2 + i c w|, lagging by atan2(c w, k - m w^2)."""
+    data = rotor_study.response_of(disc(), 0.1, 3.0)
+    exact = 0.01 * np.exp(0.5j) * data.points**2
+    exact /= 2.0 - 2.0 * data.points**2 + 0.08j * data.points
+    np.testing.assert_allclose(data.measured[:, 0, 0], exact, rtol=1e-7)
+    np.testing.assert_allclose(data.measured[:, 1, 0], -1j * exact, rtol=1e-7)
+    np.testing.assert_allclose(
+        np.interp(data.points, data.speeds, np.abs(data.amplitude[:, 0, 0])), np.abs(exact),
+        rtol=2e-2,
+    )  # fmt: skip
+    pictures.plot_response(data, None)
+    (figure,) = drawn
+    assert len(figure.axes) == 2  # x and y alike: drawn once
+    assert figure.axes[0].get_ylabel() == "amplitude, 0-peak [mm]"
+    assert "[deg]" in figure.axes[1].get_ylabel()
+
+
+def test_response_along_both_axes_is_drawn_where_they_differ(drawn):
+    data = rotor_study.response_of(disc(stiffness=[2.0, 3.0]), 0.1, 3.0)
+    pictures.plot_response(data, None)
+    assert {axes.get_title() for axes in drawn[0].axes} >= {"along x", "along y"}
+
+
+def test_response_needs_an_unbalance():
+    with pytest.raises(UserError, match="has no unbalance to respond to"):
+        rotor_study.response_of(disc(unbalance=0.0), 0.1, 3.0)
+
+
+def test_orbits_are_closed_and_balancing_makes_them_smaller(drawn):
+    scene = load_scene("three_mass_shaft")
+    data = rotor_study.orbits_of(scene)
+    assert data.alone.shape[1:] == (2, 3)
+    np.testing.assert_allclose(data.alone[-1], data.alone[0], rtol=1e-9, atol=1e-12)
+    radius = np.hypot(data.alone[:, 0], data.alone[:, 1])
+    np.testing.assert_allclose(radius, radius[:1].repeat(len(radius), 0), rtol=1e-6)  # circles
+    assert len(data.run) == 2 * 40 + 1
+    assert np.abs(data.run).max() < 0.05 * radius.max()
+    rotor_motion.plot_orbits(data, None)
+    labels = [text for text in texts(drawn[0]) if text]
+    assert all("[mm]" in text or "0-peak" in text for text in labels)
+
+
+def test_run_up_passes_the_resonance_and_stays_below_its_steady_height(drawn):
+    """Acceleration through a resonance: the peak comes late and is lower than u w/c."""
+    data = rotor_study.run_up_of(disc(), 0.05, 3.0)
+    peak = int(np.argmax(data.run[:, 0]))
+    assert 1.0 < data.speeds[peak] < 1.2
+    assert data.run[peak, 0] < 0.01 * 1.0 / 0.08
+    assert data.speeds[-1] == pytest.approx(3.0)
+    # far above it the disc turns about its centre of mass
+    assert data.run[-1, 0] == pytest.approx(0.005 / (1 - 1 / 9), rel=0.05)
+    rotor_motion.plot_run_up(data, None)
+    assert drawn[0].axes[-1].get_xlabel().startswith("speed [rad/s]")
+    assert drawn[0].axes[0].get_ylabel().endswith("0-peak [mm]")
+
+
+def test_polar_picture_ends_where_the_unbalance_is_undone(drawn):
+    result = balance(load_scene("balancing_machine"))
+    rotor_polar.plot_corrections(result, None)
+    (figure,) = drawn
+    assert [axes.name for axes in figure.axes] == ["polar", "polar"]
+    for i, axes in enumerate(figure.axes):
+        path = next(line for line in axes.lines if line.get_label().startswith("complex"))
+        end = path.get_ydata()[-1] * np.exp(1j * path.get_xdata()[-1])
+        goal = -result.technologies[0].cycles[0].actual[i] * 1e3  # g m
+        assert end == pytest.approx(goal, rel=1e-9)
+        assert "[g m]" in axes.get_title()
+        assert "2 cycles" in path.get_label()
+
+
+def test_moments_and_files_have_readable_units(tmp_path):
+    assert rotor_polar.moment(3.0) == (1.0, "kg m")
+    assert rotor_polar.moment(2e-5) == (pytest.approx(1e6), "g mm")
+    assert rotor_polar.moment(1e-12)[1] == "mg mm"
+
+
+def test_command_prints_modes_and_writes_what_is_asked_for(tmp_path):
+    data = tmp_path / "modes.json"
+    paths = {name: tmp_path / f"{name}.png" for name in ("campbell", "response", "orbit", "run-up")}
+    options = [part for name, path in paths.items() for part in (f"--{name}", str(path))]
+    scene = tmp_path / "disc.toml"
+    scene.write_text(
+        '[rotor]\nkind = "planar"\nmass = 2.0\nstiffness = 2.0\ndamping = 0.08\nunbalance = 0.01\n'
+        "[operation]\nspeed = 1.5\n"
+    )
+    arguments = ["rotor", str(scene), *options, "--range", "0.1", "3.0", "--json", str(data)]
+    done = CliRunner().invoke(app, arguments)
+    assert done.exit_code == 0, done.output
+    assert "Critical speeds, undamped: 1 rad/s" in done.output
+    assert all(path.read_bytes().startswith(b"\x89PNG") for path in paths.values())
+    found = json.loads(data.read_text())
+    assert found["critical_speeds"] == pytest.approx([1.0])
+    assert [m["damping_ratio"] for m in found["modes"]] == pytest.approx([0.02, 0.02])
+    assert {m["direction"] for m in found["modes"]} == {"forward", "backward"}
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        (["--range", "3.0", "1.0"], "--range 3 1: must be two speeds"),
+        (["--campbell", "picture.bmp"], "pictures end in .png, .svg, .pdf"),
+        (["--orbit", "no/such/place.png"], "there is no directory no/such"),
+    ],
+)
+def test_command_refuses_what_it_cannot_draw(options, message):
+    done = CliRunner().invoke(app, ["rotor", "two_balls", *options])
+    assert done.exit_code == 2
+    assert message in done.output

@@ -1,0 +1,162 @@
+"""Stability maps: what stands on the axes, in the grid, and in the files."""
+
+import csv
+
+import numpy as np
+import pytest
+from typer.testing import CliRunner
+
+from autobalancer.harness import UserError, load_scene
+from autobalancer.harness.cli import app
+from autobalancer.harness.stability.axis import Axis
+from autobalancer.harness.stability.map import stability_map
+from autobalancer.models.stability import growth_rates
+
+
+def invoke(*arguments: object):
+    return CliRunner().invoke(app, [str(a) for a in arguments])
+
+
+@pytest.fixture
+def one_process(monkeypatch):
+    monkeypatch.setattr("os.cpu_count", lambda: 1)
+
+
+def test_axis_is_read_as_it_is_written():
+    axis = Axis.parse("speed=0.5:12:24")
+    assert (axis.path, axis.log) == ("operation.speed", False)
+    np.testing.assert_allclose(axis.values, np.linspace(0.5, 12.0, 24))
+    axis = Axis.parse("weights.drag=1e-4:1:5:log")
+    np.testing.assert_allclose(axis.values, [1e-4, 1e-3, 1e-2, 1e-1, 1.0])
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        ("speed", "PATH=LOW:HIGH:N"),
+        ("speed=1:2", "PATH=LOW:HIGH:N"),
+        ("speed=1:2:x", "PATH=LOW:HIGH:N"),
+        ("speed=1:2:9:lin", "PATH=LOW:HIGH:N"),
+        ("speed=2:1:9", "rising"),
+        ("speed=1:nan:9", "finite"),
+        ("speed=0:1:9:log", "above 0"),
+        ("speed=1:2:1", "N = 1"),
+    ],
+)
+def test_a_wrong_axis_is_said(text, said):
+    with pytest.raises(UserError, match=said):
+        Axis.parse(text)
+
+
+def test_labels_carry_units():
+    scene = load_scene("filimonikhina")
+    texts = {
+        "speed=1:2:3": "speed [rad/s]",
+        "weights.drag=1:2:3": "weights.drag [N s/m]",
+        "rotor.stiffness[2]=1:2:3": "rotor.stiffness[2] [N/m]",
+        "weights.count=1:2:3": "weights.count",
+    }
+    assert {text: Axis.parse(text).label(scene) for text in texts} == texts
+
+
+@pytest.mark.parametrize("speed_is", ["x", "y", "neither"])
+def test_every_point_is_that_of_its_own_scene(speed_is):
+    scene = load_scene("filimonikhina")
+    speed, drag = Axis.parse("speed=1.5:9:4"), Axis.parse("weights.drag=1e-3:1e-1:3:log")
+    stiffness = Axis.parse("rotor.stiffness[2]=30:60:4")
+    x, y = {"x": (speed, drag), "y": (drag, speed), "neither": (stiffness, drag)}[speed_is]
+    data = stability_map(scene, x, y)
+    assert data.growth.shape == (len(y.values), len(x.values))
+    for j, b in enumerate(y.values):
+        for i, a in enumerate(x.values):
+            one = scene.replace({x.path: a, y.path: b})
+            expected = growth_rates(one.assembly(), one.profile().end)[0]
+            assert data.growth[j, i] == pytest.approx(expected, rel=1e-9)
+
+
+def test_criterion_changes_sign_at_its_own_roots():
+    x, y = Axis.parse("speed=0.9:8:800"), Axis.parse("weights.drag=1e-3:1e-2:2")
+    data = stability_map(load_scene("filimonikhina"), x, y)
+    row = data.criterion[0]
+    change = np.flatnonzero(np.diff(np.sign(row)))
+    # Filimonikhina 2017, Table 1
+    np.testing.assert_allclose(x.values[change], [1.003, 5.041, 6.925], atol=0.011)
+
+
+def test_weights_that_cannot_balance_are_not_a_number():
+    x, y = Axis.parse("speed=2:4:2"), Axis.parse("rotor.unbalance=0.001:0.02:3")
+    data = stability_map(load_scene("filimonikhina"), x, y, cosim=3)
+    assert np.isfinite(data.growth[0]).all()
+    assert np.isnan(data.growth[1:]).all()
+    assert len(data.points) == data.agreeing == 3
+    assert all(bool(p.refusal) == (p.y > 0) for p in data.points)
+
+
+def test_cosimulated_points_agree_with_floquet():
+    x, y = Axis.parse("speed=1.5:11:20"), Axis.parse("weights.drag=1e-3:1e-1:20:log")
+    data = stability_map(load_scene("filimonikhina"), x, y, cosim=10)
+    assert len({(p.x, p.y) for p in data.points}) == 10
+    assert data.agreeing == 10
+    for p in data.points:
+        assert p.growth == pytest.approx(data.growth[p.y, p.x], rel=1e-3)
+
+
+def test_agreement_is_counted_not_assumed():
+    x, y = Axis.parse("speed=3:7:2"), Axis.parse("weights.drag=2e-3:3e-3:2")
+    data = stability_map(load_scene("filimonikhina"), x, y, cosim=4)
+    assert data.agreeing == 4
+    data.growth[:] *= -1.0
+    assert data.agreeing == 0
+
+
+def test_command_writes_picture_and_points(tmp_path, one_process):
+    picture, table = tmp_path / "map.png", tmp_path / "map.csv"
+    outcome = invoke(
+        "map", "filimonikhina", "--x", "speed=0.9:12:12", "--y", "weights.drag=1e-3:1:6:log",
+        "-o", picture, "--csv", table, "--cosim", 3,
+    )  # fmt: skip
+    assert outcome.exit_code == 0, outcome.output
+    assert "3 of 3 co-simulated points agree" in outcome.output
+    assert picture.read_bytes().startswith(b"\x89PNG")
+    with table.open() as stream:
+        rows = list(csv.DictReader(stream))
+    assert len(rows) == 72
+    assert float(rows[0]["speed [rad/s]"]) == 0.9
+    assert sum(bool(row["cosim growth rate [1/s]"]) for row in rows) == 3
+    for row in rows:
+        assert row["criterion"] in {"stable", "unstable"}
+
+
+def test_command_draws_a_map_without_criterion_and_with_gaps(tmp_path, one_process):
+    picture = tmp_path / "map.svg"
+    outcome = invoke(
+        "map", "three_mass_shaft", "--x", "speed=1:6:5", "--y", "rotor.internal_damping=0:0.2:3",
+        "-o", picture,
+    )  # fmt: skip
+    assert outcome.exit_code == 0, outcome.output
+    assert "criterion: does not apply" in outcome.output
+    assert picture.stat().st_size > 1000
+
+
+@pytest.mark.parametrize(
+    ("x", "y", "said"),
+    [
+        ("speed=1:2:3", "speed=1:2:3", "both axes are the same"),
+        ("speed=1:2", "weights.drag=1:2:3", "--x speed=1:2"),
+        ("speed=1:2:3", "wheels.drag=1:2:3", "begins with one of: rotor"),
+        ("speed=1:2:3", "weights.mass=-1:2:3", "greater than 0"),
+    ],
+)
+def test_command_refuses_wrong_axes(tmp_path, one_process, x, y, said):
+    outcome = invoke("map", "filimonikhina", "--x", x, "--y", y, "-o", tmp_path / "map.png")
+    assert outcome.exit_code == 2
+    assert said in " ".join(outcome.output.split())
+    assert not list(tmp_path.iterdir())
+
+
+def test_command_refuses_an_unknown_picture_before_the_work(tmp_path):
+    outcome = invoke(
+        "map", "filimonikhina", "--x", "speed=1:2:3", "--y", "weights.drag=1:2:3",
+        "-o", tmp_path / "map.bmp",
+    )  # fmt: skip
+    assert outcome.exit_code == 2

@@ -1,0 +1,148 @@
+"""Stability from the co-simulated units against exact roots, linearised models, and time runs."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+from autobalancer.harness import load_scene
+from autobalancer.harness.master.cosimulation import CoSimulation
+from autobalancer.harness.master.schedule import step_size
+from autobalancer.harness.stability.revolution import Revolution
+from autobalancer.models.papers.window import LiquidWindow
+from autobalancer.models.stability import multipliers
+
+BALANCED = [2.0 * math.pi / 3.0, 4.0 * math.pi / 3.0]
+
+
+def same_spectrum(found, expected, tolerance: float) -> None:
+    """Every expected multiplier is found once, to an absolute tolerance."""
+    remaining = list(found)
+    assert len(remaining) == len(expected)
+    for value in expected:
+        nearest = min(remaining, key=lambda f: abs(f - value))
+        assert abs(nearest - value) <= tolerance, (value, found)
+        remaining.remove(nearest)
+
+
+@pytest.mark.parametrize("fraction", [0.5, 0.97, 1.0, 1.1])
+@pytest.mark.parametrize(
+    ("name", "steps", "tolerance"),
+    [("liquid_disc", 40, 1e-9), ("liquid_closed", 4, 1e-9), ("liquid_heavy_force", 80, 1e-5)],
+)
+def test_multipliers_of_a_liquid_are_those_of_the_exact_roots(name, steps, tolerance, fraction):
+    scene = load_scene(name)
+    window = LiquidWindow.of(scene.assembly())
+    speed = fraction * window.upper
+    roots = np.array(window.roots(speed))
+    roots = np.concatenate([roots, roots.conj()])  # of z, and of its conjugate
+    with Revolution(scene, steps=steps) as revolution:
+        found = revolution.multipliers(speed, np.zeros(len(revolution.states)))
+    same_spectrum(found, np.exp(roots * 2.0 * math.pi / speed), tolerance)
+
+
+@pytest.mark.parametrize("speed", [0.8, 3.0, 6.0, 9.0])
+def test_multipliers_of_two_balls_are_those_of_the_linearised_equations(speed):
+    scene = load_scene("two_balls").replace(
+        {"weights.angles": BALANCED, "coupling.corrections": None, "coupling.steps_per_rev": 80}
+    )
+    expected = multipliers(scene.assembly(), [speed])[0]
+    with Revolution(scene) as revolution:
+        state, _ = revolution.steady(speed)
+        found = revolution.multipliers(speed, state)
+    assert np.abs(state[:4]).max() < 1e-9, "the main motion is balanced: the rotor stands still"
+    assert state[4::2] == pytest.approx(BALANCED, abs=1e-8)
+    same_spectrum(found, expected, 2e-5 * max(1.0, np.abs(expected).max()))
+
+
+def test_multipliers_converge_with_order_4():
+    scene = load_scene("two_balls").replace(
+        {"weights.angles": BALANCED, "coupling.corrections": None}
+    )
+    expected = np.abs(multipliers(scene.assembly(), [6.0])[0]).max()
+    errors = []
+    for steps in (20, 40, 80):
+        with Revolution(scene, steps=steps) as revolution:
+            found = revolution.multipliers(6.0, revolution.first)
+        errors.append(abs(np.abs(found[0]) - expected))
+    assert np.log2(errors[0] / errors[1]) == pytest.approx(4.0, abs=0.6)
+    assert errors[2] < 1e-6
+
+
+@pytest.mark.parametrize("speed", [0.8, 6.0])
+def test_growth_rate_agrees_with_that_of_a_long_time_run(speed):
+    scene = (
+        load_scene("two_balls")
+        .replace(
+            {"weights.angles": BALANCED, "coupling.corrections": None, "operation.speed": speed}
+        )
+        .replace({"coupling.steps_per_rev": 60})
+    )  # the upper natural frequency is 7 rad/s
+    with Revolution(scene) as revolution:
+        growth = revolution.growth_rates(speed, revolution.first)[0]
+        steps = revolution.steps
+    assert growth > 0.0, "unstable on both sides of the region"
+    # a disturbance so small that it stays linear while the leading motion outgrows the others
+    period = 2.0 * math.pi / speed
+    revolutions = math.ceil(math.log(1e-4 / 1e-9) / (growth * period))
+    with CoSimulation(scene) as cosim:
+        cosim.start({"rotor": {"x0": 1e-9, "y0": 1e-9}})
+        residual = []
+        for _ in range(revolutions):
+            for _ in range(steps):
+                cosim.step(step_size(scene, steps))
+            residual.append(cosim.read("weights", ["moment_xi"])[0] + scene.rotor.unbalance)
+    late = np.array(residual[revolutions // 2 :])
+    assert len(late) >= 6
+    assert np.abs(late).max() < 1e-3
+    # Prony's method: one real or two conjugate multipliers fulfil a recursion of two terms
+    recursion = np.linalg.lstsq(np.array([late[1:-1], late[:-2]]).T, late[2:], rcond=None)[0]
+    fitted = np.log(np.abs(np.roots([1.0, *-recursion])).max()) / period
+    assert fitted == pytest.approx(growth, rel=2e-3)
+
+
+def test_decay_of_a_liquid_agrees_with_that_of_a_time_run():
+    scene = load_scene("liquid_disc").replace({"rotor.unbalance": 0.0})
+    speed = scene.operation.speed
+    with Revolution(scene) as revolution:
+        growth = revolution.growth_rates(speed, np.zeros(4))[0]
+    # the slowest motion alone: what is left after the faster one has died
+    with CoSimulation(scene, watch=False) as cosim:
+        cosim.start({"rotor": {"x0": 1e-3}})
+        step, size = step_size(scene), []
+        for _ in range(4000):
+            cosim.step(step)
+            size.append(math.hypot(*cosim.read("rotor", ["x", "y"])))
+    time = step * np.arange(1, 4001)
+    late = slice(2000, None)
+    fitted, _ = np.polyfit(time[late], np.log(size)[late], 1)
+    assert fitted == pytest.approx(growth, rel=1e-3)
+
+
+def test_steady_motion_of_a_liquid_is_dubovik_s_bending():
+    scene = load_scene("liquid_disc")
+    window = LiquidWindow.of(scene.assembly())
+    with Revolution(scene) as revolution:
+        for speed in (90.0, 150.0, 300.0):
+            state, _ = revolution.steady(speed)
+            assert math.hypot(*state[:2]) == pytest.approx(window.bending(speed), rel=1e-9)
+
+
+@pytest.mark.parametrize(
+    "changes",
+    [
+        {"operation.run_up": {"from": 1.0, "to": 6.0, "seconds": 10.0}},
+        {"coupling.tolerance": 1e-3},
+    ],
+    ids=["run-up", "tolerance"],
+)
+def test_the_map_is_of_constant_speed_and_whole_revolutions_whatever_the_scene_runs(changes):
+    plain = {"weights.angles": BALANCED, "coupling.corrections": None}
+    scene = load_scene("two_balls").replace(plain)
+    spectra = []
+    for each in (scene, scene.replace(changes)):
+        with Revolution(each, steps=20) as revolution:
+            spectra.append(revolution.multipliers(6.0, revolution.first))
+    assert spectra[0] == pytest.approx(spectra[1], abs=1e-12)

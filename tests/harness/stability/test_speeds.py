@@ -1,0 +1,320 @@
+"""Critical speeds from the coupled units alone, held against Floquet and closed forms."""
+
+import json
+import math
+
+import numpy as np
+import pytest
+from typer.testing import CliRunner
+
+from autobalancer.harness import UserError, load_scene, speeds
+from autobalancer.harness.checks.registry import run_checks
+from autobalancer.harness.cli import app
+from autobalancer.harness.stability.boundaries import Speeds, crossings, nodes_around
+from autobalancer.harness.stability.in_time import growth_in_run, needed_revolutions, run_from_rest
+from autobalancer.harness.stability.main_motion import MainMotion, NoMainMotion
+from autobalancer.models.linear.balanced import balanced_angles, residual_unbalance
+from autobalancer.models.linear.boundaries import Crossing
+from autobalancer.models.papers.window import LiquidWindow
+from autobalancer.models.stability import growth_rates, multipliers, neutral_count
+
+MANY = {  # N weights of the same total mass, next to positions that are not on one line
+    3: [0.3, 1.9, 4.2],
+    4: [0.3, 1.9, 3.5, 5.0],
+    6: [0.3, 1.2, 2.1, 3.3, 4.4, 5.6],
+}
+
+
+def weights(count: int):
+    return load_scene("filimonikhina").replace(
+        {
+            "weights.count": count,
+            "weights.mass": 0.01 / count,
+            "weights.drag": 0.005 / count,
+            "weights.angles": MANY[count],
+        }
+    )
+
+
+def invoke(*arguments: object):
+    return CliRunner().invoke(app, [str(a) for a in arguments])
+
+
+# -- main motion and multipliers ------------------------------------------------------------------
+
+
+def test_main_motion_is_found_from_the_units_alone():
+    scene = load_scene("filimonikhina")
+    with MainMotion(scene) as motion:
+        found = np.sort(motion.state[4::2] % (2.0 * math.pi))
+    # Filimonikhina 2017: unbalance of one weight is balanced at 2 pi/3 and 4 pi/3
+    np.testing.assert_allclose(found, [2.0 * math.pi / 3.0, 4.0 * math.pi / 3.0], atol=1e-9)
+
+
+@pytest.mark.parametrize("name", ["drum", "three_mass_shaft", "grinder", "balls_and_liquid"])
+def test_units_rest_where_no_unbalance_is_left(name):
+    scene = load_scene(name)
+    with MainMotion(scene) as motion:
+        angles = motion.state[
+            [i for i, s in enumerate(motion.units.states) if s.output.endswith("].angle")]
+        ]
+        rest = np.delete(
+            motion.state,
+            [i for i, s in enumerate(motion.units.states) if s.output.endswith("].angle")],
+        )
+    assembly = scene.assembly()
+    given = sum(m.device.capacity for m in assembly.weights)
+    assert np.abs(residual_unbalance(assembly, angles)).max() < 1e-9 * given
+    assert not rest.any()
+
+
+def test_multipliers_of_the_units_are_those_of_floquet():
+    scene = load_scene("filimonikhina")
+    expected = multipliers(scene.assembly(), [3.0])[0]
+    with MainMotion(scene) as motion:
+        found = motion.multipliers(3.0)
+    for value in found:
+        assert np.abs(expected - value).min() < 1e-6
+
+
+@pytest.mark.parametrize("count", [3, 4, 6])
+def test_turns_that_change_no_moment_are_left_out_by_structure(count):
+    scene = weights(count)
+    with MainMotion(scene) as motion:
+        assert motion.neutral.shape[1] == count - 2 == neutral_count(scene.assembly())
+        angles = [i for i, s in enumerate(motion.units.states) if s.output.endswith("].angle")]
+        found, state = motion.multipliers(3.0), motion.state[angles]
+    balanced = scene.replace({"weights.angles": state.tolist()}).assembly()
+    np.testing.assert_allclose(balanced_angles(balanced), state, atol=1e-9)
+    expected = multipliers(balanced, [3.0])[0]
+    assert len(found) == len(expected) - (count - 2)
+    assert abs(found[0]) < 1.0, "nothing that does not decay is left"
+    # a multiple multiplier (weights' free rates) is split by the root of the differences' error
+    for value in found:
+        assert np.abs(expected - value).min() < 1e-4
+
+
+def test_neutral_multiplier_does_not_hide_a_growing_one():
+    scene = weights(4)
+    with MainMotion(scene) as motion:
+        angles = [i for i, s in enumerate(motion.units.states) if s.output.endswith("].angle")]
+        found, state = motion.growth(7.0), motion.state[angles]
+    balanced = scene.replace({"weights.angles": state.tolist()}).assembly()
+    assert found == pytest.approx(float(growth_rates(balanced, 7.0)[0]), rel=1e-6)
+    assert found > 0.1
+
+
+def test_too_large_an_unbalance_is_said_to_have_no_main_motion():
+    with pytest.raises(NoMainMotion, match="cannot undo its unbalance"):
+        MainMotion(load_scene("filimonikhina").replace({"rotor.unbalance": 0.011}))
+
+
+def test_steps_that_do_not_resolve_the_rotor_are_refined():
+    scene = load_scene("filimonikhina").replace({"coupling.steps_per_rev": 8})
+    with MainMotion(scene) as motion:
+        assert motion.growth(0.3) == pytest.approx(growth_rates(scene.assembly(), 0.3)[0], rel=1e-2)
+        assert motion.units.steps == 8
+
+
+# -- growth in a run ------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("speed", [3.0, 7.0, 8.0, 10.0])
+def test_growth_fitted_to_a_run_is_floquets(speed):
+    scene = load_scene("filimonikhina")
+    expected = float(growth_rates(scene.assembly(), speed)[0])
+    with MainMotion(scene) as motion:
+        found = growth_in_run(motion, speed, int(needed_revolutions(expected, speed)))
+    assert found == pytest.approx(expected, rel=2e-3)
+
+
+def test_runs_from_rest_end_as_predicted():
+    scene = load_scene("balls_and_liquid")
+    for speed, balanced in ((120.0, True), (170.0, False), (300.0, True)):
+        growth = float(growth_rates(scene.assembly(), speed)[0])
+        assert (growth < 0.0) == balanced
+        ended = run_from_rest(scene, speed, needed_revolutions(growth, speed))
+        assert ended.balanced == balanced, str(ended)
+        assert f"{ended.residual:.3g} kg m" in str(ended)
+        # the start: unbalance and both balls, at the scene's angles
+        start = abs(0.0005 + 0.0005 * (np.exp(0.4j) + np.exp(1.5j)))
+        assert ended.share == pytest.approx(ended.residual / start, rel=1e-9)
+
+
+# -- speeds ---------------------------------------------------------------------------------------
+
+
+def test_three_methods_stand_side_by_side():
+    found = speeds(load_scene("filimonikhina"), (0.5, 12.0))
+    assert list(found.methods) == ["criterion", "floquet", "cosim"]
+    np.testing.assert_allclose(
+        [c.speed for c in found.methods["criterion"]], [1.0026, 5.0407, 6.9254], rtol=1e-4
+    )
+    for method in ("floquet", "cosim"):
+        np.testing.assert_allclose(
+            [c.speed for c in found.methods[method]], [1.0143, 5.0499, 8.3223], rtol=1e-4
+        )
+        assert [c.above for c in found.methods[method]] == ["stable", "unstable", "stable"]
+    assert found.lowest == {"criterion": "unstable", "floquet": "unstable", "cosim": "unstable"}
+    assert all(len(row) == 3 for row in found.rows())
+
+
+def test_units_alone_find_the_speeds_by_a_scan_of_their_own():
+    found = speeds(load_scene("filimonikhina"), (4.0, 9.0), ["cosim"], scan=10)
+    np.testing.assert_allclose(
+        [c.speed for c in found.methods["cosim"]], [5.04992967, 8.32228599], rtol=1e-6
+    )
+
+
+def test_growth_in_runs_finds_the_same_speed():
+    found = speeds(load_scene("filimonikhina"), (8.2, 8.45), ["floquet", "cosim-run"])
+    (floquet,), (run,) = found.methods["floquet"], found.methods["cosim-run"]
+    assert run.speed == pytest.approx(floquet.speed, rel=1e-3)
+    assert run.above == floquet.above == "stable"
+
+
+def test_limit_of_the_liquid_is_found_by_both():
+    scene = load_scene("liquid_disc")
+    upper = LiquidWindow.of(scene.assembly()).upper
+    found = speeds(scene, (0.7 * upper, 1.3 * upper))
+    assert "the scene has none" in found.refused["criterion"]
+    for method in ("floquet", "cosim"):
+        (crossing,) = found.methods[method]
+        assert crossing.speed == pytest.approx(upper, rel=1e-6)  # Dubovik 2006 (10)
+        assert crossing.above == "unstable"
+
+
+def test_a_method_that_does_not_apply_says_why():
+    found = speeds(load_scene("drum"), (100.0, 110.0), ["criterion"])
+    assert "stations" in found.refused["criterion"]
+    damped = load_scene("filimonikhina").replace({"rotor.internal_damping": 0.1})
+    found = speeds(damped, (2.0, 3.0), ["criterion"])
+    assert "internal damping" in found.refused["criterion"]
+    heavy = load_scene("filimonikhina").replace({"rotor.unbalance": 0.011})
+    found = speeds(heavy, (2.0, 3.0), ["floquet", "cosim"])
+    assert set(found.refused) == {"floquet", "cosim"}
+    assert not found.methods
+
+
+def test_crossings_are_bracketed_and_refined():
+    found, first = crossings(lambda w: (w - 1.25) * (w - 2.75) * (3.5 - w), [0.5, 2.0, 3.0, 4.0])
+    assert first == "unstable"
+    assert [c.above for c in found] == ["stable", "unstable", "stable"]
+    np.testing.assert_allclose([c.speed for c in found], [1.25, 2.75, 3.5], rtol=1e-6)
+
+
+def test_both_sides_of_every_guess_are_looked_at():
+    nodes = nodes_around([1.0, 1.003, 5.0], 0.5, 9.0)
+    edges = np.array([1.0, 1.003, 5.0])
+    cells = np.searchsorted(nodes, edges)
+    assert len(set(cells)) == 3, "no two guesses in one bracket"
+    assert (np.diff(nodes) > 0.0).all()
+    assert (nodes[0], nodes[-1]) == (0.5, 9.0)
+
+
+def test_an_extra_speed_of_one_method_stands_alone():
+    found = Speeds("scene", (1.0, 9.0))
+    found.methods["floquet"] = (Crossing(2.0, "stable"), Crossing(5.0, "unstable"))
+    found.methods["cosim"] = (Crossing(2.0001, "stable"),)
+    found.methods["criterion"] = (Crossing(2.2, "stable"), Crossing(7.0, "stable"))
+    rows = [{name: c.speed for name, c in row.items()} for row in found.rows()]
+    assert rows == [
+        {"floquet": 2.0, "cosim": 2.0001, "criterion": 2.2},
+        {"floquet": 5.0},
+        {"criterion": 7.0},
+    ]
+
+
+@pytest.mark.parametrize("span", [(0.0, 1.0), (2.0, 1.0), (1.0, math.nan), (1.0, math.inf)])
+def test_an_empty_range_is_refused(span):
+    with pytest.raises(UserError, match="positive and rising"):
+        speeds(load_scene("filimonikhina"), span)
+
+
+def test_an_unknown_method_is_refused():
+    with pytest.raises(UserError, match=r"floquett.*must be one of criterion"):
+        speeds(load_scene("filimonikhina"), (1.0, 2.0), ["floquett"])
+
+
+# -- command --------------------------------------------------------------------------------------
+
+
+def test_command_prints_and_writes_the_speeds(tmp_path, monkeypatch):
+    monkeypatch.setattr("os.cpu_count", lambda: 1)
+    target = tmp_path / "speeds.json"
+    outcome = invoke(
+        "speeds", "filimonikhina", "--range", 4.5, 5.5,
+        "--method", "criterion,floquet,cosim", "--json", target,
+    )  # fmt: skip
+    assert outcome.exit_code == 0, outcome.output
+    assert "BallBalancer-weights-2.fmu" in outcome.output
+    document = json.loads(target.read_text())
+    assert document["scene"] == "filimonikhina"
+    assert set(document["methods"]) == {"criterion", "floquet", "cosim"}
+    for found in document["methods"].values():
+        (crossing,) = found
+        assert crossing["above"] == "unstable"
+        assert crossing["speed"] == pytest.approx(5.045, abs=0.006)
+
+
+def test_command_in_two_processes_finds_the_same(tmp_path, monkeypatch):
+    monkeypatch.setattr("os.cpu_count", lambda: 2)
+    target = tmp_path / "speeds.json"
+    outcome = invoke(
+        "speeds", "filimonikhina", "--range", 4.5, 5.5, "--method", "cosim", "--scan", 6,
+        "--json", target,
+    )  # fmt: skip
+    assert outcome.exit_code == 0, outcome.output
+    (crossing,) = json.loads(target.read_text())["methods"]["cosim"]
+    assert crossing["speed"] == pytest.approx(5.04992967, rel=1e-6)
+
+
+def test_command_refuses_an_empty_range_with_exit_code_2():
+    outcome = invoke("speeds", "filimonikhina", "--range", 5, 4)
+    assert outcome.exit_code == 2
+    assert "range 5 to 4 rad/s" in outcome.output
+
+
+# -- check ----------------------------------------------------------------------------------------
+
+
+def quick(**check):
+    scene = load_scene("filimonikhina")
+    document = {
+        "rotor": scene.rotor.model_dump(),
+        "balancer": [scene.balancer[0].model_dump(exclude_none=True)],
+        "operation": {"speed": 3.0},
+        "check": [{"kind": "critical_speeds", "range": [4.5, 5.5], **check}],
+    }
+    return type(scene).from_document(document, label="quick")
+
+
+def test_check_compares_units_with_floquet():
+    rows = run_checks(quick(case="half", set={"rotor.unbalance": 0.004}))
+    (row,) = rows
+    assert row.holds
+    assert "half: critical speed 1, unstable above" in row.quantity
+    assert row.error < 1e-3
+
+
+def test_check_fails_when_floquet_is_not_that_of_the_units(monkeypatch):
+    from autobalancer.models.linear import boundaries as module
+
+    true = module.critical_speeds
+
+    def shifted(assembly, low, high, **options):
+        return [Crossing(1.002 * c.speed, c.above) for c in true(assembly, low, high, **options)]
+
+    monkeypatch.setattr("autobalancer.harness.stability.boundaries.critical_speeds", shifted)
+    (row,) = run_checks(quick())
+    assert not row.holds
+    assert row.error == pytest.approx(0.002, rel=1e-2)
+
+
+def test_check_says_when_a_run_ends_otherwise_than_predicted(monkeypatch):
+    monkeypatch.setattr(
+        "autobalancer.harness.checks.critical_speeds.growth_rates", lambda a, w: np.array([-0.3])
+    )
+    rows = run_checks(quick(runs_from_rest=[7.0]))
+    assert not rows[-1].holds
+    assert rows[-1].measured.startswith("not balanced: residual moment")

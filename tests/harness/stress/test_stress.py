@@ -1,0 +1,305 @@
+"""Extreme cases: those that are quick, and that the rows can fail."""
+
+from __future__ import annotations
+
+import json
+
+import numpy as np
+import pytest
+from typer.testing import CliRunner
+
+from autobalancer.harness import load_scene
+from autobalancer.harness.cli import app
+from autobalancer.harness.errors import SimulationError
+from autobalancer.harness.master import resolution
+from autobalancer.harness.master.cosimulation import CoSimulation, cosimulate
+from autobalancer.harness.precision.verdicts import Judged, judge, spinning, table
+from autobalancer.harness.schemes.startup import parts
+from autobalancer.harness.stress.case import Outcome, linear_motion, refusal, scene, stated_error
+from autobalancer.harness.stress.cases import all_cases
+from autobalancer.harness.stress.cases_rotor import _liquid_scene
+from autobalancer.harness.stress.cases_weights import _two
+from autobalancer.harness.stress.run import as_json, run_case, stress
+from autobalancer.models.monolith import reference
+from autobalancer.models.reference.oscillator import forced_motion
+from autobalancer.models.weights import Weights, advance
+
+QUICK = [
+    "stiffness 1e2 and 1e14 N/m in one rotor",
+    "damping ratio 1",
+    "damping ratio 10000",
+    "speed 1e5 rad/s, rotor alone",
+    "exactly at a natural frequency, undamped",
+    "liquid mu = 1 + 9999, gap 1e-05 of the radius, as added mass",
+    "liquid mu = 1 + 9999, gap 1e-05 of the radius, as force",
+    "drag 1e-06 m w",
+    "weights of 10 of the rotor's mass",
+    "weights that spin twenty times as fast as the rotor",
+    "4 steps a revolution",
+    "shaft a hundred times as soft",
+    "rigid rotor with the polar inertia of a disc",
+    "balancer on a rotor of 1e14 N/m",
+    "weights that start 1e7 revolutions on",
+    "angle after 1e7 revolutions in steps of a thousand",
+]
+THEMES = (
+    "stiffness 1e2 and 1e14", "no damping over 10,000 revolutions", "damping ratio 10000",
+    "drag 0 m w", "drag 1e+08 m w", "weights of 1e-09", "weights of 10 of", "mu = 1 + 1e-06",
+    "mu = 1 + 9999", "speed 1e-3", "speed 1e5", "natural frequency, undamped", "run-up",
+    "1 weight", "64 weights", "4 steps", "10000 steps", "1e7 revolutions", "far out",
+    "zero unbalance", "balancer on a rotor of",
+    "shaft a thousand times", "rigid rotor with",
+)  # fmt: skip
+
+
+@pytest.mark.parametrize("name", QUICK)
+def test_extreme_case_is_right_or_clearly_refused(name):
+    row = run_case(name)
+    assert row.holds, row.outcome
+
+
+def test_every_kind_of_extreme_has_a_case():
+    for theme in THEMES:
+        assert any(theme in name for name in all_cases()), theme
+
+
+@pytest.mark.parametrize(("gain", "settles"), [(0.95, True), (0.99, True), (1.01, False)])
+def test_held_jacobi_with_the_liquid_as_force_diverges_just_above_gain_one(gain, settles):
+    build = _liquid_scene(gain, 0.01, True, scheme="jacobi", order=0, steps_per_rev=400)
+    build = build.replace({"run.revolutions": 3})
+    with CoSimulation(build) as cosim:
+        cosim.start()
+        assert cosim.gain == pytest.approx(gain, rel=1e-9)  # r m2/m1
+    if settles:
+        result = cosimulate(build, record=["rotor.x"])
+        right = linear_motion(build, result.time)["rotor.x"]
+        assert np.max(np.abs(result["rotor.x"] - right)) < 0.2 * np.ptp(right)
+    else:
+        with pytest.raises(SimulationError, match=r"unstable.*loop gain 1\.01"):
+            cosimulate(build)
+
+
+def test_held_jacobi_repeats_an_error_by_the_root_of_the_gain_when_nobody_refuses_it():
+    """Force and acceleration are each one step late: once round the loop takes two steps."""
+    growth = {}
+    for gain in (0.98, 1.05):
+        build = _liquid_scene(gain, 0.01, True, scheme="jacobi", order=0, steps_per_rev=4000)
+        with CoSimulation(build) as cosim:
+            cosim.start()
+            cosim.scheme.watch = lambda *_arguments: None  # let it diverge
+            forces = []
+            for _ in range(2000):
+                cosim.step(1e-4)
+                forces.append(cosim.system.connections[0].force.now[0])
+        jitter = np.abs(np.diff(forces, n=2))  # the error alternates, the force does not
+        growth[gain] = (jitter[-100:].max() / jitter[-1100:-1000].max()) ** 1e-3
+    assert growth[1.05] == pytest.approx(1.05**0.5, abs=2e-3)
+    assert growth[0.98] < 1.0
+
+
+def test_heavy_weights_part_from_their_neighbours_in_the_fifth_revolution():
+    # why that stress case ends after four: no tolerance can be kept where errors grow fiftyfold
+    case = _two({"weights.mass": 9.5, "weights.drag": 4.75, "rotor.unbalance": 0.025})
+    first = case.balancer[0].angles[0]
+    time = 2.0 * np.pi / 3.0 * np.linspace(0.0, 5.0, 51)
+    moved = 1e-7
+    motions = [
+        reference(one.assembly(), one.profile(), time, rtol=1e-12, signals=["rotor.x"])[0]
+        for one in (case, case.replace({"weights.angles[1]": first + moved}))
+    ]
+    parted = np.zeros(51)
+    for name in ("rotor.x", "rotor.y", "weights.moment_xi", "weights.moment_eta"):
+        here, there = (motion.signal(name) for motion in motions)
+        parted = np.maximum(parted, np.abs(here - there) / np.ptp(here) / moved)
+    assert parted[:41].max() < 10.0
+    assert parted.max() > 30.0
+
+
+def test_heavy_drag_is_right_with_the_default_coupling():
+    """The first step is divided: over a whole one the cubic would be wrong a thousandfold."""
+    build = load_scene("two_balls").replace(
+        {"weights.drag": 1e6 * 0.025 * 3.0, "run.revolutions": 2, "coupling.corrections": None}
+    )
+    run = cosimulate(build, record=["rotor.x", "rotor.y"])
+    names = ["rotor.x", "rotor.y"]
+    right, own = reference(
+        build.assembly(), build.profile(), run.time, rtol=1e-10, bound=1e-6, signals=names
+    )
+    for name in names:
+        gap = np.max(np.abs(run[name] - right.signal(name)))
+        assert gap < 1e-5 * np.ptp(right.signal(name)) + own
+
+
+def test_first_step_is_divided_only_where_forces_start_steeply():
+    for factor, divided in ((1.0, False), (1e4, True)):
+        build = load_scene("two_balls").replace({"weights.drag": factor * 0.0125})
+        with CoSimulation(build) as cosim:
+            cosim.start()
+            lengths = parts(cosim.system, 0.1)
+            assert (len(lengths) > 1) is divided
+            assert sum(lengths) == pytest.approx(0.1, rel=1e-14)
+
+
+def test_steps_too_long_for_the_signals_are_refused_or_said():
+    ringing = {"operation.speed": 0.03, "run.revolutions": 2}
+    build = load_scene("two_balls").replace(ringing)
+    assert any("too long for signals" in event for event in cosimulate(build).events)
+    for_ever = build.replace({"rotor.damping": 1e-4})
+    with pytest.raises(SimulationError, match=r"too long at t = .*rotor\.plane\[1\]\.a"):
+        cosimulate(for_ever)
+    fine = build.replace({"operation.speed": 3.0})
+    assert not cosimulate(fine).events
+
+
+@pytest.mark.parametrize(
+    ("name", "spin", "steps", "verdict"),
+    [
+        ("drum", 2, 20, "silent"),
+        ("drum", 5, 12, "said"),
+        ("grinder", 5, 12, "said"),
+        ("two_plane_rodrigues", 5, 12, "refused"),
+    ],
+)
+def test_error_a_run_estimates_of_itself_is_the_real_one_within_a_factor(
+    name, spin, steps, verdict
+):
+    """Weights that spin faster than the rotor."""
+    row = judge(name, spin, steps)
+    assert 0.1 * row.error < row.estimate < 10.0 * row.error
+    assert row.verdict == verdict
+    real = {"silent": row.error < 1e-2, "said": 1e-2 < row.error < 0.3, "refused": row.error > 0.3}
+    assert real[verdict]
+
+
+@pytest.mark.parametrize("scheme", ["gauss-seidel", "compensated"])
+def test_explicit_schemes_are_judged_by_what_they_step_on(scheme):
+    # both err by some tenth of the motion where the stiff mode turns by 2.8 rad a step
+    coupling = {"coupling.scheme": scheme, "coupling.corrections": None}
+    fine = load_scene("two_balls").replace(coupling)
+    assert cosimulate(fine, record=[]).events == ()
+    told = cosimulate(fine.replace({"rotor.stiffness": [1.0, 700.0]}), record=[]).events
+    assert any("errs by about" in event for event in told)
+
+
+def test_every_judged_run_is_counted_once():
+    rows = [
+        Judged("a", 1, 8, 5e-4, 1e-4, "silent"),
+        Judged("a", 2, 8, 0.5, 0.4, "refused"),
+        Judged("a", 3, 8, None, 0.4, "loop did not converge"),
+        Judged("a", 4, 8, 7.0, 0.2, "said"),
+    ]
+    lines = table(rows).splitlines()
+    assert lines[2] == "| below 0.1 % | 1 | - | - | - |"
+    assert lines[5] == "| 10 to 100 % | - | - | 1 | - |"
+    assert lines[6:] == ["| above 100 % | - | 1 | - | - |", "| no end | - | - | - | 1 |"]
+
+
+def test_estimated_error_decides_whether_a_run_is_silent_told_or_refused():
+    fine = cosimulate(spinning("drum", 2, 20))
+    assert not fine.events
+    assert stated_error(fine) == 0.0
+    told = cosimulate(spinning("drum", 10, 40))  # real error 2 %
+    assert any("use more steps_per_rev" in event for event in told.events)
+    assert resolution.SAID <= stated_error(told) < resolution.REFUSED
+    with pytest.raises(SimulationError, match="times as far as they move at all"):
+        cosimulate(spinning("drum", 20, 20))  # real error 14 times the range
+
+
+@pytest.mark.parametrize(("scheme", "order"), [("gauss-seidel", 1), ("jacobi", 1), ("auto", 3)])
+def test_end_of_a_run_up_is_passed_without_a_kick(scheme, order):
+    """The acceleration jumps there: a line across the jump once threw the rotor by its range."""
+    coupling = {"scheme": scheme, "order": order, "steps_per_rev": 40, "tolerance": None}
+    build = load_scene("run_up").replace(
+        {**{f"coupling.{k}": v for k, v in coupling.items()}, "run.revolutions": 30}
+    )
+    run = cosimulate(build, record=["rotor.x"])
+    right, _ = reference(
+        build.assembly(), build.profile(), run.time, signals=["rotor.x"], bound=1e-6
+    )
+    late = run.time > build.profile().seconds
+    gap = np.abs(run["rotor.x"] - right.signal("rotor.x"))[late].max()
+    assert gap < 2e-3 * np.ptp(right.signal("rotor.x"))
+
+
+def test_turns_behind_a_weight_do_not_loosen_its_step():
+    weights = Weights(1, 0.1, 1.0)
+    turns = 2.0 * np.pi * 10_000_000
+    signal = (3.0 + 1.0j, -2.0 + 0.5j, 0.3j, 0j)
+    (near,), (rate,) = advance(weights, [0.25], [0.5], signal, 0.0, 0.2)
+    (far,), (far_rate,) = advance(weights, [0.25 + turns], [0.5], signal, 0.0, 0.2)
+    assert far - turns == pytest.approx(near, abs=3e-8)  # the angle itself is rounded to 7e-9
+    assert far_rate == pytest.approx(rate, abs=3e-8)
+
+
+def test_closed_form_satisfies_the_equation_at_resonance_and_critical_damping():
+    t = np.linspace(0.0, 5.0, 100_001)
+    for mass, damping, stiffness, speed in ((1, 0, 9, 3), (1, 6, 9, 3), (2, 1, 9 - 2j, 1)):
+        z = forced_motion(mass, damping, stiffness, 1.5, speed, t, 0.2, -0.1)
+        v, a = np.gradient(z, t), np.gradient(np.gradient(z, t), t)
+        left = mass * a + damping * v + stiffness * z - 1.5 * np.exp(1j * speed * t)
+        assert np.max(np.abs(left[5:-5])) < 1e-6
+        assert z[0] == pytest.approx(0.2)
+        assert v[1] == pytest.approx(-0.1, abs=1e-3)
+
+
+def test_a_wrong_answer_does_not_hold(monkeypatch):
+    from autobalancer.harness.stress import case
+
+    right = case.forced_motion
+    monkeypatch.setattr(case, "forced_motion", lambda m, *rest: right(1.001 * m, *rest))
+    assert not run_case("damping ratio 0.1").holds
+
+
+def test_nan_never_holds_and_an_unforeseen_error_is_an_outcome(monkeypatch):
+    from autobalancer.harness.stress import run as module
+    from autobalancer.harness.stress.case import Case
+
+    def crash() -> Outcome:
+        raise ZeroDivisionError("seen")
+
+    cases = {
+        "nan": Case("nan", "a number", lambda: Outcome("error nan", True)),
+        "crash": Case("crash", "no crash", crash),
+    }
+    monkeypatch.setattr(module, "all_cases", lambda: cases)
+    assert not run_case("nan").holds
+    row = run_case("crash")
+    assert not row.holds
+    assert "ZeroDivisionError: seen" in row.outcome
+
+
+def test_refusal_needs_all_its_words():
+    def fail() -> None:
+        raise SimulationError("liquid.F diverges at t = 1 s")
+
+    assert refusal(fail, "t = ", "liquid.F").holds
+    assert not refusal(fail, "gain").holds
+    assert not refusal(lambda: None, "t = ").holds
+
+
+def test_cases_run_in_parallel_and_give_the_pinned_rows():
+    names = ["damping ratio 1", "speed 1e0 rad/s, rotor alone"]
+    seen: list[int] = []
+    rows = stress(names, lambda done, total, _name: seen.append(done * 10 + total))
+    assert [row.case for row in rows] == names
+    assert sorted(seen) == [12, 22]
+    for row in as_json(rows)["rows"]:
+        assert set(row) == {"case", "expected", "outcome", "holds", "seconds"}
+
+
+def test_command_exits_with_one_when_a_case_does_not_hold(tmp_path, monkeypatch):
+    target = tmp_path / "rows.json"
+    runner = CliRunner()
+    done = runner.invoke(app, ["stress", "damping ratio 0.1", "--json", str(target)])
+    assert done.exit_code == 0, done.output
+    assert json.loads(target.read_text(encoding="utf-8"))["rows"][0]["holds"] is True
+    assert runner.invoke(app, ["stress", "no such case"]).exit_code == 2
+    from autobalancer.harness.stress import case
+
+    monkeypatch.setattr(case, "forced_motion", lambda *_a: np.zeros(2001, complex))
+    assert runner.invoke(app, ["stress", "damping ratio 0.1"]).exit_code == 1
+
+
+def test_zero_speed_is_no_scene():
+    with pytest.raises(Exception, match="speed"):
+        scene({"mass": 1.0, "stiffness": 1.0}, speed=0.0)

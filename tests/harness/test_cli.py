@@ -1,0 +1,247 @@
+"""The command line: what it prints, what it writes, and how it ends."""
+
+import csv
+import json
+import subprocess
+import sys
+
+import pytest
+from typer.testing import CliRunner
+
+from autobalancer.harness.cli import app
+from autobalancer.harness.scene import bundled_scenes, load_scene
+
+ROW_KEYS = [
+    "scene",
+    "check",
+    "quantity",
+    "expected",
+    "measured",
+    "error",
+    "tolerance",
+    "holds",
+    "seconds",
+    "source",
+]
+
+
+def invoke(*arguments: object):
+    """Run a command in this process."""
+    return CliRunner().invoke(app, [str(a) for a in arguments])
+
+
+def altered(tmp_path, name: str, **replacements: str):
+    """Path of a copy of a bundled scene with text replaced, old=new."""
+    text = load_scene(name).path.read_text(encoding="utf-8")
+    for old, new in replacements.items():
+        assert old in text
+        text = text.replace(old, new, 1)
+    path = tmp_path / f"{name}_altered.toml"
+    path.write_text(text, encoding="utf-8")
+    return path
+
+
+def test_check_prints_a_table_writes_json_and_ends_with_zero(tmp_path):
+    target = tmp_path / "rows.json"
+    outcome = invoke("check", "liquid_touch", "--json", target)
+    assert outcome.exit_code == 0, outcome.output
+    assert "lower boundary w_*" in outcome.output
+    assert "FMUs loaded: RotorOnSupports.fmu, LiquidBalancer.fmu" in outcome.output
+    assert "Left out: BallBalancer" in outcome.output
+    document = json.loads(target.read_text(encoding="utf-8"), parse_constant=pytest.fail)
+    assert document["holds"] is True
+    assert all(list(row) == ROW_KEYS for row in document["rows"])
+    lower = next(r for r in document["rows"] if "w_* [rad/s]" in r["quantity"])
+    assert lower["measured"] == pytest.approx(81.7461, rel=1e-4)
+    touching = next(r for r in document["rows"] if "float clear" in r["quantity"])
+    assert "113.63" in touching["measured"]
+
+
+def test_report_holds_table_and_picture(tmp_path):
+    outcome = invoke("check", "liquid_touch", "--report", tmp_path / "new" / "report")
+    assert outcome.exit_code == 0, outcome.output
+    directory = tmp_path / "new" / "report"
+    text = (directory / "report.md").read_text(encoding="utf-8")
+    assert "All 7 rows hold." in text
+    picture = directory / "liquid_touch_liquid_window.png"
+    assert f"]({picture.name})" in text
+    assert picture.read_bytes().startswith(b"\x89PNG")
+
+
+def test_a_run_that_cannot_be_completed_is_a_row_that_does_not_hold(tmp_path):
+    # the loop gain of 19 makes an explicit exchange unstable at any step
+    path = altered(
+        tmp_path, "liquid_heavy_force", **{"[run]": '[coupling]\nscheme = "jacobi"\n\n[run]'}
+    )
+    target = tmp_path / "rows.json"
+    outcome = invoke("check", path, "liquid_touch", "--json", target)
+    assert outcome.exit_code == 1, outcome.output
+    assert "do NOT hold" in outcome.output
+    document = json.loads(target.read_text(encoding="utf-8"), parse_constant=pytest.fail)
+    assert document["holds"] is False
+    failing = [row for row in document["rows"] if not row["holds"]]
+    assert {row["scene"] for row in failing} == {"liquid_heavy_force_altered"}
+    assert any(row["scene"] == "liquid_touch" for row in document["rows"])
+
+
+def test_without_a_command_all_bundled_scenes_with_checks_are_checked(monkeypatch):
+    checked = []
+
+    def note(scenes, progress):
+        checked.extend(scene.name for scene in scenes)
+        return []
+
+    monkeypatch.setattr("autobalancer.harness.checks.runner.check_all", note)
+    outcome = invoke()
+    assert outcome.exit_code == 0
+    scenes = [load_scene(name) for name in bundled_scenes()]
+    assert checked == [scene.name for scene in scenes if scene.check and not scene.on_request]
+    assert {n for n in checked if n.startswith("liquid_")} == {
+        "liquid_closed",
+        "liquid_disc",
+        "liquid_heavy",
+        "liquid_heavy_force",
+        "liquid_no_internal",
+        "liquid_touch",
+    }
+
+
+def test_run_writes_the_recorded_signals(tmp_path):
+    target, picture = tmp_path / "out.csv", tmp_path / "out.svg"
+    outcome = invoke("run", "two_balls", "-o", target, "--plot", picture)
+    assert outcome.exit_code == 0, outcome.output
+    assert "Left out: LiquidBalancer (none in the scene)" in outcome.output
+    with target.open(encoding="utf-8", newline="") as stream:
+        rows = list(csv.reader(stream))
+    assert rows[0][:3] == ["time", "rotor.x", "rotor.y"]
+    assert len(rows) == 1 + 20 * 20 + 1
+    # the weights end where they balance: 2 m R cos(theta) = -unbalance, theta = 2 pi/3
+    ends = sorted(float(rows[-1][rows[0].index(f"weights.weight[{k}].angle")]) for k in (1, 2))
+    assert ends == pytest.approx([-2.0944, 2.0944], abs=5e-3)
+    assert "<svg" in picture.read_text(encoding="utf-8")
+
+
+def test_values_can_be_set_on_the_command_line(tmp_path):
+    target = tmp_path / "out.csv"
+    setting = ["--set", "run.revolutions=1", "--set", 'run.record=["rotor.x"]']
+    outcome = invoke("run", "two_balls", *setting, "-o", target)
+    assert outcome.exit_code == 0, outcome.output
+    lines = target.read_text(encoding="utf-8").splitlines()
+    assert lines[0] == "time,rotor.x"
+    assert len(lines) == 22
+
+
+def test_build_makes_the_three_units(tmp_path):
+    outcome = invoke("build", "-o", tmp_path / "units")
+    assert outcome.exit_code == 0, outcome.output
+    assert {p.name for p in (tmp_path / "units").iterdir()} == {
+        "BallBalancer.fmu",
+        "LiquidBalancer.fmu",
+        "RotorOnSupports.fmu",
+    }
+
+
+def test_build_makes_exactly_the_units_of_a_scene_and_run_takes_them(tmp_path):
+    outcome = invoke("build", "liquid_disc", "-o", tmp_path)
+    assert outcome.exit_code == 0, outcome.output
+    assert {p.name for p in tmp_path.iterdir()} == {"LiquidBalancer.fmu", "RotorOnSupports.fmu"}
+    outcome = invoke("run", "liquid_disc", "--fmus", tmp_path, "--set", "run.revolutions=1")
+    assert outcome.exit_code == 0, outcome.output
+    outcome = invoke("run", "two_balls", "--fmus", tmp_path)
+    assert outcome.exit_code == 2
+    assert "weights" in outcome.stderr
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (["check", "nowhere.toml"], "nowhere.toml: no such file"),
+        (["check", "two_balls"], "nothing to check"),
+        (["run", "nowhere"], "nowhere: no such file"),
+        (["build", "nowhere"], "nowhere: no such file"),
+        (["run", "two_balls", "--set", "rotor.mass"], "must be KEY=VALUE"),
+        (["run", "two_balls", "--set", "rotor.mass=heavy"], "must be KEY=VALUE"),
+        (["run", "two_balls", "--set", "rotor.mass=-1"], "rotor.mass = -1 kg: must be greater"),
+        (["run", "two_balls", "--set", 'run.record=["rotor.z"]'], "rotor.z"),
+        (["run", "two_balls", "-o", "/nowhere/at/all.csv"], "there is no directory /nowhere/at"),
+        (["check", "liquid_disc", "--json", "/"], "it is a directory"),
+        (["check", "liquid_disc", "--report", "/dev/null/x"], "cannot be made a directory"),
+        (["run", "two_balls", "--plot", "out.doc"], ".doc"),
+        (["run", "two_balls", "--fmus", "/nowhere"], "is not a directory with FMUs"),
+    ],
+)
+def test_wrong_input_ends_with_two_and_one_line(arguments, message):
+    outcome = invoke(*arguments)
+    assert outcome.exit_code == 2, outcome.output
+    assert message in outcome.stderr
+    assert len(outcome.stderr.splitlines()) == 1
+    assert "Traceback" not in outcome.output
+
+
+def test_broken_scene_file_ends_with_two(tmp_path):
+    path = altered(tmp_path, "two_balls", **{"mass = 0.95": "mass = -0.95"})
+    outcome = invoke("run", path)
+    assert outcome.exit_code == 2
+    assert f"{path}: rotor.mass = -0.95 kg: must be greater than 0" in outcome.stderr
+
+
+@pytest.mark.parametrize("content", [b"", b"not a zip file", b"PK\x05\x06" + 18 * b"\x00"])
+def test_corrupt_fmu_ends_with_two_and_its_name(tmp_path, content):
+    assert invoke("build", "liquid_disc", "-o", tmp_path).exit_code == 0
+    (tmp_path / "LiquidBalancer.fmu").write_bytes(content)
+    outcome = invoke("run", "liquid_disc", "--fmus", tmp_path)
+    assert outcome.exit_code == 2, outcome.output
+    assert "LiquidBalancer.fmu" in outcome.stderr
+    assert "Traceback" not in outcome.output
+
+
+def test_full_disk_while_writing_signals_ends_with_two():
+    outcome = invoke("run", "two_balls", "--set", "run.revolutions=1", "-o", "/dev/full")
+    assert outcome.exit_code == 2
+    assert "/dev/full: cannot be written: No space left on device" in outcome.stderr
+
+
+def modules_after(statement: str) -> set[str]:
+    """Top-level modules loaded in a fresh interpreter."""
+    code = f"import sys; {statement}; print(*sys.modules, file=sys.stderr)"
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    return {name.split(".")[0] for name in done.stderr.split()}
+
+
+@pytest.mark.parametrize("module", ["cli", "pytest_plugin", "errors"])
+def test_importing_loads_nothing_heavy(module):
+    loaded = modules_after(f"import autobalancer.harness.{module}")
+    assert not loaded & {"numpy", "scipy", "matplotlib", "pydantic", "fmpy", "pythonfmu"}
+
+
+def test_a_run_without_a_picture_leaves_the_plotting_library_out():
+    run = "from autobalancer.harness import cosimulate, load_scene; "
+    run += "cosimulate(load_scene('two_balls').replace({'run.revolutions': 1}))"
+    assert "matplotlib" not in modules_after(run)
+
+
+def test_exports_are_there_and_loaded_when_used():
+    import autobalancer.harness as harness
+
+    assert {"load_scene", "cosimulate", "check", "build"} <= set(dir(harness))
+    assert all(getattr(harness, name) is not None for name in harness.__all__)
+    with pytest.raises(AttributeError, match="no attribute 'nothing'"):
+        _ = harness.nothing
+
+
+def test_a_float_that_touches_the_wall_is_said_loudly():
+    outcome = invoke("run", "liquid_touch", "--set", "run.revolutions=5")
+    assert outcome.exit_code == 0, outcome.output
+    assert "NOTE: liquid at t = " in outcome.stderr
+    assert "exceeds the gap 0.0006 m" in outcome.stderr
+
+
+def test_a_run_that_diverges_ends_with_one_and_says_when(tmp_path):
+    path = altered(
+        tmp_path, "liquid_heavy_force", **{"[run]": '[coupling]\nscheme = "jacobi"\n\n[run]'}
+    )
+    outcome = invoke("run", path, "-o", tmp_path / "out.csv")
+    assert outcome.exit_code == 1, outcome.output
+    assert "t = " in outcome.stderr
+    assert "Traceback" not in outcome.output
+    assert not (tmp_path / "out.csv").exists()

@@ -1,0 +1,322 @@
+"""Goncharov 2017: the table, limits and extremes by independent searches, and the slow root."""
+
+from __future__ import annotations
+
+import cmath
+import math
+
+import numpy as np
+import pytest
+
+from autobalancer.models.papers.capacity import (
+    best_count,
+    best_ratio,
+    capacity,
+    device_capacity,
+    fastest_count,
+    filled_sector,
+    full_ratio,
+    half_angle,
+    half_cylinder_capacity,
+    half_filled_ratio,
+    hemisphere_capacity,
+    largest_spread,
+    packed_spread,
+    residual_unbalance,
+    settling_measure,
+    settling_shape,
+    shape,
+    weight_mass,
+)
+from autobalancer.models.papers.positions import (
+    completed_angles,
+    fan_angles,
+    least_distance,
+    packed_angles,
+)
+from autobalancer.models.papers.settling import (
+    critical_drag,
+    plane_response,
+    settling_time,
+    slow_root,
+    slow_roots,
+)
+from autobalancer.models.rotor import LinearRotor
+from autobalancer.models.weights import Weights, spread
+
+# Table 1 and the longer digits checked for physics.md: n, rho, sector [degrees], s
+BALLS = [
+    (1, 3 / 4, None, 0.1055), (2, 3 / 7, 194, 0.0595), (3, 0.364, 209, 0.0518),
+    (4, 0.315, 219, 0.0439), (5, 0.278, 226, 0.0370), (6, 0.248, 231, 0.0314),
+    (7, 0.224, 235, 0.0268), (8, 0.204, 238, 0.0231),
+]  # fmt: skip
+ROLLERS = [
+    (1, 2 / 3, None, 0.1481), (2, 2 / 5, 167, 0.1431), (3, 1 / 3, 180, 0.1481),
+    (4, 0.286, 189, 0.1454), (5, 0.251, 195, 0.1395), (6, 0.223, 201, 0.1326),
+    (7, 0.201, 205, 0.1255), (8, 0.183, 208, 0.1188),
+]  # fmt: skip
+ROWS = [("balls", *row) for row in BALLS] + [("rollers", *row) for row in ROLLERS]
+
+
+@pytest.mark.parametrize(("kind", "count", "ratio", "sector", "value"), ROWS)
+def test_table_1_to_its_digits(kind, count, ratio, sector, value):
+    found = best_ratio(kind, count)
+    assert found == pytest.approx(ratio, abs=5e-4 if round(ratio, 3) == ratio else 1e-12)
+    assert shape(kind, found, count) == pytest.approx(value, abs=5.0e-5)
+    if sector is not None:
+        # the print's own sectors are off by up to 0.82 degrees (195 for 195.81)
+        assert math.degrees(filled_sector(found, count)) == pytest.approx(sector, abs=0.82)
+
+
+def test_table_1_prints_three_digits_of_which_one_is_cut_off():
+    printed = [0.105, 0.060, 0.051, 0.044, 0.037, 0.031, 0.027, 0.023]
+    found = [shape("balls", best_ratio("balls", n), n) for n in range(1, 9)]
+    rounded = [n for n, s, p in zip(range(1, 9), found, printed, strict=True) if round(s, 3) != p]
+    assert rounded == [3]
+    assert math.floor(found[2] * 1000) / 1000 == printed[2]
+
+
+@pytest.mark.parametrize("kind", ["balls", "rollers"])
+def test_best_ratio_is_the_maximum_of_a_plain_search(kind):
+    for n in range(2, 13):
+        grid = np.linspace(1e-4, full_ratio(n) * (1 - 1e-9), 200001)
+        s = grid * (1 - grid) ** 2 * np.sin(n * np.arcsin(grid / (1 - grid)))
+        s = s * grid if kind == "balls" else s
+        assert best_ratio(kind, n) == pytest.approx(grid[s.argmax()], abs=2 * grid[0] + 1e-5)
+
+
+def test_capacity_is_the_largest_moment_of_weights_side_by_side():
+    weights, radius = Weights(5, 0.02, 0.3), 0.05
+    alpha = half_angle(radius, 0.3)
+    angles = packed_angles(weights, radius, 0.7)
+    moment = 0.02 * 0.3 * sum(cmath.exp(1j * x) for x in angles)
+    limit = capacity(0.02, 0.3, radius, 5)
+    assert moment == pytest.approx(-limit * cmath.exp(0.7j), rel=1e-13)
+    assert least_distance(angles) == pytest.approx(2 * alpha, rel=1e-12)
+    rng = np.random.default_rng(0)
+    for _ in range(300):  # no other position without overlap has more
+        spare = rng.dirichlet(np.ones(5)) * (math.tau - 10 * alpha)
+        other = np.cumsum(spare + 2 * alpha)
+        assert abs(np.exp(1j * other).sum()) * 0.02 * 0.3 <= limit * (1 + 1e-12)
+
+
+def test_capacity_7_is_capacity_5_with_the_mass_6():
+    race, ratio, density, height = 0.11, 0.2, 7800.0, 0.03
+    for n in (1, 2, 3, 6):
+        balls = device_capacity("balls", race, ratio, n, density)
+        assert balls == pytest.approx(
+            4 / 3 * math.pi * density * race**4 * shape("balls", ratio, n), rel=1e-13
+        )
+        rollers = device_capacity("rollers", race, ratio, n, density, height)
+        assert rollers == pytest.approx(
+            math.pi * density * height * race**3 * shape("rollers", ratio, n), rel=1e-13
+        )
+    same = device_capacity("rollers", race, ratio, 4, density, 2 * ratio * race)
+    assert same / device_capacity("balls", race, ratio, 4, density) == pytest.approx(1.5)
+
+
+def test_point_weights_are_the_limit_of_small_ones():
+    assert capacity(0.1, 2.0, 0.0, 7) == pytest.approx(1.4)
+    assert capacity(0.1, 2.0, 1e-6, 7) == pytest.approx(1.4, rel=1e-10)
+    assert largest_spread(7, 0.0) == packed_spread(7, 0.0) == 1.0
+
+
+@pytest.mark.parametrize("count", range(2, 10))
+def test_special_radii_fill_half_and_all_of_the_race(count):
+    assert filled_sector(half_filled_ratio(count), count) == pytest.approx(math.pi)
+    assert filled_sector(full_ratio(count), count) == pytest.approx(math.tau)
+    assert best_count(half_filled_ratio(count)) == count
+    for ratio in (0.03, 0.11, 0.24, 0.4):
+        most = max(
+            (n for n in range(1, 60) if n == 1 or ratio <= full_ratio(n)),
+            key=lambda n: shape("balls", ratio, n),
+        )
+        assert best_count(ratio) == most
+
+
+def test_limits_hemisphere_and_half_cylinder():
+    one_ball = device_capacity("balls", 1.0, 0.75, 1, 1.0)
+    assert hemisphere_capacity(1.0, 1.0) / one_ball == pytest.approx(16 / 9, rel=1e-13)
+    one_roller = device_capacity("rollers", 1.0, 2 / 3, 1, 1.0, 1.0)
+    assert half_cylinder_capacity(1.0, 1.0, 1.0) / one_roller == pytest.approx(9 / (2 * math.pi))
+    x, step = np.linspace(0, 1, 20001, retstep=True)
+    middle = x[:-1] + step / 2
+    ball = (math.pi / 2 * (1 - middle**2) * middle * step).sum() * 2
+    assert hemisphere_capacity(1.0, 1.0) == pytest.approx(ball, rel=1e-7)
+    assert half_cylinder_capacity(1.0, 1.0, 1.0) == pytest.approx(
+        (2 * np.sqrt(1 - middle**2) * middle * step).sum(), rel=1e-5
+    )
+
+
+@pytest.mark.parametrize("count", range(2, 9))
+def test_spread_extremes_10_13_are_those_of_the_drawn_positions(count):
+    alpha = 0.9 * math.pi / (2 * count)
+    assert spread(packed_angles(Weights(count, 1.0, 1.0), math.sin(alpha))) == pytest.approx(
+        packed_spread(count, alpha), abs=1e-13
+    )
+    part = count // 2
+    near = [alpha * (2 * k - (count - part) + 1) for k in range(count - part)]
+    far = [math.pi + alpha * (2 * k - part + 1) for k in range(part)]
+    assert spread(near + far) == pytest.approx(largest_spread(count, alpha), rel=1e-12)
+
+
+def test_spread_of_a_half_filled_race_is_12_and_14_and_tends_to_2_over_pi():
+    for n in range(3, 12):
+        expected = 1 / (n * math.sin(math.pi / (2 * n)))
+        if n % 2 == 0:
+            expected = 2 / (n * math.sin(math.pi / n))
+        assert largest_spread(n, math.pi / (2 * n)) == pytest.approx(expected, rel=1e-12)
+        assert packed_spread(n, math.pi / (2 * n)) == pytest.approx(0.0, abs=1e-12)
+    assert largest_spread(3, math.pi / 6) == pytest.approx(2 / 3)
+    assert largest_spread(4001, math.pi / 8002) == pytest.approx(2 / math.pi, rel=1e-6)
+    assert largest_spread(2, 0.3) == 1.0
+
+
+def test_settling_functions_15_16_are_the_measure_3():
+    for kind, power in (("balls", 3), ("rollers", 2)):
+        for n in range(2, 9):
+            ratio = 0.8 * full_ratio(n)
+            alpha = math.asin(ratio / (1 - ratio))
+            measure = settling_measure(largest_spread(n, alpha), ratio**power, n)
+            assert settling_shape(kind, ratio, n) == pytest.approx(measure, rel=1e-12, abs=1e-15)
+
+
+def test_three_balls_and_five_rollers_settle_fastest():
+    assert fastest_count("balls") == 3
+    assert fastest_count("rollers") == 5
+
+
+def test_every_unbalance_up_to_the_capacity_is_balanced_without_overlap():
+    weights, radius = Weights(6, 0.02, 0.3), 0.05
+    limit = capacity(0.02, 0.3, radius, 6)
+    for share in (0.0, 0.1, 0.5, 0.9, 0.999, 1.0):
+        angles = fan_angles(weights, radius, share * limit, 0.4)
+        moment = 0.006 * sum(cmath.exp(1j * x) for x in angles)
+        assert moment == pytest.approx(-share * limit * cmath.exp(0.4j), abs=1e-14)
+        assert least_distance(angles) >= 2 * half_angle(radius, 0.3) * (1 - 1e-9)
+        assert residual_unbalance(weights, radius, share * limit) == 0.0
+    assert residual_unbalance(weights, radius, 1.2 * limit) == pytest.approx(0.2 * limit)
+    with pytest.raises(ValueError, match="balance 0 to"):
+        fan_angles(weights, radius, 1.01 * limit)
+
+
+def test_one_weight_balances_one_unbalance_only():
+    weights = Weights(1, 0.02, 0.3)
+    assert residual_unbalance(weights, 0.05, 0.004) == pytest.approx(0.002)
+    assert residual_unbalance(weights, 0.05, 0.009) == pytest.approx(0.003)
+    with pytest.raises(ValueError, match="only"):
+        fan_angles(weights, 0.05, 0.006)
+
+
+def test_balancing_positions_form_a_family_of_n_minus_2_parameters():
+    weights, unbalance = Weights(4, 0.02, 0.3), 0.006 * (0.9 + 0.4j)
+    found = []
+    for free in ([0.3, 2.5], [0.4, 2.5], [0.3, 2.6]):
+        angles = completed_angles(weights, 0.02, unbalance, free)
+        assert angles[:2] == free
+        moment = 0.006 * sum(cmath.exp(1j * x) for x in angles)
+        assert moment == pytest.approx(-unbalance, abs=1e-15)
+        found.append(angles)
+    motion = np.array(
+        [[x - y for x, y in zip(other, found[0], strict=True)] for other in found[1:]]
+    )
+    assert np.linalg.matrix_rank(motion, tol=1e-3) == 2
+    with pytest.raises(ValueError, match="overlap"):
+        completed_angles(weights, 0.02, unbalance, [3.0, 3.01])
+    with pytest.raises(ValueError, match="carry"):
+        completed_angles(weights, 0.02, unbalance, [0.4, 0.8])
+
+
+def test_impossible_sizes_are_refused():
+    with pytest.raises(ValueError, match="track radius"):
+        half_angle(0.4, 0.3)
+    with pytest.raises(ValueError, match="fill the track at 3"):
+        capacity(0.1, 1.0, 0.8, 4)
+    with pytest.raises(ValueError, match="fit up to"):
+        shape("balls", 0.47, 3)
+    with pytest.raises(ValueError, match="one of balls, rollers"):
+        weight_mass("cubes", 0.1, 1.0)
+    with pytest.raises(ValueError, match="height"):
+        weight_mass("rollers", 0.1, 1.0)
+
+
+def slowest_by_differences(rotor_mass, k, c, weights, angles, unbalance, speed):
+    """Eigenvalues of the nonlinear equations in the rotor frame, by central differences."""
+    n, m, kappa, d = weights.count, weights.mass, weights.kappa, weights.damping_rate
+
+    def rhs(y):
+        z, v = complex(y[0], y[1]), complex(y[2], y[3])
+        units, rates = np.exp(1j * y[4 : 4 + n]), y[4 + n :]
+        loaded = rotor_mass + n * m
+        # D = d/dt + i w; loaded a = unbalance - c D z - k z + m sum((w + nu)^2 - i theta'') u
+        matrix = loaded * np.eye(2)
+        right = unbalance * speed**2 - c * (v + 1j * speed * z) - k * z
+        for u, nu in zip(units, rates, strict=True):
+            normal = np.array([-u.imag, u.real])
+            matrix -= m / kappa * np.outer(normal, normal)
+            right += m * ((speed + nu) ** 2 + 1j * d * nu) * u
+        a = complex(*np.linalg.solve(matrix, [right.real, right.imag]))
+        bends = -(a * units.conj()).imag / kappa - d * rates
+        vdot = a - 2j * speed * v + speed**2 * z
+        return np.array([v.real, v.imag, vdot.real, vdot.imag, *rates, *bends])
+
+    rest = np.array([0.0] * 4 + list(angles) + [0.0] * n)
+    assert abs(rhs(rest)).max() < 1e-12
+    step = 1e-6
+    columns = [
+        (rhs(rest + step * e) - rhs(rest - step * e)) / (2 * step) for e in np.eye(len(rest))
+    ]
+    roots = np.linalg.eigvals(np.array(columns).T)
+    moving = roots[(abs(roots) > 1e-7)]  # without the neutral direction of the third weight
+    return sorted(moving, key=lambda r: -r.real)
+
+
+@pytest.mark.parametrize("damping", [0.0, 0.4])
+def test_slow_root_is_the_limit_of_the_eigenvalues_for_light_weights(damping):
+    errors = []
+    for mass in (4e-3, 1e-3):
+        weights = Weights(3, mass, 1.0, 2.0 * mass, 1.4)
+        unbalance, speed = 0.5 * mass, 2.0
+        angles = completed_angles(weights, 0.0, unbalance, [0.4])
+        rotor = LinearRotor.planar(1.0, 1.0, damping, unbalance=unbalance)
+        loaded = rotor.with_added_mass([weights.added_mass])
+        exact = slowest_by_differences(1.0, 1.0, damping, weights, angles, unbalance, speed)
+        exact = [r for r in exact if abs(r.imag) < 0.5 and r.real > -0.5]
+        found = slow_roots(weights, spread(angles), plane_response(loaded, speed))[:2]
+        errors.append(abs(found[0] / exact[0] - 1.0))
+        assert found[1] == pytest.approx(exact[1], rel=0.1)
+        closed = slow_root(weights, spread(angles), critical_drag(loaded, speed, 1.4))
+        # Goncharov's (1) is this root when the rotor has no damping, and near it with damping
+        assert closed == pytest.approx(found[0], rel=1e-9 if damping == 0.0 else 0.2)
+    assert errors[1] < 5e-3
+    # first order in the mass, second where the rotor has no damping
+    assert errors[0] / errors[1] == pytest.approx(4.0 if damping else 16.0, rel=0.2)
+
+
+def test_critical_drag_of_a_disc():
+    rotor = LinearRotor.planar(2.0, 8.0)
+    w = 5.0
+    expected = math.sqrt(2 * w**4 / (1.4 * (2.0 * w**2 - 8.0)))
+    assert critical_drag(rotor, w, 1.4) == pytest.approx(expected, rel=1e-13)
+    fast = critical_drag(rotor, 1e4, 1.4) / 1e4
+    assert fast == pytest.approx(math.sqrt(2 / (1.4 * 2.0)), rel=1e-6)
+    limit = critical_drag(rotor, w)
+    for factor in (0.5, 2.0):  # at b = b_cr sqrt((1 - p) m n) the two slow roots meet
+        drag = factor * limit * math.sqrt(0.4 * 3 * 0.01)
+        root = slow_root(Weights(3, 0.01, 1.0, drag * 0.01), 0.6, limit)
+        assert (root.imag != 0.0) == (factor < 1.0)
+        assert root.real < 0.0
+
+
+def test_weights_on_one_diameter_have_a_direction_that_never_settles():
+    root = slow_root(Weights(2, 0.01, 1.0, 0.02), 1.0, 3.0)
+    assert root == 0.0
+    assert settling_time(root) == math.inf
+    assert settling_time(-0.5 + 0j) == pytest.approx(math.log(100) / 0.5)
+
+
+def test_no_slow_root_where_weights_move_to_the_heavy_side():
+    with pytest.raises(ValueError, match="heavy side"):
+        critical_drag(LinearRotor.planar(1.0, 4.0), 1.5)
+    with pytest.raises(ValueError, match="equal stiffness"):
+        plane_response(LinearRotor.planar(1.0, [1.0, 2.0]), 3.0)

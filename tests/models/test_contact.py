@@ -1,0 +1,536 @@
+"""Contacts against event integrations by SciPy, conservation laws and known packed positions."""
+
+from __future__ import annotations
+
+import cmath
+import json
+import math
+import random
+
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+from scipy.linalg import expm
+from scipy.optimize import minimize
+
+from autobalancer.models import weights as point_weights
+from autobalancer.models.contact.contact import (
+    collide,
+    group_factor,
+    pools,
+    pressure_levers,
+    restitution_on,
+    strike,
+)
+from autobalancer.models.contact.pulse import discharge, hat_half
+from autobalancer.models.contact.track import Track, advance, reaction
+from autobalancer.models.papers.positions import packed_angles
+from autobalancer.models.rotor import LinearRotor
+from autobalancer.models.steps.propagator import generator
+from autobalancer.models.weights import Weights
+
+STILL = (0j, 0j, 0j, 0j)
+
+
+def run(track, angles, speeds, signal, speed, seconds, steps, contacts=None):
+    """Angles, rates, contacts, sum of impulses in fixed axes, number of events."""
+    state = list(angles), list(speeds), list(contacts or [0.0] * len(angles))
+    h, events, impulse = seconds / steps, 0, 0j
+    for k in range(steps):
+        moved = advance(track, *state, signal(k * h), speed, 0.0, h)
+        state = moved.angles, moved.speeds, moved.contacts
+        events += moved.events
+        impulse += moved.impulse * cmath.exp(1j * speed * (k + 1) * h)
+    return (*state, impulse, events)
+
+
+def whirling(size: float, rate: float, more: float = 0.0):
+    """A signal: two turning vectors, with exact derivatives."""
+
+    def signal(t: float):
+        first, second = size * cmath.exp(1j * rate * t), more * cmath.exp(-2.3j * t)
+        return tuple((1j * rate) ** k * first + (-2.3j) ** k * second for k in range(4))
+
+    return signal
+
+
+def by_scipy(track, angles, speeds, signal, seconds):
+    """Angles and rates by DOP853 between collisions of pairs, each located by SciPy."""
+    weights, n, gap0 = track.weights, track.weights.count, 2.0 * track.alpha
+    d, scale = weights.damping_rate, -1.0 / (weights.kappa * weights.track_radius)
+
+    def rhs(t, y):
+        a = signal(t)[0]
+        bends = [
+            scale * (a * cmath.exp(-1j * x)).imag - d * v for x, v in zip(y[:n], y[n:], strict=True)
+        ]
+        return [*y[n:], *bends]
+
+    def gap(k):
+        def event(t, y):
+            ahead = y[k + 1] if k + 1 < n else y[0] + 2 * math.pi
+            return ahead - y[k] - gap0
+
+        event.terminal, event.direction = True, -1
+        return event
+
+    t, y, hits = 0.0, [*angles, *speeds], 0
+    while t < seconds:
+        found = solve_ivp(
+            rhs, (t, seconds), y, "DOP853", events=[gap(k) for k in range(n)], rtol=1e-12,
+            atol=1e-13, max_step=0.05,
+        )  # fmt: skip
+        t, y = found.t[-1], found.y[:, -1].tolist()
+        for k, times in enumerate(found.t_events):
+            if len(times):
+                hits += 1
+                i, j = n + k, n + (k + 1) % n
+                mean, half = (y[i] + y[j]) / 2.0, (y[i] - y[j]) / 2.0 * track.restitution
+                y[i], y[j] = mean - half, mean + half
+    return y[:n], y[n:], hits
+
+
+@pytest.mark.parametrize("restitution", [1.0, 0.6])
+def test_collisions_fall_where_an_independent_event_integration_finds_them(restitution):
+    track = Track(Weights(3, 0.1, 1.0, 0.02, 1.4), 0.25, restitution)
+    angles, speeds, signal = [0.5, 2.0, 4.0], [1.2, -0.8, -1.5], whirling(0.4, 0.9, 0.2)
+    x, v, hits = by_scipy(track, angles, speeds, signal, 6.0)
+    found = run(track, angles, speeds, signal, 3.0, 6.0, 600)
+    assert hits == found[4] >= 4
+    assert found[0] == pytest.approx(x, abs=1e-7)
+    assert found[1] == pytest.approx(v, abs=1e-7)
+
+
+def test_motion_between_collisions_keeps_order_four():
+    track = Track(Weights(3, 0.1, 1.0, 0.02, 1.4), 0.25, 0.8)
+    angles, speeds, signal = [0.5, 2.0, 4.0], [0.3, -0.1, -0.3], whirling(0.2, 2.0)
+    exact = by_scipy(track, angles, speeds, signal, 12.0)
+    assert exact[2] >= 2
+    errors = []
+    for steps in (20, 40, 80):
+        found = run(track, angles, speeds, signal, 3.0, 12.0, steps)
+        errors.append(max(abs(a - b) for a, b in zip(found[0], exact[0], strict=True)))
+    assert errors[0] / errors[1] > 10.0
+    assert errors[1] / errors[2] > 10.0
+
+
+def test_without_a_meeting_contact_changes_nothing():
+    weights, signal = Weights(3, 0.1, 1.0, 0.02, 1.4), whirling(0.05, 1.0)
+    start = [0.0, 2.0, 4.0], [0.1, 0.05, 0.1]
+    assert run(Track(weights, 0.1), *start, signal, 3.0, 2.0, 40)[0] == pytest.approx(
+        run(Track(weights), *start, signal, 3.0, 2.0, 40)[0], abs=1e-13
+    )
+
+
+@pytest.mark.parametrize("restitution", [0.0, 0.3, 0.9, 1.0])
+def test_collisions_keep_the_sum_of_rates_and_never_add_energy(restitution):
+    rng = np.random.default_rng(1)
+    for n in (2, 3, 8, 64):
+        for _ in range(20):
+            before = rng.normal(size=n)
+            after = np.array(collide(before.tolist(), restitution))
+            assert after.sum() == pytest.approx(before.sum(), abs=1e-12)
+            assert after @ after <= before @ before * (1 + 1e-13)
+            assert (np.diff(after) >= 0.0).all() or np.diff(after).min() > -1e-11
+            if restitution == 1.0:
+                assert after @ after == pytest.approx(before @ before, rel=1e-10)
+
+
+def test_a_row_of_elastic_weights_passes_the_blow_on():
+    assert collide([1.0, 0.0, 0.0, 0.0], 1.0) == pytest.approx([0.0, 0.0, 0.0, 1.0])
+
+
+def test_blows_from_both_sides_at_once_are_answered_symmetrically():
+    for restitution in (0.0, 0.5, 1.0):
+        after = collide([1.0, 0.0, -1.0], restitution)
+        assert after == pytest.approx([-restitution, 0.0, restitution], abs=1e-15)
+
+
+def test_groups_accelerate_by_the_principle_of_least_constraint():
+    rng = np.random.default_rng(2)
+    for with_grip in (False, True):
+        for _ in range(8):
+            g = rng.normal(size=6)
+            f = rng.uniform(0.0, 1.0, 6) if with_grip else np.zeros(6)
+            found = [p.value for p in pools(g.tolist(), f.tolist(), 0.0) for _ in range(p.size)]
+            # the same minimum with |y| = p + q, y = p - q, by a general solver
+            ahead = np.hstack([np.diff(np.eye(6), axis=0), -np.diff(np.eye(6), axis=0)])
+            best = minimize(
+                lambda s, g=g, f=f: ((s[:6] - s[6:] - g) ** 2).sum() / 2 + f @ (s[:6] + s[6:]),
+                np.ones(12), bounds=[(0, None)] * 12, method="SLSQP",
+                constraints={"type": "ineq", "fun": lambda s, a=ahead: a @ s},
+                options={"ftol": 1e-14, "maxiter": 500},
+            )  # fmt: skip
+            assert found == pytest.approx(best.x[:6] - best.x[6:], abs=2e-5)
+
+
+def test_a_group_feels_the_mean_of_its_weights():
+    alpha, n, z = 0.07, 9, cmath.rect(2.0, 0.4)
+    drives = [(z * cmath.rect(1.0, -(2 * k - n + 1) * alpha)).imag for k in range(n)]
+    assert group_factor(n, alpha) * z.imag == pytest.approx(sum(drives) / n, rel=1e-13)
+    pressures = np.cumsum(np.array(drives) - sum(drives) / n)[:-1]
+    assert [(z * q).imag for q in pressure_levers(n, alpha)] == pytest.approx(pressures, abs=1e-13)
+
+
+def test_a_plastic_pair_moves_as_one_until_it_is_pulled_apart():
+    """Driven by 0.5 e^{0.9 i t}: the pair opens where the pressure of its two weights ends."""
+    track = Track(Weights(2, 0.1, 1.0, 0.3, 1.4), 0.25, 0.0)
+    signal = whirling(0.5, 0.9)
+    reach, d = 2 * track.alpha, track.weights.damping_rate
+    start = [3.0, 3.0 + reach]
+    factor = math.cos(track.alpha)
+
+    def rhs(t, y):
+        return [y[1], -factor / 1.4 * (signal(t)[0] * cmath.exp(-1j * y[0])).imag - d * y[1]]
+
+    def pressure(t, y):  # drive of the first less that of the second, over two
+        return (signal(t)[0] * cmath.exp(-1j * y[0])).real
+
+    # weights turn to where the driven force pulls them together (Re < 0) until the signal turns
+    pressure.terminal, pressure.direction = True, 1
+    alone = solve_ivp(
+        rhs, (0, 60), [3.0 + track.alpha, 0.0], "DOP853", events=pressure, rtol=1e-12, atol=1e-13
+    )
+    opened = alone.t[-1]
+    assert 0.5 < opened < 20.0
+    before = run(track, start, [0, 0], signal, 3.0, opened - 1e-6, 100, [1.0, 0.0])
+    assert before[2] == [1.0, 0.0]
+    middle = (before[0][0] + before[0][1]) / 2.0
+    assert middle == pytest.approx(alone.y[0, -1], abs=1e-5)
+    assert before[0][1] - before[0][0] == pytest.approx(reach, abs=1e-12)
+    after = run(track, start, [0, 0], signal, 3.0, opened + 0.2, 100, [1.0, 0.0])
+    assert after[2] == [0.0, 0.0]
+    assert after[0][1] - after[0][0] > reach + 1e-5
+
+
+def test_bouncing_comes_to_an_end_in_contact():
+    """Two elastic-enough weights driven together: infinitely many bounces in finite time."""
+    track = Track(Weights(2, 0.1, 1.0, 0.0, 1.0), 0.25, 0.5)
+    pressed = (1.0 + 0j, 0j, 0j, 0j)  # the drive -Im(a e^{-i x}) pulls to the angle pi
+    x, v, contacts, _, events = run(
+        track, [math.pi - 0.6, math.pi + 0.6], [0.0, 0.0], lambda t: pressed, 3.0, 6.0, 60
+    )
+    assert contacts == [1.0, 0.0]
+    assert 10 < events < 60
+    assert v == pytest.approx([0.0, 0.0], abs=1e-12)
+    assert x == pytest.approx([math.pi - track.alpha, math.pi + track.alpha], abs=1e-12)
+
+
+def test_sixty_four_packed_weights_stay_packed():
+    weights = Weights(64, 0.01, 1.0, 0.005, 1.4)
+    radius = math.sin(math.pi / 128)  # half of the track
+    track = Track(weights, radius, 0.7)
+    start = packed_angles(weights, radius, 0.3)
+    toward = lambda t: (cmath.rect(0.5, 0.3), 0j, 0j, 0j)  # noqa: E731
+    contacts = [1.0] * 63 + [0.0]
+    angles, speeds, contacts, impulse, events = run(
+        track, start, [0.0] * 64, toward, 3.0, 20.0, 200, contacts
+    )
+    assert contacts == [1.0] * 63 + [0.0]
+    assert (events, impulse) == (0, 0j)
+    assert angles == pytest.approx(start, abs=1e-12)
+    assert speeds == pytest.approx([0.0] * 64, abs=1e-12)
+
+
+def test_weights_thrown_together_stand_at_the_packed_angles():
+    """At the place where the acceleration of an unbalance that is too large drives them."""
+    weights = Weights(5, 0.1, 1.0, 0.1, 1.4)
+    track = Track(weights, 0.2, 0.4)
+    angles, _, contacts, _, _ = run(
+        track, [0.1, 1.3, 2.6, 3.8, 5.0], [0.0] * 5,
+        lambda t: (cmath.rect(2.0, 0.7), 0j, 0j, 0j), 3.0, 80.0, 800,
+    )  # fmt: skip
+    assert sum(contacts) == 4.0
+    expected = packed_angles(weights, 0.2, 0.7)
+    turned = sorted((x - expected[0] + 0.1) % math.tau for x in angles)
+    assert turned == pytest.approx([x - expected[0] + 0.1 for x in expected], abs=1e-8)
+
+
+def test_a_full_track_turns_as_one_body_under_drag_alone():
+    n = 6
+    track = Track(Weights(n, 0.1, 1.0, 0.14, 1.4), math.sin(math.pi / n), 0.5)
+    start = [0.4 + math.tau * k / n for k in range(n)]
+    angles, speeds, contacts, _, _ = run(track, start, [0.5] * n, whirling(4.0, 1.0), 3.0, 2.0, 20)
+    assert contacts == [1.0] * n
+    assert speeds == pytest.approx([0.5 * math.exp(-2.0)] * n, rel=1e-12)
+    turned = 0.5 * (1.0 - math.exp(-2.0))
+    assert angles == pytest.approx([x + turned for x in start], rel=1e-12)
+
+
+def test_weights_never_overlap_whatever_drives_them():
+    rng = random.Random(7)
+    for case in range(12):
+        n = rng.choice([2, 3, 5, 8, 16])
+        radius = math.sin(math.pi / n * rng.choice([0.3, 0.6, 0.99]))
+        restitution, grip = rng.choice([0, 0.4, 0.9]), rng.choice([0, 0.02])
+        track = Track(Weights(n, 0.1, 1.0, 0.05, 1.4), radius, restitution, grip)
+        free = math.tau - 2 * n * track.alpha
+        cuts = sorted(rng.random() * free for _ in range(n))
+        state = [c + 2 * k * track.alpha for k, c in enumerate(cuts)], [0.5] * n, [0.0] * n
+        signal = whirling(rng.choice([0.3, 3.0, 20.0]), rng.uniform(-1, 5), 0.5)
+        for k in range(25):
+            moved = advance(track, *state, signal(0.05 * k), 3.0, 0.0, 0.05)
+            state = moved.angles, moved.speeds, moved.contacts
+            order = sorted(x % math.tau for x in moved.angles)
+            gaps = np.diff([*order, order[0] + math.tau]) - 2 * track.alpha
+            assert gaps.min() > -1e-12, case
+
+
+def test_the_state_is_complete_and_survives_json():
+    track = Track(Weights(4, 0.1, 1.0, 0.05, 1.4), 0.3, 0.5, 0.01)
+    signal = whirling(1.5, 1.0)
+    whole = run(track, [0.0, 1.0, 2.0, 4.0], [1.0, -1.0, 0.0, 0.5], signal, 3.0, 4.0, 80)
+    half = run(track, [0.0, 1.0, 2.0, 4.0], [1.0, -1.0, 0.0, 0.5], signal, 3.0, 2.0, 40)
+    angles, speeds, contacts = json.loads(json.dumps(half[:3]))
+    again = run(track, angles, speeds, lambda t: signal(t + 2.0), 3.0, 2.0, 40, contacts)
+    assert again[2] == whole[2]
+    assert again[0] == pytest.approx(whole[0], abs=1e-12)
+
+
+def test_force_of_a_group_is_that_of_its_weights_moved_by_hand():
+    """F = -(d/dt)^2 of the moment in fixed axes, by differences of a finely stepped motion."""
+    track = Track(Weights(3, 0.1, 1.0, 0.3, 1.4), 0.25, 0.0)
+    start, w, h = [2.8, 2.8 + 2 * track.alpha, 2.8 + 4 * track.alpha], 3.0, 2e-3
+    signal = whirling(0.5, 0.9)
+    state, moments, forces = (start, [0.3] * 3, [1.0, 1.0, 0.0]), [], []
+    for k in range(7):
+        turn = cmath.exp(1j * w * k * h)
+        moments.append(sum(0.1 * cmath.exp(1j * x) for x in state[0]) * turn)
+        force = reaction(track, *state, *signal(k * h)[:2], w, 0.0)
+        forces.append((force[0] * turn, (force[1] + 1j * w * force[0]) * turn))
+        moved = advance(track, *state, signal(k * h), w, 0.0, h)
+        state = moved.angles, moved.speeds, moved.contacts
+        assert moved.contacts == [1.0, 1.0, 0.0]
+    second = (-moments[5] + 16 * moments[4] - 30 * moments[3] + 16 * moments[2] - moments[1]) / 12
+    assert forces[3][0] == pytest.approx(-second / h**2, rel=1e-7)
+    slope = (forces[1][0] - 8 * forces[2][0] + 8 * forces[4][0] - forces[5][0]) / (12 * h)
+    assert forces[3][1] == pytest.approx(slope, rel=1e-7)
+
+
+def test_a_blow_strikes_the_rotor_by_twice_m_r_j_sin_alpha():
+    alpha, middle, exchanged = 0.2, 0.9, 0.7
+    blow = strike(0.3, [middle - alpha, middle + alpha], [-exchanged, exchanged])
+    assert blow == pytest.approx(2 * 0.3 * exchanged * math.sin(alpha) * cmath.exp(1j * middle))
+
+
+def test_impulse_and_force_together_account_for_the_momentum_of_the_weights():
+    """Integral of F over a run with collisions and bounces equals the change of momentum."""
+    track = Track(Weights(3, 0.1, 1.0, 0.02, 1.4), 0.25, 0.6)
+    signal, w = whirling(0.4, 0.9, 0.2), 3.0
+
+    def momentum(state, t):
+        total = sum(
+            1j * (v + w) * cmath.exp(1j * (x + w * t))
+            for x, v in zip(state[0], state[1], strict=True)
+        )
+        return 0.1 * total
+
+    state, h = ([0.5, 2.0, 4.0], [1.2, -0.8, -1.5], [0.0] * 3), 2.5e-4
+    first, smooth, blows = momentum(state, 0.0), 0j, 0j
+    for k in range(12000):
+        turn = cmath.exp(1j * w * k * h), cmath.exp(1j * w * (k + 1) * h)
+        begin = reaction(track, *state, *signal(k * h)[:2], w, 0.0)[0] * turn[0]
+        moved = advance(track, *state, signal(k * h), w, 0.0, h)
+        state = moved.angles, moved.speeds, moved.contacts
+        end = reaction(track, *state, *signal((k + 1) * h)[:2], w, 0.0)[0] * turn[1]
+        smooth += 0.5 * h * (begin + end)
+        blows += moved.impulse * turn[1]
+    change = momentum(state, 3.0) - first
+    assert abs(blows) > 0.02  # without it the account would be off by this
+    # the trapezoidal rule errs by half a step of the force's jump, at most 1 N, at each collision
+    assert smooth + blows == pytest.approx(-change, abs=0.5 * h * 1.0)
+
+
+def test_pulses_give_the_rotor_exactly_what_is_owed_whatever_the_steps():
+    rng = random.Random(3)
+    w, owed, pulse, given, struck = 3.0, 0j, 0j, 0j, 0j
+    t = 0.0
+    for k in range(40):
+        h = rng.uniform(0.02, 0.2)
+        impulse = complex(rng.gauss(0, 1), rng.gauss(0, 1)) if k in (3, 4, 9) else 0j
+        begin, start = pulse, t
+        t += h
+        owed, pulse = discharge(owed, pulse, impulse, w * h, h)
+        struck += impulse * cmath.exp(1j * w * t)
+
+        def force(s, begin=begin, start=start, end=pulse, h=h):
+            hat = s * s * (3 - 2 * s)
+            return (begin * (1 - hat) + end * hat) * cmath.exp(1j * w * (start + s * h))
+
+        nodes, shares = np.polynomial.legendre.leggauss(12)
+        given += h / 2 * sum(c * force((x + 1) / 2) for x, c in zip(nodes, shares, strict=True))
+    assert abs(struck) > 0.1
+    assert abs(owed) < 1e-9
+    assert given == pytest.approx(struck, abs=1e-9)
+    assert hat_half(0.0) == pytest.approx(0.5)
+
+
+# -- a rotor and two weights that collide ---------------------------------------------------------
+
+ROTOR = LinearRotor.planar(0.9, 1.0, 0.3, unbalance=0.02)
+PAIR = Weights(2, 0.05, 1.0, 0.02, 1.4)
+START = [0.4, 2.2], [1.6, -1.3]
+SPEED = 3.0
+
+
+def coupled_by_scipy(track, seconds):
+    """Position and angles of one system, its impact solved with the rotor free to give way."""
+    m, kappa, d, loaded = PAIR.mass, PAIR.kappa, PAIR.damping_rate, 1.0
+
+    def solve(units, right):
+        """a of  M a + i m sum(theta'' u) = right,  theta''_k = -Im(a conj u_k)/kappa."""
+        matrix = loaded * np.eye(2)
+        for u in units:
+            normal = np.array([-u.imag, u.real])  # Im(a conj u) = normal . a
+            matrix -= m / kappa * np.outer(normal, normal)
+        return complex(*np.linalg.solve(matrix, [right.real, right.imag]))
+
+    def rhs(t, y):
+        turn = cmath.exp(1j * SPEED * t)
+        z, v = complex(y[0], y[1]), complex(y[2], y[3])
+        units = [turn * cmath.exp(1j * x) for x in y[4:6]]
+        right = -0.3 * v - z + 0.02 * SPEED**2 * turn
+        for u, nu in zip(units, y[6:8], strict=True):
+            right -= m * (-1j * d * nu - (SPEED + nu) ** 2) * u
+        a = solve(units, right)
+        bends = [
+            -(a * u.conjugate()).imag / kappa - d * n for u, n in zip(units, y[6:], strict=True)
+        ]
+        return [v.real, v.imag, a.real, a.imag, *y[6:8], *bends]
+
+    def gap(t, y):
+        return (y[5] - y[4]) - 2 * track.alpha
+
+    def round_gap(t, y):
+        return (y[4] + math.tau - y[5]) - 2 * track.alpha
+
+    for event in (gap, round_gap):
+        event.terminal, event.direction = True, -1
+    t, y, hits = 0.0, [0.0] * 4 + START[0] + START[1], 0
+    while t < seconds:
+        found = solve_ivp(
+            rhs, (t, seconds), y, "DOP853", events=(gap, round_gap), rtol=1e-11, atol=1e-13,
+            max_step=0.05,
+        )  # fmt: skip
+        t, y = found.t[-1], found.y[:, -1].tolist()
+        if found.status == 1:
+            hits += 1
+            half = 0.5 * (1 + track.restitution) * (y[6] - y[7])
+            units = [cmath.exp(1j * (x + SPEED * t)) for x in y[4:6]]
+            kick = solve(units, -1j * m * half * (units[1] - units[0]))
+            y[2], y[3] = y[2] + kick.real, y[3] + kick.imag
+            y[6] += -half - (kick * units[0].conjugate()).imag / kappa
+            y[7] += half - (kick * units[1].conjugate()).imag / kappa
+    return complex(y[0], y[1]), complex(y[2], y[3]), y[4:6], y[6:8], hits
+
+
+def coupled_by_units(track, seconds, steps):
+    """The same by exchange of cubic signals, corrector passes to the end, pulses for impulses."""
+    loaded, h = ROTOR.with_added_mass([PAIR.added_mass]), seconds / steps
+    z = generator(loaded, SPEED)
+    propagator, forward = expm(z * h), cmath.exp(1j * SPEED * h)
+    y = np.zeros(7, complex)
+    y[6] = 1.0
+    state, owed, pulse, turn = (*map(list, START), [0.0, 0.0]), 0j, 0j, 1.0 + 0j
+
+    def answer(y, force, turn):
+        """Acceleration and slope in the rotor frame for a force and its slope."""
+        y = y.copy()
+        y[2:6] = [f * turn for f in force]
+        first = z @ y
+        second = z @ first
+        return first[1] / turn, (second[1] - 1j * SPEED * first[1]) / turn
+
+    def cubic(begin, end):
+        rise = (end[0] - begin[0]) / h
+        second = (6 * rise - 4 * begin[1] - 2 * end[1]) / h
+        return (*begin, second, (6 * (begin[1] + end[1]) - 12 * rise) / h**2)
+
+    force, pull = (0j, 0j), (0j, 0j)
+    for _ in range(30):
+        pull = answer(y, (*force, 0j, 0j), turn)
+        force = reaction(track, *state, *pull, SPEED, 0.0)
+    for _ in range(steps):
+        end_force, end_pull = force, pull
+        for _ in range(10):
+            start = y.copy()
+            start[2:6] = [f * turn for f in cubic(force, end_force)]
+            final = propagator @ start
+            final[6] = turn * forward
+            end_pull = answer(final, (*end_force, 0j, 0j), turn * forward)
+            moved = advance(track, *state, cubic(pull, end_pull), SPEED, 0.0, h)
+            now_owed, now_pulse = discharge(owed, pulse, moved.impulse, SPEED * h, h)
+            f, df = reaction(track, *moved[:3], *end_pull, SPEED, 0.0)
+            end_force = f + now_pulse, df
+        y, force, pull, state = final, end_force, end_pull, moved[:3]
+        owed, pulse, turn = now_owed, now_pulse, turn * forward
+    return complex(y[0]), complex(y[1]), state[0], state[1]
+
+
+def test_collisions_on_a_free_rotor_converge_to_the_coupled_impact_at_order_one():
+    track = Track(PAIR, 0.3, 0.7)
+    exact = coupled_by_scipy(track, 1.0)
+    assert exact[4] == 1
+
+    def error(steps):
+        z, v, angles, rates = coupled_by_units(track, 1.0, steps)
+        parts = [abs(z - exact[0]) / 0.02, abs(v - exact[1]) / 0.06]
+        parts += [
+            abs(a - b) for a, b in zip([*angles, *rates], [*exact[2], *exact[3]], strict=True)
+        ]
+        return max(parts)
+
+    errors = [error(steps) for steps in (30, 120, 480, 1920)]
+    # order 1 up to where in its step the collision falls
+    assert errors[0] > 2.0 * errors[1] > 4.0 * errors[2] > 8.0 * errors[3]
+    assert errors[0] > 32.0 * errors[3]
+
+
+def test_corrected_restitution_makes_the_pair_on_a_free_rotor_lose_exactly_1_minus_e_squared():
+    m, kappa, carrier, alpha, e, u = 0.05, 1.4, 0.6, 0.5, 0.8, 1.3
+    held = restitution_on(e, m, carrier, alpha, kappa)
+    assert held < e
+    half = 0.5 * (1 + held) * u  # rates +-u/2 towards each other, middle at angle 0
+    units = [cmath.exp(-1j * alpha), cmath.exp(1j * alpha)]
+    mass = np.zeros((4, 4))  # coordinates x, y of the rotor, two angles; R = 1
+    mass[:2, :2] = carrier * np.eye(2)
+    for k, unit in enumerate(units):
+        mass[2 + k, 2 + k] = kappa * m
+        mass[:2, 2 + k] = mass[2 + k, :2] = m * np.array([-unit.imag, unit.real])
+    before = np.array([0.0, 0.0, u / 2, -u / 2])
+    contact = kappa * m * half * np.array([0.0, 0.0, -1.0, 1.0])
+    # rotor held: rates change by -+half; then the rotor gives way: one solve with the whole mass
+    after = before + np.linalg.solve(mass, contact)
+    assert after[3] - after[2] == pytest.approx(e * u, rel=1e-12)
+    apart = np.array([0.0, 0.0, -1.0, 1.0])
+    lost = (1 - e**2) * u**2 / (apart @ np.linalg.solve(mass, apart))
+    assert before @ mass @ before - after @ mass @ after == pytest.approx(lost, rel=1e-12)
+
+
+def test_a_plain_track_is_the_point_weights():
+    w = Weights(3, 0.1, 1.0, 0.02, 1.4)
+    x, v, a = [0.1, 2.0, 4.0], [0.2, 0.1, -0.3], (0.4 + 1j, 1j, 0.3 + 0j, 0j)
+    moved = advance(Track(w), x, v, [0.0] * 3, a, 3.0, 0.2, 0.1)
+    assert (moved.angles, moved.speeds) == point_weights.advance(w, x, v, a, 0.2, 0.1)
+    force = reaction(Track(w), x, v, [0.0] * 3, a[0], a[1], 3.0, 0.2)
+    assert force == point_weights.reaction(w, x, v, a[0], a[1], 3.0, 0.2)
+
+
+@pytest.mark.parametrize(
+    ("change", "text"),
+    [
+        ({"weight_radius": 0.9}, "do not fit"),
+        ({"restitution": 1.1}, "within 0 to 1"),
+        ({"rolling_resistance": -1.0}, "0 or more"),
+        ({"weight_radius": math.nan}, "finite"),
+        ({"offset": complex(math.inf, 0)}, "finite"),
+    ],
+)
+def test_impossible_tracks_are_refused(change, text):
+    with pytest.raises(ValueError, match=text):
+        Track(Weights(3, 0.1, 1.0), **change)
+
+
+def test_overlapping_starts_are_refused():
+    with pytest.raises(ValueError, match="overlap"):
+        advance(Track(Weights(2, 0.1, 1.0), 0.3), [0.0, 0.3], [0, 0], [0, 0], STILL, 3.0, 0.0, 0.1)

@@ -1,0 +1,81 @@
+"""Rows of Tables 1 and 2 of Filimonikhina 2017 from the coupled units."""
+
+import pytest
+
+from autobalancer.harness import SceneError, load_scene
+from autobalancer.harness.checks.filimonikhina import _row, check_row, variant
+from autobalancer.models.papers.dimensionless import Dimensionless
+from autobalancer.models.papers.tables import TABLE_1, TABLE_2
+
+TABLES = (TABLE_1, TABLE_2)
+
+
+def rows_of(table: int, number: int):
+    """Rows of the check for one row of a table, counted from 1."""
+    scene = load_scene("filimonikhina_tables")
+    return list(check_row(scene, table, number - 1, lambda done: None))
+
+
+@pytest.mark.parametrize("table", [1, 2])
+def test_every_row_becomes_a_scene_with_its_parameters(table):
+    scene = load_scene("filimonikhina_tables")
+    for row in TABLES[table - 1]:
+        scaled, w_x = variant(scene, row)
+        found, frequency = Dimensionless.of(scaled.assembly())
+        assert w_x == frequency == pytest.approx(1.0)
+        wanted = Dimensionless.of_row(row)
+        for name in ("eps", "mu_xi", "mu_eta", "mu_w", "n_eta", "unbalance"):
+            assert getattr(found, name) == pytest.approx(getattr(wanted, name), rel=1e-12), name
+
+
+def test_rows_keep_the_scale_of_the_scene():
+    scene = load_scene("filimonikhina_tables").replace(
+        {
+            "rotor.mass": 9.9,
+            "rotor.stiffness": [90.0, 4410.0],
+            "rotor.damping": [15.0, 30.0],
+            "weights.mass": 0.05,
+            "weights.track_radius": 0.1,
+        }
+    )
+    scaled, w_x = variant(scene, TABLE_1[3])
+    assert w_x == pytest.approx(3.0)
+    assembly = scaled.assembly()
+    assert float(assembly.loaded_rotor.mass[0, 0]) == pytest.approx(10.0)
+    assert Dimensionless.of(assembly)[0].eps == pytest.approx(0.01)
+
+
+@pytest.mark.parametrize(("table", "number"), [(1, 4), (2, 8)])
+def test_a_row_holds_paper_floquet_and_cosimulation(table, number):
+    rows = rows_of(table, number)
+    assert all(row.holds for row in rows), [r for r in rows if not r.holds]
+    printed = [r for r in rows if "in the paper's interval" in r.quantity]
+    measured = [r for r in rows if "critical speed" in r.quantity]
+    assert len(printed) == len(measured) == len(TABLES[table - 1][number - 1].intervals)
+    assert max(row.error for row in measured) < 1e-3
+
+
+def test_a_band_that_the_paper_does_not_report_is_shown_by_runs():
+    rows = rows_of(2, 5)
+    assert all(row.holds for row in rows)
+    found = [row for row in rows if "FINDING" in row.quantity]
+    assert len(found) == 2
+    assert all("unstable again from 5.3982 to 7.9641" in row.quantity for row in found)
+    assert found[0].measured > 0.05, "grows"
+    assert found[1].measured.startswith("not balanced")
+
+
+def test_an_interval_that_is_wrong_does_not_hold():
+    scene = load_scene("filimonikhina_tables")
+    from dataclasses import replace
+
+    wrong = replace(TABLE_2[7], intervals=((9.60, 9.65),))
+    rows = list(_row(0, *variant(scene, wrong), wrong))
+    (printed,) = [r for r in rows if "in the paper's interval" in r.quantity]
+    assert not printed.holds
+
+
+def test_other_weights_than_the_papers_are_refused():
+    scene = load_scene("filimonikhina_tables").replace({"weights.kind": "balls"})
+    with pytest.raises(SceneError, match="two pendulums"):
+        variant(scene, TABLE_1[0])

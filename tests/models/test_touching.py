@@ -1,0 +1,124 @@
+"""Weights that touch as single ones: motion, force, slow root, and co-simulation."""
+
+from __future__ import annotations
+
+import cmath
+import math
+
+import numpy as np
+import pytest
+
+from autobalancer.harness import cosimulate, load_scene
+from autobalancer.models.assembly import Assembly, Mounted, SpeedProfile
+from autobalancer.models.contact.track import Track, advance, first_contacts, reaction
+from autobalancer.models.linear.floquet import exponents
+from autobalancer.models.linear.linearised import linearise
+from autobalancer.models.monolith import simulate
+from autobalancer.models.papers.capacity import largest_spread
+from autobalancer.models.papers.positions import completed_angles
+from autobalancer.models.papers.settling import critical_drag, slow_root
+from autobalancer.models.papers.touching import Packed, joint_spread, merged, packed_groups
+from autobalancer.models.rotor import LinearRotor
+from autobalancer.models.weights import Weights, spread
+from autobalancer.models.weights import advance as point_advance
+from autobalancer.models.weights import reaction as point_reaction
+
+ALPHA = 0.25
+SPEED = 30.0
+
+
+def test_groups_are_found_across_the_turn_and_in_any_order():
+    angles = [0.1, 3.0, 0.1 - 2 * ALPHA, 3.0 + 2 * ALPHA, 0.1 + 2 * ALPHA]
+    (first, second) = sorted(packed_groups(angles, ALPHA))
+    assert (first.size, second.size) == (2, 3)
+    assert first.middle == pytest.approx(3.0 + ALPHA)
+    assert cmath.exp(1j * second.middle) == pytest.approx(cmath.exp(0.1j))
+    assert len(packed_groups(angles, 0.0)) == 5
+    full = [2 * math.pi * k / 6 for k in range(6)]
+    assert [g.size for g in packed_groups(full, math.pi / 6)] == [6]
+
+
+def test_a_packed_group_moves_and_pulls_like_the_single_weight():
+    """Against `Track`, which finds group and pressure by itself."""
+    weights = Weights(3, 0.02, 0.1, 0.01, 1.4)
+    track = Track(weights, 0.1 * math.sin(ALPHA))
+    middle, h = math.pi - 0.3, 2e-3
+    angles = [middle - 2 * ALPHA, middle, middle + 2 * ALPHA]
+    contacts = first_contacts(track, angles, [1.0] * 3)
+    assert contacts == [1.0, 1.0, 0.0]
+    rotor = LinearRotor.planar(1.0, 100.0)
+    whole = merged(Assembly(rotor, (Mounted("b", weights),)), ALPHA, [Packed(3, middle)])
+    single = whole.balancers[0].device
+    assert whole.added_mass == pytest.approx([weights.added_mass])
+    signal = (20.0 + 1j, 3j, 0j, 0j)  # drives the group to pi: pressed together
+    state, point = (angles, [1.0] * 3, contacts), ([middle], [1.0])
+    for _ in range(50):
+        state = advance(track, *state, signal, SPEED, 0.0, h)[:3]
+        point = point_advance(single, *point, signal, 0.0, h)
+    assert state[0][1] == pytest.approx(point[0][0], abs=1e-9)
+    found = reaction(track, *state, *signal[:2], SPEED, 0.0)
+    expected = point_reaction(single, *point, *signal[:2], SPEED, 0.0)
+    assert found == pytest.approx(expected, rel=1e-8)
+
+
+def test_joint_spread_is_p_without_contact_and_1_for_groups_face_to_face():
+    angles = [0.2, 1.7, 3.3, 4.9]
+    number, p = joint_spread(packed_groups(angles, ALPHA), ALPHA)
+    assert (number, p) == pytest.approx((4.0, spread(angles)))
+    one, two = Packed(1, 0.4), Packed(2, 0.4 + math.pi)
+    number, p = joint_spread([one, two], ALPHA)
+    assert number == pytest.approx(1 + 2 * math.cos(ALPHA) ** 2)
+    # Goncharov's position of largest p for 3 weights (13): pressed together, nothing drives them
+    assert p == pytest.approx(1.0)
+    assert largest_spread(3, ALPHA) < 0.98
+    weights = Weights(3, 1e-3, 1.0, 2e-3, 1.4)
+    limit = critical_drag(LinearRotor.planar(1.0, 1.0), 2.0, 1.4)
+    assert abs(slow_root(weights, p, limit, number)) < 1e-12
+
+
+def test_slow_root_with_contact_is_the_limit_of_the_spectrum_for_light_weights():
+    errors = []
+    for mass in (4e-3, 1e-3):
+        weights = Weights(4, mass, 1.0, 2.0 * mass, 1.4)
+        # a pair in contact and two more that balance what it leaves
+        pair = [2.0 - ALPHA, 2.0 + ALPHA]
+        angles = completed_angles(weights, math.sin(ALPHA), 0.4 * mass, pair)
+        rotor = LinearRotor.planar(1.0, 1.0, unbalance=0.4 * mass)
+        assembly = Assembly(rotor, (Mounted("b", weights, 0, tuple(angles), (0.0,) * 4),))
+        groups = packed_groups(angles, ALPHA)
+        assert [g.size for g in groups].count(2) == 1
+        number, p = joint_spread(groups, ALPHA)
+        root = slow_root(weights, p, critical_drag(assembly.loaded_rotor, 2.0, 1.4), number)
+        values = exponents(
+            [linearise(merged(assembly, ALPHA, groups))], np.zeros(1, int), np.array([2.0])
+        )
+        moving = [v for v in values[0] if abs(v.imag) < 0.5]  # the rest is the undamped rotor's
+        errors.append(abs(root / max(moving, key=lambda v: v.real) - 1.0))
+    assert errors[1] < 1e-3
+    assert errors[0] / errors[1] == pytest.approx(16.0, rel=0.3)  # second order in the mass
+
+
+def test_lasting_contact_in_cosimulation_is_one_heavy_weight_in_the_monolith():
+    scene = load_scene("contact_order").replace(
+        {"balls.angles": [3.188912398447714, 3.6942729087318718], "balls.speeds": [0.0, 0.0]}
+    )
+    names = ["rotor.x", "rotor.y", "balls.weight[1].angle", "balls.weight[2].angle"]
+    alpha = math.asin(0.25)
+    group = packed_groups(scene.balancer[0].angles, alpha)
+    assert len(group) == 1
+    errors = []
+    for steps in (20, 40):
+        result = cosimulate(scene.replace({"coupling.steps_per_rev": steps}), record=names)
+        assert result["balls.weight[2].angle"] - result["balls.weight[1].angle"] == pytest.approx(
+            2 * alpha, abs=1e-12
+        )
+        whole = simulate(
+            merged(scene.assembly(), alpha, group),
+            SpeedProfile.constant(80.0),
+            result.time,
+            rtol=1e-12,
+        )
+        size = np.abs(whole.x).max()
+        errors.append(np.abs(result["rotor.x"] - np.ravel(whole.x)).max() / size)
+    assert errors[1] < 1e-6
+    assert math.log2(errors[0] / errors[1]) == pytest.approx(4.0, abs=0.4)

@@ -1,0 +1,116 @@
+"""The rotor's step at changing speed: order, the w' terms, and stiff supports."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+from scipy.integrate import solve_ivp
+
+from autobalancer.models.rotor import LinearRotor
+from autobalancer.models.steps.propagator import step_matrix
+from autobalancer.models.steps.variable_speed import VariableSpeedStep
+
+FORCE = np.array([[0.3 + 0.1j], [-0.2 + 0.4j], [0.5 - 0.1j], [0.2 + 1.0j]])
+ANGLE, SPEED = 0.7, 2.0
+
+
+def rotor_of(*, isotropic: bool) -> LinearRotor:
+    stiffness, damping = (4.0, 0.1) if isotropic else ([4.0, 9.0], [0.1, 0.2])
+    return LinearRotor.planar(1.2, stiffness, damping, 0.3, 0.25, 0.4)
+
+
+def shifted(t: float) -> np.ndarray:
+    """Value and derivatives of the force's cubic at t."""
+    f0, f1, f2, f3 = FORCE
+    return np.array(
+        [f0 + t * (f1 + t * (f2 / 2 + t * f3 / 6)), f1 + t * (f2 + t * f3 / 2), f2 + t * f3, f3]
+    )
+
+
+def slope(rotor: LinearRotor, spin_up: float, t: float, y: np.ndarray) -> list[float]:
+    """Dubovik 2006 (5), written out per axis, with a force in the rotor frame."""
+    x, yy, v_x, v_y = y
+    beta, w = ANGLE + SPEED * t + spin_up * t * t / 2, SPEED + spin_up * t
+    s, g = abs(rotor.unbalance[0]), beta + np.angle(rotor.unbalance[0])
+    p, m = rotor.internal_damping[0, 0], rotor.mass[0, 0]
+    force = shifted(t)[0, 0] * np.exp(1j * beta)
+    f_x = s * (w**2 * np.cos(g) + spin_up * np.sin(g)) + force.real
+    f_y = s * (w**2 * np.sin(g) - spin_up * np.cos(g)) + force.imag
+    f_x -= (p + rotor.damping_x[0, 0]) * v_x + rotor.stiffness_x[0, 0] * x + p * yy * w
+    f_y -= (p + rotor.damping_y[0, 0]) * v_y + rotor.stiffness_y[0, 0] * yy - p * x * w
+    return [v_x, v_y, f_x / m, f_y / m]
+
+
+def run(rotor: LinearRotor, state: np.ndarray, spin_up: float, t: float, steps: int) -> np.ndarray:
+    """State (x, y, vx, vy) after `steps` steps."""
+    stepper, h = VariableSpeedStep(rotor), t / steps
+    y = state[[0, 2]] + 1j * state[[1, 3]] if rotor.isotropic else state
+    for k in range(steps):
+        s = k * h
+        angle = ANGLE + SPEED * s + spin_up * s * s / 2
+        y = stepper.advance(y, shifted(s), angle, SPEED + spin_up * s, spin_up, h)
+    return np.array([y[0].real, y[0].imag, y[1].real, y[1].imag]) if rotor.isotropic else y
+
+
+@pytest.mark.parametrize("isotropic", [True, False])
+@pytest.mark.parametrize("spin_up", [1.5, -4.0])
+def test_the_step_has_order_5_and_every_term_of_dubovik_5(isotropic: bool, spin_up: float) -> None:
+    rotor, state, t = rotor_of(isotropic=isotropic), np.array([0.1, -0.2, 0.3, 0.1]), 0.4
+    expected = solve_ivp(
+        lambda s, y: slope(rotor, spin_up, s, y), (0, t), state, "DOP853", rtol=1e-13, atol=1e-15
+    ).y[:, -1]
+    errors = [np.abs(run(rotor, state, spin_up, t, n) - expected).max() for n in (4, 8, 16)]
+    orders = np.log2(np.divide(errors[:-1], errors[1:]))
+    assert_allclose(orders, 5.0, atol=0.15)
+    assert errors[-1] < 1e-8
+
+
+@pytest.mark.parametrize("isotropic", [True, False])
+def test_without_spin_up_it_tends_to_the_exact_step(isotropic: bool) -> None:
+    rotor, state, t = rotor_of(isotropic=isotropic), np.array([0.1, -0.2, 0.3, 0.1]), 0.2
+    turn = np.exp(1j * ANGLE)
+    parts = np.array([state[0] + 1j * state[1], state[2] + 1j * state[3]])
+    signals = np.array([*(turn * FORCE[:, 0]), turn])
+    if isotropic:
+        exact = step_matrix(rotor, SPEED, t)[:2] @ np.concatenate([parts, signals])
+        exact = np.array([exact[0].real, exact[0].imag, exact[1].real, exact[1].imag])
+    else:
+        pairs = np.column_stack([signals.real, signals.imag]).ravel()
+        exact = step_matrix(rotor, SPEED, t)[:4] @ np.concatenate([state, pairs])
+    assert_allclose(run(rotor, state, 0.0, t, 16), exact, rtol=0, atol=1e-11)
+
+
+@pytest.mark.parametrize("isotropic", [True, False])
+def test_plane_motion_gives_acceleration_and_its_exact_slope(isotropic: bool) -> None:
+    rotor, spin_up, d = rotor_of(isotropic=isotropic), 1.5, 1e-4
+    state = np.array([0.1, -0.2, 0.3, 0.1])
+    here = np.array(slope(rotor, spin_up, 0.0, state))
+    after = solve_ivp(
+        lambda s, y: slope(rotor, spin_up, s, y), (0, d), state, "DOP853", rtol=1e-13, atol=1e-15
+    ).y[:, -1]
+    before = solve_ivp(
+        lambda s, y: slope(rotor, spin_up, s, y), (0, -d), state, "DOP853", rtol=1e-13, atol=1e-15
+    ).y[:, -1]
+    later, earlier = slope(rotor, spin_up, d, after), slope(rotor, spin_up, -d, before)
+    jerk = (np.array(later) - np.array(earlier))[2:] / (2 * d)
+    y = state[[0, 2]] + 1j * state[[1, 3]] if isotropic else state
+    stepper = VariableSpeedStep(rotor)
+    found = stepper.plane_motion(y, FORCE, ANGLE, SPEED, spin_up)
+    if isotropic:
+        found = tuple(np.array([value[0].real, value[0].imag]) for value in found)
+    assert_allclose(found[0], here[2:], rtol=1e-13)
+    assert_allclose(found[1], jerk, rtol=1e-6)
+
+
+def test_a_stiff_support_sets_no_step_limit() -> None:
+    rotor = LinearRotor.planar(1.0, [4.0, 1e14], [0.1, 10.0], 0.0, 0.25)
+    soft = LinearRotor.planar(1.0, [4.0, 4.0], [0.1, 0.1], 0.0, 0.25)
+    state = np.array([0.1, 0.0, 0.3, 0.0])
+    found, expected = run(rotor, state, 1.5, 2.0, 64), run(soft, state, 1.5, 2.0, 64)
+    # the axes do not couple, so the soft axis must not notice; the stiff one follows the force
+    assert_allclose(found[[0, 2]], expected[[0, 2]], rtol=1e-12)
+    beta, w = ANGLE + SPEED * 2 + 1.5 * 2, SPEED + 1.5 * 2
+    force = 0.25 * (w**2 * np.sin(beta) - 1.5 * np.cos(beta))
+    force += (shifted(2.0)[0, 0] * np.exp(1j * beta)).imag
+    assert_allclose(found[1], force / 1e14, rtol=1e-4)
