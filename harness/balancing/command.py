@@ -32,7 +32,7 @@ def command(
 ) -> None:
     """Balance a scene's rotor on a virtual machine; exit code 1 if the grade is not met."""
     from ..checks.report import write_json
-    from ..master.result import picture_format
+    from ..output.files import picture_format
     from .cycles import balance
 
     ready_to_write(output)

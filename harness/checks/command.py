@@ -63,7 +63,7 @@ def command(
 def _write_report(
     scenes: list[Scene], results: list[Checked], rows: list[Row], directory: Path
 ) -> None:
-    from ..master.result import write_whole
+    from ..output.files import write_whole
     from .pictures import draw_pictures
     from .report import as_json, markdown, write_json
 

@@ -9,7 +9,7 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from ..master.result import write_whole
+from ..output.files import write_whole
 
 if TYPE_CHECKING:
     from rich.console import Console

@@ -39,7 +39,7 @@ def command(
     ] = None,
 ) -> None:
     """Compare numbers of balls or rollers: capacity, spread, predicted and measured settling."""
-    from ..master.result import picture_format
+    from ..output.files import picture_format
     from ..scene import load_scene
     from .choices import design
 

@@ -2,23 +2,19 @@
 
 from __future__ import annotations
 
-import contextlib
 import csv
-import os
-import tempfile
-from collections.abc import Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import IO, Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ..errors import UserError
+from ..output.files import write_whole
 from ..scene.messages import did_you_mean
+from .names import unit_of_signal
 
 Signal = NDArray[np.float64]
-PICTURES = ("png", "svg", "pdf")
 
 
 class UnknownSignalError(UserError, KeyError):
@@ -95,7 +91,13 @@ class Result:
         """
         from ..output.plot import plot_run  # matplotlib is loaded only to plot
 
-        return plot_run(self, Path(path))
+        return plot_run(
+            self.time,
+            self.signals,
+            {name: unit_of_signal(name) for name in self.signals},
+            self.scene_title or "run",
+            Path(path),
+        )
 
     def assert_close(self, name: str, reference: ArrayLike, relative: float) -> None:
         """Fail unless a signal stays within `relative` of the reference's largest magnitude.
@@ -184,58 +186,3 @@ def _worst(values: NDArray) -> int:
     """Index of the largest value, or of the first that is not a number."""
     bad = np.isnan(values)
     return int(np.argmax(bad)) if bad.any() else int(np.argmax(values))
-
-
-def picture_format(path: Path) -> str:
-    """Format of a picture by the end of its name.
-
-    Raises:
-        UserError: it is none of those known.
-    """
-    kind = path.suffix.removeprefix(".").lower()
-    if kind not in PICTURES:
-        raise UserError(f"{path}: pictures end in {', '.join('.' + name for name in PICTURES)}")
-    return kind
-
-
-@contextlib.contextmanager
-def write_whole(path: str | Path, mode: str = "w") -> Iterator[IO[Any]]:
-    """A file that appears complete or not at all: written beside its place, then moved there.
-
-    A device or pipe is written to as it is: moving a file there would replace it.
-
-    Raises:
-        UserError: the directory is missing, not writable, or the disk is full; nothing is left.
-    """
-    target = Path(os.path.realpath(path))  # a link stays a link
-    text: dict[str, Any] = {} if "b" in mode else {"encoding": "utf-8", "newline": ""}
-    try:
-        if target.exists() and not target.is_file():
-            with open(target, mode, **text) as stream:
-                yield stream
-            return
-        handle, temporary = tempfile.mkstemp(
-            dir=target.parent, prefix=f".{target.name}-", suffix=target.suffix
-        )
-        try:
-            with open(handle, mode, **text) as stream:
-                yield stream
-                stream.flush()
-                os.fsync(stream.fileno())
-            os.chmod(temporary, _permissions(target))
-            os.replace(temporary, target)
-        except BaseException:
-            with contextlib.suppress(OSError):
-                os.unlink(temporary)
-            raise
-    except OSError as error:
-        raise UserError(f"{path}: cannot be written: {error.strerror or error}") from error
-
-
-def _permissions(target: Path) -> int:
-    """Those of the file to be replaced, or of a new one (mkstemp makes its own private)."""
-    if target.exists():
-        return target.stat().st_mode & 0o7777
-    umask = os.umask(0)
-    os.umask(umask)
-    return 0o666 & ~umask

@@ -35,8 +35,8 @@ def command(
     ] = None,
 ) -> None:
     """Run a scene by co-simulation."""
+    from ..output.files import picture_format
     from .cosimulation import cosimulate
-    from .result import picture_format
 
     ready_to_write(output)
     ready_to_write(plot)

@@ -5,7 +5,7 @@ Figures are made without pyplot, so that neither a display nor a global state is
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -15,9 +15,10 @@ from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 from ..errors import UserError
-from ..master.names import unit_of_signal
-from ..master.result import Result, picture_format, write_whole
+from .files import picture_format, write_whole
 
+Signal = NDArray[np.float64]
+Signals = Mapping[str, Signal]
 WITH, WITHOUT, LIMIT = "tab:blue", "tab:gray", "tab:red"
 _MOST_LINES = 12  # in one panel; more cannot be told apart
 _PREFIXES = ((1.0, ""), (1e-3, "m"), (1e-6, "µ"), (1e-9, "n"))
@@ -68,11 +69,10 @@ def metres(largest: float) -> tuple[float, str]:
     raise AssertionError("unreachable")
 
 
-def _panels(result: Result) -> dict[str, list[str]]:
+def _panels(units: Mapping[str, str]) -> dict[str, list[str]]:
     """Signals by panel title: what belongs together stands together."""
     panels: dict[str, list[str]] = {}
-    for name in result.signals:
-        unit = unit_of_signal(name)
+    for name, unit in units.items():
         if unit == "m" and name.endswith((".x", ".y")):
             title = "displacement"
         elif ".weight[" in name and name.endswith(".angle"):
@@ -83,38 +83,45 @@ def _panels(result: Result) -> dict[str, list[str]]:
     return panels
 
 
-def _draw(axes: Any, result: Result, names: Sequence[str], title: str, unit: str) -> None:
-    largest = max(float(np.max(np.abs(result[name]), initial=0.0)) for name in names)
+def _draw(axes: Any, time: Signal, signals: Signals, title: str, unit: str) -> None:
+    largest = max(float(np.max(np.abs(values), initial=0.0)) for values in signals.values())
     factor, shown = metres(largest) if unit == "m" else (1.0, unit)
-    for name in names[:_MOST_LINES]:
-        values = result[name] * factor
+    for name in list(signals)[:_MOST_LINES]:
+        values = signals[name] * factor
         label = name
         if title == "displacement":
             label += f", 0-peak {np.max(np.abs(values)):.3g} {shown}"
-        axes.plot(result.time, values, label=label, linewidth=1.0)
-    if len(names) > _MOST_LINES:
-        axes.plot([], [], " ", label=f"and {len(names) - _MOST_LINES} more, not drawn")
+        axes.plot(time, values, label=label, linewidth=1.0)
+    if len(signals) > _MOST_LINES:
+        axes.plot([], [], " ", label=f"and {len(signals) - _MOST_LINES} more, not drawn")
     axes.set_ylabel(f"{title} [{shown}]" if shown else title)
     axes.grid(alpha=0.3)
     axes.legend(loc="upper right", fontsize="small")
 
 
-def plot_run(result: Result, path: Path) -> Path:
+def plot_run(
+    time: Signal, signals: Signals, units: Mapping[str, str], title: str, path: Path
+) -> Path:
     """Time history of everything recorded: displacements, weights' angles, the rest by quantity.
+
+    Args:
+        time: (T,) [s].
+        signals: (T,) each, by name.
+        units: of measurement, by the signals' names.
 
     Raises:
         UserError: nothing was recorded, or the file cannot be written.
     """
-    panels = _panels(result)
+    panels = _panels(units)
     if not panels:
         raise UserError(f"{path}: nothing to draw: the run recorded no signal")
     figure = Figure(figsize=(9.0, 1.0 + 2.4 * len(panels)), layout="constrained")
     grid = figure.subplots(len(panels), 1, sharex=True, squeeze=False)[:, 0]
     for axes, (heading, names) in zip(grid, panels.items(), strict=True):
-        title, unit = heading.split("\t")
-        _draw(axes, result, names, title, unit)
+        quantity, unit = heading.split("\t")
+        _draw(axes, time, {name: signals[name] for name in names}, quantity, unit)
     grid[-1].set_xlabel("time [s]")
-    figure.suptitle(result.scene_title or "run")
+    figure.suptitle(title)
     return save(figure, path)
 
 

@@ -41,7 +41,7 @@ def command(
 ) -> None:
     """Measure what each digit costs: every scheme, order and step, and SciPy's methods."""
     from ..checks.report import write_json
-    from ..master.result import picture_format, write_whole
+    from ..output.files import picture_format, write_whole
     from ..scene import load_scene
     from .measure import precision
     from .report import (

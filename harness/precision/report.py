@@ -9,7 +9,7 @@ from importlib.metadata import version
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from ..master.result import write_whole
+from ..output.files import write_whole
 from .measure import TARGETS, TWO_DECADES, Point, Precision
 from .methods import ALONG_FIXED_AXES
 from .time_shares import Split

@@ -48,7 +48,7 @@ def command(
 ) -> None:
     """Modes and critical speeds of a scene's rotor, and pictures of its motion."""
     from ..checks.report import write_json
-    from ..master.result import picture_format
+    from ..output.files import picture_format
     from .study import modes_at, speed_range
 
     wanted = {"campbell": campbell, "response": response, "orbit": orbit, "run-up": run_up}

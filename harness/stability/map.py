@@ -14,7 +14,7 @@ from ...models.assembly import Assembly
 from ...models.criteria import Criterion
 from ...models.stability import growth_map
 from ..errors import SimulationError, UserError
-from ..master.result import write_whole
+from ..output.files import write_whole
 from ..output.workers import spread
 from ..scene import Scene
 from .axis import SPEED, Axis

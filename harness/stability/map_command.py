@@ -31,7 +31,7 @@ def command(
     ] = 0,
 ) -> None:
     """Draw where balancing is stable over two parameters, by criterion, Floquet and the units."""
-    from ..master.result import picture_format
+    from ..output.files import picture_format
     from ..scene import load_scene
     from .axis import Axis
     from .map import stability_map

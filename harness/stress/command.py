@@ -25,7 +25,7 @@ def command(
 ) -> None:
     """Run stiff and extreme cases: each must be right or clearly refused; exit code 1 if not."""
     from ..checks.report import write_json
-    from ..master.result import write_whole
+    from ..output.files import write_whole
     from .cases import all_cases
     from .run import as_json, markdown, stress, table
 

@@ -12,7 +12,8 @@ import pytest
 from autobalancer.harness.checks.report import Row, as_json, markdown, verdict, within, write_json
 from autobalancer.harness.errors import UserError
 from autobalancer.harness.master.names import unit_of_signal
-from autobalancer.harness.master.result import Result, UnknownSignalError, write_whole
+from autobalancer.harness.master.result import Result, UnknownSignalError
+from autobalancer.harness.output.files import write_whole
 
 
 @pytest.fixture
