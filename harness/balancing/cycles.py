@@ -19,6 +19,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from ...models.linear.synchronous import Synchronous
 from ...models.papers.influence import (
     from_trial_runs,
     influence,
@@ -29,7 +30,7 @@ from ...models.rotor import LinearRotor
 from ..scene import Scene
 from ..scene.balancing import Balancing
 from ..scene.rotor import FlexibleRotor, PlanarRotor
-from .machine import Complex, Machine, Reading
+from .machine import Complex, Machine
 
 TRIAL = 10.0  # times what is permissible: seen clearly, and as harmless as the unbalance itself
 SHARE_INBOARD, SHARE_OVERHUNG = (0.3, 0.7), (0.3, 1.3)  # ISO 21940-11, of U_per at a support
@@ -51,7 +52,7 @@ class Cycle:
     """
 
     mounted: Complex
-    reading: Reading
+    reading: Synchronous
     found: Complex
     at_supports: NDArray[np.float64]
     actual: Complex
@@ -174,11 +175,11 @@ def balance(
             analytic=truth.coefficients,
             technologies=tuple(done),
             runs=machine.runs,
-            units=tuple(path.name for path in dict.fromkeys(machine.cosim.paths)),
+            units=tuple(path.name for path in dict.fromkeys(machine.revolution.cosim.paths)),
         )
 
 
-def trial_runs(machine: Machine, trial: float) -> tuple[Reading, Complex, NDArray[np.float64]]:
+def trial_runs(machine: Machine, trial: float) -> tuple[Synchronous, Complex, NDArray[np.float64]]:
     """(20), (22): the first reading, the coefficients (s, p), and their standard uncertainty."""
     count = len(machine.planes)
     first = machine.measure()
@@ -193,7 +194,7 @@ def _cycles(
     machine: Machine,
     name: str,
     used: Complex,
-    first: Reading,
+    first: Synchronous,
     levers: NDArray[np.float64],
     allowed: NDArray[np.float64],
     truth: Truth,

@@ -7,43 +7,26 @@ whole revolutions, as the instrument of a machine does.
 
 from __future__ import annotations
 
-import math
+import cmath
 from collections.abc import Mapping
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from ...models.linear.synchronous import Synchronous, synchronous
 from ..errors import SceneError, SimulationError
-from ..master.cosimulation import CoSimulation
-from ..master.schedule import steps_per_rev
 from ..scene import Scene
 from ..scene.balancing import Balancing
 from ..scene.rotor import FlexibleRotor, PlanarRotor, TwoSupportRotor
-from ..stability.revolution import states
+from ..stability.revolution import Revolution
 
 Complex = NDArray[np.complexfloating]
 
-STEADY = 1e-10  # of each state's scale: what one revolution may still change; rounding is 1e-13
-STEADY_ITERATIONS = 6  # the rotor is linear: one does it, the rest take out rounding
 UNSTABLE = 1e-6  # a multiplier beyond 1 + this grows; an undamped rotor has exactly 1
 DRIFT = 1e-8  # of the amplitude, between the halves of a measurement: more is no steady state
 SIGMAS = 6.0  # noise may look like this much drift once in 1e9 measurements
-
-
-@dataclass(frozen=True, eq=False)
-class Reading:
-    """Synchronous vibration of the supports.
-
-    Attributes:
-        amplitude: (s,) complex A, 0-peak: displacement = Re(A e^{i angle}) [m].
-        uncertainty: (s,) standard uncertainty of its real and of its imaginary part [m].
-    """
-
-    amplitude: Complex
-    uncertainty: NDArray[np.float64]
 
 
 class Machine:
@@ -68,118 +51,55 @@ class Machine:
         self.planes = self.setup.correction_planes(scene.rotor)
         bare, self._own, self._added = _with_corrections(scene, self.planes)
         self.speed = bare.profile().speed(0.0)
-        self.steps = steps_per_rev(bare)
-        self._step = 2.0 * math.pi / (self.speed * self.steps)
-        self._states = states(bare)
-        self._scale = np.array([s.scale * (self.speed if s.is_rate else 1.0) for s in self._states])
         self.noise = np.random.default_rng(self.setup.seed)
         self.runs = 0
-        self.cosim = CoSimulation(bare, fmus=fmus, watch=False)
+        self.revolution = Revolution(bare, fmus=fmus)
+        self._watched = ["angle", *_sensors(scene, self.setup.axis)]
+        self._rest = np.zeros(len(self.revolution.states))
         try:
-            unit = self.cosim.units["rotor"]
-            self._outputs = unit.group([s.output for s in self._states])
-            self._watched = unit.group(["angle", *_sensors(scene, self.setup.axis)])
-            self._map = self._one_turn_map()
+            self._monodromy = self.revolution.monodromy(self._rest, self.speed)
+            self._refuse_unstable()
         except BaseException:
             self.close()
             raise
 
-    @property
-    def sensors(self) -> int:
-        """Number of supports watched."""
-        return self._watched.size - 1
-
-    def measure(self, added: Complex | None = None) -> Reading:
-        """Run with unbalances `added` (p,) in the correction planes [kg m] and read the supports.
-
-        Raises:
-            SimulationError: the vibration is not steady.
-        """
-        self.runs += 1
-        mounted = np.zeros(len(self.planes), complex) if added is None else added
-        self._start(self._steady(mounted), mounted)
-        unit, rows = self.cosim.units["rotor"], []
-        for _ in range(self.setup.revolutions * self.steps):
-            self.cosim.step(self._step)
-            rows.append(unit.get(self._watched))
-        angle, *motion = np.array(rows).T
-        samples = np.array(motion)
-        samples = samples + self.setup.noise * self.noise.standard_normal(samples.shape)
-        _refuse_drift(angle, samples)
-        return synchronous(angle, samples)
-
-    def _steady(self, mounted: Complex) -> NDArray[np.float64]:
-        """States that one revolution returns to: no waiting for the transient to die away."""
-        state = np.zeros(len(self._states))
-        back = np.eye(len(state)) - self._map
-        for _ in range(STEADY_ITERATIONS):
-            residual = (self._turn(state, mounted) - state) / self._scale
-            state = state + np.linalg.lstsq(back, residual, rcond=None)[0] * self._scale
-            if np.abs(residual).max() <= STEADY * (1.0 + np.abs(state / self._scale).max()):
-                return state
-        raise SimulationError(
-            f"rotor: no steady vibration found at {self.speed:g} rad/s: one revolution still moves "
-            f"the states by {np.abs(residual).max():.3g} of their scale"
-        )
-
-    def _one_turn_map(self) -> NDArray[np.float64]:
-        """Derivative of the states after one revolution, (n, n) in their scales; any size will do.
-
-        Raises:
-            SimulationError: vibration grows by itself.
-        """
-        still = np.zeros(len(self.planes), complex)
-        rest = self._turn(np.zeros(len(self._states)), still)
-        columns = [
-            (self._turn(scale * unit, still) - rest) / self._scale
-            for scale, unit in zip(self._scale, np.eye(len(self._states)), strict=True)
-        ]
-        matrix = np.array(columns).T
-        largest = float(np.abs(np.linalg.eigvals(matrix)).max())
+    def _refuse_unstable(self) -> None:
+        largest = float(np.abs(np.linalg.eigvals(self._monodromy)).max())
         if largest > 1.0 + UNSTABLE:
             raise SimulationError(
                 f"rotor: not stable at {self.speed:g} rad/s: free vibration grows {largest:.6g} "
                 "times in each revolution, so that there is no steady state to measure"
             )
-        return matrix
 
-    def _turn(self, state: NDArray[np.float64], mounted: Complex) -> NDArray[np.float64]:
-        self._start(state, mounted)
-        for _ in range(self.steps):
-            self.cosim.step(self._step)
-        return np.array(self.cosim.units["rotor"].get(self._outputs))
+    def measure(self, added: Complex | None = None) -> Synchronous:
+        """Run with unbalances `added` (p,) in the correction planes [kg m] and read the supports.
 
-    def _start(self, state: NDArray[np.float64], mounted: Complex) -> None:
-        changes: dict[str, float | bool] = {
-            s.start: float(value) for s, value in zip(self._states, state, strict=True)
-        }
-        for (amount, angle), own, more in zip(self._added, self._own, mounted, strict=True):
-            total = complex(own + more)
-            changes[amount], changes[angle] = abs(total), math.atan2(total.imag, total.real)
-        self.cosim.start({"rotor": changes}, self._step)
+        The rotor is linear: its steady motion is found at once, with no waiting for the transient
+        to die away.
+
+        Raises:
+            SimulationError: the vibration is not steady.
+        """
+        self.runs += 1
+        unbalances = self._own if added is None else self._own + added
+        for (size, direction), value in zip(self._added, unbalances.tolist(), strict=True):
+            self.revolution.rotor[size], self.revolution.rotor[direction] = cmath.polar(value)
+        state, _ = self.revolution.steady(self.speed, self._rest, self._monodromy)
+        rows = self.revolution.record(state, self.speed, self._watched, self.setup.revolutions)
+        angle, samples = rows[:, 0], rows[:, 1:].T
+        samples = samples + self.setup.noise * self.noise.standard_normal(samples.shape)
+        _refuse_drift(angle, samples)
+        return synchronous(angle, samples)
 
     def close(self) -> None:
         """Free the unit."""
-        self.cosim.close()
+        self.revolution.close()
 
     def __enter__(self) -> Machine:
         return self
 
     def __exit__(self, *_exception: object) -> None:
         self.close()
-
-
-def synchronous(angle: NDArray[np.float64], samples: NDArray[np.float64]) -> Reading:
-    """Least-squares fit of Re(A e^{i angle}) + c to samples (s, m) taken at rotor angles (m,).
-
-    The uncertainty comes from what the fit leaves, shared over the samples by their covariance.
-    """
-    matrix = np.column_stack([np.cos(angle), -np.sin(angle), np.ones_like(angle)])
-    found = np.linalg.lstsq(matrix, samples.T, rcond=None)[0]
-    left = samples.T - matrix @ found
-    variance = (left**2).sum(axis=0) / max(1, len(angle) - matrix.shape[1])
-    spread = np.linalg.inv(matrix.T @ matrix).diagonal()[:2].max()
-    return Reading(found[0] + 1j * found[1], np.sqrt(variance * spread))
 
 
 def _refuse_drift(angle: NDArray[np.float64], samples: NDArray[np.float64]) -> None:

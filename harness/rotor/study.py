@@ -13,8 +13,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...models.linear.modes import Campbell, Modes, campbell, critical_speeds, modes
+from ...models.linear.synchronous import synchronous
 from ...models.papers.influence import influence
-from ..balancing.machine import synchronous
 from ..errors import UserError
 from ..master.cosimulation import cosimulate
 from ..scene import Scene
@@ -174,15 +174,11 @@ def response_of(scene: Scene, low: float, high: float, fmus: Path | None = None)
 
 def _steady(units: Revolution, speed: float) -> tuple[NDArray[np.complexfloating], Array]:
     """Synchronous amplitude (2, n) and orbit (m, 2, n) of the revolution that repeats itself."""
-    state, _ = units.steady(speed, np.zeros(len(units.states)))
+    rest = np.zeros(len(units.states))
+    # the rotor alone is linear: its map is the same everywhere
+    state, _ = units.steady(speed, rest, units.monodromy(rest, speed))
     n = units.scene.rotor.build().stations
-    names = ["angle", *_outputs(n)]
-    rows: list[list[float]] = []
-    units.begin(state, speed)
-    for _ in range(units.steps):
-        units.cosim.step(2.0 * math.pi / (speed * units.steps))
-        rows.append(units.cosim.read("rotor", names))
-    table = np.array(rows)
+    table = units.record(state, speed, ["angle", *_outputs(n)])
     amplitude = synchronous(table[:, 0], table[:, 1:].T).amplitude
     return amplitude.reshape(2, n), table[:, 1:].reshape(-1, 2, n)
 

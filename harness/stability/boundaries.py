@@ -1,4 +1,7 @@
-"""Critical speeds of a scene by three methods next to each other.
+"""Boundaries of balancing: speeds at which it begins or ends, by four methods side by side.
+
+A boundary is where the largest growth rate of a small deviation crosses 0 (a `Crossing`); the
+critical speeds of the rotor alone, its resonances, are another matter (`models.linear.modes`).
 
 criterion: the closed formula of Filimonikhina 2017 for planar rotors.
 floquet: exact linear stability of the equations.
@@ -30,7 +33,7 @@ from .main_motion import MainMotion, NoMainMotion
 
 METHODS = ("criterion", "floquet", "cosim", "cosim-run")
 DEFAULT_METHODS = METHODS[:3]
-TOLERANCE = 1e-6  # relative, of a co-simulated critical speed
+TOLERANCE = 1e-6  # relative, of a co-simulated boundary
 SCAN = 60  # intervals of a co-simulated scan, unless other methods say where to look
 NEAR = 2e-3  # relative distance from a guess at which the co-simulation is asked
 _PARTS = 8  # of a scan, so that progress is seen
@@ -41,7 +44,7 @@ Side = Literal["stable", "unstable"]
 
 @dataclass(frozen=True)
 class Speeds:
-    """Critical speeds within a range by several methods.
+    """Boundaries within a range by several methods.
 
     Attributes:
         scene: its name.

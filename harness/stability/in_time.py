@@ -40,19 +40,19 @@ def growth_in_run(motion: MainMotion, speed: float, revolutions: int = 120) -> f
     pattern = np.modf(np.arange(1, size + 1) * _GOLDEN)[0] - 0.5
     units = motion.units
     units.begin(motion.state + DISTURBANCE * pattern * units.scale(speed), speed)
-    seen = [motion.seen(units.turn(speed), speed)]
+    deviations = [motion.deviation(units.turn(speed), speed)]
     changes: list[NDArray] = []  # they obey the same map, and do not ask where the run ends
     while len(changes) < revolutions:
-        seen.append(motion.seen(units.turn(speed), speed))
-        change = seen[-1] - seen[-2]
-        if np.abs(change).max() < SMALLEST or np.abs(seen[-1]).max() > LARGEST:
+        deviations.append(motion.deviation(units.turn(speed), speed))
+        change = deviations[-1] - deviations[-2]
+        if np.abs(change).max() < SMALLEST or np.abs(deviations[-1]).max() > LARGEST:
             break
         changes.append(change)
     window = np.array(changes[len(changes) // 2 :])
     if len(window) < FEWEST:
         raise SimulationError(
             f"{units.scene.name}: at {speed:g} rad/s the disturbance has vanished or grown large "
-            f"after {len(seen)} revolutions: too few to fit a growth rate; use method cosim"
+            f"after {len(deviations)} revolutions: too few to fit a growth rate; use method cosim"
         )
     return math.log(_largest_multiplier(window)) * speed / (2.0 * math.pi)
 

@@ -27,14 +27,12 @@ from ..errors import SimulationError
 from ..master.fmu import Group, Unit
 from ..master.plan import ports
 from ..scene import Scene
-from .revolution import PERTURBATION, Revolution, Vector
+from .revolution import RANK, Matrix, Revolution, Vector, derivative
 
-Matrix = NDArray[np.float64]
 Outcome = TypeVar("Outcome")
 
 BALANCED = 1e-9  # acceleration of a plane over that of the whole unbalance and all weights
 AT_REST = 1e-6  # of each state's scale: what a revolution may move a main motion
-NEUTRAL_RANK = 1e-6  # of a moment's derivative, which central differences give to 1e-8
 NEUTRAL_RETURN = 1e-5  # what a revolution may change a neutral turn; differences and steps err less
 MOST_REFINED = 32  # times the given steps a revolution
 _LONGEST_TURN = 0.5  # rad per iteration: a longer one leaves the neighbourhood of the start
@@ -84,13 +82,9 @@ class MainMotion:
 
     def _slopes(self, state: Vector, which: list[int], groups: list[tuple[Unit, Group]]) -> Matrix:
         """Derivative of outputs at the start by some states."""
-        columns = []
-        for i in which:
-            change = np.zeros(len(state))
-            change[i] = PERTURBATION * self.units.states[i].scale
-            ends = self._read(state + change, groups), self._read(state - change, groups)
-            columns.append((ends[0] - ends[1]) / (2.0 * change[i]))
-        return np.array(columns).T
+        directions = np.eye(len(state))[:, which]
+        scale = self.units.scale(self._speed)
+        return derivative(lambda s: self._read(s, groups), state, directions, scale)
 
     def _balanced(self) -> Vector:
         """Rotor at rest, every weight at rest in the rotor where no plane is accelerated.
@@ -132,7 +126,7 @@ class MainMotion:
             left = self._read(state, outputs)
             near = np.abs(left).max() <= BALANCED * scale
             slopes = self._slopes(state, self._angles, outputs)
-            turn = np.linalg.lstsq(slopes, -left, rcond=1e-6)[0]
+            turn = np.linalg.lstsq(slopes, -left, rcond=RANK)[0]
             longest = float(np.abs(turn).max())
             state[self._angles] += turn * min(1.0, _LONGEST_TURN / max(longest, 1e-300))
             if near:
@@ -151,7 +145,7 @@ class MainMotion:
         size = np.linalg.norm(moments, axis=0)  # light and heavy weights alike
         size[size == 0.0] = 1.0
         _, values, seen = np.linalg.svd(moments / size)
-        rank = int((values > NEUTRAL_RANK * values.max(initial=0.0)).sum())
+        rank = int((values > RANK * values.max(initial=0.0)).sum())
         others = [i for i in range(count) if i not in self._angles]
         rows = np.zeros((len(others) + rank, count))
         columns = np.zeros((count, len(others) + rank))
@@ -185,14 +179,11 @@ class MainMotion:
 
     def _map(self, columns: Matrix, speed: float) -> Matrix:
         """Derivative of the one-revolution map along given directions, in the states' scales."""
-        scale = self.units.scale(speed)
-        ends = []
-        for direction in columns.T:
-            change = PERTURBATION * direction / np.abs(direction).max()
-            ahead = self.units(self.state + change * scale, speed)
-            behind = self.units(self.state - change * scale, speed)
-            ends.append((ahead - behind) / (2.0 * scale) * np.abs(direction).max() / PERTURBATION)
-        return np.array(ends).T
+        scale = self.units.scale(speed)[:, None]
+        turned = derivative(
+            lambda s: self.units(s, speed), self.state, columns * scale, scale[:, 0]
+        )
+        return turned / scale
 
     def _resolved(self, measure: Callable[[], Outcome]) -> Outcome:
         """What `measure` gives; steps are halved as often as the coupling refuses them as too long.
@@ -236,7 +227,7 @@ class MainMotion:
         largest = float(np.abs(self.multipliers(speed)[0]))
         return math.log(max(largest, 1e-300)) * speed / (2.0 * math.pi)
 
-    def seen(self, state: Vector, speed: float) -> Vector:
+    def deviation(self, state: Vector, speed: float) -> Vector:
         """A state's deviation from the main motion in scaled coordinates, neutral turns apart."""
         return self._rows @ ((state - self.state) / self.units.scale(speed))
 

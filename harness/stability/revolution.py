@@ -8,6 +8,7 @@ values are used rather than an edited copy of the units' states because every FM
 from __future__ import annotations
 
 import math
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -21,8 +22,10 @@ from ..scene import Scene
 from ..scene.balancer import LiquidBalancer
 
 Vector = NDArray[np.float64]
+Matrix = NDArray[np.float64]
 
 PERTURBATION = 1e-4  # of each state's scale: central differences err by 1e-8, rounding by 1e-12
+RANK = 1e-6  # smaller singular values of a derivative are zero: central differences err by 1e-8
 FIXED_POINT_TOLERANCE = 1e-9  # of each state's scale; iterated coupling is converged to 1e-10
 FIXED_POINT_ITERATIONS = 20
 
@@ -44,7 +47,7 @@ def states(scene: Scene) -> list[State]:
     rotor = assembly.rotor
     moment = float(np.abs(rotor.unbalance).max(initial=0.0))
     moment += assembly.capacity
-    length = moment / float(np.trace(rotor.mass)) or 1e-3
+    length = moment / float(np.trace(rotor.mass)) or 1.0  # a linear rotor alone: any length will do
     prefixes = [""]
     if rotor.stations > 1:
         prefixes = [f"station[{j}]." for j in range(1, rotor.stations + 1)]
@@ -63,6 +66,22 @@ def states(scene: Scene) -> list[State]:
     return found
 
 
+def derivative(
+    function: Callable[[Vector], Vector], state: Vector, directions: Matrix, scale: Vector
+) -> Matrix:
+    """Central differences of a function of the states along `directions` (n, d), one a column.
+
+    Args:
+        scale: (n,) size of each state; no state is moved by more than `PERTURBATION` of it.
+    """
+    columns = []
+    for direction in directions.T:
+        step = PERTURBATION / np.abs(direction / scale).max()
+        ahead, behind = function(state + step * direction), function(state - step * direction)
+        columns.append((ahead - behind) / (2.0 * step))
+    return np.array(columns).T
+
+
 class Revolution:
     """One revolution of a scene's coupled units as a map of their states.
 
@@ -70,6 +89,9 @@ class Revolution:
         scene: its start values are the first guess of the main motion.
         steps: communication steps a revolution; by default the scene's.
         fmus: directory of ready-made FMUs.
+
+    Attributes:
+        rotor: parameters that every start gives the rotor on top of the scene's.
     """
 
     def __init__(self, scene: Scene, *, steps: int | None = None, fmus: Path | None = None) -> None:
@@ -79,6 +101,7 @@ class Revolution:
         self.steps = steps or steps_per_rev(scene)
         self.cosim = CoSimulation(scene, fmus=fmus, watch=False)
         self.states = states(scene)
+        self.rotor: dict[str, float] = {}
         self._drives = [p.name for p in self.cosim.plans if "speed" in p.parameters]
         self._outputs = {
             name: unit.group([s.output for s in self.states if s.unit == name])
@@ -105,6 +128,7 @@ class Revolution:
         changes: dict[str, dict[str, float | bool]] = {
             name: {"speed": speed, "acceleration": 0.0} for name in self._drives
         }
+        changes.setdefault("rotor", {}).update(self.rotor)
         for value, s in zip(state, self.states, strict=True):
             changes.setdefault(s.unit, {})[s.start] = float(value)
         self.cosim.start(changes, self._step(speed))
@@ -115,6 +139,18 @@ class Revolution:
         for _ in range(self.steps):
             self.cosim.step(step)
         return self.now()
+
+    def record(
+        self, state: Vector, speed: float, outputs: Sequence[str], revolutions: int = 1
+    ) -> Matrix:
+        """Outputs of the rotor after every step of a motion from a state, (steps, outputs)."""
+        self.begin(state, speed)
+        unit, step, rows = self.cosim.units["rotor"], self._step(speed), []
+        watched = unit.group(list(outputs))
+        for _ in range(revolutions * self.steps):
+            self.cosim.step(step)
+            rows.append(unit.get(watched))
+        return np.array(rows)
 
     def _step(self, speed: float) -> float:
         return 2.0 * math.pi / (abs(speed) * self.steps)
@@ -129,21 +165,22 @@ class Revolution:
             ]
         )
 
-    def monodromy(self, state: Vector, speed: float) -> NDArray[np.float64]:
+    def monodromy(self, state: Vector, speed: float) -> Matrix:
         """Derivative of the map at a state, (n, n), in units of the states' scales."""
         scale = self.scale(speed)
-        columns = []
-        for i in range(len(state)):
-            change = np.zeros(len(state))
-            change[i] = PERTURBATION * scale[i]
-            ahead, behind = self(state + change, speed), self(state - change, speed)
-            columns.append((ahead - behind) / (2.0 * PERTURBATION * scale))
-        return np.array(columns).T
+        slopes = derivative(lambda s: self(s, speed), state, np.diag(scale), scale)
+        return slopes / scale[:, None]
 
-    def steady(self, speed: float, guess: Vector | None = None) -> tuple[Vector, NDArray]:
+    def steady(
+        self, speed: float, guess: Vector | None = None, monodromy: Matrix | None = None
+    ) -> tuple[Vector, Matrix]:
         """Main motion: the states that one revolution returns to, and the monodromy matrix there.
 
         Weights in a family of equilibria stay nearest to the guess (least squares).
+
+        Args:
+            monodromy: where it is known to be the same everywhere, as that of a rotor alone; by
+                default measured at every iteration.
 
         Raises:
             SimulationError: no fixed point near the guess.
@@ -151,12 +188,12 @@ class Revolution:
         state = self.first.copy() if guess is None else np.array(guess, float)
         scale = self.scale(speed)
         for _ in range(FIXED_POINT_ITERATIONS):
-            monodromy = self.monodromy(state, speed)
+            slopes = self.monodromy(state, speed) if monodromy is None else monodromy
             residual = (self(state, speed) - state) / scale
-            step = np.linalg.lstsq(np.eye(len(state)) - monodromy, residual, rcond=1e-6)[0]
+            step = np.linalg.lstsq(np.eye(len(state)) - slopes, residual, rcond=RANK)[0]
             state = state + step * scale
             if np.abs(residual).max() <= FIXED_POINT_TOLERANCE * (1 + np.abs(state / scale).max()):
-                return state, monodromy
+                return state, slopes
         raise SimulationError(
             f"no main motion found at {speed:g} rad/s: one revolution still moves the states by "
             f"{np.abs(residual).max():.3g} of their scale after {FIXED_POINT_ITERATIONS} iterations"

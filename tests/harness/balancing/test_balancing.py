@@ -11,9 +11,11 @@ from typer.testing import CliRunner
 
 from autobalancer.harness import SceneError, SimulationError, load_scene
 from autobalancer.harness.balancing.cycles import balance, permissible, support_levers
-from autobalancer.harness.balancing.machine import Machine, synchronous
+from autobalancer.harness.balancing.machine import Machine
 from autobalancer.harness.cli import app
 from autobalancer.harness.scene import Scene
+from autobalancer.harness.stability.revolution import Revolution
+from autobalancer.models.linear.synchronous import synchronous
 from autobalancer.models.papers.influence import (
     balancing_cycles,
     inverse_dynamic_stiffness,
@@ -195,17 +197,14 @@ def test_noise_is_repeatable_by_its_seed_and_errs_within_its_uncertainty():
 def test_machine_reaches_steady_state_from_any_transient():
     """The fixed point is what hundreds of revolutions from rest end in."""
     scene = load_scene("balancing_machine")
-    with Machine(scene) as units:
-        steady = units.measure().amplitude
-        units._start(np.zeros(len(units._states)), np.zeros(2, complex))
-        for _ in range(150 * units.steps):
-            units.cosim.step(units._step)
-        rows = []
-        for _ in range(8 * units.steps):
-            units.cosim.step(units._step)
-            rows.append(units.cosim.units["rotor"].get(units._watched))
-    table = np.array(rows)
-    waited = synchronous(table[:, 0], table[:, 1:].T).amplitude
+    with Machine(scene) as machine:
+        steady = machine.measure().amplitude
+    with Revolution(scene.without_balancers()) as units:
+        outputs = ["angle", "station[1].x", "station[2].x"]
+        rest = np.zeros(len(units.states))
+        table = units.record(rest, scene.operation.speed, outputs, revolutions=158)
+    late = table[-8 * units.steps :]
+    waited = synchronous(late[:, 0], late[:, 1:].T).amplitude
     np.testing.assert_allclose(steady, waited, rtol=1e-8)
 
 
