@@ -265,7 +265,7 @@ def _ends(rotor: FlexibleRotor) -> tuple[float, float]:
 
 
 def _truth(scene: Scene, planes: list[int], axis: str) -> Truth:
-    rotor: LinearRotor = scene.rotor.build()
+    rotor: LinearRotor = scene.assembly().rotor
     speed = scene.profile().end
     rows = rotor.planes[[p - 1 for p in planes]]
     sensors = [0, 1]

@@ -98,7 +98,7 @@ class RunUp:
 
 def station_names(scene: Scene) -> tuple[str, ...]:
     """What the stations are called in pictures."""
-    count = scene.rotor.build().stations
+    count = scene.assembly().rotor.stations
     if count == 1:
         return ("disc",)
     if scene.rotor.kind == "two_support":
@@ -120,14 +120,14 @@ def operating_speed(scene: Scene) -> float:
 def speed_range(scene: Scene) -> tuple[float, float]:
     """From near standstill to beyond the operating speed and the critical ones near it [rad/s]."""
     speed = operating_speed(scene)
-    critical = critical_speeds(scene.rotor.build())
+    critical = critical_speeds(scene.assembly().rotor)
     high = ABOVE * max([speed, *critical[critical < FAR * speed].tolist()])
     return high / 100.0, high
 
 
 def modes_at(scene: Scene) -> Modes:
     """Modes of the rotor without balancers at the operating speed."""
-    return modes(scene.rotor.build(), operating_speed(scene))
+    return modes(scene.assembly().rotor, operating_speed(scene))
 
 
 def campbell_of(scene: Scene, low: float, high: float) -> tuple[Campbell, Array]:
@@ -136,7 +136,7 @@ def campbell_of(scene: Scene, low: float, high: float) -> tuple[Campbell, Array]
     Raises:
         UserError: a mode is overdamped in part of the range.
     """
-    rotor = scene.rotor.build()
+    rotor = scene.assembly().rotor
     try:
         found = campbell(rotor, np.linspace(low, high, CURVE_POINTS).tolist())
     except ValueError as error:
@@ -150,7 +150,7 @@ def response_of(scene: Scene, low: float, high: float, fmus: Path | None = None)
     Raises:
         UserError: the rotor has no unbalance, or no damping at a critical speed.
     """
-    rotor = scene.rotor.build()
+    rotor = scene.assembly().rotor
     if not np.abs(rotor.unbalance).any():
         raise UserError(f"{scene.path or scene.name}: rotor: has no unbalance to respond to")
     stations = np.eye(rotor.stations)
@@ -177,7 +177,7 @@ def _steady(units: Revolution, speed: float) -> tuple[NDArray[np.complexfloating
     rest = np.zeros(len(units.states))
     # the rotor alone is linear: its map is the same everywhere
     state, _ = units.steady(speed, rest, units.monodromy(rest, speed))
-    n = units.scene.rotor.build().stations
+    n = units.scene.assembly().rotor.stations
     table = units.record(state, speed, ["angle", *_outputs(n)])
     amplitude = synchronous(table[:, 0], table[:, 1:].T).amplitude
     return amplitude.reshape(2, n), table[:, 1:].reshape(-1, 2, n)
@@ -218,7 +218,7 @@ def run_up_of(scene: Scene, low: float, high: float, fmus: Path | None = None) -
         swings.append(np.hypot(motion[0], motion[1]).T)
         speeds = np.array([rising.profile().speed(t) for t in result.time])
     alone = swings[1] if len(swings) > 1 else np.empty((0, len(names)))
-    critical = _within(critical_speeds(scene.rotor.build()), low, high)
+    critical = _within(critical_speeds(scene.assembly().rotor), low, high)
     return RunUp(scene.title or scene.name, names, seconds, speeds, swings[0], alone, critical)
 
 

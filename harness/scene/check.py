@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from typing import Annotated, Any, Literal
 
-from pydantic import Field, ValidationInfo, field_validator
+from pydantic import Field, field_validator, model_validator
 
-from .quantities import Positive, Real, Table, Text, Unit, Whole
+from .quantities import Positive, Real, Table, Text, Unit, Whole, refusal
 from .run import FEWEST_STEPS
 
 SpeedRange = Annotated[tuple[Positive, Positive], Unit("rad/s")]
@@ -152,19 +152,17 @@ class ContactOrderCheck(Table):
         80,
         160,
     )
-    reference: Annotated[Whole, Field(validate_default=True)] = 1280
+    reference: Whole = 1280
     runs: Annotated[Whole, Field(ge=1, le=1000)] = 1
     shift: Annotated[tuple[Real, ...], Unit("rad")] = ()
 
-    @field_validator("reference")
-    @classmethod
-    def _finer(cls, value: int, info: ValidationInfo) -> int:
-        steps = info.data.get("steps", ())
-        if len(set(steps)) < len(steps):
-            raise ValueError(f"steps = {list(steps)} must all differ")
-        if steps and value <= max(steps):
-            raise ValueError(f"must be above the finest of the steps, {max(steps)}")
-        return value
+    @model_validator(mode="after")
+    def _reference_is_finest(self) -> ContactOrderCheck:
+        if len(set(self.steps)) < len(self.steps):
+            raise refusal("steps", "must all differ")
+        if self.reference <= max(self.steps):
+            raise refusal("reference", f"must be above the finest of the steps, {max(self.steps)}")
+        return self
 
 
 AnyCheck = Annotated[

@@ -171,6 +171,8 @@ def _one(error: Any, document: Any, root: type[BaseModel]) -> str:
         return _unknown_key(location, document, root)
     if kind.startswith("union_tag"):
         return _wrong_kind(location, document, root)
+    if kind == "refusal":
+        return statement(locate((*location, context["key"]), document, root), context["words"])
     place = locate(location, document, root)
     unit = f" in {place.unit}" if place.unit else ""
     if kind == "missing":

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import Annotated, Any
 
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Field
+from pydantic_core import PydanticCustomError
 
 
 @dataclass(frozen=True)
@@ -20,6 +21,11 @@ class Table(BaseModel):
     """One table of a scene file: frozen, and no key that it does not know."""
 
     model_config = ConfigDict(frozen=True, extra="forbid")
+
+
+def refusal(key: str, words: str) -> PydanticCustomError:
+    """What a table raises that compares several of its keys: `words`, said of `key`."""
+    return PydanticCustomError("refusal", "{words}", {"key": key, "words": words})
 
 
 def unit_of(table: type[BaseModel], field: str) -> str:

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Literal
+from typing import Annotated, Any, Literal
 
-from pydantic import BeforeValidator, Field, ValidationInfo, field_validator
+from pydantic import BeforeValidator, Field, model_validator
 
 from ...models.assembly import SpeedProfile
-from .quantities import NotNegative, Positive, Real, Table, Text, Unit, Whole
+from .quantities import NotNegative, Positive, Real, Table, Text, Unit, Whole, refusal
 
 DEFAULT_STEPS = 40  # a revolution: 1e-6 on the two-ball scene with cubic signals
 FEWEST_STEPS = 4  # fewer do not resolve one revolution
@@ -18,23 +18,27 @@ class RunUp(Table):
     """Speed that rises linearly and then stays."""
 
     start: Annotated[NotNegative, Field(alias="from"), Unit("rad/s")]
+    """Speed at the start."""
     to: Annotated[Positive, Unit("rad/s")]
+    """Speed at the end of the rise, and from then on."""
     seconds: Annotated[Positive, Unit("s")]
+    """Duration of the rise."""
 
 
 class Operation(Table):
     """How the rotor is driven: at a constant speed, or run up."""
 
     speed: Annotated[Positive | None, Unit("rad/s")] = None
-    run_up: Annotated[RunUp | None, Field(validate_default=True)] = None
+    """Constant speed; this or `run_up`."""
+    run_up: RunUp | None = None
+    """A speed that rises; this or `speed`."""
 
-    @field_validator("run_up")
-    @classmethod
-    def _one_of_both(cls, value: RunUp | None, info: ValidationInfo) -> RunUp | None:
-        if "speed" in info.data and (value is None) == (info.data["speed"] is None):
-            both = "not both" if value else "neither is there"
-            raise ValueError(f"give either speed (rad/s) or run_up: {both}")
-        return value
+    @model_validator(mode="after")
+    def _one_of_both(self) -> Operation:
+        if (self.speed is None) == (self.run_up is None):
+            both = "not both" if self.run_up else "neither is there"
+            raise refusal("run_up", f"give either speed (rad/s) or run_up: {both}")
+        return self
 
     def profile(self) -> SpeedProfile:
         """Speed against time."""
@@ -52,50 +56,54 @@ def _whole_choice(value: object) -> object:
 
 
 class Coupling(Table):
-    """How the units exchange signals.
-
-    Attributes:
-        scheme: `auto` iterates, as often as the scene's loop gain asks for.
-        tolerance: relative; the master picks and varies the step.
-        steps_per_rev: communication steps a revolution; None with a tolerance.
-        order: of the signals, 0 held, 1 linear, 3 cubic Hermite.
-        corrections: corrector passes of `iterated`; None: until the loop has converged.
-    """
+    """How the units exchange signals."""
 
     scheme: Literal["auto", "jacobi", "gauss-seidel", "compensated", "iterated"] = "auto"
+    """How forces are guessed and corrected; `auto` looks at the loop gain."""
     tolerance: Annotated[Positive | None, Field(le=LOOSEST_TOLERANCE)] = None
-    steps_per_rev: Annotated[
-        Whole | None, Field(ge=FEWEST_STEPS, le=1_000_000, validate_default=True)
-    ] = None
+    """Relative error a step may make, which chooses the steps; this or `steps_per_rev`."""
+    steps_per_rev: Annotated[Whole | None, Field(ge=FEWEST_STEPS, le=1_000_000)] = None
+    """Communication steps in the fastest revolution; default: 40 without a tolerance."""
     order: Annotated[Literal[0, 1, 3], BeforeValidator(_whole_choice)] = 3
+    """Of the signals over a step: 0 held, 1 linear, 3 cubic Hermite."""
     corrections: Annotated[Whole | None, Field(ge=0, le=100)] = None
+    """Corrector passes of `iterated`; default: until the loop has converged, with `auto` as few as
+    the loop gain asks for."""
 
-    @field_validator("steps_per_rev")
+    @model_validator(mode="before")
     @classmethod
-    def _one_of_both(cls, value: int | None, info: ValidationInfo) -> int | None:
-        tolerance = info.data.get("tolerance")
-        if value is not None and tolerance is not None:
-            raise ValueError(f"give either steps_per_rev or tolerance = {tolerance:g}, not both")
-        if value is None and tolerance is None:
-            return DEFAULT_STEPS
-        return value
+    def _default_steps(cls, values: Any) -> Any:
+        if not isinstance(values, dict) or values.get("tolerance") is not None:
+            return values
+        if values.get("steps_per_rev") is not None:
+            return values
+        return {**values, "steps_per_rev": DEFAULT_STEPS}
 
-    @field_validator("order")
-    @classmethod
-    def _compensated_is_cubic(cls, value: int, info: ValidationInfo) -> int:
-        if value != 3 and info.data.get("scheme") == "compensated":
-            raise ValueError('must be 3 with scheme = "compensated", which exchanges slopes')
-        return value
+    @model_validator(mode="after")
+    def _fits_together(self) -> Coupling:
+        if self.steps_per_rev is not None and self.tolerance is not None:
+            raise refusal(
+                "steps_per_rev",
+                f"give either steps_per_rev or tolerance = {self.tolerance:g}, not both",
+            )
+        if self.order != 3 and self.scheme == "compensated":
+            raise refusal("order", 'must be 3 with scheme = "compensated", which exchanges slopes')
+        return self
 
 
 class Initial(Table):
     """The rotor at the start: every station alike.  Default: at rest in the middle."""
 
     x: Annotated[Real, Unit("m")] = 0.0
+    """Displacement of every station along x."""
     y: Annotated[Real, Unit("m")] = 0.0
+    """Displacement of every station along y."""
     vx: Annotated[Real, Unit("m/s")] = 0.0
+    """Velocity of every station along x."""
     vy: Annotated[Real, Unit("m/s")] = 0.0
+    """Velocity of every station along y."""
     angle: Annotated[Real, Unit("rad")] = 0.0
+    """Angle of the rotor."""
 
     def items(self) -> list[tuple[str, float]]:
         """Names and values."""
@@ -103,8 +111,12 @@ class Initial(Table):
 
 
 class Run(Table):
-    """How long, from where, and what is recorded (None: what the scene's units have to tell)."""
+    """How long, from where, and what is recorded."""
 
     revolutions: Positive = 20.0
+    """Length of the run."""
     record: tuple[Text, ...] | None = None
+    """Signals, as `unit.variable`; `[]` records nothing; default: the rotor's `x` and `y`, angles
+    and `moment_xi`, `moment_eta` of weights, `clearance` of a liquid."""
     initial: Initial = Initial()
+    """State of the rotor at the start."""

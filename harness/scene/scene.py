@@ -8,12 +8,14 @@ from __future__ import annotations
 
 import copy
 from collections.abc import Mapping
+from functools import cached_property
 from pathlib import Path
 from typing import Any
 
 from pydantic import Field, PrivateAttr, TypeAdapter, ValidationError
 
 from ...models.assembly import Assembly, SpeedProfile
+from ...models.rotor import LinearRotor
 from ..errors import SceneError
 from .balancer import AnyBalancer
 from .balancing import Balancing
@@ -62,19 +64,21 @@ class Scene(Table):
         Raises:
             SceneError: one line for every problem there is.
         """
-        content = copy.deepcopy(dict(document))
-        found: list[str] = []
-        scene = None
+        return cls._of(copy.deepcopy(dict(document)), path, label)
+
+    @classmethod
+    def _of(cls, document: dict[str, Any], path: Path | None, label: str) -> Scene:
+        """The scene of a document that nobody else can change."""
         try:
-            scene = cls.model_validate(content)
+            scene = cls.model_validate(document)
         except ValidationError as error:
-            found = problems(error, content, cls)
-        found += _across(content)
-        if scene is not None and not found:
-            found = scene._refused_by_models()
-        if scene is None or found:
-            raise SceneError("\n".join(f"{label}: {line}" for line in found))
-        scene._document, scene._path, scene._label = content, path, label
+            planes = _plane_count(document.get("rotor"))
+            lines = [*problems(error, document, cls), *_across(document, planes)]
+        else:
+            lines = _across(document, scene.rotor.plane_count) or scene._refused_by_models()
+        if lines:
+            raise SceneError("\n".join(f"{label}: {line}" for line in lines))
+        scene._document, scene._path, scene._label = document, path, label
         return scene
 
     @property
@@ -87,13 +91,25 @@ class Scene(Table):
         """Short name: the file's stem."""
         return self._path.stem if self._path else self._label
 
+    @cached_property
+    def _linear_rotor(self) -> LinearRotor:
+        return self.rotor.build()
+
+    @cached_property
+    def _assembly(self) -> Assembly:
+        return Assembly(self._linear_rotor, tuple(b.build() for b in self.balancer))
+
+    @cached_property
+    def _profile(self) -> SpeedProfile:
+        return self.operation.profile()
+
     def assembly(self) -> Assembly:
         """The rotor with its balancers, for the models."""
-        return Assembly(self.rotor.build(), tuple(b.build() for b in self.balancer))
+        return self._assembly
 
     def profile(self) -> SpeedProfile:
         """Speed against time."""
-        return self.operation.profile()
+        return self._profile
 
     def replace(self, changes: Mapping[str, Any]) -> Scene:
         """A validated copy with values replaced, for example {"rotor.unbalance": 0.1}.
@@ -114,24 +130,24 @@ class Scene(Table):
             document = replaced(self._document, changes, tables, labels)
         except SceneError as error:
             raise SceneError(f"{self._label}: {error}") from None
-        return Scene.from_document(document, path=self._path, label=self._label)
+        return Scene._of(document, self._path, self._label)
 
     def without_balancers(self) -> Scene:
         """The bare rotor, with nothing to check."""
         document = {k: v for k, v in self._document.items() if k not in {"balancer", "check"}}
-        return Scene.from_document(document, path=self._path, label=self._label)
+        return Scene._of(document, self._path, self._label)
 
     def without(self, *names: str) -> Scene:
         """The scene less the balancers of these names, with nothing to check."""
         document = {k: v for k, v in self._document.items() if k != "check"}
         kept = zip(self.balancer, self._document["balancer"], strict=True)
         document["balancer"] = [table for balancer, table in kept if balancer.label not in names]
-        return Scene.from_document(document, path=self._path, label=self._label)
+        return Scene._of(document, self._path, self._label)
 
     def _refused_by_models(self) -> list[str]:
         """What the models themselves refuse, once the tables are right."""
         try:
-            rotor = self.rotor.build()
+            rotor = self._linear_rotor
         except ValueError as error:
             return [f"rotor: {error}"]
         lines = []
@@ -148,36 +164,38 @@ class Scene(Table):
         return lines
 
 
-def _across(document: Mapping[str, Any]) -> list[str]:
+def _plane_count(rotor: Any) -> int | None:
+    """Planes of a rotor's table; None where the table is wrong itself."""
+    try:
+        return int(_ROTOR.validate_python(rotor).plane_count)
+    except ValidationError:
+        return None
+
+
+def _across(document: Mapping[str, Any], planes: int | None) -> list[str]:
     """Problems between tables, found in the document even when single values are wrong."""
     balancers = document.get("balancer", [])
     if not isinstance(balancers, list):
         return []
     entries = [(i, b) for i, b in enumerate(balancers, start=1) if isinstance(b, dict)]
-    reserved = (*TABLES, "balancing")
-    lines, seen = [], {name: f"the table [{name}]" for name in reserved}
+    lines = []
+    owners = {name: f"the table [{name}]" for name in (*TABLES, "balancing")}
     for i, entry in entries:
         name = entry.get("name", entry.get("kind"))
         if not isinstance(name, str):
             continue
-        if name in seen:
+        if name in owners:
             lines.append(
-                f"balancer[{i}].name = {show(name)}: taken by {seen[name]}; give every balancer "
+                f"balancer[{i}].name = {show(name)}: taken by {owners[name]}; give every balancer "
                 "a name of its own"
             )
-        seen.setdefault(name, f"balancer[{i}]")
-    try:
-        planes = _ROTOR.validate_python(document.get("rotor")).plane_count
-    except ValidationError:
-        return lines
+        owners.setdefault(name, f"balancer[{i}]")
+    allowed = {None: "", 0: "the rotor has no planes", 1: "must be 1, the rotor's only plane"}.get(
+        planes, f"must be 1 to {planes}, the rotor's planes"
+    )
     for i, entry in entries:
         at = entry.get("at", 1)
-        if type(at) is int and at > planes:
-            allowed = f"must be 1 to {planes}, the rotor's planes"
-            if planes < 2:
-                allowed = (
-                    "must be 1, the rotor's only plane" if planes else "the rotor has no planes"
-                )
+        if planes is not None and type(at) is int and at > planes:
             lines.append(statement(Place(f"balancer[{i}].at", at, "", None), allowed))
     return lines
 

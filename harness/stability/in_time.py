@@ -116,7 +116,7 @@ def run_from_rest(scene: Scene, speed: float, revolutions: float) -> Ended:
     scene = scene.replace({"operation.speed": speed, "run.revolutions": revolutions})
     plain = scene.replace({"run.record": None})
     result = cosimulate(scene, record=[n for n in recorded(plain) if "clearance" not in n])
-    rotor = scene.rotor.build()
+    rotor = scene.assembly().rotor
     left = np.tile(rotor.unbalance, (len(result.time), 1)).astype(complex)
     for balancer in scene.balancer:
         if isinstance(balancer, WeightBalancer):

@@ -145,6 +145,14 @@ def test_scene_survives_the_way_into_another_process():
     assert copy.path == scene.path
 
 
+def test_what_a_scene_builds_is_built_once_and_no_part_of_its_value():
+    scene = load_scene("two_balls")
+    assert scene.assembly() is scene.assembly()
+    assert scene.profile() is scene.profile()
+    assert scene == load_scene("two_balls")
+    assert scene.model_dump() == load_scene("two_balls").model_dump()
+
+
 def test_scene_is_frozen():
     scene = load_scene("two_balls")
     with pytest.raises(ValueError, match="frozen"):

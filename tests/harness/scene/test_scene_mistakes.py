@@ -188,6 +188,21 @@ VALUES = [
     ),
     (
         "[run]",
+        "[[check]]\nkind = 'contact_order'\ncase = 'a'\norder = 2\nsteps = [20, 20]\n[run]",
+        "check[1].steps = [20, 20]: must all differ",
+    ),
+    (
+        "[run]",
+        "[[check]]\nkind = 'contact_order'\ncase = 'a'\norder = 2\nreference = 160\n[run]",
+        "check[1].reference = 160: must be above the finest of the steps, 160",
+    ),
+    (
+        '"auto"',
+        '"compensated"\norder = 1',
+        'coupling.order = 1: must be 3 with scheme = "compensated"',
+    ),
+    (
+        "[run]",
         "[[check]]\nkind = 'liquid_window'\n[run]",
         'check[1].kind = "liquid_window": needs a planar rotor with equal stiffness',
     ),

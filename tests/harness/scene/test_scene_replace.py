@@ -1,0 +1,115 @@
+"""Laws of `Scene.replace`, for any values in any of a scene's tables."""
+
+from __future__ import annotations
+
+import copy
+import re
+
+import pytest
+from hypothesis import assume, given, settings
+from hypothesis import strategies as st
+
+from autobalancer.harness.errors import SceneError
+from autobalancer.harness.scene import load_scene
+
+SCENE = load_scene("two_balls")
+
+SIZE = st.floats(0.01, 100.0)
+RIGHT = {
+    "rotor.mass": SIZE,
+    "rotor.unbalance": st.floats(0.0, 1.0),
+    "rotor.stiffness[2]": SIZE,
+    "rotor.damping": st.tuples(SIZE, SIZE),
+    "weights.drag": st.floats(0.0, 10.0),
+    "weights.angles[1]": st.floats(-10.0, 10.0),
+    "weights.speeds": st.none() | st.tuples(SIZE, SIZE),
+    "weights.inertia_as_force": st.booleans(),
+    "operation.speed": SIZE,
+    "coupling.scheme": st.sampled_from(["auto", "iterated", "jacobi"]),
+    "coupling.steps_per_rev": st.integers(4, 1000),
+    "coupling.tolerance": st.floats(1e-9, 0.1),
+    "coupling.corrections": st.none() | st.integers(0, 100),
+    "run.revolutions": SIZE,
+    "run.record": st.none() | st.lists(st.sampled_from(["rotor.x", "rotor.y"]), max_size=3),
+    "run.initial.vx": st.floats(-5.0, 5.0),
+}
+WRONG = {
+    "rotor.mass": -1.0,
+    "rotor.stiffness[3]": 1.0,
+    "rotor.mas": 1.0,
+    "weights.count": 2.5,
+    "weights.angles": [0.0],
+    "operation.speed": None,
+    "coupling.order": 2,
+    "run.initial": 3,
+    "nothing.at_all": 1.0,
+}
+
+change = st.sampled_from(sorted(RIGHT)).flatmap(
+    lambda path: RIGHT[path].map(lambda value: (path, value))
+)
+law = settings(deadline=None, database=None, max_examples=60)
+
+
+def read(scene, path):
+    """The value at a path, by attributes and elements."""
+    value = scene.balancer[0] if path.startswith("weights") else scene
+    keys = path.removeprefix("weights.")
+    for key, number in re.findall(r"([a-z_]+)(?:\[(\d+)\])?", keys):
+        value = getattr(value, key)
+        value = value[int(number) - 1] if number else value
+    return value
+
+
+def settled(path, value):
+    """What a value becomes: lists are tuples, and an absent one its default."""
+    defaults = {"weights.speeds": (0.0, 0.0)}
+    return defaults.get(path) if value is None else tuple(value) if type(value) is list else value
+
+
+@law
+@given(change)
+def test_what_is_put_in_is_read_back(item):
+    path, value = item
+    assert read(SCENE.replace({path: value}), path) == settled(path, value)
+
+
+@law
+@given(st.data(), st.sampled_from(sorted(RIGHT)))
+def test_the_last_of_two_values_wins(data, path):
+    first, last = data.draw(RIGHT[path]), data.draw(RIGHT[path])
+    assert SCENE.replace({path: first}).replace({path: last}) == SCENE.replace({path: last})
+
+
+@law
+@given(change)
+def test_a_value_put_back_gives_the_same_scene(item):
+    path, value = item
+    before = SCENE.replace({"coupling.steps_per_rev": 25, "coupling.corrections": 2})
+    # a tolerance has taken the place of the steps: giving them takes it back
+    back = "coupling.steps_per_rev" if path == "coupling.tolerance" else path
+    again = before.replace({path: value}).replace({back: read(before, back)})
+    assert again.model_dump() == before.model_dump()
+
+
+@law
+@given(change, change)
+def test_changes_of_different_values_do_not_depend_on_their_order(one, other):
+    rivals = {"coupling.steps_per_rev", "coupling.tolerance"}
+    assume(one[0] != other[0] and {one[0], other[0]} != rivals)
+    together = SCENE.replace(dict([one, other]))
+    assert together == SCENE.replace(dict([other, one]))
+    assert together == SCENE.replace(dict([one])).replace(dict([other]))
+
+
+@law
+@given(change, st.sampled_from(sorted(WRONG)))
+def test_a_refused_change_leaves_the_scene_as_it_was(item, wrong):
+    path, value = item
+    scene = SCENE.replace({path: value})
+    before, document = scene.model_dump(), copy.deepcopy(scene._document)
+    with pytest.raises(SceneError):
+        scene.replace({path: value, wrong: WRONG[wrong]})
+    assert scene.model_dump() == before
+    assert scene._document == document
+    assert scene.replace({}) == scene
