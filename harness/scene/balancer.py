@@ -20,8 +20,12 @@ class Balancer(Table):
 
     kind: str
     name: Annotated[Text, Field(min_length=1, pattern=r"^[A-Za-z_][A-Za-z0-9_-]*$")] = ""
+    """Names its signals: a letter first, then letters, digits, _ and -; unique; default: the
+    kind."""
     at: Annotated[Whole, Field(ge=1)] = 1
+    """Number of the rotor's plane or station it sits on."""
     inertia_as_force: Flag = False
+    """The added mass is sent inside the force, for rotors without that port."""
 
     @property
     def label(self) -> str:
@@ -30,27 +34,31 @@ class Balancer(Table):
 
 
 class WeightBalancer(Balancer):
-    """Equal weights on one circular track, Filimonikhina 2017 (4).
-
-    Attributes:
-        weight_radius: with it weights collide and pack; without, they are points that pass.
-        restitution: of two weights on the free rotor, 0 to 1.
-        rolling_resistance: resistance over load.
-        track_offset_xi, track_offset_eta: of the track's centre from the plane's, in the rotor.
-    """
+    """Equal weights on one circular track, Filimonikhina 2017 (4)."""
 
     kind: Literal["balls", "rollers", "pendulums"]
     count: Annotated[Whole, Field(ge=1, le=MOST_WEIGHTS)]
+    """Number of weights."""
     mass: Annotated[Positive, Unit("kg")]
+    """Of each."""
     track_radius: Annotated[Positive, Unit("m")]
+    """Of the path of the weights' centres."""
     drag: Annotated[NotNegative, Unit("N s/m")] = 0.0
+    """Of each, on its speed along the track."""
     weight_radius: Annotated[Positive | None, Unit("m")] = None
+    """Weights of this size collide and pack, and must fit; default: points that pass."""
     restitution: Annotated[NotNegative, Field(le=1.0)] = 0.0
+    """Of two weights that collide on the free rotor; needs `weight_radius`."""
     rolling_resistance: NotNegative = 0.0
+    """Resistance over load: Coulomb's, with true sticking."""
     track_offset_xi: Annotated[Real, Unit("m")] = 0.0
+    """Of the track's centre from the plane's, in the rotor."""
     track_offset_eta: Annotated[Real, Unit("m")] = 0.0
+    """Of the track's centre from the plane's, in the rotor."""
     angles: Annotated[tuple[Real, ...] | None, Field(validate_default=True), Unit("rad")] = None
+    """In the rotor, one a weight; default: evenly spread."""
     speeds: Annotated[tuple[Real, ...] | None, Field(validate_default=True), Unit("rad/s")] = None
+    """In the rotor, one a weight; default: 0."""
 
     @field_validator("weight_radius")
     @classmethod
@@ -132,9 +140,13 @@ class LiquidBalancer(Balancer):
 
     kind: Literal["liquid"]
     chamber_radius: Annotated[Positive, Unit("m")]
+    """Inner radius of the chamber."""
     float_radius: Annotated[Positive, Unit("m")]
+    """Less than the chamber's."""
     height: Annotated[Positive, Unit("m")]
+    """Of the gap, along the axis."""
     density: Annotated[Positive, Unit("kg/m^3")]
+    """Of the liquid."""
 
     @field_validator("float_radius")
     @classmethod

@@ -25,8 +25,11 @@ class Unbalance(Table):
     """Static moment at an axial position, at an angle in the rotor."""
 
     position: Annotated[Real, Unit("m")]
+    """Place along the axis, from support 1."""
     amount: Annotated[NotNegative, Unit("kg m")]
+    """Static moment, mass times eccentricity."""
     angle: Annotated[Real, Unit("rad")] = 0.0
+    """Direction in the rotor."""
 
 
 Unbalances = tuple[Unbalance, ...]
@@ -41,11 +44,17 @@ class PlanarRotor(Table):
 
     kind: Literal["planar"]
     mass: Annotated[Positive, Unit("kg")]
+    """Without weights and liquid."""
     stiffness: Annotated[PositivePair, Unit("N/m")]
+    """Of the supports, fixed axes."""
     damping: Annotated[NotNegativePair, Unit("N s/m")] = (0.0, 0.0)
+    """Of the supports, fixed axes."""
     internal_damping: Annotated[NotNegative, Unit("N s/m")] = 0.0
+    """Of the shaft, turns with it."""
     unbalance: Annotated[NotNegative, Unit("kg m")] = 0.0
+    """Static moment, mass times eccentricity."""
     unbalance_angle: Annotated[Real, Unit("rad")] = 0.0
+    """Direction in the rotor."""
 
     @property
     def plane_count(self) -> int:
@@ -69,17 +78,26 @@ class TwoSupportRotor(Table):
 
     kind: Literal["two_support"]
     mass: Annotated[Positive, Unit("kg")]
+    """Without weights and liquid."""
     inertia: Annotated[Positive, Unit("kg m^2")]
+    """About a transverse axis through the centre of mass."""
     polar_inertia: Annotated[NotNegative, Unit("kg m^2")] = 0.0
+    """About the axis; at most twice `inertia`."""
     span: Annotated[Positive, Unit("m")]
+    """Distance of the supports."""
     com: Annotated[Real | None, Unit("m")] = None
+    """Centre of mass, from support 1; default: `span/2`."""
     stiffness: Annotated[tuple[PositivePair, PositivePair], Unit("N/m")]
+    """One entry a support."""
     damping: Annotated[tuple[NotNegativePair, NotNegativePair], Unit("N s/m")] = (
         (0.0, 0.0),
         (0.0, 0.0),
     )
+    """One entry a support."""
     planes: Annotated[tuple[Real, ...], Unit("m")] = ()
+    """Where balancers can sit, from support 1."""
     unbalances: Unbalances = ()
+    """Static moments along the axis."""
 
     @field_validator("polar_inertia")
     @classmethod
@@ -114,19 +132,28 @@ class FlexibleRotor(Table):
 
     kind: Literal["flexible"]
     stations: Annotated[tuple[Real, ...], Field(min_length=2), Unit("m")]
+    """Positions along the shaft, rising."""
     masses: Annotated[tuple[NotNegative, ...], Unit("kg")]
+    """One a station."""
     supports: tuple[Whole, Whole]
+    """Numbers of the two stations that are supported, from 1."""
     support_stiffness: Annotated[tuple[PositivePair, PositivePair], Unit("N/m")]
+    """One entry a support."""
     support_damping: Annotated[tuple[NotNegativePair, NotNegativePair], Unit("N s/m")] = (
         (0.0, 0.0),
         (0.0, 0.0),
     )
+    """One entry a support."""
     bending_stiffness: Annotated[Positive | None, Unit("N m^2")] = None
+    """E I of the shaft; this or `compliance`."""
     compliance: Annotated[
         tuple[tuple[Real, ...], ...] | None, Field(validate_default=True), Unit("m/N")
     ] = None
+    """Square matrix over the stations without supports; this or `bending_stiffness`."""
     internal_damping: Annotated[NotNegative, Unit("N s/m")] = 0.0
+    """Of the shaft, turns with it."""
     unbalances: Unbalances = ()
+    """Static moments along the shaft."""
 
     @field_validator("stations")
     @classmethod
