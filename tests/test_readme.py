@@ -16,9 +16,8 @@ import pytest
 from fmpy import read_model_description
 
 from autobalancer.fmus.build import build
-from autobalancer.harness import Scene, bundled_scenes, check, load_scene
+from autobalancer.harness import bundled_scenes, check, load_scene
 from autobalancer.harness.precision.omissions import calls, in_a_process, omissions
-from autobalancer.harness.scene.messages import tables_in
 
 ROOT = Path(__file__).parent.parent
 README = (ROOT / "README.md").read_text(encoding="utf-8")
@@ -156,18 +155,6 @@ def test_links_lead_somewhere():
             assert (home.parent / target).exists(), f"{home.name}: {target}"
     picture = ROOT / "harness" / "images" / "liquid_disc_liquid_window.png"
     assert picture.read_bytes().startswith(b"\x89PNG")
-
-
-def test_harness_readme_explains_every_key_of_a_scene():
-    text = (ROOT / "harness" / "README.md").read_text(encoding="utf-8")
-    keys = {word for span in re.findall("`([^`]+)`", text) for word in re.findall(r"\w+", span)}
-    tables, missing = [Scene], set()
-    while tables:
-        table = tables.pop()
-        for name, field in table.model_fields.items():
-            missing |= {f"{table.__name__}.{name}"} if (field.alias or name) not in keys else set()
-            tables += tables_in(field.annotation)
-    assert not missing
 
 
 def test_ci_takes_its_two_commands_from_the_readme():

@@ -14,34 +14,32 @@ _GRADE = re.compile(r"^G\s?(\d+(?:\.\d+)?)$")
 
 
 class Balancing(Table):
-    """Grade to be met, planes, and how the machine measures and corrects.
-
-    Attributes:
-        grade: of ISO 21940-11, "G2.5" asks for e_per w = 2.5 mm/s.
-        service_speed: the grade's w; default: the speed on the machine.
-        planes: where corrections go; default: all planes of the rotor.
-        trial_unbalance: added in one plane after the other to find the coefficients; default: ten
-            times what is permissible in all.
-        technology: "complex" or "scalar" coefficients, or both, one after the other.
-        lag: the one phase the scalar technology is calibrated to; default: that of the first
-            support under the first plane's trial unbalance.
-        axis: direction in which the supports are watched.
-        revolutions: measured after steady state is reached.
-        noise, seed: rms of what is added to every sample of displacement, and its random numbers.
-        most_cycles: where a technology that does not converge is given up.
-    """
+    """Grade to be met, planes, and how the machine measures and corrects."""
 
     grade: Text
+    """Of ISO 21940-11, in mm/s: `"G2.5"` asks for e_per w = 2.5 mm/s."""
     service_speed: Annotated[Positive | None, Unit("rad/s")] = None
+    """The grade's w; default: the speed on the machine."""
     planes: Annotated[tuple[Whole, ...] | None, Field(min_length=1)] = None
+    """Numbers of the planes that take corrections; default: all planes of the rotor."""
     trial_unbalance: Annotated[Positive | None, Unit("kg m")] = None
+    """Added in one plane after the other to find the coefficients; default: ten times what is
+    permissible in all."""
     technology: Literal["complex", "scalar", "both"] = "both"
+    """Kind of the coefficients; both: one after the other."""
     lag: Annotated[Real | None, Unit("rad")] = None
+    """The one phase that the scalar technology is calibrated to; default: that of the first support
+    under the first plane's trial unbalance."""
     axis: Literal["x", "y"] = "x"
+    """Direction in which the supports are watched."""
     revolutions: Annotated[Whole, Field(ge=1, le=100_000)] = 8
+    """Measured after steady state is reached."""
     noise: Annotated[NotNegative, Unit("m")] = 0.0
+    """Rms of what is added to every sample of displacement."""
     seed: Annotated[Whole, Field(ge=0)] = 1
+    """Of the noise."""
     most_cycles: Annotated[Whole, Field(ge=2, le=1000)] = 20
+    """Where a technology that does not converge is given up."""
 
     @field_validator("grade")
     @classmethod

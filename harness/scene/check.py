@@ -19,36 +19,31 @@ def _rising(value: tuple[float, float] | None) -> tuple[float, float] | None:
 
 
 class LiquidWindowCheck(Table):
-    """Window of a liquid balancer against Dubovik 2006 (6), (10), (11).
-
-    Attributes:
-        speeds: how many speeds across the window compare the bending.
-        up_to: where the comparison ends when the window has no upper limit [rad/s]; default: five
-            times the lower one.
-    """
+    """Window of a liquid balancer against Dubovik 2006 (6), (10), (11): a planar rotor, alike in x
+    and y, with one liquid."""
 
     kind: Literal["liquid_window"]
     speeds: Annotated[Whole, Field(ge=2, le=10_000)] = 20
+    """How many speeds across the window compare bending and phase."""
     up_to: Annotated[Positive | None, Unit("rad/s")] = None
+    """End of the comparison when the window has no upper limit; default: five times the lower."""
 
 
 class CriticalSpeedsCheck(Table):
-    """Every boundary of stable balancing within a range, co-simulated against Floquet.
-
-    Attributes:
-        case: what the rows call it.
-        set: values replaced in the scene, as by `Scene.replace`.
-        range: speeds [rad/s].
-        growth_runs: speeds at which the growth rate is also fitted to a run in time [rad/s].
-        runs_from_rest: speeds at which a run from rest must end as predicted [rad/s].
-    """
+    """Every boundary of stable balancing within a range, co-simulated against Floquet: any scene
+    whose weights can balance it."""
 
     kind: Literal["critical_speeds"]
     case: Text = ""
+    """What the rows call it."""
     set: dict[str, Any] = Field(default_factory=dict)
+    """Values replaced in the scene, as by `Scene.replace`: `{"weights.drag" = 0.1}`."""
     range: SpeedRange
+    """Lowest and highest speed at which boundaries are looked for."""
     growth_runs: Annotated[tuple[Positive, ...], Unit("rad/s")] = ()
+    """Speeds at which the growth rate is also fitted to a run in time."""
     runs_from_rest: Annotated[tuple[Positive, ...], Unit("rad/s")] = ()
+    """Speeds at which a run from rest must end as predicted."""
 
     _range_rises = field_validator("range")(_rising)
 
@@ -58,19 +53,17 @@ class TableCheck(Table):
 
     kind: Literal["filimonikhina_table"]
     table: Literal[1, 2]
+    """Which of them."""
 
 
 class CapacityCheck(Table):
-    """What weights of finite size leave of an unbalance, Goncharov 2017 (5): 0, then U - S.
-
-    Attributes:
-        points: unbalances from 0 on.
-        up_to: the largest one, in capacities S.
-    """
+    """What weights of finite size leave of an unbalance, Goncharov 2017 (5): 0, then U - S."""
 
     kind: Literal["capacity"]
     points: Annotated[Whole, Field(ge=2, le=1000)] = 13
+    """Unbalances from 0 on."""
     up_to: Positive = 1.2
+    """The largest of them, in capacities S."""
 
 
 class SizesCheck(Table):
@@ -80,81 +73,75 @@ class SizesCheck(Table):
 
 
 class RankingCheck(Table):
-    """Which number of balls or rollers settles first: Goncharov 2017, Fig. 7, co-simulated.
-
-    Attributes:
-        starts: random starts for every number of weights.
-        most: numbers from 2 to this one.
-        width: of the space along the axis [m]: height of rollers, largest diameter of balls.
-        halved: starts of every number repeated with steps of half the length.
-    """
+    """Which number of balls or rollers settles first: Goncharov 2017, Fig. 7, co-simulated."""
 
     kind: Literal["goncharov_ranking"]
     starts: Annotated[Whole, Field(ge=6, le=100_000)] = 200
+    """Random starts for every number of weights."""
     most: Annotated[Whole, Field(ge=2, le=64)] = 8
+    """Numbers of weights from 2 to this one."""
     width: Annotated[Positive | None, Unit("m")] = None
+    """Space along the axis: height of rollers, largest diameter of balls; default: the weights'
+    diameter."""
     halved: Annotated[Whole, Field(ge=1, le=1000)] = 4
+    """Starts of every number that are repeated with steps of half the length."""
 
 
 class SlowRootCheck(Table):
-    """Decay of runs against the slow root, Goncharov 2017 (1), and the exact spectrum.
-
-    Attributes:
-        starts: for every number of weights, two groups that face each other.
-        most: numbers from 2 to this one.
-        width: as `RankingCheck`.
-        unbalance, revolutions: instead of the scene's [kg m, 1].
-    """
+    """Decay of runs against the slow root, Goncharov 2017 (1), and the exact spectrum."""
 
     kind: Literal["slow_root"]
     starts: Annotated[Whole, Field(ge=1, le=100_000)] = 20
+    """Random starts for every number of weights, two groups that face each other."""
     most: Annotated[Whole, Field(ge=2, le=64)] = 8
+    """Numbers of weights from 2 to this one."""
     width: Annotated[Positive | None, Unit("m")] = None
+    """Space along the axis, as for `goncharov_ranking`; default: the weights' diameter."""
     unbalance: Annotated[Positive | None, Unit("kg m")] = None
+    """Instead of the rotor's; default: the scene's."""
     revolutions: Positive | None = None
+    """Length of a run; default: the scene's."""
 
 
 class LargestSpreadCheck(Table):
-    """Settling from the positions of largest p, Goncharov 2017 (10), (13), where weights touch.
-
-    Attributes:
-        most, width: as `RankingCheck`.
-        step: by which the unbalance changes, either way [of the capacity].
-        revolutions: instead of the scene's.
-    """
+    """Settling from the positions of largest p, Goncharov 2017 (10), (13), where weights touch."""
 
     kind: Literal["largest_spread"]
     most: Annotated[Whole, Field(ge=2, le=64)] = 8
+    """Numbers of weights from 2 to this one."""
     width: Annotated[Positive | None, Unit("m")] = None
+    """Space along the axis, as for `goncharov_ranking`; default: the weights' diameter."""
     step: Annotated[Positive, Field(le=0.1)] = 0.001
+    """Change of the unbalance, either way, in capacities S."""
     revolutions: Positive | None = None
+    """Length of a run; default: the scene's."""
 
 
 class ContactOrderCheck(Table):
-    """Order of convergence in the communication step of a scene with weights that touch.
-
-    Attributes:
-        case: what the rows call it.
-        set: values replaced in the scene, as by `Scene.replace`.
-        order, within: what is expected, and how near.
-        steps, reference: communication steps a revolution of the runs, and of the exact one.
-        runs, shift: runs, and how far each weight starts further on over all of them [rad].
-    """
+    """Order of convergence in the communication step of a scene with weights that touch."""
 
     kind: Literal["contact_order"]
     case: Text
+    """What the rows call it."""
     set: dict[str, Any] = Field(default_factory=dict)
+    """Values replaced in the scene, as by `Scene.replace`."""
     order: Positive
+    """Expected order of convergence."""
     within: Positive = 0.3
+    """How near to it."""
     steps: Annotated[tuple[Annotated[Whole, Field(ge=FEWEST_STEPS)], ...], Field(min_length=2)] = (
         20,
         40,
         80,
         160,
     )
+    """Communication steps a revolution of the runs, all different."""
     reference: Whole = 1280
+    """Steps a revolution of the run that they are compared with: more than any of them."""
     runs: Annotated[Whole, Field(ge=1, le=1000)] = 1
+    """Runs for every number of steps, from different starts."""
     shift: Annotated[tuple[Real, ...], Unit("rad")] = ()
+    """How far each weight starts further on over all runs."""
 
     @model_validator(mode="after")
     def _reference_is_finest(self) -> ContactOrderCheck:

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Annotated, Any
 
-from pydantic import BaseModel, BeforeValidator, ConfigDict, Field
+from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, WithJsonSchema
 from pydantic_core import PydanticCustomError
 
 
@@ -45,6 +45,12 @@ def _pair(value: Any) -> Any:
     return (value, value)
 
 
+def _pair_schema(**bounds: float) -> WithJsonSchema:
+    number = {"type": "number", **bounds}
+    pair = {"title": "[x, y]", "type": "array", "items": number, "minItems": 2, "maxItems": 2}
+    return WithJsonSchema({"anyOf": [number, pair]})
+
+
 # strict: text and true/false are not numbers
 Real = Annotated[float, Field(strict=True, allow_inf_nan=False)]
 Positive = Annotated[Real, Field(gt=0)]
@@ -52,8 +58,12 @@ NotNegative = Annotated[Real, Field(ge=0)]
 Whole = Annotated[int, Field(strict=True)]
 Flag = Annotated[bool, Field(strict=True)]
 Text = Annotated[str, Field(strict=True)]
-PositivePair = Annotated[tuple[Positive, Positive], BeforeValidator(_pair)]
-NotNegativePair = Annotated[tuple[NotNegative, NotNegative], BeforeValidator(_pair)]
+PositivePair = Annotated[
+    tuple[Positive, Positive], BeforeValidator(_pair), _pair_schema(exclusiveMinimum=0)
+]
+NotNegativePair = Annotated[
+    tuple[NotNegative, NotNegative], BeforeValidator(_pair), _pair_schema(minimum=0)
+]
 
 
 def same_length(values: Sequence[Any], count: int, what: str) -> None:

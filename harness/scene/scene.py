@@ -37,15 +37,25 @@ class Scene(Table):
     """A validated scene.  Make one with `load_scene` or `Scene.from_document`."""
 
     title: Text = ""
+    """For tables and pictures; default: the file's name."""
     source: Text = ""
+    """Where the scene's numbers come from, for tables."""
     rotor: Rotor
+    """A table, by kind."""
     balancer: tuple[AnyBalancer, ...] = ()
+    """A list of tables, by kind."""
     operation: Operation
+    """How the rotor is driven."""
     coupling: Coupling = Coupling()
+    """How the units exchange signals."""
     run: Run = Run()
+    """How long, from where, and what is recorded."""
     check: tuple[AnyCheck, ...] = Field(default=())
-    on_request: Flag = False  # long: checked only when it is named
+    """A list of tables, by kind: what is compared with theory and measurement."""
+    on_request: Flag = False
+    """Long: checked only when it is named, not by the main job."""
     balancing: Balancing | None = None
+    """How the rotor is balanced on the virtual machine; default: not."""
 
     _document: dict[str, Any] = PrivateAttr(default_factory=dict)
     _path: Path | None = PrivateAttr(default=None)

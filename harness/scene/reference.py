@@ -1,0 +1,158 @@
+"""The reference of a scene's keys in the harness's README, written from the scene's own types.
+
+python -m autobalancer.harness.scene.reference           says whether it is up to date
+python -m autobalancer.harness.scene.reference --write   writes it
+"""
+
+from __future__ import annotations
+
+import ast
+import inspect
+import sys
+from collections.abc import Iterator
+from itertools import pairwise
+from pathlib import Path
+from typing import Any
+
+from pydantic import BaseModel
+
+from .messages import kinds_of, quoted, show, tables_in
+from .quantities import Table, unit_of
+from .scene import Scene
+
+README = Path(__file__).parents[1] / "README.md"
+COMMAND = "python -m autobalancer.harness.scene.reference --write"
+BEGIN = f"<!-- keys of a scene: written by `{COMMAND}` -->"
+END = "<!-- end of the keys -->"
+HEAD = ("| key | unit | default | allowed | meaning |", "|---|---|---|---|---|")
+
+
+def reference() -> str:
+    """Every table of a scene with its keys, as Markdown."""
+    nested = {name: tables_in(f.annotation) for name, f in Scene.model_fields.items()}
+    plain = [name for name, tables in nested.items() if not tables]
+    lines = ["### At the top of the file", "", *HEAD, *_rows(Scene, plain), ""]
+    for key, tables in nested.items():
+        if tables:
+            lines += _section(key, tables)
+    return "\n".join(lines).rstrip() + "\n"
+
+
+def _section(key: str, tables: list[type[BaseModel]]) -> Iterator[str]:
+    """One table of a scene; of several kinds what all of them have comes first."""
+    is_list = "array" in Scene.model_json_schema()["properties"][key].values()
+    yield from (f"### `[[{key}]]`" if is_list else f"### `[{key}]`", "")
+    if len(tables) == 1:
+        yield from (_summary(tables[0]), "", *HEAD, *_rows(tables[0], tables[0].model_fields), "")
+        return
+    shared = set.intersection(*(set(table.model_fields) for table in tables))
+    common = [name for name in tables[0].model_fields if name in shared - {"kind"}]
+    if common:
+        yield from ("Of every kind:", "", *HEAD, *_rows(tables[0], common), "")
+    for table in tables:
+        own = [name for name in table.model_fields if name not in shared]
+        yield from (f"**`kind = {quoted(kinds_of(table))}`** {_summary(table)}", "")
+        if own:
+            yield from (*HEAD, *_rows(table, own), "")
+
+
+def _rows(table: type[BaseModel], names: Any, before: str = "") -> Iterator[str]:
+    """A line for every key, keys of inner tables after the key that holds them."""
+    schema, said = table.model_json_schema(), meanings(table)
+    for name in names:
+        field = table.model_fields[name]
+        key = field.alias or name
+        if name not in said:
+            raise ValueError(f"{table.__name__}.{name}: has no docstring that says what it means")
+        meaning, _, default = said[name].partition("; default: ")
+        if not default:
+            value = field.get_default(call_default_factory=True)
+            default = "required" if field.is_required() else _default(value)
+        allowed = _allowed(schema["properties"][key], schema.get("$defs", {}))
+        cells = (f"`{before}{key}`", unit_of(table, name), default.rstrip("."), allowed)
+        yield f"| {' | '.join(cells)} | {meaning.rstrip('.')} |".replace("|  |", "| |")
+        for inner in tables_in(field.annotation) if table is not Scene else ():
+            many = "[n]" if allowed.startswith("list") else ""
+            yield from _rows(inner, inner.model_fields, f"{before}{key}{many}.")
+
+
+def meanings(table: type[BaseModel]) -> dict[str, str]:
+    """What the docstring below each field of a table says, inherited ones included."""
+    found = {}
+    for owner in reversed(table.__mro__):
+        if issubclass(owner, Table) and owner is not Table:
+            (definition,) = ast.parse(inspect.getsource(owner)).body
+            assert isinstance(definition, ast.ClassDef)
+            for field, text in pairwise(definition.body):
+                if isinstance(field, ast.AnnAssign) and isinstance(text, ast.Expr):
+                    assert isinstance(field.target, ast.Name)
+                    found[field.target.id] = " ".join(ast.literal_eval(text.value).split())
+    return found
+
+
+def _summary(table: type[BaseModel]) -> str:
+    return " ".join((table.__doc__ or "").split("\n\n")[0].split())
+
+
+def _default(value: Any) -> str:
+    if value is None or value in ((), "", {}):
+        return "none"
+    if isinstance(value, tuple) and len(set(value)) == 1:
+        return _default(value[0])  # one number for both axes, or both supports
+    if isinstance(value, BaseModel):
+        return "as below"
+    is_number = isinstance(value, (int, float)) and not isinstance(value, bool)
+    return f"{value:g}" if is_number else f"`{show(value)}`"
+
+
+def _allowed(schema: dict[str, Any], definitions: dict[str, Any]) -> str:
+    """What a value may be, from its JSON schema."""
+    if "anyOf" in schema:
+        parts = [_allowed(s, definitions) for s in schema["anyOf"] if s.get("type") != "null"]
+        return " or ".join(parts)
+    if "$ref" in schema or schema.get("type") == "object":
+        return "table"
+    choices = schema.get("enum", [schema["const"]] if "const" in schema else [])
+    if choices:
+        return ", ".join(f"`{show(choice)}`" for choice in choices)
+    if schema["type"] == "array":
+        inner = schema.get("items") or schema["prefixItems"][0]
+        each, count = _allowed(inner, definitions), schema.get("minItems", 0)
+        if schema.get("title") == "[x, y]":
+            return "`[x, y]`"
+        if count and count == schema.get("maxItems"):
+            return f"{count} of: {each}"
+        return f"list of {count} or more: {each}" if count else f"list: {each}"
+    word = {"boolean": "true or false", "string": "text", "integer": "whole"}.get(schema["type"])
+    return ", ".join(filter(None, (word, _bounds(schema)))) or "number"
+
+
+def _bounds(schema: dict[str, Any]) -> str:
+    above, least, most = (schema.get(k) for k in ("exclusiveMinimum", "minimum", "maximum"))
+    if least is not None and most is not None:
+        return f"{least:g} to {most:,.10g}".replace(",", " ")
+    limits = ((">", above), ("≥", least), ("≤", most))
+    return ", ".join(f"{sign} {limit:g}" for sign, limit in limits if limit is not None)
+
+
+def replaced(page: str) -> str:
+    """A page with its section between the markers written anew."""
+    before, _, rest = page.partition(BEGIN)
+    _, _, after = rest.partition(END)
+    return f"{before}{BEGIN}\n{reference()}{END}{after}"
+
+
+def main(arguments: list[str]) -> int:
+    """Write the section, or say whether it is what the types say: 0 if so, else 1."""
+    page = README.read_text(encoding="utf-8")
+    if arguments == ["--write"]:
+        README.write_text(replaced(page), encoding="utf-8")
+        return 0
+    if replaced(page) != page:
+        print(f"{README}: its keys of a scene are stale; write them with `{COMMAND}`")
+        return 1
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))
