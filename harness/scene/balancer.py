@@ -3,30 +3,64 @@
 from __future__ import annotations
 
 import math
-from typing import Annotated, Literal
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal
 
+import numpy as np
 from pydantic import Field, ValidationInfo, field_validator
 
 from ...models.assembly import Mounted
+from ...models.contact.contact import restitution_on
 from ...models.liquid import Liquid
+from ...models.rotor import LinearRotor
 from ...models.weights import KAPPA, Weights
+from .feeds import Feeds, Start, fed
 from .quantities import Flag, NotNegative, Positive, Real, Table, Text, Unit, Whole, same_length
 
 MOST_WEIGHTS = 10_000  # a slip of the keyboard, not a balancer
 
 
 class Balancer(Table):
-    """What every balancer has: a name (default: its kind) and a plane, counted from 1."""
+    """What every balancer has: a name (default: its kind) and a plane, counted from 1.
+
+    Attributes:
+        model: the unit that steps it.
+        driven: whether the unit is told the rotor's speed and acceleration.
+        follows: what it is told of its plane's place, for its clearance alone.
+        records: outputs that a run records where nothing else is asked for.
+        exchanges_force: whether it sends force; else its whole effect is its added mass.
+        can_touch: whether its force can jump within a step, as weights touch or stick.
+    """
+
+    model: ClassVar[str]
+    driven: ClassVar[bool] = False
+    follows: ClassVar[tuple[str, ...]] = ()
 
     kind: str
+    if TYPE_CHECKING:  # of one kind a property, of another a fact
+
+        @property
+        def records(self) -> tuple[str, ...]: ...
+        @property
+        def exchanges_force(self) -> bool: ...
+        @property
+        def can_touch(self) -> bool: ...
+
     name: Annotated[Text, Field(min_length=1, pattern=r"^[A-Za-z_][A-Za-z0-9_-]*$")] = ""
     at: Annotated[Whole, Field(ge=1)] = 1
-    inertia_as_force: Flag = False
+    inertia_as_force: Annotated[Flag, Feeds()] = False
 
     @property
     def label(self) -> str:
         """The name by which signals and overrides know this balancer."""
         return self.name or self.kind
+
+    def sizes(self) -> dict[str, Any]:
+        """What the unit is built for."""
+        return {}
+
+    def start(self, loaded_rotor: LinearRotor) -> Start:
+        """Parameters and start values of the unit, on a rotor that carries its balancers."""
+        return fed(self)
 
 
 class WeightBalancer(Balancer):
@@ -39,18 +73,32 @@ class WeightBalancer(Balancer):
         track_offset_xi, track_offset_eta: of the track's centre from the plane's, in the rotor.
     """
 
+    model: ClassVar[str] = "BallBalancer"
+    driven: ClassVar[bool] = True
+    exchanges_force: ClassVar[bool] = True
+
     kind: Literal["balls", "rollers", "pendulums"]
     count: Annotated[Whole, Field(ge=1, le=MOST_WEIGHTS)]
-    mass: Annotated[Positive, Unit("kg")]
-    track_radius: Annotated[Positive, Unit("m")]
-    drag: Annotated[NotNegative, Unit("N s/m")] = 0.0
-    weight_radius: Annotated[Positive | None, Unit("m")] = None
+    mass: Annotated[Positive, Unit("kg"), Feeds()]
+    track_radius: Annotated[Positive, Unit("m"), Feeds()]
+    drag: Annotated[NotNegative, Unit("N s/m"), Feeds()] = 0.0
+    weight_radius: Annotated[Positive | None, Unit("m"), Feeds()] = None
     restitution: Annotated[NotNegative, Field(le=1.0)] = 0.0
-    rolling_resistance: NotNegative = 0.0
-    track_offset_xi: Annotated[Real, Unit("m")] = 0.0
-    track_offset_eta: Annotated[Real, Unit("m")] = 0.0
-    angles: Annotated[tuple[Real, ...] | None, Field(validate_default=True), Unit("rad")] = None
-    speeds: Annotated[tuple[Real, ...] | None, Field(validate_default=True), Unit("rad/s")] = None
+    rolling_resistance: Annotated[NotNegative, Feeds()] = 0.0
+    track_offset_xi: Annotated[Real, Unit("m"), Feeds()] = 0.0
+    track_offset_eta: Annotated[Real, Unit("m"), Feeds()] = 0.0
+    angles: Annotated[
+        tuple[Real, ...] | None,
+        Field(validate_default=True),
+        Unit("rad"),
+        Feeds("weight[{n}].angle0"),
+    ] = None
+    speeds: Annotated[
+        tuple[Real, ...] | None,
+        Field(validate_default=True),
+        Unit("rad/s"),
+        Feeds("weight[{n}].speed0"),
+    ] = None
 
     @field_validator("weight_radius")
     @classmethod
@@ -109,6 +157,35 @@ class WeightBalancer(Balancer):
         """Half the angle between weights that touch [rad]; 0 for points."""
         return math.asin((self.weight_radius or 0.0) / self.track_radius)
 
+    @property
+    def can_touch(self) -> bool:
+        """Whether two of the weights can meet, or one stick."""
+        return bool((self.weight_radius and self.count > 1) or self.rolling_resistance)
+
+    @property
+    def records(self) -> tuple[str, ...]:
+        """Static moment, and where the weights are."""
+        angles = (f"weight[{k}].angle" for k in range(1, self.count + 1))
+        return ("moment_xi", "moment_eta", *angles)
+
+    def sizes(self) -> dict[str, Any]:
+        """What the unit is built for."""
+        return {"weights": self.count}
+
+    def start(self, loaded_rotor: LinearRotor) -> Start:
+        """Parameters and start values of the unit.
+
+        Its restitution is that of a rotor which is held: the unit knows no rotor.
+        """
+        values: Start = {**fed(self), "kappa": self.kappa}
+        if self.restitution and self.weight_radius:
+            row = loaded_rotor.planes[self.at - 1]
+            carrier = 1.0 / float(row @ np.linalg.solve(loaded_rotor.mass, row))
+            values["restitution"] = restitution_on(
+                self.restitution, self.mass, carrier, self.half_angle, self.kappa
+            )
+        return values
+
     def build(self) -> Mounted:
         """The weights on their plane."""
         device = Weights(self.count, self.mass, self.track_radius, self.drag, self.kappa)
@@ -130,11 +207,21 @@ def _refuse_overlap(angles: tuple[float, ...], apart: float) -> None:
 class LiquidBalancer(Balancer):
     """Chamber, float, and liquid in the gap, Dubovik 2006."""
 
+    model: ClassVar[str] = "LiquidBalancer"
+    follows: ClassVar[tuple[str, ...]] = ("x", "y")
+    records: ClassVar[tuple[str, ...]] = ("clearance",)
+    can_touch: ClassVar[bool] = False
+
     kind: Literal["liquid"]
-    chamber_radius: Annotated[Positive, Unit("m")]
-    float_radius: Annotated[Positive, Unit("m")]
-    height: Annotated[Positive, Unit("m")]
-    density: Annotated[Positive, Unit("kg/m^3")]
+    chamber_radius: Annotated[Positive, Unit("m"), Feeds()]
+    float_radius: Annotated[Positive, Unit("m"), Feeds()]
+    height: Annotated[Positive, Unit("m"), Feeds()]
+    density: Annotated[Positive, Unit("kg/m^3"), Feeds()]
+
+    @property
+    def exchanges_force(self) -> bool:
+        """Only where its inertia is sent rather than carried."""
+        return self.inertia_as_force
 
     @field_validator("float_radius")
     @classmethod
