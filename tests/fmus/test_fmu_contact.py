@@ -209,10 +209,10 @@ def test_scene_restitution_is_that_of_the_free_rotor():
     ball = scene.balancer[0]
     total = scene.rotor.mass + ball.count * ball.mass
     alpha = math.asin(0.3 / ball.track_radius)
-    unit = plan(scene)[1]
+    unit = plan(scene).units[1]
     expected = restitution_on(0.7, ball.mass, total, alpha, ball.kappa)
     assert 0.0 < expected < 0.7
-    assert unit.parameters["restitution"] == pytest.approx(expected, rel=1e-12)
+    assert unit.start["restitution"] == pytest.approx(expected, rel=1e-12)
 
 
 def test_restitution_of_points_is_refused_and_the_key_named():

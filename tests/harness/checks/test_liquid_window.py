@@ -121,14 +121,14 @@ def test_units_that_are_not_those_of_the_scene_do_not_hold(
     honest = master.plan
 
     def altered(scene):
-        return [
-            dataclasses.replace(
-                p, parameters={**p.parameters, parameter: p.parameters[parameter] * factor}
-            )
-            if p.name == unit
-            else p
-            for p in honest(scene)
+        plan = honest(scene)
+        units = [
+            dataclasses.replace(u, start={**u.start, parameter: u.start[parameter] * factor})
+            if u.name == unit
+            else u
+            for u in plan.units
         ]
+        return dataclasses.replace(plan, units=tuple(units))
 
     monkeypatch.setattr(master, "plan", altered)
     assert not row(run_checks(quick("liquid_disc")), fails).holds

@@ -11,7 +11,6 @@ import pytest
 
 from autobalancer.harness.checks.report import Row, as_json, markdown, verdict, within, write_json
 from autobalancer.harness.errors import UserError
-from autobalancer.harness.master.names import unit_of_signal
 from autobalancer.harness.master.result import Result, UnknownSignalError
 from autobalancer.harness.output.files import write_whole
 
@@ -26,7 +25,11 @@ def result() -> Result:
         "weights.moment_xi": np.full_like(time, 0.3),
         "weights.moment_eta": np.full_like(time, 0.4),
     }
-    return Result("a decaying circle", time, signals, 0.1, units=("RotorOnSupports.fmu",))
+    symbols = {name: "m" if name.startswith("rotor") else "kg m" for name in signals}
+    return Result(
+        "a decaying circle", time, signals, 0.1, units=("RotorOnSupports.fmu",),
+        signal_units=symbols,
+    )  # fmt: skip
 
 
 def test_unknown_signal_lists_what_was_recorded(result):
@@ -181,19 +184,3 @@ def test_markdown_says_which_row_fails():
     row = within("scene", "check", "a | b", 1.0, 2.0, tolerance=0.1, seconds=0.0, source="paper")
     assert "1 of 1 rows do NOT hold." in markdown([row])
     assert "a \\| b | 1 | 2 | 1 | 0.1 | **NO** |" in markdown([row])
-
-
-@pytest.mark.parametrize(
-    ("name", "unit"),
-    [
-        ("rotor.x", "m"),
-        ("rotor.station[2].vy", "m/s"),
-        ("weights.weight[1].angle", "rad"),
-        ("weights.moment_xi", "kg m"),
-        ("rotor.der(plane[1].a_xi)", "m/s^2 s^-1"),
-        ("weights.der(F_xi)", "N s^-1"),
-        ("rotor.something", ""),
-    ],
-)
-def test_signals_have_units(name, unit):
-    assert unit_of_signal(name) == unit
