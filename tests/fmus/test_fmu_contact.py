@@ -18,8 +18,9 @@ from autobalancer.harness import load_scene
 from autobalancer.harness.errors import SceneError
 from autobalancer.harness.master.plan import plan
 from autobalancer.models.contact.contact import restitution_on
+from autobalancer.models.contact.motion import advance, first_contacts, reaction
 from autobalancer.models.contact.pulse import discharge
-from autobalancer.models.contact.track import Track, advance, first_contacts, reaction
+from autobalancer.models.contact.track import Track
 from autobalancer.models.weights import Weights
 
 SPEED = 30.0
@@ -102,8 +103,8 @@ def test_without_options_the_state_and_the_way_are_those_of_point_weights(monkey
     def refuse(*_args):
         raise AssertionError("the way with events was taken")
 
-    monkeypatch.setattr("autobalancer.models.contact.track.advance", refuse)
-    monkeypatch.setattr("autobalancer.models.contact.track.reaction", refuse)
+    monkeypatch.setattr("autobalancer.models.contact.motion.advance", refuse)
+    monkeypatch.setattr("autobalancer.models.contact.motion.reaction", refuse)
     names = COMMON.keys() - {"mass", "track_radius", "kappa", "drag", "speed"}
     unit = started(**dict.fromkeys(names, 0.0))
     pulled(unit, 0)
