@@ -14,7 +14,7 @@ from typing import Any
 
 from ..errors import SceneError, SimulationError
 from ..scene import Scene, bundled_scenes, load_scene
-from .report import Row
+from .row import Row
 
 _POLL = 0.1  # s between looks at the progress of the workers
 

@@ -8,6 +8,7 @@ import pytest
 
 from autobalancer.harness import Scene, bundled_scenes, load_scene
 from autobalancer.harness.checks.registry import run_checks
+from autobalancer.harness.errors import SceneError
 from autobalancer.models.papers.window import LiquidWindow
 
 SCENES = [
@@ -28,6 +29,12 @@ def quick(name: str, **changes) -> Scene:
 def row(rows, start: str):
     (found,) = [r for r in rows if r.quantity.startswith(start)]
     return found
+
+
+@pytest.mark.parametrize("name", ["liquid_disc", "liquid_no_internal"])
+def test_a_balanced_rotor_is_refused_for_nothing_bends_it(name):
+    with pytest.raises(SceneError, match=r"rotor.unbalance = 0 kg m: needs an unbalance"):
+        run_checks(quick(name, **{"rotor.unbalance": 0.0}))
 
 
 def test_every_case_of_the_window_is_bundled():
