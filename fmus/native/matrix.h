@@ -10,6 +10,9 @@
 void copy_doubles(size_t count, const double *from, double *to);
 void fill_doubles(size_t count, double value, double *to);
 
+/* `to` becomes to + factor from; `factor` is one element, `from` and `to` have `count`. */
+void add_multiple(int parts, int count, const double *factor, const double *from, double *to);
+
 /* result (rows, columns) = a (rows, inner) b (inner, columns); result apart from a and b. */
 void matrix_product(int parts, int rows, int inner, int columns, const double *a, const double *b,
                     double *result);
@@ -18,8 +21,11 @@ void matrix_product(int parts, int rows, int inner, int columns, const double *a
    Returns 0, or 1 when a is singular. */
 int matrix_solve(int parts, int n, int columns, double *a, double *b);
 
-/* result (m axes, n axes) = unit matrix of `axes` (1 or 2) kron a real matrix a (m, n); its elements
+/* result (axes m, axes n) = unit matrix of `axes` (1 or 2) kron a real matrix a (m, n); its elements
    have `parts` parts. */
 void matrix_per_axis(int parts, int axes, int m, int n, const double *a, double *result);
+
+/* result (n, m) = a (m, n) transposed. */
+void matrix_transposed(int parts, int m, int n, const double *a, double *result);
 
 #endif

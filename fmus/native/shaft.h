@@ -7,7 +7,7 @@
 /* T (n - 2, n): bending of the discs relative to the line through the supports p and q (from 0). */
 void bending_rows(int n, const double *z, int p, int q, double *rows);
 
-/* Euler-Bernoulli influence coefficients delta (n - 2, n - 2) [m/N]; scratch of n (n - 1). */
+/* Euler-Bernoulli influence coefficients delta (n - 2, n - 2) [m/N]; scratch of n (n - 2). */
 int beam_compliance(int n, const double *z, const double *rows, double bending_stiffness,
                     double *delta, double *scratch, Failure *failure);
 
