@@ -108,15 +108,20 @@ def stamp() -> str:
     total = hashlib.sha256()
     for text in (COMPILER, *FLAGS, *_OBJECT, *_LINK, *map(repr, PLATFORMS.values())):
         total.update(text.encode() + b"\0")
-    for name, text in {**sources(), "layout.h": _text(GENERATED / "layout.h")}.items():
+    windows = {path.name: _text(path) for path in sorted((SOURCES / "windows").iterdir())}
+    for name, text in {**sources(), **windows, "layout.h": generated("layout.h")}.items():
         total.update(f"{name}\0{len(text)}\0{text}".encode())
     return total.hexdigest()[:16]
 
 
 def sources() -> dict[str, str]:
     """Text of the C sources by file name, without what is generated."""
-    files = [*SOURCES.glob("*.[ch]"), *(SOURCES / "windows").iterdir()]
-    return {path.name: _text(path) for path in sorted(files, key=lambda path: path.name)}
+    return {path.name: _text(path) for path in sorted(SOURCES.glob("*.[ch]"))}
+
+
+def generated(name: str) -> str:
+    """Text of layout.h or stamp.h, as `libraries` leaves them."""
+    return _text(GENERATED / name)
 
 
 def generate() -> None:
