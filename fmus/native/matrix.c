@@ -111,7 +111,7 @@ static void swap(size_t count, double *a, double *b)
 int matrix_solve(int parts, int n, int columns, double *a, double *b)
 {
     const size_t width = (size_t)n * parts, across = (size_t)columns * parts;
-    double pivot[2], factor[2];
+    double pivot[2] = {0.0, 0.0}, factor[2] = {0.0, 0.0};
     int i, k;
     for (k = 0; k < n; k++) {
         double *row = a + k * width;

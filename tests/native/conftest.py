@@ -44,11 +44,17 @@ FLAGS = [
 
 
 def compile_library(
-    destination: Path, compiler: Sequence[str] = ("cc",), sources: Sequence[str] = CORE
+    destination: Path,
+    compiler: Sequence[str] = ("cc",),
+    sources: Sequence[str] = CORE,
+    flags: Sequence[str] = (),
 ) -> Path:
-    """Compile C sources (names without ending) into the shared library `destination`."""
+    """Compile C sources (names without ending) into the shared library `destination`.
+
+    `flags` are added to `FLAGS`, and win over them.
+    """
     files = [str(SOURCES / f"{name}.c") for name in sources]
-    subprocess.run([*compiler, *FLAGS, *files, "-o", str(destination)], check=True)
+    subprocess.run([*compiler, *FLAGS, *flags, *files, "-o", str(destination)], check=True)
     return destination
 
 
@@ -173,6 +179,7 @@ class Core:
     """
 
     Refused = Refused
+    compile_library = staticmethod(compile_library)
 
     def __init__(self, path: Path) -> None:
         self.structures = SimpleNamespace(**{t.__name__: t for t in STRUCTURES})
