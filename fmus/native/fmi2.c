@@ -14,7 +14,7 @@ typedef struct {
     Unit *unit;
 } Front;
 
-/* -- messages --------------------------------------------------------------------------------------- */
+/* -- messages -------------------------------------------------------------------------------- */
 
 /* A message for the host's logger, for which it is a format, and # the mark of a variable. */
 static void put_literally(Text *text, const char *words)
@@ -42,7 +42,7 @@ static void tell(void *host, const char *instance, Status status, const char *me
     }
 }
 
-/* -- life cycle ------------------------------------------------------------------------------------- */
+/* -- life cycle ------------------------------------------------------------------------------ */
 
 static Unit *unit_of(fmi2Component c)
 {
@@ -159,7 +159,7 @@ fmi2Status fmi2Reset(fmi2Component c)
     return status;
 }
 
-/* -- values ------------------------------------------------------------------------------------------ */
+/* -- values ---------------------------------------------------------------------------------- */
 
 fmi2Status fmi2GetReal(fmi2Component c, const fmi2ValueReference vr[], size_t count,
                        fmi2Real value[])
@@ -242,7 +242,7 @@ fmi2Status fmi2SetString(fmi2Component c, const fmi2ValueReference vr[], size_t 
     return wrong_type(c, "fmi2SetString", count);
 }
 
-/* -- state ------------------------------------------------------------------------------------------- */
+/* -- state ----------------------------------------------------------------------------------- */
 
 fmi2Status fmi2GetFMUstate(fmi2Component c, fmi2FMUstate *state)
 {
@@ -312,7 +312,7 @@ fmi2Status fmi2DeSerializeFMUstate(fmi2Component c, const fmi2Byte bytes[], size
     return fmi2OK;
 }
 
-/* -- derivatives ------------------------------------------------------------------------------------- */
+/* -- derivatives ----------------------------------------------------------------------------- */
 
 fmi2Status fmi2GetDirectionalDerivative(fmi2Component c, const fmi2ValueReference unknown[],
                                         size_t unknowns, const fmi2ValueReference known[],
@@ -348,7 +348,7 @@ fmi2Status fmi2GetRealOutputDerivatives(fmi2Component c, const fmi2ValueReferenc
                   : (fmi2Status)unit_get_derivatives(unit_of(c), vr, count, order, value);
 }
 
-/* -- the step ---------------------------------------------------------------------------------------- */
+/* -- the step -------------------------------------------------------------------------------- */
 
 fmi2Status fmi2DoStep(fmi2Component c, fmi2Real time, fmi2Real step,
                       fmi2Boolean no_set_state_before)

@@ -23,8 +23,9 @@ void signal_hermite(Complex start, Complex start_slope, Complex end, Complex end
                     double step, Complex *cubic)
 {
     const Complex rise = quotient(complex_difference(end, start), step);
-    Complex second = complex_difference(complex_scaled(6.0, rise), complex_scaled(4.0, start_slope));
+    Complex second = complex_scaled(6.0, rise);
     Complex third = complex_scaled(6.0, complex_sum(start_slope, end_slope));
+    second = complex_difference(second, complex_scaled(4.0, start_slope));
     second = complex_difference(second, complex_scaled(2.0, end_slope));
     third = complex_difference(third, complex_scaled(12.0, rise));
     cubic[0] = start;

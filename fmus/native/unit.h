@@ -90,7 +90,7 @@ extern const Equations ROTOR_EQUATIONS, LIQUID_EQUATIONS, WEIGHTS_EQUATIONS;
 /* Zeroed memory that goes with the instance, or NULL. */
 void *unit_allocate(Unit *unit, size_t count, size_t size);
 
-/* -- life cycle; NULL is returned, and an error given, after a reason is logged ------------------ */
+/* -- life cycle; NULL is returned, and an error given, after a reason is logged -------------- */
 
 Unit *unit_instantiate(const char *name, const char *token, Log log, void *host);
 void unit_free(Unit *unit);
@@ -109,7 +109,7 @@ Status unit_allowed(Unit *unit, const char *function, int phases);
 /* The error of a call that is wrong by itself. */
 Status unit_refuse(Unit *unit, const char *function, const char *why);
 
-/* -- values ------------------------------------------------------------------------------------- */
+/* -- values ---------------------------------------------------------------------------------- */
 
 Status unit_get_reals(Unit *unit, const unsigned *references, size_t count, double *values);
 Status unit_set_reals(Unit *unit, const unsigned *references, size_t count, const double *values);
@@ -126,7 +126,7 @@ Status unit_directional(Unit *unit, const unsigned *unknowns, size_t unknown_cou
                         const unsigned *knowns, size_t known_count, const double *seed,
                         double *change);
 
-/* -- for the equations -------------------------------------------------------------------------- */
+/* -- for the equations ----------------------------------------------------------------------- */
 
 /* Bring the outputs up to date so far that `stale` is at most `level`; 0, or 1 with the reason. */
 int unit_refresh(Unit *unit, int level);

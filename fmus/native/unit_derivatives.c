@@ -18,7 +18,7 @@ static int within(size_t reference, Range range)
     return reference - range.first < range.count;
 }
 
-/* -- of inputs by time ----------------------------------------------------------------------------- */
+/* -- of inputs by time ----------------------------------------------------------------------- */
 
 /* Reason for refusing the derivative of an input, or NULL. */
 static const char *wrong_derivative(const Unit *unit, size_t reference, int order, double value)
@@ -78,7 +78,7 @@ Status unit_set_derivatives(Unit *unit, const unsigned *references, size_t count
     return STATUS_OK;
 }
 
-/* -- of outputs by time ---------------------------------------------------------------------------- */
+/* -- of outputs by time ---------------------------------------------------------------------- */
 
 /* The first derivative of an output; 1 when the unit has none. */
 static int derivative_of(Unit *unit, size_t reference, double *value)
@@ -121,10 +121,10 @@ Status unit_get_derivatives(Unit *unit, const unsigned *references, size_t count
     return STATUS_OK;
 }
 
-/* -- of outputs by inputs -------------------------------------------------------------------------- */
+/* -- of outputs by inputs -------------------------------------------------------------------- */
 
-/* The equations' answer with the outputs of the inputs as they are; what a step has left to be read
-   stays. */
+/* The equations' answer with the outputs of the inputs as they are; what a step has left to be
+   read stays. */
 static int respond(Unit *unit)
 {
     const Range computed = unit->layout.computed;

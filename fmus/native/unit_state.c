@@ -158,7 +158,7 @@ void unit_forget(State **state)
     }
 }
 
-/* -- bytes, lowest first whatever the machine ------------------------------------------------------ */
+/* -- bytes, lowest first whatever the machine ------------------------------------------------ */
 
 static void put_number(unsigned char **at, uint64_t value, int bytes)
 {

@@ -10,7 +10,8 @@
 enum { SIGNALS = 2 };
 
 /* Parameters, and inputs from the first of them on. */
-enum { MASS, TRACK_RADIUS, KAPPA, DRAG, WEIGHT_RADIUS, RESTITUTION, ROLLING, OFFSET_XI, OFFSET_ETA };
+enum { MASS, TRACK_RADIUS, KAPPA, DRAG, WEIGHT_RADIUS, RESTITUTION, ROLLING };
+enum { OFFSET_XI = 7, OFFSET_ETA = 8 };
 enum { FIRST_ANGLE = 9 };
 enum { ANGLE = 8, SPEED = 9, ACCELERATION = 10 };
 enum { FORCE = 0, FORCE_SLOPE = 2, ADDED_MASS = 4 };
@@ -195,7 +196,7 @@ static size_t signals(const Layout *layout, size_t *first)
     return SIGNALS;
 }
 
-/* -- derivatives ----------------------------------------------------------------------------------- */
+/* -- derivatives ----------------------------------------------------------------------------- */
 
 /* Changes of what the force depends on, in the rotor frame. */
 typedef struct {
