@@ -18,11 +18,11 @@ from pathlib import Path
 
 import pytest
 
-pytest.importorskip("ziglang", reason="no compiler: ziglang is not installed")
-
 from autobalancer.fmus.build import UNITS
 from autobalancer.fmus.native.compile import SOURCES, libraries, stamp
 from autobalancer.fmus.native.layout import token
+
+pytest.importorskip("ziglang", reason="no compiler: ziglang is not installed")
 
 HOST = Path(__file__).parent / "host"
 STEPS = 60
