@@ -3,15 +3,12 @@
 
 #include "elementary.h"
 #include "unit.h"
-#include "unit_state.h"
-
-enum { ANY = INSTANTIATED | INITIALISING | RUNNING | TERMINATED };
-enum { LIVING = INITIALISING | RUNNING | TERMINATED };
+#include "unit_front.h"
 
 /* An instance: what the host gave, and the unit. */
 typedef struct {
-    fmi2CallbackFunctions functions;
     Unit *unit;
+    fmi2CallbackFunctions functions;
 } Front;
 
 /* -- messages -------------------------------------------------------------------------------- */
@@ -30,36 +27,22 @@ static void put_literally(Text *text, const char *words)
 /* Warnings and errors are told whether or not debug messages are asked for. */
 static void tell(void *host, const char *instance, Status status, const char *message)
 {
-    static const char *const categories[] = {"logAll", "logStatusWarning", "logStatusDiscard",
-                                             "logStatusError", "logStatusFatal"};
     const fmi2CallbackFunctions *functions = host;
     char literal[2 * MESSAGE_SIZE];
     Text text = text_in(literal, sizeof literal);
     if (functions->logger) {
         put_literally(&text, message);
         functions->logger(functions->componentEnvironment, instance, (fmi2Status)status,
-                          categories[status], literal);
+                          front_category(status), literal);
     }
 }
 
 /* -- life cycle ------------------------------------------------------------------------------ */
 
-static Unit *unit_of(fmi2Component c)
-{
-    return ((Front *)c)->unit;
-}
-
-/* fmi2OK when the call may be made now, and its arrays are there. */
 static fmi2Status allowed(fmi2Component c, const char *function, int phases, size_t count,
                           const void *a, const void *b)
 {
-    if (!c) {
-        return fmi2Error;
-    }
-    if (count && (!a || !b)) {
-        return (fmi2Status)unit_refuse(unit_of(c), function, "an array is missing");
-    }
-    return (fmi2Status)unit_allowed(unit_of(c), function, phases);
+    return (fmi2Status)front_allowed(c, function, phases, count, a, b);
 }
 
 const char *fmi2GetTypesPlatform(void)
@@ -110,13 +93,14 @@ fmi2Component fmi2Instantiate(fmi2String instance, fmi2Type type, fmi2String gui
     front->functions = host;
     front->unit = unit;
     unit->host = &front->functions;
+    unit->may_end_early = 1;
     return front;
 }
 
 void fmi2FreeInstance(fmi2Component c)
 {
     if (c) {
-        unit_free(unit_of(c));
+        unit_free(front_unit(c));
     }
 }
 
@@ -127,34 +111,34 @@ fmi2Status fmi2SetupExperiment(fmi2Component c, fmi2Boolean tolerance_defined, f
     (void)tolerance_defined;
     (void)tolerance;
     return status ? status
-                  : (fmi2Status)unit_setup(unit_of(c), start, stop_defined ? stop : infinity());
+                  : (fmi2Status)unit_setup(front_unit(c), start, stop_defined ? stop : infinity());
 }
 
 fmi2Status fmi2EnterInitializationMode(fmi2Component c)
 {
     const fmi2Status status =
         allowed(c, "fmi2EnterInitializationMode", INSTANTIATED, 0, NULL, NULL);
-    return status ? status : (fmi2Status)unit_enter_initialisation(unit_of(c));
+    return status ? status : (fmi2Status)unit_enter_initialisation(front_unit(c));
 }
 
 fmi2Status fmi2ExitInitializationMode(fmi2Component c)
 {
     const fmi2Status status =
         allowed(c, "fmi2ExitInitializationMode", INITIALISING, 0, NULL, NULL);
-    return status ? status : (fmi2Status)unit_exit_initialisation(unit_of(c));
+    return status ? status : (fmi2Status)unit_exit_initialisation(front_unit(c));
 }
 
 fmi2Status fmi2Terminate(fmi2Component c)
 {
     const fmi2Status status = allowed(c, "fmi2Terminate", RUNNING, 0, NULL, NULL);
-    return status ? status : (fmi2Status)unit_terminate(unit_of(c));
+    return status ? status : (fmi2Status)unit_terminate(front_unit(c));
 }
 
 fmi2Status fmi2Reset(fmi2Component c)
 {
-    const fmi2Status status = allowed(c, "fmi2Reset", ANY, 0, NULL, NULL);
+    const fmi2Status status = allowed(c, "fmi2Reset", ANY_PHASE, 0, NULL, NULL);
     if (!status) {
-        unit_reset(unit_of(c));
+        unit_reset(front_unit(c));
     }
     return status;
 }
@@ -164,25 +148,25 @@ fmi2Status fmi2Reset(fmi2Component c)
 fmi2Status fmi2GetReal(fmi2Component c, const fmi2ValueReference vr[], size_t count,
                        fmi2Real value[])
 {
-    const fmi2Status status = allowed(c, "fmi2GetReal", ANY, count, vr, value);
-    return status ? status : (fmi2Status)unit_get_reals(unit_of(c), vr, count, value);
+    const fmi2Status status = allowed(c, "fmi2GetReal", ANY_PHASE, count, vr, value);
+    return status ? status : (fmi2Status)unit_get_reals(front_unit(c), vr, count, value);
 }
 
 fmi2Status fmi2SetReal(fmi2Component c, const fmi2ValueReference vr[], size_t count,
                        const fmi2Real value[])
 {
     const fmi2Status status =
-        allowed(c, "fmi2SetReal", INSTANTIATED | INITIALISING | RUNNING, count, vr, value);
-    return status ? status : (fmi2Status)unit_set_reals(unit_of(c), vr, count, value);
+        allowed(c, "fmi2SetReal", SETTABLE_PHASES, count, vr, value);
+    return status ? status : (fmi2Status)unit_set_reals(front_unit(c), vr, count, value);
 }
 
 fmi2Status fmi2GetBoolean(fmi2Component c, const fmi2ValueReference vr[], size_t count,
                           fmi2Boolean value[])
 {
-    fmi2Status status = allowed(c, "fmi2GetBoolean", ANY, count, vr, value);
+    fmi2Status status = allowed(c, "fmi2GetBoolean", ANY_PHASE, count, vr, value);
     size_t k;
     for (k = 0; k < count && !status; k++) {
-        status = (fmi2Status)unit_get_boolean(unit_of(c), vr[k], value + k);
+        status = (fmi2Status)unit_get_boolean(front_unit(c), vr[k], value + k);
     }
     return status;
 }
@@ -191,10 +175,10 @@ fmi2Status fmi2SetBoolean(fmi2Component c, const fmi2ValueReference vr[], size_t
                           const fmi2Boolean value[])
 {
     fmi2Status status =
-        allowed(c, "fmi2SetBoolean", INSTANTIATED | INITIALISING | RUNNING, count, vr, value);
+        allowed(c, "fmi2SetBoolean", SETTABLE_PHASES, count, vr, value);
     size_t k;
     for (k = 0; k < count && !status; k++) {
-        status = (fmi2Status)unit_set_boolean(unit_of(c), vr[k], value[k]);
+        status = (fmi2Status)unit_set_boolean(front_unit(c), vr[k], value[k]);
     }
     return status;
 }
@@ -205,7 +189,7 @@ static fmi2Status wrong_type(fmi2Component c, const char *function, size_t count
     if (!c) {
         return fmi2Error;
     }
-    return count ? (fmi2Status)unit_refuse(unit_of(c), function,
+    return count ? (fmi2Status)unit_refuse(front_unit(c), function,
                                            "the unit has Reals and Booleans only")
                  : fmi2OK;
 }
@@ -246,70 +230,34 @@ fmi2Status fmi2SetString(fmi2Component c, const fmi2ValueReference vr[], size_t 
 
 fmi2Status fmi2GetFMUstate(fmi2Component c, fmi2FMUstate *state)
 {
-    const fmi2Status status = allowed(c, "fmi2GetFMUstate", ANY, 1, state, state);
-    State *saved;
-    if (status) {
-        return status;
-    }
-    saved = *state;
-    if (unit_save(unit_of(c), &saved)) {
-        return fmi2Error;
-    }
-    *state = saved;
-    return fmi2OK;
+    return (fmi2Status)front_save(c, "fmi2GetFMUstate", state);
 }
 
 fmi2Status fmi2SetFMUstate(fmi2Component c, fmi2FMUstate state)
 {
-    const fmi2Status status = allowed(c, "fmi2SetFMUstate", ANY, 0, NULL, NULL);
-    return status ? status : (fmi2Status)unit_restore(unit_of(c), state);
+    return (fmi2Status)front_restore(c, "fmi2SetFMUstate", state);
 }
 
 fmi2Status fmi2FreeFMUstate(fmi2Component c, fmi2FMUstate *state)
 {
-    State *saved;
-    if (!c) {
-        return fmi2Error;
-    }
-    if (state) {
-        saved = *state;
-        unit_forget(&saved);
-        *state = NULL;
-    }
-    return fmi2OK;
+    return (fmi2Status)front_forget(c, state);
 }
 
 fmi2Status fmi2SerializedFMUstateSize(fmi2Component c, fmi2FMUstate state, size_t *size)
 {
-    const fmi2Status status = allowed(c, "fmi2SerializedFMUstateSize", ANY, 1, state, size);
-    if (!status) {
-        *size = unit_state_size(unit_of(c));
-    }
-    return status;
+    return (fmi2Status)front_state_size(c, "fmi2SerializedFMUstateSize", state, size);
 }
 
 fmi2Status fmi2SerializeFMUstate(fmi2Component c, fmi2FMUstate state, fmi2Byte bytes[],
                                  size_t size)
 {
-    const fmi2Status status = allowed(c, "fmi2SerializeFMUstate", ANY, 1, state, bytes);
-    return status ? status
-                  : (fmi2Status)unit_serialise(unit_of(c), state, (unsigned char *)bytes, size);
+    return (fmi2Status)front_serialise(c, "fmi2SerializeFMUstate", state, bytes, size);
 }
 
 fmi2Status fmi2DeSerializeFMUstate(fmi2Component c, const fmi2Byte bytes[], size_t size,
                                    fmi2FMUstate *state)
 {
-    const fmi2Status status = allowed(c, "fmi2DeSerializeFMUstate", ANY, 1, bytes, state);
-    State *saved;
-    if (status) {
-        return status;
-    }
-    saved = *state;
-    if (unit_deserialise(unit_of(c), (const unsigned char *)bytes, size, &saved)) {
-        return fmi2Error;
-    }
-    *state = saved;
-    return fmi2OK;
+    return (fmi2Status)front_deserialise(c, "fmi2DeSerializeFMUstate", bytes, size, state);
 }
 
 /* -- derivatives ----------------------------------------------------------------------------- */
@@ -322,7 +270,7 @@ fmi2Status fmi2GetDirectionalDerivative(fmi2Component c, const fmi2ValueReferenc
     fmi2Status status = allowed(c, function, INITIALISING | RUNNING, unknowns, unknown, change);
     status = status ? status : allowed(c, function, INITIALISING | RUNNING, knowns, known, seed);
     return status ? status
-                  : (fmi2Status)unit_directional(unit_of(c), unknown, unknowns, known, knowns,
+                  : (fmi2Status)unit_directional(front_unit(c), unknown, unknowns, known, knowns,
                                                  seed, change);
 }
 
@@ -334,7 +282,7 @@ fmi2Status fmi2SetRealInputDerivatives(fmi2Component c, const fmi2ValueReference
     fmi2Status status = allowed(c, function, INITIALISING | RUNNING, count, vr, value);
     status = status ? status : allowed(c, function, INITIALISING | RUNNING, count, vr, order);
     return status ? status
-                  : (fmi2Status)unit_set_derivatives(unit_of(c), vr, count, order, value);
+                  : (fmi2Status)unit_set_derivatives(front_unit(c), vr, count, order, value);
 }
 
 fmi2Status fmi2GetRealOutputDerivatives(fmi2Component c, const fmi2ValueReference vr[],
@@ -342,10 +290,10 @@ fmi2Status fmi2GetRealOutputDerivatives(fmi2Component c, const fmi2ValueReferenc
                                         fmi2Real value[])
 {
     const char *function = "fmi2GetRealOutputDerivatives";
-    fmi2Status status = allowed(c, function, LIVING, count, vr, value);
-    status = status ? status : allowed(c, function, LIVING, count, vr, order);
+    fmi2Status status = allowed(c, function, AFTER_INSTANTIATION, count, vr, value);
+    status = status ? status : allowed(c, function, AFTER_INSTANTIATION, count, vr, order);
     return status ? status
-                  : (fmi2Status)unit_get_derivatives(unit_of(c), vr, count, order, value);
+                  : (fmi2Status)unit_get_derivatives(front_unit(c), vr, count, order, value);
 }
 
 /* -- the step -------------------------------------------------------------------------------- */
@@ -359,14 +307,14 @@ fmi2Status fmi2DoStep(fmi2Component c, fmi2Real time, fmi2Real step,
     if (status) {
         return status;
     }
-    stepped = unit_step(unit_of(c), time, step);
+    stepped = unit_step(front_unit(c), time, step);
     /* a step that ended early: the host asks for fmi2LastSuccessfulTime */
-    return stepped == STATUS_OK && unit_of(c)->made < step ? fmi2Discard : (fmi2Status)stepped;
+    return stepped == STATUS_OK && front_unit(c)->made < step ? fmi2Discard : (fmi2Status)stepped;
 }
 
 fmi2Status fmi2CancelStep(fmi2Component c)
 {
-    return c ? (fmi2Status)unit_refuse(unit_of(c), "fmi2CancelStep",
+    return c ? (fmi2Status)unit_refuse(front_unit(c), "fmi2CancelStep",
                                        "no step is under way: steps are made while they are asked "
                                        "for")
              : fmi2Error;
@@ -390,7 +338,7 @@ fmi2Status fmi2GetRealStatus(fmi2Component c, const fmi2StatusKind kind, fmi2Rea
     if (!c || !value || kind != fmi2LastSuccessfulTime) {
         return no_status(c);
     }
-    *value = unit_of(c)->time;
+    *value = front_unit(c)->time;
     return fmi2OK;
 }
 

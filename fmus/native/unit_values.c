@@ -2,13 +2,14 @@
 #include "elementary.h"
 #include "unit.h"
 
-/* 0, or 1 and which of the value references there are not. */
-static int unknown(Unit *unit, const unsigned *references, size_t count, size_t known)
+/* 0, or 1 and which of the value references are not within the known ones. */
+static int unknown(Unit *unit, const unsigned *references, size_t count, size_t first,
+                   size_t known)
 {
     Text *reason = NULL;
     size_t k;
     for (k = 0; k < count; k++) {
-        if (references[k] >= known) {
+        if (references[k] - first >= known) {
             if (reason) {
                 text_put(reason, ", ");
             } else {
@@ -19,8 +20,10 @@ static int unknown(Unit *unit, const unsigned *references, size_t count, size_t 
         }
     }
     if (reason && known) {
-        text_put(reason, "]: unknown, there are 0 to ");
-        text_integer(reason, (unsigned long)(known - 1));
+        text_put(reason, "]: unknown, there are ");
+        text_integer(reason, (unsigned long)first);
+        text_put(reason, " to ");
+        text_integer(reason, (unsigned long)(first + known - 1));
     } else if (reason) {
         text_put(reason, "]: unknown, there are none");
     }
@@ -61,7 +64,7 @@ Status unit_get_reals(Unit *unit, const unsigned *references, size_t count, doub
 {
     int level = BEGINNING;
     size_t k;
-    if (unknown(unit, references, count, unit->layout.real_count)) {
+    if (unknown(unit, references, count, 0, unit->layout.real_count)) {
         return unit_report(unit, STATUS_ERROR, "reading failed");
     }
     for (k = 0; k < count; k++) {
@@ -87,7 +90,7 @@ static int not_settable(Unit *unit, const unsigned *references, size_t count,
     size_t k;
     outputs.first = layout->computed.first;
     outputs.count = layout->computed.count + layout->observed.count;
-    if (unknown(unit, references, count, layout->real_count) ||
+    if (unknown(unit, references, count, 0, layout->real_count) ||
         refused(unit, references, count, outputs, ": outputs cannot be set") ||
         (unit->phase == RUNNING && refused(unit, references, count, layout->parameters,
                                            ": fixed once initialisation has ended"))) {
@@ -130,24 +133,24 @@ Status unit_set_reals(Unit *unit, const unsigned *references, size_t count, cons
 
 Status unit_get_boolean(Unit *unit, unsigned reference, int *value)
 {
-    if (unknown(unit, &reference, 1, unit->layout.boolean_count)) {
+    if (unknown(unit, &reference, 1, unit->first_boolean, unit->layout.boolean_count)) {
         return unit_report(unit, STATUS_ERROR, "reading failed");
     }
-    *value = unit->boolean[reference];
+    *value = unit->boolean[reference - unit->first_boolean];
     return STATUS_OK;
 }
 
 Status unit_set_boolean(Unit *unit, unsigned reference, int value)
 {
-    if (unknown(unit, &reference, 1, unit->layout.boolean_count)) {
+    if (unknown(unit, &reference, 1, unit->first_boolean, unit->layout.boolean_count)) {
         return unit_report(unit, STATUS_ERROR, "setting failed");
     }
     if (unit->phase == RUNNING) {
-        text_put(unit_reason(unit), unit->layout.table->flags[reference].name);
+        text_put(unit_reason(unit), unit->layout.table->flags[reference - unit->first_boolean].name);
         text_put(&unit->reason, ": fixed once initialisation has ended");
         return unit_report(unit, STATUS_ERROR, "setting failed");
     }
-    unit->boolean[reference] = value != 0;
+    unit->boolean[reference - unit->first_boolean] = value != 0;
     unit->stale = BEGINNING;
     return STATUS_OK;
 }
