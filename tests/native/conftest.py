@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import ctypes
+import importlib.util
 import math
 import re
 import subprocess
+import sys
 from collections.abc import Sequence
 from ctypes import POINTER, byref, c_char_p, c_double, c_int, c_size_t
 from pathlib import Path
@@ -28,6 +30,18 @@ CORE = [
     "variable_speed",
     "weights",
     "liquid",
+    "track",
+    "centre",
+    "roots",
+    "contact",
+    "resistance",
+    "ring",
+    "groups",
+    "event_functions",
+    "impacts",
+    "events",
+    "motion",
+    "pulse",
 ]
 FLAGS = [
     "-std=c99",
@@ -137,27 +151,42 @@ Weights = _struct(
 )
 Quadrature = _struct("Quadrature", damping_rate=c_double, step=c_double, response=c_double * 10)
 Liquid = _struct("Liquid", "chamber_radius float_radius height density")
+Track = _struct(
+    "Track",
+    weights=Weights,
+    **dict.fromkeys(["weight_radius", "restitution", "rolling_resistance"], c_double),
+    offset=Complex,
+    **dict.fromkeys(["alpha", "lever", "grip", "damping_rate", "moment"], c_double),
+    **dict.fromkeys(["solid", "full", "eventful"], c_int),
+)
+Moved = _struct(
+    "Moved",
+    **dict.fromkeys(["angles", "speeds", "contacts"], _D),
+    impulse=Complex,
+    events=c_int,
+    reached=c_double,
+)
 
 STRUCTURES = (
     Complex, Failure, LinearRotor, Planar, TwoSupport, Flexible, VariableSpeedStep, Weights,
-    Quadrature, Liquid,
+    Quadrature, Liquid, Track, Moved,
 )  # fmt: skip
 
 _RETURNS = {
     c_double: (
         "square_root copy_sign nearest scaled_by_power sine cosine natural_exp arc_sine hypotenuse"
         " modulo ieee_remainder weights_spread weights_added_mass weights_damping_rate fastest_rate"
-        " liquid_gap liquid_mass liquid_added_mass liquid_clearance"
+        " liquid_gap liquid_mass liquid_added_mass liquid_clearance group_factor lowest"
     ),
-    Complex: "rect weights_static_moment liquid_reaction",
+    Complex: "rect weights_static_moment liquid_reaction track_static_moment hat_half strike",
     c_size_t: (
         "linear_rotor_size linear_rotor_flexible_scratch step_matrix_scratch variable_speed_size"
-        " variable_speed_scratch"
+        " variable_speed_scratch track_scratch"
     ),
     Quadrature: "quadrature_empty",
     _D: "quadrature",
     LinearRotor: "linear_rotor_in linear_rotor_with_added_mass",
-    None: "phi_functions weights_reaction variable_speed_plane_motion along_track",
+    None: "phi_functions weights_reaction variable_speed_plane_motion along_track discharge",
 }
 
 
@@ -254,3 +283,22 @@ def _argument(value: Any) -> Any:
 def core(tmp_path_factory: pytest.TempPathFactory) -> Core:
     """The equations in C, compiled by the C compiler of this machine."""
     return Core(compile_library(tmp_path_factory.mktemp("native") / "core.so"))
+
+
+@pytest.fixture(scope="session")
+def packaging() -> Any:
+    """The module beside this one: native FMUs and their host."""
+    path = Path(__file__).with_name("packaging.py")
+    spec = importlib.util.spec_from_file_location("native_packaging", path)
+    assert spec
+    assert spec.loader
+    module = importlib.util.module_from_spec(spec)
+    sys.modules[spec.name] = module
+    spec.loader.exec_module(module)
+    return module
+
+
+@pytest.fixture(scope="session")
+def fmus(packaging: Any, tmp_path_factory: pytest.TempPathFactory) -> Any:
+    """Builds native and Python FMUs."""
+    return packaging.Packager(tmp_path_factory.mktemp("units"))

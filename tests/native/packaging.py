@@ -1,16 +1,22 @@
-"""Native FMUs for the tests: the C sources compiled here, zipped with the Python units' description."""
+"""Native FMUs for the tests: the C sources compiled, zipped with the Python units' description."""
 
 from __future__ import annotations
 
 import itertools
 import subprocess
 import zipfile
+from collections.abc import Callable
 from pathlib import Path
 
+import fmpy
+from fmpy import fmi2
+from fmpy.fmi1 import FMICallException
+
 from autobalancer.fmus.build import UNITS, build, contents
+from autobalancer.fmus.native import layout
 from autobalancer.fmus.native.layout import header, token
 
-SOURCES = Path(__file__).parents[2] / "fmus" / "native"
+SOURCES = Path(layout.__file__).parent
 STAMP = "0123456789abcdef"
 FLAGS = (
     "-std=c99",
@@ -100,3 +106,76 @@ class Packager:
             archive.writestr("modelDescription.xml", description)
             archive.write(self.library, f"binaries/linux64/{unit}.so")
         return path
+
+
+class Host:
+    """An FMI 2.0 FMU under fmpy, with access by name.
+
+    Attributes:
+        messages: texts the unit has logged, with their status.
+    """
+
+    def __init__(self, path: Path, name: str = "unit") -> None:
+        self.description = fmpy.read_model_description(str(path))
+        self.variables = {v.name: v for v in self.description.modelVariables}
+        self.messages: list[tuple[int, str]] = []
+        self.callbacks = fmi2.fmi2CallbackFunctions()
+        self._logger = fmi2.fmi2CallbackLoggerTYPE(self._log)  # kept alive for the C side
+        self.callbacks.logger = self._logger
+        self.callbacks.allocateMemory = fmi2.defaultCallbacks.allocateMemory
+        self.callbacks.freeMemory = fmi2.defaultCallbacks.freeMemory
+        self.slave = fmi2.FMU2Slave(
+            guid=self.description.guid,
+            unzipDirectory=fmpy.extract(str(path)),
+            modelIdentifier=self.description.coSimulation.modelIdentifier,
+            instanceName=name,
+        )
+        self.slave.instantiate(callbacks=self.callbacks, loggingOn=True)
+        self.time = 0.0
+
+    def _log(self, _environment, _instance, status, _category, message) -> None:
+        self.messages.append((status, (message or b"").decode()))
+
+    def begin(self, values: dict[str, float | bool] | None = None) -> Host:
+        """From instantiation, or after a reset, to the end of initialisation."""
+        self.time = 0.0
+        self.slave.setupExperiment()
+        self.slave.enterInitializationMode()
+        self.set(values or {})
+        self.slave.exitInitializationMode()
+        return self
+
+    def set(self, values: dict[str, float | bool]) -> None:
+        """Set variables by name."""
+        for name, value in values.items():
+            reference = [self.variables[name].valueReference]
+            if isinstance(value, bool):
+                self.slave.setBoolean(reference, [value])
+            else:
+                self.slave.setReal(reference, [value])
+
+    def get(self, *names: str) -> list[float]:
+        """Values of Reals by name."""
+        return self.slave.getReal([self.variables[name].valueReference for name in names])
+
+    def outputs(self) -> list[float]:
+        """All outputs."""
+        return self.get(*(n for n, v in self.variables.items() if v.causality == "output"))
+
+    def step(self, length: float) -> None:
+        """One communication step from where the unit is."""
+        self.slave.doStep(self.time, length)
+        self.time += length
+
+    def refused(self, call: Callable[[], object]) -> str:
+        """The last reason logged for a call that must fail."""
+        before = len(self.messages)
+        try:
+            call()
+        except FMICallException:
+            assert len(self.messages) > before, "no reason was logged"
+            return self.messages[-1][1]
+        raise AssertionError("the call was not refused")
+
+    def free(self) -> None:
+        self.slave.freeInstance()
