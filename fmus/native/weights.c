@@ -2,9 +2,6 @@
 
 #include "elementary.h"
 
-#define TURN_PER_SUBSTEP 0.15 /* rad of weight motion: the error of a step is then below 1e-6 */
-#define MAX_ITERATIONS 12 /* the fixed point gains about two digits an iteration; more: divergence */
-#define CONVERGED 1e-14   /* relative to the size of the change over the substep */
 #define MAX_SUBSTEPS 1000000
 #define FAR 1e4 /* rad: beyond, whole turns are taken off while a step is computed */
 
@@ -160,7 +157,7 @@ int weights_substep(double *angle, double *speed, const Complex *ends, double ga
                 magnitude(ends[0]));
 }
 
-static double largest_of(int count, const double *values)
+double largest_of(int count, const double *values)
 {
     double largest = absolute(values[0]);
     int k;

@@ -6,6 +6,10 @@
 #include "complex_number.h"
 #include "failure.h"
 
+#define TURN_PER_SUBSTEP 0.15 /* rad of weight motion: the error of a step is then below 1e-6 */
+#define MAX_ITERATIONS 12 /* the fixed point gains about two digits an iteration; more: divergence */
+#define CONVERGED 1e-14   /* relative to the size of the change over the substep */
+
 /* N equal weights on one circular track. */
 typedef struct {
     int count;           /* N */
@@ -44,6 +48,9 @@ void along_track(Complex a, Complex da, double angle, double speed, double gain,
 /* One weight over one substep, in place; `ends` is acceleration and slope at both ends. */
 int weights_substep(double *angle, double *speed, const Complex *ends, double gain, double spin_up,
                     const double *response, double step, Failure *failure);
+
+/* Largest absolute value of `count` >= 1. */
+double largest_of(int count, const double *values);
 
 /* Rate [rad/s] that no weight exceeds by much within a step, and the strongest acceleration. */
 double fastest_rate(int count, const double *speeds, const Complex *signal, double gain,
