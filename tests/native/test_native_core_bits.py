@@ -30,7 +30,29 @@ def _bits(core):
         "weights_advance", byref(native), angles, speeds, signal * 1e3, 7.0, 1e-2, moved, rates,
         byref(core("quadrature_empty")),
     )  # fmt: skip
-    return b"".join(values.tobytes() for values in [*results, moved, rates])
+    return b"".join(values.tobytes() for values in [*results, moved, rates, *_contact(core)])
+
+
+def _contact(core):
+    """Where weights are, how fast, and who touches whom, after steps with collisions."""
+    points = core.structures.Weights(4, 0.01, 0.05, 0.05, 1.4)
+    offset = core.structures.Complex(1e-5, 0.0)
+    track = core.structures.Track(points, 0.01, 0.4, 1e-3, offset)
+    core.demand("track_prepare", byref(track))
+    scratch = np.empty(core("track_scratch", 4))
+    state = [np.array([0.0, 1.0, 2.0, 4.0]), np.array([9.0, -3.0, 0.0, -8.0]), np.zeros(4)]
+    signal, events = np.array([50.0, 20.0, 3e3, -9e2, 1e5, 0.0, 0.0, 1e6]), 0
+    for _ in range(60):
+        ends = [np.empty(4) for _ in range(3)]
+        arrays = (x.ctypes.data_as(ctypes.POINTER(ctypes.c_double)) for x in ends)
+        moved = core.structures.Moved(*arrays)
+        core.demand(
+            "track_advance", byref(track), *state, signal, 200.0, 5.0, 5e-3, 0, byref(moved),
+            scratch,
+        )  # fmt: skip
+        state, events = ends, events + moved.events
+    assert events > 10
+    return state
 
 
 @pytest.mark.parametrize(
