@@ -232,10 +232,22 @@ static int breaks_away(EventFunction *event, const Instant *later)
     return 1;
 }
 
+int may_happen(const EventFunctions *functions, int kind)
+{
+    const WeightsInOrder *weights = functions->weights;
+    const int groups = weights->groups.runs.count;
+    if (kind == GAP_CLOSES) {
+        return weights->track->solid && groups > 1;
+    }
+    if (kind == PULLED_OPEN) {
+        return groups < weights->count && !weights->track->full;
+    }
+    return weights->track->grip > 0.0;
+}
+
 int find_event_function(EventFunctions *functions, int kind, int i, const Instant *later,
                         double length, EventFunction *event)
 {
-    const Track *track = functions->weights->track;
     const Groups *groups = &functions->weights->groups;
     event->functions = functions;
     event->kind = kind;
@@ -245,9 +257,9 @@ int find_event_function(EventFunctions *functions, int kind, int i, const Instan
     event->upper = length;
     switch (kind) {
     case GAP_CLOSES:
-        return track->solid && groups->runs.count > 1 && gap_closes(event, length);
+        return gap_closes(event, length);
     case PULLED_OPEN:
-        return groups->runs.size[i] > 1 && !track->full && pulled_open(event, later);
+        return groups->runs.size[i] > 1 && pulled_open(event, later);
     case COMES_TO_REST:
         return groups->sign[i] != 0.0 && comes_to_rest(event, later, length);
     default:

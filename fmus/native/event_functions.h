@@ -32,6 +32,9 @@ typedef struct {
 /* Value of an event function `time` after its instant; NaN when the weights' step fails. */
 double event_value(const EventFunction *event, double time);
 
+/* Whether a kind of event is possible at all. */
+int may_happen(const EventFunctions *functions, int kind);
+
 /* Find that of group i, if it has changed sign, or may have done so twice, within `length`; 1 when
    there is one.  The groups' end_middle and end_rate are those at the instant `later`. */
 int find_event_function(EventFunctions *functions, int kind, int i, const Instant *later,

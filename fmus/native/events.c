@@ -69,7 +69,8 @@ static double earliest(EventFunctions *functions, const Instant *later, double l
     int kind, i;
     event->kind = -1;
     for (kind = 0; kind < KINDS; kind++) {
-        for (i = 0; i < weights->groups.runs.count && !weights->failure->code; i++) {
+        const int count = may_happen(functions, kind) ? weights->groups.runs.count : 0;
+        for (i = 0; i < count && !weights->failure->code; i++) {
             EventFunction candidate;
             if (!find_event_function(functions, kind, i, later, length, &candidate)) {
                 continue;
