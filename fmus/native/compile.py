@@ -250,10 +250,8 @@ def _declarations() -> str:
     """Hash of the Python sources that layout.h may come from."""
     root = SOURCES.parent.parent
     total = hashlib.sha256()
-    for folder in (SOURCES.parent, root / "models"):
-        for path in sorted(folder.glob("*.py")):
-            total.update(f"{path.name}\0{_text(path)}\0".encode())
-    total.update(_text(SOURCES / "layout.py").encode())
+    for path in sorted([*(root / "fmus").rglob("*.py"), *(root / "models").rglob("*.py")]):
+        total.update(f"{path.relative_to(root).as_posix()}\0{_text(path)}\0".encode())
     return total.hexdigest()
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import struct
 from collections.abc import Callable, Iterable, Sequence
+from xml.etree.ElementTree import Element, SubElement, indent, tostring
 
 from ..slave import Unit
 from .compile import PLATFORMS, generated, libraries, sources, stamp
@@ -43,8 +44,10 @@ def native_files(
     }
     texts = {**sources(), "layout.h": generated("layout.h"), "stamp.h": generated("stamp.h")}
     files.update((f"sources/{name}", text.encode()) for name, text in texts.items())
-    units = sorted(name for name in texts if name.endswith(".c"))
-    files["modelDescription.xml"] = describe(token(unit.__name__, unit.options, stamp()), units)
+    compiled = sorted(name for name in texts if name.endswith(".c"))
+    if fmi == 3:
+        files["sources/buildDescription.xml"] = _build_description(identifier, compiled)
+    files["modelDescription.xml"] = describe(token(unit.__name__, unit.options, stamp()), compiled)
     return files
 
 
@@ -75,6 +78,17 @@ def universal(libraries: Sequence[bytes]) -> bytes:
         header += struct.pack(">IIIII", *processor, start + len(body), len(library), _PAGE)
         body += library
     return header.ljust(start, b"\0") + body
+
+
+def _build_description(identifier: str, compiled: Sequence[str]) -> bytes:
+    """How a tool makes the library from sources/, in FMI 3.0."""
+    root = Element("fmiBuildDescription", {"fmiVersion": "3.0"})
+    configuration = SubElement(root, "BuildConfiguration", {"modelIdentifier": identifier})
+    files = SubElement(configuration, "SourceFileSet", {"language": "C99"})
+    for name in compiled:
+        SubElement(files, "SourceFile", {"name": name})
+    indent(root)
+    return b'<?xml version="1.0" encoding="UTF-8"?>\n' + tostring(root, "utf-8") + b"\n"
 
 
 def _suffix(folder: str) -> str:

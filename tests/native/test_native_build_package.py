@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import hashlib
+import re
 import shutil
 import subprocess
 import sys
@@ -18,9 +19,9 @@ import pytest
 from fmpy.build import build_platform_binary
 from fmpy.validation import validate_fmu
 
-from autobalancer.fmus.build import build, content_id, contents, identity
-from autobalancer.fmus.native.compile import SOURCES, libraries
-from autobalancer.fmus.native.package import universal
+from autobalancer.fmus.build import UNITS, build, content_id, contents, identity
+from autobalancer.fmus.native.compile import PLATFORMS, SOURCES, libraries, stamp
+from autobalancer.fmus.native.package import native_files, universal
 
 pytest.importorskip("ziglang", reason="no compiler: ziglang is not installed")
 
@@ -77,11 +78,17 @@ def test_two_builds_have_the_same_bytes(tmp_path):
     assert one == other
 
 
-def test_the_identity_of_a_native_unit_is_its_token(tmp_path):
+def test_guid_says_unit_sizes_layout_and_sources():
+    files = contents("BallBalancer", backend="native", weights=3)
+    guid = ElementTree.fromstring(files["modelDescription.xml"]).get("guid")
+    assert re.fullmatch(rf"BallBalancer/frame=rotor/weights=3/[0-9a-f]{{16}}-{stamp()}", guid)
+
+
+def test_the_identity_of_a_native_unit_is_that_of_its_file(tmp_path):
     options = {"weights": 3, "backend": "native"}
-    path = build("BallBalancer", tmp_path, **options)
-    assert content_id(path) == identity("BallBalancer", **options)
-    assert content_id(path).startswith("BallBalancer/frame=rotor/weights=3/")
+    assert content_id(build("BallBalancer", tmp_path, **options)) == identity(
+        "BallBalancer", **options
+    )
 
 
 def test_fmi_2_folders_serve_x86_and_arm(tmp_path):
@@ -98,6 +105,18 @@ def test_fmi_2_folders_serve_x86_and_arm(tmp_path):
         assert archive.read("binaries/linux64/liquid.so") == made["x86_64-linux"]
         both = universal([made["x86_64-darwin"], made["aarch64-darwin"]])
         assert archive.read("binaries/darwin64/liquid.dylib") == both
+
+
+def test_fmi_3_folders_are_named_as_the_platforms_are_and_the_build_is_described():
+    unit = UNITS["LiquidBalancer"].configured(frame="rotor")
+    files = native_files(unit, "liquid", lambda token, sources: b"", fmi=3)
+    found = {name for name in files if name.startswith("binaries/")}
+    suffixes = {"linux": "so", "windows": "dll", "darwin": "dylib"}
+    assert found == {f"binaries/{name}/liquid.{suffixes[name.split('-')[1]]}" for name in PLATFORMS}
+    made = ElementTree.fromstring(files["sources/buildDescription.xml"])
+    assert made.find("BuildConfiguration").get("modelIdentifier") == "liquid"
+    listed = {file.get("name") for file in made.iter("SourceFile")}
+    assert listed == {source.name for source in SOURCES.glob("*.c")}
 
 
 @pytest.mark.parametrize(
@@ -118,7 +137,7 @@ def test_chosen_platforms_and_no_other(platforms, folders, tmp_path):
 def test_a_platform_that_does_not_exist_is_refused(tmp_path):
     with pytest.raises(ValueError, match=r"'amiga': must be one of 'x86_64-linux'"):
         native("LiquidBalancer", tmp_path, platforms=["amiga"])
-    with pytest.raises(ValueError, match="for native units alone"):
+    with pytest.raises(ValueError, match=r"platforms.*native units"):
         build("LiquidBalancer", tmp_path, platforms=["x86_64-linux"])
     assert list(tmp_path.iterdir()) == []
 
