@@ -225,40 +225,51 @@ Status unit_serialise(Unit *unit, const State *state, unsigned char *bytes, size
     return STATUS_OK;
 }
 
-/* Why bytes with a right checksum are no state all the same, or NULL. */
-static const char *wrong_content(const Unit *unit, const State *state)
+/* 0, or 1 and why bytes with a right checksum are no state all the same. */
+static int wrong_content(Unit *unit, const State *state)
 {
     const int phase = state->phase;
+    const size_t computed = unit->layout.computed.first, real = unit->layout.real_count;
+    Text *reason = unit_reason(unit);
     size_t k;
     if (state->count != value_count(unit) ||
         (phase != INSTANTIATED && phase != INITIALISING && phase != RUNNING &&
          phase != TERMINATED) ||
         state->stale < FRESH || state->stale > BEGINNING) {
-        return "the bytes are no state of this unit";
+        text_put(reason, "the bytes are no state of this unit");
+        return 1;
     }
-    for (k = 0; k < state->count; k++) {
-        /* outputs are computed anew before they are read, and may be what a failed step left */
-        const int output = k >= unit->layout.computed.first && k < unit->layout.real_count;
-        if (!output && !is_finite(state->values[k])) {
-            return "the bytes hold numbers that are not finite";
+    if (!is_finite(state->time)) {
+        text_put(reason, "the bytes hold a time that is not finite");
+        return 1;
+    }
+    for (k = 0; k < computed; k++) {
+        if (layout_problem(&unit->layout, k, state->values[k], reason)) {
+            return 1;
         }
     }
-    return is_finite(state->time) ? NULL : "the bytes hold a time that is not finite";
+    /* outputs are computed anew before they are read, and may be what a failed step left */
+    for (k = real; k < state->count; k++) {
+        if (!is_finite(state->values[k])) {
+            text_put(reason, "the bytes hold numbers that are not finite");
+            return 1;
+        }
+    }
+    return 0;
 }
 
 Status unit_deserialise(Unit *unit, const unsigned char *bytes, size_t size, State **state)
 {
     const char *what = "reading a serialised state failed";
     const size_t values = value_count(unit);
-    const unsigned char *at = bytes, *checksum = bytes + size - TRAILER;
-    const char *wrong = NULL;
+    const size_t expected = unit_state_size(unit), least = expected - 8 * values;
+    const unsigned char *at = bytes, *checksum = bytes + (size < least ? 0 : size - TRAILER);
     State *made;
     size_t k;
     if (*state && check(unit, *state, what)) {
         return STATUS_ERROR;
     }
-    if (size < unit_state_size(unit) - 8 * values || take_number(&at, 4) != MAGIC ||
-        take_number(&at, 4) != VERSION ||
+    if (size < least || take_number(&at, 4) != MAGIC || take_number(&at, 4) != VERSION ||
         take_number(&checksum, TRAILER) != hash_bytes(hash_start(), bytes, size - TRAILER)) {
         return refuse(unit, what, "the bytes are damaged, or are not those of such a state");
     }
@@ -277,16 +288,13 @@ Status unit_deserialise(Unit *unit, const unsigned char *bytes, size_t size, Sta
     made->time = take_double(&at);
     made->phase = (int)take_number(&at, 4);
     made->stale = (int)take_number(&at, 4);
-    if (made->count != values || size != unit_state_size(unit)) {
-        wrong = "the bytes are no state of this unit";
-    }
-    for (k = 0; !wrong && k < values; k++) {
+    for (k = 0; k < values && size == expected; k++) {
         made->values[k] = take_double(&at);
     }
-    wrong = wrong ? wrong : wrong_content(unit, made);
-    if (wrong) {
+    made->count = size == expected ? made->count : 0;
+    if (wrong_content(unit, made)) {
         unit_forget(&made);
-        return refuse(unit, what, wrong);
+        return unit_report(unit, STATUS_ERROR, what);
     }
     unit_forget(state);
     *state = made;
