@@ -41,19 +41,65 @@ static int is_zero(int parts, const double *element)
     return element[0] == 0.0 && (parts == 1 || element[1] == 0.0);
 }
 
+/* Four real terms at once: `to` is read and written a quarter as often. */
+static void add_four(int count, const double *factors, const double *from, size_t stride,
+                     double *to)
+{
+    const double a = factors[0], b = factors[1], c = factors[2], d = factors[3];
+    const double *p = from, *q = p + stride, *r = q + stride, *s = r + stride;
+    int j;
+    if (a == 0.0 && b == 0.0 && c == 0.0 && d == 0.0) { /* the matrices here are half empty */
+        return;
+    }
+    for (j = 0; j < count; j++) {
+        to[j] = (((to[j] + a * p[j]) + b * q[j]) + c * r[j]) + d * s[j];
+    }
+}
+
+/* Two complex terms at once. */
+static void add_two(int count, const double *factors, const double *from, size_t stride, double *to)
+{
+    const double a = factors[0], b = factors[1], c = factors[2], d = factors[3];
+    const double *p = from, *q = p + stride;
+    int j;
+    if (a == 0.0 && b == 0.0 && c == 0.0 && d == 0.0) {
+        return;
+    }
+    for (j = 0; j < 2 * count; j += 2) {
+        to[j] = (to[j] + (a * p[j] - b * p[j + 1])) + (c * q[j] - d * q[j + 1]);
+        to[j + 1] = (to[j + 1] + (a * p[j + 1] + b * p[j])) + (c * q[j + 1] + d * q[j]);
+    }
+}
+
+void add_multiples(int parts, int count, int terms, const double *factors, const double *from,
+                   size_t stride, double *to)
+{
+    int k = 0;
+    if (parts == 1) {
+        for (; k + 4 <= terms; k += 4) {
+            add_four(count, factors + k, from + k * stride, stride, to);
+        }
+    } else {
+        for (; k + 2 <= terms; k += 2) {
+            add_two(count, factors + 2 * k, from + k * stride, stride, to);
+        }
+    }
+    for (; k < terms; k++) {
+        if (!is_zero(parts, factors + k * parts)) {
+            add_multiple(parts, count, factors + k * parts, from + k * stride, to);
+        }
+    }
+}
+
 void matrix_product(int parts, int rows, int inner, int columns, const double *a, const double *b,
                     double *result)
 {
-    int i, k;
+    const size_t across = (size_t)columns * parts;
+    int i;
+    fill_doubles(rows * across, 0.0, result);
     for (i = 0; i < rows; i++) {
-        const double *row = a + (size_t)i * inner * parts;
-        double *to = result + (size_t)i * columns * parts;
-        fill_doubles((size_t)columns * parts, 0.0, to);
-        for (k = 0; k < inner; k++) {
-            if (!is_zero(parts, row + k * parts)) { /* the matrices here are half empty */
-                add_multiple(parts, columns, row + k * parts, b + (size_t)k * columns * parts, to);
-            }
-        }
+        add_multiples(parts, columns, inner, a + (size_t)i * inner * parts, b, across,
+                      result + i * across);
     }
 }
 

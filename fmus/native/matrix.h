@@ -13,6 +13,11 @@ void fill_doubles(size_t count, double value, double *to);
 /* `to` becomes to + factor from; `factor` is one element, `from` and `to` have `count`. */
 void add_multiple(int parts, int count, const double *factor, const double *from, double *to);
 
+/* `to` becomes to + sum of factors[k] times row k of `from`, for `terms` rows that stand `stride`
+   doubles apart; term by term, so that the order of rounding does not depend on how it is done. */
+void add_multiples(int parts, int count, int terms, const double *factors, const double *from,
+                   size_t stride, double *to);
+
 /* result (rows, columns) = a (rows, inner) b (inner, columns); result apart from a and b. */
 void matrix_product(int parts, int rows, int inner, int columns, const double *a, const double *b,
                     double *result);

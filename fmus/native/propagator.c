@@ -27,18 +27,16 @@ static double norm_of(int parts, int size, const double *matrix)
 static void upper_product(int parts, int size, int upper, const double *a, const double *b,
                           double *result)
 {
-    const size_t width = (size_t)size * parts;
-    int i, k;
+    const size_t width = (size_t)size * parts, corner = upper * width + (size_t)upper * parts;
+    int i;
     fill_doubles(width * size, 0.0, result);
     for (i = 0; i < size; i++) {
-        for (k = i < upper ? 0 : upper; k < size; k++) {
-            const double *factor = a + i * width + k * parts;
-            const int from = k < upper ? 0 : upper;
-            if (factor[0] != 0.0 || (parts == 2 && factor[1] != 0.0)) {
-                add_multiple(parts, size - from, factor, b + k * width + from * parts,
-                             result + i * width + from * parts);
-            }
+        const double *factors = a + i * width;
+        if (i < upper) {
+            add_multiples(parts, size, upper, factors, b, width, result + i * width);
         }
+        add_multiples(parts, size - upper, size - upper, factors + (size_t)upper * parts, b + corner,
+                      width, result + i * width + (size_t)upper * parts);
     }
 }
 
