@@ -1,7 +1,6 @@
 #include "groups.h"
 
 #include "elementary.h"
-#include "resistance.h"
 
 void fill_drives(WeightsInOrder *weights, int first, int size, const Instant *now,
                  double angular_acceleration)
@@ -94,7 +93,7 @@ void find_groups(WeightsInOrder *weights, const Instant *now, double angular_acc
     }
 }
 
-static SlidingGroup sliding_group(const WeightsInOrder *weights, int i)
+SlidingGroup sliding_group(const WeightsInOrder *weights, int i)
 {
     const Track *track = weights->track;
     SlidingGroup group;

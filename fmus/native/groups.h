@@ -3,6 +3,7 @@
 #define AUTOBALANCER_GROUPS_H
 
 #include "centre.h"
+#include "resistance.h"
 #include "ring.h"
 
 #define PULL 1e-12 /* of the largest drive: tension that is rounding */
@@ -13,6 +14,9 @@ void fill_drives(WeightsInOrder *weights, int first, int size, const Instant *no
 
 /* Set `groups`: who moves together now; contacts that are pulled open are dropped. */
 void find_groups(WeightsInOrder *weights, const Instant *now, double angular_acceleration);
+
+/* Group i as one that slides. */
+SlidingGroup sliding_group(const WeightsInOrder *weights, int i);
 
 /* Middle and rate of group i after `step`; on failure the weights' failure is set. */
 void moved(WeightsInOrder *weights, int i, const Instant *now, const Instant *later,

@@ -33,8 +33,8 @@ int track_first_contacts(const Track *track, const double *angles, const double 
 
 /* Move every weight over one communication step.
 
-   angles, speeds, contacts: state, contacts all 0 for a fresh start; the arrays of `moved`, apart
-   from them, have no meaning after a failure.  signal: (4,) acceleration of the plane's centre in
+   angles, speeds, contacts: state, contacts all 0 for a fresh start; the arrays of `moved`
+   may be the same, and have no meaning after a failure.  signal: (4,) acceleration of the plane's centre in
    the rotor frame at the start of the step and its derivatives.  stop_at_contact: end behind the
    first collision. */
 int track_advance(const Track *track, const double *angles, const double *speeds,

@@ -178,10 +178,22 @@ double fastest_rate(int count, const double *speeds, const Complex *signal, doub
     return largest_of(count, speeds) + square_root(-strength * gain) + gained;
 }
 
-/* Whole turns of an angle [rad]. */
-static double turns_of(double angle)
+/* Move one weight over `count` substeps of h. */
+static int move(double *angle, double *speed, int count, double h, const Complex *signal,
+                double gain, double spin_up, const double *response, Failure *failure)
 {
-    return TAU * nearest(angle / TAU);
+    Complex ends[4];
+    int j, code = FINE;
+    ends[0] = signal[0];
+    ends[1] = signal[1];
+    for (j = 1; j <= count && !code; j++) {
+        ends[2] = cubic_value(signal, j * h);
+        ends[3] = cubic_slope(signal, j * h);
+        code = weights_substep(angle, speed, ends, gain, spin_up, response, h, failure);
+        ends[0] = ends[2];
+        ends[1] = ends[3];
+    }
+    return code;
 }
 
 int weights_advance(const Weights *weights, const double *angles, const double *speeds,
@@ -195,8 +207,7 @@ int weights_advance(const Weights *weights, const double *angles, const double *
     double strongest, turns, h, sum = 0.0;
     const double fastest =
         fastest_rate(n, speeds, signal, gain, spin_up, rate, step, &strongest);
-    Complex ends[4];
-    int j, k, count, far, code = FINE;
+    int k, count, far, code = FINE;
     for (k = 0; k < n; k++) {
         sum += angles[k];
     }
@@ -213,24 +224,12 @@ int weights_advance(const Weights *weights, const double *angles, const double *
     response = quadrature(memory, rate, h);
     /* the iteration's end is judged by the angle: turns behind a weight must not loosen it */
     far = largest_of(n, angles) > FAR;
-    for (k = 0; k < n; k++) {
-        new_angles[k] = far ? angles[k] - turns_of(angles[k]) : angles[k];
-        new_speeds[k] = speeds[k];
-    }
-    ends[0] = signal[0];
-    ends[1] = signal[1];
-    for (j = 1; j <= count && !code; j++) {
-        ends[2] = cubic_value(signal, j * h);
-        ends[3] = cubic_slope(signal, j * h);
-        for (k = 0; k < n && !code; k++) {
-            code = weights_substep(&new_angles[k], &new_speeds[k], ends, gain, spin_up, response,
-                                   h, failure);
-        }
-        ends[0] = ends[2];
-        ends[1] = ends[3];
-    }
-    for (k = 0; k < n && far; k++) {
-        new_angles[k] += turns_of(angles[k]);
+    for (k = 0; k < n && !code; k++) {
+        const double behind = far ? TAU * nearest(angles[k] / TAU) : 0.0;
+        double angle = angles[k] - behind, speed = speeds[k];
+        code = move(&angle, &speed, count, h, signal, gain, spin_up, response, failure);
+        new_angles[k] = angle + behind;
+        new_speeds[k] = speed;
     }
     return code;
 }

@@ -58,8 +58,8 @@ double fastest_rate(int count, const double *speeds, const Complex *signal, doub
 
 /* Move every weight over one communication step.
 
-   angles, speeds: (N,), and new_angles, new_speeds (N,) apart from them for the result, which has
-   no meaning after a failure.  signal: acceleration of the track's centre in the rotor
+   angles, speeds: (N,), and new_angles, new_speeds (N,) for the result, which may be the same
+   arrays; without meaning after a failure.  signal: acceleration of the track's centre in the rotor
    frame at the start of the step and its derivatives of order 1 to 3. */
 int weights_advance(const Weights *weights, const double *angles, const double *speeds,
                     const Complex *signal, double spin_up, double step, double *new_angles,

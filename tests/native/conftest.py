@@ -42,6 +42,7 @@ CORE = [
     "events",
     "motion",
     "pulse",
+    "reaction_change",
 ]
 FLAGS = [
     "-std=c99",
@@ -166,10 +167,11 @@ Moved = _struct(
     events=c_int,
     reached=c_double,
 )
+Instant = _struct("Instant", acceleration=Complex, slope=Complex, rotor_speed=c_double)
 
 STRUCTURES = (
     Complex, Failure, LinearRotor, Planar, TwoSupport, Flexible, VariableSpeedStep, Weights,
-    Quadrature, Liquid, Track, Moved,
+    Quadrature, Liquid, Track, Moved, Instant,
 )  # fmt: skip
 
 _RETURNS = {

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+import shutil
 import subprocess
 import zipfile
 from collections.abc import Callable
@@ -56,6 +57,11 @@ class Packager:
     def __init__(self, folder: Path) -> None:
         self.folder = folder
         self.library = compile_units(folder / "compiled")
+        # as an unpacked FMU of FMI 3.0 has it
+        self.unpacked = folder / "unpacked"
+        platform = self.unpacked / "binaries" / "x86_64-linux"
+        platform.mkdir(parents=True)
+        shutil.copy(self.library, platform)
         self._numbers = itertools.count()
         self._built: dict[tuple, Path] = {}
 

@@ -58,6 +58,18 @@ class Pair:
         )  # fmt: skip
         return complex(force.re, force.im), complex(force_slope.re, force_slope.im)
 
+    def reaction_change(self, state, drive, by):
+        """Changes of force and slope; `drive` and `by` are a, slope, speed and w'."""
+        c = self.core.structures
+        state = [np.array(values, float) for values in state]
+        pairs = [c.Complex(z.real, z.imag) for z in by[:2]]
+        force, force_slope = c.Complex(), c.Complex()
+        self.core.demand(
+            "track_reaction_change", byref(self.native), *state, *drive,
+            byref(c.Instant(*pairs, by[2])), by[3], byref(force), byref(force_slope), self.scratch,
+        )  # fmt: skip
+        return complex(force.re, force.im), complex(force_slope.re, force_slope.im)
+
     def first_contacts(self, angles, speeds):
         contacts = np.empty(self.count)
         self.core.demand(
@@ -160,6 +172,33 @@ def _seen(state, expected, impulse):
         "came to rest": bool(((after[1] == 0.0) & (before[1] != 0.0)).any()),
         "broke away": impulse == 0j and bool(((after[1] != 0.0) & (before[1] == 0.0)).any()),
     }
+
+
+@pytest.mark.parametrize("name", TRACKS)
+def test_changes_of_the_force_are_the_differences_of_forces(core, name):
+    count, share, restitution, resistance, offset = TRACKS[name]
+    random = np.random.default_rng(len(name))
+    radius = share * 0.05 * (math.sin(math.pi / count) if count > 1 else 1.0)
+    pair = Pair(core, count, 0.01, 0.05, 0.05, 1.4, radius, restitution, resistance, offset)
+    for _ in range(40):
+        state = _start(random, pair)
+        size = 10.0 ** random.uniform(-1.0, 3.0)  # the larger ones load both walls of the race
+        drive = np.array([*_signal(random, size)[:2], *random.uniform(-99.0, 99.0, 2)])
+        by = np.array([*_signal(random, 1.0)[:2], *random.normal(size=2)])
+        # what holds, touches or slides must be the same on both sides: differences that short
+        steps = 1e-4, 2e-4
+
+        def force_at(t, state=state, drive=drive, by=by):
+            a, slope, speed, spin_up = (drive + t * by).tolist()
+            return np.array(reaction(pair.python, *state, a, slope, speed.real, spin_up.real))
+
+        near, far = ((force_at(t) - force_at(-t)) / (2.0 * t) for t in steps)
+        exact = (4.0 * near - far) / 3.0  # polynomials of degree 3 at most: no error but rounding
+        a, slope, speed, spin_up = drive.tolist()
+        change = a, slope, speed.real, spin_up.real
+        found = pair.reaction_change(state, change, [*by[:2].tolist(), *by[2:].real.tolist()])
+        scale = np.maximum(np.abs(exact), np.abs(force_at(0.0)) * 1e-4 + 1e-6)
+        assert (np.abs(np.array(found) - exact) / scale).max() < 1e-6
 
 
 def test_a_step_may_end_behind_its_first_collision(core):

@@ -63,6 +63,21 @@ def test_steps_of_point_weights_are_those_of_python(core, drag):
         assert np.abs(found[1] - expected[1]).max() <= 2e-13 * rates
 
 
+def test_a_step_may_overwrite_the_state_it_starts_from(core):
+    random = np.random.default_rng(2)
+    for turns in (0.0, 1e4):
+        _, native = _weights(core, random, 0.05)
+        angles = random.uniform(0.0, 7.0, native.count) + turns * 6.0
+        speeds, signal = random.normal(size=native.count), _signal(random)
+        apart = _advance(core, native, angles, speeds, signal, 3.0, 1e-3)
+        core.demand(
+            "weights_advance", byref(native), angles, speeds, signal, 3.0, 1e-3, angles, speeds,
+            byref(core("quadrature_empty")),
+        )  # fmt: skip
+        assert angles.tolist() == apart[0].tolist()
+        assert speeds.tolist() == apart[1].tolist()
+
+
 def test_reactions_of_point_weights_are_those_of_python(core):
     random = np.random.default_rng(5)
     for _ in range(400):

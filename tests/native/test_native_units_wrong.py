@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import re
+from functools import partial
 
 import numpy as np
 import pytest
@@ -78,7 +79,7 @@ def test_every_limit_is_told_by_the_setter_and_changes_nothing(fmus, packaging, 
         target = host if v.causality == "input" else fresh
         for value in wrong:
             before = target.get(v.name)
-            text = target.refused(lambda: target.set({v.name: value}))
+            text = target.refused(partial(target.set, {v.name: value}))
             assert reason_of(text) == v.problem(value)
             assert target.get(v.name) == before
     host.free()
@@ -131,8 +132,8 @@ def test_a_step_must_go_forward(fmus, packaging, step):
         before = host.outputs()
         text = host.refused(lambda host=host: host.slave.doStep(host.time, step))
         assert text == (
-            f"unit at t = 0.001 s: step of {step!r} s failed: communication step size = {step!r} s: "
-            "must be above 0 s"
+            f"unit at t = 0.001 s: step of {step!r} s failed: "
+            f"communication step size = {step!r} s: must be above 0 s"
         )
         assert host.messages[-1][0] in (2, 3)
         assert host.outputs() == before
