@@ -13,6 +13,7 @@ from ..errors import SceneError
 from ..scene import Scene
 from ..scene.balancer import LiquidBalancer
 from .fmu import Group, Unit
+from .left_out import left_out
 from .resolution import SAID
 from .result import Result
 
@@ -87,7 +88,7 @@ class Recorder:
             time=time,
             signals=signals,
             seconds=seconds,
-            left_out=tuple(left_out(cosim, self.names)),
+            left_out=tuple(left_out(cosim.scene, self.names)),
             units=tuple(path.name for path in dict.fromkeys(cosim.paths)),
             events=tuple(events(cosim)),
             steps=cosim.steps,
@@ -95,36 +96,6 @@ class Recorder:
             calls=calls,
             unconverged=cosim.unconverged,
         )
-
-
-def left_out(cosim: CoSimulation, recorded: Sequence[str]) -> list[str]:
-    """What the run did without because the scene does not need it."""
-    scene, system = cosim.scene, cosim.system
-    notes = []
-    models = {plan.model for plan in cosim.plans}
-    notes += [
-        f"{model} (none in the scene)"
-        for model in ("LiquidBalancer", "BallBalancer")
-        if model not in models
-    ]
-    if not system.connections:
-        notes.append(
-            "force exchange (the liquid acts as added mass alone)"
-            if scene.balancer
-            else "force exchange (no balancer)"
-        )
-        notes.append("corrector passes and rollback")
-    elif cosim.scheme.name != "iterated":
-        notes.append("corrector passes and rollback (explicit scheme)")
-    if system.connections and system.order < 3:
-        notes.append("slopes of the signals" if system.order == 0 else "second derivatives")
-    if cosim.profile.start == cosim.profile.end:
-        notes.append("variable speed")
-    if scene.assembly().rotor.isotropic:
-        notes.append("second axis of the rotor (isotropic: complex system of half the size)")
-    if not recorded:
-        notes.append("recording")
-    return notes
 
 
 def events(cosim: CoSimulation) -> list[str]:
