@@ -6,9 +6,7 @@ import cmath
 import math
 from collections.abc import Sequence
 
-# `track` imports the first three when it needs them; by then the folder may be gone
-from ..models.contact import events, resistance, ring  # noqa: F401
-from ..models.contact import track as tracks
+from ..models.contact import motion
 from ..models.contact.pulse import discharge
 from ..models.contact.track import Track
 from ..models.weights import Weights, advance, reaction, spread
@@ -110,7 +108,7 @@ class BallBalancer(Unit):
         self.memory = self.real[start : start + 2 * self.weights]
         if not self.plain:  # contacts, and impulse owed and pulse given as xi, eta each
             angles, speeds = self.memory[: self.weights], self.memory[self.weights :]
-            self.memory += tracks.first_contacts(self.track, angles, speeds) + [0.0] * 4
+            self.memory += motion.first_contacts(self.track, angles, speeds) + [0.0] * 4
 
     def step(self, step: float) -> None:
         *signal, angle, speed, spin_up = self.real[self.layout.inputs]
@@ -141,15 +139,15 @@ class BallBalancer(Unit):
 
     def observe(self) -> None:
         angles = self.memory[: self.weights]
-        moment = tracks.static_moment(self.track, angles)
-        motion = self.memory[: 2 * self.weights]
-        self.real[self.layout.observed] = [*motion, moment.real, moment.imag, spread(angles)]
+        moment = motion.static_moment(self.track, angles)
+        state = self.memory[: 2 * self.weights]
+        self.real[self.layout.observed] = [*state, moment.real, moment.imag, spread(angles)]
 
     def _meet(self, cubic: Sequence[complex], speed: float, spin_up: float, step: float) -> None:
         """One step of weights that may touch, stick or run off centre."""
         n, memory = self.weights, self.memory
-        motion = memory[:n], memory[n : 2 * n], memory[2 * n : 3 * n]
-        moved = tracks.advance(self.track, *motion, cubic, speed, spin_up, step)
+        state = memory[:n], memory[n : 2 * n], memory[2 * n : 3 * n]
+        moved = motion.advance(self.track, *state, cubic, speed, spin_up, step)
         owed, pulse = complex(*memory[-4:-2]), complex(*memory[-2:])
         turn = step * (speed + 0.5 * spin_up * step)
         owed, pulse = discharge(owed, pulse, moved.impulse, turn, step)
@@ -173,7 +171,7 @@ class BallBalancer(Unit):
                 spin_up,
             )
         else:
-            force, force_slope = tracks.reaction(
+            force, force_slope = motion.reaction(
                 self.track,
                 memory[:count],
                 memory[count : 2 * count],

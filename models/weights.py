@@ -16,7 +16,7 @@ import math
 from cmath import rect
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import lru_cache
+from functools import cached_property, lru_cache
 
 KAPPA = {"balls": 7.0 / 5.0, "rollers": 3.0 / 2.0, "pendulums": 1.0}
 
@@ -66,11 +66,21 @@ class Weights:
         return self.count * self.mass
 
     @property
+    def moment(self) -> float:
+        """Static moment of one weight about the track's centre, m R [kg m]."""
+        return self.mass * self.track_radius
+
+    @property
     def capacity(self) -> float:
         """Largest unbalance point weights can balance, N m R [kg m]."""
         return self.count * self.mass * self.track_radius
 
-    @property
+    @cached_property
+    def lever(self) -> float:
+        """-1/(kappa R): what the acceleration across a weight turns into along its angle [1/m]."""
+        return -1.0 / (self.kappa * self.track_radius)
+
+    @cached_property
     def damping_rate(self) -> float:
         """d = b/(kappa m) [1/s]."""
         return self.drag / (self.kappa * self.mass)

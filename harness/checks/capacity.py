@@ -18,8 +18,7 @@ from ..master.result import Result
 from ..scene import Scene
 from ..scene.balancer import WeightBalancer
 from ..scene.check import CapacityCheck
-from .report import Row
-from .rows import Rows
+from .row import Row, Rows
 
 RESIDUAL = 1e-3  # of the capacity
 ANGLES = 1e-3  # rad

@@ -18,7 +18,7 @@ from ..output.terminal import (
 
 if TYPE_CHECKING:
     from ..scene import Scene
-    from .report import Row
+    from .row import Row
     from .runner import Checked
 
 

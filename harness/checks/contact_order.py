@@ -15,8 +15,7 @@ from ..master.cosimulation import CoSimulation
 from ..scene import Scene
 from ..scene.balancer import WeightBalancer
 from ..scene.check import ContactOrderCheck
-from .report import Row
-from .rows import Rows
+from .row import Row, Rows
 
 
 def check_contact_order(

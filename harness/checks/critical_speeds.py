@@ -12,8 +12,8 @@ from ..scene.check import CriticalSpeedsCheck
 from ..stability.boundaries import Speeds, speeds
 from ..stability.in_time import growth_in_run, needed_revolutions, run_from_rest
 from ..stability.main_motion import MainMotion
-from .report import Row, text
-from .rows import Rows
+from .report import text
+from .row import Row, Rows
 
 SPEED_TOLERANCE = 1e-3  # relative, co-simulated against Floquet
 GROWTH_TOLERANCE = 5e-3  # relative, of a growth rate fitted to a run

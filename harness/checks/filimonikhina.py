@@ -16,8 +16,7 @@ from ..errors import SceneError
 from ..scene import Scene
 from ..stability.boundaries import Speeds, speeds
 from .critical_speeds import growth_row, rest_row, speed_rows
-from .report import Row
-from .rows import Rows
+from .row import Row, Rows
 
 RANGE = (0.9, 13.0)  # n, below the lowest speed of both tables and well beyond the highest
 NARROWEST = 0.02  # n: no band wider than this is missed by Floquet

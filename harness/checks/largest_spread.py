@@ -10,12 +10,11 @@ from ...models.papers.settling import critical_drag, settling_time, slow_root
 from ...models.papers.touching import facing_measure
 from ...models.weights import Weights
 from ..design.scenes import sized, weights_of
-from ..design.settling import SETTLED, Batch, Settled, run_batch
+from ..design.settling import SETTLED, Batch, SettlingRun, run_batch
 from ..output.workers import spread
 from ..scene import Scene
 from ..scene.check import LargestSpreadCheck
-from .report import Row
-from .rows import Rows
+from .row import Row, Rows
 
 TIMES = 0.05  # of the predicted time: a change of 1e-3 of the capacity is not yet a small one
 SOURCE = "Goncharov 2017 (1), (10), (13)"
@@ -52,7 +51,7 @@ def check_largest_spread(
     )
 
 
-def _row(scene: Scene, first: Settled, second: Settled, rows: Rows) -> Row:
+def _row(scene: Scene, first: SettlingRun, second: SettlingRun, rows: Rows) -> Row:
     """The slower way against the slow root with contact."""
     balls = weights_of(scene)
     device = balls.build().device

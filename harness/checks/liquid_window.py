@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
 
 import numpy as np
 
@@ -18,42 +17,52 @@ from ..errors import SceneError
 from ..scene import Scene
 from ..scene.check import LiquidWindowCheck
 from ..stability.revolution import Revolution
-from .report import Row
-from .rows import Rows, crossing
+from .row import Row, Rows
+from .sign_change import sign_change
 
-BOUNDARY_TOLERANCE = 1e-4  # relative, of w_* and w^*
-GROWTH_TOLERANCE = 1e-3  # relative, of growth rates
-BENDING_TOLERANCE = 1e-5  # relative
+BOUNDARY_TOLERANCE = 1e-4  # relative, as all below: what exchanging the inertia as a force errs by
+GROWTH_TOLERANCE = 1e-3  # near w^* the rate is a small difference of large terms
+BENDING_TOLERANCE = 1e-5  # exact steps; at a resonance the fixed point is badly conditioned
 PHASE_TOLERANCE = 1e-5  # rad
 GROWTH_SPEEDS = (0.9, 0.97, 1.03, 1.1)  # fractions of w^*, both sides of it
 OPEN_END = 5.0  # times w_*: how far an unlimited window is followed
+OPEN_SPAN, OPEN_SPEEDS = 50.0, 25  # of it, end over start: from far below w_*; every 17 %
+BESIDE = 1e-3  # relative: so near a speed of contact, rounding decides whether the float touches
 
 LOWER = "Dubovik 2006 (11)"
 UPPER = "Dubovik 2006 (10)"
+Measured = Callable[[float], float]  # of the speed [rad/s]
 
 
-@dataclass
-class Bench:
-    """The coupled units with and without the balancer, ready to be measured at any speed."""
+def window_of(scene: Scene) -> LiquidWindow:
+    """The theory of a scene's liquid balancer.
 
-    loaded: Revolution
-    bare: Revolution
-    unbalance_angle: float
-    gap: float
+    Raises:
+        SceneError: the scene is not one rotor in a plane with one liquid balancer, or nothing
+            bends it.
+    """
+    try:
+        window = LiquidWindow.of(scene.assembly())
+    except ValueError as error:
+        raise SceneError(f"{scene.name}: check liquid_window: {error}") from error
+    if window.unbalance == 0.0:
+        raise SceneError(
+            f"{scene.name}: check liquid_window: rotor.unbalance = 0 kg m: needs an unbalance, "
+            "must be above 0: the window is where the liquid lessens the bending that it causes"
+        )
+    return window
 
-    def displacement(self, units: Revolution, speed: float) -> complex:
-        """Steady displacement in the rotor frame, turned to the unbalance [m]."""
-        state, _ = units.steady(speed, np.zeros(len(units.states)))
-        return complex(state[0], state[1]) * np.exp(-1j * self.unbalance_angle)
 
-    def benefit(self, speed: float) -> float:
-        """Bending with the balancer less bending without it [m]; negative where it helps."""
-        return abs(self.displacement(self.loaded, speed)) - abs(self.displacement(self.bare, speed))
+def steady_displacement(units: Revolution, speed: float) -> complex:
+    """x + i y after whole revolutions of the main motion, rotor at its starting angle [m]."""
+    state, _ = units.steady(speed, np.zeros(len(units.states)))
+    return complex(state[0], state[1])
 
-    def growth(self, speed: float) -> float:
-        """Largest growth rate of a disturbance [1/s]."""
-        # the coupled system is linear: the multipliers are the same around any motion
-        return float(self.loaded.growth_rates(speed, np.zeros(len(self.loaded.states)))[0])
+
+def largest_growth(units: Revolution, speed: float) -> float:
+    """Largest growth rate of a disturbance [1/s]."""
+    # the coupled system is linear: the multipliers are the same around any motion
+    return float(units.growth_rates(speed, np.zeros(len(units.states)))[0])
 
 
 def check_liquid_window(
@@ -62,30 +71,35 @@ def check_liquid_window(
     """Rows (a) w_*, (b) w^*, (c) bending and phase across the window, (d) growth rates.
 
     Raises:
-        SceneError: the scene is not one rotor in a plane with one liquid balancer.
+        SceneError: the scene is not one rotor in a plane with one liquid balancer, or balanced.
     """
-    assembly = scene.assembly()
-    try:
-        window = LiquidWindow.of(assembly)
-    except ValueError as error:
-        raise SceneError(f"{scene.name}: check liquid_window: {error}") from error
+    window = window_of(scene)
     rows = Rows(scene.name, check.kind)
-    angle = float(np.angle(assembly.rotor.unbalance[0]))
+    turned = np.exp(-1j * np.angle(scene.assembly().rotor.unbalance[0]))
     with (
         Revolution(scene) as loaded,
         Revolution(scene.without_balancers()) as bare,
     ):
-        bench = Bench(loaded, bare, angle, window.liquid.gap)
-        lower = crossing(bench.benefit, window.lower, "w_*, where the balancer begins to help")
+
+        def bending(speed: float) -> float:
+            return abs(steady_displacement(loaded, speed))
+
+        def benefit(speed: float) -> float:
+            return bending(speed) - abs(steady_displacement(bare, speed))
+
+        def growth(speed: float) -> float:
+            return largest_growth(loaded, speed)
+
+        lower = sign_change(benefit, window.lower, "w_*, where the balancer begins to help")
         yield rows.number(
             "lower boundary w_* [rad/s]", window.lower, lower, BOUNDARY_TOLERANCE, LOWER
         )
         progress(0.2)
         upper = None
         if window.upper is None:
-            yield _no_upper_limit(rows, bench, check.up_to or OPEN_END * window.lower)
+            yield _no_upper_limit(rows, growth, check.up_to or OPEN_END * window.lower)
         else:
-            upper = crossing(bench.growth, window.upper, "w^*, where rotation becomes unstable")
+            upper = sign_change(growth, window.upper, "w^*, where rotation becomes unstable")
             yield rows.number(
                 "upper boundary w^* [rad/s]", window.upper, upper, BOUNDARY_TOLERANCE, UPPER
             )
@@ -93,20 +107,20 @@ def check_liquid_window(
         progress(0.4)
         end = upper if upper and upper > lower else check.up_to or OPEN_END * lower
         speeds = np.linspace(lower, end, check.speeds)
-        motion = np.array([bench.displacement(bench.loaded, speed) for speed in speeds])
+        motion = turned * np.array([steady_displacement(loaded, speed) for speed in speeds])
         yield from _bending(rows, window, speeds, motion)
         progress(0.8)
         if upper is not None:
-            yield _growth(rows, bench, window, upper)
-        yield _contact(rows, bench, window, speeds, np.abs(motion))
+            yield _growth(rows, growth, window, upper)
+        yield _contact(rows, bending, window, speeds, np.abs(motion))
     progress(1.0)
 
 
-def _no_upper_limit(rows: Rows, bench: Bench, end: float) -> Row:
+def _no_upper_limit(rows: Rows, growth: Measured, end: float) -> Row:
     """p = 0: every measured speed must be stable, up to a stated end."""
-    speeds = np.geomspace(end / 50.0, end, 25)
-    growth = np.array([bench.growth(speed) for speed in speeds])
-    unstable = speeds[growth > 0.0]
+    speeds = np.geomspace(end / OPEN_SPAN, end, OPEN_SPEEDS)
+    growths = np.array([growth(speed) for speed in speeds])
+    unstable = speeds[growths > 0.0]
     measured = (
         f"grows at {unstable[0]:.4g} rad/s"
         if len(unstable)
@@ -155,10 +169,10 @@ def _bending(
     )
 
 
-def _growth(rows: Rows, bench: Bench, window: LiquidWindow, upper: float) -> Row:
+def _growth(rows: Rows, growth: Measured, window: LiquidWindow, upper: float) -> Row:
     speeds = upper * np.array(GROWTH_SPEEDS)
     expected = np.array([window.roots(speed)[0].real for speed in speeds])
-    measured = np.array([bench.growth(speed) for speed in speeds])
+    measured = np.array([growth(speed) for speed in speeds])
     fractions = ", ".join(f"{f:g}" for f in GROWTH_SPEEDS)
     return rows.worst(
         f"growth rate at {fractions} w^* [1/s]",
@@ -170,13 +184,10 @@ def _growth(rows: Rows, bench: Bench, window: LiquidWindow, upper: float) -> Row
 
 
 def _contact(
-    rows: Rows, bench: Bench, window: LiquidWindow, speeds: np.ndarray, bending: np.ndarray
+    rows: Rows, bending_at: Measured, window: LiquidWindow, speeds: np.ndarray, bending: np.ndarray
 ) -> Row:
     """Where the float touches the chamber (bending = gap) and the model ends."""
-
-    def room(speed: float) -> float:
-        return bench.gap - abs(bench.displacement(bench.loaded, speed))
-
+    gap = window.liquid.gap
     low, high = float(speeds[0]), float(speeds[-1])
     touching = [
         (max(start, low), min(end or math.inf, high))
@@ -185,18 +196,21 @@ def _contact(
     ]
     # a boundary that is an end of the range is not a speed at which contact begins or ends
     inner = [b for pair in touching for b in pair if low < b < high]
-    found = [crossing(room, b, "the speed at which the float touches") for b in inner]
-    touched = bending > bench.gap
+    measured = [
+        sign_change(lambda w: gap - bending_at(w), b, "the speed at which the float touches")
+        for b in inner
+    ]
+    touched = bending > gap
     expected = np.array([any(a <= w <= b for a, b in touching) for w in speeds])
-    near = np.array([any(math.isclose(w, b, rel_tol=1e-3) for b in inner) for w in speeds])
+    near = np.array([any(math.isclose(w, b, rel_tol=BESIDE) for b in inner) for w in speeds])
     agree = all(
-        math.isclose(f, b, rel_tol=BOUNDARY_TOLERANCE) for f, b in zip(found, inner, strict=True)
+        math.isclose(f, b, rel_tol=BOUNDARY_TOLERANCE) for f, b in zip(measured, inner, strict=True)
     )
     return rows.statement(
         f"float clear of the wall, {low:.4g} to {high:.4g} rad/s",
         _contact_text(touched=bool(touching), bounds=inner),
-        _contact_text(touched=bool(touched.any()), bounds=found)
-        + f", least clearance {bench.gap - bending.max():.4g} m",
+        _contact_text(touched=bool(touched.any()), bounds=measured)
+        + f", least clearance {gap - bending.max():.4g} m",
         agree and bool((touched == expected)[~near].all()),
         "Dubovik 2006 (6), bending < r1 - r2",
     )

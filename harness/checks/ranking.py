@@ -17,8 +17,7 @@ from ..master.schedule import steps_per_rev
 from ..output.workers import spread
 from ..scene import Scene
 from ..scene.check import RankingCheck
-from .report import Row
-from .rows import Rows
+from .row import Row, Rows
 from .slow_root import decay_rows
 
 HALVED = 0.02  # of the settling time

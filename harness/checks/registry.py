@@ -18,7 +18,7 @@ from ..scene.check import (
     SlowRootCheck,
     TableCheck,
 )
-from .report import Row
+from .row import Row
 
 Progress = Callable[[float], None]
 _SHARING = (

@@ -5,61 +5,18 @@ from __future__ import annotations
 import json
 import math
 from collections.abc import Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from ..output.files import write_whole
+from .row import Row, Value
 
 if TYPE_CHECKING:
     from rich.console import Console
     from rich.table import Table
 
-Value = float | str
 COLUMNS = ("check", "quantity", "expected", "measured", "error", "tolerance", "holds")
-
-
-@dataclass(frozen=True)
-class Row:
-    """One comparison.
-
-    Attributes:
-        scene, check, quantity: what was compared.
-        expected, measured: numbers in the quantity's unit, or words where there is no number.
-        error, tolerance: relative unless the quantity says otherwise; None where words compare.
-        holds: whether the row is as expected.
-        seconds: time the measurement took.
-        source: paper and equation of the expected value.
-    """
-
-    scene: str
-    check: str
-    quantity: str
-    expected: Value
-    measured: Value
-    error: float | None
-    tolerance: float | None
-    holds: bool
-    seconds: float
-    source: str
-
-
-def within(
-    scene: str,
-    check: str,
-    quantity: str,
-    expected: float,
-    measured: float,
-    *,
-    tolerance: float,
-    seconds: float,
-    source: str,
-) -> Row:
-    """A row that holds when the relative error is within the tolerance; NaN does not."""
-    scale = abs(expected) or 1.0
-    error = abs(measured - expected) / scale
-    holds = error <= tolerance
-    return Row(scene, check, quantity, expected, measured, error, tolerance, holds, seconds, source)
 
 
 def text(value: Value | None, digits: int = 8) -> str:

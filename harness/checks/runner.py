@@ -14,7 +14,7 @@ from typing import Any
 
 from ..errors import SceneError, SimulationError
 from ..scene import Scene, bundled_scenes, load_scene
-from .report import Row
+from .row import Row
 
 _POLL = 0.1  # s between looks at the progress of the workers
 
@@ -105,7 +105,7 @@ def check_one(
 
 def _facts(scene: Scene) -> tuple[tuple[str, ...], tuple[str, ...]]:
     from ..master.cosimulation import CoSimulation
-    from ..master.recorder import left_out
+    from ..master.facts import left_out
 
     with CoSimulation(scene) as units:
         try:
@@ -113,7 +113,7 @@ def _facts(scene: Scene) -> tuple[tuple[str, ...], tuple[str, ...]]:
         except SimulationError:
             return tuple(p.name for p in dict.fromkeys(units.paths)), ()
         names = tuple(path.name for path in dict.fromkeys(units.paths))
-        return names, tuple(left_out(units, ["all"]))
+        return names, tuple(left_out(units.facts(), ["all"]))
 
 
 def _refuse_unchecked(scene: Scene) -> None:

@@ -11,8 +11,7 @@ from ..design.settling import facing_start, run_batch
 from ..output.workers import spread
 from ..scene import Scene
 from ..scene.check import SlowRootCheck
-from .report import Row
-from .rows import Rows
+from .row import Row, Rows
 
 DECAY = 0.05  # of the rate
 SOURCE = "Goncharov 2017 (1)"

@@ -14,7 +14,7 @@ from ...models.weights import Weights
 from ..output.workers import spread as shared
 from ..scene import Scene
 from .scenes import STEEL, batches, capacity_of, race_of, sized, unbalance_of, weights_of
-from .settling import SETTLED, Settled, median_interval, run_batch
+from .settling import SETTLED, SettlingRun, median_interval, run_batch
 
 
 @dataclass(frozen=True)
@@ -46,7 +46,7 @@ class Choice:
     median: float
     low: float
     high: float
-    runs: tuple[Settled, ...]
+    runs: tuple[SettlingRun, ...]
 
     @property
     def settled(self) -> int:
@@ -80,11 +80,10 @@ class Design:
         return [c for c in self.choices if c.enough]
 
     @property
-    def words(self) -> list[str]:
-        """The recommendation, and what has to be said about the numbers."""
-        from .recommendation import words
-
-        return words(self)
+    def units(self) -> list[str]:
+        """Names of the FMUs that were loaded; none where no number has the capacity."""
+        loaded = (name for c in self.choices for run in c.runs for name in run.units)
+        return list(dict.fromkeys(loaded))
 
 
 def design(
@@ -120,14 +119,14 @@ def design(
     scenes = sized(scene, counts, amount, race, width, density)
     work = [batch for n in counts for batch in batches(scenes[n], amount, starts)]
     outcomes = shared(run_batch, work, workers, progress)
-    runs: dict[int, list[Settled]] = {n: [] for n in counts}
+    runs: dict[int, list[SettlingRun]] = {n: [] for n in counts}
     for batch, outcome in zip(work, outcomes, strict=True):
         runs[weights_of(batch.scene).count] += outcome
     choices = tuple(_choice(scenes[n], amount, runs[n]) for n in counts)
     return Design(scene.title, balls.kind, amount, race, choices)
 
 
-def _choice(scene: Scene, unbalance: float, runs: list[Settled]) -> Choice:
+def _choice(scene: Scene, unbalance: float, runs: list[SettlingRun]) -> Choice:
     balls = weights_of(scene)
     device = balls.build().device
     assert isinstance(device, Weights)

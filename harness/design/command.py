@@ -42,6 +42,7 @@ def command(
     from ..output.files import picture_format
     from ..scene import load_scene
     from .choices import design
+    from .recommendation import words
 
     ready_to_write(output)
     if output is not None:
@@ -64,9 +65,9 @@ def command(
             progress=lambda done: bars.update(task, completed=done),
         )
     console().print(table(data, starts))
-    for line in data.words:
+    for line in words(data):
         say(line)
-    say(f"FMUs loaded: RotorOnSupports.fmu, BallBalancer-weights-2 to -{most}.fmu")
+    say(f"FMUs loaded: {', '.join(data.units) or 'none'}")
     if output is not None:
         from .plot import plot_design
 

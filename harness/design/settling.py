@@ -36,14 +36,16 @@ class Batch:
 
 
 @dataclass(frozen=True)
-class Settled:
+class SettlingRun:
     """One run.
 
     Attributes:
         seconds: until the residual stays below `SETTLED`; infinite where it did not.
         spread: p at the end.
         decay: the linear end of the run against the slow root.
-        unconverged, steps: communication steps whose loop left more than 1e-3 of the force; of all.
+        unconverged, steps: communication steps whose loop left more than `LOOSE` of the force; of
+            all.
+        units: names of the FMUs loaded for it.
     """
 
     seconds: float
@@ -51,6 +53,7 @@ class Settled:
     decay: Decay
     unconverged: int = 0
     steps: int = 0
+    units: tuple[str, ...] = ()
 
     @property
     def predicted(self) -> float:
@@ -88,7 +91,7 @@ def facing_start(count: int, alpha: float, rng: random.Random) -> tuple[float, .
     return tuple(angles)
 
 
-def run_batch(batch: Batch) -> list[Settled]:
+def run_batch(batch: Batch) -> list[SettlingRun]:
     """Every start of a batch."""
     balls = batch.scene.balancer[0]
     assert isinstance(balls, WeightBalancer)
@@ -98,17 +101,18 @@ def run_batch(batch: Batch) -> list[Settled]:
 
 def _run(
     units: CoSimulation, batch: Batch, balls: WeightBalancer, start: tuple[float, ...]
-) -> Settled:
+) -> SettlingRun:
     angles = {f"weight[{k}].angle0": angle for k, angle in enumerate(start, start=1)}
     units.start({balls.label: angles})
     times, residuals, places = _readings(units, batch, balls)
     assembly, speed = batch.scene.assembly(), batch.scene.profile().speed(0.0)
-    return Settled(
+    return SettlingRun(
         settled_at(times, residuals),
         spread(places[-1]),
         decay(assembly, speed, balls.half_angle, times, residuals, places),
         units.unconverged,
         units.steps,
+        tuple(path.name for path in dict.fromkeys(units.paths)),
     )
 
 

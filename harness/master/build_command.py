@@ -44,11 +44,11 @@ def _wanted(scene: str | None) -> tuple[dict[str, tuple[str, dict[str, Any]]], l
     if scene is None:
         return {f"{unit}.fmu": (unit, {}) for unit in UNITS}, []
     from ..scene import load_scene
-    from .plan import file_name, plan
+    from .plan import plan
 
-    plans = plan(load_scene(scene))
-    wanted = {file_name(unit): (unit.model, dict(unit.options)) for unit in plans}
-    used = {unit.model for unit in plans}
+    units = plan(load_scene(scene)).units
+    wanted = {unit.file_name: (unit.model, dict(unit.sizes)) for unit in units}
+    used = {unit.model for unit in units}
     return wanted, [f"{unit} (none in the scene)" for unit in UNITS if unit not in used]
 
 

@@ -6,29 +6,24 @@ decides whether they are compared with the prediction and the step is taken agai
 
 from __future__ import annotations
 
-import atexit
-import shutil
-import tempfile
 import time as clock
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import ExitStack
-from functools import cache
 from pathlib import Path
 
 import numpy as np
 
 from ..errors import LoopError, SimulationError
 from ..scene import Scene, load_scene
-from ..scene.balancer import LiquidBalancer
 from ..schemes.adaptive import Adaptive
 from ..schemes.explicit import Explicit
 from ..schemes.iterated import Iterated
 from ..schemes.protocol import Scheme, refuse_loose_tolerance, scheme_for
 from ..schemes.startup import parts
-from .contact_hint import contact_hint
-from .fmu import Unit
+from .facts import Facts, advice, result
+from .fmu import Fmu
 from .loop import consistent_start, loop_gain, rotor_response, value_eigenvalues
-from .plan import plan, ports, provide, refuse_other_build
+from .plan import find_or_build, plan, refuse_other_build
 from .recorder import Recorder, recorded
 from .resolution import Resolution
 from .result import Result
@@ -39,15 +34,8 @@ LOOSE = 1e-3  # a fixed number of passes that leaves more of the force than this
 KINK = 1e-6  # of a step: what it errs is below 1e-7, and rounding does not yet spoil the slopes
 SLIVER = 1e-12  # of a time: rounding, not a step
 FEWEST_STEPS_PER_REV = 8  # with a tolerance: fewer would not show a revolution in a record
+REPORTED = 256  # steps between two reports of progress: some ten a second
 Progress = Callable[[float], None]
-
-
-@cache
-def _built_units() -> Path:
-    """Directory of the FMUs built by this process, removed when it ends."""
-    directory = Path(tempfile.mkdtemp(prefix="autobalancer-units-"))
-    atexit.register(shutil.rmtree, directory, ignore_errors=True)
-    return directory
 
 
 class CoSimulation:
@@ -66,20 +54,17 @@ class CoSimulation:
     def __init__(self, scene: Scene, *, fmus: Path | None = None, watch: bool = True) -> None:
         refuse_loose_tolerance(scene)
         self.scene, self.profile = scene, scene.profile()
-        self.plans = plan(scene)
-        self.paths = provide(self.plans, _built_units(), fmus)
-        coupling = scene.coupling
-        coupled = [not isinstance(b, LiquidBalancer) or b.inertia_as_force for b in scene.balancer]
+        self.plan = plan(scene)
+        self.paths = find_or_build(self.plan.units, fmus)
         with ExitStack() as stack:
-            units = [
-                stack.enter_context(Unit(path, unit.name))
-                for path, unit in zip(self.paths, self.plans, strict=True)
-            ]
-            for unit, unit_plan in zip(units, self.plans, strict=True):
-                refuse_other_build(unit, unit_plan)
-            self.system = System(units, self.plans, ports(scene), coupled, coupling.order, watch)
+            self.units = {
+                one.name: stack.enter_context(Fmu(path, one.name))
+                for path, one in zip(self.paths, self.plan.units, strict=True)
+            }
+            for one in self.plan.units:
+                refuse_other_build(self.units[one.name], one)
+            self.system = System(self.plan, self.units, scene.coupling.order, watch)
             self._stack = stack.pop_all()
-        self.units = {unit.name: unit for unit in units}
         self.gain = self.amplification = 0.0
         self.time = 0.0
         self.steps = self.unconverged = 0
@@ -113,7 +98,7 @@ class CoSimulation:
             self.allowed_residual = self.scheme.tolerance
         fixed = self.system.order == 3 and not isinstance(self.scheme, Adaptive)
         # an exchange that is unstable at any step is no matter of resolution
-        judged = fixed and self.amplification <= 1.0 and self.system.connections
+        judged = fixed and self.amplification <= 1.0 and self.system.exchanges
         explicit = isinstance(self.scheme, Explicit)
         self.resolution = Resolution(self.scene, system, explicit) if judged else None
 
@@ -149,9 +134,9 @@ class CoSimulation:
                 self.scheme.measure(self.system, self.time, step)
             return step
         except SimulationError as error:
-            if not self.system.connections:
+            if not self.system.exchanges:
                 raise
-            hint = contact_hint(self.scene) if isinstance(error, LoopError) else ""
+            hint = advice(error, self.scene)
             raise SimulationError(f"{error}; loop gain {self.gain:.3g}{hint}") from error
 
     def _step(self, step: float, longest: float | None) -> float:
@@ -224,6 +209,37 @@ class CoSimulation:
                     yield self.time / end
             self.time = bound
 
+    def rows(self, recorder: Recorder) -> Iterator[float]:
+        """`run`, recorded at the start and after every step."""
+        recorder.take(self.time)
+        for part in self.run():
+            recorder.take(self.time)
+            yield part
+
+    def facts(self) -> Facts:
+        """What the run since the last start did."""
+        units = self.units.values()
+        kinds = dict.fromkeys(kind for unit in units for kind in unit.calls)
+        resolution = self.resolution
+        return Facts(
+            title=self.scene.title,
+            files=tuple(path.name for path in dict.fromkeys(self.paths)),
+            models=tuple(unit.model for unit in self.plan.units),
+            messages=tuple(message for unit in units for message in unit.messages),
+            calls={kind: sum(unit.calls[kind] for unit in units) for kind in kinds},
+            passes=self.system.rotor.calls["step"],
+            steps=self.steps,
+            unconverged=self.unconverged,
+            worst_residual=self.worst_residual,
+            estimated_error=resolution.estimate if resolution else 0.0,
+            unresolved=resolution.unresolved if resolution else 0,
+            exchanging=bool(self.system.exchanges),
+            rolls_back=self.scheme.name == "iterated",
+            order=self.system.order,
+            constant_speed=self.profile.start == self.profile.end,
+            isotropic=self.scene.assembly().rotor.isotropic,
+        )
+
     def _unconverged(self, residual: float) -> None:
         self.unconverged += 1
         if residual >= 1.0 or self.scheme.corrections is None:
@@ -233,7 +249,7 @@ class CoSimulation:
             )
 
     def _forces(self) -> str:
-        return ", ".join(f"{c.unit.name}.F" for c in self.system.connections)
+        return ", ".join(self.system.force_names)
 
     def read(self, name: str, variables: Iterable[str]) -> list[float]:
         """Present values of variables of one unit."""
@@ -277,12 +293,10 @@ def cosimulate(
         recorder = Recorder(cosim.units, names)
         begun = clock.perf_counter()
         cosim.start()
-        recorder.take(0.0)
-        for count, part in enumerate(cosim.run(), start=1):
-            recorder.take(cosim.time)
-            if progress and count % 256 == 0:
+        for count, part in enumerate(cosim.rows(recorder), start=1):
+            if progress and count % REPORTED == 0:
                 progress(part)
         seconds = clock.perf_counter() - begun
         if progress:
             progress(1.0)
-        return recorder.result(cosim, seconds)
+        return result(recorder, cosim.facts(), seconds)

@@ -16,14 +16,24 @@ from tempfile import mkdtemp
 import fmpy
 import numpy as np
 from fmpy import fmi2
+from fmpy.model_description import ModelDescription
 
 from ..errors import SimulationError, UnitError
+from .names import readable
 
 _WARNING = fmi2.fmi2Warning
 _STATUS = ("OK", "Warning", "Discard", "Error", "Fatal", "Pending")
 
 
-class Group:
+def measured_in(description: ModelDescription) -> dict[str, str]:
+    """Unit of measurement of every variable as an FMU declares it; empty where it has none."""
+    declared = {
+        v.name: v.unit or getattr(v.declaredType, "unit", None) for v in description.modelVariables
+    }
+    return {name: readable(unit or "") for name, unit in declared.items()}
+
+
+class Variables:
     """Some Real variables of a unit that are read or written in one call.
 
     Attributes:
@@ -40,7 +50,7 @@ class Group:
         self.vectors = np.ctypeslib.as_array(self.buffer)[: self.size // 2 * 2].view(complex)
 
 
-class Unit:
+class Fmu:
     """An instance of an FMI 2.0 co-simulation FMU.
 
     Args:
@@ -77,6 +87,7 @@ class Unit:
         if self.description.coSimulation is None or self.description.fmiVersion != "2.0":
             raise UnitError(f"{self.path}: must be an FMI 2.0 co-simulation FMU")
         self.variables = {v.name: v for v in self.description.modelVariables}
+        self.measured_in = measured_in(self.description)
         callbacks = fmi2.fmi2CallbackFunctions()
         self._logger = fmi2.fmi2CallbackLoggerTYPE(self._log)  # kept alive for the C side
         callbacks.logger = self._logger
@@ -117,7 +128,7 @@ class Unit:
                 f"({_STATUS[min(status, 5)]}): {reason}"
             )
 
-    def group(self, names: Sequence[str]) -> Group:
+    def group(self, names: Sequence[str]) -> Variables:
         """Real variables to be read or written together.
 
         Raises:
@@ -130,35 +141,43 @@ class Unit:
                 f"needs; the FMU is of a different build (model {self.description.modelName}, "
                 f"{self.description.generationDateAndTime}): build it for this scene"
             )
-        return Group(names, [self.variables[name].valueReference for name in names])
+        return Variables(names, [self.variables[name].valueReference for name in names])
 
-    def get(self, group: Group) -> list[float]:
+    def reference(self, name: str) -> int:
+        """Value reference of a variable.
+
+        Raises:
+            UnitError: as `group`.
+        """
+        return self.group([name]).references[0]
+
+    def get(self, group: Variables) -> list[float]:
         """Values of the group's variables."""
         self._read(group)
         return group.buffer[:]
 
-    def get_vectors(self, group: Group) -> list[complex]:
+    def get_vectors(self, group: Variables) -> list[complex]:
         """Values of a group of pairs, x + i y each."""
         self._read(group)
         return group.vectors.tolist()
 
-    def _read(self, group: Group) -> None:
+    def _read(self, group: Variables) -> None:
         self.calls["get"] += 1
         status = self._get(self._component, group.references, group.size, group.buffer)
         if status > _WARNING:
             self._check(status, f"reading {', '.join(group.names[:4])}")
 
-    def set(self, group: Group, values: Sequence[float]) -> None:
+    def set(self, group: Variables, values: Sequence[float]) -> None:
         """Write the group's variables."""
         group.buffer[:] = values  # type: ignore[call-overload]  # any sequence will do
         self._write(group)
 
-    def set_vectors(self, group: Group, vectors: Sequence[complex]) -> None:
+    def set_vectors(self, group: Variables, vectors: Sequence[complex]) -> None:
         """Write a group of pairs, x + i y each."""
         group.vectors[:] = vectors
         self._write(group)
 
-    def _write(self, group: Group) -> None:
+    def _write(self, group: Variables) -> None:
         self.calls["set"] += 1
         status = self._set(self._component, group.references, group.size, group.buffer)
         if status > _WARNING:
@@ -234,7 +253,7 @@ class Unit:
             self.fmu.freeInstance()
         shutil.rmtree(self._directory, ignore_errors=True)
 
-    def __enter__(self) -> Unit:
+    def __enter__(self) -> Fmu:
         return self
 
     def __exit__(self, *_exception: object) -> None:

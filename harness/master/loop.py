@@ -11,7 +11,7 @@ from collections.abc import Callable, Sequence
 import numpy as np
 
 from ..errors import SimulationError
-from .signals import End
+from .signals import Knot
 from .system import System
 
 Vector = list[complex]  # of each connection the force and its slope times the step, one unit
@@ -22,7 +22,7 @@ _SINGULAR = 1e-12  # |1 - eigenvalue| below which a loop counts as one of gain 1
 _START_ITERATIONS = 20  # the map is affine in values and in slopes; Newton needs two or three
 
 
-def pack(ends: Sequence[End], step: float) -> Vector:
+def pack(ends: Sequence[Knot], step: float) -> Vector:
     """Forces and slopes as one vector."""
     vector: Vector = []
     for value, slope in ends:
@@ -30,7 +30,7 @@ def pack(ends: Sequence[End], step: float) -> Vector:
     return vector
 
 
-def unpack(vector: Sequence[complex], step: float) -> list[End]:
+def unpack(vector: Sequence[complex], step: float) -> list[Knot]:
     """Inverse of `pack`."""
     return [(vector[i], vector[i + 1] / step) for i in range(0, len(vector), 2)]
 
@@ -122,14 +122,14 @@ def rotor_response(system: System, step: float) -> np.ndarray:
 
     Leaves the rotor without forces.
     """
-    if not system.connections:
+    if not system.exchanges:
         return np.zeros((0, 0))
 
     def respond(u: Vector) -> Vector:
         system.set_forces([(value, slope, 0j, 0j) for value, slope in unpack(u, step)])
         return pack(system.read_accelerations(), step)
 
-    nothing = [0j] * (2 * len(system.connections))
+    nothing = [0j] * (2 * len(system.exchanges))
     found = jacobian(respond, nothing, respond(nothing), 1.0)
     respond(nothing)
     return found
@@ -144,22 +144,17 @@ def consistent_start(system: System, step: float) -> np.ndarray:
     Raises:
         SimulationError: the iteration did not converge, or the loop has gain 1.
     """
-    if not system.connections:
+    if not system.exchanges:
         return np.zeros((0, 0))
 
     def respond(u: Vector) -> Vector:
         ends = unpack(u, step)
         system.set_forces([(value, slope, 0j, 0j) for value, slope in ends])
-        for track, end in zip(system.accelerations, system.read_accelerations(), strict=True):
-            track.now = end
-        forces = []
-        for connection in system.connections:
-            value, slope = system.accelerations[connection.plane].now
-            system.set_acceleration(connection, (value, slope, 0j, 0j))
-            forces.append(system.read_force(connection))
-        return pack(forces, step)
+        for state, knot in zip(system.accelerations, system.read_accelerations(), strict=True):
+            state.now = knot
+        return pack(system.answer([(*a.now, 0j, 0j) for a in system.accelerations]), step)
 
-    u = [0j] * (2 * len(system.connections))
+    u = [0j] * (2 * len(system.exchanges))
     g_u = respond(u)
     change = size(g_u) or 1.0
     slope_of_g = jacobian(respond, u, g_u, change)
@@ -180,8 +175,8 @@ def consistent_start(system: System, step: float) -> np.ndarray:
             f"still change by {size(residual):.3g} N of {size(u):.3g} N; loop gain "
             f"{loop_gain(slope_of_g):.3g}"
         )
-    for connection, end in zip(system.connections, unpack(g_u, step), strict=True):
-        connection.force.now = end
+    for force, knot in zip(system.forces, unpack(g_u, step), strict=True):
+        force.now = knot
     system.forget()
     return slope_of_g
 

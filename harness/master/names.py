@@ -1,33 +1,59 @@
-"""Units of recorded signals, known by the last part of their names."""
+"""The rule of signals' names, in one place, and what they are measured in."""
 
 from __future__ import annotations
 
 import re
+from collections.abc import Iterable, Sequence
 
-_UNITS = {
-    "m": "x y bending clearance",
-    "m/s": "vx vy",
-    "rad": "angle",
-    "rad/s": "speed",
-    "rad/s^2": "acceleration",
-    "N": "F_xi F_eta F_x F_y",
-    "m/s^2": "a_xi a_eta a_x a_y",
-    "kg": "added_mass liquid_mass",
-    "kg m": "moment_xi moment_eta",
-    "1": "spread",
-}
-_UNIT_OF = {name: unit for unit, names in _UNITS.items() for name in names.split()}
-_DERIVATIVE = re.compile(r"^der\((?P<name>[^,)]*)(?:,(?P<order>\d+))?\)$")
+AXES = {"rotor": ("xi", "eta"), "fixed": ("x", "y")}  # of coupling signals, by the units' frame
+_POWER = re.compile(r"(?<=[a-z])(\d+)")
 
 
-def unit_of_signal(name: str) -> str:
-    """SI unit of a recorded signal such as `rotor.x`; empty when it is not known."""
-    last = name.rpartition(".")[2] if not name.endswith(")") else name.rpartition(".der(")[1:]
-    if isinstance(last, str):
-        return _UNIT_OF.get(last, "")
-    derivative = _DERIVATIVE.match(name[name.index("der(") :])
-    if derivative is None:
-        return ""
-    base = _UNIT_OF.get(derivative["name"].rpartition(".")[2], "")
-    order = int(derivative["order"] or 1)
-    return f"{base} s^-{order}" if base else ""
+def station(number: int, count: int) -> str:
+    """Prefix of a station's variables; a rotor's only station has none."""
+    return f"station[{number}]." if count > 1 else ""
+
+
+def stations(count: int) -> list[str]:
+    """Prefixes of all stations."""
+    return [station(number, count) for number in range(1, count + 1)]
+
+
+def plane(number: int, what: str) -> str:
+    """A variable of a rotor's plane, such as `plane[1].a`."""
+    return f"plane[{number}].{what}"
+
+
+def weight(number: int, what: str) -> str:
+    """A variable of a balancer's weight, such as `weight[2].angle`."""
+    return f"weight[{number}].{what}"
+
+
+def components(name: str, axes: Sequence[str]) -> list[str]:
+    """The two variables of a coupling signal such as `plane[1].F`."""
+    return [f"{name}_{axis}" for axis in axes]
+
+
+def signals(names: Sequence[str], order: int, axes: Sequence[str] = AXES["rotor"]) -> list[str]:
+    """Variables of coupling signals: all values, then all first derivatives, up to `order`.
+
+    The units declare them in this order, so that they are exchanged as one slice.
+    """
+    values = [component for name in names for component in components(name, axes)]
+    orders = [values, [f"der({name})" for name in values]]
+    orders += [[f"der({name},{k})" for name in values] for k in range(2, order + 1)]
+    return [name for group in orders[: order + 1] for name in group]
+
+
+def by_unit(names: Iterable[str]) -> dict[str, list[str]]:
+    """Variables such as `station[1].x` by their unit, from signals such as `rotor.station[1].x`."""
+    found: dict[str, list[str]] = {}
+    for name in names:
+        unit, _, variable = name.partition(".")
+        found.setdefault(unit, []).append(variable)
+    return found
+
+
+def readable(unit: str) -> str:
+    """A unit of measurement as people write it: `kg.m2/s2` is kg m^2/s^2."""
+    return _POWER.sub(r"^\1", unit.replace(".", " "))

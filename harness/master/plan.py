@@ -1,159 +1,222 @@
-"""What a scene asks of the FMUs: which units, which start values, which variables are connected."""
+"""The plan of a scene: which units it needs, what they start from, and what is connected to what.
+
+Everything that couples or exports the units reads it: the master, the runs along fixed axes, other
+masters.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+import atexit
+import shutil
+import tempfile
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
+from functools import cache
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal, NamedTuple
 
-import numpy as np
+import fmpy
 
 from ...fmus.build import build
 from ..errors import UnitError
 from ..scene import Scene
-from ..scene.balancer import LiquidBalancer, WeightBalancer
-from ..scene.rotor import FlexibleRotor
-from .fmu import Unit
-from .plan_rotor import rotor_options
+from ..scene.balancer import Balancer
+from .fmu import Fmu, measured_in
+from .names import AXES, by_unit, components, plane, stations
 
-AXES = ("xi", "eta")
+ROTOR = "rotor"
+Kind = Literal["signal", "value", "mass"]
 
 
 @dataclass(frozen=True)
 class UnitPlan:
-    """One unit of a scene: its instance name, the FMU to build, and its start values."""
+    """One unit of a scene.
+
+    Attributes:
+        name: of the instance; signals and messages begin with it.
+        model: the FMU's.
+        sizes: options to build it with.
+        start: parameters and start values.
+    """
 
     name: str
     model: str
-    options: Mapping[str, Any]
-    parameters: Mapping[str, float | bool]
+    sizes: Mapping[str, Any]
+    start: Mapping[str, float | bool]
+
+    @property
+    def driven(self) -> bool:
+        """Whether it is told the rotor's speed and acceleration."""
+        return "speed" in self.start
+
+    @property
+    def file_name(self) -> str:
+        """Name of the FMU file it is built as, such as `BallBalancer-weights-3.fmu`."""
+        return "-".join([self.model, *(f"{k}-{v}" for k, v in sorted(self.sizes.items()))]) + ".fmu"
 
 
-def plan(scene: Scene) -> list[UnitPlan]:
-    """The units a scene needs and no others: the rotor first, then the balancers in order."""
+class Port(NamedTuple):
+    """A variable of a unit; of a coupling signal its name without the axis."""
+
+    unit: str
+    variable: str
+
+
+@dataclass(frozen=True)
+class Connection:
+    """An output and the input that it feeds; inputs with several connections take their sum.
+
+    Attributes:
+        kind: `signal` has two components and slopes, `value` is one number at every communication
+            point, `mass` is one number at the start.
+    """
+
+    source: Port
+    target: Port
+    kind: Kind
+
+
+@dataclass(frozen=True)
+class Plan:
+    """Units and connections of a scene: the rotor first, then the balancers in order.
+
+    Attributes:
+        planes: of the rotor's unit on which the balancers are, from 1, by their names.
+        axes: of the coupling signals.
+    """
+
+    units: tuple[UnitPlan, ...]
+    connections: tuple[Connection, ...]
+    planes: Mapping[str, int]
+    axes: tuple[str, str] = AXES["rotor"]
+
+    def of_kind(self, kind: Kind) -> list[Connection]:
+        """Connections of one kind."""
+        return [c for c in self.connections if c.kind == kind]
+
+    def inputs(self, *kinds: Kind) -> dict[Port, list[Port]]:
+        """Every single input with the outputs whose sum it takes; slopes are left out."""
+        found: dict[Port, list[Port]] = {}
+        for c in self.connections:
+            if c.kind in kinds:
+                ends = self.variables(c.source, c.kind), self.variables(c.target, c.kind)
+                for source, target in zip(*ends, strict=True):
+                    found.setdefault(target, []).append(source)
+        return found
+
+    def variables(self, port: Port, kind: Kind) -> list[Port]:
+        """The single variables of a port: two of a signal."""
+        names = [port.variable]
+        if kind == "signal":
+            names = components(port.variable, self.axes)
+        return [Port(port.unit, name) for name in names]
+
+
+def plan(scene: Scene, frame: str = "rotor") -> Plan:
+    """The units a scene needs and no others, and their connections.
+
+    Args:
+        frame: of the coupling signals, "rotor", or "fixed" as most tools have them.
+    """
     profile = scene.profile()
     drive = {"speed": profile.speed(0.0), "acceleration": profile.acceleration(0.0)}
-    return [_rotor(scene, drive), *(_balancer(scene, one, drive) for one in scene.balancer)]
-
-
-def ports(scene: Scene) -> list[int]:
-    """Plane of the rotor unit, from 1, of every balancer.
-
-    A flexible rotor has as many planes as stations: its unit has only those that carry something.
-    """
-    if isinstance(scene.rotor, FlexibleRotor):
-        carrying = _carrying(scene)
-        return [1 + carrying.index(balancer.at) for balancer in scene.balancer]
-    return [balancer.at for balancer in scene.balancer]
-
-
-def _carrying(scene: Scene) -> list[int]:
-    """Stations with balancers, ascending; a unit has at least one plane."""
-    return sorted({balancer.at for balancer in scene.balancer}) or [1]
-
-
-def _rotor(scene: Scene, drive: Mapping[str, float]) -> UnitPlan:
-    options, parameters = rotor_options(scene.rotor, _carrying(scene))
-    count = options.get("stations", 1)
-    prefixes = [f"station[{j}]." for j in range(1, count + 1)] if count > 1 else [""]
+    built = {} if frame == "rotor" else {"frame": frame}
+    planes = scene.rotor.unit_planes([balancer.at for balancer in scene.balancer])
     start = {
         f"{'' if name == 'angle' else prefix}{name}0": value
         for name, value in scene.run.initial.items()
-        for prefix in prefixes
+        for prefix in stations(len(scene.rotor.stations))
     }
-    return UnitPlan("rotor", "RotorOnSupports", options, {**parameters, **start, **drive})
-
-
-def _balancer(
-    scene: Scene, balancer: LiquidBalancer | WeightBalancer, drive: Mapping[str, float]
-) -> UnitPlan:
-    if isinstance(balancer, LiquidBalancer):
-        names = ("chamber_radius", "float_radius", "height", "density", "inertia_as_force")
-        values = {name: getattr(balancer, name) for name in names}
-        return UnitPlan(balancer.label, "LiquidBalancer", {}, values)
-    values = {
-        "mass": balancer.mass,
-        "track_radius": balancer.track_radius,
-        "kappa": balancer.kappa,
-        "drag": balancer.drag,
-        "weight_radius": balancer.weight_radius or 0.0,
-        "restitution": _restitution(scene, balancer),
-        "rolling_resistance": balancer.rolling_resistance,
-        "track_offset_xi": balancer.track_offset_xi,
-        "track_offset_eta": balancer.track_offset_eta,
-        "inertia_as_force": balancer.inertia_as_force,
-        **drive,
-    }
-    mounted = balancer.build()
-    for k, (angle, speed) in enumerate(zip(mounted.angles, mounted.speeds, strict=True), start=1):
-        values[f"weight[{k}].angle0"] = angle
-        values[f"weight[{k}].speed0"] = speed
-    return UnitPlan(balancer.label, "BallBalancer", {"weights": balancer.count}, values)
-
-
-def _restitution(scene: Scene, balancer: WeightBalancer) -> float:
-    """Coefficient of the unit, which knows no rotor: for a rotor that is held."""
-    if not (balancer.restitution and balancer.weight_radius):
-        return 0.0
-    from ...models.contact.contact import restitution_on
-
-    rotor = scene.assembly().loaded_rotor
-    row = rotor.planes[balancer.at - 1]
-    carrier = 1.0 / float(row @ np.linalg.solve(rotor.mass, row))
-    return restitution_on(
-        balancer.restitution, balancer.mass, carrier, balancer.half_angle, balancer.kappa
+    rotor = UnitPlan(
+        ROTOR,
+        scene.rotor.model,
+        {**scene.rotor.sizes(planes), **built},
+        {**scene.rotor.start(planes), **start, **drive},
     )
+    loaded = scene.assembly().loaded_rotor
+    balancers = [
+        UnitPlan(
+            balancer.label,
+            balancer.model,
+            {**balancer.sizes(), **built},
+            {**balancer.start(loaded), **(drive if balancer.driven else {})},
+        )
+        for balancer in scene.balancer
+    ]
+    number = {balancer.label: planes.index(balancer.at) + 1 for balancer in scene.balancer}
+    connections = [
+        connection
+        for balancer in scene.balancer
+        for connection in _connections(balancer, number[balancer.label], frame)
+    ]
+    return Plan((rotor, *balancers), tuple(connections), number, AXES[frame])
 
 
-def file_name(unit: UnitPlan) -> str:
-    """Name of the FMU file a unit is built as, such as `BallBalancer-weights-3.fmu`."""
-    return "-".join([unit.model, *(f"{k}-{v}" for k, v in sorted(unit.options.items()))]) + ".fmu"
+def _connections(balancer: Balancer, number: int, frame: str) -> Iterator[Connection]:
+    """Of a balancer on plane `number` of the rotor's unit."""
+    name = balancer.label
+    if balancer.exchanges_force:
+        yield Connection(Port(ROTOR, plane(number, "a")), Port(name, "a"), "signal")
+        yield Connection(Port(name, "F"), Port(ROTOR, plane(number, "F")), "signal")
+    for variable in balancer.follows:
+        yield Connection(Port(ROTOR, plane(number, variable)), Port(name, variable), "value")
+    if frame == "fixed" and balancer.driven:
+        yield Connection(Port(ROTOR, "angle"), Port(name, "angle"), "value")
+    mass = "added_mass"
+    yield Connection(Port(name, mass), Port(ROTOR, plane(number, mass)), "mass")
 
 
-def provide(units: Sequence[UnitPlan], directory: Path, fmus: Path | None) -> list[Path]:
-    """The FMU file of every unit: found in `fmus`, or built into `directory` once per kind.
+@cache
+def _built() -> Path:
+    """Directory of the FMUs built by this process, removed when it ends."""
+    directory = Path(tempfile.mkdtemp(prefix="autobalancer-units-"))
+    atexit.register(shutil.rmtree, directory, ignore_errors=True)
+    return directory
+
+
+def find_or_build(units: Iterable[UnitPlan], fmus: Path | None = None) -> list[Path]:
+    """The FMU file of every unit: found in `fmus`, or built once a process.
 
     Raises:
         UnitError: `fmus` is given and lacks a file.
     """
-    paths = []
-    for unit in units:
-        if fmus is None:
-            path = directory / file_name(unit)
-            if not path.exists():
-                build(unit.model, path, **unit.options)
-        else:
-            candidates = [fmus / file_name(unit), fmus / f"{unit.model}.fmu"]
-            found = [candidate for candidate in candidates if candidate.is_file()]
-            if not found:
-                raise UnitError(
-                    f"{fmus}: no FMU for {unit.name!r}: expected {candidates[0].name} or "
-                    f"{candidates[1].name}; `autobalancer build -o {fmus} SCENE` makes them"
-                )
-            path = found[0]
-        paths.append(path)
-    return paths
+    if fmus is not None:
+        return [_found(unit, fmus) for unit in units]
+    paths = [(unit, _built() / unit.file_name) for unit in units]
+    for unit, path in paths:
+        if not path.exists():
+            build(unit.model, path, **unit.sizes)
+    return [path for _, path in paths]
 
 
-def refuse_other_build(unit: Unit, unit_plan: UnitPlan) -> None:
+def _found(unit: UnitPlan, fmus: Path) -> Path:
+    candidates = [fmus / unit.file_name, fmus / f"{unit.model}.fmu"]
+    for candidate in candidates:
+        if candidate.is_file():
+            return candidate
+    raise UnitError(
+        f"{fmus}: no FMU for {unit.name!r}: expected {candidates[0].name} or "
+        f"{candidates[1].name}; `autobalancer build -o {fmus} SCENE` makes them"
+    )
+
+
+def signal_units(units: Iterable[UnitPlan], names: Iterable[str]) -> dict[str, str]:
+    """What signals are measured in, as the units' FMUs declare it; nothing is loaded."""
+    units = list(units)
+    declared = {
+        unit.name: measured_in(fmpy.read_model_description(str(path)))
+        for unit, path in zip(units, find_or_build(units), strict=True)
+    }
+    wanted = by_unit(names)
+    return {f"{name}.{v}": declared[name][v] for name in wanted for v in wanted[name]}
+
+
+def refuse_other_build(fmu: Fmu, unit: UnitPlan) -> None:
     """Raise UnitError where an FMU has not the scene's weights: more would run along unseen."""
-    count = unit_plan.options.get("weights")
-    found = sum(name.endswith("].angle0") for name in unit.variables)
+    count = unit.sizes.get("weights")
+    found = sum(name.endswith("].angle0") for name in fmu.variables)
     if count is not None and found and found != count:
         raise UnitError(
-            f"{unit.path}: has {found} weights, {unit_plan.name!r} of this scene has {count}; the "
+            f"{fmu.path}: has {found} weights, {unit.name!r} of this scene has {count}; the "
             "FMU is of a different build: build it for this scene"
         )
-
-
-def signals(names: Sequence[str], order: int) -> list[str]:
-    """Variables of coupling signals: all values, then all first derivatives, up to `order`.
-
-    Each name has `{}` where the axis stands, for example `plane[1].F_{}`.  The units declare them
-    in this order, so that they are exchanged as one slice.
-    """
-    axes = [name.format(axis) for name in names for axis in AXES]
-    orders = [axes, [f"der({name})" for name in axes]]
-    orders += [[f"der({name},{k})" for name in axes] for k in range(2, order + 1)]
-    return [name for group in orders[: order + 1] for name in group]

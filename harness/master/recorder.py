@@ -1,40 +1,28 @@
-"""Recording: what is asked for at every communication point, and the facts of the run."""
+"""Recording: what is asked for at every communication point."""
 
 from __future__ import annotations
 
 from array import array
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import SceneError
 from ..scene import Scene
-from ..scene.balancer import LiquidBalancer
-from .fmu import Group, Unit
-from .resolution import SAID
-from .result import Result
+from .fmu import Fmu
+from .names import by_unit, stations
 
-if TYPE_CHECKING:
-    from .cosimulation import CoSimulation
+Signal = NDArray[np.float64]
 
 
 def recorded(scene: Scene) -> list[str]:
     """Signals the scene asks for; by default the rotor's motion and what each balancer does."""
     if scene.run.record is not None:
         return list(scene.run.record)
-    stations = scene.rotor.build().stations
-    names = ["rotor.x", "rotor.y"]
-    if stations > 1:
-        names = [f"rotor.station[{j}].{axis}" for j in range(1, stations + 1) for axis in "xy"]
-    for balancer in scene.balancer:
-        if isinstance(balancer, LiquidBalancer):
-            names.append(f"{balancer.label}.clearance")
-        else:
-            names += [f"{balancer.label}.{v}" for v in ("moment_xi", "moment_eta")]
-            names += [f"{balancer.label}.weight[{k}].angle" for k in range(1, balancer.count + 1)]
-    return names
+    prefixes = stations(len(scene.rotor.stations))
+    names = [f"rotor.{prefix}{axis}" for prefix in prefixes for axis in "xy"]
+    return names + [f"{b.label}.{variable}" for b in scene.balancer for variable in b.records]
 
 
 class Recorder:
@@ -44,12 +32,15 @@ class Recorder:
         units: by name.
         names: `unit.variable`.
 
+    Attributes:
+        signal_units: what each signal is measured in.
+
     Raises:
         SceneError: a name is not `unit.variable` of this scene.
     """
 
-    def __init__(self, units: Mapping[str, Unit], names: Sequence[str]) -> None:
-        wanted: dict[str, list[str]] = {}
+    def __init__(self, units: Mapping[str, Fmu], names: Sequence[str]) -> None:
+        names = list(dict.fromkeys(names))
         for name in names:
             unit, _, variable = name.partition(".")
             if unit not in units or variable not in units[unit].variables:
@@ -57,11 +48,14 @@ class Recorder:
                 raise SceneError(
                     f"run.record: {name!r} is not recorded by any unit; known: {known}"
                 )
-            wanted.setdefault(unit, []).append(variable)
-        self.groups: list[tuple[Unit, Group]] = [
-            (units[unit], units[unit].group(variables)) for unit, variables in wanted.items()
-        ]
-        self.names = [f"{unit}.{v}" for unit, variables in wanted.items() for v in variables]
+        wanted = by_unit(names)
+        self.groups = [(units[unit], units[unit].group(v)) for unit, v in wanted.items()]
+        self.signal_units = {
+            f"{unit}.{v}": units[unit].measured_in[v]
+            for unit, variables in wanted.items()
+            for v in variables
+        }
+        self.names = list(self.signal_units)
         self.rows = array("d")
 
     def take(self, time: float) -> None:
@@ -70,80 +64,7 @@ class Recorder:
         for unit, group in self.groups:
             self.rows.extend(unit.get(group))
 
-    def columns(self) -> tuple[NDArray[np.float64], dict[str, NDArray[np.float64]]]:
+    def columns(self) -> tuple[Signal, dict[str, Signal]]:
         """Times [s], and every signal by name."""
         table = np.array(self.rows).reshape(-1, 1 + len(self.names))
         return table[:, 0].copy(), {n: table[:, i].copy() for i, n in enumerate(self.names, 1)}
-
-    def result(self, cosim: CoSimulation, seconds: float) -> Result:
-        """Everything recorded, with the facts of the run."""
-        time, signals = self.columns()
-        calls: dict[str, int] = {}
-        for unit in cosim.units.values():
-            for kind, count in unit.calls.items():
-                calls[kind] = calls.get(kind, 0) + count
-        return Result(
-            scene_title=cosim.scene.title,
-            time=time,
-            signals=signals,
-            seconds=seconds,
-            left_out=tuple(left_out(cosim, self.names)),
-            units=tuple(path.name for path in dict.fromkeys(cosim.paths)),
-            events=tuple(events(cosim)),
-            steps=cosim.steps,
-            passes=cosim.units["rotor"].calls["step"],
-            calls=calls,
-            unconverged=cosim.unconverged,
-        )
-
-
-def left_out(cosim: CoSimulation, recorded: Sequence[str]) -> list[str]:
-    """What the run did without because the scene does not need it."""
-    scene, system = cosim.scene, cosim.system
-    notes = []
-    models = {plan.model for plan in cosim.plans}
-    notes += [
-        f"{model} (none in the scene)"
-        for model in ("LiquidBalancer", "BallBalancer")
-        if model not in models
-    ]
-    if not system.connections:
-        notes.append(
-            "force exchange (the liquid acts as added mass alone)"
-            if scene.balancer
-            else "force exchange (no balancer)"
-        )
-        notes.append("corrector passes and rollback")
-    elif cosim.scheme.name != "iterated":
-        notes.append("corrector passes and rollback (explicit scheme)")
-    if system.connections and system.order < 3:
-        notes.append("slopes of the signals" if system.order == 0 else "second derivatives")
-    if cosim.profile.start == cosim.profile.end:
-        notes.append("variable speed")
-    if scene.assembly().rotor.isotropic:
-        notes.append("second axis of the rotor (isotropic: complex system of half the size)")
-    if not recorded:
-        notes.append("recording")
-    return notes
-
-
-def events(cosim: CoSimulation) -> list[str]:
-    """What a user must know about the run: validity and convergence."""
-    notes = [message for unit in cosim.units.values() for message in unit.messages]
-    if cosim.unconverged:
-        notes.append(
-            f"{cosim.unconverged} of {cosim.steps} steps left a residual above 1e-3 of the force "
-            f"(worst {cosim.worst_residual:.2g}): use smaller steps or more corrections"
-        )
-    resolution = cosim.resolution
-    if resolution and resolution.estimate >= SAID:
-        notes.append(
-            "steps too long for signals that vary faster: the motion errs by about "
-            f"{resolution.estimate:.1g} of itself: use more steps_per_rev, or a tolerance"
-        )
-    elif resolution and resolution.unresolved:
-        notes.append(
-            f"{resolution.unresolved} of {cosim.steps} steps were too long for signals that "
-            "vary faster: use more steps_per_rev, or a tolerance"
-        )
-    return notes

@@ -26,7 +26,7 @@ import numpy as np
 from ...models.weights import Weights
 from ..errors import SimulationError
 from ..scene import Scene
-from .system import System, Track
+from .system import SignalState, System
 
 SAID = 0.01  # of the motion: estimated error from which the run says so; a picture would show it
 REFUSED = 0.3  # of the motion: within the estimate's factor of three, all of it
@@ -49,7 +49,7 @@ class _Plane:
         swung: its errors over the steps of the last revolution [m/s2].
     """
 
-    track: Track
+    state: SignalState
     name: str
     turned: float
     speed: complex = 0j
@@ -86,16 +86,18 @@ class Resolution:
         pull = (assembly.capacity + float(np.abs(rotor.unbalance).sum())) * self._speed**2
         out = math.hypot(start.x, start.y) + math.hypot(start.vx, start.vy) / self._pace
         self._reach = pull / (self._mass * self._pace**2) + out  # m: how far the rotor moves
-        self._forces = [(c.force, f"{c.unit.name}.F") for c in system.connections]
+        self._forces = list(zip(system.forces, system.force_names, strict=True))
         self._planes = [
-            _Plane(track, f"rotor.plane[{plane}].a", _turned(scene, system, plane, self._speed))
-            for track, plane in zip(system.accelerations, system.connected, strict=True)
+            _Plane(state, name, _turned(scene, system, plane, self._speed))
+            for plane, (state, name) in enumerate(
+                zip(system.accelerations, system.acceleration_names, strict=True)
+            )
         ]
         least = NOISE * assembly.capacity * self._speed**2
-        for track, _ in self._forces:
-            track.largest = max(least, abs(track.now[0]))
+        for state, _ in self._forces:
+            state.largest = max(least, abs(state.now[0]))
         for plane in self._planes:
-            plane.track.largest = max(least / self._mass, abs(plane.track.now[0]))
+            plane.state.largest = max(least / self._mass, abs(plane.state.now[0]))
         self._pushed, self._step, self._blind = 0.0, 0.0, True
         self.estimate, self.unresolved = 0.0, 0
 
@@ -109,25 +111,25 @@ class Resolution:
         if step != self._step:
             self._change(step)
         lost, missed = None, 0.0
-        for track, name in self._forces:
-            missed += track.missed
-            if track.missed > LOST * track.largest:
-                lost = track, name
+        for state, name in self._forces:
+            missed += state.prediction_error
+            if state.prediction_error > LOST * state.largest:
+                lost = state, name
         # a first step has no past to be judged by: the second one's miss is its miss too
         times = (2.0 if self._blind else 1.0) / self._part
         self._blind = missed == 0.0
         self._pushed = self._kept * self._pushed + times * missed
         worst, cause = 0.0, ""
         for plane in self._planes:
-            track = plane.track
-            plane.speed += self._new * (track.now[0] / self._pace - plane.speed)
+            state = plane.state
+            plane.speed += self._new * (state.now[0] / self._pace - plane.speed)
             plane.place += self._new * (plane.speed / self._pace - plane.place)
             self._reach = max(self._reach, abs(plane.place))
-            plane.swung = self._kept_turning * plane.swung + times * track.missed
+            plane.swung = self._kept_turning * plane.swung + times * state.prediction_error
             if plane.swung * plane.turned * step > worst:
                 worst, cause = plane.swung * plane.turned * step, plane.name
-            if track.missed > LOST * track.largest:
-                lost = track, plane.name
+            if state.prediction_error > LOST * state.largest:
+                lost = state, plane.name
         if self._pushed * self._moved > worst * self._reach:
             worst, cause = self._pushed * self._moved / self._reach, self._forces[0][1]
         if worst > self.estimate:
@@ -147,10 +149,10 @@ class Resolution:
         # m/N: a force that lasts longer than 1/pace moves the rotor no further
         self._moved = min(step, 1.0 / self._pace) / (self._mass * self._pace)
 
-    def _count(self, time: float, track: Track, name: str) -> None:
+    def _count(self, time: float, state: SignalState, name: str) -> None:
         self.unresolved += 1
         if self.unresolved >= PERSISTENT:
-            share = track.missed / track.largest
+            share = state.prediction_error / state.largest
             self._refuse(
                 time,
                 f"{name} has ended {self.unresolved} steps far from where the one before led, now "
@@ -175,10 +177,11 @@ def _slowest(mass: np.ndarray, stiffness: np.ndarray) -> float:
 
 def _turned(scene: Scene, system: System, plane: int, speed: float) -> float:
     """Angle [rad] by which a push of 1 m/s turns a weight on a plane until it is forgotten."""
-    found = [0.0]
-    for mounted, at in zip(scene.assembly().balancers, system.planes, strict=True):
-        device = mounted.device
-        if at == plane and isinstance(device, Weights):
-            slowing = device.drag / (device.kappa * device.mass)
-            found.append(1.0 / (device.kappa * device.track_radius * max(speed, slowing)))
-    return max(found)
+    there = {exchange.unit.name for exchange in system.exchanges if exchange.plane == plane}
+    angles = [0.0]
+    for mounted in scene.assembly().balancers:
+        weights = mounted.device
+        if mounted.name in there and isinstance(weights, Weights):
+            slowing = weights.drag / (weights.kappa * weights.mass)
+            angles.append(1.0 / (weights.kappa * weights.track_radius * max(speed, slowing)))
+    return max(angles)

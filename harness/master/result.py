@@ -12,7 +12,6 @@ from numpy.typing import ArrayLike, NDArray
 from ..errors import UserError
 from ..output.files import write_whole
 from ..scene.messages import did_you_mean
-from .names import unit_of_signal
 
 Signal = NDArray[np.float64]
 
@@ -39,6 +38,9 @@ class Result:
         passes: steps including corrector passes and rejected ones.
         calls: number of FMI calls by kind.
         unconverged: steps in which the coupling loop did not converge.
+        estimated_error: of the motion, relative to itself, where steps are too long for the
+            signals; 0 where nothing is estimated.
+        signal_units: what each signal is measured in.
     """
 
     scene_title: str
@@ -52,6 +54,8 @@ class Result:
     passes: int = 0
     calls: dict[str, int] = field(default_factory=dict)
     unconverged: int = 0
+    estimated_error: float = 0.0
+    signal_units: dict[str, str] = field(default_factory=dict)
 
     def __getitem__(self, name: str) -> Signal:
         """Signal by name, (T,).
@@ -94,7 +98,7 @@ class Result:
         return plot_run(
             self.time,
             self.signals,
-            {name: unit_of_signal(name) for name in self.signals},
+            {name: self.signal_units.get(name, "") for name in self.signals},
             self.scene_title or "run",
             Path(path),
         )

@@ -101,15 +101,13 @@ def summary(result: Result) -> Table:
     from rich.markup import escape
     from rich.table import Table
 
-    from .names import unit_of_signal
-
     table = Table(title=escape(result.scene_title or "run"), title_justify="left")
     table.add_column("signal")
     table.add_column("unit")
     for column in ("smallest", "largest", "at the end"):
         table.add_column(column, justify="right")
     for name, values in {"time": result.time, **result.signals}.items():
-        unit = "s" if name == "time" else unit_of_signal(name)
+        unit = "s" if name == "time" else result.signal_units.get(name, "")
         numbers = (values.min(), values.max(), values[-1])
         table.add_row(escape(name), unit, *(f"{number:.6g}" for number in numbers))
     return table

@@ -8,12 +8,12 @@ ends.
 from __future__ import annotations
 
 Cubic = tuple[complex, complex, complex, complex]
-End = tuple[complex, complex]  # value and slope at one end of a step
+Knot = tuple[complex, complex]  # value and slope at one point
 
 REST: Cubic = (0j, 0j, 0j, 0j)
 
 
-def hermite(start: End, end: End, step: float) -> Cubic:
+def hermite(start: Knot, end: Knot, step: float) -> Cubic:
     """The cubic with value and slope given at both ends of a step [s]; error step^4/384 f''''."""
     (f0, d0), (f1, d1) = start, end
     rise = (f1 - f0) / step
@@ -25,7 +25,7 @@ def hermite(start: End, end: End, step: float) -> Cubic:
     )
 
 
-def interpolated(start: End, end: End, step: float, order: int) -> Cubic:
+def interpolated(start: Knot, end: Knot, step: float, order: int) -> Cubic:
     """Signal over a step both of whose ends are known, of exchange order 0 (end value), 1 or 3."""
     if order == 3:
         return hermite(start, end, step)
@@ -34,7 +34,7 @@ def interpolated(start: End, end: End, step: float, order: int) -> Cubic:
     return (end[0], 0j, 0j, 0j)
 
 
-def extrapolated(start: End, past: Cubic, past_step: float, order: int) -> Cubic:
+def extrapolated(start: Knot, past: Cubic, past_step: float, order: int) -> Cubic:
     """Signal over a step of which only the start is known, and the cubic of the step before it."""
     if order == 3:
         return (start[0], start[1], past[2] + past_step * past[3], past[3])
@@ -43,7 +43,7 @@ def extrapolated(start: End, past: Cubic, past_step: float, order: int) -> Cubic
     return (start[0], 0j, 0j, 0j)
 
 
-def end_of(cubic: Cubic, step: float) -> End:
+def end_of(cubic: Cubic, step: float) -> Knot:
     """Value and slope of a cubic at the end of its step."""
     f, d, d2, d3 = cubic
     return (

@@ -1,121 +1,140 @@
-"""The coupled units: rotor, balancers, and the signals between them at the present time."""
+"""The coupled units: rotor, balancers, and the signals between them at the present time.
+
+What a scheme needs of them: `rotor_pass`, `balancer_pass`, `saved` states, and the signals
+(`forces`, `accelerations`) with `accept` at the end of a step.
+"""
 
 from __future__ import annotations
 
 from cmath import isfinite
 from collections.abc import Mapping, Sequence
 from ctypes import c_void_p
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
 from ..errors import SimulationError
-from .fmu import Group, Unit
-from .plan import UnitPlan, signals
-from .signals import REST, Cubic, End, end_of
+from .fmu import Fmu, Variables
+from .names import components, signals
+from .plan import ROTOR, Plan, Port
+from .signals import REST, Cubic, Knot, end_of
 
-ZERO: End = (0j, 0j)
+ZERO: Knot = (0j, 0j)
 
 
 @dataclass(slots=True)
-class Track:
-    """One coupling signal: its present end, and the cubic and length of the step before.
+class SignalState:
+    """One coupling signal: value and slope now, and its cubic over the step before.
 
     Attributes:
-        missed: how far the last step ended from where the cubic before it led, steps being equal.
+        last: the cubic of the step before; its length is `last_step` [s].
+        prediction_error: how far the last step ended from where the cubic before it led, where both
+            were of the same length.
         largest: modulus of the largest value so far.
     """
 
-    now: End = ZERO
-    past: Cubic = REST
-    past_step: float = 0.0
-    missed: float = 0.0
+    now: Knot = ZERO
+    last: Cubic = REST
+    last_step: float = 0.0
+    prediction_error: float = 0.0
     largest: float = 0.0
 
-    def move(self, cubic: Cubic, end: End, step: float) -> None:
+    def move(self, cubic: Cubic, end: Knot, step: float) -> None:
         """Accept the signal of a finished step."""
         value = end[0]
-        self.missed = 0.0
-        if self.past_step == step:
-            self.missed = abs(value - end_of(self.past, step + step)[0])
+        self.prediction_error = 0.0
+        if self.last_step == step:
+            self.prediction_error = abs(value - end_of(self.last, step + step)[0])
         modulus = abs(value)
         if modulus > self.largest:
             self.largest = modulus
-        self.now, self.past, self.past_step = end, cubic, step
+        self.now, self.last, self.last_step = end, cubic, step
 
 
 @dataclass(slots=True)
-class Connection:
-    """A balancer that exchanges force with a plane of the rotor."""
+class Exchange:
+    """A balancer that exchanges force with a plane of the rotor.
 
-    unit: Unit
-    plane: int  # index into the system's connected planes
-    inputs: Group
-    outputs: Group
-    force: Track = field(default_factory=Track)
-    position: tuple[Group, Group] | None = None  # where a liquid's clearance is watched: x, y
+    Attributes:
+        plane: index into the planes that exchange force.
+        place: variables of its plane's place, of the rotor and its own, where it follows that.
+    """
+
+    unit: Fmu
+    plane: int
+    inputs: Variables
+    outputs: Variables
+    place: tuple[Variables, Variables] | None = None
 
 
 class System:
     """Units of a scene with their connections.
 
     Args:
-        units: rotor first, then the balancers.
-        plans: the same order.
-        planes: plane number (from 1) of every balancer.
-        coupled: for every balancer, whether it exchanges force (a liquid whose whole effect is its
-            added mass does not).
+        plan: units and connections.
+        units: the loaded units by name.
         order: of the exchanged signals, 0, 1 or 3.
-        watch: also tell liquid balancers where their plane is, so that they report their clearance.
+        watch: also tell balancers where their plane is that report their clearance.
 
     Attributes:
+        exchanges: balancers that exchange force, in order; `forces` and `force_names` are theirs.
+        accelerations: of every plane that exchanges force; `acceleration_names` as well.
+        masses: added mass handed to the rotor at the start, by its input [kg].
         fresh: no step has been taken since the start or the last jump of the drive.
     """
 
     def __init__(
-        self,
-        units: Sequence[Unit],
-        plans: Sequence[UnitPlan],
-        planes: Sequence[int],
-        coupled: Sequence[bool],
-        order: int,
-        watch: bool = True,
+        self, plan: Plan, units: Mapping[str, Fmu], order: int, watch: bool = True
     ) -> None:
-        self.order, self.fresh = order, True
-        self.rotor, self.balancers = units[0], list(units[1:])
-        self.plans, self.planes = list(plans), list(planes)
-        self.connected = sorted({p for p, c in zip(planes, coupled, strict=True) if c})
+        self.plan, self.units, self.order, self.fresh = plan, dict(units), order, True
+        self.rotor = units[ROTOR]
+        self.balancers = [unit for name, unit in units.items() if name != ROTOR]
+        self.masses: dict[str, float] = {}
         slopes = 0 if order == 0 else 1
-        self._forces = self.rotor.group(
-            signals([f"plane[{p}].F_{{}}" for p in self.connected], order)
+        exchanged = plan.of_kind("signal")
+        told = {c.target.unit: c.source.variable for c in exchanged if c.source.unit == ROTOR}
+        pushed = {c.source.unit: c.target.variable for c in exchanged if c.target.unit == ROTOR}
+        names = {pushed[unit]: told[unit] for unit in pushed}  # force and acceleration of a plane
+        # in the order in which the rotor declares them they are one slice
+        planes = sorted(
+            names, key=lambda name: self.rotor.reference(components(name, plan.axes)[0])
         )
-        self._accelerations = self.rotor.group(
-            signals([f"plane[{p}].a_{{}}" for p in self.connected], slopes)
-        )
-        self.accelerations = [Track() for _ in self.connected]
-        self.connections = [
-            Connection(
-                unit,
-                self.connected.index(plane),
-                unit.group(signals(["a_{}"], order)),
-                unit.group(signals(["F_{}"], slopes)),
+        self._forces = self.rotor.group(signals(planes, order, plan.axes))
+        felt = [names[force] for force in planes]
+        self._accelerations = self.rotor.group(signals(felt, slopes, plan.axes))
+        self.acceleration_names = [f"{ROTOR}.{name}" for name in felt]
+        self.accelerations = [SignalState() for _ in planes]
+        self.exchanges = [
+            Exchange(
+                units[name],
+                planes.index(force),
+                units[name].group(signals(["a"], order, plan.axes)),
+                units[name].group(signals(["F"], slopes, plan.axes)),
             )
-            for unit, plane, is_coupled in zip(self.balancers, planes, coupled, strict=True)
-            if is_coupled
+            for name, force in pushed.items()
         ]
-        self.watched: list[tuple[Unit, Group, Group]] = []
-        for unit, plane in zip(self.balancers, planes, strict=True):
-            if watch and "clearance" in unit.variables:
-                source = self.rotor.group([f"plane[{plane}].x", f"plane[{plane}].y"])
-                self._watch(unit, source, unit.group(["x", "y"]))
-        self.members = [self.rotor, *(c.unit for c in self.connections)]
-        self._drives = [u.group(["speed", "acceleration"]) for u in units if "speed" in u.variables]
-        self._driven = [u for u in units if "speed" in u.variables]
+        self.forces = [SignalState() for _ in self.exchanges]
+        self.force_names = [f"{exchange.unit.name}.F" for exchange in self.exchanges]
+        self.watched: list[tuple[Fmu, Variables, Variables]] = []
+        if watch:
+            self._follow_places()
+        self.members = [self.rotor, *(e.unit for e in self.exchanges)]
+        self._driven = [
+            (units[one.name], units[one.name].group(["speed", "acceleration"]))
+            for one in plan.units
+            if one.driven
+        ]
 
-    def _watch(self, unit: Unit, source: Group, target: Group) -> None:
-        for connection in self.connections:
-            if connection.unit is unit:
-                connection.position = (source, target)
-                return
-        self.watched.append((unit, source, target))
+    def _follow_places(self) -> None:
+        """Connect what balancers are told of their plane's place."""
+        values = self.plan.of_kind("value")
+        exchanging = {exchange.unit.name: exchange for exchange in self.exchanges}
+        for name in dict.fromkeys(c.target.unit for c in values):
+            mine = [c for c in values if c.target.unit == name]
+            unit, source = self.units[name], self.rotor.group([c.source.variable for c in mine])
+            target = unit.group([c.target.variable for c in mine])
+            if name in exchanging:
+                exchanging[name].place = source, target
+            else:
+                self.watched.append((unit, source, target))
 
     def follow(self, time: float, step: float) -> None:
         """Step the balancers that exchange no force, once the others have finished the step."""
@@ -123,54 +142,64 @@ class System:
             unit.set(target, self.rotor.get(source))
             unit.step(time, step)
 
-    def rotor_pass(self, forces: Sequence[Cubic], time: float, step: float) -> list[End]:
-        """Step the rotor under one force cubic per connection; accelerations of the planes."""
-        if not self.connections:
+    def rotor_pass(self, forces: Sequence[Cubic], time: float, step: float) -> list[Knot]:
+        """Step the rotor under one force cubic per exchange; accelerations of the planes."""
+        if not self.exchanges:
             self.rotor.step(time, step)
             return []
         self.set_forces(forces)
         self.rotor.step(time, step)
         return self.read_accelerations()
 
-    def balancer_pass(self, accelerations: Sequence[Cubic], time: float, step: float) -> list[End]:
-        """Step every connected balancer under its plane's acceleration; their forces."""
+    def balancer_pass(self, accelerations: Sequence[Cubic], time: float, step: float) -> list[Knot]:
+        """Step every exchanging balancer under its plane's acceleration; their forces."""
         forces = []
-        for connection in self.connections:
-            self.set_acceleration(connection, accelerations[connection.plane])
-            if connection.position:
-                source, target = connection.position
-                connection.unit.set(target, self.rotor.get(source))
-            connection.unit.step(time, step)
-            forces.append(self.read_force(connection))
+        for exchange in self.exchanges:
+            unit = exchange.unit
+            unit.set_vectors(exchange.inputs, accelerations[exchange.plane][: self.order + 1])
+            if exchange.place:
+                source, target = exchange.place
+                unit.set(target, self.rotor.get(source))
+            unit.step(time, step)
+            forces.append(_knots(unit.get_vectors(exchange.outputs), 1)[0])
         return forces
 
+    def answer(self, accelerations: Sequence[Cubic]) -> list[Knot]:
+        """Forces of balancers in initialisation mode under accelerations of the planes."""
+        for exchange in self.exchanges:
+            cubic = accelerations[exchange.plane][: self.order + 1]
+            exchange.unit.set_vectors(exchange.inputs, cubic)
+        return [_knots(e.unit.get_vectors(e.outputs), 1)[0] for e in self.exchanges]
+
     def set_forces(self, forces: Sequence[Cubic]) -> None:
-        """Write the sum of the connections' forces on every connected plane."""
-        width, used = len(self.connected), self.order + 1
+        """Write the sum of the forces on every plane that exchanges force."""
+        width, used = len(self.accelerations), self.order + 1
         if len(forces) == 1:
             self.rotor.set_vectors(self._forces, forces[0][:used])
             return
         vectors = [0j] * (width * used)
-        for connection, cubic in zip(self.connections, forces, strict=True):
+        for exchange, cubic in zip(self.exchanges, forces, strict=True):
             for k in range(used):
-                vectors[connection.plane + k * width] += cubic[k]
+                vectors[exchange.plane + k * width] += cubic[k]
         self.rotor.set_vectors(self._forces, vectors)
 
-    def read_accelerations(self) -> list[End]:
-        """Acceleration and slope of every connected plane."""
-        return _ends(self.rotor.get_vectors(self._accelerations), len(self.connected))
+    def read_accelerations(self) -> list[Knot]:
+        """Acceleration and slope of every plane that exchanges force."""
+        return _knots(self.rotor.get_vectors(self._accelerations), len(self.accelerations))
 
-    def set_acceleration(self, connection: Connection, cubic: Cubic) -> None:
-        """Write the acceleration signal of one balancer."""
-        connection.unit.set_vectors(connection.inputs, cubic[: self.order + 1])
-
-    def read_force(self, connection: Connection) -> End:
-        """Force and slope of one balancer."""
-        return _ends(connection.unit.get_vectors(connection.outputs), 1)[0]
+    def present(self) -> dict[Port, complex]:
+        """Present values of the coupling signals by their source."""
+        values = {
+            Port(e.unit.name, "F"): f.now[0]
+            for e, f in zip(self.exchanges, self.forces, strict=True)
+        }
+        for name, state in zip(self.acceleration_names, self.accelerations, strict=True):
+            values[Port(ROTOR, name.removeprefix(f"{ROTOR}."))] = state.now[0]
+        return values
 
     def drive(self, speed: float, acceleration: float) -> None:
         """Tell every unit that needs it the speed at the start of a step and its rate of change."""
-        for unit, group in zip(self._driven, self._drives, strict=True):
+        for unit, group in self._driven:
             unit.set(group, (speed, acceleration))
 
     def save(self) -> list[c_void_p]:
@@ -189,8 +218,8 @@ class System:
 
     def accept(
         self,
-        accelerations: Sequence[tuple[Cubic, End]],
-        forces: Sequence[tuple[Cubic, End]],
+        accelerations: Sequence[tuple[Cubic, Knot]],
+        forces: Sequence[tuple[Cubic, Knot]],
         time: float,
         step: float,
     ) -> None:
@@ -200,20 +229,20 @@ class System:
             SimulationError: a signal is not finite.
         """
         self.fresh = False
-        for track, (cubic, end) in zip(self.accelerations, accelerations, strict=True):
-            track.move(cubic, end, step)
-        for connection, (cubic, end) in zip(self.connections, forces, strict=True):
-            connection.force.move(cubic, end, step)
+        for state, (cubic, end) in zip(self.accelerations, accelerations, strict=True):
+            state.move(cubic, end, step)
+        for number, (cubic, end) in enumerate(forces):
+            self.forces[number].move(cubic, end, step)
             if not isfinite(end[0]):
                 raise SimulationError(
-                    f"{connection.unit.name}.F is not finite at t = {time + step:g} s: the "
+                    f"{self.force_names[number]} is not finite at t = {time + step:g} s: the "
                     'coupling diverged; use scheme = "iterated" or smaller steps'
                 )
 
     def forget(self) -> None:
         """Drop what the signals did before now: it says nothing of what comes."""
-        for track in [*self.accelerations, *(c.force for c in self.connections)]:
-            track.past, track.past_step = (*track.now, 0j, 0j), 0.0
+        for state in [*self.accelerations, *self.forces]:
+            state.last, state.last_step = (*state.now, 0j, 0j), 0.0
         self.fresh = True
 
     def restart(self, changes: Mapping[str, Mapping[str, float | bool]]) -> None:
@@ -221,20 +250,19 @@ class System:
 
         Leaves the units in initialisation mode with the added masses handed to the rotor.
         """
-        added: dict[int, float] = {}
-        units = [self.rotor, *self.balancers]
-        for unit, unit_plan in list(zip(units, self.plans, strict=True))[::-1]:
-            parameters = {**unit_plan.parameters, **changes.get(unit.name, {})}
-            if unit is self.rotor:
-                parameters |= {f"plane[{p}].added_mass": m for p, m in added.items()}
-            unit.restart(parameters)
+        self.masses = {}
+        carried = {c.source.unit: c for c in self.plan.of_kind("mass")}
+        for one in reversed(self.plan.units):  # the rotor last: it needs the others' masses
+            unit = self.units[one.name]
+            masses = self.masses if unit is self.rotor else {}
+            unit.restart({**one.start, **changes.get(one.name, {}), **masses})
             if unit is not self.rotor:
-                plane = self.planes[self.balancers.index(unit)]
-                mass = unit.get(unit.group(["added_mass"]))[0]
-                added[plane] = added.get(plane, 0.0) + mass
+                source, target = carried[one.name].source, carried[one.name].target.variable
+                mass = unit.get(unit.group([source.variable]))[0]
+                self.masses[target] = self.masses.get(target, 0.0) + mass
 
 
-def _ends(vectors: Sequence[complex], count: int) -> list[End]:
+def _knots(vectors: Sequence[complex], count: int) -> list[Knot]:
     """Values, then slopes if there are any, of `count` signals."""
     slopes = vectors[count:] or [0j] * count
     return list(zip(vectors[:count], slopes, strict=True))

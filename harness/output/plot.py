@@ -1,4 +1,4 @@
-"""Pictures: the time history of a run, and the window of a liquid balancer.
+"""What pictures share, and the time history of signals.
 
 Figures are made without pyplot, so that neither a display nor a global state is touched.
 """
@@ -6,7 +6,6 @@ Figures are made without pyplot, so that neither a display nor a global state is
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -19,34 +18,8 @@ from .files import picture_format, write_whole
 
 Signal = NDArray[np.float64]
 Signals = Mapping[str, Signal]
-WITH, WITHOUT, LIMIT = "tab:blue", "tab:gray", "tab:red"
 _MOST_LINES = 12  # in one panel; more cannot be told apart
 _PREFIXES = ((1.0, ""), (1e-3, "m"), (1e-6, "µ"), (1e-9, "n"))
-
-
-@dataclass(frozen=True)
-class WindowCurves:
-    """Bending against speed with and without a liquid balancer.
-
-    Attributes:
-        title: of the picture.
-        speeds, bending, bending_without: (S,) theory, Dubovik 2006 (6) [rad/s, m].
-        points, measured, measured_without: (P,) from the co-simulation [rad/s, m].
-        lower: w_* [rad/s].
-        upper: w^* [rad/s]; None: no upper limit.
-        gap: clearance between float and wall [m].
-    """
-
-    title: str
-    speeds: NDArray[np.float64]
-    bending: NDArray[np.float64]
-    bending_without: NDArray[np.float64]
-    points: NDArray[np.float64]
-    measured: NDArray[np.float64]
-    measured_without: NDArray[np.float64]
-    lower: float
-    upper: float | None
-    gap: float
 
 
 def save(figure: Figure, path: Path) -> Path:
@@ -122,56 +95,4 @@ def plot_run(
         _draw(axes, time, {name: signals[name] for name in names}, quantity, unit)
     grid[-1].set_xlabel("time [s]")
     figure.suptitle(title)
-    return save(figure, path)
-
-
-def plot_liquid_window(data: WindowCurves, path: Path) -> Path:
-    """Bending against speed: theory as lines, co-simulation as points, the window shaded.
-
-    Raises:
-        UserError: the file cannot be written.
-    """
-    figure = Figure(figsize=(9.0, 5.5), layout="constrained")
-    axes = figure.subplots()
-    factor, unit = metres(max(data.gap, float(np.median(data.bending))))
-    for curve, points, colour, name in (
-        (data.bending, data.measured, WITH, "with liquid"),
-        (data.bending_without, data.measured_without, WITHOUT, "without"),
-    ):
-        axes.plot(data.speeds, curve * factor, color=colour, label=f"{name}, theory (6)")
-        axes.plot(data.points, points * factor, "o", color=colour, ms=4, label=f"{name}, measured")
-    end = float(data.speeds[-1])
-    axes.axvline(data.lower, color="tab:green", ls="--", label=f"$w_*$ = {data.lower:.5g} rad/s")
-    if data.upper is not None:
-        axes.axvline(data.upper, color=LIMIT, ls="--", label=f"$w^*$ = {data.upper:.5g} rad/s")
-    if data.upper is None or data.upper > data.lower:
-        note = "window" if data.upper is not None else "window, no upper limit"
-        axes.axvspan(data.lower, data.upper or end, color="tab:green", alpha=0.12, label=note)
-    else:
-        axes.plot([], [], " ", label="window empty: $w^* \\leq w_*$")
-    axes.axhline(
-        data.gap * factor, color="black", ls=":", label=f"gap {data.gap * factor:.4g} {unit}"
-    )
-    touching = data.bending > data.gap
-    if touching.any():
-        axes.fill_between(
-            data.speeds,
-            0.0,
-            1.0,
-            where=touching,
-            transform=axes.get_xaxis_transform(),
-            facecolor="none",
-            edgecolor=LIMIT,
-            hatch="//",
-            alpha=0.35,
-            label="float touches the wall: model not valid",
-        )
-    axes.set_yscale("log")
-    axes.yaxis.set_major_formatter("{x:g}")
-    axes.set_xlim(float(data.speeds[0]), end)
-    axes.set_xlabel("speed [rad/s]")
-    axes.set_ylabel(f"steady bending, 0-peak [{unit}]")
-    axes.grid(which="both", alpha=0.25)
-    axes.legend(fontsize="small")
-    axes.set_title(data.title)
     return save(figure, path)

@@ -11,39 +11,36 @@ import cmath
 import time as clock
 from collections.abc import Sequence
 from contextlib import ExitStack
-from dataclasses import dataclass, replace
-from pathlib import Path
-from tempfile import TemporaryDirectory
+from dataclasses import dataclass, field
 
 from ..errors import SceneError, SimulationError
 from ..master.cosimulation import CoSimulation
-from ..master.fmu import Group, Unit
-from ..master.plan import plan, ports, provide
+from ..master.fmu import Fmu, Variables
+from ..master.plan import ROTOR, Plan, Port, find_or_build, plan
 from ..master.recorder import Recorder
 from ..master.schedule import milestones, schedule
 from ..scene import Scene
 from .runner import Run
 
-AXES = ("x", "y")
-Pair = list[float]
-
 
 @dataclass
-class Port:
-    """One output of a unit as one input of others has it: what it showed a step ago.
+class Member:
+    """A unit with everything that it shows others, and everything that it is told.
 
     Attributes:
-        first: its value at the start.
-        now: its value at the end of the last step.
+        outputs, inputs: their variables; one call reads or writes them all.
+        shows: what the outputs are, in their order.
+        told: for every input, what its value is the sum of.
     """
 
-    source: Unit
-    output: Group
-    first: Pair
-    now: Pair
+    unit: Fmu
+    outputs: Variables
+    inputs: Variables
+    shows: list[Port] = field(default_factory=list)
+    told: list[list[Port]] = field(default_factory=list)
 
 
-class AlongFixedAxes:
+class FixedAxesRunner:
     """A scene at its steps, its units side by side on held signals along fixed axes.
 
     Raises:
@@ -52,60 +49,24 @@ class AlongFixedAxes:
 
     def __init__(self, scene: Scene, names: Sequence[str]) -> None:
         self._scene, self._names = scene, list(names)
-        fixed = [replace(one, options={**one.options, "frame": "fixed"}) for one in plan(scene)]
-        self._parameters = [dict(one.parameters) for one in fixed]
+        self._plan = plan(scene, frame="fixed")
         with ExitStack() as stack:
-            directory = stack.enter_context(TemporaryDirectory(prefix="autobalancer-"))
-            paths = provide(fixed, Path(directory), None)
+            paths = find_or_build(self._plan.units)
             self._units = {
-                one.name: stack.enter_context(Unit(path, one.name))
-                for one, path in zip(fixed, paths, strict=True)
+                one.name: stack.enter_context(Fmu(path, one.name))
+                for path, one in zip(paths, self._plan.units, strict=True)
             }
-            self._ports: list[Port] = []
-            self._wires: list[tuple[Unit, Group, list[Port]]] = []
-            self._connect(stack.enter_context(CoSimulation(scene)))
+            self._members = [_member(self._plan, unit) for unit in self._units.values()]
+            self._driven = [
+                (self._units[one.name], self._units[one.name].group(["speed", "acceleration"]))
+                for one in self._plan.units
+                if one.driven
+            ]
+            turning = stack.enter_context(CoSimulation(scene))
+            turning.start()
+            self._masses = dict(turning.system.masses)
+            self._first = _at_the_start(self._plan, turning)
             self._stack = stack.pop_all()
-
-    def _connect(self, turning: CoSimulation) -> None:
-        """Wire the units; the start is that of the units that turn with the rotor."""
-        turning.start()
-        system, angle = turning.system, self._scene.run.initial.angle
-        rotor, turn = self._units["rotor"], cmath.rect(1.0, angle)
-        angles = self._port(rotor, ["angle"], [angle])
-        pulls: dict[int, list[Port]] = {}
-        pulling = {c.unit.name: c for c in system.connections}
-        for unit, plane in zip(system.balancers, ports(self._scene), strict=True):
-            own, mass = self._units[unit.name], turning.read(unit.name, ["added_mass"])[0]
-            carried = f"plane[{plane}].added_mass"
-            self._parameters[0][carried] = self._parameters[0].get(carried, 0.0) + mass
-            if "angle" in own.variables:
-                self._wire(own, ["angle"], [angles])
-            if "clearance" in own.variables:
-                place = [f"plane[{plane}].{axis}" for axis in AXES]
-                self._wire(own, AXES, [self._port(rotor, place, turning.read("rotor", place))])
-            if unit.name in pulling:
-                c = pulling[unit.name]
-                motion = _pair(system.accelerations[c.plane].now[0] * turn)
-                felt = self._port(rotor, [f"plane[{plane}].a_{axis}" for axis in AXES], motion)
-                self._wire(own, [f"a_{axis}" for axis in AXES], [felt])
-                pull = _pair(c.force.now[0] * turn)
-                force = self._port(own, [f"F_{axis}" for axis in AXES], pull)
-                pulls.setdefault(plane, []).append(force)
-        for plane, forces in pulls.items():
-            self._wire(rotor, [f"plane[{plane}].F_{axis}" for axis in AXES], forces)
-        self._driven = [
-            (unit, unit.group(["speed", "acceleration"]))
-            for unit in self._units.values()
-            if "speed" in unit.variables
-        ]
-
-    def _port(self, unit: Unit, names: Sequence[str], first: Pair) -> Port:
-        port = Port(unit, unit.group(names), first, first)
-        self._ports.append(port)
-        return port
-
-    def _wire(self, unit: Unit, names: Sequence[str], sources: list[Port]) -> None:
-        self._wires.append((unit, unit.group(names), sources))
 
     def run(self) -> Run:
         try:
@@ -113,11 +74,11 @@ class AlongFixedAxes:
         except SceneError as error:
             raise SimulationError(f"units along fixed axes: {error}") from error
         begun = clock.perf_counter()
-        for unit, parameters in zip(self._units.values(), self._parameters, strict=True):
-            unit.restart(parameters)
-            unit.start()
-        for port in self._ports:
-            port.now = port.first
+        for one in self._plan.units:
+            masses = self._masses if one.name == ROTOR else {}
+            self._units[one.name].restart({**one.start, **masses})
+            self._units[one.name].start()
+        self._shown = dict(self._first)
         recorder.take(0.0)
         time, steps = 0.0, 0
         for (step, count), bound in zip(
@@ -138,16 +99,38 @@ class AlongFixedAxes:
         drive = profile.speed(time), profile.acceleration(time)
         for unit, group in self._driven:
             unit.set(group, drive)
-        for unit, group, sources in self._wires:
-            unit.set(group, [sum(parts) for parts in zip(*(p.now for p in sources), strict=True)])
-        for unit in self._units.values():
-            unit.step(time, step)
-        for port in self._ports:
-            port.now = port.source.get(port.output)
+        for member in self._members:
+            if member.told:
+                values = [sum(self._shown[port] for port in ports) for ports in member.told]
+                member.unit.set(member.inputs, values)
+            member.unit.step(time, step)
+        for member in self._members:
+            if member.shows:
+                values = member.unit.get(member.outputs)
+                self._shown.update(zip(member.shows, values, strict=True))
 
     def close(self) -> None:
         self._stack.close()
 
 
-def _pair(value: complex) -> Pair:
-    return [value.real, value.imag]
+def _member(plan: Plan, unit: Fmu) -> Member:
+    """A unit with its ends of the plan's connections."""
+    wires = plan.inputs("signal", "value")
+    told = {target: sources for target, sources in wires.items() if target.unit == unit.name}
+    every = [source for sources in wires.values() for source in sources]
+    shows = list(dict.fromkeys(source for source in every if source.unit == unit.name))
+    outputs, inputs = ([port.variable for port in ports] for ports in (shows, told))
+    return Member(unit, unit.group(outputs), unit.group(inputs), shows, list(told.values()))
+
+
+def _at_the_start(plan: Plan, turning: CoSimulation) -> dict[Port, float]:
+    """Every output at the start, from the same units turning with the rotor."""
+    turn = cmath.rect(1.0, turning.scene.run.initial.angle)
+    first: dict[Port, float] = {}
+    for port, value in turning.system.present().items():
+        along = value * turn
+        first.update(zip(plan.variables(port, "signal"), (along.real, along.imag), strict=True))
+    for connection in plan.of_kind("value"):
+        source = connection.source
+        first[source] = turning.read(source.unit, [source.variable])[0]
+    return first

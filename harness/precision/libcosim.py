@@ -18,7 +18,8 @@ import numpy as np
 
 from ..errors import SimulationError
 from ..master.cosimulation import CoSimulation
-from ..master.plan import AXES
+from ..master.names import by_unit
+from ..master.plan import ROTOR, Port
 from ..master.schedule import end_time, step_size
 from ..scene import Scene
 from .runner import Run
@@ -63,7 +64,7 @@ _STRUCTURE = """<?xml version="1.0" encoding="utf-8"?>
 """
 
 
-class InLibcosim:
+class LibcosimRunner:
     """A scene in libcosim at the scene's steps.
 
     Raises:
@@ -78,56 +79,44 @@ class InLibcosim:
         self._cosim = CoSimulation(scene)
         self._step = round(step_size(scene) / NANOSECOND) * NANOSECOND
         self._count = round(end_time(scene) / self._step)
-        self._record: dict[str, list[str]] = {}
-        for name in names:
-            unit, _, variable = name.partition(".")
-            self._record.setdefault(unit, []).append(variable)
+        self._record = by_unit(names)
         self._cosim.start()
 
     def _structure(self) -> str:
         """The system as libcosim reads it, with consistent start values."""
         held = self._start_inputs()
         simulators = "".join(
-            _simulator(unit.name, path.resolve(), {**unit.parameters, **held.get(unit.name, {})})
-            for unit, path in zip(self._cosim.plans, self._cosim.paths, strict=True)
+            _simulator(one.name, path.resolve(), {**one.start, **held.get(one.name, {})})
+            for one, path in zip(self._cosim.plan.units, self._cosim.paths, strict=True)
         )
-        functions, connections = self._connections()
+        functions, connections = [], []
+        for target, sources in self._cosim.plan.inputs("signal", "value", "mass").items():
+            if len(sources) == 1:
+                connections.append(_wire(sources[0], target))
+            else:
+                functions.append(_sum(connections, sources, target))
         return _STRUCTURE.format(
-            step=self._step, simulators=simulators, functions=functions, connections=connections
+            step=self._step,
+            simulators=simulators,
+            functions="".join(functions),
+            connections="".join(connections),
         )
 
     def _start_inputs(self) -> dict[str, dict[str, float]]:
-        system = self._cosim.system
-        held: dict[str, dict[str, float]] = {"rotor": {}}
-        for unit, plane in zip(system.balancers, system.planes, strict=True):
-            mass = self._cosim.read(unit.name, ["added_mass"])[0]
-            _add(held["rotor"], f"plane[{plane}].added_mass", mass)
-        for connection in system.connections:
-            plane, force = system.connected[connection.plane], connection.force.now[0]
-            _add(held["rotor"], f"plane[{plane}].F_xi", force.real)
-            _add(held["rotor"], f"plane[{plane}].F_eta", force.imag)
-            motion = system.accelerations[connection.plane].now[0]
-            held[connection.unit.name] = {"a_xi": motion.real, "a_eta": motion.imag}
+        """Masses, forces and accelerations that the units' inputs have at the start."""
+        plan, system = self._cosim.plan, self._cosim.system
+        shown = {
+            single: value
+            for port, both in system.present().items()
+            for single, value in zip(
+                plan.variables(port, "signal"), (both.real, both.imag), strict=True
+            )
+        }
+        held: dict[str, dict[str, float]] = {ROTOR: dict(system.masses)}
+        for target, sources in plan.inputs("signal").items():
+            value = sum(shown[source] for source in sources)
+            held.setdefault(target.unit, {})[target.variable] = value
         return held
-
-    def _connections(self) -> tuple[str, str]:
-        """A sum of forces and of masses for every plane, and what is connected to what."""
-        system = self._cosim.system
-        exchanging = {c.unit.name for c in system.connections}
-        sums: list[str] = []
-        lines: list[str] = []
-        for plane in sorted(set(system.planes)):
-            units = zip(system.balancers, system.planes, strict=True)
-            here = [unit for unit, at in units if at == plane]
-            names = [unit.name for unit in here]
-            forced = [name for name in names if name in exchanging]
-            for axis in AXES if forced else ():
-                sums.append(_sum(lines, forced, f"F_{axis}", plane))
-                lines += [_wire(plane, f"a_{axis}", name) for name in forced]
-            sums.append(_sum(lines, names, "added_mass", plane))
-            watched = [unit.name for unit in here if "clearance" in unit.variables]
-            lines += [_wire(plane, axis, name) for name in watched for axis in "xy"]
-        return "".join(sums), "".join(lines)
 
     def run(self) -> Run:
         with TemporaryDirectory(prefix="autobalancer-") as directory:
@@ -159,10 +148,6 @@ class InLibcosim:
         self._cosim.close()
 
 
-def _add(values: dict[str, float], name: str, value: float) -> None:
-    values[name] = values.get(name, 0.0) + value
-
-
 def _simulator(name: str, fmu: Path, values: Mapping[str, float | bool]) -> str:
     lines = []
     for variable, value in values.items():
@@ -175,26 +160,25 @@ def _simulator(name: str, fmu: Path, values: Mapping[str, float | bool]) -> str:
     )
 
 
-def _sum(lines: list[str], names: Sequence[str], output: str, plane: int) -> str:
-    """The function that adds an output of several units for a plane; its connections in `lines`."""
-    total = f"sum_{plane}_{output}"
-    for k, name in enumerate(names):
+def _sum(lines: list[str], sources: Sequence[Port], target: Port) -> str:
+    """The function that adds outputs for an input; its connections go into `lines`."""
+    total = f"sum of {target.unit}.{target.variable}"
+    for k, source in enumerate(sources):
         lines.append(
-            f"<SignalConnection>{_variable(name, output)}"
-            f'<Signal function="{total}" name="in[{k}]"/></SignalConnection>'
+            f"<SignalConnection>{_variable(source)}"
+            f'<Signal function={quoteattr(total)} name="in[{k}]"/></SignalConnection>'
         )
     lines.append(
-        f'<SignalConnection><Signal function="{total}" name="out"/>'
-        f"{_variable('rotor', f'plane[{plane}].{output}')}</SignalConnection>"
+        f'<SignalConnection><Signal function={quoteattr(total)} name="out"/>'
+        f"{_variable(target)}</SignalConnection>"
     )
-    return f'<Sum name="{total}" inputCount="{len(names)}"/>'
+    return f'<Sum name={quoteattr(total)} inputCount="{len(sources)}"/>'
 
 
-def _wire(plane: int, output: str, name: str) -> str:
-    """What the rotor's plane shows, connected to the balancer's input of the same name."""
-    source = _variable("rotor", f"plane[{plane}].{output}")
-    return f"<VariableConnection>{source}{_variable(name, output)}</VariableConnection>"
+def _wire(source: Port, target: Port) -> str:
+    """An output connected to an input."""
+    return f"<VariableConnection>{_variable(source)}{_variable(target)}</VariableConnection>"
 
 
-def _variable(simulator: str, name: str) -> str:
-    return f"<Variable simulator={quoteattr(simulator)} name={quoteattr(name)}/>"
+def _variable(port: Port) -> str:
+    return f"<Variable simulator={quoteattr(port.unit)} name={quoteattr(port.variable)}/>"

@@ -119,7 +119,7 @@ def precision(
         rounds = bench.rounds()
     finally:
         bench.close()
-    ranges = signal_ranges(right, names)
+    ranges = signal_ranges(scene, right, names)
     points = tuple(_point(scene, m, bench, right, ranges, own) for m in chosen)
     return Precision(scene, points, names, own, rounds, observed_orders(points, own))
 

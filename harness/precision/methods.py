@@ -14,8 +14,8 @@ from ..master.cosimulation import CoSimulation
 from ..master.recorder import Recorder
 from ..master.schedule import end_time
 from ..scene import Scene
-from .fixed_axes import AlongFixedAxes
-from .libcosim import InLibcosim
+from .fixed_axes import FixedAxesRunner
+from .libcosim import LibcosimRunner
 from .runner import Array, Run, Runner
 
 EXPLICIT_STEPS = (10, 20, 40, 80, 160)
@@ -71,7 +71,7 @@ class Method:
         return f"tolerance {self.tolerance:g}"
 
 
-class Coupled:
+class CoSimulationRunner:
     """The FMUs of a scene under one coupling, loaded once."""
 
     def __init__(self, scene: Scene, names: Sequence[str]) -> None:
@@ -82,19 +82,18 @@ class Coupled:
         recorder = Recorder(self.cosim.units, self.names)
         begun = clock.perf_counter()
         self.cosim.start()
-        recorder.take(0.0)
-        for _ in self.cosim.run():
-            recorder.take(self.cosim.time)
+        for _ in self.cosim.rows(recorder):
+            pass
         seconds = clock.perf_counter() - begun
-        result = recorder.result(self.cosim, seconds)
-        note = f"{result.unconverged} steps not converged" if result.unconverged else ""
-        return Run(seconds, result.time, result.signals, result.steps, note)
+        facts = self.cosim.facts()
+        note = f"{facts.unconverged} steps not converged" if facts.unconverged else ""
+        return Run(seconds, *recorder.columns(), facts.steps, note)
 
     def close(self) -> None:
         self.cosim.close()
 
 
-class InOnePiece:
+class MonolithRunner:
     """The monolith by one of SciPy's methods; only the integration is timed."""
 
     def __init__(
@@ -172,12 +171,12 @@ def ready(scene: Scene, method: Method, names: Sequence[str]) -> Runner:
     if method.name.startswith("monolith "):
         assert method.tolerance is not None
         solver = method.name.removeprefix("monolith ")
-        return InOnePiece(scene, names, solver, method.tolerance, sample_times(scene))
+        return MonolithRunner(scene, names, solver, method.tolerance, sample_times(scene))
     if method.name == ALONG_FIXED_AXES:
-        return AlongFixedAxes(coupled_scene(scene, replace(method, name="jacobi")), names)
+        return FixedAxesRunner(coupled_scene(scene, replace(method, name="jacobi")), names)
     if method.name == "libcosimpy":
-        return InLibcosim(coupled_scene(scene, replace(method, name="jacobi")), names)
-    return Coupled(coupled_scene(scene, method), names)
+        return LibcosimRunner(coupled_scene(scene, replace(method, name="jacobi")), names)
+    return CoSimulationRunner(coupled_scene(scene, method), names)
 
 
 def failure(run: Callable[[], Run]) -> tuple[Run | None, str]:

@@ -21,6 +21,7 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 
 from ..master.cosimulation import CoSimulation
+from ..master.facts import result
 from ..master.recorder import Recorder, recorded
 from ..scene import Scene, load_scene
 from .report import machine
@@ -130,12 +131,11 @@ class _Prepared:
         cosim.start()
         before = self._calls()
         begun = clock.process_time()
-        recorder.take(0.0)
-        for _ in cosim.run():
-            recorder.take(cosim.time)
+        for _ in cosim.rows(recorder):
+            pass
         seconds = clock.process_time() - begun
         calls = self._calls() - before
-        self.result = recorder.result(cosim, seconds)
+        self.result = result(recorder, cosim.facts(), seconds)
         if self.way.draw:
             with TemporaryDirectory() as directory:
                 self.result.plot(Path(directory) / "run.png")

@@ -10,7 +10,7 @@ import numpy as np
 from ...models.monolith import ReferenceDisagreement, Start, reference
 from ...models.reference.trajectory import Trajectory
 from ..errors import SimulationError
-from ..master.names import unit_of_signal
+from ..master.plan import plan, signal_units
 from ..scene import Scene
 from ..scene.balancer import WeightBalancer
 from .runner import Array
@@ -79,11 +79,12 @@ def _refuse_contacts(scene: Scene, right: Trajectory) -> None:
                 )
 
 
-def signal_ranges(right: Trajectory, names: Sequence[str]) -> dict[str, float]:
+def signal_ranges(scene: Scene, right: Trajectory, names: Sequence[str]) -> dict[str, float]:
     """What each signal's error is measured by."""
+    units = signal_units(plan(scene).units, names)
     reach = {name: float(np.ptp(right.signal(name))) for name in names}
     found = {}
     for name in names:
-        alike = [reach[n] for n in names if unit_of_signal(n) == unit_of_signal(name)]
+        alike = [reach[n] for n in names if units[n] == units[name]]
         found[name] = max(reach[name], STILL * max(alike)) or 1.0
     return found

@@ -7,11 +7,11 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from ..master.fmu import Unit
+from ..master.fmu import Fmu
 from ..scene import Scene
-from .methods import Coupled, Method, coupled_scene
+from .methods import CoSimulationRunner, Method, coupled_scene
 
-FUNCTIONS = ("_get", "_set", "_step", "_save", "_restore", "_free")  # of the library, in `Unit`
+FUNCTIONS = ("_get", "_set", "_step", "_save", "_restore", "_free")  # of the library, in `Fmu`
 
 
 @dataclass(frozen=True)
@@ -44,7 +44,7 @@ def split_time(scene: Scene, method: Method, names: Sequence[str], runs: int = 3
     Raises:
         SimulationError: the method cannot run the scene.
     """
-    coupled = Coupled(coupled_scene(scene, method), names)
+    coupled = CoSimulationRunner(coupled_scene(scene, method), names)
     try:
         clocks = {name: _Clock(unit) for name, unit in coupled.cosim.units.items()}
         own = _cost_of_timing()
@@ -80,7 +80,7 @@ def _cost_of_timing(count: int = 20_000) -> float:
 class _Clock:
     """Seconds spent in one unit's functions, and how many calls there were."""
 
-    def __init__(self, unit: Unit | None = None) -> None:
+    def __init__(self, unit: Fmu | None = None) -> None:
         self.seconds, self.calls = 0.0, 0
         if unit is not None:
             for name in FUNCTIONS:

@@ -16,6 +16,7 @@ from itertools import product
 
 from ...models.monolith import ReferenceDisagreement, Start, reference
 from ..errors import SimulationError
+from ..master import facts
 from ..master.cosimulation import CoSimulation
 from ..master.recorder import Recorder, recorded
 from ..master.resolution import REFUSED, SAID
@@ -71,13 +72,12 @@ def judge(name: str, spin: float, steps: int) -> Judged:
         watch = cosim.resolution
         assert watch is not None
         watch.strict = False
-        recorder.take(0.0)
         try:
-            for _ in cosim.run():
-                recorder.take(cosim.time)
+            for _ in cosim.rows(recorder):
+                pass
         except SimulationError:
             return Judged(name, spin, steps, None, watch.estimate, VERDICTS[3])
-        result = recorder.result(cosim, 0.0)
+        result = facts.result(recorder, cosim.facts(), 0.0)
     right, _ = reference(
         scene.assembly(),
         scene.profile(),

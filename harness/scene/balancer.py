@@ -3,28 +3,54 @@
 from __future__ import annotations
 
 import math
-from typing import Annotated, Literal
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal
 
+import numpy as np
 from pydantic import Field, ValidationInfo, field_validator
 
 from ...models.assembly import Mounted
+from ...models.contact.contact import restitution_on
 from ...models.liquid import Liquid
+from ...models.rotor import LinearRotor
 from ...models.weights import KAPPA, Weights
+from .feeds import Feeds, Start, fed
 from .quantities import Flag, NotNegative, Positive, Real, Table, Text, Unit, Whole, same_length
 
 MOST_WEIGHTS = 10_000  # a slip of the keyboard, not a balancer
 
 
 class Balancer(Table):
-    """What every balancer has: a name (default: its kind) and a plane, counted from 1."""
+    """What every balancer has: a name (default: its kind) and a plane, counted from 1.
+
+    Attributes:
+        model: the unit that steps it.
+        driven: whether the unit is told the rotor's speed and acceleration.
+        follows: what it is told of its plane's place, for its clearance alone.
+        records: outputs that a run records where nothing else is asked for.
+        exchanges_force: whether it sends force; else its whole effect is its added mass.
+        can_touch: whether its force can jump within a step, as weights touch or stick.
+    """
+
+    model: ClassVar[str]
+    driven: ClassVar[bool] = False
+    follows: ClassVar[tuple[str, ...]] = ()
 
     kind: str
+    if TYPE_CHECKING:  # of one kind a property, of another a fact
+
+        @property
+        def records(self) -> tuple[str, ...]: ...
+        @property
+        def exchanges_force(self) -> bool: ...
+        @property
+        def can_touch(self) -> bool: ...
+
     name: Annotated[Text, Field(min_length=1, pattern=r"^[A-Za-z_][A-Za-z0-9_-]*$")] = ""
     """Names its signals: a letter first, then letters, digits, _ and -; unique; default: the
     kind."""
     at: Annotated[Whole, Field(ge=1)] = 1
     """Number of the rotor's plane or station it sits on."""
-    inertia_as_force: Flag = False
+    inertia_as_force: Annotated[Flag, Feeds()] = False
     """The added mass is sent inside the force, for rotors without that port."""
 
     @property
@@ -32,32 +58,54 @@ class Balancer(Table):
         """The name by which signals and overrides know this balancer."""
         return self.name or self.kind
 
+    def sizes(self) -> dict[str, Any]:
+        """What the unit is built for."""
+        return {}
+
+    def start(self, loaded_rotor: LinearRotor) -> Start:
+        """Parameters and start values of the unit, on a rotor that carries its balancers."""
+        return fed(self)
+
 
 class WeightBalancer(Balancer):
     """Equal weights on one circular track, Filimonikhina 2017 (4)."""
 
+    model: ClassVar[str] = "BallBalancer"
+    driven: ClassVar[bool] = True
+    exchanges_force: ClassVar[bool] = True
+
     kind: Literal["balls", "rollers", "pendulums"]
     count: Annotated[Whole, Field(ge=1, le=MOST_WEIGHTS)]
     """Number of weights."""
-    mass: Annotated[Positive, Unit("kg")]
+    mass: Annotated[Positive, Unit("kg"), Feeds()]
     """Of each."""
-    track_radius: Annotated[Positive, Unit("m")]
+    track_radius: Annotated[Positive, Unit("m"), Feeds()]
     """Of the path of the weights' centres."""
-    drag: Annotated[NotNegative, Unit("N s/m")] = 0.0
+    drag: Annotated[NotNegative, Unit("N s/m"), Feeds()] = 0.0
     """Of each, on its speed along the track."""
-    weight_radius: Annotated[Positive | None, Unit("m")] = None
+    weight_radius: Annotated[Positive | None, Unit("m"), Feeds()] = None
     """Weights of this size collide and pack, and must fit; default: points that pass."""
     restitution: Annotated[NotNegative, Field(le=1.0)] = 0.0
     """Of two weights that collide on the free rotor; needs `weight_radius`."""
-    rolling_resistance: NotNegative = 0.0
+    rolling_resistance: Annotated[NotNegative, Feeds()] = 0.0
     """Resistance over load: Coulomb's, with true sticking."""
-    track_offset_xi: Annotated[Real, Unit("m")] = 0.0
+    track_offset_xi: Annotated[Real, Unit("m"), Feeds()] = 0.0
     """Of the track's centre from the plane's, in the rotor."""
-    track_offset_eta: Annotated[Real, Unit("m")] = 0.0
+    track_offset_eta: Annotated[Real, Unit("m"), Feeds()] = 0.0
     """Of the track's centre from the plane's, in the rotor."""
-    angles: Annotated[tuple[Real, ...] | None, Field(validate_default=True), Unit("rad")] = None
+    angles: Annotated[
+        tuple[Real, ...] | None,
+        Field(validate_default=True),
+        Unit("rad"),
+        Feeds("weight[{n}].angle0"),
+    ] = None
     """In the rotor, one a weight; default: evenly spread."""
-    speeds: Annotated[tuple[Real, ...] | None, Field(validate_default=True), Unit("rad/s")] = None
+    speeds: Annotated[
+        tuple[Real, ...] | None,
+        Field(validate_default=True),
+        Unit("rad/s"),
+        Feeds("weight[{n}].speed0"),
+    ] = None
     """In the rotor, one a weight; default: 0."""
 
     @field_validator("weight_radius")
@@ -117,6 +165,35 @@ class WeightBalancer(Balancer):
         """Half the angle between weights that touch [rad]; 0 for points."""
         return math.asin((self.weight_radius or 0.0) / self.track_radius)
 
+    @property
+    def can_touch(self) -> bool:
+        """Whether two of the weights can meet, or one stick."""
+        return bool((self.weight_radius and self.count > 1) or self.rolling_resistance)
+
+    @property
+    def records(self) -> tuple[str, ...]:
+        """Static moment, and where the weights are."""
+        angles = (f"weight[{k}].angle" for k in range(1, self.count + 1))
+        return ("moment_xi", "moment_eta", *angles)
+
+    def sizes(self) -> dict[str, Any]:
+        """What the unit is built for."""
+        return {"weights": self.count}
+
+    def start(self, loaded_rotor: LinearRotor) -> Start:
+        """Parameters and start values of the unit.
+
+        Its restitution is that of a rotor which is held: the unit knows no rotor.
+        """
+        values: Start = {**fed(self), "kappa": self.kappa}
+        if self.restitution and self.weight_radius:
+            row = loaded_rotor.planes[self.at - 1]
+            carrier = 1.0 / float(row @ np.linalg.solve(loaded_rotor.mass, row))
+            values["restitution"] = restitution_on(
+                self.restitution, self.mass, carrier, self.half_angle, self.kappa
+            )
+        return values
+
     def build(self) -> Mounted:
         """The weights on their plane."""
         device = Weights(self.count, self.mass, self.track_radius, self.drag, self.kappa)
@@ -138,15 +215,25 @@ def _refuse_overlap(angles: tuple[float, ...], apart: float) -> None:
 class LiquidBalancer(Balancer):
     """Chamber, float, and liquid in the gap, Dubovik 2006."""
 
+    model: ClassVar[str] = "LiquidBalancer"
+    follows: ClassVar[tuple[str, ...]] = ("x", "y")
+    records: ClassVar[tuple[str, ...]] = ("clearance",)
+    can_touch: ClassVar[bool] = False
+
     kind: Literal["liquid"]
-    chamber_radius: Annotated[Positive, Unit("m")]
+    chamber_radius: Annotated[Positive, Unit("m"), Feeds()]
     """Inner radius of the chamber."""
-    float_radius: Annotated[Positive, Unit("m")]
+    float_radius: Annotated[Positive, Unit("m"), Feeds()]
     """Less than the chamber's."""
-    height: Annotated[Positive, Unit("m")]
+    height: Annotated[Positive, Unit("m"), Feeds()]
     """Of the gap, along the axis."""
-    density: Annotated[Positive, Unit("kg/m^3")]
+    density: Annotated[Positive, Unit("kg/m^3"), Feeds()]
     """Of the liquid."""
+
+    @property
+    def exchanges_force(self) -> bool:
+        """Only where its inertia is sent rather than carried."""
+        return self.inertia_as_force
 
     @field_validator("float_radius")
     @classmethod

@@ -1,13 +1,21 @@
-"""The [rotor] table of a scene: planar, two_support, flexible."""
+"""The [rotor] table of a scene: planar, two_support, flexible.
+
+Every kind answers for itself: what it weighs, where its supports, stations and planes are, what its
+unit is built and started with, and where corrections go.
+"""
 
 from __future__ import annotations
 
+import cmath
+from collections.abc import Sequence
+from dataclasses import dataclass
 from itertools import pairwise
-from typing import Annotated, Literal
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal
 
 from pydantic import Field, ValidationInfo, field_validator
 
 from ...models.rotor import LinearRotor
+from .feeds import Feeds, Start, fed
 from .quantities import (
     NotNegative,
     NotNegativePair,
@@ -24,42 +32,137 @@ from .quantities import (
 class Unbalance(Table):
     """Static moment at an axial position, at an angle in the rotor."""
 
-    position: Annotated[Real, Unit("m")]
+    position: Annotated[Real, Unit("m"), Feeds()]
     """Place along the axis, from support 1."""
-    amount: Annotated[NotNegative, Unit("kg m")]
+    amount: Annotated[NotNegative, Unit("kg m"), Feeds()]
     """Static moment, mass times eccentricity."""
-    angle: Annotated[Real, Unit("rad")] = 0.0
+    angle: Annotated[Real, Unit("rad"), Feeds()] = 0.0
     """Direction in the rotor."""
 
 
 Unbalances = tuple[Unbalance, ...]
 
 
-def _triples(unbalances: Unbalances) -> list[tuple[float, float, float]]:
-    return [(u.position, u.amount, u.angle) for u in unbalances]
+@dataclass(frozen=True)
+class Corrections:
+    """Room for correction weights on a rotor.
+
+    Attributes:
+        changes: of the scene, for `Scene.replace`.
+        present: (p,) unbalance that the rotor already has in these places, complex [kg m].
+        parameters: (p,) parameters of the unit that hold amount and angle.
+    """
+
+    changes: dict[str, Any]
+    present: list[complex]
+    parameters: list[tuple[str, str]]
 
 
-class PlanarRotor(Table):
-    """Disc in one plane: Filimonikhina 2017 (4), Dubovik 2006 (5)."""
+class RotorTable(Table):
+    """What every kind of rotor answers; positions are axial [m].
 
-    kind: Literal["planar"]
-    mass: Annotated[Positive, Unit("kg")]
-    """Without weights and liquid."""
-    stiffness: Annotated[PositivePair, Unit("N/m")]
-    """Of the supports, fixed axes."""
-    damping: Annotated[NotNegativePair, Unit("N s/m")] = (0.0, 0.0)
-    """Of the supports, fixed axes."""
-    internal_damping: Annotated[NotNegative, Unit("N s/m")] = 0.0
-    """Of the shaft, turns with it."""
-    unbalance: Annotated[NotNegative, Unit("kg m")] = 0.0
-    """Static moment, mass times eccentricity."""
-    unbalance_angle: Annotated[Real, Unit("rad")] = 0.0
-    """Direction in the rotor."""
+    Attributes:
+        model: the unit that steps it.
+        stations: places that move on their own.
+        supports: numbers of the stations that stand on supports, from 1.
+        planes: places that a balancer's `at` and a correction can name.
+    """
+
+    model: ClassVar[str] = "RotorOnSupports"
+    kind: str
+    if TYPE_CHECKING:  # a key of one kind, a property of another
+
+        @property
+        def mass(self) -> float: ...
+        @property
+        def centre(self) -> float: ...
+        @property
+        def stations(self) -> tuple[float, ...]: ...
+        @property
+        def supports(self) -> tuple[int, ...]: ...
+        @property
+        def planes(self) -> tuple[float, ...]: ...
+        @property
+        def unbalances(self) -> Unbalances: ...
 
     @property
     def plane_count(self) -> int:
         """Planes that a balancer's `at` can name."""
-        return 1
+        return len(self.planes)
+
+    @property
+    def support_positions(self) -> tuple[float, ...]:
+        """Places of the supports [m]."""
+        return tuple(self.stations[number - 1] for number in self.supports)
+
+    def unit_planes(self, used: Sequence[int]) -> tuple[int, ...]:
+        """Numbers of the planes that the rotor's unit has; at least one.
+
+        Args:
+            used: planes that carry a balancer.
+        """
+        return tuple(range(1, self.plane_count + 1)) or (1,)
+
+    def sizes(self, planes: Sequence[int]) -> dict[str, Any]:
+        """What the unit is built for; `planes` from `unit_planes`."""
+        return {}
+
+    def start(self, planes: Sequence[int]) -> Start:
+        """Parameters of the unit."""
+        return fed(self)
+
+    def with_corrections(self, planes: Sequence[int]) -> Corrections:
+        """Room for corrections in these planes: unbalances of nothing beside the rotor's own."""
+        table = [unbalance.model_dump() for unbalance in self.unbalances]
+        first = len(table) + 1
+        table += [{"position": self.planes[p - 1], "amount": 0.0, "angle": 0.0} for p in planes]
+        names = [
+            (f"unbalance[{k}].amount", f"unbalance[{k}].angle")
+            for k in range(first, first + len(planes))
+        ]
+        return Corrections({"rotor.unbalances": table}, [0j] * len(planes), names)
+
+    def _triples(self) -> list[tuple[float, float, float]]:
+        return [(u.position, u.amount, u.angle) for u in self.unbalances]
+
+    def _plane_start(self, planes: Sequence[int]) -> Start:
+        """Positions of the unit's planes, and its unbalances: at least one of each."""
+        places = self.planes or (0.0,)
+        nothing = () if self.unbalances else (Unbalance(position=self.stations[0], amount=0.0),)
+        values: Start = {
+            f"plane[{i}].position": places[plane - 1] for i, plane in enumerate(planes, start=1)
+        }
+        for k, unbalance in enumerate(nothing, start=1):
+            values |= fed(unbalance, f"unbalance[{k}].")
+        return values
+
+
+class PlanarRotor(RotorTable):
+    """Disc in one plane: Filimonikhina 2017 (4), Dubovik 2006 (5)."""
+
+    kind: Literal["planar"]
+    mass: Annotated[Positive, Unit("kg"), Feeds()]
+    """Without weights and liquid."""
+    stiffness: Annotated[PositivePair, Unit("N/m"), Feeds("stiffness_{axis}")]
+    """Of the supports, fixed axes."""
+    damping: Annotated[NotNegativePair, Unit("N s/m"), Feeds("damping_{axis}")] = (0.0, 0.0)
+    """Of the supports, fixed axes."""
+    internal_damping: Annotated[NotNegative, Unit("N s/m"), Feeds()] = 0.0
+    """Of the shaft, turns with it."""
+    unbalance: Annotated[NotNegative, Unit("kg m"), Feeds()] = 0.0
+    """Static moment, mass times eccentricity."""
+    unbalance_angle: Annotated[Real, Unit("rad"), Feeds()] = 0.0
+    """Direction in the rotor."""
+
+    stations: ClassVar[tuple[float, ...]] = (0.0,)
+    supports: ClassVar[tuple[int, ...]] = (1,)
+    planes: ClassVar[tuple[float, ...]] = (0.0,)
+    centre: ClassVar[float] = 0.0
+
+    def with_corrections(self, planes: Sequence[int]) -> Corrections:
+        """The rotor's one unbalance, to which corrections are added."""
+        present = cmath.rect(self.unbalance, self.unbalance_angle)
+        return Corrections({}, [present], [("unbalance", "unbalance_angle")])
 
     def build(self) -> LinearRotor:
         """The rotor's matrices."""
@@ -73,31 +176,36 @@ class PlanarRotor(Table):
         )
 
 
-class TwoSupportRotor(Table):
+class TwoSupportRotor(RotorTable):
     """Rigid body on two supports; positions are measured from support 1."""
 
     kind: Literal["two_support"]
-    mass: Annotated[Positive, Unit("kg")]
+    mass: Annotated[Positive, Unit("kg"), Feeds()]
     """Without weights and liquid."""
-    inertia: Annotated[Positive, Unit("kg m^2")]
+    inertia: Annotated[Positive, Unit("kg m^2"), Feeds()]
     """About a transverse axis through the centre of mass."""
-    polar_inertia: Annotated[NotNegative, Unit("kg m^2")] = 0.0
+    polar_inertia: Annotated[NotNegative, Unit("kg m^2"), Feeds()] = 0.0
     """About the axis; at most twice `inertia`."""
-    span: Annotated[Positive, Unit("m")]
+    span: Annotated[Positive, Unit("m"), Feeds()]
     """Distance of the supports."""
     com: Annotated[Real | None, Unit("m")] = None
     """Centre of mass, from support 1; default: `span/2`."""
-    stiffness: Annotated[tuple[PositivePair, PositivePair], Unit("N/m")]
+    stiffness: Annotated[
+        tuple[PositivePair, PositivePair], Unit("N/m"), Feeds("support[{n}].stiffness_{axis}")
+    ]
     """One entry a support."""
-    damping: Annotated[tuple[NotNegativePair, NotNegativePair], Unit("N s/m")] = (
-        (0.0, 0.0),
-        (0.0, 0.0),
-    )
+    damping: Annotated[
+        tuple[NotNegativePair, NotNegativePair],
+        Unit("N s/m"),
+        Feeds("support[{n}].damping_{axis}"),
+    ] = ((0.0, 0.0), (0.0, 0.0))
     """One entry a support."""
     planes: Annotated[tuple[Real, ...], Unit("m")] = ()
     """Where balancers can sit, from support 1."""
-    unbalances: Unbalances = ()
+    unbalances: Annotated[Unbalances, Feeds("unbalance[{n}].")] = ()
     """Static moments along the axis."""
+
+    supports: ClassVar[tuple[int, ...]] = (1, 2)
 
     @field_validator("polar_inertia")
     @classmethod
@@ -108,9 +216,27 @@ class TwoSupportRotor(Table):
         return value
 
     @property
-    def plane_count(self) -> int:
-        """Planes that a balancer's `at` can name."""
-        return len(self.planes)
+    def stations(self) -> tuple[float, ...]:
+        """The supports."""
+        return (0.0, self.span)
+
+    @property
+    def centre(self) -> float:
+        """Place of the centre of mass [m]."""
+        return self.span / 2.0 if self.com is None else self.com
+
+    def sizes(self, planes: Sequence[int]) -> dict[str, Any]:
+        """What the unit is built for; it has at least one unbalance."""
+        return {
+            "kind": self.kind,
+            "stations": 2,
+            "planes": len(planes),
+            "unbalances": len(self.unbalances) or 1,
+        }
+
+    def start(self, planes: Sequence[int]) -> Start:
+        """Parameters of the unit."""
+        return {**fed(self), "com": self.centre, **self._plane_start(planes)}
 
     def build(self) -> LinearRotor:
         """The rotor's matrices."""
@@ -119,40 +245,43 @@ class TwoSupportRotor(Table):
             inertia=self.inertia,
             polar_inertia=self.polar_inertia,
             span=self.span,
-            com=self.span / 2.0 if self.com is None else self.com,
+            com=self.centre,
             stiffness=self.stiffness,
             damping=self.damping,
             planes=self.planes,
-            unbalances=_triples(self.unbalances),
+            unbalances=self._triples(),
         )
 
 
-class FlexibleRotor(Table):
+class FlexibleRotor(RotorTable):
     """Discs on a massless shaft with two supports, which are stations of the shaft."""
 
     kind: Literal["flexible"]
-    stations: Annotated[tuple[Real, ...], Field(min_length=2), Unit("m")]
+    stations: Annotated[tuple[Real, ...], Field(min_length=2), Unit("m"), Feeds("station[{n}].z")]
     """Positions along the shaft, rising."""
-    masses: Annotated[tuple[NotNegative, ...], Unit("kg")]
+    masses: Annotated[tuple[NotNegative, ...], Unit("kg"), Feeds("station[{n}].mass")]
     """One a station."""
     supports: tuple[Whole, Whole]
     """Numbers of the two stations that are supported, from 1."""
-    support_stiffness: Annotated[tuple[PositivePair, PositivePair], Unit("N/m")]
+    support_stiffness: Annotated[
+        tuple[PositivePair, PositivePair], Unit("N/m"), Feeds("support[{n}].stiffness_{axis}")
+    ]
     """One entry a support."""
-    support_damping: Annotated[tuple[NotNegativePair, NotNegativePair], Unit("N s/m")] = (
-        (0.0, 0.0),
-        (0.0, 0.0),
-    )
+    support_damping: Annotated[
+        tuple[NotNegativePair, NotNegativePair],
+        Unit("N s/m"),
+        Feeds("support[{n}].damping_{axis}"),
+    ] = ((0.0, 0.0), (0.0, 0.0))
     """One entry a support."""
-    bending_stiffness: Annotated[Positive | None, Unit("N m^2")] = None
+    bending_stiffness: Annotated[Positive | None, Unit("N m^2"), Feeds()] = None
     """E I of the shaft; this or `compliance`."""
     compliance: Annotated[
         tuple[tuple[Real, ...], ...] | None, Field(validate_default=True), Unit("m/N")
     ] = None
     """Square matrix over the stations without supports; this or `bending_stiffness`."""
-    internal_damping: Annotated[NotNegative, Unit("N s/m")] = 0.0
+    internal_damping: Annotated[NotNegative, Unit("N s/m"), Feeds()] = 0.0
     """Of the shaft, turns with it."""
-    unbalances: Unbalances = ()
+    unbalances: Annotated[Unbalances, Feeds("unbalance[{n}].")] = ()
     """Static moments along the shaft."""
 
     @field_validator("stations")
@@ -194,9 +323,44 @@ class FlexibleRotor(Table):
         return value
 
     @property
-    def plane_count(self) -> int:
-        """Planes that a balancer's `at` can name: the stations."""
-        return len(self.stations)
+    def mass(self) -> float:
+        """Of all discs [kg]."""
+        return sum(self.masses)
+
+    @property
+    def centre(self) -> float:
+        """Place of the centre of mass [m]."""
+        return sum(m * z for m, z in zip(self.masses, self.stations, strict=True)) / self.mass
+
+    @property
+    def planes(self) -> tuple[float, ...]:
+        """The stations: every one can carry something."""
+        return self.stations
+
+    def unit_planes(self, used: Sequence[int]) -> tuple[int, ...]:
+        """Only the stations that carry something: a unit with all of them would cost more."""
+        return tuple(sorted(set(used))) or (1,)
+
+    def sizes(self, planes: Sequence[int]) -> dict[str, Any]:
+        """What the unit is built for; it has at least one unbalance."""
+        return {
+            "kind": self.kind,
+            "stations": len(self.stations),
+            "planes": len(planes),
+            "unbalances": len(self.unbalances) or 1,
+            "shaft": "uniform" if self.compliance is None else "compliance",
+        }
+
+    def start(self, planes: Sequence[int]) -> Start:
+        """Parameters of the unit; a compliance that is not quite symmetric is made so."""
+        values = {**fed(self), **self._plane_start(planes)}
+        for s, place in enumerate(self.support_positions, start=1):
+            values[f"support[{s}].position"] = place
+        delta = self.compliance or ()
+        for j, row in enumerate(delta):
+            for k in range(j, len(delta)):
+                values[f"compliance[{j + 1},{k + 1}]"] = (row[k] + delta[k][j]) / 2.0
+        return values
 
     def build(self) -> LinearRotor:
         """The rotor's matrices."""
@@ -209,7 +373,7 @@ class FlexibleRotor(Table):
             bending_stiffness=self.bending_stiffness,
             compliance=self.compliance,
             internal_damping=self.internal_damping,
-            unbalances=_triples(self.unbalances),
+            unbalances=self._triples(),
         )
 
 

@@ -15,8 +15,8 @@ from __future__ import annotations
 import math
 
 from ..errors import LoopError
-from ..master.signals import Cubic, End, end_of, extrapolated
-from ..master.system import System, Track
+from ..master.signals import Cubic, Knot, end_of, extrapolated
+from ..master.system import SignalState, System
 from .iterated import Iterated, Trial
 
 LOCAL_SHARE = 0.2  # of the tolerance that one step may err: the errors of many steps add up
@@ -95,9 +95,7 @@ class Adaptive:
 
     def _error(self, system: System, trial: Trial) -> float:
         """Largest relative error of the signals' cubics over the step."""
-        forces = [
-            (c.force, end) for c, (_, end) in zip(system.connections, trial.forces, strict=True)
-        ]
+        forces = [(force, end) for force, (_, end) in zip(system.forces, trial.forces, strict=True)]
         motion = [
             (track, end) for track, (_, end) in zip(system.accelerations, trial.motion, strict=True)
         ]
@@ -109,15 +107,15 @@ class Adaptive:
         )
 
 
-def _worst(signals: list[tuple[Track, End]], step: float, scale: float) -> float:
+def _worst(signals: list[tuple[SignalState, Knot]], step: float, scale: float) -> float:
     if scale == 0.0:
         return 0.0
-    errors = [_share(t.past_step, step) * abs(end[0] - _predict(t, step)) for t, end in signals]
+    errors = [_share(t.last_step, step) * abs(end[0] - _predict(t, step)) for t, end in signals]
     return max(errors, default=0.0) / scale
 
 
-def _predict(track: Track, step: float) -> complex:
-    cubic: Cubic = extrapolated(track.now, track.past, track.past_step, 3)
+def _predict(track: SignalState, step: float) -> complex:
+    cubic: Cubic = extrapolated(track.now, track.last, track.last_step, 3)
     return end_of(cubic, step)[0]
 
 

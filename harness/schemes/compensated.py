@@ -21,8 +21,8 @@ from functools import lru_cache
 import numpy as np
 
 from ..master.loop import QuasiNewton, applied, rescaled
-from ..master.signals import Cubic, End, end_of, extrapolated, hermite
-from ..master.system import System, Track
+from ..master.signals import Cubic, Knot, end_of, extrapolated, hermite
+from ..master.system import SignalState, System
 from .explicit import Explicit
 
 _POINTS, _SHARES = np.polynomial.legendre.leggauss(
@@ -70,8 +70,8 @@ class Compensated(Explicit):
 
     def step(self, system: System, time: float, step: float) -> float:
         """One step; an explicit scheme has no residual and returns 0."""
-        tracks, forces = system.accelerations, [c.force for c in system.connections]
-        assumed = [extrapolated(f.now, f.past, f.past_step, 3) for f in forces]
+        tracks, forces = system.accelerations, system.forces
+        assumed = [extrapolated(f.now, f.last, f.last_step, 3) for f in forces]
         assumed_ends = [end_of(cubic, step) for cubic in assumed]
         sent, count = assumed, 2 * len(forces)
         if self._missed:
@@ -98,7 +98,9 @@ class Compensated(Explicit):
         )
         return 0.0
 
-    def _solve(self, assumed: Sequence[End], answers: Sequence[End], step: float) -> list[complex]:
+    def _solve(
+        self, assumed: Sequence[Knot], answers: Sequence[Knot], step: float
+    ) -> list[complex]:
         """Forces and accelerations that would have agreed, less those assumed and answered."""
         if step != self._solved_step:
             self._solution = rescaled(self._solution, step / self._solved_step)
@@ -109,7 +111,9 @@ class Compensated(Explicit):
         return applied(self._solution, residual)
 
 
-def _signals(tracks: Sequence[Track], ends: Sequence[End], step: float) -> list[tuple[Cubic, End]]:
+def _signals(
+    tracks: Sequence[SignalState], ends: Sequence[Knot], step: float
+) -> list[tuple[Cubic, Knot]]:
     return [(hermite(t.now, end, step), end) for t, end in zip(tracks, ends, strict=True)]
 
 

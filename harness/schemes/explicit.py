@@ -13,7 +13,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from ..errors import SimulationError
-from ..master.signals import End
+from ..master.signals import Knot
 from ..master.system import System
 
 # value and slope at t = 2 of the cubic through values and slopes at t = 0 (BEFORE) and 1 (NOW)
@@ -67,8 +67,8 @@ class Explicit:
     def watch(
         self,
         system: System,
-        assumed: Sequence[End],
-        ends: Sequence[End],
+        assumed: Sequence[Knot],
+        ends: Sequence[Knot],
         time: float,
         step: float,
     ) -> None:
@@ -78,12 +78,10 @@ class Explicit:
             SimulationError: the coupling diverges.
         """
         worst, name = 0.0, ""
-        for (wanted, _), (value, _), connection in zip(
-            assumed, ends, system.connections, strict=True
-        ):
+        for (wanted, _), (value, _), force in zip(assumed, ends, system.force_names, strict=True):
             missed = abs(value - wanted)
             if not missed <= worst:
-                worst, name = missed, connection.unit.name
+                worst, name = missed, force
             if abs(value) > self.largest:
                 self.largest = abs(value)
         if worst <= MISSED * self.largest:
@@ -97,7 +95,7 @@ class Explicit:
         self._lost += 1
         if self._lost >= LOST and self.largest >= GROWN * self._largest_before:
             raise SimulationError(
-                f"{self.name} coupling diverges at t = {time + step:g} s: {name}.F differs from "
+                f"{self.name} coupling diverges at t = {time + step:g} s: {name} differs from "
                 f"what was assumed for the step by {worst / self.largest:.3g} of the largest force "
                 'and grows; use scheme = "iterated" or "auto"'
             )

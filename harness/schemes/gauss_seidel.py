@@ -43,10 +43,7 @@ class GaussSeidel(Explicit):
 
     def _advance(self, system: System, time: float, step: float, jump: bool = False) -> None:
         order = system.order
-        forces = [
-            extrapolated(c.force.now, c.force.past, c.force.past_step, order)
-            for c in system.connections
-        ]
+        forces = [extrapolated(f.now, f.last, f.last_step, order) for f in system.forces]
         acceleration_ends = system.rotor_pass(forces, time, step)
         accelerations = [
             (*end, 0j, 0j) if jump else interpolated(track.now, end, step, order)
@@ -56,10 +53,7 @@ class GaussSeidel(Explicit):
         assumed = [end_of(cubic, step) for cubic in forces]
         self.watch(system, assumed, force_ends, time, step)
         # the next extrapolation starts from what the balancers really did
-        done = [
-            hermite(c.force.now, end, step)
-            for c, end in zip(system.connections, force_ends, strict=True)
-        ]
+        done = [hermite(f.now, end, step) for f, end in zip(system.forces, force_ends, strict=True)]
         system.accept(
             list(zip(accelerations, acceleration_ends, strict=True)),
             list(zip(done, force_ends, strict=True)),

@@ -14,7 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..master.loop import QuasiNewton, Vector, difference, jacobian, loop_gain, pack, size, unpack
-from ..master.signals import Cubic, End, end_of, extrapolated, hermite, interpolated
+from ..master.signals import Cubic, Knot, end_of, extrapolated, hermite, interpolated
 from ..master.system import System
 
 CONVERGED = 1e-10  # residual of the forces relative to the largest force so far
@@ -39,8 +39,8 @@ class Trial:
     time: float
     step: float
     states: list[c_void_p]
-    motion: list[tuple[Cubic, End]]
-    forces: list[tuple[Cubic, End]]
+    motion: list[tuple[Cubic, Knot]]
+    forces: list[tuple[Cubic, Knot]]
     residual: float
 
     def accept(self, system: System) -> None:
@@ -97,10 +97,10 @@ class Iterated:
     def attempt(self, system: System, time: float, step: float, passes: int | None = None) -> Trial:
         """Take a step and keep the saved states, so that it can still be rejected."""
         self.newton.rescale(step)
-        starts = [c.force.now for c in system.connections]
+        starts = [f.now for f in system.forces]
         predicted = [
-            end_of(extrapolated(c.force.now, c.force.past, c.force.past_step, system.order), step)
-            for c in system.connections
+            end_of(extrapolated(f.now, f.last, f.last_step, system.order), step)
+            for f in system.forces
         ]
         u = self._pack(predicted, step)
         if passes is None:
@@ -133,7 +133,7 @@ class Iterated:
         At the start the units answer without a step, which says little of what heavy drag lets
         through within one.
         """
-        starts = [c.force.now for c in system.connections]
+        starts = [f.now for f in system.forces]
         u = self._pack([end_of((*start, 0j, 0j), step) for start in starts], step)
         states = system.save()
 
@@ -153,12 +153,12 @@ class Iterated:
             return MAX_PASSES
         return self.corrections + 1
 
-    def _pack(self, ends: list[End], step: float) -> Vector:
+    def _pack(self, ends: list[Knot], step: float) -> Vector:
         return pack(ends if self.with_slopes else [(value, 0j) for value, _ in ends], step)
 
     def _pass(
-        self, system: System, starts: list[End], u: Vector, time: float, step: float
-    ) -> tuple[list[Cubic], list[End], list[End]]:
+        self, system: System, starts: list[Knot], u: Vector, time: float, step: float
+    ) -> tuple[list[Cubic], list[Knot], list[Knot]]:
         """Step all units once with forces that end at u."""
         order = system.order
         forces = [

@@ -21,12 +21,9 @@ class Jacobi(Explicit):
     def step(self, system: System, time: float, step: float) -> float:
         """One step; an explicit scheme has no residual and returns 0."""
         order = system.order
-        forces = [
-            extrapolated(c.force.now, c.force.past, c.force.past_step, order)
-            for c in system.connections
-        ]
+        forces = [extrapolated(f.now, f.last, f.last_step, order) for f in system.forces]
         accelerations = [
-            extrapolated(a.now, a.past, a.past_step, order) for a in system.accelerations
+            extrapolated(a.now, a.last, a.last_step, order) for a in system.accelerations
         ]
         acceleration_ends = system.rotor_pass(forces, time, step)
         force_ends = system.balancer_pass(accelerations, time, step)
@@ -38,8 +35,8 @@ class Jacobi(Explicit):
                 for track, end in zip(system.accelerations, acceleration_ends, strict=True)
             ],
             [
-                (hermite(c.force.now, end, step), end)
-                for c, end in zip(system.connections, force_ends, strict=True)
+                (hermite(f.now, end, step), end)
+                for f, end in zip(system.forces, force_ends, strict=True)
             ],
             time,
             step,

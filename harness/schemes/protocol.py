@@ -35,7 +35,7 @@ def scheme_for(
     coupling = scene.coupling
     if coupling.scheme == "jacobi":
         return Jacobi()
-    if coupling.scheme == "gauss-seidel" or not system.connections:
+    if coupling.scheme == "gauss-seidel" or not system.exchanges:
         return GaussSeidel()
     if coupling.scheme == "compensated":
         return Compensated(jacobian, response, step, scene.profile().speed)

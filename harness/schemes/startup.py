@@ -22,10 +22,10 @@ def parts(system: System, step: float, least: int = 0) -> list[float]:
     Args:
         least: halvings wanted in any case.
     """
-    if not system.fresh or system.order == 0 or not system.connections:
+    if not system.fresh or system.order == 0 or not system.exchanges:
         return [step]
-    largest = max(abs(c.force.now[0]) for c in system.connections)
-    change = step * max(abs(c.force.now[1]) for c in system.connections)
+    largest = max(abs(f.now[0]) for f in system.forces)
+    change = step * max(abs(f.now[1]) for f in system.forces)
     halvings = least
     if change > STEEP * largest > 0.0:
         halvings = max(least, min(MOST_HALVINGS, math.ceil(math.log2(change / (FIRST * largest)))))

@@ -25,11 +25,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import SimulationError
-from ..master.fmu import Group, Unit
-from ..master.plan import ports
+from ..master.fmu import Fmu, Variables
 from ..scene import Scene
 from .revolution import RANK, Matrix, Revolution, Vector, derivative
 
+Outputs = list[tuple[Fmu, Variables]]
 Outcome = TypeVar("Outcome")
 
 BALANCED_ACCELERATION = 1e-9  # of a plane, over that of the whole unbalance and all weights
@@ -77,12 +77,12 @@ class MainMotion:
             self.units.close()
             raise
 
-    def _read(self, state: Vector, groups: list[tuple[Unit, Group]]) -> Vector:
+    def _read(self, state: Vector, groups: Outputs) -> Vector:
         """Outputs of the units at the very start of a motion from a state."""
         self.units.begin(state, self._speed)
         return np.array([value for unit, group in groups for value in unit.get(group)])
 
-    def _slopes(self, state: Vector, which: list[int], groups: list[tuple[Unit, Group]]) -> Matrix:
+    def _slopes(self, state: Vector, which: list[int], groups: Outputs) -> Matrix:
         """Derivative of outputs at the start by some states."""
         directions = np.eye(len(state))[:, which]
         scale = self.units.scale(self._speed)
@@ -119,9 +119,7 @@ class MainMotion:
         moved = (end - state) / self.units.scale(self._speed)
         return bool(np.abs(moved).max() <= AT_REST)
 
-    def _newton(
-        self, state: Vector, outputs: list[tuple[Unit, Group]], scale: float
-    ) -> Vector | None:
+    def _newton(self, state: Vector, outputs: Outputs, scale: float) -> Vector | None:
         """Least turns that take away the planes' acceleration; None when that does not converge."""
         state = state.copy()
         for _ in range(_ITERATIONS):
@@ -161,7 +159,7 @@ class MainMotion:
     def _moment_slopes(self) -> Matrix:
         """Moment on every station by the angle of every weight, (2 stations, K)."""
         cosim = self.units.cosim
-        planes = dict(zip([b.label for b in cosim.scene.balancer], ports(cosim.scene), strict=True))
+        planes = cosim.plan.planes
         rotor = cosim.system.rotor
         stations = [
             i for i, s in enumerate(self.units.states) if s.unit == "rotor" and s.output[-1] == "x"

@@ -60,9 +60,9 @@ def command(
         )
     _say(data)
     if cosim:
-        from ..master.plan import file_name, plan
+        from ..master.plan import plan
 
-        units = dict.fromkeys(file_name(unit) for unit in plan(loaded))
+        units = dict.fromkeys(unit.file_name for unit in plan(loaded).units)
         say(f"FMUs loaded: {', '.join(units)}")
     if csv is not None:
         say(f"Points: {data.to_csv(csv)}")

@@ -102,16 +102,13 @@ class Revolution:
         self.cosim = CoSimulation(scene, fmus=fmus, watch=False)
         self.states = states(scene)
         self.rotor: dict[str, float] = {}
-        self._drives = [p.name for p in self.cosim.plans if "speed" in p.parameters]
+        self._drives = [one.name for one in self.cosim.plan.units if one.driven]
         self._outputs = {
             name: unit.group([s.output for s in self.states if s.unit == name])
             for name, unit in self.cosim.units.items()
             if any(s.unit == name for s in self.states)
         }
-        start = {
-            name: dict(p.parameters)
-            for name, p in zip(self.cosim.units, self.cosim.plans, strict=True)
-        }
+        start = {one.name: one.start for one in self.cosim.plan.units}
         self.first = np.array([float(start[s.unit].get(s.start, 0.0)) for s in self.states])
 
     def scale(self, speed: float) -> Vector:

@@ -108,6 +108,6 @@ def _looked(found: Speeds, scan: int) -> str:
 
 
 def _units(scene: Scene) -> str:
-    from ..master.plan import file_name, plan
+    from ..master.plan import plan
 
-    return ", ".join(dict.fromkeys(file_name(p) for p in plan(scene)))
+    return ", ".join(dict.fromkeys(unit.file_name for unit in plan(scene).units))

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import re
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -15,6 +14,7 @@ from ...models.monolith import Start, reference
 from ...models.reference.oscillator import forced_motion
 from ..errors import SimulationError
 from ..master.cosimulation import cosimulate
+from ..master.resolution import SAID
 from ..master.result import Result
 from ..scene import Scene, load_scene
 
@@ -132,10 +132,7 @@ def against_closed_form(scene: Scene, allowed: float) -> Outcome:
 
 def stated_error(result: Result) -> float:
     """By how much of its motion a run says it errs for too coarse steps; 0 if it does not."""
-    for event in result.events:
-        if TOO_COARSE in event and (found := re.search(r"errs by about (\S+) of itself", event)):
-            return float(found[1])
-    return 0.0
+    return result.estimated_error if result.estimated_error >= SAID else 0.0
 
 
 def _both_ways(error_of: Callable[[Scene, float], tuple[float, Result]], build: Scene) -> Outcome:
@@ -144,7 +141,7 @@ def _both_ways(error_of: Callable[[Scene, float], tuple[float, Result]], build: 
         error, result = error_of(build, LEFT_ALONE)
         text, holds = f"as it is {error:.1e} in {result.steps} steps", error <= LEFT_ALONE
         if stated := stated_error(result):
-            text = f"{text} and said to be too coarse ({stated:g})"
+            text = f"{text} and said to be too coarse ({stated:.1g})"
             holds = error <= max(LEFT_ALONE, FACTOR * stated)
     except SimulationError as refusal:
         text, holds = f"as it is refused ({refusal})", "use" in str(refusal)

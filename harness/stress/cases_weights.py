@@ -163,7 +163,7 @@ def _with_steps(steps: int, allowed: float) -> Outcome:
     build = _two({"coupling.steps_per_rev": steps, "run.revolutions": revolutions})
     error, own, result = error_against_monolith(build, ROTOR_AND_MOMENT, allowed)
     stated = stated_error(result)
-    said = f" and said to be too coarse ({stated:g})" if stated else ""
+    said = f" and said to be too coarse ({stated:.1g})" if stated else ""
     text = f"error {error:.1e} in {result.steps} steps{said}; reference {own:.0e}"
     told = error <= FACTOR * stated if steps < 10 else not stated
     return Outcome(text, error <= allowed and told)

@@ -27,22 +27,28 @@ import cmath
 import math
 from collections.abc import Sequence
 from functools import lru_cache
-from itertools import pairwise
-from typing import NamedTuple
 
 _SWEEPS_PER_WEIGHT = 8  # a blow passes one contact a sweep; what still goes on has collapsed
 _WEAKEST = 1e-4  # of the largest difference of rates: blows below it end without rebound
 _NO_APPROACH = 1e-12  # the same with e = 1, where nothing dies out: rounding only
 
 
-class Pool(NamedTuple):
-    """Neighbours first..first + size - 1 of a chain that share one value."""
+class Pools:
+    """Runs of neighbours of a chain of at most N weights that share one value.
 
-    first: int
-    size: int
-    drive: float
-    limit: float
-    value: float
+    Attributes:
+        count: number of pools; the entries beyond it mean nothing.
+        first, size: (N,) first weight of the chain in a pool, and how many it has.
+        drive, limit: (N,) sums over its weights.
+        value: (N,) what its weights share.
+    """
+
+    __slots__ = ("count", "drive", "first", "limit", "size", "value")
+
+    def __init__(self, n: int) -> None:
+        self.count = 0
+        self.first, self.size = [0] * n, [0] * n
+        self.drive, self.limit, self.value = [0.0] * n, [0.0] * n, [0.0] * n
 
 
 def group_factor(count: int, alpha: float) -> float:
@@ -52,73 +58,97 @@ def group_factor(count: int, alpha: float) -> float:
     return math.sin(count * alpha) / (count * math.sin(alpha))
 
 
-@lru_cache(maxsize=256)
-def pressure_levers(count: int, alpha: float) -> tuple[complex, ...]:
-    """Levers q_1..q_{n-1} of a packed group about its middle angle t.
+@lru_cache(maxsize=256)  # the sizes of groups on a few tracks
+def pressure_factors(count: int, alpha: float) -> tuple[complex, ...]:
+    """Factors q_1..q_{n-1} of a packed group about its middle angle t.
 
     With every weight driven by Im(G a e^{-i theta}), the contact after weight j carries
     Im(G a e^{-i t} q_j) kappa m R [N] of pressure: what the first j have more than their share.
     """
     units = [cmath.rect(1.0, -(2 * k - count + 1) * alpha) for k in range(count)]
     mean = sum(units) / count
-    levers, total = [], 0j
-    for unit in units[:-1]:
-        total += unit - mean
-        levers.append(total)
-    return tuple(levers)
+    factors, total = [0j] * (count - 1), 0j
+    for j in range(count - 1):
+        total += units[j] - mean
+        factors[j] = total
+    return tuple(factors)
 
 
-def pools(drives: Sequence[float], limits: Sequence[float], slack: float) -> list[Pool]:
-    """Accelerations of a chain of touching weights: Gauss's principle, above.
+def pool(
+    pools: Pools,
+    drives: Sequence[float],
+    limits: Sequence[float] | None,
+    length: int,
+    slack: float,
+) -> None:
+    """Set `pools` to the accelerations of a chain of touching weights: Gauss's principle, above.
 
     Args:
-        drives: (n,) free accelerations g along increasing angle [rad/s^2].
-        limits: (n,) resistance f of weights at rest; 0 for moving ones, whose g has it already.
+        drives: (length,) free accelerations g along increasing angle [rad/s^2].
+        limits: (length,) resistance f of weights at rest; 0 for moving ones, whose g has it
+            already; None: no resistance.
         slack: tension that is taken for rounding [rad/s^2].
     """
-    done: list[Pool] = []
-    for k, (drive, limit) in enumerate(zip(drives, limits, strict=True)):
-        pool = Pool(k, 1, drive, limit, _shrunk(drive, limit))
-        while done and done[-1].value >= pool.value - slack:
-            last = done.pop()
-            size = last.size + pool.size
-            drive, limit = last.drive + pool.drive, last.limit + pool.limit
-            pool = Pool(last.first, size, drive, limit, _shrunk(drive, limit) / size)
-        done.append(pool)
-    return done
+    count = 0
+    for k in range(length):
+        first, size = k, 1
+        drive, limit = drives[k], limits[k] if limits is not None else 0.0
+        value = _shrunk(drive, limit)
+        while count and pools.value[count - 1] >= value - slack:
+            count -= 1
+            first, size = pools.first[count], pools.size[count] + size
+            drive, limit = pools.drive[count] + drive, pools.limit[count] + limit
+            value = _shrunk(drive, limit) / size
+        pools.first[count], pools.size[count] = first, size
+        pools.drive[count], pools.limit[count], pools.value[count] = drive, limit, value
+        count += 1
+    pools.count = count
 
 
-def collide(rates: Sequence[float], restitution: float) -> list[float]:
-    """Rates of a chain of touching weights after the collisions among them.
+def expand(pools: Pools, values: list[float], begin: int = 0) -> None:
+    """Give every weight of a chain the value of its pool: values[begin], values[begin + 1], ..."""
+    for i in range(pools.count):
+        for k in range(pools.first[i], pools.first[i] + pools.size[i]):
+            values[begin + k] = pools.value[i]
+
+
+def collide(rates: list[float], length: int, restitution: float, pools: Pools) -> None:
+    """Collisions among a chain of touching weights.
 
     Args:
-        rates: (n,) along increasing angle [rad/s].
+        rates: (length,) along increasing angle [rad/s]; afterwards they do not decrease along the
+            chain, have the same sum, and no larger sum of squares.
         restitution: e of a pair, 0 to 1.
-
-    Returns:
-        (n,) rates that do not decrease along the chain; same sum, sum of squares not larger.
+        pools: scratch of `length` entries.
     """
-    v = list(rates)
-    tiny = (_NO_APPROACH if restitution == 1.0 else _WEAKEST) * (max(v) - min(v))
-    sweeps = _SWEEPS_PER_WEIGHT * len(v) if restitution > 0.0 else 0
-    for _ in range(sweeps):
-        runs = _approaching(v, tiny)
-        if not runs:
-            break
-        for first, last in runs:
-            mean = sum(v[first:last]) / (last - first)
-            v[first:last] = [(1.0 + restitution) * mean - restitution * x for x in v[first:last]]
-    return together(v)
+    largest = max(rates[:length]) - min(rates[:length])
+    tiny = (_NO_APPROACH if restitution == 1.0 else _WEAKEST) * largest
+    sweeps = _SWEEPS_PER_WEIGHT * length if restitution > 0.0 else 0
+    while sweeps and _rebound(rates, length, restitution, tiny):
+        sweeps -= 1
+    unite(rates, length, pools)
 
 
-def together(rates: Sequence[float]) -> list[float]:
-    """Rates after collisions without restitution: the nearest ones that do not approach."""
-    if all(a <= b for a, b in pairwise(rates)):
-        return list(rates)
-    v: list[float] = []
-    for pool in pools(rates, [0.0] * len(rates), 0.0):
-        v += [pool.value] * pool.size
-    return v
+def _rebound(rates: list[float], length: int, restitution: float, tiny: float) -> bool:
+    """Turn round all runs of weights each of which approaches the next; False: there was none."""
+    struck, k = False, 0
+    while k < length - 1:
+        first = k
+        while k < length - 1 and rates[k] - rates[k + 1] > tiny:
+            k += 1
+        k += 1
+        if k - first > 1:
+            struck, mean = True, sum(rates[first:k]) / (k - first)
+            for j in range(first, k):
+                rates[j] = (1.0 + restitution) * mean - restitution * rates[j]
+    return struck
+
+
+def unite(rates: list[float], length: int, pools: Pools) -> None:
+    """Collisions without restitution: the nearest rates that do not approach; as `collide`."""
+    if any(rates[k] > rates[k + 1] for k in range(length - 1)):
+        pool(pools, rates, None, length, 0.0)
+        expand(pools, rates)
 
 
 def strike(moment: float, angles: Sequence[float], changes: Sequence[float]) -> complex:
@@ -152,17 +182,3 @@ def restitution_on(
 def _shrunk(drive: float, limit: float) -> float:
     """Least of (y - g)^2/2 + f |y|."""
     return max(drive - limit, 0.0) + min(drive + limit, 0.0)
-
-
-def _approaching(v: Sequence[float], tiny: float) -> list[tuple[int, int]]:
-    """Runs first..last - 1 of weights each of which approaches the next."""
-    runs, k = [], 0
-    while k < len(v) - 1:
-        first = k
-        while k < len(v) - 1 and v[k] - v[k + 1] > tiny:
-            k += 1
-        if k > first:
-            runs.append((first, k + 1))
-        else:
-            k += 1
-    return runs

@@ -1,4 +1,4 @@
-"""What may happen to the weights of a ring within a stretch of time.
+"""What may happen to the weights of a track within a stretch of time.
 
 A gap may close, the pressure in a group turn into tension, a sliding group come to rest, a resting
 one break away: each is a function of time, not negative at the start, whose fall below 0 is the
@@ -9,177 +9,233 @@ from __future__ import annotations
 
 import cmath
 import math
-from collections.abc import Callable, Iterator
-from dataclasses import replace
-from functools import partial
 from typing import NamedTuple
 
-from .contact import pressure_levers
-from .ring import PULL, Group, Instant, Ring
+from .centre import CentreMotion, Instant, instant
+from .contact import pressure_factors
+from .groups import PULL, fill_drives, group_acceleration, moved
+from .ring import WeightsInOrder, gap
 from .roots import lowest
 
 _ROUNDING = 1e-14  # rad: a gap closes when it is less than 0 by more than this
 _DIP = 1e-12  # rad: more than rounding
 
-End = tuple[float, float]  # middle and rate of a group
+
+# kinds of events
+GAP_CLOSES, PULLED_OPEN, COMES_TO_REST, BREAKS_AWAY = KINDS = range(4)
 
 
-class Suspect(NamedTuple):
-    """Something that is `begin` >= 0 now and negative `upper` later.
+class EventFunctions(NamedTuple):
+    """The functions of all groups from an instant on.
 
     Attributes:
-        value: of the time from now.
-        kind: "gap", "pull", "rest" or "break".
-        where: weight before the gap or contact, or number of the group.
+        weights: with groups as they are at that instant.
+        motion: of the track's centre.
+        begin: time of the instant [s].
+        now: the instant.
     """
 
-    value: Callable[[float], float]
+    weights: WeightsInOrder
+    motion: CentreMotion
     begin: float
-    upper: float
-    kind: str
+    now: Instant
+
+
+class EventFunction(NamedTuple):
+    """One that is `start` >= 0 now and negative `upper` later.
+
+    Attributes:
+        functions: where it belongs.
+        kind, group: what it is of which group.
+        where: weight before the gap or the contact.
+        start: value now.
+        upper: [s].
+    """
+
+    functions: EventFunctions
+    kind: int
+    group: int
     where: int
+    start: float
+    upper: float
 
 
-class Watch:
-    """Looks for events of groups from an instant on; `instant` is a function of the time since."""
+def event_value(event: EventFunction, time: float) -> float:
+    """Value of an event function `time` after its instant."""
+    functions, i = event.functions, event.group
+    weights = functions.weights
+    groups, later = weights.groups, instant(functions.motion, functions.begin + time)
+    if event.kind == BREAKS_AWAY:
+        return _hold(weights, i, later, functions.motion.angular_acceleration)
+    middle, rate = _after(functions, i, later, time)
+    if event.kind == COMES_TO_REST:
+        return groups.sign[i] * rate
+    if event.kind == PULLED_OPEN:
+        return _pressure(functions, i, middle, rate, later)[0]
+    j = (i + 1) % groups.count
+    following, _ = _after(functions, j, later, time)
+    return event.start + (following - middle - (groups.middle[j] - groups.middle[i]))
 
-    def __init__(
-        self, ring: Ring, groups: list[Group], instant: Callable[[float], Instant], spin_up: float
-    ) -> None:
-        self.ring, self.groups, self.instant, self.spin_up = ring, groups, instant, spin_up
-        self.now = instant(0.0)
 
-    def all(self, ends: list[End], later: Instant, length: float) -> Iterator[Suspect]:
-        """Everything that has changed sign, or may have done so twice, within `length`.
+def may_happen(functions: EventFunctions, kind: int) -> bool:
+    """Whether a kind of event is possible at all."""
+    weights = functions.weights
+    if kind == GAP_CLOSES:
+        return weights.track.solid and weights.groups.count > 1
+    if kind == PULLED_OPEN:
+        return weights.groups.count < weights.count and not weights.track.full
+    return weights.track.grip > 0.0
 
-        Args:
-            ends: middle and rate of every group after `length`.
-            later: the instant then.
-        """
-        groups, ring = self.groups, self.ring
-        if ring.solid and len(groups) > 1:
-            for k in range(len(groups)):
-                yield from self._gap_closes(k, ends, length)
-        for k, group in enumerate(groups):
-            if group.count > 1 and not ring.full:
-                yield from self._pulled_open(group, ends[k], later, length)
-            if group.slide is not None:
-                yield from self._comes_to_rest(k, ends[k], later, length)
-            elif group.resting and self._hold(group, later) < 0.0:
-                held = partial(self._hold_after, group)
-                yield Suspect(held, self._hold(group, self.now), length, "break", k)
 
-    def _after(self, group: Group, t: float) -> End:
-        return self.ring.moved(group, self.now, self.instant(t), self.spin_up, t)
+def find_event_function(
+    functions: EventFunctions, kind: int, i: int, later: Instant, length: float
+) -> EventFunction | None:
+    """That of group i, if it has changed sign, or may have done so twice, within `length`.
 
-    def _gap_closes(self, k: int, ends: list[End], length: float) -> Iterator[Suspect]:
-        j = (k + 1) % len(self.groups)
-        group, following, after = self.groups[k], self.groups[j], self._after
-        end, end_following = ends[k], ends[j]
-        last = (group.first + group.count - 1) % self.ring.count
-        begin = max(0.0, self.ring.gap(last)) + _ROUNDING
-        base = following.middle - group.middle
-        final = begin + (end_following[0] - end[0] - base)
-        opening = following.rate - group.rate, end_following[1] - end[1]
+    The groups' `end_middle` and `end_rate` are those at the instant `later`.
+    """
+    groups = functions.weights.groups
+    if kind == GAP_CLOSES:
+        return _gap_closes(functions, i, length)
+    if kind == PULLED_OPEN:
+        return _pulled_open(functions, i, later, length) if groups.size[i] > 1 else None
+    if kind == COMES_TO_REST:
+        return _comes_to_rest(functions, i, later, length) if groups.sign[i] else None
+    return _breaks_away(functions, i, later, length) if groups.resting[i] else None
 
-        def gap(t: float) -> float:
-            return begin + (after(following, t)[0] - after(group, t)[0] - base)
 
-        # rounding must not close a gap that opens; one that dips and opens again has to
-        if final < (0.0 if min(opening) < 0.0 else -_DIP):
-            yield Suspect(gap, begin, length, "gap", last)
-        elif opening[0] < 0.0 < opening[1]:
-            dip = lowest(begin, opening[0], final, opening[1], length)
-            if dip and gap(dip) < 0.0:
-                yield Suspect(gap, begin, dip, "gap", last)
+def _after(functions: EventFunctions, i: int, later: Instant, time: float) -> tuple[float, float]:
+    acceleration = functions.motion.angular_acceleration
+    return moved(functions.weights, i, functions.now, later, acceleration, time)
 
-    def _pulled_open(
-        self, group: Group, end: End, later: Instant, length: float
-    ) -> Iterator[Suspect]:
-        least, where = self._pressure(group, end, later)
-        if least < 0.0:
-            last = (group.first + where) % self.ring.count
-            begin, _ = self._pressure(group, (group.middle, group.rate), self.now)
 
-            def pressure(t: float) -> float:
-                return self._pressure(group, self._after(group, t), self.instant(t))[0]
+def _gap_closes(functions: EventFunctions, i: int, length: float) -> EventFunction | None:
+    weights, groups = functions.weights, functions.weights.groups
+    j = (i + 1) % groups.count
+    last = (groups.first[i] + groups.size[i] - 1) % weights.count
+    start = max(0.0, gap(weights, last)) + _ROUNDING
+    base = groups.middle[j] - groups.middle[i]
+    final = start + (groups.end_middle[j] - groups.end_middle[i] - base)
+    opening = groups.angle_rate[j] - groups.angle_rate[i]
+    final_opening = groups.end_rate[j] - groups.end_rate[i]
+    event = EventFunction(functions, GAP_CLOSES, i, last, start, length)
+    # rounding must not close a gap that opens; one that dips and opens again has to
+    if final < (0.0 if min(opening, final_opening) < 0.0 else -_DIP):
+        return event
+    if opening < 0.0 < final_opening:
+        return _dips(event, lowest(start, opening, final, final_opening, length))
+    return None
 
-            yield Suspect(pressure, begin, length, "pull", last)
 
-    def _comes_to_rest(self, k: int, end: End, later: Instant, length: float) -> Iterator[Suspect]:
-        group = self.groups[k]
+def _dips(event: EventFunction, time: float) -> EventFunction | None:
+    """The event if it has happened at the time of a least value."""
+    if time and event_value(event, time) < 0.0:
+        return event._replace(upper=time)
+    return None
 
-        def rate(t: float) -> float:
-            return group.sign * self._after(group, t)[1]
 
-        if group.sign * end[1] < 0.0:
-            yield Suspect(rate, group.sign * group.rate, length, "rest", k)
-            return
-        begin, _ = self.ring.bend(group, self.now, self.spin_up)
-        moved = replace(group, middle=end[0], rate=end[1])
-        final, _ = self.ring.bend(moved, later, self.spin_up)
-        if group.sign * begin < 0.0 < group.sign * final:
-            rates = group.sign * group.rate, group.sign * end[1]
-            dip = lowest(rates[0], group.sign * begin, rates[1], group.sign * final, length)
-            if dip and rate(dip) < 0.0:
-                yield Suspect(rate, rates[0], dip, "rest", k)
+def _pulled_open(
+    functions: EventFunctions, i: int, later: Instant, length: float
+) -> EventFunction | None:
+    weights, groups = functions.weights, functions.weights.groups
+    least, after = _pressure(functions, i, groups.end_middle[i], groups.end_rate[i], later)
+    if least >= 0.0:
+        return None
+    where = (groups.first[i] + after) % weights.count
+    start, _ = _pressure(functions, i, groups.middle[i], groups.angle_rate[i], functions.now)
+    return EventFunction(functions, PULLED_OPEN, i, where, start, length)
 
-    def _pressure(self, group: Group, end: End, now: Instant) -> tuple[float, int]:
-        """Least pressure in a group, as an acceleration and above rounding, and after whom."""
-        ring = self.ring
-        a, _, speed = now
-        middle, rate = end
-        slack = self._slack(group, now)
-        if group.resting:
-            return 1.0, 0
-        if group.slide is None or abs(a) < ring.track.weights.track_radius * (speed + rate) ** 2:
-            pull = complex(ring.gain, group.sign * ring.grip) * a * cmath.rect(1.0, -middle)
-            levers = pressure_levers(group.count, ring.alpha)
-            least = min((pull * lever).imag for lever in levers)
-            where = next(j for j, lever in enumerate(levers) if (pull * lever).imag == least)
-            return least + slack, where
-        least, where, total = math.inf, 0, 0.0
-        drives = self._drives_of(group, end, now)
-        mean = sum(drives) / group.count
-        for j, drive in enumerate(drives[:-1]):
-            total += drive - mean
-            if total < least:
-                least, where = total, j
-        return least + slack, where
 
-    def _slack(self, group: Group, now: Instant) -> float:
-        """Rounding of drives; never less than what `Ring.groups` leaves together."""
-        return PULL * group.count * (abs(self.ring.gain * now[0]) + abs(self.spin_up))
+def _comes_to_rest(
+    functions: EventFunctions, i: int, later: Instant, length: float
+) -> EventFunction | None:
+    weights, groups = functions.weights, functions.weights.groups
+    acceleration, sign = functions.motion.angular_acceleration, groups.sign[i]
+    middle, rate = groups.middle[i], groups.angle_rate[i]
+    end_middle, end_rate = groups.end_middle[i], groups.end_rate[i]
+    event = EventFunction(functions, COMES_TO_REST, i, -1, sign * rate, length)
+    if sign * end_rate < 0.0:
+        return event
+    start, _ = group_acceleration(weights, i, middle, rate, functions.now, acceleration)
+    final, _ = group_acceleration(weights, i, end_middle, end_rate, later, acceleration)
+    if sign * start < 0.0 < sign * final:
+        least = lowest(sign * rate, sign * start, sign * end_rate, sign * final, length)
+        return _dips(event, least)
+    return None
 
-    def _drives_of(self, group: Group, end: End, now: Instant) -> list[float]:
-        """Accelerations of a sliding group's weights without contact, common parts left out."""
-        ring = self.ring
-        a, _, speed = now
-        centrifugal = ring.track.weights.track_radius * (speed + end[1]) ** 2
-        drives = []
-        for k in range(group.count):
-            z = a * cmath.rect(1.0, -end[0] - (2 * k - group.count + 1) * ring.alpha)
-            drives.append(ring.gain * z.imag - group.sign * ring.grip * abs(centrifugal - z.real))
-        return drives
 
-    def _hold_after(self, group: Group, t: float) -> float:
-        return self._hold(group, self.instant(t))
+def _breaks_away(
+    functions: EventFunctions, i: int, later: Instant, length: float
+) -> EventFunction | None:
+    weights, acceleration = functions.weights, functions.motion.angular_acceleration
+    if _hold(weights, i, later, acceleration) >= 0.0:
+        return None
+    start = _hold(weights, i, functions.now, acceleration)
+    return EventFunction(functions, BREAKS_AWAY, i, -1, start, length)
 
-    def _hold(self, group: Group, now: Instant) -> float:
-        """What resistance has left to hold a resting group or a part of it; negative: it moves.
 
-        A part moves when it can push all that is before it, so the ends of the group decide.
-        """
-        ring = self.ring
-        members = [(group.first + j) % ring.count for j in range(group.count)]
-        drives, limits = ring.drives(members, now, self.spin_up)
-        slack = self._slack(group, now)
-        if ring.full:
-            return sum(limits) - abs(sum(drives)) + slack
-        least = math.inf
-        for g_sign, order in ((1.0, range(group.count)), (-1.0, range(group.count - 1, -1, -1))):
-            left = 0.0
-            for k in order:
-                left += limits[k] + g_sign * drives[k]
-                least = min(least, left)
-        return least + slack
+def _slack(weights: WeightsInOrder, i: int, now: Instant, angular_acceleration: float) -> float:
+    """Rounding of drives; never less than what `find_groups` leaves together."""
+    lever = weights.track.weights.lever
+    drive = abs(lever * now.acceleration) + abs(angular_acceleration)
+    return PULL * weights.groups.size[i] * drive
+
+
+def _pressure(
+    functions: EventFunctions, i: int, middle: float, angle_rate: float, now: Instant
+) -> tuple[float, int]:
+    """Least pressure in a group, as an acceleration and above rounding, and after whom."""
+    weights, groups = functions.weights, functions.weights.groups
+    track, size = weights.track, groups.size[i]
+    if groups.resting[i]:
+        return 1.0, 0
+    a = now.acceleration
+    least, where = math.inf, 0
+    centrifugal = track.weights.track_radius * (now.rotor_speed + angle_rate) ** 2
+    if not groups.sign[i] or abs(a) < centrifugal:
+        lever = complex(track.weights.lever, groups.sign[i] * track.grip)
+        pull = lever * a * cmath.rect(1.0, -middle)
+        for j, factor in enumerate(pressure_factors(size, track.alpha)):
+            pressure = (pull * factor).imag
+            if pressure < least:
+                least, where = pressure, j
+    else:
+        drives, pressure = weights.drives, 0.0
+        _fill_sliding_drives(weights, i, middle, centrifugal, a)
+        mean = sum(drives[:size]) / size
+        for j in range(size - 1):
+            pressure += drives[j] - mean
+            if pressure < least:
+                least, where = pressure, j
+    return least + _slack(weights, i, now, functions.motion.angular_acceleration), where
+
+
+def _fill_sliding_drives(
+    weights: WeightsInOrder, i: int, middle: float, centrifugal: float, acceleration: complex
+) -> None:
+    """Set `drives` to those of a sliding group's weights without contact, but for common parts."""
+    track, groups = weights.track, weights.groups
+    size, grip = groups.size[i], groups.sign[i] * track.grip
+    for k in range(size):
+        z = acceleration * cmath.rect(1.0, -middle - (2 * k - size + 1) * track.alpha)
+        weights.drives[k] = track.weights.lever * z.imag - grip * abs(centrifugal - z.real)
+
+
+def _hold(weights: WeightsInOrder, i: int, now: Instant, angular_acceleration: float) -> float:
+    """What resistance has left to hold a resting group or a part of it; negative: it moves.
+
+    A part moves when it can push all that is before it, so the ends of the group decide.
+    """
+    groups, drives, limits = weights.groups, weights.drives, weights.limits
+    size = groups.size[i]
+    fill_drives(weights, groups.first[i], size, now, angular_acceleration)
+    slack = _slack(weights, i, now, angular_acceleration)
+    if weights.track.full:
+        return sum(limits) - abs(sum(drives)) + slack
+    least = math.inf
+    forward = backward = 0.0
+    for k in range(size):
+        forward += limits[k] + drives[k]
+        backward += limits[size - 1 - k] - drives[size - 1 - k]
+        least = min(least, forward, backward)
+    return least + slack

@@ -20,140 +20,152 @@ with |Im(a_c e^{-i theta})| <= mu |R w^2 - Re(a_c e^{-i theta})| is an equilibri
 from __future__ import annotations
 
 import cmath
-from collections.abc import Sequence
-from dataclasses import dataclass
+from typing import NamedTuple
 
 from ..weights import CONVERGED, MAX_ITERATIONS, quadrature
 from .contact import group_factor
 
 
-def shifted(
-    signal: Sequence[complex], offset: complex, speed: float, spin_up: float
-) -> tuple[complex, complex, complex, complex]:
-    """Signal of the track's centre from that of the plane's: (i w' - w^2) e, exact for linear w.
-
-    Args:
-        signal: acceleration and its derivatives at the start of the step, rotor frame.
-        offset: of the track's centre in the rotor frame, e [m].
-        speed, spin_up: at the start of the step, and constant over it [rad/s, rad/s^2].
-    """
-    a0, a1, a2, a3 = signal
-    return (
-        a0 + (1j * spin_up - speed * speed) * offset,
-        a1 - 2.0 * speed * spin_up * offset,
-        a2 - 2.0 * spin_up * spin_up * offset,
-        a3,
-    )
-
-
-@dataclass(frozen=True)
-class Slide:
-    """Drive of a group that slides one way: what `substep` is to weights without resistance.
+class SlidingGroup(NamedTuple):
+    """A packed group that slides one way.
 
     Attributes:
         radius: R [m].
-        gain: -1/(kappa R) [1/m].
+        lever: -1/(kappa R) [1/m].
         grip: sign(theta') mu/(kappa R) [1/m].
-        drag: d [1/s].
-        count, alpha: weights of the group, half the angle between neighbours [rad].
+        damping_rate: d [1/s].
+        size, alpha: weights of the group, half the angle between neighbours [rad].
     """
 
     radius: float
-    gain: float
+    lever: float
     grip: float
-    drag: float
-    count: int
+    damping_rate: float
+    size: int
     alpha: float
 
-    def sides(self, a: complex, angle: float, rate: float, speed: float) -> tuple[float, ...]:
-        """Which wall of the race carries each weight: 1 outer, -1 inner; empty: all the outer."""
-        centrifugal = self.radius * (speed + rate) ** 2
-        if abs(a) < centrifugal:
-            return ()
-        return tuple(
-            1.0 if centrifugal >= (a * cmath.rect(1.0, -angle - turn)).real else -1.0
-            for turn in self._turns()
-        )
 
-    def _turns(self) -> list[float]:
-        return [(2 * k - self.count + 1) * self.alpha for k in range(self.count)]
+def find_sides(
+    group: SlidingGroup,
+    acceleration: complex,
+    angle: float,
+    angle_rate: float,
+    rotor_speed: float,
+    sides: list[float],
+) -> int:
+    """Which wall of the race carries each weight: 1.0 outer, -1.0 inner.
 
-    def drive(
-        self,
-        end: tuple[complex, complex],
-        angle: float,
-        rate: float,
-        speed: float,
-        spin_up: float,
-        sides: tuple[float, ...] | None = None,
-    ) -> tuple[float, float]:
-        """Mean of g - grip |n| over the group, and its time derivative along the motion.
+    Args:
+        acceleration: of the track's centre, rotor frame [m/s^2].
+        angle, angle_rate: of the group's middle [rad, rad/s].
+        sides: (size,) is set.
 
-        Args:
-            end: acceleration of the track's centre and its slope, rotor frame.
-            angle, rate: of the group's middle [rad, rad/s].
-            sides: by default those of this instant.
-        """
-        a, slope = end
-        if sides is None:
-            sides = self.sides(a, angle, rate, speed)
-        turning = speed + rate
-        centrifugal = self.radius * turning * turning
-        turn = cmath.rect(1.0, -angle)
-        if sides:
-            units = [turn * cmath.rect(1.0, -by) for by in self._turns()]
-            pairs = list(zip(units, sides, strict=True))
+    Returns:
+        Number of sides set; 0: all are the outer one.
+    """
+    turning = rotor_speed + angle_rate
+    centrifugal = group.radius * turning**2
+    if abs(acceleration) < centrifugal:
+        return 0
+    for k in range(group.size):
+        load = (acceleration * cmath.rect(1.0, -angle - _turn(group, k))).real
+        sides[k] = 1.0 if centrifugal >= load else -1.0
+    return group.size
+
+
+def _turn(group: SlidingGroup, k: int) -> float:
+    """Angle of weight k from the middle."""
+    return (2 * k - group.size + 1) * group.alpha
+
+
+def sliding_drive(
+    group: SlidingGroup,
+    acceleration: complex,
+    slope: complex,
+    angle: float,
+    angle_rate: float,
+    rotor_speed: float,
+    angular_acceleration: float,
+    sides: list[float],
+    side_count: int,
+) -> tuple[float, float]:
+    """Mean of g - grip |n| over the group, and its time derivative along the motion.
+
+    Args:
+        acceleration, slope: of the track's centre, rotor frame [m/s^2, m/s^3].
+        angle, angle_rate: of the group's middle [rad, rad/s].
+        rotor_speed, angular_acceleration: w and w' [rad/s, rad/s^2].
+        sides, side_count: as `find_sides` sets and returns them.
+    """
+    turning = rotor_speed + angle_rate
+    centrifugal = group.radius * turning * turning
+    middle = cmath.rect(1.0, -angle)
+    terms = side_count or 1
+    g = dg = load = 0.0
+    for k in range(terms):
+        if side_count:
+            unit, pull = middle * cmath.rect(1.0, -_turn(group, k)), group.grip * sides[k]
         else:  # the sum over the group is known
-            pairs = [(group_factor(self.count, self.alpha) * turn, 1.0)]
-        g = dg = load = 0.0
-        for unit, outward in pairs:
-            z, dz = a * unit, slope * unit
-            pull = self.grip * outward
-            load += pull
-            g += self.gain * z.imag + pull * z.real
-            dg += self.gain * (dz.imag - rate * z.real) + pull * (dz.real + rate * z.imag)
-        share = 1.0 / len(pairs)
-        g = share * (g - load * centrifugal) - spin_up
-        bend = g - self.drag * rate
-        dg = share * (dg - 2.0 * load * self.radius * turning * (spin_up + bend))
-        return g, dg
+            unit, pull = group_factor(group.size, group.alpha) * middle, group.grip
+        z, dz = acceleration * unit, slope * unit
+        load += pull
+        g += group.lever * z.imag + pull * z.real
+        turned, loaded = dz.imag - angle_rate * z.real, dz.real + angle_rate * z.imag
+        dg += group.lever * turned + pull * loaded
+    share = 1.0 / terms
+    g = share * (g - load * centrifugal) - angular_acceleration
+    angle_acceleration = g - group.damping_rate * angle_rate
+    dg -= 2.0 * load * group.radius * turning * (angular_acceleration + angle_acceleration)
+    return g, share * dg
 
-    def substep(
-        self,
-        angle: float,
-        rate: float,
-        ends: tuple[complex, complex, complex, complex],
-        speed: float,
-        spin_up: float,
-        step: float,
-    ) -> tuple[float, float]:
-        """Angle and rate after `step`; order 4 as `weights.substep`, of which it is the twin.
 
-        Raises:
-            ArithmeticError: the implicit equations did not converge.
-        """
-        a0, da0, a1, da1 = ends
-        e, s0, s1, s2, s3, t, t0, t1, t2, t3 = quadrature(self.drag, step)
-        g0, g1 = self.drive((a0, da0), angle, rate, speed, spin_up)
-        free_rate = e * rate + s0 * g0 + s1 * g1
-        free_angle = angle + t * rate + t0 * g0 + t1 * g1
-        new_angle, new_rate = free_angle, free_rate
-        speed_end = speed + spin_up * step
-        # kept during the iteration, which a load that changes sides in it would not let converge
-        sides = self.sides(a1, free_angle, free_rate, speed_end)
-        inverse = 1.0 / step
-        for _ in range(MAX_ITERATIONS):
-            end, slope = self.drive((a1, da1), new_angle, new_rate, speed_end, spin_up, sides)
-            rise = (end - g0) * inverse
-            g2 = (6.0 * rise - 4.0 * g1 - 2.0 * slope) * inverse
-            g3 = (6.0 * (g1 + slope) - 12.0 * rise) * inverse * inverse
-            last_angle, last_rate = new_angle, new_rate
-            new_rate = free_rate + s2 * g2 + s3 * g3
-            new_angle = free_angle + t2 * g2 + t3 * g3
-            change = abs(new_angle - last_angle) + abs(new_rate - last_rate) * step
-            if change <= CONVERGED * (1.0 + abs(new_angle)):
-                return new_angle, new_rate
-        raise ArithmeticError(
-            f"the sliding weights' step of {step:g} s did not converge (angle {angle:g} rad, "
-            f"rate {rate:g} rad/s, acceleration {abs(a0):g} m/s^2): use smaller steps"
+def sliding_substep(
+    group: SlidingGroup,
+    angle: float,
+    angle_rate: float,
+    ends: tuple[complex, complex, complex, complex],
+    rotor_speed: float,
+    angular_acceleration: float,
+    step: float,
+    sides: list[float],
+) -> tuple[float, float]:
+    """Angle and rate after `step`; order 4 as `weights.substep`, of which it is the twin.
+
+    Args:
+        ends: acceleration of the track's centre and its slope at the start, and at the end.
+        rotor_speed: at the start [rad/s].
+        sides: (size,) scratch.
+
+    Raises:
+        ArithmeticError: the implicit equations did not converge.
+    """
+    a0, da0, a1, da1 = ends
+    e, s0, s1, s2, s3, t, t0, t1, t2, t3 = quadrature(group.damping_rate, step)
+    side_count = find_sides(group, a0, angle, angle_rate, rotor_speed, sides)
+    g0, g1 = sliding_drive(
+        group, a0, da0, angle, angle_rate, rotor_speed, angular_acceleration, sides, side_count
+    )
+    free_rate = e * angle_rate + s0 * g0 + s1 * g1
+    free_angle = angle + t * angle_rate + t0 * g0 + t1 * g1
+    new_angle, new_rate = free_angle, free_rate
+    end_speed = rotor_speed + angular_acceleration * step
+    # kept during the iteration, which a load that changes sides in it would not let converge
+    side_count = find_sides(group, a1, free_angle, free_rate, end_speed, sides)
+    inverse = 1.0 / step
+    for _ in range(MAX_ITERATIONS):
+        end, slope = sliding_drive(
+            group, a1, da1, new_angle, new_rate, end_speed, angular_acceleration, sides, side_count
         )
+        rise = (end - g0) * inverse
+        g2 = (6.0 * rise - 4.0 * g1 - 2.0 * slope) * inverse
+        g3 = (6.0 * (g1 + slope) - 12.0 * rise) * inverse * inverse
+        last_angle, last_rate = new_angle, new_rate
+        new_rate = free_rate + s2 * g2 + s3 * g3
+        new_angle = free_angle + t2 * g2 + t3 * g3
+        change = abs(new_angle - last_angle) + abs(new_rate - last_rate) * step
+        if change <= CONVERGED * (1.0 + abs(new_angle)):
+            return new_angle, new_rate
+    raise ArithmeticError(
+        f"the sliding weights' step of {step:g} s did not converge (angle {angle:g} rad, "
+        f"rate {angle_rate:g} rad/s, acceleration {abs(a0):g} m/s^2): use smaller steps"
+    )

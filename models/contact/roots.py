@@ -4,20 +4,32 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from typing import TypeVar
 
 _HALVINGS = 40  # down to rounding of the bracket
 
+Context = TypeVar("Context")
 
-def crossing(value: Callable[[float], float], begin: float, upper: float, width: float) -> float:
-    """Time at which `value`, `begin` >= 0 at 0 and negative at `upper`, becomes negative.
+
+def crossing(
+    value: Callable[[Context, float], float],
+    context: Context,
+    begin: float,
+    upper: float,
+    width: float,
+) -> float:
+    """Time at which a function, `begin` >= 0 at 0 and negative at `upper`, becomes negative.
 
     Chandrupatla 1997 to a bracket of `width`; returns its end at which the value is negative.
+
+    Args:
+        value: of `context` and the time.
     """
-    x1, f1, x2, f2 = upper, value(upper), 0.0, begin
+    x1, f1, x2, f2 = upper, value(context, upper), 0.0, begin
     if begin <= 0.0:  # it has just started at 0: go back to where it is positive still
         for _ in range(_HALVINGS):
             x2 = 0.5 * x1
-            f2 = value(x2)
+            f2 = value(context, x2)
             if f2 > 0.0:
                 break
             x1, f1 = x2, f2
@@ -26,19 +38,19 @@ def crossing(value: Callable[[float], float], begin: float, upper: float, width:
     share = 0.5
     while abs(x2 - x1) > width:
         x = x1 + share * (x2 - x1)
-        f = value(x)
+        f = value(context, x)
         if (f < 0.0) == (f1 < 0.0):
             x3, f3 = x1, f1
         else:
             x3, f3, x2, f2 = x2, f2, x1, f1
         x1, f1 = x, f
-        share = _share((x1, x2, x3), (f1, f2, f3), 0.5 * width / max(abs(x2 - x1), width))
+        edge = 0.5 * width / max(abs(x2 - x1), width)
+        share = _share(x1, f1, x2, f2, x3, f3, edge)
     return x1 if f1 < 0.0 else x2
 
 
-def _share(x: tuple, f: tuple, edge: float) -> float:
+def _share(x1: float, f1: float, x2: float, f2: float, x3: float, f3: float, edge: float) -> float:
     """Where in the bracket x1..x2 to look next: inverse quadratic if that is safe, else half."""
-    (x1, x2, x3), (f1, f2, f3) = x, f
     share = 0.5
     if f1 == f3 or f2 == f3:
         return share

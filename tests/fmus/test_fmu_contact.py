@@ -18,8 +18,9 @@ from autobalancer.harness import load_scene
 from autobalancer.harness.errors import SceneError
 from autobalancer.harness.master.plan import plan
 from autobalancer.models.contact.contact import restitution_on
+from autobalancer.models.contact.motion import advance, first_contacts, reaction
 from autobalancer.models.contact.pulse import discharge
-from autobalancer.models.contact.track import Track, advance, first_contacts, reaction
+from autobalancer.models.contact.track import Track
 from autobalancer.models.weights import Weights
 
 SPEED = 30.0
@@ -102,8 +103,8 @@ def test_without_options_the_state_and_the_way_are_those_of_point_weights(monkey
     def refuse(*_args):
         raise AssertionError("the way with events was taken")
 
-    monkeypatch.setattr("autobalancer.models.contact.track.advance", refuse)
-    monkeypatch.setattr("autobalancer.models.contact.track.reaction", refuse)
+    monkeypatch.setattr("autobalancer.models.contact.motion.advance", refuse)
+    monkeypatch.setattr("autobalancer.models.contact.motion.reaction", refuse)
     names = COMMON.keys() - {"mass", "track_radius", "kappa", "drag", "speed"}
     unit = started(**dict.fromkeys(names, 0.0))
     pulled(unit, 0)
@@ -209,10 +210,10 @@ def test_scene_restitution_is_that_of_the_free_rotor():
     ball = scene.balancer[0]
     total = scene.rotor.mass + ball.count * ball.mass
     alpha = math.asin(0.3 / ball.track_radius)
-    unit = plan(scene)[1]
+    unit = plan(scene).units[1]
     expected = restitution_on(0.7, ball.mass, total, alpha, ball.kappa)
     assert 0.0 < expected < 0.7
-    assert unit.parameters["restitution"] == pytest.approx(expected, rel=1e-12)
+    assert unit.start["restitution"] == pytest.approx(expected, rel=1e-12)
 
 
 def test_restitution_of_points_is_refused_and_the_key_named():

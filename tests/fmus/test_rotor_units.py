@@ -17,7 +17,7 @@ from autobalancer.fmus.rotor import RotorOnSupports
 from autobalancer.fmus.variables import derivative
 from autobalancer.harness import SceneError, cosimulate, load_scene
 from autobalancer.harness.master.cosimulation import CoSimulation
-from autobalancer.harness.master.plan import plan, ports
+from autobalancer.harness.master.plan import plan
 from autobalancer.harness.scene import Scene
 from autobalancer.harness.stability.revolution import Revolution
 from autobalancer.models.linear.balanced import balanced_angles
@@ -279,11 +279,11 @@ def test_bending_is_the_deflection_from_the_line_through_the_supports():
 def test_only_stations_with_balancers_are_ports():
     """Ten stations, three balancers on two of them: two planes, in the order of the stations."""
     scene = Scene.from_document(long_shaft([balls("a", 8), balls("b", 3), balls("c", 8)]))
-    unit = plan(scene)[0]
-    assert unit.options["planes"] == 2
-    assert ports(scene) == [2, 1, 2]
-    assert unit.parameters["plane[1].position"] == pytest.approx(0.2)
-    assert unit.parameters["plane[2].position"] == pytest.approx(0.7)
+    unit = plan(scene).units[0]
+    assert unit.sizes["planes"] == 2
+    assert list(plan(scene).planes.values()) == [2, 1, 2]
+    assert unit.start["plane[1].position"] == pytest.approx(0.2)
+    assert unit.start["plane[2].position"] == pytest.approx(0.7)
 
 
 def balls(name, at, **changes):

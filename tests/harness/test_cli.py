@@ -57,6 +57,14 @@ def test_check_prints_a_table_writes_json_and_ends_with_zero(tmp_path):
     assert "113.63" in touching["measured"]
 
 
+def test_a_balanced_rotor_has_no_window_to_check_and_ends_with_two(tmp_path):
+    path = altered(tmp_path, "liquid_disc", **{"unbalance = ": "unbalance = 0.0 # "})
+    outcome = invoke("check", path)
+    assert outcome.exit_code == 2, outcome.output
+    assert "rotor.unbalance = 0 kg m: needs an unbalance" in outcome.stderr
+    assert len(outcome.stderr.splitlines()) == 1
+
+
 def test_report_holds_table_and_picture(tmp_path):
     outcome = invoke("check", "liquid_touch", "--report", tmp_path / "new" / "report")
     assert outcome.exit_code == 0, outcome.output

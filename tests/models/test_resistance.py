@@ -9,9 +9,11 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
+from autobalancer.models.contact.centre import shifted
 from autobalancer.models.contact.contact import group_factor
-from autobalancer.models.contact.resistance import Slide, shifted
-from autobalancer.models.contact.track import Track, advance, reaction, static_moment
+from autobalancer.models.contact.motion import advance, reaction, static_moment
+from autobalancer.models.contact.resistance import SlidingGroup, find_sides, sliding_drive
+from autobalancer.models.contact.track import Track
 from autobalancer.models.weights import Weights
 
 
@@ -163,10 +165,18 @@ def test_a_row_of_resting_weights_holds_until_one_end_can_move():
     assert not held(1.0)
 
 
+def drive_of(group, a, slope, angle, rate, speed, spin_up):
+    """Drive of a sliding group with the sides of the race that carry it then."""
+    sides = [0.0] * group.size
+    side_count = find_sides(group, a, angle, rate, speed, sides)
+    return sliding_drive(group, a, slope, angle, rate, speed, spin_up, sides, side_count)
+
+
 def test_a_sliding_group_feels_the_mean_of_its_weights_also_when_loads_change_sides():
     alpha, n, angle, rate, w, grip = 0.2, 4, 0.7, 0.4, 1.0, 0.05
     for a in (0.5 + 0.3j, 1.9 - 0.8j):  # below and above the centrifugal acceleration
-        found, _ = Slide(1.0, -1 / 1.4, grip, 0.2, n, alpha).drive((a, 0j), angle, rate, w, 0.1)
+        group = SlidingGroup(1.0, -1 / 1.4, grip, 0.2, n, alpha)
+        found, _ = drive_of(group, a, 0j, angle, rate, w, 0.1)
         total = 0.0
         for k in range(n):
             z = a * cmath.exp(-1j * (angle + (2 * k - n + 1) * alpha))
@@ -176,14 +186,20 @@ def test_a_sliding_group_feels_the_mean_of_its_weights_also_when_loads_change_si
 
 
 def test_slope_of_the_sliding_drive_is_its_derivative():
-    slide, h = Slide(1.0, -1 / 1.4, -0.04, 0.3, 2, 0.2), 1e-4
+    group, h = SlidingGroup(1.0, -1 / 1.4, -0.04, 0.3, 2, 0.2), 1e-4
     for a0, da in ((0.5 + 0.3j, 0.2 - 0.1j), (9.0 + 1.0j, -1.0 + 2.0j)):
         x, v, w, spin = 0.7, -0.4, 2.0, 0.3
-        g0, slope = slide.drive((a0, da), x, v, w, spin)
+        g0, slope = drive_of(group, a0, da, x, v, w, spin)
         bend = g0 - 0.3 * v
         ends = [
-            slide.drive(
-                (a0 + s * da, da), x + s * v + s * s * bend / 2, v + s * bend, w + s * spin, spin
+            drive_of(
+                group,
+                a0 + s * da,
+                da,
+                x + s * v + s * s * bend / 2,
+                v + s * bend,
+                w + s * spin,
+                spin,
             )[0]
             for s in (-h, h)
         ]

@@ -10,7 +10,8 @@ import pytest
 
 from autobalancer.harness import cosimulate, load_scene
 from autobalancer.models.assembly import Assembly, Mounted, SpeedProfile
-from autobalancer.models.contact.track import Track, advance, first_contacts, reaction
+from autobalancer.models.contact.motion import advance, first_contacts, reaction
+from autobalancer.models.contact.track import Track
 from autobalancer.models.linear.floquet import exponents
 from autobalancer.models.linear.linearised import linearise
 from autobalancer.models.monolith import simulate

@@ -8,6 +8,7 @@ import pytest
 
 from autobalancer.harness import Scene, bundled_scenes, load_scene
 from autobalancer.harness.checks.registry import run_checks
+from autobalancer.harness.errors import SceneError
 from autobalancer.models.papers.window import LiquidWindow
 
 SCENES = [
@@ -28,6 +29,12 @@ def quick(name: str, **changes) -> Scene:
 def row(rows, start: str):
     (found,) = [r for r in rows if r.quantity.startswith(start)]
     return found
+
+
+@pytest.mark.parametrize("name", ["liquid_disc", "liquid_no_internal"])
+def test_a_balanced_rotor_is_refused_for_nothing_bends_it(name):
+    with pytest.raises(SceneError, match=r"rotor.unbalance = 0 kg m: needs an unbalance"):
+        run_checks(quick(name, **{"rotor.unbalance": 0.0}))
 
 
 def test_every_case_of_the_window_is_bundled():
@@ -121,14 +128,14 @@ def test_units_that_are_not_those_of_the_scene_do_not_hold(
     honest = master.plan
 
     def altered(scene):
-        return [
-            dataclasses.replace(
-                p, parameters={**p.parameters, parameter: p.parameters[parameter] * factor}
-            )
-            if p.name == unit
-            else p
-            for p in honest(scene)
+        plan = honest(scene)
+        units = [
+            dataclasses.replace(u, start={**u.start, parameter: u.start[parameter] * factor})
+            if u.name == unit
+            else u
+            for u in plan.units
         ]
+        return dataclasses.replace(plan, units=tuple(units))
 
     monkeypatch.setattr(master, "plan", altered)
     assert not row(run_checks(quick("liquid_disc")), fails).holds

@@ -21,7 +21,7 @@ from autobalancer.harness.checks.slow_root import check_slow_root
 from autobalancer.harness.cli import app
 from autobalancer.harness.design.choices import design
 from autobalancer.harness.design.decay import decay
-from autobalancer.harness.design.recommendation import contradictions, rivals
+from autobalancer.harness.design.recommendation import contradictions, rivals, words
 from autobalancer.harness.design.settling import (
     facing_start,
     median_interval,
@@ -149,7 +149,7 @@ def test_numbers_without_the_capacity_are_not_run_and_named():
     assert math.isnan(two.median)
     assert three.enough
     assert len(three.runs) == 6
-    assert any("not run: n = 2" in line for line in data.words)
+    assert any("not run: n = 2" in line for line in words(data))
 
 
 def test_a_rotor_below_its_critical_speed_is_refused():
@@ -216,7 +216,7 @@ def test_two_weights_without_unbalance_are_named_not_failed():
     # what is left falls in the driven direction: nothing has to move along the other one
     assert two.median < 2.0
     assert all(run.spread == pytest.approx(1.0, abs=0.01) for run in two.runs)
-    assert any("one diameter" in line for line in data.words)
+    assert any("one diameter" in line for line in words(data))
 
 
 def test_design_command_shows_a_table_words_and_a_picture(tmp_path, monkeypatch):
@@ -231,8 +231,11 @@ def test_design_command_shows_a_table_words_and_a_picture(tmp_path, monkeypatch)
     assert result.exit_code == 0, result.output
     assert "p largest" in result.output
     assert "balls of radius" in result.output
+    # two balls have not the capacity and are not run
+    assert "FMUs loaded: RotorOnSupports.fmu, BallBalancer-weights-3.fmu\n" in result.output
     assert picture.stat().st_size > 10_000
     short = CliRunner().invoke(app, [*arguments, "--unbalance", "5"])
     assert "No number of balls in this space" in short.output
+    assert "FMUs loaded: none" in short.output
     refused = CliRunner().invoke(app, ["design", "two_balls"])
     assert refused.exit_code == 2

@@ -9,7 +9,7 @@ import pytest
 
 from autobalancer.harness import Scene, SceneError, bundled_scenes, cosimulate, load_scene
 from autobalancer.harness.master.cosimulation import CoSimulation
-from autobalancer.harness.master.fmu import Unit
+from autobalancer.harness.master.fmu import Fmu
 
 LATERAL = ("rotor.x", "rotor.y")
 
@@ -132,7 +132,7 @@ def test_rollback_brings_back_every_bit():
         bytes_before = [u.serialise(s) for u, s in zip(system.members, before, strict=True)]
 
         def ends():
-            cubics = [(c.force.now[0], c.force.now[1], 0j, 0j) for c in system.connections]
+            cubics = [(*force.now, 0j, 0j) for force in system.forces]
             accelerations = system.rotor_pass(cubics, cosim.time, 0.1)
             held = [(value, slope, 0j, 0j) for value, slope in accelerations]
             return accelerations, system.balancer_pass(held, cosim.time, 0.1)
@@ -251,7 +251,7 @@ def test_held_and_linear_signals_set_no_derivatives_they_do_not_use(
     monkeypatch, order, forces, accelerations
 ):
     written: dict[str, set] = {}
-    plain = Unit.set_vectors
+    plain = Fmu.set_vectors
 
     def spy(unit, group, vectors):
         written.setdefault(unit.name, set()).update(group.names)
@@ -260,7 +260,7 @@ def test_held_and_linear_signals_set_no_derivatives_they_do_not_use(
     scene = load_scene("two_balls").replace({"coupling.order": order, "run.revolutions": 1})
     with CoSimulation(scene) as cosim:
         cosim.start()
-        monkeypatch.setattr(Unit, "set_vectors", spy)
+        monkeypatch.setattr(Fmu, "set_vectors", spy)
         cosim.step(0.05)
     assert {name.replace("plane[1].", "") for name in written["rotor"]} == set(forces.split())
     assert written["weights"] == set(accelerations.split())

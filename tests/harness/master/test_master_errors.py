@@ -8,7 +8,7 @@ import pytest
 
 from autobalancer.harness import SimulationError, UnitError, build, cosimulate, load_scene
 from autobalancer.harness.master.cosimulation import CoSimulation
-from autobalancer.harness.master.fmu import Unit
+from autobalancer.harness.master.fmu import Fmu
 
 DESCRIPTION = "modelDescription.xml"
 
@@ -46,7 +46,7 @@ def test_a_missing_fmu_is_named_with_what_was_expected(scene, fmus):
         cosimulate(scene, fmus=fmus)
     assert str(fmus) in str(error.value)
     with pytest.raises(UnitError, match=r"nowhere\.fmu: no such FMU file"):
-        Unit(fmus / "nowhere.fmu", "rotor")
+        Fmu(fmus / "nowhere.fmu", "rotor")
 
 
 @pytest.mark.parametrize("content", [b"", b"this is no archive", b"PK\x03\x04" + bytes(200)])

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
 import numpy as np
 import pytest
@@ -10,7 +10,7 @@ import pytest
 from autobalancer.harness import SimulationError, cosimulate, load_scene
 from autobalancer.harness.master.cosimulation import CoSimulation
 from autobalancer.harness.master.loop import consistent_start, loop_gain
-from autobalancer.harness.master.system import Track
+from autobalancer.harness.master.system import SignalState
 from autobalancer.harness.schemes.adaptive import Adaptive
 from autobalancer.harness.schemes.gauss_seidel import GaussSeidel
 from autobalancer.harness.schemes.iterated import Iterated
@@ -38,7 +38,7 @@ def test_gain_of_a_liquid_as_force_is_its_added_mass_over_the_rotor_mass(liquid_
 def test_gain_of_a_liquid_carried_by_the_rotor_is_nothing():
     with started(load_scene("liquid_heavy")) as cosim:
         assert cosim.gain == 0.0
-        assert cosim.system.connections == []
+        assert cosim.system.exchanges == []
 
 
 @pytest.mark.parametrize("angles", [[0.3, 1.0], [0.0, 0.0], [0.0, np.pi / 2], [1.0, 4.0]])
@@ -95,13 +95,11 @@ class LinearLoop:
 
     matrix: np.ndarray
     constant: np.ndarray
-    connections: list = field(default_factory=list)
-    accelerations: list = field(default_factory=list)
 
     def __post_init__(self) -> None:
-        for plane in range(len(self.constant)):
-            self.connections.append(Plug(plane))
-            self.accelerations.append(Track())
+        self.exchanges = list(self.constant)
+        self.forces = [SignalState() for _ in self.constant]
+        self.accelerations = [SignalState() for _ in self.constant]
 
     def set_forces(self, forces) -> None:
         self.applied = np.array([cubic[:2] for cubic in forces])
@@ -110,23 +108,11 @@ class LinearLoop:
         answer = self.matrix @ self.applied + self.constant[:, None]
         return [tuple(map(complex, row)) for row in answer]
 
-    def set_acceleration(self, connection, cubic) -> None:
-        connection.given = cubic[:2]
-
-    def read_force(self, connection):
-        return connection.given
+    def answer(self, accelerations):
+        return [cubic[:2] for cubic in accelerations]
 
     def forget(self) -> None:
         self.forgotten = True
-
-
-@dataclass
-class Plug:
-    """A connection that gives back what it is told."""
-
-    plane: int
-    given: tuple = (0j, 0j)
-    force: Track = field(default_factory=Track)
 
 
 @pytest.mark.parametrize("eigenvalue", [-1e6, -19.0, -1.0, -0.5, 0.0, 0.5, 0.999, 1.001, 1.5, 30.0])
@@ -137,7 +123,7 @@ def test_start_values_converge_for_affine_loops_of_any_gain_but_1(eigenvalue):
     loop = LinearLoop(matrix, constant)
     jacobian = consistent_start(loop, 0.01)
     expected = np.linalg.solve(np.eye(2) - matrix, constant)
-    found = np.array([c.force.now[0] for c in loop.connections])
+    found = np.array([force.now[0] for force in loop.forces])
     accuracy = 1e-12 * max(1.0, abs(eigenvalue), 1.0 / abs(1.0 - eigenvalue))
     assert np.abs(found - expected).max() <= 10.0 * accuracy * np.abs(expected).max()
     assert loop_gain(jacobian) == pytest.approx(max(abs(eigenvalue), 0.3), rel=1e-6)
@@ -164,7 +150,7 @@ def test_a_start_that_does_not_settle_says_by_how_much():
 def test_start_of_a_liquid_as_force_is_that_of_the_loaded_rotor(liquid_of_gain, gain):
     scene = liquid_of_gain(gain)
     with started(scene) as cosim:
-        (force,) = [c.force.now[0] for c in cosim.system.connections]
+        (force,) = [force.now[0] for force in cosim.system.forces]
         pull = scene.rotor.unbalance * scene.operation.speed**2
         acceleration = pull / (scene.rotor.mass * (1.0 + gain))  # along xi, rotor at rest
         assert force == pytest.approx(-gain * scene.rotor.mass * acceleration, rel=1e-9)
@@ -200,7 +186,7 @@ def test_a_step_refused_by_a_unit_names_time_signal_and_gain():
     with started(load_scene("liquid_heavy_force")) as cosim:
         for _ in range(3):
             cosim.step(1e-3)
-        cosim.system.connections[0].force.now = (complex("nan"), 0j)
+        cosim.system.forces[0].now = (complex("nan"), 0j)
         with pytest.raises(SimulationError, match=r"t = 0\.003 s.*F_xi.*loop gain 19\b"):
             cosim.step(1e-3)
 

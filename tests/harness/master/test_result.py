@@ -2,16 +2,13 @@
 
 import contextlib
 import errno
-import json
 import os
 import resource
 
 import numpy as np
 import pytest
 
-from autobalancer.harness.checks.report import Row, as_json, markdown, verdict, within, write_json
 from autobalancer.harness.errors import UserError
-from autobalancer.harness.master.names import unit_of_signal
 from autobalancer.harness.master.result import Result, UnknownSignalError
 from autobalancer.harness.output.files import write_whole
 
@@ -26,7 +23,11 @@ def result() -> Result:
         "weights.moment_xi": np.full_like(time, 0.3),
         "weights.moment_eta": np.full_like(time, 0.4),
     }
-    return Result("a decaying circle", time, signals, 0.1, units=("RotorOnSupports.fmu",))
+    symbols = {name: "m" if name.startswith("rotor") else "kg m" for name in signals}
+    return Result(
+        "a decaying circle", time, signals, 0.1, units=("RotorOnSupports.fmu",),
+        signal_units=symbols,
+    )  # fmt: skip
 
 
 def test_unknown_signal_lists_what_was_recorded(result):
@@ -150,50 +151,3 @@ def test_picture_states_units_and_0_peak(result, tmp_path):
     # glyphs are drawn, but every text stands in a comment beside them
     for words in ("displacement [m]", "moment [kg m]", "time [s]", "rotor.x, 0-peak 1 m"):
         assert f"<!-- {words} -->" in text
-
-
-def test_json_has_words_where_it_has_no_numbers(tmp_path):
-    rows = [
-        within("s", "c", "q", 1.0, float("nan"), tolerance=1e-3, seconds=0.1, source="p"),
-        Row("s", "c", "q", "none", float("inf"), None, None, True, 0.1, "p"),
-    ]
-    write_json(as_json(rows), tmp_path / "rows.json")
-    document = json.loads(
-        (tmp_path / "rows.json").read_text(encoding="utf-8"), parse_constant=pytest.fail
-    )
-    assert document["holds"] is False
-    assert [row["measured"] for row in document["rows"]] == ["nan", "inf"]
-    assert document["rows"][1]["error"] is None
-
-
-def test_nothing_checked_does_not_hold():
-    assert as_json([])["holds"] is False
-    assert verdict([]) == "Nothing was checked."
-
-
-def test_row_holds_up_to_its_tolerance():
-    facts = {"tolerance": 1e-3, "seconds": 0.0, "source": ""}
-    assert within("s", "c", "q", 2.0, 2.0019, **facts).holds
-    assert not within("s", "c", "q", 2.0, 2.0021, **facts).holds
-
-
-def test_markdown_says_which_row_fails():
-    row = within("scene", "check", "a | b", 1.0, 2.0, tolerance=0.1, seconds=0.0, source="paper")
-    assert "1 of 1 rows do NOT hold." in markdown([row])
-    assert "a \\| b | 1 | 2 | 1 | 0.1 | **NO** |" in markdown([row])
-
-
-@pytest.mark.parametrize(
-    ("name", "unit"),
-    [
-        ("rotor.x", "m"),
-        ("rotor.station[2].vy", "m/s"),
-        ("weights.weight[1].angle", "rad"),
-        ("weights.moment_xi", "kg m"),
-        ("rotor.der(plane[1].a_xi)", "m/s^2 s^-1"),
-        ("weights.der(F_xi)", "N s^-1"),
-        ("rotor.something", ""),
-    ],
-)
-def test_signals_have_units(name, unit):
-    assert unit_of_signal(name) == unit

@@ -9,7 +9,7 @@ import pytest
 
 from autobalancer.harness import Scene, cosimulate
 from autobalancer.harness.master.cosimulation import CoSimulation
-from autobalancer.harness.precision.libcosim import InLibcosim
+from autobalancer.harness.precision.libcosim import LibcosimRunner
 
 pytest.importorskip("libcosimpy")
 
@@ -42,7 +42,7 @@ SCENE = {
 
 def test_libcosim_couples_the_three_units_to_the_same_digits_as_held_jacobi():
     scene = Scene.from_document(SCENE)
-    other_tool = InLibcosim(scene, SIGNALS)
+    other_tool = LibcosimRunner(scene, SIGNALS)
     try:
         theirs = other_tool.run()
     finally:

@@ -90,7 +90,7 @@ def test_held_jacobi_repeats_an_error_by_the_root_of_the_gain_when_nobody_refuse
             forces = []
             for _ in range(2000):
                 cosim.step(1e-4)
-                forces.append(cosim.system.connections[0].force.now[0])
+                forces.append(cosim.system.forces[0].now[0])
         jitter = np.abs(np.diff(forces, n=2))  # the error alternates, the force does not
         growth[gain] = (jitter[-100:].max() / jitter[-1100:-1000].max()) ** 1e-3
     assert growth[1.05] == pytest.approx(1.05**0.5, abs=2e-3)

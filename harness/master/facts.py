@@ -1,0 +1,138 @@
+"""The facts of a run, and the words that are made of them."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+from ..errors import LoopError
+from ..scene import Scene
+from .recorder import Recorder
+from .resolution import SAID
+from .result import Result
+
+BALANCERS = ("LiquidBalancer", "BallBalancer")
+
+
+@dataclass(frozen=True)
+class Facts:
+    """What a co-simulation did, and what it could do without.
+
+    Attributes:
+        title: of the scene.
+        files: names of the FMUs loaded.
+        models: the units' kinds.
+        messages: what the units have logged.
+        calls: number of FMI calls by kind.
+        passes: steps of the rotor: corrector passes and rejected steps count.
+        steps: communication steps.
+        unconverged: steps whose forces were left changing, and the worst of their residuals.
+        estimated_error: of the motion, relative to itself, for steps too long for the signals;
+            0 where nothing is estimated.
+        unresolved: steps with a signal that the cubics do not follow.
+        exchanging: whether any balancer exchanges force.
+        rolls_back: whether the scheme saves states and steps again.
+        order: of the exchanged signals.
+        constant_speed, isotropic: of the rotor.
+    """
+
+    title: str
+    files: tuple[str, ...]
+    models: tuple[str, ...]
+    messages: tuple[str, ...]
+    calls: Mapping[str, int]
+    passes: int
+    steps: int
+    unconverged: int
+    worst_residual: float
+    estimated_error: float
+    unresolved: int
+    exchanging: bool
+    rolls_back: bool
+    order: int
+    constant_speed: bool
+    isotropic: bool
+
+
+def result(recorder: Recorder, facts: Facts, seconds: float) -> Result:
+    """Everything recorded, with the facts of the run."""
+    time, signals = recorder.columns()
+    return Result(
+        scene_title=facts.title,
+        time=time,
+        signals=signals,
+        seconds=seconds,
+        left_out=tuple(left_out(facts, recorder.names)),
+        units=facts.files,
+        events=tuple(events(facts)),
+        steps=facts.steps,
+        passes=facts.passes,
+        calls=dict(facts.calls),
+        unconverged=facts.unconverged,
+        estimated_error=facts.estimated_error,
+        signal_units=recorder.signal_units,
+    )
+
+
+def left_out(facts: Facts, recorded: Sequence[str]) -> list[str]:
+    """What the run did without because the scene does not need it."""
+    notes = [f"{model} (none in the scene)" for model in BALANCERS if model not in facts.models]
+    if not facts.exchanging:
+        notes.append(
+            "force exchange (the liquid acts as added mass alone)"
+            if len(facts.models) > 1
+            else "force exchange (no balancer)"
+        )
+        notes.append("corrector passes and rollback")
+    elif not facts.rolls_back:
+        notes.append("corrector passes and rollback (explicit scheme)")
+    if facts.exchanging and facts.order < 3:
+        notes.append("slopes of the signals" if facts.order == 0 else "second derivatives")
+    if facts.constant_speed:
+        notes.append("variable speed")
+    if facts.isotropic:
+        notes.append("second axis of the rotor (isotropic: complex system of half the size)")
+    if not recorded:
+        notes.append("recording")
+    return notes
+
+
+def events(facts: Facts) -> list[str]:
+    """What a user must know about the run: validity and convergence."""
+    notes = list(facts.messages)
+    if facts.unconverged:
+        notes.append(
+            f"{facts.unconverged} of {facts.steps} steps left a residual above 1e-3 of the force "
+            f"(worst {facts.worst_residual:.2g}): use smaller steps or more corrections"
+        )
+    if facts.estimated_error >= SAID:
+        notes.append(
+            "steps too long for signals that vary faster: the motion errs by about "
+            f"{facts.estimated_error:.1g} of itself: use more steps_per_rev, or a tolerance"
+        )
+    elif facts.unresolved:
+        notes.append(
+            f"{facts.unresolved} of {facts.steps} steps were too long for signals that "
+            "vary faster: use more steps_per_rev, or a tolerance"
+        )
+    return notes
+
+
+def advice(error: Exception, scene: Scene) -> str:
+    """What to do where weights that touch keep a loop from converging; empty where none can.
+
+    A collision, or a contact that opens or closes, makes the force jump within a step: no step is
+    short enough for a tolerance, and corrector passes need not agree on whether it happens.
+    """
+    coupling = scene.coupling
+    names = [balancer.label for balancer in scene.balancer if balancer.can_touch]
+    if not isinstance(error, LoopError) or not names or coupling.corrections is not None:
+        return ""
+    why = "corrector passes need not agree on it"
+    if coupling.tolerance is not None:
+        why = f"no step is short enough for tolerance = {coupling.tolerance:g}"
+    return (
+        f"; the weights of {', '.join(names)} can touch or stick: where one does, the force jumps "
+        f"within the step, and {why}: give coupling.corrections (for example 4) with "
+        "steps_per_rev instead, then such steps are counted and said"
+    )
