@@ -10,7 +10,6 @@ from numpy.typing import NDArray
 
 from ..errors import SimulationError
 from ..scene import Scene
-from ..scene.balancer import WeightBalancer
 from .main_motion import MainMotion
 
 DISTURBANCE = 1e-6  # of each state's scale
@@ -122,10 +121,9 @@ def run_from_rest(scene: Scene, speed: float, revolutions: float) -> RunEnd:
     result = cosimulate(scene, record=[n for n in recorded(plain) if "clearance" not in n])
     rotor = scene.assembly().rotor
     unbalance = np.tile(rotor.unbalance, (len(result.time), 1)).astype(complex)
-    for balancer in scene.balancer:
-        if isinstance(balancer, WeightBalancer):
-            xi, eta = (result[f"{balancer.label}.moment_{axis}"] for axis in ("xi", "eta"))
-            unbalance += (xi + 1j * eta)[:, None] * rotor.planes[balancer.at - 1]
+    for mounted in scene.assembly().weights:
+        xi, eta = (result[f"{mounted.name}.moment_{axis}"] for axis in ("xi", "eta"))
+        unbalance += (xi + 1j * eta)[:, None] * rotor.planes[mounted.plane]
     size = np.abs(unbalance).max(axis=1)
     swings = [
         np.hypot(result[name], result[f"{name[:-1]}y"])
