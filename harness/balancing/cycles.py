@@ -12,7 +12,7 @@ planes is moved to the supports by the lever before it is compared.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -26,10 +26,9 @@ from ...models.papers.influence import (
     scalar_coefficients,
     unbalance_from_response,
 )
-from ...models.rotor import LinearRotor
 from ..scene import Scene
 from ..scene.balancing import Balancing
-from ..scene.rotor import FlexibleRotor, PlanarRotor
+from ..scene.rotor import RotorTable
 from .machine import Complex, Machine
 
 TRIAL = 10.0  # times what is permissible: seen clearly, and as harmless as the unbalance itself
@@ -229,52 +228,33 @@ def _cycles(
 def permissible(scene: Scene, setup: Balancing) -> tuple[float, NDArray[np.float64]]:
     """U_per [kg m], and its share at each support (s,)."""
     rotor = scene.rotor
-    speed = setup.service_speed or scene.profile().end
-    if isinstance(rotor, PlanarRotor):
-        total = rotor.mass * setup.precession / speed
-        return total, np.array([total])
-    if isinstance(rotor, FlexibleRotor):
-        mass, (start, end) = sum(rotor.masses), _ends(rotor)
-        centre = float(np.dot(rotor.masses, rotor.stations)) / mass
-    else:
-        mass, (start, end) = rotor.mass, (0.0, rotor.span)
-        centre = rotor.span / 2.0 if rotor.com is None else rotor.com
-    part = (centre - start) / (end - start)
-    low, high = SHARE_INBOARD if 0.0 <= part <= 1.0 else SHARE_OVERHUNG
-    total = mass * setup.precession / speed
-    return total, total * np.clip(np.abs([1.0 - part, part]), low, high)
+    total = rotor.mass * setup.precession / (setup.service_speed or scene.profile().end)
+    carried = _levers(rotor, [rotor.centre])[:, 0]
+    if len(carried) > 1:
+        low, high = SHARE_INBOARD if np.all(carried >= 0.0) else SHARE_OVERHUNG
+        carried = np.clip(np.abs(carried), low, high)
+    return total, total * carried
 
 
 def support_levers(scene: Scene, planes: list[int]) -> NDArray[np.float64]:
     """(s, p): what an unbalance in each correction plane is at each support of a rigid rotor."""
-    rotor = scene.rotor
-    if isinstance(rotor, PlanarRotor):
-        return np.ones((1, len(planes)))
-    if isinstance(rotor, FlexibleRotor):
-        places, (start, end) = rotor.stations, _ends(rotor)
-    else:
-        places, (start, end) = rotor.planes, (0.0, rotor.span)
-    part = (np.array([places[p - 1] for p in planes]) - start) / (end - start)
+    return _levers(scene.rotor, [scene.rotor.planes[p - 1] for p in planes])
+
+
+def _levers(rotor: RotorTable, places: Sequence[float]) -> NDArray[np.float64]:
+    """(s, k): share that each support carries of what acts at each place; a single one, all."""
+    if len(rotor.supports) == 1:
+        return np.ones((1, len(places)))
+    start, end = rotor.support_positions
+    part = (np.array(places) - start) / (end - start)
     return np.array([1.0 - part, part])
 
 
-def _ends(rotor: FlexibleRotor) -> tuple[float, float]:
-    """Places of support 1 and support 2 [m]."""
-    first, second = rotor.supports
-    return rotor.stations[first - 1], rotor.stations[second - 1]
-
-
 def _truth(scene: Scene, planes: list[int], axis: str) -> Truth:
-    rotor: LinearRotor = scene.assembly().rotor
-    speed = scene.profile().end
-    rows = rotor.planes[[p - 1 for p in planes]]
-    sensors = [0, 1]
-    if isinstance(scene.rotor, PlanarRotor):
-        sensors = [0]
-    elif isinstance(scene.rotor, FlexibleRotor):
-        sensors = [s - 1 for s in scene.rotor.supports]
+    rotor, speed = scene.assembly().rotor, scene.profile().end
+    sensors = [s - 1 for s in scene.rotor.supports]
     along = "xy".index(axis)
-    coefficients = influence(rotor, speed, rows)[along][sensors]
+    coefficients = influence(rotor, speed, rotor.planes[[p - 1 for p in planes]])[along][sensors]
     everywhere = influence(rotor, speed, np.eye(rotor.stations))[along][sensors]
-    seen = everywhere @ rotor.unbalance
-    return Truth(coefficients, unbalance_from_response(coefficients, seen))
+    response = everywhere @ rotor.unbalance
+    return Truth(coefficients, unbalance_from_response(coefficients, response))

@@ -8,18 +8,16 @@ whole revolutions, as the instrument of a machine does.
 from __future__ import annotations
 
 import cmath
-from collections.abc import Mapping
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ...models.linear.synchronous import Synchronous, synchronous
 from ..errors import SceneError, SimulationError
+from ..master.names import station
 from ..scene import Scene
 from ..scene.balancing import Balancing
-from ..scene.rotor import FlexibleRotor, PlanarRotor, TwoSupportRotor
 from ..stability.revolution import Revolution
 
 Complex = NDArray[np.complexfloating]
@@ -49,12 +47,15 @@ class Machine:
             )
         self.setup: Balancing = scene.balancing
         self.planes = self.setup.correction_planes(scene.rotor)
-        bare, self._own, self._added = _with_corrections(scene, self.planes)
-        self.speed = bare.profile().speed(0.0)
+        self._room = scene.rotor.with_corrections(self.planes)
+        self.speed = scene.profile().end  # the machine holds one speed: where a run-up ends
+        bare = scene.without_balancers().replace(self._room.changes)
         self.noise = np.random.default_rng(self.setup.seed)
         self.runs = 0
         self.revolution = Revolution(bare, fmus=fmus)
-        self._watched = ["angle", *_sensors(scene, self.setup.axis)]
+        count = len(scene.rotor.stations)
+        supports = [station(j, count) + self.setup.axis for j in scene.rotor.supports]
+        self._watched = ["angle", *supports]
         self._rest = np.zeros(len(self.revolution.states))
         try:
             self._monodromy = self.revolution.monodromy(self._rest, self.speed)
@@ -81,8 +82,11 @@ class Machine:
             SimulationError: the vibration is not steady.
         """
         self.runs += 1
-        unbalances = self._own if added is None else self._own + added
-        for (size, direction), value in zip(self._added, unbalances.tolist(), strict=True):
+        present = np.array(self._room.present)
+        unbalances = present if added is None else present + added
+        for (size, direction), value in zip(
+            self._room.parameters, unbalances.tolist(), strict=True
+        ):
             self.revolution.rotor[size], self.revolution.rotor[direction] = cmath.polar(value)
         state, _ = self.revolution.steady(self.speed, self._rest, self._monodromy)
         rows = self.revolution.record(state, self.speed, self._watched, self.setup.revolutions)
@@ -117,39 +121,3 @@ def _refuse_drift(angle: NDArray[np.float64], samples: NDArray[np.float64]) -> N
             f"rotor: vibration is not steady: amplitude drifts by {drift.max():.3g} m during the "
             f"measurement, allowed {allowed.max():.3g} m"
         )
-
-
-def _sensors(scene: Scene, axis: str) -> list[str]:
-    """Outputs that show the supports' displacement."""
-    rotor = scene.rotor
-    if isinstance(rotor, PlanarRotor):
-        return [axis]
-    supports = rotor.supports if isinstance(rotor, FlexibleRotor) else (1, 2)
-    return [f"station[{j}].{axis}" for j in supports]
-
-
-def _with_corrections(
-    scene: Scene, planes: list[int]
-) -> tuple[Scene, Complex, list[tuple[str, str]]]:
-    """The bare scene with room for corrections.
-
-    Returns:
-        The scene, unbalances (p,) its rotor already has at these places [kg m], and the parameters
-        (amount, angle) of each.
-    """
-    # the machine holds one speed: where a run-up ends
-    bare = scene.without_balancers().replace({"operation.speed": scene.profile().end})
-    rotor = bare.rotor
-    if isinstance(rotor, PlanarRotor):
-        own = rotor.unbalance * np.exp(1j * rotor.unbalance_angle)
-        return bare, np.array([own]), [("unbalance", "unbalance_angle")]
-    places = rotor.planes if isinstance(rotor, TwoSupportRotor) else rotor.stations
-    table: list[Mapping[str, Any]] = [u.model_dump() for u in rotor.unbalances]
-    first = len(table) + 1
-    table += [{"position": places[p - 1], "amount": 0.0, "angle": 0.0} for p in planes]
-    names = [
-        (f"unbalance[{k}].amount", f"unbalance[{k}].angle")
-        for k in range(first, first + len(planes))
-    ]
-    zero = np.zeros(len(planes), complex)
-    return bare.replace({"rotor.unbalances": table}), zero, names

@@ -17,6 +17,7 @@ from ...models.linear.synchronous import synchronous
 from ...models.papers.influence import influence
 from ..errors import UserError
 from ..master.cosimulation import cosimulate
+from ..master.names import stations
 from ..scene import Scene
 from ..stability.revolution import Revolution
 
@@ -98,18 +99,16 @@ class RunUp:
 
 def station_names(scene: Scene) -> tuple[str, ...]:
     """What the stations are called in pictures."""
-    count = scene.assembly().rotor.stations
-    if count == 1:
+    numbers = range(1, len(scene.rotor.stations) + 1)
+    if len(numbers) == 1:
         return ("disc",)
-    if scene.rotor.kind == "two_support":
-        return ("support 1", "support 2")
-    return tuple(f"station {j}" for j in range(1, count + 1))
+    word = "support" if scene.rotor.supports == tuple(numbers) else "station"
+    return tuple(f"{word} {j}" for j in numbers)
 
 
-def _outputs(stations: int) -> list[str]:
+def _outputs(count: int) -> list[str]:
     """x of all stations, then y."""
-    prefixes = [f"station[{j}]." for j in range(1, stations + 1)] if stations > 1 else [""]
-    return [f"{prefix}{axis}" for axis in "xy" for prefix in prefixes]
+    return [f"{prefix}{axis}" for axis in "xy" for prefix in stations(count)]
 
 
 def operating_speed(scene: Scene) -> float:
@@ -153,10 +152,10 @@ def response_of(scene: Scene, low: float, high: float, fmus: Path | None = None)
     rotor = scene.assembly().rotor
     if not np.abs(rotor.unbalance).any():
         raise UserError(f"{scene.path or scene.name}: rotor: has no unbalance to respond to")
-    stations = np.eye(rotor.stations)
+    each = np.eye(rotor.stations)
     speeds, points = np.linspace(low, high, CURVE_POINTS), np.linspace(low, high, MEASURED_POINTS)
     try:
-        curve = [influence(rotor, float(w), stations) @ rotor.unbalance for w in speeds]
+        curve = [influence(rotor, float(w), each) @ rotor.unbalance for w in speeds]
     except ValueError as error:
         raise UserError(str(error)) from error
     with Revolution(scene.without_balancers(), fmus=fmus) as units:

@@ -8,7 +8,7 @@ from typing import Annotated, Literal
 from pydantic import Field, field_validator
 
 from .quantities import NotNegative, Positive, Real, Table, Text, Unit, Whole
-from .rotor import FlexibleRotor, PlanarRotor, TwoSupportRotor
+from .rotor import RotorTable
 
 _GRADE = re.compile(r"^G\s?(\d+(?:\.\d+)?)$")
 
@@ -61,15 +61,15 @@ class Balancing(Table):
         """Those asked for, in order."""
         return ("complex", "scalar") if self.technology == "both" else (self.technology,)
 
-    def correction_planes(self, rotor: PlanarRotor | TwoSupportRotor | FlexibleRotor) -> list[int]:
+    def correction_planes(self, rotor: RotorTable) -> list[int]:
         """Numbers of the correction planes, from 1."""
         return list(self.planes or range(1, rotor.plane_count + 1))
 
-    def problems(self, rotor: PlanarRotor | TwoSupportRotor | FlexibleRotor) -> list[str]:
+    def problems(self, rotor: RotorTable) -> list[str]:
         """What does not fit the scene's rotor, in words."""
         lines = []
         planes = self.correction_planes(rotor)
-        sensors = 1 if isinstance(rotor, PlanarRotor) else 2
+        sensors = len(rotor.supports)
         unknown = [p for p in planes if not 1 <= p <= rotor.plane_count]
         shown = f"balancing.planes = {planes}"
         if unknown:

@@ -35,7 +35,7 @@ METHODS = ("criterion", "floquet", "cosim", "cosim-run")
 DEFAULT_METHODS = METHODS[:3]
 TOLERANCE = 1e-6  # relative, of a co-simulated boundary
 SCAN = 60  # intervals of a co-simulated scan, unless other methods say where to look
-NEAR = 2e-3  # relative distance from a guess at which the co-simulation is asked
+NEAR = 2e-3  # relative distance from a guess at which the co-simulation is asked: it errs by less
 _PARTS = 8  # of a scan, so that progress is seen
 
 Side = Literal["stable", "unstable"]
@@ -184,7 +184,8 @@ def _by_floquet(scene: Scene, result: Speeds, narrowest: float | None) -> None:
 def nodes_around(guesses: Sequence[float], low: float, high: float) -> NDArray[np.float64]:
     """Speeds at which the sign of the growth shows whether the guessed crossings are there.
 
-    Both sides of every guess, the middle between neighbours, and the ends of the range.
+    Both sides of every guess, the middle between neighbours, and the ends of the range.  A side is
+    at most a third of the way to the neighbour, so that the order stays.
     """
     bounds = [low, *guesses, high]
     nodes = {low, high}

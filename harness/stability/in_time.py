@@ -10,7 +10,6 @@ from numpy.typing import NDArray
 
 from ..errors import SimulationError
 from ..scene import Scene
-from ..scene.balancer import WeightBalancer
 from .main_motion import MainMotion
 
 DISTURBANCE = 1e-6  # of each state's scale
@@ -19,13 +18,15 @@ SMALLEST = 1e-10  # change per revolution that the coupling's own error may fake
 SHARE = 1e-4  # of the motion in the window: what is below is noise of the fit
 FEWEST = 6  # revolutions in the window
 LATE = 10  # last part of a run in which it is judged: one tenth
-BALANCED = 0.01  # residual moment over that at the start
+BALANCED_SHARE = 0.01  # residual moment over that at the start
 SETTLING = 9.0  # times 1/growth rate: e^-9 leaves 1e-4 of what the main motion is missed by
 TRANSIENT = 60.0  # revolutions before that: the weights find their places
+LONGEST = 3000.0  # revolutions of a run: what settles later, e^-0.003 a revolution, is a boundary
+FITTED_RUN = 120  # revolutions: in its first half what dies 5 % faster falls to a twentieth
 _GOLDEN = 0.6180339887498949
 
 
-def growth_in_run(motion: MainMotion, speed: float, revolutions: int = 120) -> float:
+def growth_in_run(motion: MainMotion, speed: float, revolutions: int = FITTED_RUN) -> float:
     """Growth rate [1/s] of a small disturbance, fitted to one run of the units.
 
     Costs one run whatever the number of states, and needs no derivative: for many weights and for
@@ -68,7 +69,7 @@ def _largest_multiplier(window: NDArray) -> float:
 
 
 @dataclass(frozen=True)
-class Ended:
+class RunEnd:
     """How a run from rest ended.
 
     Attributes:
@@ -88,7 +89,7 @@ class Ended:
     @property
     def balanced(self) -> bool:
         """Whether no more than 1 % of the unbalance at the start is left."""
-        return self.share <= BALANCED
+        return self.share <= BALANCED_SHARE
 
     def __str__(self) -> str:
         word = "balanced" if self.balanced else "not balanced"
@@ -98,13 +99,15 @@ class Ended:
         )
 
 
-def needed_revolutions(growth: float, speed: float, most: float = 3000.0) -> float:
+def needed_revolutions(growth: float, speed: float) -> float:
     """Length of a run that shows whether a motion of this growth rate [1/s] comes to balance."""
-    period = 2.0 * math.pi / speed
-    return min(most, math.ceil(TRANSIENT + SETTLING / max(abs(growth) * period, 1e-9)))
+    each = abs(growth) * 2.0 * math.pi / speed  # ln of what a revolution leaves of it
+    if each * (LONGEST - TRANSIENT) <= SETTLING:
+        return LONGEST
+    return math.ceil(TRANSIENT + SETTLING / each)
 
 
-def run_from_rest(scene: Scene, speed: float, revolutions: float) -> Ended:
+def run_from_rest(scene: Scene, speed: float, revolutions: float) -> RunEnd:
     """Run a scene at a speed, rotor at rest in the middle, weights where the scene puts them.
 
     Raises:
@@ -117,12 +120,11 @@ def run_from_rest(scene: Scene, speed: float, revolutions: float) -> Ended:
     plain = scene.replace({"run.record": None})
     result = cosimulate(scene, record=[n for n in recorded(plain) if "clearance" not in n])
     rotor = scene.assembly().rotor
-    left = np.tile(rotor.unbalance, (len(result.time), 1)).astype(complex)
-    for balancer in scene.balancer:
-        if isinstance(balancer, WeightBalancer):
-            xi, eta = (result[f"{balancer.label}.moment_{axis}"] for axis in ("xi", "eta"))
-            left += (xi + 1j * eta)[:, None] * rotor.planes[balancer.at - 1]
-    size = np.abs(left).max(axis=1)
+    unbalance = np.tile(rotor.unbalance, (len(result.time), 1)).astype(complex)
+    for mounted in scene.assembly().weights:
+        xi, eta = (result[f"{mounted.name}.moment_{axis}"] for axis in ("xi", "eta"))
+        unbalance += (xi + 1j * eta)[:, None] * rotor.planes[mounted.plane]
+    size = np.abs(unbalance).max(axis=1)
     swings = [
         np.hypot(result[name], result[f"{name[:-1]}y"])
         for name in result.signals
@@ -131,4 +133,4 @@ def run_from_rest(scene: Scene, speed: float, revolutions: float) -> Ended:
     late = slice(-(len(result.time) // LATE), None)
     residual = float(size[late].max())
     amplitude = float(max(swing[late].max() for swing in swings))
-    return Ended(speed, revolutions, residual, residual / float(size[0]), amplitude)
+    return RunEnd(speed, revolutions, residual, residual / float(size[0]), amplitude)

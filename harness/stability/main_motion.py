@@ -16,6 +16,7 @@ distance from 1.
 from __future__ import annotations
 
 import math
+import sys
 from collections.abc import Callable
 from pathlib import Path
 from typing import TypeVar
@@ -31,13 +32,14 @@ from .revolution import RANK, Matrix, Revolution, Vector, derivative
 Outputs = list[tuple[Fmu, Variables]]
 Outcome = TypeVar("Outcome")
 
-BALANCED = 1e-9  # acceleration of a plane over that of the whole unbalance and all weights
+BALANCED_ACCELERATION = 1e-9  # of a plane, over that of the whole unbalance and all weights
 AT_REST = 1e-6  # of each state's scale: what a revolution may move a main motion
 NEUTRAL_RETURN = 1e-5  # what a revolution may change a neutral turn; differences and steps err less
 MOST_REFINED = 32  # times the given steps a revolution
 _LONGEST_TURN = 0.5  # rad per iteration: a longer one leaves the neighbourhood of the start
-_ITERATIONS = 30
-_STARTS = 5
+_ITERATIONS = 30  # of half a radian: twice around, and Newton's last few
+_STARTS = 5  # the second leaves a line of symmetry, on which Newton stands still
+_SPREAD = 0.3  # rad by which a start is spread further than the one before: still its neighbourhood
 _GOLDEN = 0.6180339887498949
 
 
@@ -100,12 +102,12 @@ class MainMotion:
         outputs = [(rotor, rotor.group(names))]
         scale = self.units.states[0].scale * self._speed**2
         first = self.units.first[self._angles]
-        spread = np.modf(np.arange(1, len(first) + 1) * _GOLDEN)[0] - 0.5
+        pattern = np.modf(np.arange(1, len(first) + 1) * _GOLDEN)[0] - 0.5
         for attempt in range(_STARTS):
-            rest[self._angles] = first + 0.3 * attempt * spread
-            found = self._newton(rest, outputs, scale)
-            if found is not None and self._rests(found):
-                return found
+            rest[self._angles] = first + _SPREAD * attempt * pattern
+            balanced = self._newton(rest, outputs, scale)
+            if balanced is not None and self._rests(balanced):
+                return balanced
         raise NoMainMotion(
             f"{self.units.scene.name}: no angles of the weights were found at which the rotor "
             "rests: they cannot undo its unbalance"
@@ -121,12 +123,11 @@ class MainMotion:
         """Least turns that take away the planes' acceleration; None when that does not converge."""
         state = state.copy()
         for _ in range(_ITERATIONS):
-            left = self._read(state, outputs)
-            near = np.abs(left).max() <= BALANCED * scale
+            acceleration = self._read(state, outputs)
+            near = np.abs(acceleration).max() <= BALANCED_ACCELERATION * scale
             slopes = self._slopes(state, self._angles, outputs)
-            turn = np.linalg.lstsq(slopes, -left, rcond=RANK)[0]
-            longest = float(np.abs(turn).max())
-            state[self._angles] += turn * min(1.0, _LONGEST_TURN / max(longest, 1e-300))
+            turn = np.linalg.lstsq(slopes, -acceleration, rcond=RANK)[0]
+            state[self._angles] += turn / max(1.0, float(np.abs(turn).max()) / _LONGEST_TURN)
             if near:
                 return state  # its last turn has squared the error
         return None
@@ -153,7 +154,7 @@ class MainMotion:
         columns[self._angles, len(others) :] = (seen[:rank] / size).T
         neutral = np.zeros((count, len(seen) - rank))
         neutral[self._angles] = (seen[rank:] / size).T
-        return rows, columns, neutral / np.abs(neutral).max(axis=0, initial=1e-300)
+        return rows, columns, neutral / np.abs(neutral).max(axis=0)
 
     def _moment_slopes(self) -> Matrix:
         """Moment on every station by the angle of every weight, (2 stations, K)."""
@@ -223,7 +224,8 @@ class MainMotion:
     def growth(self, speed: float) -> float:
         """Largest growth rate [1/s] of a small deviation; negative means stable."""
         largest = float(np.abs(self.multipliers(speed)[0]))
-        return math.log(max(largest, 1e-300)) * speed / (2.0 * math.pi)
+        # what dies within a revolution underflows to 0: as fast as a double can tell
+        return math.log(max(largest, sys.float_info.min)) * speed / (2.0 * math.pi)
 
     def deviation(self, state: Vector, speed: float) -> Vector:
         """A state's deviation from the main motion in scaled coordinates, neutral turns apart."""

@@ -128,7 +128,7 @@ def stability_map(
         growth, criterion = growth.T, criterion.T
     points: list[Point] = []
     if cosim:
-        places = _places(cosim, len(x.values), len(y.values))
+        places = grid_points(cosim, len(x.values), len(y.values))
         work = [(scene, {x.path: x.values[i], y.path: y.values[j]}) for i, j in places]
         rates = in_order(_measure, work, workers, lambda done: report(0.5 + 0.5 * done))
         points = [Point(*place, *rate) for place, rate in zip(places, rates, strict=True)]
@@ -209,16 +209,20 @@ def _why_no_criterion(scene: Scene) -> str:
     return "no point of the map has one"
 
 
-def _places(count: int, columns: int, rows: int) -> list[tuple[int, int]]:
-    """Different points of the grid, evenly spread (additive recurrence of the plastic number)."""
+def grid_points(count: int, columns: int, rows: int) -> list[tuple[int, int]]:
+    """Different points of a grid, evenly spread, the same for the same count.
+
+    Additive recurrence of the plastic number: no two of n points in the unit square are nearer than
+    0.6/sqrt(n), while Halton's and Sobol's sequences come down to 0.4 and less.
+    """
     count = min(count, columns * rows)
-    places: dict[tuple[int, int], None] = {}
+    points: dict[tuple[int, int], None] = {}
     k = 0
-    while len(places) < count:
+    while len(points) < count:
         k += 1
         u, v = (0.5 + k / _PLASTIC) % 1.0, (0.5 + k / _PLASTIC**2) % 1.0
-        places[int(u * columns), int(v * rows)] = None
-    return list(places)
+        points[int(u * columns), int(v * rows)] = None
+    return list(points)
 
 
 def _measure(job: tuple[Scene, dict[str, float]]) -> tuple[float, str]:

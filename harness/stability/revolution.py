@@ -17,9 +17,9 @@ from numpy.typing import NDArray
 
 from ..errors import SimulationError
 from ..master.cosimulation import CoSimulation
+from ..master.names import stations, weight
 from ..master.schedule import steps_per_rev
 from ..scene import Scene
-from ..scene.balancer import LiquidBalancer
 
 Vector = NDArray[np.float64]
 Matrix = NDArray[np.float64]
@@ -48,22 +48,18 @@ def states(scene: Scene) -> list[State]:
     moment = float(np.abs(rotor.unbalance).max(initial=0.0))
     moment += assembly.capacity
     length = moment / float(np.trace(rotor.mass)) or 1.0  # a linear rotor alone: any length will do
-    prefixes = [""]
-    if rotor.stations > 1:
-        prefixes = [f"station[{j}]." for j in range(1, rotor.stations + 1)]
-    found = [
+    result = [
         State("rotor", f"{prefix}{rate}{axis}0", f"{prefix}{rate}{axis}", bool(rate), length)
         for rate in ("", "v")
         for axis in "xy"
-        for prefix in prefixes
+        for prefix in stations(rotor.stations)
     ]
-    for balancer in scene.balancer:
-        if not isinstance(balancer, LiquidBalancer):
-            for k in range(1, balancer.count + 1):
-                weight = f"weight[{k}]."
-                found.append(State(balancer.label, weight + "angle0", weight + "angle", False, 1.0))
-                found.append(State(balancer.label, weight + "speed0", weight + "speed", True, 1.0))
-    return found
+    for mounted in assembly.weights:
+        for k in range(1, len(mounted.angles) + 1):
+            for what, is_rate in (("angle", False), ("speed", True)):
+                name = weight(k, what)
+                result.append(State(mounted.name, f"{name}0", name, is_rate, 1.0))
+    return result
 
 
 def derivative(

@@ -1,15 +1,19 @@
 """Stability maps: what stands on the axes, in the grid, and in the files."""
 
 import csv
+import math
+import warnings
 
 import numpy as np
 import pytest
+from scipy.spatial.distance import pdist
+from scipy.stats import qmc
 from typer.testing import CliRunner
 
 from autobalancer.harness import UserError, load_scene
 from autobalancer.harness.cli import app
 from autobalancer.harness.stability.axis import Axis
-from autobalancer.harness.stability.map import stability_map
+from autobalancer.harness.stability.map import grid_points, stability_map
 from autobalancer.models.stability import growth_rates
 
 
@@ -99,6 +103,25 @@ def test_cosimulated_points_agree_with_floquet():
     assert data.agreeing == 10
     for p in data.points:
         assert p.growth == pytest.approx(data.growth[p.y, p.x], rel=1e-3)
+
+
+@pytest.mark.parametrize("count", [8, 12, 25, 40, 100])
+def test_cosimulated_points_are_spread_more_evenly_than_by_standard_sequences(count):
+    def nearest(points):
+        return pdist(np.asarray(points)).min() * math.sqrt(count)
+
+    fine = 10_000
+    points = grid_points(count, fine, fine)
+    assert len(set(points)) == count
+    assert nearest(np.array(points) / fine) > 0.6
+    for sequence in (qmc.Halton, qmc.Sobol):
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", UserWarning)  # of Sobol about powers of two
+            assert nearest(points) / fine > nearest(sequence(2, scramble=False).random(count))
+
+
+def test_a_grid_smaller_than_what_is_asked_is_taken_whole():
+    assert sorted(grid_points(50, 3, 4)) == [(i, j) for i in range(3) for j in range(4)]
 
 
 def test_agreement_is_counted_not_assumed():

@@ -7,12 +7,13 @@ import numpy as np
 import pytest
 from typer.testing import CliRunner
 
-from autobalancer.harness import UserError, load_scene, speeds
+from autobalancer.harness import SimulationError, UserError, load_scene, speeds
 from autobalancer.harness.checks.registry import run_checks
 from autobalancer.harness.cli import app
 from autobalancer.harness.stability.boundaries import Speeds, crossings, nodes_around
 from autobalancer.harness.stability.in_time import growth_in_run, needed_revolutions, run_from_rest
 from autobalancer.harness.stability.main_motion import MainMotion, NoMainMotion
+from autobalancer.harness.stability.revolution import Revolution
 from autobalancer.models.linear.balanced import balanced_angles, residual_unbalance
 from autobalancer.models.linear.boundaries import Crossing
 from autobalancer.models.papers.window import LiquidWindow
@@ -102,6 +103,54 @@ def test_neutral_multiplier_does_not_hide_a_growing_one():
     balanced = scene.replace({"weights.angles": state.tolist()}).assembly()
     assert found == pytest.approx(float(growth_rates(balanced, 7.0)[0]), rel=1e-6)
     assert found > 0.1
+
+
+class PulledBack(Revolution):
+    """Weights that also creep back to where they balance: nothing that a moment tells of."""
+
+    share, places = 0.0, None
+
+    def __call__(self, state, speed):
+        end = super().__call__(state, speed)
+        if self.places is not None:
+            end[4::2] -= self.share * (state[4::2] - self.places)
+        return end
+
+
+@pytest.mark.parametrize(("share", "refused"), [(1e-3, True), (3e-5, True), (3e-7, False)])
+def test_turns_taken_for_neutral_that_do_not_come_back_are_refused(monkeypatch, share, refused):
+    scene = weights(4)
+    with MainMotion(scene) as motion:
+        places = motion.state[4::2]
+    monkeypatch.setattr(PulledBack, "share", share)
+    monkeypatch.setattr(PulledBack, "places", places)
+    monkeypatch.setattr("autobalancer.harness.stability.main_motion.Revolution", PulledBack)
+    if refused:
+        with pytest.raises(SimulationError, match="change no moment still change"):
+            MainMotion(scene)
+    else:
+        MainMotion(scene).close()
+
+
+def test_start_on_a_line_of_symmetry_is_left():
+    """Weights on the unbalance's diameter can push along nothing but across it."""
+    scene = load_scene("filimonikhina").replace({"weights.angles": [0.0, math.pi]})
+    with MainMotion(scene) as motion:
+        found = np.sort(motion.state[4::2] % (2.0 * math.pi))
+    np.testing.assert_allclose(found, [2.0 * math.pi / 3.0, 4.0 * math.pi / 3.0], atol=1e-9)
+
+
+def test_a_motion_that_dies_within_a_revolution_has_a_rate_that_is_a_number(monkeypatch):
+    with MainMotion(load_scene("filimonikhina")) as motion:
+        monkeypatch.setattr(motion, "multipliers", lambda speed: np.zeros(1, complex))
+        assert -math.inf < motion.growth(3.0) < -300.0
+
+
+def test_length_of_a_run_is_that_in_which_the_slowest_motion_dies():
+    """60 revolutions and e^-9; at a boundary no length is enough, and 3000 is the longest."""
+    assert needed_revolutions(-0.1, 2.0 * math.pi) == 60 + 90
+    assert needed_revolutions(0.1, 4.0 * math.pi) == 60 + 180
+    assert needed_revolutions(0.0, 1.0) == needed_revolutions(1e-12, 1.0) == 3000
 
 
 def test_too_large_an_unbalance_is_said_to_have_no_main_motion():
