@@ -8,6 +8,7 @@ import shutil
 import subprocess
 import sys
 from collections.abc import Callable
+from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
@@ -18,6 +19,8 @@ from fmpy.fmi2 import FMU2Slave
 import autobalancer.fmus
 from autobalancer.fmus.build import build
 from autobalancer.fmus.catalogue import CATALOGUE, slave_class
+
+BACKENDS = ["python"] + (["native"] if find_spec("autobalancer.fmus.native") else [])
 
 
 class Probe:
@@ -154,3 +157,9 @@ def altered(tmp_path) -> Callable[..., Path]:
         return package.parent / f"{unit}.fmu"
 
     return make
+
+
+@pytest.fixture(params=BACKENDS)
+def backend(request: pytest.FixtureRequest) -> str:
+    """Every runtime there is: what holds for one holds for the other."""
+    return request.param
