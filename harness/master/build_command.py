@@ -7,10 +7,9 @@ from typing import Annotated, Any
 
 import typer
 
+from ...fmus.catalogue import CATALOGUE
 from ..errors import UserError
 from ..output.terminal import console, directory_to_fill, progress_bars, say
-
-UNITS = ("RotorOnSupports", "LiquidBalancer", "BallBalancer")
 
 
 def command(
@@ -42,14 +41,14 @@ def command(
 def _wanted(scene: str | None) -> tuple[dict[str, tuple[str, dict[str, Any]]], list[str]]:
     """File name -> unit and options; and the units that the scene does without."""
     if scene is None:
-        return {f"{unit}.fmu": (unit, {}) for unit in UNITS}, []
+        return {f"{unit}.fmu": (unit, {}) for unit in CATALOGUE}, []
     from ..scene import load_scene
     from .plan import file_name, plan
 
     plans = plan(load_scene(scene))
     wanted = {file_name(unit): (unit.model, dict(unit.options)) for unit in plans}
     used = {unit.model for unit in plans}
-    return wanted, [f"{unit} (none in the scene)" for unit in UNITS if unit not in used]
+    return wanted, [f"{unit} (none in the scene)" for unit in CATALOGUE if unit not in used]
 
 
 def _build(unit: str, path: Path, options: dict[str, Any]) -> Path:
