@@ -2,27 +2,20 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 from xml.etree.ElementTree import Element, SubElement, indent, tostring
 
 from ..unit import SizedUnit
 from ..variables import Variable
+from .types import bounds, described, type_name
 
 AUTHOR = "The autobalancer authors"
 # a fixed date keeps builds reproducible; formal checkers want the Z
 DATE = "2026-01-01T00:00:00Z"
 
-INITIAL = {"parameter": {"initial": "exact"}, "input": {}, "output": {"initial": "calculated"}}
-
-# of pythonfmu, and of the C units as well
-LOG_CATEGORIES = {
-    "logStatusWarning": "Log messages with fmi2Warning status.",
-    "logStatusDiscard": "Log messages with fmi2Discard status.",
-    "logStatusError": "Log messages with fmi2Error status.",
-    "logStatusFatal": "Log messages with fmi2Fatal status.",
-    "logAll": "Log all messages.",
-}
+_INITIAL = {"parameter": {"initial": "exact"}, "input": {}, "output": {"initial": "calculated"}}
 
 
 @dataclass(frozen=True)
@@ -59,14 +52,47 @@ def header(unit: SizedUnit, name: str, release: str) -> dict[str, str]:
     }
 
 
-def common(variable: Variable, description: str) -> dict[str, str]:
-    """Attributes of a variable, in both versions; name and value reference come first."""
+def scalar(variable: Variable, reference: str) -> dict[str, str]:
+    """What a variable is, in both versions."""
     return {
-        "description": description,
+        "name": variable.name,
+        "valueReference": reference,
+        "description": described(variable),
         "causality": variable.causality,
         "variability": variable.variability,
-        **INITIAL[variable.causality],
+        **_INITIAL[variable.causality],
     }
+
+
+def value(variable: Variable, references: Mapping[str, str]) -> dict[str, str]:
+    """Type, bounds and start value of a variable, in both versions; `references` by name."""
+    if variable.boolean:
+        return {"start": flag(bool(variable.start))}
+    found = {"declaredType": type_name(variable), "unit": variable.unit, **bounds(variable)}
+    if variable.start is not None:
+        found["start"] = repr(float(variable.start))
+    if variable.derivative_of:
+        found["derivative"] = references[variable.derivative_of]
+    return found
+
+
+def unknown(variable: Variable, references: Mapping[str, str], initially: bool) -> dict[str, str]:
+    """Every dependency of an output, none left to a tool's guess."""
+    known = {*variable.depends, *(variable.begins if initially else ())}
+    kind = "dependent" if initially else variable.kind
+    return {
+        "dependencies": " ".join(sorted((references[name] for name in known), key=int)),
+        "dependenciesKind": " ".join([kind] * len(known)),
+    }
+
+
+def log_categories(root: Element, prefix: str) -> None:
+    """LogCategories; status names have the prefix of their version."""
+    categories = SubElement(root, "LogCategories")
+    for status in ("Warning", "Discard", "Error", "Fatal"):
+        text = f"Log messages with {prefix}{status} status."
+        SubElement(categories, "Category", {"name": f"logStatus{status}", "description": text})
+    SubElement(categories, "Category", {"name": "logAll", "description": "Log all messages."})
 
 
 def experiment(root: Element) -> None:

@@ -2,29 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
 from xml.etree.ElementTree import Element, SubElement
 
 from ..unit import SizedUnit
-from ..variables import Variable
-from .description import (
-    LOG_CATEGORIES,
-    Capabilities,
-    built,
-    common,
-    experiment,
-    flag,
-    header,
-    text_of,
-)
-from .types import (
-    bounds,
-    described,
-    type_attributes,
-    type_name,
-    type_names,
-    unit_definitions,
-)
+from . import description as common
+from .description import Capabilities, flag
+from .types import type_attributes, type_names, unit_definitions
 
 
 def model_description(
@@ -40,7 +23,7 @@ def model_description(
         can: what the implementation offers.
     """
     root = Element("fmiModelDescription", {"fmiVersion": "2.0", "guid": guid})
-    root.attrib.update(header(unit, name, release))
+    root.attrib.update(common.header(unit, name, release))
     _co_simulation(root, name, can)
     types = type_names(unit.layout)
     unit_definitions(root, types)
@@ -48,22 +31,26 @@ def model_description(
     for kind in types:
         simple = SubElement(definitions, "SimpleType", {"name": kind})
         SubElement(simple, "Real", type_attributes(kind))
-    categories = SubElement(root, "LogCategories")
-    for category, text in LOG_CATEGORIES.items():
-        SubElement(categories, "Category", {"name": category, "description": text})
-    experiment(root)
-    built(SubElement(SubElement(root, "VendorAnnotations"), "Tool", {"name": "autobalancer"}), unit)
-    position = {v.name: str(i) for i, v in enumerate(unit.layout.variables, 1)}
+    common.log_categories(root, "fmi2")
+    common.experiment(root)
+    tool = SubElement(SubElement(root, "VendorAnnotations"), "Tool", {"name": "autobalancer"})
+    common.built(tool, unit)
+    layout = unit.layout
+    references = {**layout.index, **layout.boolean_index}
+    position = {v.name: str(i) for i, v in enumerate(layout.variables, 1)}
     variables = SubElement(root, "ModelVariables")
-    for variable in unit.layout.variables:
-        _variable(variables, unit, variable, position)
+    for v in layout.variables:
+        about = common.scalar(v, str(references[v.name]))
+        element = SubElement(variables, "ScalarVariable", about)
+        SubElement(element, "Boolean" if v.boolean else "Real", common.value(v, position))
     structure = SubElement(root, "ModelStructure")
-    outputs = [v for v in unit.layout.variables if v.causality == "output"]
-    during, initially = (SubElement(structure, tag) for tag in ("Outputs", "InitialUnknowns"))
-    for v in outputs:
-        _unknown(during, position, v, v.depends, v.kind)
-        _unknown(initially, position, v, {*v.depends, *v.begins}, "dependent")
-    return text_of(root)
+    for tag in ("Outputs", "InitialUnknowns"):
+        unknowns = SubElement(structure, tag)
+        for v in layout.variables:
+            if v.causality == "output":
+                found = common.unknown(v, position, tag == "InitialUnknowns")
+                SubElement(unknowns, "Unknown", {"index": position[v.name], **found})
+    return common.text_of(root)
 
 
 def _co_simulation(root: Element, name: str, can: Capabilities) -> None:
@@ -88,38 +75,3 @@ def _co_simulation(root: Element, name: str, can: Capabilities) -> None:
         files = SubElement(element, "SourceFiles")
         for source in can.sources:
             SubElement(files, "File", {"name": source})
-
-
-def _variable(
-    parent: Element, unit: SizedUnit, variable: Variable, position: dict[str, str]
-) -> None:
-    layout = unit.layout
-    index = layout.boolean_index if variable.boolean else layout.index
-    attributes = {"name": variable.name, "valueReference": str(index[variable.name])}
-    attributes.update(common(variable, described(variable)))
-    scalar = SubElement(parent, "ScalarVariable", attributes)
-    if variable.boolean:
-        SubElement(scalar, "Boolean", {"start": flag(bool(variable.start))})
-        return
-    real = {"declaredType": type_name(variable), "unit": variable.unit, **bounds(variable)}
-    if variable.start is not None:
-        real["start"] = repr(float(variable.start))
-    if variable.derivative_of:
-        real["derivative"] = position[variable.derivative_of]
-    SubElement(scalar, "Real", real)
-
-
-def _unknown(
-    parent: Element, position: dict[str, str], unknown: Variable, known: Iterable[str], kind: str
-) -> None:
-    """An Unknown with every dependency, none left to a tool's guess."""
-    indices = sorted((position[name] for name in known), key=int)
-    SubElement(
-        parent,
-        "Unknown",
-        {
-            "index": position[unknown.name],
-            "dependencies": " ".join(indices),
-            "dependenciesKind": " ".join([kind] * len(indices)),
-        },
-    )

@@ -6,29 +6,13 @@ them, and after those comes the independent variable `time`.
 
 from __future__ import annotations
 
-from collections.abc import Iterable
 from xml.etree.ElementTree import Element, SubElement
 
 from ..unit import SizedUnit
-from ..variables import Layout, Variable
-from .description import (
-    LOG_CATEGORIES,
-    Capabilities,
-    built,
-    common,
-    experiment,
-    flag,
-    header,
-    text_of,
-)
-from .types import (
-    bounds,
-    described,
-    type_attributes,
-    type_name,
-    type_names,
-    unit_definitions,
-)
+from ..variables import Layout
+from . import description as common
+from .description import Capabilities, flag
+from .types import type_attributes, type_names, unit_definitions
 
 TIME = "time"
 
@@ -55,7 +39,7 @@ def model_description(
         can: what the implementation offers.
     """
     root = Element("fmiModelDescription", {"fmiVersion": "3.0", "instantiationToken": token})
-    root.attrib.update(header(unit, name, release))
+    root.attrib.update(common.header(unit, name, release))
     SubElement(
         root,
         "CoSimulation",
@@ -79,24 +63,23 @@ def model_description(
     definitions = SubElement(root, "TypeDefinitions")
     for kind in types:
         SubElement(definitions, "Float64Type", {"name": kind, **type_attributes(kind)})
-    categories = SubElement(root, "LogCategories")
-    for category, text in LOG_CATEGORIES.items():
-        words = text.replace("fmi2", "fmi3")
-        SubElement(categories, "Category", {"name": category, "description": words})
-    experiment(root)
+    common.log_categories(root, "fmi3")
+    common.experiment(root)
     references = {k: str(v) for k, v in value_references(unit.layout).items()}
     variables = SubElement(root, "ModelVariables")
     _time(variables, references[TIME])
-    for variable in unit.layout.variables:
-        _variable(variables, variable, references)
+    for v in unit.layout.variables:
+        about = {**common.scalar(v, references[v.name]), **common.value(v, references)}
+        SubElement(variables, "Boolean" if v.boolean else "Float64", about)
     structure = SubElement(root, "ModelStructure")
-    outputs = [v for v in unit.layout.variables if v.causality == "output"]
-    for v in outputs:
-        _unknown(structure, "Output", references, v, v.depends, v.kind)
-    for v in outputs:
-        _unknown(structure, "InitialUnknown", references, v, {*v.depends, *v.begins}, "dependent")
-    built(SubElement(SubElement(root, "Annotations"), "Annotation", {"type": "autobalancer"}), unit)
-    return text_of(root)
+    for tag in ("Output", "InitialUnknown"):
+        for v in unit.layout.variables:
+            if v.causality == "output":
+                found = common.unknown(v, references, tag == "InitialUnknown")
+                SubElement(structure, tag, {"valueReference": references[v.name], **found})
+    annotation = SubElement(SubElement(root, "Annotations"), "Annotation", {"type": "autobalancer"})
+    common.built(annotation, unit)
+    return common.text_of(root)
 
 
 def build_description(name: str, can: Capabilities) -> bytes:
@@ -106,7 +89,7 @@ def build_description(name: str, can: Capabilities) -> bytes:
     files = SubElement(build, "SourceFileSet", {"language": "C99"})
     for source in can.sources:
         SubElement(files, "SourceFile", {"name": source})
-    return text_of(root)
+    return common.text_of(root)
 
 
 def _time(parent: Element, reference: str) -> None:
@@ -121,41 +104,5 @@ def _time(parent: Element, reference: str) -> None:
             "variability": "continuous",
             "declaredType": "Time",
             "unit": "s",
-        },
-    )
-
-
-def _variable(parent: Element, variable: Variable, references: dict[str, str]) -> None:
-    attributes = {"name": variable.name, "valueReference": references[variable.name]}
-    attributes.update(common(variable, described(variable)))
-    if variable.boolean:
-        SubElement(parent, "Boolean", {**attributes, "start": flag(bool(variable.start))})
-        return
-    attributes.update({"declaredType": type_name(variable), "unit": variable.unit})
-    attributes.update(bounds(variable))
-    if variable.start is not None:
-        attributes["start"] = repr(float(variable.start))
-    if variable.derivative_of:
-        attributes["derivative"] = references[variable.derivative_of]
-    SubElement(parent, "Float64", attributes)
-
-
-def _unknown(
-    parent: Element,
-    tag: str,
-    references: dict[str, str],
-    unknown: Variable,
-    known: Iterable[str],
-    kind: str,
-) -> None:
-    """An unknown with every dependency, none left to a tool's guess."""
-    numbers = sorted((references[name] for name in known), key=int)
-    SubElement(
-        parent,
-        tag,
-        {
-            "valueReference": references[unknown.name],
-            "dependencies": " ".join(numbers),
-            "dependenciesKind": " ".join([kind] * len(numbers)),
         },
     )
