@@ -7,11 +7,10 @@ from typing import Annotated, Any
 
 import typer
 
+from ...fmus.catalogue import CATALOGUE
 from ..errors import UserError
 from ..output.table import Sheet
 from ..output.terminal import directory_to_fill, progress_bars, say, show
-
-UNITS = ("RotorOnSupports", "LiquidBalancer", "BallBalancer")
 
 
 def command(
@@ -39,14 +38,14 @@ def command(
 def _wanted(scene: str | None) -> tuple[dict[str, tuple[str, dict[str, Any]]], list[str]]:
     """File name -> unit and options; and the units that the scene does without."""
     if scene is None:
-        return {f"{unit}.fmu": (unit, {}) for unit in UNITS}, []
+        return {f"{unit}.fmu": (unit, {}) for unit in CATALOGUE}, []
     from ..scene import load_scene
     from .plan import plan
 
     units = plan(load_scene(scene)).units
     wanted = {unit.file_name: (unit.model, dict(unit.sizes)) for unit in units}
     used = {unit.model for unit in units}
-    return wanted, [f"{unit} (none in the scene)" for unit in UNITS if unit not in used]
+    return wanted, [f"{unit} (none in the scene)" for unit in CATALOGUE if unit not in used]
 
 
 def _build(unit: str, path: Path, options: dict[str, Any]) -> Path:
