@@ -9,7 +9,7 @@ from collections.abc import Sequence
 from ..models.contact import motion
 from ..models.contact.pulse import discharge
 from ..models.contact.track import Track
-from ..models.weights import Weights, advance, reaction, spread
+from ..models.weights import Weights, advance, alignment, reaction
 from .signals import FRAMES, at, hermite, orders
 from .slave import Unit
 from .variables import Variable, output, parameter, plain_input, signal_inputs, signal_names
@@ -141,7 +141,7 @@ class BallBalancer(Unit):
         angles = self.memory[: self.weights]
         moment = motion.static_moment(self.track, angles)
         state = self.memory[: 2 * self.weights]
-        self.real[self.layout.observed] = [*state, moment.real, moment.imag, spread(angles)]
+        self.real[self.layout.observed] = [*state, moment.real, moment.imag, alignment(angles)]
 
     def _meet(self, cubic: Sequence[complex], speed: float, spin_up: float, step: float) -> None:
         """One step of weights that may touch, stick or run off centre."""
