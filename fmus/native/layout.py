@@ -86,7 +86,7 @@ def header() -> str:
         counts = ", ".join(f"{{{b.repeat}, {len(b.patterns)}}}" for b in blocks)
         parts.append(f"static const Block {title}_blocks[] = {{{counts}}};")
         flags = [v.name for v in _layout(unit, **options).booleans]
-        starts = [str(int(v.start)) for v in _layout(unit, **options).booleans]
+        starts = [str(int(bool(v.start))) for v in _layout(unit, **options).booleans]
         booleans = [f'{{"{name}", {start}}}' for name, start in zip(flags, starts, strict=True)]
         where = "0"
         if booleans:
@@ -127,7 +127,7 @@ def _described(layout: Layout) -> Iterator[str]:
         low = "-" if v.minimum is None else _bits(v.minimum) + "+" * v.above
         yield f"{_group(v)} {v.name} {v.unit} {start} {low}\n"
     for v in layout.booleans:
-        yield f"b {v.name} {int(v.start)}\n"
+        yield f"b {v.name} {int(bool(v.start))}\n"
 
 
 def _bits(value: float) -> str:

@@ -17,7 +17,7 @@ from autobalancer.harness.master.plan import plan
 from autobalancer.harness.scene import Scene
 from autobalancer.harness.stability.revolution import Revolution
 from autobalancer.models.linear.balanced import balanced_angles
-from autobalancer.models.linear.boundaries import critical_speeds
+from autobalancer.models.linear.boundaries import balancing_boundaries
 from autobalancer.models.linear.modes import critical_speeds as rotor_critical_speeds
 from autobalancer.models.monolith import reference
 from autobalancer.models.rotor import LinearRotor
@@ -381,7 +381,7 @@ def growth(units, scene, speed, state):
 def test_critical_speeds_of_the_units_are_those_of_floquet(name, changes, limits, above):
     """The largest multiplier of the coupled units crosses 1 within 1e-3 of Floquet's speed."""
     scene = load_scene(name).replace(changes)
-    crossings = critical_speeds(scene.assembly(), *limits)
+    crossings = balancing_boundaries(scene.assembly(), *limits)
     assert [crossing.above for crossing in crossings] == above
     with Revolution(scene) as units:
         state = balanced_state(units, scene)
@@ -456,7 +456,7 @@ def test_state_of_a_long_shaft_survives_rollback_to_the_bit(unit_of):
 
 def test_balancing_is_lost_where_the_rest_resonates_with_the_balancers_held():
     """The middle disc on the shaft between held ends: w = 1/sqrt(delta_22 M_2) = sqrt(5)."""
-    crossings = critical_speeds(load_scene("three_mass_shaft").assembly(), 2.1, 2.4)
+    crossings = balancing_boundaries(load_scene("three_mass_shaft").assembly(), 2.1, 2.4)
     assert [c.above for c in crossings] == ["unstable"]
     assert crossings[0].speed == pytest.approx(math.sqrt(5.0), rel=1e-6)
 
