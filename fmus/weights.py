@@ -93,6 +93,10 @@ class BallBalancer(Unit):
 
     def parameters(self) -> None:
         mass, radius, kappa, drag, size, restitution, rolling, xi, eta = self.real[:9]
+        if self.flag("stop_at_contact"):
+            raise ValueError(
+                "stop_at_contact = True: must be False, a step of a Python unit cannot end early"
+            )
         self.model = Weights(self.weights, mass, radius, drag, kappa)
         if size >= radius:
             raise ValueError(
@@ -212,6 +216,7 @@ def _parameters() -> list[Variable]:
         parameter("track_offset_xi", 0.0, "m", "Of the track's centre, in the rotor"),
         parameter("track_offset_eta", 0.0, "m", "Of the track's centre, in the rotor"),
         parameter("inertia_as_force", False, "", "True: N m acts in F and added_mass is zero"),
+        parameter("stop_at_contact", False, "", "True: a step ends behind the first collision"),
     ]
 
 
