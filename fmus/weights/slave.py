@@ -26,6 +26,10 @@ class BallBalancer(Slave):
 
     def parameters(self) -> None:
         given = self.parameter_values()
+        if self.flag("stop_at_contact"):
+            raise ValueError(
+                "stop_at_contact = True: must be False, a step of a Python unit cannot end early"
+            )
         radius, size = given["track_radius"], given["weight_radius"]
         self.model = Weights(
             self.sizes.weights, given["mass"], radius, given["drag"], given["kappa"]

@@ -100,6 +100,7 @@ def _parameters() -> list[Variable]:
         parameter("track_offset_xi", 0.0, "m", "Of the track's centre, in the rotor"),
         parameter("track_offset_eta", 0.0, "m", "Of the track's centre, in the rotor"),
         parameter("inertia_as_force", False, "", "True: N m acts in F and added_mass is zero"),
+        parameter("stop_at_contact", False, "", "True: a step ends behind the first collision"),
     ]
 
 
