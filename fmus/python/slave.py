@@ -8,31 +8,17 @@ from __future__ import annotations
 
 import json
 import math
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Mapping, Sequence
 from functools import cache
-from operator import itemgetter
 from typing import Any, ClassVar
 
 from ..unit import SizedUnit, Sizes, Unit
 from ..variables import Layout
 from ._pythonfmu import Fmi2Slave, Fmi2Status
+from .access import BEGINNING, COMPUTED, FRESH, OBSERVED, Access, known
 from .host import keep
 
 OPTIONS = "options.json"  # file in an FMU's resources: build options, and with them the sizes
-
-# how stale the outputs are, ascending
-FRESH, OBSERVED, COMPUTED, BEGINNING = range(4)
-
-
-@dataclass
-class _Access:
-    """What units of the same sizes share: how value references are read and written."""
-
-    getters: dict[tuple[int, ...], tuple[Callable, int]] = field(default_factory=dict)
-    setters: dict[tuple[int, ...], tuple[slice | tuple[int, ...], bool]] = field(
-        default_factory=dict
-    )
 
 
 class Slave(Fmi2Slave):
@@ -152,9 +138,9 @@ class Slave(Fmi2Slave):
         try:
             key = tuple(vrs)
             try:
-                pick, level = self._access.getters[key]
+                pick, level = self._access.readers[key]
             except KeyError:
-                pick, level = self._getter(key)
+                pick, level = self._access.reader(key)
             if self._stale > level:
                 self._refresh(level)
             return pick(self.real)
@@ -166,14 +152,14 @@ class Slave(Fmi2Slave):
         try:
             key = tuple(vrs)
             try:
-                where, inputs_only = self._access.setters[key]
+                where, inputs_only = self._access.writers[key]
             except KeyError:
-                where, inputs_only = self._setter(key)
+                where, inputs_only = self._access.writer(key)
             if inputs_only:
                 if self._stale < COMPUTED:
                     self._stale = COMPUTED
             elif self._running:
-                raise ValueError(self._not_settable(key))
+                raise ValueError(self._access.fixed(key))
             else:
                 self._stale = BEGINNING
             if where.__class__ is slice:
@@ -187,7 +173,7 @@ class Slave(Fmi2Slave):
     def get_boolean(self, vrs: Sequence[int]) -> list[bool]:
         """Values of the Booleans."""
         try:
-            self._known(vrs, len(self.boolean))
+            known(vrs, len(self.boolean))
             return [self.boolean[vr] for vr in vrs]
         except Exception as error:
             raise self._fatal("reading failed", error) from None
@@ -195,7 +181,7 @@ class Slave(Fmi2Slave):
     def set_boolean(self, vrs: Sequence[int], values: Sequence[bool]) -> None:
         """Set Booleans, all of which are parameters."""
         try:
-            self._known(vrs, len(self.boolean))
+            known(vrs, len(self.boolean))
             if self._running:
                 names = [self.layout.booleans[vr].name for vr in vrs]
                 raise ValueError(f"{', '.join(names)}: fixed once initialisation has ended")
@@ -298,54 +284,6 @@ class Slave(Fmi2Slave):
             if not math.isfinite(value):
                 raise ArithmeticError(f"{variable.shown(value)}: must be a finite number")
 
-    def _getter(self, key: tuple[int, ...]) -> tuple[Callable, int]:
-        """How to read these value references, and how stale the outputs may be for it."""
-        layout = self.layout
-        self._known(key, len(layout.reals))
-        last = max(key, default=0)
-        level = (
-            BEGINNING
-            if last < layout.inputs.stop
-            else OBSERVED
-            if last < layout.computed.stop
-            else FRESH
-        )
-        pick: Callable
-        if key == tuple(range(key[0], key[0] + len(key))) if key else False:
-            pick = itemgetter(slice(key[0], key[0] + len(key)))
-        else:
-
-            def pick(real: list[float]) -> list[float]:
-                return [real[vr] for vr in key]
-
-        self._access.getters[key] = pick, level
-        return pick, level
-
-    def _setter(self, key: tuple[int, ...]) -> tuple[slice | tuple[int, ...], bool]:
-        """Where to write these value references, and whether all of them are inputs."""
-        layout = self.layout
-        self._known(key, len(layout.reals))
-        outputs = [layout.reals[vr].name for vr in key if vr >= layout.inputs.stop]
-        if outputs:
-            raise ValueError(f"{', '.join(outputs)}: outputs cannot be set")
-        inputs_only = all(vr >= layout.inputs.start for vr in key)
-        where: slice | tuple[int, ...] = key
-        if key and key == tuple(range(key[0], key[0] + len(key))):
-            where = slice(key[0], key[0] + len(key))
-        self._access.setters[key] = where, inputs_only
-        return where, inputs_only
-
-    def _not_settable(self, key: tuple[int, ...]) -> str:
-        first = self.layout.inputs.start
-        names = ", ".join(self.layout.reals[vr].name for vr in key if vr < first)
-        return f"{names}: fixed once initialisation has ended"
-
-    @staticmethod
-    def _known(vrs: Sequence[int], count: int) -> None:
-        unknown = [vr for vr in vrs if not 0 <= vr < count]
-        if unknown:
-            raise ValueError(f"value references {unknown}: unknown, there are 0 to {count - 1}")
-
     def warn_once(self, key: str, text: str, time: float) -> None:
         """Log a warning the first time it applies in this instance."""
         if key not in self._warned:
@@ -365,8 +303,9 @@ class Slave(Fmi2Slave):
 
 
 @cache
-def _shared(sized: SizedUnit) -> tuple[Layout, _Access]:
-    return sized.layout, _Access()
+def _shared(sized: SizedUnit) -> tuple[Layout, Access]:
+    """What instances of the same sizes have in common."""
+    return sized.layout, Access(sized.layout)
 
 
 _options: dict[str, dict[str, Any]] = {}  # by resources folder
