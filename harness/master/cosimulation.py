@@ -56,8 +56,9 @@ class CoSimulation:
                 one.name: stack.enter_context(Fmu(path, one.name))
                 for path, one in zip(self.paths, self.plan.units, strict=True)
             }
-            for one in self.plan.units:
-                refuse_other_build(self.units[one.name], one)
+            if fmus is not None:
+                for one in self.plan.units:
+                    refuse_other_build(self.units[one.name], one)
             self.system = System(self.plan, self.units, scene.coupling.order, watch)
             self._stack = stack.pop_all()
         self.gain = self.amplification = 0.0
