@@ -13,13 +13,8 @@ from pathlib import Path
 
 import numpy as np
 
-from ..errors import LoopError, SimulationError
+from ..errors import SimulationError
 from ..scene import Scene, load_scene
-from ..schemes.adaptive import Adaptive
-from ..schemes.explicit import Explicit
-from ..schemes.iterated import Iterated
-from ..schemes.protocol import Scheme, refuse_loose_tolerance, scheme_for
-from ..schemes.startup import parts
 from .facts import Facts, advice, result
 from .fmu import Fmu
 from .loop import consistent_start, loop_gain, rotor_response, value_eigenvalues
@@ -27,11 +22,11 @@ from .plan import find_or_build, plan, refuse_other_build
 from .recorder import Recorder, recorded
 from .resolution import Resolution
 from .result import Result
-from .schedule import end_time, milestones, schedule, step_size
+from .schedule import Drive, end_time, milestones, schedule, step_size
+from .schemes.protocol import Scheme, choose, refuse_loose_tolerance
+from .schemes.startup import substeps
 from .system import System
 
-LOOSE = 1e-3  # a fixed number of passes that leaves more of the force than this is reported
-KINK = 1e-6  # of a step: what it errs is below 1e-7, and rounding does not yet spoil the slopes
 SLIVER = 1e-12  # of a time: rounding, not a step
 FEWEST_STEPS_PER_REV = 8  # with a tolerance: fewer would not show a revolution in a record
 REPORTED = 256  # steps between two reports of progress: some ten a second
@@ -61,8 +56,9 @@ class CoSimulation:
                 one.name: stack.enter_context(Fmu(path, one.name))
                 for path, one in zip(self.paths, self.plan.units, strict=True)
             }
-            for one in self.plan.units:
-                refuse_other_build(self.units[one.name], one)
+            if fmus is not None:
+                for one in self.plan.units:
+                    refuse_other_build(self.units[one.name], one)
             self.system = System(self.plan, self.units, scene.coupling.order, watch)
             self._stack = stack.pop_all()
         self.gain = self.amplification = 0.0
@@ -82,25 +78,19 @@ class CoSimulation:
         Raises:
             SimulationError: a unit refuses its parameters, or no consistent start exists.
         """
-        changes = changes or {}
-        system = self.system
-        system.restart(changes)
+        self.system.restart(changes or {})
         self.time = 0.0
         self.steps = self.unconverged = 0
         self.worst_residual = 0.0
-        self.acceleration = self.profile.acceleration(0.0)
+        self.drive = Drive(self.scene, self.system)
         step = step or step_size(self.scene)
         self.scheme = self._prepare(step)
         for unit in self.units.values():
             unit.start()
-        self.allowed_residual = LOOSE
-        if isinstance(self.scheme, Iterated) and self.scheme.corrections is None:
-            self.allowed_residual = self.scheme.tolerance
-        fixed = self.system.order == 3 and not isinstance(self.scheme, Adaptive)
+        share = self.scheme.miss_per_error if self.system.order == 3 else 0.0
         # an exchange that is unstable at any step is no matter of resolution
-        judged = fixed and self.amplification <= 1.0 and self.system.exchanges
-        explicit = isinstance(self.scheme, Explicit)
-        self.resolution = Resolution(self.scene, system, explicit) if judged else None
+        judged = share and self.amplification <= 1.0 and self.system.exchanges
+        self.resolution = Resolution(self.scene, self.system, share) if judged else None
 
     def _prepare(self, step: float) -> Scheme:
         """Bring the units to a consistent start, and make the scheme for this loop."""
@@ -109,11 +99,8 @@ class CoSimulation:
             response = rotor_response(system, step)
         jacobian = consistent_start(system, step)
         self.gain = loop_gain(jacobian)
-        scheme = scheme_for(self.scene, system, jacobian, response, step, self.gain)
-        self.amplification = 0.0
-        if isinstance(scheme, Explicit):
-            loop = value_eigenvalues(jacobian)
-            self.amplification = scheme.amplification(loop, system.order)
+        scheme = choose(self.scene, system, jacobian, response, step, self.gain)
+        self.amplification = scheme.amplification(value_eigenvalues(jacobian), system.order)
         return scheme
 
     def step(self, step: float, longest: float | None = None) -> float:
@@ -124,61 +111,30 @@ class CoSimulation:
         Raises:
             SimulationError: a unit failed, a signal is not finite, or the loop did not converge.
         """
+        begin = self.time
         try:
-            if not self.system.fresh or isinstance(self.scheme, Adaptive):
-                return self._step(step, longest)
-            divided = parts(self.system, step, self.scheme.first_halvings)
-            for part in divided:
-                self._step(part, longest)
-            if len(divided) > 1 and isinstance(self.scheme, Iterated):
-                self.scheme.measure(self.system, self.time, step)
-            return step
+            for time, part in substeps(self.system, self.scheme, self.drive, begin, step):
+                self.time = time
+                self._take(part, longest or part)
         except SimulationError as error:
             if not self.system.exchanges:
                 raise
             hint = advice(error, self.scene)
             raise SimulationError(f"{error}; loop gain {self.gain:.3g}{hint}") from error
+        return self.time - begin
 
-    def _step(self, step: float, longest: float | None) -> float:
-        if self.acceleration:
-            acceleration = self.profile.acceleration(self.time)
-            self.system.drive(self.profile.speed(self.time), acceleration)
-            jumps = acceleration != self.acceleration
-            self.acceleration = acceleration
-            if jumps:
-                self._cross_kink(step)
-                step -= KINK * step
-                if self.scheme.first_halvings:
-                    for part in parts(self.system, step, self.scheme.first_halvings):
-                        self._take(part, longest)
-                    return step
-        return self._take(step, longest)
-
-    def _take(self, step: float, longest: float | None) -> float:
-        if isinstance(self.scheme, Adaptive):
-            step, residual = self.scheme.advance(self.system, self.time, longest or step, step)
-        else:
-            residual = self.scheme.step(self.system, self.time, step)
-            if self.resolution:
-                self.resolution.check(self.time, step)
+    def _take(self, step: float, longest: float) -> None:
+        """A part of a communication step, judged and counted."""
+        step, residual = self.scheme.step(self.system, self.time, step, longest)
+        if self.resolution:
+            self.resolution.check(self.time, step)
         if residual > self.worst_residual:
             self.worst_residual = residual
-        if residual > self.allowed_residual:
-            self._unconverged(residual)
+        if not self.scheme.judge(self.system, self.time, residual):
+            self.unconverged += 1
         self.system.follow(self.time, step)
         self.time += step
         self.steps += 1
-        return step
-
-    def _cross_kink(self, step: float) -> None:
-        """Bring the signals over a jump of the rotor's acceleration.
-
-        The units' outputs are still those before the jump, and FMI 2.0 lets nobody read new ones
-        without a step: so a negligible part of the coming step is taken on its own.
-        """
-        self.scheme.converge(self.system, self.time, KINK * step)
-        self.time += KINK * step
-        self.system.forget()
 
     def run(self) -> Iterator[float]:
         """Step through the scene's run; yields the finished fraction after every step.
@@ -189,14 +145,14 @@ class CoSimulation:
         if self.amplification > 1.0:
             raise SimulationError(
                 f"{self.scheme.name} coupling of order {self.system.order} is unstable from "
-                f"t = 0 s, at any step: every step repeats an error of {self._forces()} "
-                f"{self.amplification:.3g}-fold; loop gain {self.gain:.3g}; use scheme = "
-                '"iterated" or "auto"'
+                f"t = 0 s, at any step: every step repeats an error of "
+                f"{', '.join(self.system.force_names)} {self.amplification:.3g}-fold; loop gain "
+                f'{self.gain:.3g}; use scheme = "iterated" or "auto"'
             )
         end = end_time(self.scene)
         for (step, count), bound in zip(schedule(self.scene), milestones(self.scene), strict=True):
             start = self.time
-            if isinstance(self.scheme, Adaptive):
+            if self.scheme.chooses_steps:
                 longest = step_size(self.scene, FEWEST_STEPS_PER_REV)
                 while bound - self.time > SLIVER * bound:
                     self.step(bound - self.time, longest)
@@ -233,17 +189,6 @@ class CoSimulation:
             estimated_error=resolution.estimate if resolution else 0.0,
             unresolved=resolution.unresolved if resolution else 0,
         )
-
-    def _unconverged(self, residual: float) -> None:
-        self.unconverged += 1
-        if residual >= 1.0 or self.scheme.corrections is None:
-            raise LoopError(
-                f"the loop did not converge at t = {self.time:g} s: {self._forces()} still changes "
-                f"by {residual:.2g} of the largest force; use smaller steps or more corrections"
-            )
-
-    def _forces(self) -> str:
-        return ", ".join(self.system.force_names)
 
     def read(self, name: str, variables: Iterable[str]) -> list[float]:
         """Present values of variables of one unit."""

@@ -177,7 +177,7 @@ def consistent_start(system: System, step: float) -> np.ndarray:
         )
     for force, knot in zip(system.forces, unpack(g_u, step), strict=True):
         force.now = knot
-    system.forget()
+    system.drop_past()
     return slope_of_g
 
 

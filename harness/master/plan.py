@@ -17,7 +17,7 @@ from typing import Any, Literal, NamedTuple
 
 import fmpy
 
-from ...fmus.build import build
+from ...fmus.build import build, content_id, identity
 from ..errors import UnitError
 from ..scene import Scene
 from ..scene.balancer import Balancer
@@ -212,11 +212,15 @@ def signal_units(units: Iterable[UnitPlan], names: Iterable[str]) -> dict[str, s
 
 
 def refuse_other_build(fmu: Fmu, unit: UnitPlan) -> None:
-    """Raise UnitError where an FMU has not the scene's weights: more would run along unseen."""
-    count = unit.sizes.get("weights")
-    found = sum(name.endswith("].angle0") for name in fmu.variables)
-    if count is not None and found and found != count:
-        raise UnitError(
-            f"{fmu.path}: has {found} weights, {unit.name!r} of this scene has {count}; the "
-            "FMU is of a different build: build it for this scene"
-        )
+    """Raise UnitError where an FMU is not what this installation would build for a unit.
+
+    An FMU of other sizes, or of older equations, would run along unseen.
+    """
+    if content_id(fmu.path) == identity(unit.model, **unit.sizes):
+        return
+    sizes = ", ".join(f"{key} = {value}" for key, value in unit.sizes.items())
+    raise UnitError(
+        f"{fmu.path}: is of a different build than {unit.name!r} of this scene needs: its content "
+        f"is not that of a {unit.model}{f' with {sizes}' if sizes else ''} built by this "
+        "installation; build it for this scene"
+    )

@@ -33,9 +33,8 @@ REFUSED = 0.3  # of the motion: within the estimate's factor of three, all of it
 UNRESOLVED = 0.05  # of a signal's largest value: error of a cubic that no longer follows it
 PERSISTENT = 20  # such steps in all: a transient that dies sooner is left to the estimate
 NOISE = 1e-9  # of what all weights together can pull: below it a signal is cancellation
-_PART = 120.0  # the prediction's miss over the error of the step's own cubic, steps being equal
-_PART_EXPLICIT = 4.0  # the same where the prediction itself is stepped on: its mean error
-LOST = UNRESOLVED * _PART
+# as far as the cubic before misses where the step's own would err by UNRESOLVED
+LOST_PREDICTION = 120.0 * UNRESOLVED
 _TURN = 2.0 * math.pi
 
 
@@ -63,7 +62,7 @@ class Resolution:
     Args:
         scene: what the errors move, and how far it moves.
         system: the coupled units.
-        explicit: whether forces are stepped on as predicted, and not corrected.
+        miss_per_error: of the scheme.
 
     Attributes:
         estimate: largest estimated error so far, relative to the motion.
@@ -74,8 +73,8 @@ class Resolution:
     strict = True
     refused = False
 
-    def __init__(self, scene: Scene, system: System, explicit: bool = False) -> None:
-        self._part = _PART_EXPLICIT if explicit else _PART
+    def __init__(self, scene: Scene, system: System, miss_per_error: float) -> None:
+        self._part = miss_per_error
         assembly, profile, start = scene.assembly(), scene.profile(), scene.run.initial
         rotor = assembly.loaded_rotor
         self._speed = max(profile.start, profile.end)
@@ -113,7 +112,7 @@ class Resolution:
         lost, missed = None, 0.0
         for state, name in self._forces:
             missed += state.prediction_error
-            if state.prediction_error > LOST * state.largest:
+            if state.prediction_error > LOST_PREDICTION * state.largest:
                 lost = state, name
         # a first step has no past to be judged by: the second one's miss is its miss too
         times = (2.0 if self._blind else 1.0) / self._part
@@ -128,7 +127,7 @@ class Resolution:
             plane.swung = self._kept_turning * plane.swung + times * state.prediction_error
             if plane.swung * plane.turned * step > worst:
                 worst, cause = plane.swung * plane.turned * step, plane.name
-            if state.prediction_error > LOST * state.largest:
+            if state.prediction_error > LOST_PREDICTION * state.largest:
                 lost = state, plane.name
         if self._pushed * self._moved > worst * self._reach:
             worst, cause = self._pushed * self._moved / self._reach, self._forces[0][1]

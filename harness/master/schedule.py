@@ -1,4 +1,4 @@
-"""When the units meet: communication steps over the run of a scene."""
+"""When the units meet, and how the rotor is driven: communication steps over a scene's run."""
 
 from __future__ import annotations
 
@@ -6,6 +6,23 @@ import math
 
 from ..scene import Scene
 from ..scene.run import DEFAULT_STEPS
+from .system import System
+
+
+class Drive:
+    """Tells the units the rotor's speed while it changes; costs nothing at constant speed."""
+
+    def __init__(self, scene: Scene, system: System) -> None:
+        self._profile, self._system = scene.profile(), system
+        self.acceleration = self._profile.acceleration(0.0)
+
+    def jumps(self, time: float) -> bool:
+        """Tell the units speed and acceleration at a time; whether the acceleration has jumped."""
+        if not self.acceleration:
+            return False
+        before, self.acceleration = self.acceleration, self._profile.acceleration(time)
+        self._system.drive(self._profile.speed(time), self.acceleration)
+        return self.acceleration != before
 
 
 def steps_per_rev(scene: Scene) -> int:

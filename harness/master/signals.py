@@ -7,9 +7,13 @@ ends.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from dataclasses import dataclass
+
 Cubic = tuple[complex, complex, complex, complex]
 Knot = tuple[complex, complex]  # value and slope at one point
 
+ZERO: Knot = (0j, 0j)
 REST: Cubic = (0j, 0j, 0j, 0j)
 
 
@@ -50,3 +54,44 @@ def end_of(cubic: Cubic, step: float) -> Knot:
         f + step * (d + step * (d2 / 2.0 + step * d3 / 6.0)),
         d + step * (d2 + step * d3 / 2.0),
     )
+
+
+@dataclass(slots=True)
+class SignalState:
+    """One coupling signal: value and slope now, and its cubic over the step before.
+
+    Attributes:
+        last: the cubic of the step before; its length is `last_step` [s].
+        prediction_error: how far the last step ended from where the cubic before it led, where both
+            were of the same length.
+        largest: modulus of the largest value so far.
+    """
+
+    now: Knot = ZERO
+    last: Cubic = REST
+    last_step: float = 0.0
+    prediction_error: float = 0.0
+    largest: float = 0.0
+
+    def move(self, cubic: Cubic, end: Knot, step: float) -> None:
+        """Accept the signal of a finished step."""
+        value = end[0]
+        self.prediction_error = 0.0
+        if self.last_step == step:
+            self.prediction_error = abs(value - end_of(self.last, step + step)[0])
+        modulus = abs(value)
+        if modulus > self.largest:
+            self.largest = modulus
+        self.now, self.last, self.last_step = end, cubic, step
+
+
+def predicted(signals: Sequence[SignalState], order: int) -> list[Cubic]:
+    """What the signals would do over the next step, by exchange order."""
+    return [extrapolated(s.now, s.last, s.last_step, order) for s in signals]
+
+
+def joined(
+    signals: Sequence[SignalState], ends: Sequence[Knot], step: float
+) -> list[tuple[Cubic, Knot]]:
+    """Cubics from where the signals are to where a step [s] ended, with these ends."""
+    return [(hermite(s.now, end, step), end) for s, end in zip(signals, ends, strict=True)]

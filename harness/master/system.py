@@ -15,38 +15,7 @@ from ..errors import SimulationError
 from .fmu import Fmu, Variables
 from .names import components, signals
 from .plan import ROTOR, Plan, Port
-from .signals import REST, Cubic, Knot, end_of
-
-ZERO: Knot = (0j, 0j)
-
-
-@dataclass(slots=True)
-class SignalState:
-    """One coupling signal: value and slope now, and its cubic over the step before.
-
-    Attributes:
-        last: the cubic of the step before; its length is `last_step` [s].
-        prediction_error: how far the last step ended from where the cubic before it led, where both
-            were of the same length.
-        largest: modulus of the largest value so far.
-    """
-
-    now: Knot = ZERO
-    last: Cubic = REST
-    last_step: float = 0.0
-    prediction_error: float = 0.0
-    largest: float = 0.0
-
-    def move(self, cubic: Cubic, end: Knot, step: float) -> None:
-        """Accept the signal of a finished step."""
-        value = end[0]
-        self.prediction_error = 0.0
-        if self.last_step == step:
-            self.prediction_error = abs(value - end_of(self.last, step + step)[0])
-        modulus = abs(value)
-        if modulus > self.largest:
-            self.largest = modulus
-        self.now, self.last, self.last_step = end, cubic, step
+from .signals import Cubic, Knot, SignalState
 
 
 @dataclass(slots=True)
@@ -78,13 +47,13 @@ class System:
         exchanges: balancers that exchange force, in order; `forces` and `force_names` are theirs.
         accelerations: of every plane that exchanges force; `acceleration_names` as well.
         masses: added mass handed to the rotor at the start, by its input [kg].
-        fresh: no step has been taken since the start or the last jump of the drive.
+        has_no_past: no step has been taken since the start or the last jump of the drive.
     """
 
     def __init__(
         self, plan: Plan, units: Mapping[str, Fmu], order: int, watch: bool = True
     ) -> None:
-        self.plan, self.units, self.order, self.fresh = plan, dict(units), order, True
+        self.plan, self.units, self.order, self.has_no_past = plan, dict(units), order, True
         self.rotor = units[ROTOR]
         self.balancers = [unit for name, unit in units.items() if name != ROTOR]
         self.masses: dict[str, float] = {}
@@ -202,19 +171,14 @@ class System:
         for unit, group in self._driven:
             unit.set(group, (speed, acceleration))
 
-    def save(self) -> list[c_void_p]:
-        """States of all members of the coupling loop."""
-        return [unit.save() for unit in self.members]
+    def saved(self) -> SavedStates:
+        """States of all members of the coupling loop, for `restore`: `with system.saved() as s`."""
+        return SavedStates(self.members)
 
     def restore(self, states: Sequence[c_void_p]) -> None:
         """Roll all members back."""
         for unit, state in zip(self.members, states, strict=True):
             unit.restore(state)
-
-    def free(self, states: Sequence[c_void_p]) -> None:
-        """Release saved states."""
-        for unit, state in zip(self.members, states, strict=True):
-            unit.free(state)
 
     def accept(
         self,
@@ -228,7 +192,7 @@ class System:
         Raises:
             SimulationError: a signal is not finite.
         """
-        self.fresh = False
+        self.has_no_past = False
         for state, (cubic, end) in zip(self.accelerations, accelerations, strict=True):
             state.move(cubic, end, step)
         for number, (cubic, end) in enumerate(forces):
@@ -239,11 +203,11 @@ class System:
                     'coupling diverged; use scheme = "iterated" or smaller steps'
                 )
 
-    def forget(self) -> None:
+    def drop_past(self) -> None:
         """Drop what the signals did before now: it says nothing of what comes."""
         for state in [*self.accelerations, *self.forces]:
             state.last, state.last_step = (*state.now, 0j, 0j), 0.0
-        self.fresh = True
+        self.has_no_past = True
 
     def restart(self, changes: Mapping[str, Mapping[str, float | bool]]) -> None:
         """Reset every unit with its start values (`changes` by unit name override the scene's).
@@ -260,6 +224,29 @@ class System:
                 source, target = carried[one.name].source, carried[one.name].target.variable
                 mass = unit.get(unit.group([source.variable]))[0]
                 self.masses[target] = self.masses.get(target, 0.0) + mass
+
+
+class SavedStates:
+    """States of units, held within a `with` block and freed at its end, whatever happens there."""
+
+    __slots__ = ("_states", "_units")
+
+    def __init__(self, units: Sequence[Fmu]) -> None:
+        self._units = units
+        self._states: list[c_void_p] = []
+
+    def __enter__(self) -> list[c_void_p]:
+        try:
+            for unit in self._units:
+                self._states.append(unit.save())
+        except BaseException:
+            self.__exit__()
+            raise
+        return self._states
+
+    def __exit__(self, *_exception: object) -> None:
+        for unit, state in zip(self._units, self._states, strict=False):  # saving may have failed
+            unit.free(state)
 
 
 def _knots(vectors: Sequence[complex], count: int) -> list[Knot]:

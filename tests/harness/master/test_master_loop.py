@@ -10,10 +10,10 @@ import pytest
 from autobalancer.harness import SimulationError, cosimulate, load_scene
 from autobalancer.harness.master.cosimulation import CoSimulation
 from autobalancer.harness.master.loop import consistent_start, loop_gain
+from autobalancer.harness.master.schemes.adaptive import Adaptive
+from autobalancer.harness.master.schemes.gauss_seidel import GaussSeidel
+from autobalancer.harness.master.schemes.iterated import Iterated
 from autobalancer.harness.master.system import SignalState
-from autobalancer.harness.schemes.adaptive import Adaptive
-from autobalancer.harness.schemes.gauss_seidel import GaussSeidel
-from autobalancer.harness.schemes.iterated import Iterated
 
 
 def started(scene) -> CoSimulation:
@@ -111,7 +111,7 @@ class LinearLoop:
     def answer(self, accelerations):
         return [cubic[:2] for cubic in accelerations]
 
-    def forget(self) -> None:
+    def drop_past(self) -> None:
         self.forgotten = True
 
 

@@ -13,8 +13,8 @@ from autobalancer.harness.cli import app
 from autobalancer.harness.errors import SimulationError
 from autobalancer.harness.master import resolution
 from autobalancer.harness.master.cosimulation import CoSimulation, cosimulate
+from autobalancer.harness.master.schemes.startup import doubling_steps
 from autobalancer.harness.precision.verdicts import Judged, judge, spinning, table
-from autobalancer.harness.schemes.startup import parts
 from autobalancer.harness.stress.case import Outcome, linear_motion, refusal, scene, stated_error
 from autobalancer.harness.stress.cases_rotor import _liquid_scene
 from autobalancer.harness.stress.cases_weights import _two
@@ -85,7 +85,7 @@ def test_held_jacobi_repeats_an_error_by_the_root_of_the_gain_when_nobody_refuse
         build = _liquid_scene(gain, 0.01, True, scheme="jacobi", order=0, steps_per_rev=4000)
         with CoSimulation(build) as cosim:
             cosim.start()
-            cosim.scheme.watch = lambda *_arguments: None  # let it diverge
+            cosim.scheme.detect_divergence = lambda *_arguments: None  # let it diverge
             forces = []
             for _ in range(2000):
                 cosim.step(1e-4)
@@ -134,7 +134,7 @@ def test_first_step_is_divided_only_where_forces_start_steeply():
         build = load_scene("two_balls").replace({"weights.drag": factor * 0.0125})
         with CoSimulation(build) as cosim:
             cosim.start()
-            lengths = parts(cosim.system, 0.1)
+            lengths = doubling_steps(cosim.system, 0.1)
             assert (len(lengths) > 1) is divided
             assert sum(lengths) == pytest.approx(0.1, rel=1e-14)
 

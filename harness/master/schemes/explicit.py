@@ -12,9 +12,9 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from ..errors import SimulationError
-from ..master.signals import Knot
-from ..master.system import System
+from ...errors import SimulationError
+from ..signals import Cubic, Knot, end_of
+from ..system import System
 
 # value and slope at t = 2 of the cubic through values and slopes at t = 0 (BEFORE) and 1 (NOW)
 NOW = np.array([[-4.0, 4.0], [-12.0, 8.0]])
@@ -30,56 +30,66 @@ class Explicit:
     """No rollback; forces are assumed for a step and answered at its end."""
 
     name = "explicit"
-    corrections = 0
-    first_halvings = 0  # of the first step, which has no past to extrapolate
-    exchanges = 1  # extrapolations that a force passes through on its way round the loop
+    chooses_steps = rolls_back = False
+    startup_halvings = 0
+    miss_per_error = 4.0  # the prediction itself is stepped on: its miss over its mean error
+    extrapolations = 1  # that a force passes through on its way round the loop
 
     def __init__(self) -> None:
         self.largest = self._largest_before = 0.0
         self._lost = self._calm = 0
 
-    def step(self, system: System, time: float, step: float) -> float:
-        """One step; an explicit scheme has no residual and returns 0."""
+    def advance(self, system: System, time: float, step: float, jump: bool = False) -> None:
+        """Take one step; `jump`: over a jump of the drive."""
         raise NotImplementedError
 
-    def converge(self, system: System, time: float, step: float) -> None:
+    def step(self, system: System, time: float, step: float, longest: float) -> tuple[float, float]:
+        """One step; without a second pass there is no residual."""
+        self.advance(system, time, step)
+        return step, 0.0
+
+    def cross_jump(self, system: System, time: float, step: float) -> None:
         """A negligible step at a jump of the drive, in parts that settle force and acceleration.
 
-        Each answers the one before it: a single one would leave the loop's part of the jump.
+        Each part takes from its predecessor's answer what the loop returns of the jump; after one
+        alone a share of the size of the loop gain would be left.
         """
         part = step / JUMP_PARTS
         for number in range(JUMP_PARTS):
-            self.cross(system, time + number * part, part)
-            system.forget()
+            self.advance(system, time + number * part, part, jump=True)
+            system.drop_past()
 
-    def cross(self, system: System, time: float, step: float) -> None:
-        """One part of a step over a jump of the drive."""
-        self.step(system, time, step)
+    def after_start(self, system: System, time: float, step: float) -> None:
+        """Nothing: no Jacobian is used."""
+
+    def judge(self, system: System, time: float, residual: float) -> bool:
+        """Always converged: there is nothing to iterate."""
+        return True
 
     @classmethod
     def amplification(cls, eigenvalues: Sequence[complex], order: int) -> float:
         """Largest factor by which a short step repeats a disturbance; stable up to 1."""
-        roots = [complex(j) ** (1.0 / cls.exchanges) for j in eigenvalues]
+        roots = [complex(j) ** (1.0 / cls.extrapolations) for j in eigenvalues]
         if order < 3:
             return max(map(abs, roots), default=0.0)
         return max((_hermite_amplification(root) for root in roots), default=0.0)
 
-    def watch(
+    def detect_divergence(
         self,
         system: System,
-        assumed: Sequence[Knot],
-        ends: Sequence[Knot],
+        assumed: Sequence[Cubic],
+        answers: Sequence[Knot],
         time: float,
         step: float,
     ) -> None:
-        """Notice divergence from how far the answered forces are from those assumed.
+        """Compare the forces at the end of a step with those assumed for it.
 
         Raises:
             SimulationError: the coupling diverges.
         """
         worst, name = 0.0, ""
-        for (wanted, _), (value, _), force in zip(assumed, ends, system.force_names, strict=True):
-            missed = abs(value - wanted)
+        for cubic, (value, _), force in zip(assumed, answers, system.force_names, strict=True):
+            missed = abs(value - end_of(cubic, step)[0])
             if not missed <= worst:
                 worst, name = missed, force
             if abs(value) > self.largest:

@@ -20,14 +20,13 @@ from functools import lru_cache
 
 import numpy as np
 
-from ..master.loop import QuasiNewton, applied, rescaled
-from ..master.signals import Cubic, Knot, end_of, extrapolated, hermite
-from ..master.system import SignalState, System
+from ..loop import QuasiNewton, Vector, applied, pack, rescaled
+from ..signals import Cubic, Knot, end_of, joined, predicted
+from ..system import System
 from .explicit import Explicit
 
-_POINTS, _SHARES = np.polynomial.legendre.leggauss(
-    12
-)  # exact to degree 23, so for turns of radians
+# exact to degree 23, so for turns of radians
+_POINTS, _SHARES = np.polynomial.legendre.leggauss(12)
 _NODES, _SHARES = 0.5 + 0.5 * _POINTS, 0.5 * _SHARES
 
 
@@ -41,7 +40,7 @@ class Compensated(Explicit):
     """
 
     name = "compensated"
-    first_halvings = 2  # what the first part misses is then below what a full step misses later
+    startup_halvings = 2  # what the first part misses is then below what a full step misses later
 
     def __init__(
         self,
@@ -62,59 +61,43 @@ class Compensated(Explicit):
         """Largest factor by which a short step repeats a disturbance: the loop is solved."""
         return 0.0
 
-    def cross(self, system: System, time: float, step: float) -> None:
-        """A step over a jump of the drive: what was missed before it says nothing after it."""
-        self._missed = []
-        self.step(system, time, step)
-        self._missed = []
-
-    def step(self, system: System, time: float, step: float) -> float:
-        """One step; an explicit scheme has no residual and returns 0."""
-        tracks, forces = system.accelerations, system.forces
-        assumed = [extrapolated(f.now, f.last, f.last_step, 3) for f in forces]
-        assumed_ends = [end_of(cubic, step) for cubic in assumed]
-        sent, count = assumed, 2 * len(forces)
+    def advance(self, system: System, time: float, step: float, jump: bool = False) -> None:
+        """One step; what was missed before a jump of the drive says nothing after it."""
+        if jump:
+            self._missed = []
+        assumed = predicted(system.forces, 3)
+        sent, count = assumed, 2 * len(assumed)
         if self._missed:
             turn = self._speed(time) * self._missed_step
             sent = _made_good(assumed, self._missed[:count], turn, self._missed_step, step)
-        ends = system.rotor_pass(sent, time, step)
-        motion = [hermite(t.now, end, step) for t, end in zip(tracks, ends, strict=True)]
+        felt = system.rotor_pass(sent, time, step)
+        motion = [cubic for cubic, _ in joined(system.accelerations, felt, step)]
         if self._missed:
             motion = _made_good(motion, self._missed[count:], 0.0, self._missed_step, step)
         answers = system.balancer_pass(motion, time, step)
-        self.watch(system, assumed_ends, answers, time, step)
+        self.detect_divergence(system, assumed, answers, time, step)
 
-        missed = self._solve(assumed_ends, answers, step)
+        ends = [end_of(cubic, step) for cubic in assumed]
+        missed = self._solve(ends, answers, step)
         right = [
             (value + missed[2 * k], slope + missed[2 * k + 1] / step)
-            for k, (value, slope) in enumerate([*assumed_ends, *ends])
+            for k, (value, slope) in enumerate([*ends, *felt])
         ]
-        self._missed, self._missed_step = missed, step
+        self._missed, self._missed_step = ([] if jump else missed), step
         system.accept(
-            _signals(tracks, right[len(forces) :], step),
-            _signals(forces, right[: len(forces)], step),
+            joined(system.accelerations, right[len(ends) :], step),
+            joined(system.forces, right[: len(ends)], step),
             time,
             step,
         )
-        return 0.0
 
-    def _solve(
-        self, assumed: Sequence[Knot], answers: Sequence[Knot], step: float
-    ) -> list[complex]:
+    def _solve(self, assumed: Sequence[Knot], answers: Sequence[Knot], step: float) -> Vector:
         """Forces and accelerations that would have agreed, less those assumed and answered."""
         if step != self._solved_step:
             self._solution = rescaled(self._solution, step / self._solved_step)
             self._solved_step = step
-        residual: list[complex] = []
-        for (value, slope), (wanted, wanted_slope) in zip(answers, assumed, strict=True):
-            residual += (value - wanted, step * (slope - wanted_slope))
-        return applied(self._solution, residual)
-
-
-def _signals(
-    tracks: Sequence[SignalState], ends: Sequence[Knot], step: float
-) -> list[tuple[Cubic, Knot]]:
-    return [(hermite(t.now, end, step), end) for t, end in zip(tracks, ends, strict=True)]
+        gaps = [(f - g, d - e) for (f, d), (g, e) in zip(answers, assumed, strict=True)]
+        return applied(self._solution, pack(gaps, step))
 
 
 def _made_good(

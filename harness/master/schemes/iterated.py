@@ -8,21 +8,23 @@ gain below 1).  Broyden's update refines it where the loop changes along the run
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from ctypes import c_void_p
 from dataclasses import dataclass
 
 import numpy as np
 
-from ..master.loop import QuasiNewton, Vector, difference, jacobian, loop_gain, pack, size, unpack
-from ..master.signals import Cubic, Knot, end_of, extrapolated, hermite, interpolated
-from ..master.system import System
+from ...errors import LoopError
+from ..loop import QuasiNewton, Vector, difference, jacobian, loop_gain, pack, size, unpack
+from ..signals import Cubic, Knot, end_of, interpolated, joined, predicted
+from ..system import System
 
 CONVERGED = 1e-10  # residual of the forces relative to the largest force so far
 MAX_PASSES = 30  # quasi-Newton meets CONVERGED in two to six; more means it does not converge
-ROUNDING = (
-    1e-12  # per loop gain: what rounding leaves of a residual; forces err by it over the gain
-)
+# per loop gain: what rounding leaves of a residual; forces err by it over the gain
+ROUNDING = 1e-12
 CHANGE = 1e-3  # of the largest force: a disturbance that shows the loop's Jacobian
+LOOSE = 1e-3  # a fixed number of passes that leaves more of the force than this is reported
 SLOW = 0.1  # reduction of the residual per pass above which the Jacobian is refined
 
 
@@ -31,27 +33,19 @@ class Trial:
     """A step taken but not yet accepted.
 
     Attributes:
-        states: of the units before the step.
-        motion, forces: cubic over the step and end, of every plane and connection.
+        motion, forces: cubic over the step and end, of every plane and exchange.
         residual: of the forces, relative to the largest so far.
     """
 
     time: float
     step: float
-    states: list[c_void_p]
     motion: list[tuple[Cubic, Knot]]
     forces: list[tuple[Cubic, Knot]]
     residual: float
 
     def accept(self, system: System) -> None:
         """Go on from the end of the step."""
-        system.free(self.states)
         system.accept(self.motion, self.forces, self.time, self.step)
-
-    def reject(self, system: System) -> None:
-        """Go back to the start of the step."""
-        system.restore(self.states)
-        system.free(self.states)
 
 
 class Iterated:
@@ -65,7 +59,10 @@ class Iterated:
     """
 
     name = "iterated"
-    first_halvings = 0
+    chooses_steps = False
+    rolls_back = True
+    startup_halvings = 0
+    miss_per_error = 120.0  # (h + h)^2 h^2/24 over h^4/720, as `adaptive` has them
 
     def __init__(
         self,
@@ -84,32 +81,51 @@ class Iterated:
         self.corrections = corrections
         self.largest = 0.0
 
-    def step(self, system: System, time: float, step: float) -> float:
-        """One step; returns the residual of the forces relative to the largest force so far."""
-        trial = self.attempt(system, time, step)
+    def step(self, system: System, time: float, step: float, longest: float) -> tuple[float, float]:
+        """One step, and the residual it leaves of the forces over the largest so far."""
+        with system.saved() as states:
+            trial = self.attempt(system, states, time, step, self._passes(system))
         trial.accept(system)
-        return trial.residual
+        return step, trial.residual
 
-    def converge(self, system: System, time: float, step: float) -> None:
+    def cross_jump(self, system: System, time: float, step: float) -> None:
         """One step with as many passes as it takes, where nothing of the past can be used."""
-        self.attempt(system, time, step, MAX_PASSES).accept(system)
+        with system.saved() as states:
+            self.attempt(system, states, time, step, MAX_PASSES).accept(system)
 
-    def attempt(self, system: System, time: float, step: float, passes: int | None = None) -> Trial:
-        """Take a step and keep the saved states, so that it can still be rejected."""
+    def amplification(self, eigenvalues: Sequence[complex], order: int) -> float:
+        """Nothing: the loop is solved."""
+        return 0.0
+
+    def judge(self, system: System, time: float, residual: float) -> bool:
+        """Whether the forces agree well enough.
+
+        Raises:
+            LoopError: they do not agree at all, or not after all the passes it may take.
+        """
+        allowed = self.tolerance if self.corrections is None else LOOSE
+        if not residual > allowed:
+            return True
+        if residual >= 1.0 or self.corrections is None:
+            raise LoopError(
+                f"the loop did not converge at t = {time:g} s: {', '.join(system.force_names)} "
+                f"still changes by {residual:.2g} of the largest force; use smaller steps or more "
+                "corrections"
+            )
+        return False
+
+    def attempt(
+        self, system: System, states: Sequence[c_void_p], time: float, step: float, passes: int
+    ) -> Trial:
+        """Take a step with at most so many passes; it can still be taken back to `states`."""
         self.newton.rescale(step)
-        starts = [f.now for f in system.forces]
-        predicted = [
-            end_of(extrapolated(f.now, f.last, f.last_step, system.order), step)
-            for f in system.forces
-        ]
-        u = self._pack(predicted, step)
-        if passes is None:
-            passes = self._passes(system)
-        states = system.save()
+        starts = [force.now for force in system.forces]
+        ahead = [end_of(cubic, step) for cubic in predicted(system.forces, system.order)]
+        u = self._pack(ahead, step)
         previous: tuple[Vector, Vector, float] | None = None
         for number in range(1, passes + 1):
-            accelerations, ends, force_ends = self._pass(system, starts, u, time, step)
-            g_u = self._pack(force_ends, step)
+            accelerations, ends, answers = self._pass(system, starts, u, time, step)
+            g_u = self._pack(answers, step)
             residual = difference(g_u, u)
             self.largest = max(self.largest, size(g_u))
             error = size(residual) / self.largest if self.largest else 0.0
@@ -121,35 +137,31 @@ class Iterated:
             previous = (du, residual, error)
             u = [a + b for a, b in zip(u, du, strict=True)]
             system.restore(states)
-        forces = [
-            (hermite(start, end, step), end) for start, end in zip(starts, force_ends, strict=True)
-        ]
         motion = list(zip(accelerations, ends, strict=True))
-        return Trial(time, step, states, motion, forces, error)
+        return Trial(time, step, motion, joined(system.forces, answers, step), error)
 
-    def measure(self, system: System, time: float, step: float) -> None:
+    def after_start(self, system: System, time: float, step: float) -> None:
         """Take the loop's Jacobian from steps of this length, all of them taken back.
 
         At the start the units answer without a step, which says little of what heavy drag lets
         through within one.
         """
-        starts = [f.now for f in system.forces]
+        starts = [force.now for force in system.forces]
         u = self._pack([end_of((*start, 0j, 0j), step) for start in starts], step)
-        states = system.save()
+        with system.saved() as states:
 
-        def respond(assumed: Vector) -> Vector:
-            ends = self._pass(system, starts, assumed, time, step)[2]
-            system.restore(states)
-            return self._pack(ends, step)
+            def respond(assumed: Vector) -> Vector:
+                ends = self._pass(system, starts, assumed, time, step)[2]
+                system.restore(states)
+                return self._pack(ends, step)
 
-        g_u = respond(u)
-        change = CHANGE * max(size(u), size(g_u), self.largest)
-        self.newton = QuasiNewton(jacobian(respond, u, g_u, change), step)
-        system.free(states)
+            g_u = respond(u)
+            change = CHANGE * max(size(u), size(g_u), self.largest)
+            self.newton = QuasiNewton(jacobian(respond, u, g_u, change), step)
 
     def _passes(self, system: System) -> int:
         """Passes allowed; a first step has no past to be predicted from and would cost an order."""
-        if self.corrections is None or (system.fresh and self.corrections):
+        if self.corrections is None or (system.has_no_past and self.corrections):
             return MAX_PASSES
         return self.corrections + 1
 

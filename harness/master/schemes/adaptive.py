@@ -13,11 +13,12 @@ where comparing one step with two halves does not (Schierz, Arnold, Clauss 2012)
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 
-from ..errors import LoopError
-from ..master.signals import Cubic, Knot, end_of, extrapolated
-from ..master.system import SignalState, System
-from .iterated import Iterated, Trial
+from ...errors import LoopError
+from ..signals import Knot, SignalState, end_of, extrapolated
+from ..system import System
+from .iterated import MAX_PASSES, Iterated, Trial
 
 LOCAL_SHARE = 0.2  # of the tolerance that one step may err: the errors of many steps add up
 AIM = 0.5  # of what is allowed, so that few steps are rejected
@@ -38,8 +39,9 @@ class Adaptive:
     """
 
     name = "iterated"
-    first_halvings = 0
-    corrections = None
+    chooses_steps = rolls_back = True
+    startup_halvings = 0
+    miss_per_error = 0.0  # its errors are held below the tolerance
 
     def __init__(self, iterated: Iterated, tolerance: float, gain: float = 0.0) -> None:
         self.iterated, self.tolerance = iterated, tolerance
@@ -49,23 +51,28 @@ class Adaptive:
         self.rejected = 0
         self._largest_motion = 0.0
 
-    def converge(self, system: System, time: float, step: float) -> None:
+    def cross_jump(self, system: System, time: float, step: float) -> None:
         """One step of given length, where nothing of the past can be used."""
-        self.iterated.converge(system, time, step)
+        self.iterated.cross_jump(system, time, step)
 
-    def advance(
-        self, system: System, time: float, longest: float, remaining: float
-    ) -> tuple[float, float]:
-        """One accepted step; returns its length [s] and the loop's residual.
+    def after_start(self, system: System, time: float, step: float) -> None:
+        """Nothing: short steps tell what a long one lets through."""
 
-        Args:
-            longest: step allowed, whatever the tolerance [s].
-            remaining: time to the next point that must be met [s].
+    def amplification(self, eigenvalues: Sequence[complex], order: int) -> float:
+        """Nothing: the loop is solved."""
+        return 0.0
+
+    def judge(self, system: System, time: float, residual: float) -> bool:
+        """Always converged, or the step would not have been accepted."""
+        return True
+
+    def step(self, system: System, time: float, step: float, longest: float) -> tuple[float, float]:
+        """One accepted step, at most as long as what remains (`step`) and as `longest`.
 
         Raises:
-            SimulationError: no step is short enough for the tolerance.
+            LoopError: no step is short enough for the tolerance.
         """
-        allowed = LOCAL_SHARE * self.tolerance
+        allowed, remaining = LOCAL_SHARE * self.tolerance, step
         while True:
             step = longest * 2.0 ** (-self.rung / RUNGS)
             # do not leave a sliver for the last step
@@ -73,18 +80,18 @@ class Adaptive:
                 step = remaining
             elif step > 0.5 * remaining:
                 step = 0.5 * remaining
-            trial = self.iterated.attempt(system, time, step)
-            error = self._error(system, trial)
-            change = GROWTH
-            if error > 0.0:
-                change = min(GROWTH, (AIM * allowed / error) ** 0.25)
-            wanted = RUNGS * math.log2(longest / (step * change))
-            converged = trial.residual <= self.iterated.tolerance
-            if error <= allowed and converged:
-                self.rung = max(0, math.ceil(wanted - 1e-9))
-                trial.accept(system)
-                return step, trial.residual
-            trial.reject(system)
+            with system.saved() as states:
+                trial = self.iterated.attempt(system, states, time, step, MAX_PASSES)
+                error = self._error(system, trial)
+                change = GROWTH
+                if error > 0.0:
+                    change = min(GROWTH, (AIM * allowed / error) ** 0.25)
+                wanted = RUNGS * math.log2(longest / (step * change))
+                if error <= allowed and trial.residual <= self.iterated.tolerance:
+                    self.rung = max(0, math.ceil(wanted - 1e-9))
+                    trial.accept(system)
+                    return step, trial.residual
+                system.restore(states)
             self.rejected += 1
             self.rung = max(math.ceil(wanted), self.rung + 1)
             if self.rung > LOWEST:
@@ -95,30 +102,33 @@ class Adaptive:
 
     def _error(self, system: System, trial: Trial) -> float:
         """Largest relative error of the signals' cubics over the step."""
-        forces = [(force, end) for force, (_, end) in zip(system.forces, trial.forces, strict=True)]
-        motion = [
-            (track, end) for track, (_, end) in zip(system.accelerations, trial.motion, strict=True)
-        ]
-        largest = max((abs(end[0]) for _, end in motion), default=0.0)
+        forces = [end for _, end in trial.forces]
+        motion = [end for _, end in trial.motion]
+        largest = max((abs(end[0]) for end in motion), default=0.0)
         self._largest_motion = max(self._largest_motion, largest)
         return max(
-            self._cancelled * _worst(forces, trial.step, self.iterated.largest),
-            _worst(motion, trial.step, self._largest_motion),
+            self._cancelled * _worst(system.forces, forces, trial.step, self.iterated.largest),
+            _worst(system.accelerations, motion, trial.step, self._largest_motion),
         )
 
 
-def _worst(signals: list[tuple[SignalState, Knot]], step: float, scale: float) -> float:
+def _worst(
+    signals: Sequence[SignalState], ends: Sequence[Knot], step: float, scale: float
+) -> float:
+    """Largest error of the signals' cubics over a step, relative to `scale`."""
     if scale == 0.0:
         return 0.0
-    errors = [_share(t.last_step, step) * abs(end[0] - _predict(t, step)) for t, end in signals]
+    errors = [
+        _share(s.last_step, step) * abs(end[0] - _predicted(s, step))
+        for s, end in zip(signals, ends, strict=True)
+    ]
     return max(errors, default=0.0) / scale
 
 
-def _predict(track: SignalState, step: float) -> complex:
-    cubic: Cubic = extrapolated(track.now, track.last, track.last_step, 3)
-    return end_of(cubic, step)[0]
+def _predicted(signal: SignalState, step: float) -> complex:
+    return end_of(extrapolated(signal.now, signal.last, signal.last_step, 3), step)[0]
 
 
-def _share(past_step: float, step: float) -> float:
+def _share(last_step: float, step: float) -> float:
     """Part of the prediction's miss that is error of the step's own cubic."""
-    return step * step / (30.0 * (step + past_step) ** 2)
+    return step * step / (30.0 * (step + last_step) ** 2)

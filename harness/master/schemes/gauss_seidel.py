@@ -1,0 +1,51 @@
+"""Gauss-Seidel: the rotor steps first on extrapolated forces, the balancers on what it did.
+
+Order: 1 (held), 2 (linear), 3 (cubic: the first step has no past to extrapolate); accelerations are
+interpolated.
+Stability: the loop gain must be below 1 whatever the step, as for Jacobi; with linear signals below
+1/3 where force opposes acceleration, with cubic ones below 1/13.  The error of the accelerations is
+gone.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from ..signals import interpolated, joined, predicted
+from ..system import System
+from .explicit import Explicit
+
+
+class GaussSeidel(Explicit):
+    """Explicit scheme, rotor before balancers."""
+
+    name = "gauss-seidel"
+
+    @classmethod
+    def amplification(cls, eigenvalues: Sequence[complex], order: int) -> float:
+        """Largest factor by which a short step repeats a disturbance; stable up to 1."""
+        if order != 1:
+            return super().amplification(eigenvalues, order)
+        # the balancers see the straight line between accelerations and answer with its slope
+        repeated = [np.array([[j, j], [j - 1.0, j]]) for j in eigenvalues]
+        return float(max((np.abs(np.linalg.eigvals(m)).max() for m in repeated), default=0.0))
+
+    def advance(self, system: System, time: float, step: float, jump: bool = False) -> None:
+        """One step; over a jump of the drive a line from before it to after it says nothing."""
+        forces = predicted(system.forces, system.order)
+        felt = system.rotor_pass(forces, time, step)
+        accelerations = [
+            (*end, 0j, 0j) if jump else interpolated(state.now, end, step, system.order)
+            for state, end in zip(system.accelerations, felt, strict=True)
+        ]
+        answers = system.balancer_pass(accelerations, time, step)
+        self.detect_divergence(system, forces, answers, time, step)
+        # the next extrapolation starts from what the balancers really did
+        system.accept(
+            list(zip(accelerations, felt, strict=True)),
+            joined(system.forces, answers, step),
+            time,
+            step,
+        )
