@@ -28,6 +28,8 @@ MEASURED_POINTS = 16
 LAST_REVOLUTIONS = 2  # of a run: shown as its orbit
 RUN_UP_REVOLUTIONS = 100  # slow enough for resonances to show, short enough to wait for
 ABOVE = 1.3  # a range ends this much above the highest speed of interest
+LOWEST = 0.01  # of a range's end: a rotor that stands still has neither whirl nor response
+ORBIT_STEPS = 120  # a revolution: straight lines of 3 degrees look round
 FAR = 3.0  # critical speeds beyond this many operating speeds are of no interest
 
 
@@ -111,22 +113,17 @@ def _outputs(count: int) -> list[str]:
     return [f"{prefix}{axis}" for axis in "xy" for prefix in stations(count)]
 
 
-def operating_speed(scene: Scene) -> float:
-    """The scene's speed, or where its run-up ends [rad/s]."""
-    return scene.profile().end
-
-
 def speed_range(scene: Scene) -> tuple[float, float]:
     """From near standstill to beyond the operating speed and the critical ones near it [rad/s]."""
-    speed = operating_speed(scene)
+    speed = scene.profile().end
     critical = critical_speeds(scene.assembly().rotor)
     high = ABOVE * max([speed, *critical[critical < FAR * speed].tolist()])
-    return high / 100.0, high
+    return LOWEST * high, high
 
 
 def modes_at(scene: Scene) -> Modes:
     """Modes of the rotor without balancers at the operating speed."""
-    return modes(scene.assembly().rotor, operating_speed(scene))
+    return modes(scene.assembly().rotor, scene.profile().end)
 
 
 def campbell_of(scene: Scene, low: float, high: float) -> tuple[Campbell, Array]:
@@ -184,9 +181,9 @@ def _steady(units: Revolution, speed: float) -> tuple[NDArray[np.complexfloating
 
 def orbits_of(scene: Scene, fmus: Path | None = None) -> Orbits:
     """Orbits at the operating speed: of the rotor alone, and at the end of the scene's run."""
-    speed = operating_speed(scene)
+    speed = scene.profile().end
     names = station_names(scene)
-    with Revolution(scene.without_balancers(), steps=120, fmus=fmus) as units:
+    with Revolution(scene.without_balancers(), steps=ORBIT_STEPS, fmus=fmus) as units:
         alone = _steady(units, speed)[1]
     alone = np.concatenate([alone, alone[:1]])
     run = np.empty((0, 2, len(names)))
