@@ -25,6 +25,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import SimulationError
+from ..master.closing import Closing
 from ..master.fmu import Fmu, Variables
 from ..scene import Scene
 from .revolution import RANK, Matrix, Revolution, Vector, derivative
@@ -47,7 +48,7 @@ class NoMainMotion(SimulationError):
     """The weights cannot undo the unbalance, or the rotor cannot rest."""
 
 
-class MainMotion:
+class MainMotion(Closing):
     """Multipliers and growth about the main motion, measured on the coupled units at any speed.
 
     Args:
@@ -234,9 +235,3 @@ class MainMotion:
     def close(self) -> None:
         """Free the units."""
         self.units.close()
-
-    def __enter__(self) -> MainMotion:
-        return self
-
-    def __exit__(self, *_exception: object) -> None:
-        self.close()
