@@ -9,6 +9,7 @@ import os
 import re
 import tempfile
 import zipfile
+from collections.abc import Iterable, Sequence
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from xml.etree import ElementTree
@@ -16,7 +17,7 @@ from xml.etree import ElementTree
 import pythonfmu
 
 from .description import model_description
-from .documentation import LICENCE, external_dependencies, html
+from .documentation import LICENCE, LICENCE_WITH_PYTHONFMU, external_dependencies, html
 from .liquid import LiquidBalancer
 from .rotor import RotorOnSupports
 from .rotor_kinds import KINDS
@@ -33,6 +34,8 @@ _ROOT = Path(__file__).resolve().parent.parent
 _PYTHONFMU = Path(pythonfmu.__file__).resolve().parent
 # what a slave needs of pythonfmu, without its builder
 _EMBEDDED = ("_version", "default_experiment", "enums", "fmi2slave", "logmsg", "variables")
+# backend -> versions of FMI it writes
+FMI_VERSIONS = {"native": (2,), "python": (2,)}
 _EPOCH = (1980, 1, 1, 0, 0, 0)
 
 _SLAVE = '''"""Loaded by pythonfmu: {unit} with its sizes."""
@@ -57,6 +60,9 @@ def build(
     weights: int = 2,
     frame: str = "rotor",
     name: str | None = None,
+    backend: str = "python",
+    fmi: int = 2,
+    platforms: Iterable[str] | None = None,
 ) -> Path:
     """Build one FMU.
 
@@ -69,12 +75,16 @@ def build(
         weights: number of weights of the ball balancer.
         frame: "rotor", or "fixed" for signals along fixed axes.
         name: model name and file name, default: that of the unit.
+        backend: "native", compiled C that needs nothing, or "python", pythonfmu and the sources.
+        fmi: version of FMI, 2 | 3; 3 for native units alone.
+        platforms: of a native unit, names out of `native.compile.PLATFORMS`; default: all.
 
     Returns:
         The file.
 
     Raises:
         ValueError: an argument is not one of those allowed; the text names it.
+        native.compile.NotCompiled: no native library of the present sources, and no compiler.
         OSError: the file cannot be written; nothing is left behind.
     """
     content = contents(
@@ -87,6 +97,9 @@ def build(
         weights=weights,
         frame=frame,
         name=name,
+        backend=backend,
+        fmi=fmi,
+        platforms=platforms,
     )
     target = Path(destination)
     if target.suffix != ".fmu" or target.is_dir():
@@ -106,6 +119,9 @@ def contents(
     weights: int = 2,
     frame: str = "rotor",
     name: str | None = None,
+    backend: str = "python",
+    fmi: int = 2,
+    platforms: Iterable[str] | None = None,
 ) -> dict[str, bytes]:
     """Files of an FMU by their names in it; arguments as of `build`."""
     options = _options(unit, stations, planes, kind, unbalances, shaft, weights, frame)
@@ -114,7 +130,13 @@ def contents(
         raise ValueError(
             f"name = {identifier!r}: must be letters, digits and underscores, not a digit first"
         )
+    _one_of("backend", backend, FMI_VERSIONS)
+    _one_of("fmi", fmi, FMI_VERSIONS[backend])
     configured = UNITS[unit].configured(**options)
+    if backend == "native":
+        return _native(configured, identifier, fmi, platforms)
+    if platforms is not None:
+        raise ValueError("platforms: a choice for native units alone")
     sources = _sources(_MODULES[unit])
     package = f"autobalancer_{_digest(sources)[:16]}"
     slave = _SLAVE.format(
@@ -134,13 +156,33 @@ def contents(
     files["documentation/index.html"] = html(configured, identifier)
     needs_numpy = any(b"import numpy" in data for data in sources.values())
     files["documentation/externalDependencies.txt"] = external_dependencies(configured, needs_numpy)
-    files["documentation/licenses/license.txt"] = LICENCE.encode()
+    files["documentation/licenses/license.txt"] = LICENCE_WITH_PYTHONFMU.encode()
     release = _version()
     draft = model_description(configured, identifier, "", release)
     digest = _digest({**files, "modelDescription.xml": draft})
     guid = f"{{{digest[:8]}-{digest[8:12]}-{digest[12:16]}-{digest[16:20]}-{digest[20:32]}}}"
     files["modelDescription.xml"] = model_description(configured, identifier, guid, release)
     return files
+
+
+def _native(
+    unit: type[Unit], identifier: str, fmi: int, platforms: Iterable[str] | None
+) -> dict[str, bytes]:
+    """Files of a native FMU."""
+    # imported here: Python units must build where there is no compiler
+    from .native.compile import PLATFORMS
+    from .native.package import native_files
+
+    chosen = PLATFORMS if platforms is None else platforms
+
+    def describe(token: str, sources: Sequence[str]) -> bytes:
+        return model_description(unit, identifier, token, _version(), sources)
+
+    return {
+        "documentation/index.html": html(unit, identifier),
+        "documentation/licenses/license.txt": LICENCE.encode(),
+        **native_files(unit, identifier, describe, platforms=chosen, fmi=fmi),
+    }
 
 
 def identity(unit: str, **options) -> str:
@@ -200,7 +242,7 @@ def _options(
     return options
 
 
-def _one_of(what: str, value: str, allowed) -> None:
+def _one_of(what: str, value: object, allowed) -> None:
     if value not in allowed:
         raise ValueError(f"{what} = {value!r}: must be one of {', '.join(map(repr, allowed))}")
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from xml.etree.ElementTree import Element, SubElement, indent, tostring
 
 from ._pythonfmu import Fmi2Slave
@@ -35,7 +36,9 @@ UNITS: dict[str, dict[str, int]] = {
 _INITIAL = {"parameter": "exact", "output": "calculated"}
 
 
-def model_description(unit: type[Unit], name: str, guid: str, version: str) -> bytes:
+def model_description(
+    unit: type[Unit], name: str, guid: str, version: str, sources: Sequence[str] = ()
+) -> bytes:
     """The XML of the model description, UTF-8.
 
     Args:
@@ -43,6 +46,7 @@ def model_description(unit: type[Unit], name: str, guid: str, version: str) -> b
         name: model name and model identifier.
         guid: identity of the content.
         version: version of autobalancer.
+        sources: C files in sources/, of a native unit.
     """
     root = Element(
         "fmiModelDescription",
@@ -60,7 +64,7 @@ def model_description(unit: type[Unit], name: str, guid: str, version: str) -> b
             "variableNamingConvention": "structured",
         },
     )
-    SubElement(
+    simulation = SubElement(
         root,
         "CoSimulation",
         {
@@ -77,6 +81,10 @@ def model_description(unit: type[Unit], name: str, guid: str, version: str) -> b
             "providesDirectionalDerivative": "false",
         },
     )
+    if sources:
+        files = SubElement(simulation, "SourceFiles")
+        for source in sources:
+            SubElement(files, "File", {"name": source})
     _units(root, unit)
     categories = SubElement(root, "LogCategories")
     for category, text in Fmi2Slave.log_categories.items():

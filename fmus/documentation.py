@@ -112,7 +112,9 @@ LICENCE = f"""autobalancer: MIT License
 
 Copyright (c) 2026 the autobalancer authors
 
-{_MIT}
+{_MIT}"""
+
+LICENCE_WITH_PYTHONFMU = f"""{LICENCE}
 pythonfmu (binaries, and its Python files in resources): MIT License
 
 Copyright (c) 2019-2020 NTNU - Department of Ocean Operations and Civil Engineering

@@ -1,12 +1,13 @@
-"""Command line: `autobalancer`, `autobalancer check`, `build`, `run`.
+"""Command line: `autobalancer`, and its commands.
 
-A command is one file in `commands` with a function `command`; it is registered below.  Wrong input
-ends with one message and exit code 2, a row that does not hold or a run that cannot be completed
-with exit code 1.
+A command is a file in the folder of its feature with a function `command`; it is registered below.
+Wrong input ends with one message and exit code 2, a row that does not hold or a run that cannot be
+completed with exit code 1, Ctrl-C with 130.
 """
 
 from __future__ import annotations
 
+import signal
 from typing import Any
 
 import typer
@@ -21,7 +22,7 @@ from .master import run_command as run
 from .output.terminal import say
 from .precision import command as precision
 from .rotor import command as rotor
-from .stability import map_command as map
+from .stability import map_command
 from .stability import speeds_command as speeds
 from .stress import command as stress
 
@@ -38,6 +39,9 @@ class Commands(TyperGroup):
         except SimulationError as error:
             say(str(error), error=True)
             raise typer.Exit(1) from error
+        except KeyboardInterrupt as interrupt:
+            say("interrupted", error=True)
+            raise typer.Exit(128 + signal.SIGINT) from interrupt
 
 
 app = typer.Typer(
@@ -60,7 +64,7 @@ app.command("check")(check.command)
 app.command("build")(build.command)
 app.command("run")(run.command)
 app.command("speeds")(speeds.command)
-app.command("map")(map.command)
+app.command("map")(map_command.command)
 app.command("balance")(balance.command)
 app.command("rotor")(rotor.command)
 app.command("design")(design.command)

@@ -8,41 +8,29 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from ..master.run_command import changed_scene
-from ..output.terminal import console, progress_bars, ready_to_write, say
+from ..output import options
+from ..output.files import write_json
+from ..output.table import Sheet
+from ..output.terminal import console, progress_bar, say, show
 
 if TYPE_CHECKING:
-    from rich.table import Table
-
     from .cycles import Balanced, Cycle, Technology
 
 
 def command(
     scene: Annotated[str, typer.Argument(help="Scene with a table [balancing].")],
     output: Annotated[
-        Path | None,
-        typer.Option("--output", "-o", metavar="FILE.png", help="Draw the corrections."),
+        Path | None, options.picture("Draw the corrections.", "--output", "-o")
     ] = None,
-    json_file: Annotated[
-        Path | None, typer.Option("--json", metavar="FILE", help="Also write all as JSON.")
-    ] = None,
-    changes: Annotated[
-        list[str] | None,
-        typer.Option("--set", metavar="KEY=VALUE", help="Replace a value: balancing.noise=1e-7"),
-    ] = None,
+    json_file: Annotated[Path | None, options.json("all")] = None,
+    changes: Annotated[list[str] | None, options.changes("balancing.noise=1e-7")] = None,
 ) -> None:
     """Balance a scene's rotor on a virtual machine; exit code 1 if the grade is not met."""
-    from ..checks.report import write_json
-    from ..output.files import picture_format
     from .cycles import balance
 
-    ready_to_write(output)
-    ready_to_write(json_file)
-    if output is not None:
-        picture_format(output)
     loaded = changed_scene(scene, changes)
-    with progress_bars() as bars:
-        task = bars.add_task(f"balancing {loaded.name}", total=1.0)
-        result = balance(loaded, progress=lambda done: bars.update(task, completed=done))
+    with progress_bar(f"balancing {loaded.name}") as progress:
+        result = balance(loaded, progress=progress)
     _print(result)
     if output is not None:
         from .plot import plot_corrections
@@ -57,68 +45,60 @@ def command(
 def _print(result: Balanced) -> None:
     from rich.markup import escape
 
-    screen = console()
-    screen.print(escape(result.title), style="bold")
+    console().print(escape(result.title), style="bold")
     shares = ", ".join(f"{share:.4g}" for share in result.at_supports)
     say(
         f"{result.grade} permits {result.permissible:.4g} kg m, {shares} kg m at the supports; "
         f"trial unbalance {result.trial:.4g} kg m; machine at {result.speed:g} rad/s"
     )
-    screen.print(_coefficients(result))
+    show(_coefficients(result))
     for technology in result.technologies:
-        screen.print(_cycles(result, technology))
+        show(_cycles(result, technology))
         say(_verdict(technology), style="" if technology.truly else "bold red")
     say(f"{result.runs} runs of the machine. FMUs loaded: {', '.join(result.units)}")
 
 
-def _coefficients(result: Balanced) -> Table:
-    from rich.markup import escape
-    from rich.table import Table
-
-    table = Table(
-        title="Influence coefficients, amplitude 0-peak per unbalance (20), (22)",
-        title_justify="left",
-    )
-    for column in ("support", "plane"):
-        table.add_column(column)
-    for column in ("measured [1/kg]", "phase", "uncertainty", "equations [1/kg]", "difference"):
-        table.add_column(escape(column), justify="right")
-    for i, row in enumerate(result.measured):
-        for j, value in enumerate(row):
+def _coefficients(result: Balanced) -> Sheet:
+    rows = []
+    for i, measured in enumerate(result.measured):
+        for j, value in enumerate(measured):
             exact = result.analytic[i, j]
-            table.add_row(
-                str(i + 1),
-                str(result.planes[j]),
-                f"{abs(value):.6g}",
-                _degrees(value),
-                f"{result.uncertainty[i, j]:.1e}",
-                f"{abs(exact):.6g}",
-                f"{abs(value - exact) / abs(exact):.1e}",
+            rows.append(
+                [
+                    str(i + 1),
+                    str(result.planes[j]),
+                    f"{abs(value):.6g}",
+                    _degrees(value),
+                    f"{result.uncertainty[i, j]:.1e}",
+                    f"{abs(exact):.6g}",
+                    f"{abs(value - exact) / abs(exact):.1e}",
+                ]
             )
-    return table
+    return Sheet(
+        ("support", "plane", "measured [1/kg]", "phase", "uncertainty", "equations [1/kg]",
+         "difference"),
+        rows,
+        "llrrrrr",
+        "Influence coefficients, amplitude 0-peak per unbalance (20), (22)",
+    )  # fmt: skip
 
 
-def _cycles(result: Balanced, technology: Technology) -> Table:
-    from rich.markup import escape
-    from rich.table import Table
-
-    title = (
-        f"{technology.name.capitalize()} coefficients: amplitude 0-peak at the supports [m], "
-        "unbalance found in the planes [kg m], residual in parts of what is permissible"
-    )
-    table = Table(title=escape(title), title_justify="left")
-    table.add_column("cycle", justify="right")
+def _cycles(result: Balanced, technology: Technology) -> Sheet:
     sensors = range(1, len(result.at_supports) + 1)
-    for s in sensors:
-        table.add_column(f"support {s} [m]", justify="right")
-    for plane in result.planes:
-        table.add_column(f"plane {plane} [kg m]", justify="right")
-    for s in sensors:
-        table.add_column(f"residual at {s}", justify="right")
-    table.add_column("actually", justify="right")
-    for number, cycle in enumerate(technology.cycles, start=1):
-        table.add_row(str(number), *_row(result, cycle))
-    return table
+    columns = [
+        "cycle",
+        *(f"support {s} [m]" for s in sensors),
+        *(f"plane {plane} [kg m]" for plane in result.planes),
+        *(f"residual at {s}" for s in sensors),
+        "actually",
+    ]
+    return Sheet(
+        columns,
+        [[str(n), *_row(result, cycle)] for n, cycle in enumerate(technology.cycles, start=1)],
+        "r" * len(columns),
+        f"{technology.name.capitalize()} coefficients: amplitude 0-peak at the supports [m], "
+        "unbalance found in the planes [kg m], residual in parts of what is permissible",
+    )
 
 
 def _row(result: Balanced, cycle: Cycle) -> list[str]:

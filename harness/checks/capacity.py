@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import cmath
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 
 import numpy as np
 
@@ -15,9 +15,10 @@ from ...models.weights import Weights
 from ..errors import SceneError
 from ..master.cosimulation import cosimulate
 from ..master.result import Result
+from ..output.workers import Progress
 from ..scene import Scene
 from ..scene.balancer import WeightBalancer
-from ..scene.check import CapacityCheck
+from ..scene.check import CapacityCheck, SizesCheck
 from .row import Row, Rows
 
 RESIDUAL = 1e-3  # of the capacity
@@ -43,9 +44,7 @@ SECTOR = 1.0  # degrees
 FASTEST = {"balls": 3, "rollers": 5}
 
 
-def check_capacity(
-    scene: Scene, check: CapacityCheck, progress: Callable[[float], None]
-) -> Iterator[Row]:
+def check_capacity(scene: Scene, check: CapacityCheck, progress: Progress) -> Iterator[Row]:
     """Residual unbalance, as the vibration shows it, from no unbalance to more than the capacity.
 
     Raises:
@@ -59,7 +58,7 @@ def check_capacity(
     limit = theory.capacity(balls.mass, balls.track_radius, balls.weight_radius, balls.count)
     speed = scene.profile().speed(0.0)
     response = plane_response(scene.assembly().loaded_rotor, speed)
-    rows = Rows(scene.name, "capacity")
+    rows = Rows(scene.name, check.kind)
     for number, part in enumerate(np.linspace(0.0, check.up_to, check.points), start=1):
         unbalance = float(part) * limit
         angles = [f"{balls.label}.weight[{k}].angle" for k in range(1, balls.count + 1)]
@@ -126,9 +125,9 @@ def _only_weights(scene: Scene) -> WeightBalancer:
     return found[0]
 
 
-def check_sizes(scene: Scene) -> Iterator[Row]:
+def check_sizes(scene: Scene, check: SizesCheck, progress: Progress) -> Iterator[Row]:
     """Table 1: radius, sector and capacity of the best n weights; which number settles fastest."""
-    rows = Rows(scene.name, "goncharov_table")
+    rows = Rows(scene.name, check.kind)
     source = "Goncharov 2017, Table 1"
     for kind, lines in TABLE.items():
         for count, ratio, sector, printed in lines:

@@ -7,19 +7,14 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from ..output.terminal import (
-    console,
-    directory_to_fill,
-    progress_bars,
-    ready_to_write,
-    say,
-    say_facts,
-)
+from ..output import options
+from ..output.files import write_json, write_whole
+from ..output.terminal import directory_to_fill, progress_bars, say, say_facts, show
 
 if TYPE_CHECKING:
     from ..scene import Scene
     from .row import Row
-    from .runner import Checked
+    from .runner import SceneReport
 
 
 def command(
@@ -27,28 +22,26 @@ def command(
         list[str] | None,
         typer.Argument(metavar="[SCENE]...", help="Scene files or bundled names; default: all."),
     ] = None,
-    json_file: Annotated[
-        Path | None, typer.Option("--json", metavar="FILE", help="Also write the rows as JSON.")
-    ] = None,
+    json_file: Annotated[Path | None, options.json("the rows")] = None,
     report: Annotated[
         Path | None, typer.Option(metavar="DIR", help="Also write table and pictures there.")
     ] = None,
 ) -> None:
     """Check scenes against theory; exit code 1 if a row does not hold."""
     from ..scene import load_scene
-    from .report import as_json, print_rows, verdict, write_json
+    from .report import as_json, tables, verdict
     from .runner import check_all, checked_scenes
 
-    ready_to_write(json_file)
     loaded = [load_scene(name) for name in scenes] if scenes else checked_scenes()
     if report is not None:
         directory_to_fill(report)
     with progress_bars() as bars:
-        tasks = [bars.add_task(f"checking {scene.name}", total=1.0) for scene in loaded]
-        results = check_all(loaded, lambda i, done: bars.update(tasks[i], completed=done))
+        tasks = {s.name: bars.add_task(f"checking {s.name}", total=1.0) for s in loaded}
+        results = check_all(loaded, lambda name, done: bars.update(tasks[name], completed=done))
     rows = [row for result in results for row in result.rows]
     for result in results:
-        print_rows(result.rows, console())
+        for sheet in tables(result.rows):
+            show(sheet)
         say_facts(result.units, result.left_out)
         say("")
     say(verdict(rows), style="bold")
@@ -61,11 +54,10 @@ def command(
 
 
 def _write_report(
-    scenes: list[Scene], results: list[Checked], rows: list[Row], directory: Path
+    scenes: list[Scene], results: list[SceneReport], rows: list[Row], directory: Path
 ) -> None:
-    from ..output.files import write_whole
     from .pictures import draw_pictures
-    from .report import as_json, markdown, write_json
+    from .report import as_json, markdown
 
     text = markdown(rows)
     with progress_bars() as bars:

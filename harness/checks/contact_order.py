@@ -6,12 +6,13 @@ weights start a little further on each time.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 
 import numpy as np
 
 from ..errors import SceneError
 from ..master.cosimulation import CoSimulation
+from ..output.workers import Progress
 from ..scene import Scene
 from ..scene.balancer import WeightBalancer
 from ..scene.check import ContactOrderCheck
@@ -19,7 +20,7 @@ from .row import Row, Rows
 
 
 def check_contact_order(
-    scene: Scene, check: ContactOrderCheck, progress: Callable[[float], None]
+    scene: Scene, check: ContactOrderCheck, progress: Progress
 ) -> Iterator[Row]:
     """Fitted order of the rotor's and the weights' motion against what harness/weights.md states.
 

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 
 from ...models.linear.boundaries import Crossing
 from ...models.stability import growth_rates
 from ..errors import SceneError
+from ..output.workers import Progress
 from ..scene import Scene
 from ..scene.check import CriticalSpeedsCheck
 from ..stability.boundaries import Speeds, speeds
@@ -21,7 +22,7 @@ FLOQUET = "Floquet multipliers about the main motion"
 
 
 def check_critical_speeds(
-    scene: Scene, check: CriticalSpeedsCheck, progress: Callable[[float], None]
+    scene: Scene, check: CriticalSpeedsCheck, progress: Progress
 ) -> Iterator[Row]:
     """One row for each critical speed, each fitted run and each run from rest.
 

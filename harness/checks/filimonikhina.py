@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from dataclasses import replace
 
 import numpy as np
@@ -13,11 +13,14 @@ from ...models.papers.tables import TABLE_1, TABLE_2, TableRow
 from ...models.stability import growth_rates
 from ...models.weights import Weights
 from ..errors import SceneError
+from ..output.workers import Progress
 from ..scene import Scene
+from ..scene.check import TableCheck
 from ..stability.boundaries import Speeds, speeds
 from .critical_speeds import growth_row, rest_row, speed_rows
 from .row import Row, Rows
 
+TABLES = {1: TABLE_1, 2: TABLE_2}
 RANGE = (0.9, 13.0)  # n, below the lowest speed of both tables and well beyond the highest
 NARROWEST = 0.02  # n: no band wider than this is missed by Floquet
 # what the paper's intervals miss of the exact speeds: it integrates for a finite time, and calls
@@ -26,15 +29,18 @@ OUTSIDE = {1: 3e-4, 2: 2.2e-2}  # n
 PRINTED = 5e-4  # relative, of the criterion's roots as printed
 
 
-def check_row(
-    scene: Scene, table: int, index: int, progress: Callable[[float], None]
-) -> Iterator[Row]:
+def table_rows(check: TableCheck) -> list[dict[str, int]]:
+    """Every row of a table, by its place from 0: they are checked one by one."""
+    return [{"index": index} for index in range(len(TABLES[check.table]))]
+
+
+def check_row(scene: Scene, check: TableCheck, progress: Progress, index: int) -> Iterator[Row]:
     """One row of a table, counted from 0: the criterion's roots, every interval, every speed.
 
     Raises:
         SceneError: the scene is not a planar rotor with one set of two pendulums.
     """
-    row = (TABLE_1 if table == 1 else TABLE_2)[index]
+    row = TABLES[check.table][index]
     yield from _row(index, *variant(scene, row), row)
     progress(1.0)
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 
 from ...models.papers import capacity as theory
 from ...models.papers.settling import critical_drag, settling_time, slow_root
@@ -11,7 +11,7 @@ from ...models.papers.touching import facing_measure
 from ...models.weights import Weights
 from ..design.scenes import sized, weights_of
 from ..design.settling import SETTLED, Batch, SettlingRun, run_batch
-from ..output.workers import spread
+from ..output.workers import Progress, Workers, in_order
 from ..scene import Scene
 from ..scene.check import LargestSpreadCheck
 from .row import Row, Rows
@@ -21,7 +21,7 @@ SOURCE = "Goncharov 2017 (1), (10), (13)"
 
 
 def check_largest_spread(
-    scene: Scene, check: LargestSpreadCheck, progress: Callable[[float], None], workers: int = 1
+    scene: Scene, check: LargestSpreadCheck, progress: Progress, workers: Workers = 1
 ) -> Iterator[Row]:
     """The slower of both ways in which the unbalance changes a little, for every number.
 
@@ -34,7 +34,7 @@ def check_largest_spread(
         scene = scene.replace({"run.revolutions": check.revolutions})
     scenes = sized(scene, range(2, check.most + 1), 0.0, width=check.width)
     work = [b for s in scenes.values() for b in _both_ways(s, check.step)]
-    runs = [found for (found,) in spread(run_batch, work, workers, progress)]
+    runs = [found for (found,) in in_order(run_batch, work, workers, progress)]
     slower: dict[int, float] = {}
     for (count, one), first, second in zip(scenes.items(), runs[::2], runs[1::2], strict=True):
         slower[count] = max(first.seconds, second.seconds)

@@ -14,6 +14,7 @@ import numpy as np
 
 from ...models.papers.window import LiquidWindow
 from ..errors import SceneError
+from ..output.workers import Progress
 from ..scene import Scene
 from ..scene.check import LiquidWindowCheck
 from ..stability.revolution import Revolution
@@ -66,7 +67,7 @@ def largest_growth(units: Revolution, speed: float) -> float:
 
 
 def check_liquid_window(
-    scene: Scene, check: LiquidWindowCheck, progress: Callable[[float], None]
+    scene: Scene, check: LiquidWindowCheck, progress: Progress
 ) -> Iterator[Row]:
     """Rows (a) w_*, (b) w^*, (c) bending and phase across the window, (d) growth rates.
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from dataclasses import replace
 
 import numpy as np
@@ -14,7 +14,7 @@ from ..design.recommendation import by_measure, by_median, contradicted, order, 
 from ..design.scenes import batches
 from ..design.settling import run_batch
 from ..master.schedule import steps_per_rev
-from ..output.workers import spread
+from ..output.workers import Progress, Workers, in_order
 from ..scene import Scene
 from ..scene.check import RankingCheck
 from .row import Row, Rows
@@ -25,7 +25,7 @@ SOURCE = "Goncharov 2017, 5.4.3, Fig. 7"
 
 
 def check_ranking(
-    scene: Scene, check: RankingCheck, progress: Callable[[float], None], workers: int = 1
+    scene: Scene, check: RankingCheck, progress: Progress, workers: Workers = 1
 ) -> Iterator[Row]:
     """The fastest number, the order, decay rates, and what the communication step leaves.
 
@@ -83,7 +83,7 @@ def _order(data: Design, rows: Rows) -> Iterator[Row]:
     )
 
 
-def _halved(check: RankingCheck, data: Design, rows: Rows, workers: int) -> Row:
+def _halved(check: RankingCheck, data: Design, rows: Rows, workers: Workers) -> Row:
     """Settling times of the first starts with half the step against those of the study."""
     coarse, work = [], []
     for choice in data.able:
@@ -92,7 +92,7 @@ def _halved(check: RankingCheck, data: Design, rows: Rows, workers: int) -> Row:
         for batch in batches(fine, data.unbalance, check.halved):
             work += [replace(batch, starts=(start,)) for start in batch.starts]
         coarse += [run.seconds for run in choice.runs[: check.halved]]
-    again = [run.seconds for runs in spread(run_batch, work, workers) for run in runs]
+    again = [run.seconds for runs in in_order(run_batch, work, workers) for run in runs]
     pairs = [(a, b) for a, b in zip(coarse, again, strict=True) if math.isfinite(a + b)]
     lost = sum(math.isfinite(a) != math.isfinite(b) for a, b in zip(coarse, again, strict=True))
     if lost or not pairs:

@@ -1,109 +1,140 @@
-"""Checks of a scene against theory: each compares what the coupled units did with a closed form."""
+"""The kinds of checks, and their rows: each compares what the coupled units did with a theory."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator
+import os
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import ExitStack
+from dataclasses import dataclass, field
+from typing import Any
 
-from ..output.workers import spread
+from ..output.workers import Failed, Kinds, Progress, Workers, as_they_come, processes
 from ..scene import Scene
-from ..scene.check import (
-    AnyCheck,
-    CapacityCheck,
-    ContactOrderCheck,
-    CriticalSpeedsCheck,
-    LargestSpreadCheck,
-    LiquidWindowCheck,
-    RankingCheck,
-    SizesCheck,
-    SlowRootCheck,
-    TableCheck,
-)
+from ..scene.check import AnyCheck
+from .capacity import check_capacity, check_sizes
+from .contact_order import check_contact_order
+from .critical_speeds import check_critical_speeds
+from .filimonikhina import check_row, table_rows
+from .largest_spread import check_largest_spread
+from .liquid_window import check_liquid_window
+from .ranking import check_ranking
 from .row import Row
+from .slow_root import check_slow_root
 
-Progress = Callable[[float], None]
-_SHARING = (
-    RankingCheck,
-    SlowRootCheck,
-    LargestSpreadCheck,
-)  # they share their runs among the processes themselves
+# (scene, check, progress) -> rows; with `SPLIT` also the options of one of its parts
+CHECKS: dict[str, Callable[..., Iterator[Row]]] = {
+    "liquid_window": check_liquid_window,
+    "critical_speeds": check_critical_speeds,
+    "filimonikhina_table": check_row,
+    "capacity": check_capacity,
+    "goncharov_table": check_sizes,
+    "contact_order": check_contact_order,
+}
+# (scene, check, progress, workers) -> rows: they share their runs among the workers themselves
+SHARING: dict[str, Callable[..., Iterator[Row]]] = {
+    "goncharov_ranking": check_ranking,
+    "slow_root": check_slow_root,
+    "largest_spread": check_largest_spread,
+}
+# check -> options of every part that can be done on its own
+SPLIT: dict[str, Callable[[Any], list[dict[str, Any]]]] = {"filimonikhina_table": table_rows}
 
 
-def run_checks(scene: Scene, progress: Progress | None = None, workers: int = 1) -> list[Row]:
+@dataclass(frozen=True)
+class Part:
+    """Of a scene's checks, as much as is done in one piece."""
+
+    scene: Scene
+    check: AnyCheck
+    options: Mapping[str, Any] = field(default_factory=dict)
+
+    @property
+    def sharing(self) -> bool:
+        """Whether it divides its work itself."""
+        return self.check.kind in SHARING
+
+    def rows(self, progress: Progress, workers: Workers = 1) -> list[Row]:
+        """Do it."""
+        kind = self.check.kind
+        if self.sharing:
+            return list(SHARING[kind](self.scene, self.check, progress, workers))
+        return list(CHECKS[kind](self.scene, self.check, progress, **self.options))
+
+
+def parts_of(scene: Scene) -> list[Part]:
+    """Everything that a scene asks to be checked, in order."""
+    return [
+        Part(scene, check, options)
+        for check in scene.check
+        for options in SPLIT.get(check.kind, lambda _check: [{}])(check)
+    ]
+
+
+def run_checks(scene: Scene, progress: Progress | None = None, workers: Workers = 1) -> list[Row]:
     """Every [[check]] of a scene, in order.
 
     Args:
         progress: called with the finished fraction.
-        workers: processes that share the work.
+        workers: processes that share the work, or an executor.
 
     Raises:
         UserError: a check does not fit the scene.
         SimulationError: a run cannot be completed correctly.
     """
-    parts = [(scene, check, row) for check in scene.check for row in _table_rows(check)]
-    sharing = any(isinstance(check, _SHARING) for check in scene.check)
-    if workers > 1 and len(parts) > 1 and not sharing:
-        return [row for rows in spread(_alone, parts, workers, progress) for row in rows]
-    rows: list[Row] = []
-    for number, part in enumerate(parts):
+    parts = parts_of(scene)
+    done = [0.0] * len(parts)
+    outcomes: dict[int, list[Row]] = {}
 
-        def report(fraction: float, done: int = number) -> None:
-            if progress:
-                progress((done + fraction) / len(parts))
+    def report(index: int, fraction: float) -> None:
+        done[index] = fraction
+        if progress:
+            progress(sum(done) / len(parts))
 
-        rows += _rows(*part, report, workers)
-    return rows
-
-
-def _table_rows(check: AnyCheck) -> Iterable[int]:
-    """Rows of a table that are checked one by one; any other check is in one piece."""
-    if isinstance(check, TableCheck):
-        from ...models.papers.tables import TABLE_1, TABLE_2
-
-        return range(len(TABLE_1 if check.table == 1 else TABLE_2))
-    return (0,)
+    for index, rows in run_parts(parts, workers, report):
+        assert not isinstance(rows, Failed)
+        outcomes[index] = rows
+    return [row for index in range(len(parts)) for row in outcomes[index]]
 
 
-def _alone(part: tuple[Scene, AnyCheck, int]) -> list[Row]:
-    return list(_rows(*part, lambda fraction: None))
+def run_parts(
+    parts: Sequence[Part],
+    workers: Workers,
+    progress: Callable[[int, float], None],
+    isolate: Kinds = (),
+) -> Iterator[tuple[int, list[Row] | Failed]]:
+    """Index and rows of every part, whichever is ready first.
+
+    Args:
+        progress: called with a part's index and its finished fraction.
+        isolate: exceptions that cost their part alone.
+    """
+    alone = [index for index, part in enumerate(parts) if not part.sharing]
+    sharing = [index for index, part in enumerate(parts) if part.sharing]
+    with ExitStack() as stack:
+        if isinstance(workers, int):
+            workers = workers if sharing else min(workers, len(alone))
+            if workers > 1:
+                workers = stack.enter_context(processes(workers))
+        # across processes progress is told by every part, within this one also on the way
+        items = [(parts[i], i, progress if workers == 1 else None) for i in alone]
+        for place, outcome in as_they_come(_rows_of, items, workers, isolate):
+            index = alone[place]
+            progress(index, 1.0)
+            yield index, outcome
+        for index in sharing:
+
+            def share(part: Part, index: int = index) -> list[Row]:
+                return part.rows(lambda fraction: progress(index, fraction), workers)
+
+            for _, shared in as_they_come(share, [parts[index]], 1, isolate):
+                yield index, shared
 
 
-def _rows(
-    scene: Scene, check: AnyCheck, table_row: int, progress: Progress, workers: int = 1
-) -> Iterator[Row]:
-    if isinstance(check, LiquidWindowCheck):
-        from .liquid_window import check_liquid_window
+def _rows_of(item: tuple[Part, int, Callable[[int, float], None] | None]) -> list[Row]:
+    part, index, progress = item
+    return part.rows(lambda fraction: progress(index, fraction) if progress else None)
 
-        return check_liquid_window(scene, check, progress)
-    if isinstance(check, CriticalSpeedsCheck):
-        from .critical_speeds import check_critical_speeds
 
-        return check_critical_speeds(scene, check, progress)
-    if isinstance(check, TableCheck):
-        from .filimonikhina import check_row
-
-        return check_row(scene, check.table, table_row, progress)
-    if isinstance(check, CapacityCheck):
-        from .capacity import check_capacity
-
-        return check_capacity(scene, check, progress)
-    if isinstance(check, SizesCheck):
-        from .capacity import check_sizes
-
-        return check_sizes(scene)
-    if isinstance(check, RankingCheck):
-        from .ranking import check_ranking
-
-        return check_ranking(scene, check, progress, workers)
-    if isinstance(check, SlowRootCheck):
-        from .slow_root import check_slow_root
-
-        return check_slow_root(scene, check, progress, workers)
-    if isinstance(check, ContactOrderCheck):
-        from .contact_order import check_contact_order
-
-        return check_contact_order(scene, check, progress)
-    if isinstance(check, LargestSpreadCheck):
-        from .largest_spread import check_largest_spread
-
-        return check_largest_spread(scene, check, progress, workers)
-    raise NotImplementedError(f"no check for {check!r}")
+def cores() -> int:
+    """As many processes as can run at once."""
+    return os.cpu_count() or 1

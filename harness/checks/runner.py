@@ -2,28 +2,22 @@
 
 from __future__ import annotations
 
-import os
-import queue
-import time
-from collections.abc import Callable, Sequence
-from concurrent.futures import Future, ProcessPoolExecutor, wait
+from collections.abc import Sequence
 from dataclasses import dataclass
-from multiprocessing import get_context
 from pathlib import Path
-from typing import Any
 
 from ..errors import SceneError, SimulationError
+from ..master.left_out import left_out
+from ..master.plan import plan
+from ..output.workers import Failed, ItemProgress, Progress, Workers
 from ..scene import Scene, bundled_scenes, load_scene
-from .row import Row
-
-_POLL = 0.1  # s between looks at the progress of the workers
-
-Progress = Callable[[int, float], None]
+from .registry import Part, cores, parts_of, run_checks, run_parts
+from .row import Row, Rows
 
 
 @dataclass(frozen=True)
-class Checked:
-    """Rows of one scene, the FMUs loaded for them, and what the scene let be left out."""
+class SceneReport:
+    """Rows of one scene, its FMUs, and what the scene lets be left out."""
 
     scene: str
     title: str
@@ -32,15 +26,13 @@ class Checked:
     left_out: tuple[str, ...]
 
 
-def check(source: Scene | str | Path, progress: Callable[[float], None] | None = None) -> list[Row]:
+def check(source: Scene | str | Path, progress: Progress | None = None) -> list[Row]:
     """Every [[check]] of a scene, a scene file, or a bundled scene.
 
     Raises:
         UserError: the scene is wrong, or has nothing to check.
         SimulationError: a run cannot be completed correctly.
     """
-    from .registry import run_checks
-
     scene = source if isinstance(source, Scene) else load_scene(source)
     _refuse_unchecked(scene)
     return run_checks(scene, progress)
@@ -52,68 +44,52 @@ def checked_scenes() -> list[Scene]:
     return [scene for scene in scenes if scene.check and not scene.on_request]
 
 
-def check_all(scenes: Sequence[Scene], progress: Progress | None = None) -> list[Checked]:
-    """Check many scenes in as many processes as there are cores, results in the scenes' order.
+def check_all(
+    scenes: Sequence[Scene],
+    progress: ItemProgress | None = None,
+    workers: Workers | None = None,
+) -> list[SceneReport]:
+    """Check many scenes, all their checks side by side; results in the scenes' order.
 
     A run that cannot be completed becomes a row that does not hold, so that the others are seen.
 
     Args:
-        progress: called with a scene's index and its finished fraction.
+        progress: called with a scene's name and its finished fraction.
+        workers: processes, by default as many as there are cores, or an executor.
 
     Raises:
         UserError: a scene or an FMU is wrong.
     """
     for scene in scenes:
         _refuse_unchecked(scene)
-    cores = os.cpu_count() or 1
-    workers = min(len(scenes), cores)
-    if workers < 2:
-        return [check_one(scene, _for_index(progress, i), cores) for i, scene in enumerate(scenes)]
-    context = get_context("spawn")  # threads of numerical libraries do not survive a fork
-    reports: Any = context.Queue()
-    with ProcessPoolExecutor(workers, context, _adopt, (reports,)) as pool:
-        futures = [pool.submit(_work, i, scene) for i, scene in enumerate(scenes)]
-        try:
-            _follow(futures, reports, progress)
-        except BaseException:
-            pool.shutdown(wait=False, cancel_futures=True)
-            raise
-    return [future.result() for future in futures]
+    parts = [parts_of(scene) for scene in scenes]
+    flat = [(number, part) for number, some in enumerate(parts) for part in some]
+    done = [0.0] * len(flat)
+
+    def report(index: int, fraction: float) -> None:
+        done[index] = fraction
+        number = flat[index][0]
+        if progress:
+            shares = [one for one, (owner, _) in zip(done, flat, strict=True) if owner == number]
+            progress(scenes[number].name, sum(shares) / len(shares))
+
+    rows: dict[int, list[Row]] = {}
+    work = [part for _, part in flat]
+    outcomes = run_parts(work, workers or cores(), report, (SimulationError,))
+    for index, outcome in outcomes:
+        rows[index] = _lost(work[index], outcome) if isinstance(outcome, Failed) else outcome
+    reports = []
+    for number, scene in enumerate(scenes):
+        own = [row for i, (owner, _) in enumerate(flat) if owner == number for row in rows[i]]
+        units = tuple(dict.fromkeys(unit.file_name for unit in plan(scene).units))
+        left = tuple(left_out(scene, ["all"]))
+        reports.append(SceneReport(scene.name, scene.title, tuple(own), units, left))
+    return reports
 
 
-def check_one(
-    scene: Scene, progress: Callable[[float], None] | None = None, workers: int = 1
-) -> Checked:
-    """Check one scene, its checks in `workers` processes.
-
-    A run that cannot be completed becomes a row that does not hold.
-    """
-    from .registry import run_checks
-
-    units, left_out = _facts(scene)
-    begun = time.perf_counter()
-    try:
-        rows = run_checks(scene, progress, workers)
-    except SimulationError as error:
-        kinds = ", ".join(dict.fromkeys(c.kind for c in scene.check))
-        seconds = time.perf_counter() - begun
-        rows = [
-            Row(scene.name, kinds, "run", "completed", str(error), None, None, False, seconds, "")
-        ]
-    return Checked(scene.name, scene.title, tuple(rows), units, left_out)
-
-
-def _facts(scene: Scene) -> tuple[tuple[str, ...], tuple[str, ...]]:
-    from ..master.cosimulation import CoSimulation
-    from ..master.facts import left_out
-
-    with CoSimulation(scene) as units:
-        try:
-            units.start()
-        except SimulationError:
-            return tuple(p.name for p in dict.fromkeys(units.paths)), ()
-        names = tuple(path.name for path in dict.fromkeys(units.paths))
-        return names, tuple(left_out(units.facts(), ["all"]))
+def _lost(part: Part, failed: Failed) -> list[Row]:
+    rows = Rows(part.scene.name, part.check.kind)
+    return [rows.statement("run", "completed", str(failed.error), False, "")]
 
 
 def _refuse_unchecked(scene: Scene) -> None:
@@ -122,35 +98,3 @@ def _refuse_unchecked(scene: Scene) -> None:
             f"{scene.path or scene.name}: nothing to check: add a [[check]] table, for example "
             'kind = "liquid_window"'
         )
-
-
-def _for_index(progress: Progress | None, index: int) -> Callable[[float], None] | None:
-    return None if progress is None else lambda fraction: progress(index, fraction)
-
-
-_reports: Any = None  # the worker's way to tell its progress
-
-
-def _adopt(reports: Any) -> None:
-    global _reports
-    _reports = reports
-
-
-def _work(index: int, scene: Scene) -> Checked:
-    return check_one(scene, lambda fraction: _reports.put((index, fraction)))
-
-
-def _follow(futures: Sequence[Future[Checked]], reports: Any, progress: Progress | None) -> None:
-    """Pass progress on until all are done; the first error ends the wait."""
-    pending = set(futures)
-    while pending:
-        done, pending = wait(pending, timeout=_POLL)
-        while True:
-            try:
-                index, fraction = reports.get_nowait()
-            except queue.Empty:
-                break
-            if progress:
-                progress(index, fraction)
-        for future in done:
-            future.result()

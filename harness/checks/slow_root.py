@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 
 from ..design.decay import Decay
 from ..design.recommendation import deviations, excluded
 from ..design.scenes import batches, sized, unbalance_of
 from ..design.settling import facing_start, run_batch
-from ..output.workers import spread
+from ..output.workers import Progress, Workers, in_order
 from ..scene import Scene
 from ..scene.check import SlowRootCheck
 from .row import Row, Rows
@@ -18,7 +18,7 @@ SOURCE = "Goncharov 2017 (1)"
 
 
 def check_slow_root(
-    scene: Scene, check: SlowRootCheck, progress: Callable[[float], None], workers: int = 1
+    scene: Scene, check: SlowRootCheck, progress: Progress, workers: Workers = 1
 ) -> Iterator[Row]:
     """Fitted rates of runs from two groups face to face, where p is large and (1) decides.
 
@@ -34,7 +34,7 @@ def check_slow_root(
         scene = scene.replace({"run.revolutions": check.revolutions})
     scenes = sized(scene, range(2, check.most + 1), amount, width=check.width)
     work = [b for s in scenes.values() for b in batches(s, amount, check.starts, facing_start)]
-    outcomes = spread(run_batch, work, workers, progress)
+    outcomes = in_order(run_batch, work, workers, progress)
     found = [run.decay for runs in outcomes for run in runs]
     yield from decay_rows(found, rows)
 

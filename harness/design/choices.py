@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -11,7 +11,7 @@ import numpy as np
 from ...models.papers import capacity as theory
 from ...models.papers.settling import critical_drag, settling_time, slow_root
 from ...models.weights import Weights
-from ..output.workers import spread as shared
+from ..output.workers import Progress, Workers, in_order
 from ..scene import Scene
 from .scenes import STEEL, batches, capacity_of, race_of, sized, unbalance_of, weights_of
 from .settling import SETTLED, SettlingRun, median_interval, run_batch
@@ -95,8 +95,8 @@ def design(
     density: float = STEEL,
     counts: Sequence[int] = range(2, 9),
     starts: int = 200,
-    workers: int = 1,
-    progress: Callable[[float], None] | None = None,
+    workers: Workers = 1,
+    progress: Progress | None = None,
 ) -> Design:
     """Compare numbers of weights on the rotor of a scene.
 
@@ -106,6 +106,8 @@ def design(
         width: of the space along the axis [m]: height of rollers, largest diameter of balls; by
             default the diameter of the scene's weights.
         starts: random starts for every number of weights.
+        workers: processes, or an executor.
+        progress: called with the finished fraction.
 
     Raises:
         SceneError: the scene is not a planar isotropic rotor at constant speed with one set of
@@ -118,7 +120,7 @@ def design(
     race = race_of(balls) if race is None else race
     scenes = sized(scene, counts, amount, race, width, density)
     work = [batch for n in counts for batch in batches(scenes[n], amount, starts)]
-    outcomes = shared(run_batch, work, workers, progress)
+    outcomes = in_order(run_batch, work, workers, progress)
     runs: dict[int, list[SettlingRun]] = {n: [] for n in counts}
     for batch, outcome in zip(work, outcomes, strict=True):
         runs[weights_of(batch.scene).count] += outcome

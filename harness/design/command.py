@@ -10,16 +10,16 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from ..errors import UserError
-from ..output.terminal import console, progress_bars, ready_to_write, say
+from ..output import options
+from ..output.table import Sheet
+from ..output.terminal import progress_bar, say, show
 
 if TYPE_CHECKING:
-    from rich.table import Table
-
     from .choices import Choice, Design
 
 
 def command(
-    scene: Annotated[str, typer.Argument(help="Scene file, or the name of a bundled scene.")],
+    scene: Annotated[str, options.SCENE],
     unbalance: Annotated[
         float | None, typer.Option(min=0.0, help="Largest unbalance, kg m; default: the scene's.")
     ] = None,
@@ -34,25 +34,19 @@ def command(
     starts: Annotated[int, typer.Option(min=6, help="Random starts for every number.")] = 200,
     most: Annotated[int, typer.Option(min=2, max=64, help="Compare 2 to this many.")] = 8,
     output: Annotated[
-        Path | None,
-        typer.Option("--output", "-o", metavar="FILE.png", help="Picture (png, svg, pdf)."),
+        Path | None, options.picture("Picture (png, svg, pdf).", "--output", "-o")
     ] = None,
 ) -> None:
     """Compare numbers of balls or rollers: capacity, spread, predicted and measured settling."""
-    from ..output.files import picture_format
     from ..scene import load_scene
     from .choices import design
     from .recommendation import words
 
-    ready_to_write(output)
-    if output is not None:
-        picture_format(output)
     for name, value in (("--race", race), ("--width", width), ("--density", density)):
         if value is not None and not 0.0 < value < math.inf:
             raise UserError(f"{name} {value:g}: must be above 0")
     loaded = load_scene(scene)
-    with progress_bars() as bars:
-        task = bars.add_task(f"designing for {loaded.name}", total=1.0)
+    with progress_bar(f"designing for {loaded.name}") as progress:
         data = design(
             loaded,
             unbalance=unbalance,
@@ -62,9 +56,9 @@ def command(
             counts=range(2, most + 1),
             starts=starts,
             workers=os.cpu_count() or 1,
-            progress=lambda done: bars.update(task, completed=done),
+            progress=progress,
         )
-    console().print(table(data, starts))
+    show(table(data, starts))
     for line in words(data):
         say(line)
     say(f"FMUs loaded: {', '.join(data.units) or 'none'}")
@@ -74,18 +68,13 @@ def command(
         say(f"Picture: {plot_design(data, output)}")
 
 
-def table(data: Design, starts: int) -> Table:
+def table(data: Design, starts: int) -> Sheet:
     """One line for every number of weights."""
-    from rich.table import Table
-
-    title = f"{data.kind} for {data.unbalance:.4g} kg m, race {1e3 * data.race:.4g} mm"
-    shown = Table(title=f"{title}, {starts} random starts each", title_justify="left")
     names = ("n", "radius mm", "mass kg", "capacity kg m", "p packed", "p largest", "(1-p) m n")
     times = ("predicted s", "p reached", "predicted there s", "co-simulated s", "95 %", "settled")
-    for name in (*names, *times):
-        shown.add_column(name, justify="right")
-    for c in data.choices:
-        shown.add_row(
+    columns = (*names, *times)
+    rows = [
+        [
             str(c.count),
             f"{1e3 * c.radius:.4g}",
             f"{c.mass:.4g}",
@@ -95,8 +84,11 @@ def table(data: Design, starts: int) -> Table:
             f"{c.measure:.4f}",
             f"{c.predicted:.3g}" if math.isfinite(c.predicted) else "p = 1",
             *(_measured(c) if c.runs else ("-", "-", "not run", "-", "-")),
-        )
-    return shown
+        ]
+        for c in data.choices
+    ]
+    title = f"{data.kind} for {data.unbalance:.4g} kg m, race {1e3 * data.race:.4g} mm"
+    return Sheet(columns, rows, "r" * len(columns), f"{title}, {starts} random starts each")
 
 
 def _measured(c: Choice) -> tuple[str, ...]:

@@ -8,7 +8,8 @@ from typing import Annotated, Any
 import typer
 
 from ..errors import UserError
-from ..output.terminal import console, directory_to_fill, progress_bars, say
+from ..output.table import Sheet
+from ..output.terminal import directory_to_fill, progress_bars, say, show
 
 UNITS = ("RotorOnSupports", "LiquidBalancer", "BallBalancer")
 
@@ -23,19 +24,15 @@ def command(
     ] = Path(),
 ) -> None:
     """Build the three units as FMUs, or exactly those that a scene needs."""
-    from rich.table import Table
-
     wanted, left_out = _wanted(scene)
     directory_to_fill(output)
-    table = Table(title="Units built", title_justify="left")
-    for column in ("file", "unit", "options", "kB"):
-        table.add_column(column, justify="right" if column == "kB" else "left", overflow="fold")
+    rows = []
     with progress_bars() as bars:
         for name, (unit, options) in bars.track(wanted.items(), description="building"):
             path = _build(unit, output / name, options)
             shown = ", ".join(f"{key} = {value}" for key, value in options.items()) or "-"
-            table.add_row(str(path), unit, shown, f"{path.stat().st_size / 1000:.0f}")
-    console().print(table)
+            rows.append([str(path), unit, shown, f"{path.stat().st_size / 1000:.0f}"])
+    show(Sheet(("file", "unit", "options", "kB"), rows, "lllr", "Units built"))
     say(f"Left out: {', '.join(left_out) or 'nothing'}")
 
 

@@ -222,9 +222,8 @@ class CoSimulation:
         kinds = dict.fromkeys(kind for unit in units for kind in unit.calls)
         resolution = self.resolution
         return Facts(
-            title=self.scene.title,
+            scene=self.scene,
             files=tuple(path.name for path in dict.fromkeys(self.paths)),
-            models=tuple(unit.model for unit in self.plan.units),
             messages=tuple(message for unit in units for message in unit.messages),
             calls={kind: sum(unit.calls[kind] for unit in units) for kind in kinds},
             passes=self.system.rotor.calls["step"],
@@ -233,11 +232,6 @@ class CoSimulation:
             worst_residual=self.worst_residual,
             estimated_error=resolution.estimate if resolution else 0.0,
             unresolved=resolution.unresolved if resolution else 0,
-            exchanging=bool(self.system.exchanges),
-            rolls_back=self.scheme.name == "iterated",
-            order=self.system.order,
-            constant_speed=self.profile.start == self.profile.end,
-            isotropic=self.scene.assembly().rotor.isotropic,
         )
 
     def _unconverged(self, residual: float) -> None:

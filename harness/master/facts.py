@@ -2,26 +2,24 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 from ..errors import LoopError
 from ..scene import Scene
+from .left_out import left_out
 from .recorder import Recorder
 from .resolution import SAID
 from .result import Result
 
-BALANCERS = ("LiquidBalancer", "BallBalancer")
-
 
 @dataclass(frozen=True)
 class Facts:
-    """What a co-simulation did, and what it could do without.
+    """What a co-simulation did.
 
     Attributes:
-        title: of the scene.
+        scene: that was run.
         files: names of the FMUs loaded.
-        models: the units' kinds.
         messages: what the units have logged.
         calls: number of FMI calls by kind.
         passes: steps of the rotor: corrector passes and rejected steps count.
@@ -30,15 +28,10 @@ class Facts:
         estimated_error: of the motion, relative to itself, for steps too long for the signals;
             0 where nothing is estimated.
         unresolved: steps with a signal that the cubics do not follow.
-        exchanging: whether any balancer exchanges force.
-        rolls_back: whether the scheme saves states and steps again.
-        order: of the exchanged signals.
-        constant_speed, isotropic: of the rotor.
     """
 
-    title: str
+    scene: Scene
     files: tuple[str, ...]
-    models: tuple[str, ...]
     messages: tuple[str, ...]
     calls: Mapping[str, int]
     passes: int
@@ -47,22 +40,17 @@ class Facts:
     worst_residual: float
     estimated_error: float
     unresolved: int
-    exchanging: bool
-    rolls_back: bool
-    order: int
-    constant_speed: bool
-    isotropic: bool
 
 
 def result(recorder: Recorder, facts: Facts, seconds: float) -> Result:
     """Everything recorded, with the facts of the run."""
     time, signals = recorder.columns()
     return Result(
-        scene_title=facts.title,
+        scene_title=facts.scene.title,
         time=time,
         signals=signals,
         seconds=seconds,
-        left_out=tuple(left_out(facts, recorder.names)),
+        left_out=tuple(left_out(facts.scene, recorder.names)),
         units=facts.files,
         events=tuple(events(facts)),
         steps=facts.steps,
@@ -72,29 +60,6 @@ def result(recorder: Recorder, facts: Facts, seconds: float) -> Result:
         estimated_error=facts.estimated_error,
         signal_units=recorder.signal_units,
     )
-
-
-def left_out(facts: Facts, recorded: Sequence[str]) -> list[str]:
-    """What the run did without because the scene does not need it."""
-    notes = [f"{model} (none in the scene)" for model in BALANCERS if model not in facts.models]
-    if not facts.exchanging:
-        notes.append(
-            "force exchange (the liquid acts as added mass alone)"
-            if len(facts.models) > 1
-            else "force exchange (no balancer)"
-        )
-        notes.append("corrector passes and rollback")
-    elif not facts.rolls_back:
-        notes.append("corrector passes and rollback (explicit scheme)")
-    if facts.exchanging and facts.order < 3:
-        notes.append("slopes of the signals" if facts.order == 0 else "second derivatives")
-    if facts.constant_speed:
-        notes.append("variable speed")
-    if facts.isotropic:
-        notes.append("second axis of the rotor (isotropic: complex system of half the size)")
-    if not recorded:
-        notes.append("recording")
-    return notes
 
 
 def events(facts: Facts) -> list[str]:

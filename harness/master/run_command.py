@@ -8,49 +8,35 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from ..errors import UserError
-from ..output.terminal import console, progress_bars, ready_to_write, say, say_facts
+from ..output import options
+from ..output.table import Sheet
+from ..output.terminal import progress_bar, say, say_facts, show
 
 if TYPE_CHECKING:
-    from rich.table import Table
-
     from ..scene import Scene
     from .result import Result
 
 
 def command(
-    scene: Annotated[str, typer.Argument(help="Scene file, or the name of a bundled scene.")],
+    scene: Annotated[str, options.SCENE],
     output: Annotated[
-        Path | None,
-        typer.Option("--output", "-o", metavar="FILE.csv", help="Write the signals as CSV."),
+        Path | None, options.output(".csv", "Write the signals as CSV.", "--output", "-o")
     ] = None,
-    plot: Annotated[
-        Path | None, typer.Option(metavar="FILE.png", help="Draw the signals (png, svg, pdf).")
-    ] = None,
-    changes: Annotated[
-        list[str] | None,
-        typer.Option("--set", metavar="KEY=VALUE", help="Replace a value: rotor.unbalance=0.1"),
-    ] = None,
+    plot: Annotated[Path | None, options.picture("Draw the signals (png, svg, pdf).")] = None,
+    changes: Annotated[list[str] | None, options.changes("rotor.unbalance=0.1")] = None,
     fmus: Annotated[
         Path | None, typer.Option(metavar="DIR", help="Use the FMUs there, build none.")
     ] = None,
 ) -> None:
     """Run a scene by co-simulation."""
-    from ..output.files import picture_format
     from .cosimulation import cosimulate
 
-    ready_to_write(output)
-    ready_to_write(plot)
-    if plot is not None:
-        picture_format(plot)
     loaded = changed_scene(scene, changes)
     if fmus is not None and not fmus.is_dir():
         raise UserError(f"{fmus}: is not a directory with FMUs")
-    with progress_bars() as bars:
-        task = bars.add_task(f"running {loaded.name}", total=1.0)
-        result = cosimulate(
-            loaded, fmus=fmus, progress=lambda done: bars.update(task, completed=done)
-        )
-    console().print(summary(result))
+    with progress_bar(f"running {loaded.name}") as progress:
+        result = cosimulate(loaded, fmus=fmus, progress=progress)
+    show(summary(result))
     say_facts(result.units, result.left_out)
     say(
         f"{result.steps} steps, {result.passes} passes, {sum(result.calls.values())} FMI calls in "
@@ -96,18 +82,12 @@ def parse_change(text: str) -> tuple[str, Any]:
         ) from error
 
 
-def summary(result: Result) -> Table:
+def summary(result: Result) -> Sheet:
     """Smallest, largest and last value of every signal."""
-    from rich.markup import escape
-    from rich.table import Table
-
-    table = Table(title=escape(result.scene_title or "run"), title_justify="left")
-    table.add_column("signal")
-    table.add_column("unit")
-    for column in ("smallest", "largest", "at the end"):
-        table.add_column(column, justify="right")
+    rows = []
     for name, values in {"time": result.time, **result.signals}.items():
         unit = "s" if name == "time" else result.signal_units.get(name, "")
         numbers = (values.min(), values.max(), values[-1])
-        table.add_row(escape(name), unit, *(f"{number:.6g}" for number in numbers))
-    return table
+        rows.append([name, unit, *(f"{number:.6g}" for number in numbers)])
+    columns = ("signal", "unit", "smallest", "largest", "at the end")
+    return Sheet(columns, rows, "llrrr", result.scene_title or "run")

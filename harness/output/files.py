@@ -1,8 +1,10 @@
-"""Files that appear complete or not at all, and the formats of pictures."""
+"""Files that appear complete or not at all, formats of pictures, and JSON."""
 
 from __future__ import annotations
 
 import contextlib
+import json
+import math
 import os
 import tempfile
 from collections.abc import Iterator
@@ -67,3 +69,27 @@ def _permissions(target: Path) -> int:
     umask = os.umask(0)
     os.umask(umask)
     return 0o666 & ~umask
+
+
+def plain(value: Any) -> Any:
+    """Numbers that JSON has no word for as text; NumPy scalars as Python's."""
+    if hasattr(value, "item"):
+        value = value.item()
+    if isinstance(value, float) and not math.isfinite(value):
+        return str(value)
+    if isinstance(value, dict):
+        return {key: plain(item) for key, item in value.items()}
+    if isinstance(value, (list, tuple)):
+        return [plain(item) for item in value]
+    return value
+
+
+def write_json(document: Any, path: Path) -> None:
+    """Write a document as JSON, completely or not at all.
+
+    Raises:
+        UserError: the file cannot be written.
+    """
+    with write_whole(path) as stream:
+        json.dump(plain(document), stream, indent=2, ensure_ascii=False, allow_nan=False)
+        stream.write("\n")

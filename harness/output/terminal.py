@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 import sys
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -14,6 +14,8 @@ from ..errors import UserError
 if TYPE_CHECKING:
     from rich.console import Console
     from rich.progress import Progress
+
+    from .table import Sheet
 
 PIPED_WIDTH = 160  # columns of a table that no terminal limits
 
@@ -39,6 +41,23 @@ def progress_bars() -> Iterator[Progress]:
         *columns, console=screen, transient=True, disable=not screen.is_terminal
     ) as progress:
         yield progress
+
+
+@contextmanager
+def progress_bar(words: str) -> Iterator[Callable[..., None]]:
+    """One bar, moved by a call with the finished fraction and, if they change, new words for it."""
+    with progress_bars() as bars:
+        task = bars.add_task(words, total=1.0)
+
+        def move(fraction: float, words: str | None = None) -> None:
+            bars.update(task, completed=fraction, description=words)
+
+        yield move
+
+
+def show(sheet: Sheet) -> None:
+    """A table on standard output."""
+    console().print(sheet.rich())
 
 
 def say(text: str, style: str = "", error: bool = False) -> None:

@@ -7,7 +7,9 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from ..output.terminal import console, progress_bars, ready_to_write, say
+from ..output import options
+from ..output.files import write_json, write_whole
+from ..output.terminal import progress_bar, say, show
 
 if TYPE_CHECKING:
     from .measure import Precision
@@ -23,25 +25,18 @@ def command(
         str, typer.Argument(metavar="[SCENE]", help="Scene file or bundled name.")
     ] = "two_balls",
     output: Annotated[
-        Path | None,
-        typer.Option("--output", "-o", metavar="FILE.png", help="Draw it (png, svg, pdf)."),
+        Path | None, options.picture("Draw it (png, svg, pdf).", "--output", "-o")
     ] = None,
     csv_file: Annotated[
-        Path | None, typer.Option("--csv", metavar="FILE", help="Also write the rows as CSV.")
+        Path | None, options.output("", "Also write the rows as CSV.", "--csv")
     ] = None,
-    json_file: Annotated[
-        Path | None, typer.Option("--json", metavar="FILE", help="Also write the rows as JSON.")
-    ] = None,
-    markdown_file: Annotated[
-        Path | None, typer.Option("--markdown", metavar="FILE", help="Also write the tables.")
-    ] = None,
+    json_file: Annotated[Path | None, options.json("the rows")] = None,
+    markdown_file: Annotated[Path | None, options.markdown("the tables")] = None,
     seconds: Annotated[
         float, typer.Option(min=1.0, help="About how long the measuring may take.")
     ] = 75.0,
 ) -> None:
     """Measure what each digit costs: every scheme, order and step, and SciPy's methods."""
-    from ..checks.report import write_json
-    from ..output.files import picture_format, write_whole
     from ..scene import load_scene
     from .measure import precision
     from .report import (
@@ -56,22 +51,13 @@ def command(
         write_csv,
     )
 
-    for path in (output, csv_file, json_file, markdown_file):
-        ready_to_write(path)
-    if output is not None:
-        picture_format(output)
     loaded = load_scene(scene)
-    with progress_bars() as bars:
-        task = bars.add_task(f"measuring {loaded.name}", total=1.0)
-        found = precision(
-            loaded,
-            seconds=seconds,
-            progress=lambda part, what: bars.update(task, completed=part, description=what),
-        )
-        bars.update(task, description="where the time goes")
+    with progress_bar(f"measuring {loaded.name}") as move:
+        found = precision(loaded, seconds=seconds, progress=lambda what, done: move(done, what))
+        move(1.0, "where the time goes")
         splits = _splits(found)
-    console().print(table(found))
-    console().print(split_table(splits))
+    show(table(found))
+    show(split_table(splits))
     say(reference_words(found))
     say(machine())
     if csv_file is not None:

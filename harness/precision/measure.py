@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 import time as clock
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -17,6 +17,7 @@ import numpy as np
 from ...models.reference.trajectory import Trajectory
 from ..errors import SimulationError
 from ..master.recorder import recorded
+from ..output.workers import ItemProgress
 from ..scene import Scene
 from ..scene.balancer import LiquidBalancer
 from .methods import Method, coupling_methods, failure, monolith_methods, ready
@@ -31,8 +32,6 @@ SHARE = 1 / 90  # of the time given, that one run may take; what takes longer is
 SHARE_CUBIC = 1 / 45  # the same where small errors are to be had
 FINER = 1.5  # how much longer than the one before it a run takes, with smaller steps
 LIBCOSIM_STEPS = (20, 40, 80, 160)
-
-Progress = Callable[[float, str], None]
 
 
 @dataclass(frozen=True)
@@ -97,14 +96,14 @@ def precision(
     *,
     seconds: float = 75.0,
     methods: Sequence[Method] | None = None,
-    progress: Progress | None = None,
+    progress: ItemProgress | None = None,
 ) -> Precision:
     """Measure a scene.
 
     Args:
         seconds: about how long all of it may take; methods too slow for it are left out by name.
         methods: by default every one there is.
-        progress: called with the finished fraction and what is being done.
+        progress: called with what is being done, and the finished fraction.
 
     Raises:
         SimulationError: the reference methods disagree, so that no error can be told.
@@ -112,7 +111,7 @@ def precision(
     """
     names = tuple(recorded(scene))
     chosen = list(methods) if methods is not None else all_methods(scene)
-    bench = _Bench(scene, names, seconds, progress or (lambda _part, _what: None))
+    bench = _Bench(scene, names, seconds, progress or (lambda _what, _part: None))
     try:
         bench.warm_up(chosen)
         right, own = right_motion(scene, names, [run.time for run in bench.first.values()])
@@ -137,7 +136,7 @@ class _Bench:
     """All methods made ready, warmed up once, then timed in turns."""
 
     def __init__(
-        self, scene: Scene, names: Sequence[str], seconds: float, progress: Progress
+        self, scene: Scene, names: Sequence[str], seconds: float, progress: ItemProgress
     ) -> None:
         self._scene, self._names, self._progress = scene, names, progress
         self._begun, self._seconds = clock.perf_counter(), seconds
@@ -150,7 +149,7 @@ class _Bench:
         """Load and run every method once; the runs give the errors."""
         slowest: dict[str, float] = {}
         for number, method in enumerate(methods):
-            self._progress(0.5 * number / len(methods), f"{method.family}, {method.setting}")
+            self._progress(f"{method.family}, {method.setting}", 0.5 * number / len(methods))
             before, share = slowest.get(method.family, 0.0), SHARE
             if method.order not in (0, 1):
                 share = SHARE_CUBIC
@@ -178,7 +177,7 @@ class _Bench:
             begun = clock.perf_counter()
             for number, (method, runner) in enumerate(self._ready.items()):
                 used = (done + number / len(self._ready)) / MOST_ROUNDS
-                self._progress(0.5 + 0.5 * used, f"round {done + 1}")
+                self._progress(f"round {done + 1}", 0.5 + 0.5 * used)
                 run = runner.run()
                 self.best[method] = min(self.best.get(method, math.inf), run.seconds)
             done += 1

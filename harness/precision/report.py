@@ -2,25 +2,22 @@
 
 from __future__ import annotations
 
-import csv
 import platform
 from collections.abc import Iterable, Sequence
 from importlib.metadata import version
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
-from ..output.files import write_whole
+from ..output.table import Sheet
 from .measure import TARGETS, TWO_DECADES, Point, Precision
 from .methods import ALONG_FIXED_AXES
 from .time_shares import Split
-
-if TYPE_CHECKING:
-    from rich.table import Table
 
 KEYS = (
     "scene", "method", "order", "steps_per_rev", "corrections", "tolerance",
     "error", "seconds", "status",
 )  # fmt: skip
+SHARES = ("steps", "FMI calls", "us a step", "rotor", "balancers", "master")
 PACKAGES = ("numpy", "scipy", "fmpy", "pythonfmu")
 
 
@@ -51,39 +48,32 @@ def write_csv(found: Precision, path: Path) -> None:
     Raises:
         UserError: the file cannot be written.
     """
-    with write_whole(path) as stream:
-        writer = csv.writer(stream, lineterminator="\n")
-        writer.writerow([*KEYS, "error_at_end", "error_of_rotor", "work"])
-        for point in found.points:
-            writer.writerow([*row(point).values(), point.at_end, point.rotor, point.work])
+    rows = [[*row(point).values(), point.at_end, point.rotor, point.work] for point in found.points]
+    Sheet((*KEYS, "error_at_end", "error_of_rotor", "work"), rows).write_csv(path)
 
 
-def table(found: Precision) -> Table:
-    """Every point for the terminal, families apart."""
-    from rich.markup import escape
-    from rich.table import Table
-
-    grid = Table(title=f"Error against run time: {escape(found.scene.name)}", title_justify="left")
-    for column in ("method", "step or tolerance", "error", "at the end", "ms", "order", "status"):
-        right = column in ("error", "at the end", "ms", "order")
-        grid.add_column(column, justify="right" if right else "left", overflow="fold")
+def table(found: Precision) -> Sheet:
+    """Every point, families apart."""
+    rows = []
     last = None
     for point in _without_repeats(found.points):
-        family = point.method.family
-        if last not in (None, family):
-            grid.add_section()
-        order = found.orders.get(family)
-        grid.add_row(
-            escape(family) if family != last else "",
-            point.method.setting,
-            _number(point.error),
-            _number(point.at_end),
-            "-" if point.seconds is None else f"{1e3 * point.seconds:.1f}",
-            "" if family == last else "-" if order is None else f"{order:.1f}",
-            escape(point.status),
+        family, order = point.method.family, found.orders.get(point.method.family)
+        first = family != last
+        rows.append(
+            [
+                family if first else "",
+                point.method.setting,
+                _number(point.error),
+                _number(point.at_end),
+                "-" if point.seconds is None else f"{1e3 * point.seconds:.1f}",
+                "" if not first else "-" if order is None else f"{order:.1f}",
+                point.status,
+            ]
         )
         last = family
-    return grid
+    columns = ("method", "step or tolerance", "error", "at the end", "ms", "order", "status")
+    title = f"Error against run time: {found.scene.name}"
+    return Sheet(columns, rows, "llrrrrl", title, grouped=True)
 
 
 def _without_repeats(points: Sequence[Point]) -> Iterable[Point]:
@@ -101,27 +91,21 @@ def _number(value: float | None) -> str:
     return "-" if value is None else f"{value:.1e}"
 
 
-def split_table(splits: Sequence[Split]) -> Table:
+def split_table(splits: Sequence[Split]) -> Sheet:
     """Where the time goes."""
-    from rich.table import Table
+    rows = [[s.method.family, s.method.setting, *_shares(s)] for s in splits]
+    columns = ("method", "step or tolerance", *SHARES)
+    return Sheet(columns, rows, "llrrrrrr", "Where the time goes")
 
-    grid = Table(title="Where the time goes", title_justify="left")
-    for column in ("method", "step or tolerance", "steps", "FMI calls", "us a step", "rotor",
-                   "balancers", "master"):  # fmt: skip
-        grid.add_column(
-            column, justify="left" if column.startswith(("meth", "step or")) else "right"
-        )
-    for split in splits:
-        shares = [split.rotor, split.balancers, split.master]
-        grid.add_row(
-            split.method.family,
-            split.method.setting,
-            str(split.steps),
-            str(split.calls),
-            f"{1e6 * split.total / split.steps:.0f}",
-            *(f"{part / split.total:.0%}" for part in shares),
-        )
-    return grid
+
+def _shares(split: Split) -> list[str]:
+    parts = (split.rotor, split.balancers, split.master)
+    return [
+        str(split.steps),
+        str(split.calls),
+        f"{1e6 * split.total / split.steps:.0f}",
+        *(f"{part / split.total:.0%}" for part in parts),
+    ]
 
 
 def reference_words(found: Precision) -> str:
@@ -193,30 +177,9 @@ def machine() -> str:
 
 def markdown(found: Precision, splits: Sequence[Split]) -> str:
     """Everything as Markdown."""
-    lines = [f"### {found.scene.name}", "", reference_words(found), ""]
-    lines += ["| method | step or tolerance | error | at the end | ms | order | status |"]
-    lines += ["|---|---|---:|---:|---:|---:|---|"]
-    last = None
-    for point in _without_repeats(found.points):
-        family, order = point.method.family, found.orders.get(point.method.family)
-        cells = [
-            family if family != last else "",
-            point.method.setting,
-            _number(point.error),
-            _number(point.at_end),
-            "-" if point.seconds is None else f"{1e3 * point.seconds:.1f}",
-            "" if family == last else "-" if order is None else f"{order:.1f}",
-            point.status,
-        ]
-        lines.append(f"| {' | '.join(cells)} |")
-        last = family
-    lines += ["", "| where the time goes | steps | FMI calls | us a step | rotor | balancers |"
-              " master |", "|---|---:|---:|---:|---:|---:|---:|"]  # fmt: skip
-    for s in splits:
-        shares = " | ".join(f"{part / s.total:.0%}" for part in (s.rotor, s.balancers, s.master))
-        lines.append(
-            f"| {s.method.family}, {s.method.setting} | {s.steps} | {s.calls} | "
-            f"{1e6 * s.total / s.steps:.0f} | {shares} |"
-        )
+    rows = [[f"{s.method.family}, {s.method.setting}", *_shares(s)] for s in splits]
+    shares = Sheet(("where the time goes", *SHARES), rows, "lrrrrrr")
     compared = [comparison_words(found), ""] if comparison_words(found) else []
-    return "\n".join([*lines, "", *compared, cheapest_words(found), ""])
+    lines = [f"### {found.scene.name}", "", reference_words(found), "", table(found).markdown()]
+    lines += ["", shares.markdown(), "", *compared, cheapest_words(found), ""]
+    return "\n".join(lines)

@@ -20,6 +20,7 @@ from ..master import facts
 from ..master.cosimulation import CoSimulation
 from ..master.recorder import Recorder, recorded
 from ..master.resolution import REFUSED, SAID
+from ..output.table import Sheet
 from ..scene import Scene, load_scene
 from ..scene.balancer import WeightBalancer
 from ..stress.case import STATES, TOO_COARSE, deviation
@@ -96,11 +97,10 @@ def judge(name: str, spin: float, steps: int) -> Judged:
 def table(rows: Iterable[Judged]) -> str:
     """How many runs of which real error got which verdict, as Markdown."""
     counted = Counter((_class(row.error), row.verdict) for row in rows)
-    lines = [f"| real error | {' | '.join(VERDICTS)} |", "|---|" + "---:|" * len(VERDICTS)]
-    for name in (*(label for _, label in CLASSES), "above 100 %", "no end"):
-        cells = [str(counted[name, verdict] or "-") for verdict in VERDICTS]
-        lines.append(f"| {name} | {' | '.join(cells)} |")
-    return "\n".join(lines)
+    names = (*(label for _, label in CLASSES), "above 100 %", "no end")
+    cells = [[n, *(str(counted[n, verdict] or "-") for verdict in VERDICTS)] for n in names]
+    columns = ("real error", *VERDICTS)
+    return Sheet(columns, cells, "l" + "r" * len(VERDICTS)).markdown()
 
 
 def _class(error: float | None) -> str:

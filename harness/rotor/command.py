@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -9,60 +10,43 @@ import typer
 
 from ..errors import UserError
 from ..master.run_command import changed_scene
-from ..output.terminal import console, progress_bars, ready_to_write, say
+from ..output import options
+from ..output.files import write_json
+from ..output.table import Sheet
+from ..output.terminal import progress_bars, say, show
 
 if TYPE_CHECKING:
-    from rich.table import Table
-
     from ...models.linear.modes import Modes
     from ..scene import Scene
 
 
 def command(
-    scene: Annotated[str, typer.Argument(help="Scene file, or the name of a bundled scene.")],
+    scene: Annotated[str, options.SCENE],
     campbell: Annotated[
-        Path | None,
-        typer.Option(metavar="FILE.png", help="Natural frequencies and damping against speed."),
+        Path | None, options.picture("Natural frequencies and damping against speed.")
     ] = None,
     response: Annotated[
-        Path | None,
-        typer.Option(metavar="FILE.png", help="Amplitude and phase by unbalance against speed."),
+        Path | None, options.picture("Amplitude and phase by unbalance against speed.")
     ] = None,
-    orbit: Annotated[
-        Path | None, typer.Option(metavar="FILE.png", help="Orbits of the stations.")
-    ] = None,
-    run_up: Annotated[
-        Path | None, typer.Option(metavar="FILE.png", help="Displacement while the speed rises.")
-    ] = None,
+    orbit: Annotated[Path | None, options.picture("Orbits of the stations.")] = None,
+    run_up: Annotated[Path | None, options.picture("Displacement while the speed rises.")] = None,
     limits: Annotated[
         tuple[float, float] | None,
         typer.Option("--range", metavar="LOW HIGH", help="Speeds of the pictures [rad/s]."),
     ] = None,
-    changes: Annotated[
-        list[str] | None,
-        typer.Option("--set", metavar="KEY=VALUE", help="Replace a value: rotor.mass=3.0"),
-    ] = None,
-    json_file: Annotated[
-        Path | None, typer.Option("--json", metavar="FILE", help="Also write the modes as JSON.")
-    ] = None,
+    changes: Annotated[list[str] | None, options.changes("rotor.mass=3.0")] = None,
+    json_file: Annotated[Path | None, options.json("the modes")] = None,
 ) -> None:
     """Modes and critical speeds of a scene's rotor, and pictures of its motion."""
-    from ..checks.report import write_json
-    from ..output.files import picture_format
     from .study import modes_at, speed_range
 
     wanted = {"campbell": campbell, "response": response, "orbit": orbit, "run-up": run_up}
-    for path in [*wanted.values(), json_file]:
-        ready_to_write(path)
-    for path in wanted.values():
-        if path is not None:
-            picture_format(path)
     loaded = changed_scene(scene, changes)
     low, high = limits or speed_range(loaded)
     if not 0.0 < low < high:
         raise UserError(f"--range {low:g} {high:g}: must be two speeds [rad/s], 0 < LOW < HIGH")
     found = modes_at(loaded)
-    console().print(modes_table(loaded, found))
+    show(modes_table(loaded, found))
     facts = critical_facts(loaded)
     for line in facts["lines"]:
         say(line)
@@ -93,24 +77,17 @@ def _draw(kind: str, scene: Scene, low: float, high: float, path: Path) -> None:
         rotor_motion.plot_run_up(rotor_study.run_up_of(scene, low, high), path)
 
 
-def modes_table(scene: Scene, found: Modes) -> Table:
+def modes_table(scene: Scene, found: Modes) -> Sheet:
     """Natural frequency, damping and whirl of every mode."""
-    from rich.markup import escape
-    from rich.table import Table
-
-    table = Table(
-        title=escape(f"{scene.title or scene.name}: rotor alone at {found.speed:g} rad/s"),
-        title_justify="left",
-    )
-    for column in ("mode", "frequency [rad/s]", "[Hz]", "damping ratio [1]"):
-        table.add_column(escape(column), justify="right")
-    table.add_column("whirl")
-    rows = zip(found.natural_frequencies, found.damping_ratios, found.directions, strict=True)
-    for number, (frequency, damping, direction) in enumerate(rows, start=1):
-        hertz = frequency / 6.283185307179586
+    modes = zip(found.natural_frequencies, found.damping_ratios, found.directions, strict=True)
+    rows = []
+    for number, (frequency, damping, direction) in enumerate(modes, start=1):
         shown = direction if damping >= 0.0 else f"{direction}, UNSTABLE"
-        table.add_row(str(number), f"{frequency:.6g}", f"{hertz:.5g}", f"{damping:.4g}", shown)
-    return table
+        hertz = frequency / math.tau
+        rows.append([str(number), f"{frequency:.6g}", f"{hertz:.5g}", f"{damping:.4g}", shown])
+    columns = ("mode", "frequency [rad/s]", "[Hz]", "damping ratio [1]", "whirl")
+    title = f"{scene.title or scene.name}: rotor alone at {found.speed:g} rad/s"
+    return Sheet(columns, rows, "rrrrl", title)
 
 
 def critical_facts(scene: Scene) -> dict[str, Any]:

@@ -27,7 +27,7 @@ from ...models.linear.balanced import CannotBalance
 from ...models.linear.boundaries import Crossing, critical_speeds
 from ...models.stability import growth_rates
 from ..errors import UserError
-from ..output.workers import spread
+from ..output.workers import Progress, Workers, in_order
 from ..scene import Scene
 from .main_motion import MainMotion, NoMainMotion
 
@@ -38,7 +38,6 @@ SCAN = 60  # intervals of a co-simulated scan, unless other methods say where to
 NEAR = 2e-3  # relative distance from a guess at which the co-simulation is asked: it errs by less
 _PARTS = 8  # of a scan, so that progress is seen
 
-Progress = Callable[[float], None]
 Side = Literal["stable", "unstable"]
 
 
@@ -106,7 +105,7 @@ def speeds(
     narrowest: float | None = None,
     scan: int = SCAN,
     steps: int | None = None,
-    workers: int = 1,
+    workers: Workers = 1,
     progress: Progress | None = None,
 ) -> Speeds:
     """Every speed within a range at which balancing begins or ends, by each method.
@@ -120,8 +119,8 @@ def speeds(
         narrowest: width of a band that Floquet must not miss [rad/s]; a thousandth of the range.
         scan: intervals of the co-simulation's own scan: narrower bands can be missed.
         steps: communication steps a revolution; by default the scene's.
-        workers: processes for the co-simulation; a script that asks for more than one needs
-            `if __name__ == "__main__":`.
+        workers: processes for the co-simulation, or an executor; a script that asks for more than
+            one process needs `if __name__ == "__main__":`.
         progress: called with the finished fraction of the co-simulation.
 
     Raises:
@@ -202,19 +201,19 @@ def _by_units(
     method: str,
     nodes: NDArray,
     steps: int | None,
-    workers: int,
+    workers: Workers,
     progress: Progress | None,
 ) -> None:
-    parts = min(_PARTS, max(1, (len(nodes) - 1) // 2)) if workers > 1 else 1
+    parts = 1 if workers == 1 else min(_PARTS, max(1, (len(nodes) - 1) // 2))
     cuts = np.linspace(0, len(nodes) - 1, parts + 1).astype(int)
     jobs = [
         _Job(scene, method, tuple(map(float, nodes[a : b + 1])), steps) for a, b in pairwise(cuts)
     ]
     try:
         # within this process progress is told by every speed, across processes by every part
-        inner = progress if workers < 2 else None
+        inner = progress if workers == 1 else None
         work = functools.partial(_search, progress=inner) if inner else _search
-        found = spread(work, jobs, workers, None if inner else progress)
+        found = in_order(work, jobs, workers, None if inner else progress)
     except NoMainMotion as error:
         result.refused[method] = str(error)
         return

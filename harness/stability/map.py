@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -15,15 +15,13 @@ from ...models.criteria import Criterion
 from ...models.stability import growth_map
 from ..errors import SimulationError, UserError
 from ..output.files import write_whole
-from ..output.workers import spread
+from ..output.workers import Progress, Workers, in_order
 from ..scene import Scene
 from .axis import SPEED, Axis
 from .main_motion import MainMotion
 
 _ROWS = 8  # values of the slower axis a batch, so that progress is seen
 _PLASTIC = 1.324717957244746  # its powers spread points evenly over a square
-
-Progress = Callable[[float], None]
 
 
 @dataclass(frozen=True)
@@ -100,14 +98,14 @@ def stability_map(
     y: Axis,
     *,
     cosim: int = 0,
-    workers: int = 1,
+    workers: Workers = 1,
     progress: Progress | None = None,
 ) -> StabilityMap:
     """Growth rates by Floquet over two parameters, and by co-simulation at some points.
 
     Args:
         cosim: how many points of the grid, spread evenly, are also co-simulated.
-        workers: processes; a script that asks for more than one needs
+        workers: processes, or an executor; a script that asks for more than one needs
             `if __name__ == "__main__":`.
         progress: called with the finished fraction.
 
@@ -123,7 +121,7 @@ def stability_map(
             progress(done)
 
     jobs = list(_jobs(scene, x, y))
-    parts = spread(_strip, jobs, workers, lambda done: report(share * done))
+    parts = in_order(_strip, jobs, workers, lambda done: report(share * done))
     growth = np.vstack([part[0] for part in parts])
     criterion = np.vstack([part[1] for part in parts])
     if jobs[0].transposed:
@@ -132,7 +130,7 @@ def stability_map(
     if cosim:
         places = grid_points(cosim, len(x.values), len(y.values))
         work = [(scene, {x.path: x.values[i], y.path: y.values[j]}) for i, j in places]
-        rates = spread(_measure, work, workers, lambda done: report(0.5 + 0.5 * done))
+        rates = in_order(_measure, work, workers, lambda done: report(0.5 + 0.5 * done))
         points = [Point(*place, *rate) for place, rate in zip(places, rates, strict=True)]
     applies = bool(np.isfinite(criterion).any())
     return StabilityMap(

@@ -9,7 +9,8 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from ..errors import UserError
-from ..output.terminal import progress_bars, ready_to_write, say
+from ..output import options
+from ..output.terminal import progress_bar, ready_to_write, say
 
 if TYPE_CHECKING:
     from .map import StabilityMap
@@ -18,30 +19,25 @@ AXIS = "PATH=LOW:HIGH:N[:log]"
 
 
 def command(
-    scene: Annotated[str, typer.Argument(help="Scene file, or the name of a bundled scene.")],
+    scene: Annotated[str, options.SCENE],
     x: Annotated[str, typer.Option(metavar=AXIS, help="Such as speed=0.5:12:100 (rad/s).")],
     y: Annotated[str, typer.Option(metavar=AXIS, help="Such as weights.drag=1e-4:1:100:log.")],
     output: Annotated[
-        Path | None,
-        typer.Option("--output", "-o", metavar="FILE.png", help="Picture (png, svg, pdf)."),
+        Path | None, options.picture("Picture (png, svg, pdf).", "--output", "-o")
     ] = None,
-    csv: Annotated[Path | None, typer.Option(metavar="FILE.csv", help="Every point.")] = None,
+    csv: Annotated[Path | None, options.output(".csv", "Every point.")] = None,
     cosim: Annotated[
         int, typer.Option(min=0, metavar="K", help="Co-simulate K points of the map, too.")
     ] = 0,
 ) -> None:
     """Draw where balancing is stable over two parameters, by criterion, Floquet and the units."""
-    from ..output.files import picture_format
     from ..scene import load_scene
     from .axis import Axis
     from .map import stability_map
 
     if output is None and csv is None:
         output = Path("map.png")
-    ready_to_write(output)
-    ready_to_write(csv)
-    if output is not None:
-        picture_format(output)
+        ready_to_write(output)
     axes = []
     for option, text in (("--x", x), ("--y", y)):
         try:
@@ -49,14 +45,13 @@ def command(
         except UserError as error:
             raise UserError(f"{option} {error}") from error
     loaded = load_scene(scene)
-    with progress_bars() as bars:
-        task = bars.add_task(f"mapping {loaded.name}", total=1.0)
+    with progress_bar(f"mapping {loaded.name}") as progress:
         data = stability_map(
             loaded,
             *axes,
             cosim=cosim,
             workers=os.cpu_count() or 1,
-            progress=lambda done: bars.update(task, completed=done),
+            progress=progress,
         )
     _say(data)
     if cosim:

@@ -9,11 +9,12 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from ..errors import UserError
-from ..output.terminal import console, progress_bars, ready_to_write, say
+from ..output import options
+from ..output.files import write_json
+from ..output.table import GOOD, Sheet
+from ..output.terminal import progress_bar, say, show
 
 if TYPE_CHECKING:
-    from rich.table import Table
-
     from ..scene import Scene
     from .boundaries import Speeds
 
@@ -21,16 +22,14 @@ DEFAULT = "criterion,floquet,cosim"
 
 
 def command(
-    scene: Annotated[str, typer.Argument(help="Scene file, or the name of a bundled scene.")],
+    scene: Annotated[str, options.SCENE],
     range_: Annotated[
         tuple[float, float], typer.Option("--range", metavar="LOW HIGH", help="Speeds [rad/s].")
     ],
     method: Annotated[
         str, typer.Option(help="criterion, floquet, cosim, cosim-run; several with commas.")
     ] = DEFAULT,
-    json_file: Annotated[
-        Path | None, typer.Option("--json", metavar="FILE", help="Also write the speeds as JSON.")
-    ] = None,
+    json_file: Annotated[Path | None, options.json("the speeds")] = None,
     scan: Annotated[
         int, typer.Option(min=2, help="Intervals of a co-simulated scan when Floquet is not asked.")
     ] = 60,
@@ -40,16 +39,13 @@ def command(
     ] = None,
 ) -> None:
     """Find the speeds at which balancing begins or ends."""
-    from ..checks.report import write_json
     from ..scene import load_scene
     from .boundaries import speeds
 
-    ready_to_write(json_file)
     if narrowest is not None and not narrowest > 0.0:
         raise UserError(f"--narrowest {narrowest:g} rad/s: must be positive")
     loaded = load_scene(scene)
-    with progress_bars() as bars:
-        task = bars.add_task(f"critical speeds of {loaded.name}", total=1.0)
+    with progress_bar(f"critical speeds of {loaded.name}") as progress:
         found = speeds(
             loaded,
             range_,
@@ -57,9 +53,9 @@ def command(
             narrowest=narrowest,
             scan=scan,
             workers=os.cpu_count() or 1,
-            progress=lambda done: bars.update(task, completed=done),
+            progress=progress,
         )
-    console().print(table(found, loaded.title or loaded.name))
+    show(table(found, loaded.title or loaded.name))
     for name, side in found.lowest.items():
         throughout = "" if found.methods[name] else ", and up to its end"
         say(f"{name}: {side} at the low end of the range{throughout}")
@@ -74,30 +70,28 @@ def command(
         write_json(found.as_json(), json_file)
 
 
-def table(found: Speeds, title: str) -> Table:
+def table(found: Speeds, title: str) -> Sheet:
     """Crossings by method; what the methods hold for the same one stands in one row."""
-    from rich.markup import escape
-    from rich.table import Table
-
     low, high = found.range
-    grid = Table(
-        title=escape(f"{title}: critical speeds from {low:g} to {high:g} rad/s"),
-        title_justify="left",
-    )
-    for column in ("", "above it", *(f"{name} [rad/s]" for name in found.methods)):
-        grid.add_column(column, justify="right" if "[" in column else "left")
     both = "floquet" in found.methods and "cosim" in found.methods
-    if both:
-        grid.add_column("cosim - floquet", justify="right")
+    columns = ["", "above it", *(f"{name} [rad/s]" for name in found.methods)]
+    rows = []
     for number, row in enumerate(found.rows(), start=1):
         above = next(iter(row.values())).above
         cells = [f"{row[name].speed:.8g}" if name in row else "-" for name in found.methods]
         if both:
             pair = "floquet" in row and "cosim" in row
             cells.append(f"{row['cosim'].speed - row['floquet'].speed:.1e}" if pair else "-")
-        colour = "green" if above == "stable" else "red"
-        grid.add_row(str(number), f"[{colour}]{above}[/{colour}]", *cells)
-    return grid
+        rows.append([str(number), above, *cells])
+    if both:
+        columns.append("cosim - floquet")
+    return Sheet(
+        columns,
+        rows,
+        "ll" + "r" * (len(columns) - 2),
+        f"{title}: critical speeds from {low:g} to {high:g} rad/s",
+        {"above it": {"stable": GOOD, "unstable": "red"}},
+    )
 
 
 def _looked(found: Speeds, scan: int) -> str:

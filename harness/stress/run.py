@@ -5,19 +5,14 @@ from __future__ import annotations
 import os
 import time
 import warnings
-from collections.abc import Callable, Sequence
-from concurrent.futures import ProcessPoolExecutor, as_completed
+from collections.abc import Sequence
 from dataclasses import asdict, dataclass
-from multiprocessing import get_context
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
-from .case import Outcome
-from .cases import all_cases
-
-if TYPE_CHECKING:
-    from rich.table import Table
-
-Progress = Callable[[int, int, str], None]
+from ..output.table import BAD, GOOD, Sheet
+from ..output.workers import ItemProgress, Workers, as_they_come
+from . import cases_angles, cases_rotor, cases_shafts, cases_weights
+from .case import Case, Outcome
 
 
 @dataclass(frozen=True)
@@ -29,6 +24,12 @@ class StressRow:
     outcome: str
     holds: bool
     seconds: float
+
+
+def all_cases() -> dict[str, Case]:
+    """Every case in order, by name."""
+    parts = (cases_rotor, cases_weights, cases_shafts, cases_angles)
+    return {case.name: case for part in parts for case in part.cases()}
 
 
 def run_case(name: str) -> StressRow:
@@ -47,30 +48,26 @@ def run_case(name: str) -> StressRow:
     return StressRow(case.name, case.expected, outcome.text, holds, seconds)
 
 
-def stress(names: Sequence[str] | None = None, progress: Progress | None = None) -> list[StressRow]:
-    """Run cases in as many processes as there are cores; rows in the cases' order.
+def stress(
+    names: Sequence[str] | None = None,
+    progress: ItemProgress | None = None,
+    workers: Workers | None = None,
+) -> list[StressRow]:
+    """Run cases; rows in the cases' order.
 
     Args:
-        names: of `stress.cases.all_cases`; by default all.
-        progress: called with how many are done, how many there are, and the one just done.
+        names: of `all_cases`; by default all.
+        progress: called with the case just done, and the finished fraction.
+        workers: processes, by default as many as there are cores, or an executor.
     """
     names = list(all_cases() if names is None else names)
-    workers = min(len(names), os.cpu_count() or 1)
-    if workers < 2:
-        return [run_case(name) for name in names]
-    rows: dict[str, StressRow] = {}
-    context = get_context("spawn")  # threads of numerical libraries do not survive a fork
-    with ProcessPoolExecutor(workers, context) as pool:
-        try:
-            for future in as_completed([pool.submit(run_case, name) for name in names]):
-                row = future.result()
-                rows[row.case] = row
-                if progress:
-                    progress(len(rows), len(names), row.case)
-        except BaseException:
-            pool.shutdown(wait=False, cancel_futures=True)
-            raise
-    return [rows[name] for name in names]
+    rows: dict[int, StressRow] = {}
+    for index, row in as_they_come(run_case, names, workers or os.cpu_count() or 1):
+        assert isinstance(row, StressRow)
+        rows[index] = row
+        if progress:
+            progress(row.case, len(rows) / len(names))
+    return [rows[index] for index in range(len(names))]
 
 
 def as_json(rows: Sequence[StressRow]) -> dict[str, Any]:
@@ -78,25 +75,30 @@ def as_json(rows: Sequence[StressRow]) -> dict[str, Any]:
     return {"rows": [asdict(row) for row in rows]}
 
 
-def table(rows: Sequence[StressRow]) -> Table:
+def table(rows: Sequence[StressRow]) -> Sheet:
     """The rows for the terminal."""
-    from rich.markup import escape
-    from rich.table import Table
-
-    grid = Table(title="Stiff and extreme cases", title_justify="left")
-    for column in ("case", "expected", "outcome", "s", "holds"):
-        grid.add_column(column, justify="right" if column == "s" else "left", overflow="fold")
-    for row in rows:
-        verdict = "[green]yes[/green]" if row.holds else "[bold red]NO[/bold red]"
-        texts = map(escape, (row.case, row.expected, row.outcome))
-        grid.add_row(*texts, f"{row.seconds:.1f}", verdict)
-    return grid
+    return Sheet(
+        ("case", "expected", "outcome", "s", "holds"),
+        [
+            (
+                row.case,
+                row.expected,
+                row.outcome,
+                f"{row.seconds:.1f}",
+                "yes" if row.holds else "NO",
+            )
+            for row in rows
+        ],
+        "lllrl",
+        "Stiff and extreme cases",
+        {"holds": {"yes": GOOD, "NO": BAD}},
+    )
 
 
 def markdown(rows: Sequence[StressRow]) -> str:
     """The rows as a Markdown table."""
-    lines = ["| case | expected | outcome | s |", "|---|---|---|---|"]
+    cells = []
     for row in rows:
         verdict = row.outcome if row.holds else f"**does not hold:** {row.outcome}"
-        lines.append(f"| {row.case} | {row.expected} | {verdict} | {row.seconds:.1f} |")
-    return "\n".join(lines) + "\n"
+        cells.append((row.case, row.expected, verdict, f"{row.seconds:.1f}"))
+    return Sheet(("case", "expected", "outcome", "s"), cells).markdown() + "\n"

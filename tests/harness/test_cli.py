@@ -114,6 +114,16 @@ def test_without_a_command_all_bundled_scenes_with_checks_are_checked(monkeypatc
     }
 
 
+def test_ctrl_c_ends_with_130_and_one_line(monkeypatch):
+    def interrupted(_scenes, _progress):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr("autobalancer.harness.checks.runner.check_all", interrupted)
+    outcome = invoke("check", "liquid_touch")
+    assert outcome.exit_code == 130
+    assert outcome.stderr == "interrupted\n"
+
+
 def test_run_writes_the_recorded_signals(tmp_path):
     target, picture = tmp_path / "out.csv", tmp_path / "out.svg"
     outcome = invoke("run", "two_balls", "-o", target, "--plot", picture)

@@ -4,6 +4,7 @@ import pytest
 
 from autobalancer.harness import SceneError, load_scene
 from autobalancer.harness.checks.filimonikhina import _row, check_row, variant
+from autobalancer.harness.scene.check import TableCheck
 from autobalancer.models.papers.dimensionless import Dimensionless
 from autobalancer.models.papers.tables import TABLE_1, TABLE_2
 
@@ -13,7 +14,8 @@ TABLES = (TABLE_1, TABLE_2)
 def rows_of(table: int, number: int):
     """Rows of the check for one row of a table, counted from 1."""
     scene = load_scene("filimonikhina_tables")
-    return list(check_row(scene, table, number - 1, lambda done: None))
+    check = TableCheck(kind="filimonikhina_table", table=table)
+    return list(check_row(scene, check, lambda done: None, number - 1))
 
 
 @pytest.mark.parametrize("table", [1, 2])

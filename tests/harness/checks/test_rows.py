@@ -8,10 +8,11 @@ import math
 import numpy as np
 import pytest
 
-from autobalancer.harness.checks.report import as_json, markdown, verdict, write_json
+from autobalancer.harness.checks.report import as_json, markdown, verdict
 from autobalancer.harness.checks.row import Row, Rows
 from autobalancer.harness.checks.sign_change import sign_change
 from autobalancer.harness.errors import SimulationError
+from autobalancer.harness.output.files import write_json
 
 ROWS = Rows("scene", "check")
 

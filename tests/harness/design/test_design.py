@@ -33,6 +33,7 @@ from autobalancer.harness.scene.check import (
     CapacityCheck,
     LargestSpreadCheck,
     RankingCheck,
+    SizesCheck,
     SlowRootCheck,
 )
 from autobalancer.models.papers.positions import fan_angles, least_distance
@@ -96,7 +97,8 @@ def test_packed_group_rests_where_nothing_drives_it_along_the_track(share):
 
 
 def test_table_1_rows_hold_and_name_the_two_digits_that_are_not_rounded():
-    rows = list(check_sizes(load_scene("finite_weights")))
+    check = SizesCheck(kind="goncharov_table")
+    rows = list(check_sizes(load_scene("finite_weights"), check, lambda fraction: None))
     assert all(row.holds for row in rows)
     named = [(row.quantity, row.source.split(", ")[-1]) for row in rows if "in print" in row.source]
     assert named == [("3 balls: s", "cut off in print"), ("5 rollers: s", "rounded twice in print")]

@@ -247,7 +247,7 @@ def test_libcosim_cannot_run_up_and_says_so():
 def test_picture_and_table_are_made_of_what_was_measured(measured, tmp_path):
     picture = plot_precision(measured, tmp_path / "wp.png")
     assert picture.read_bytes().startswith(b"\x89PNG")
-    assert table(measured).row_count == len(measured.points)
+    assert len(table(measured).rows) == len(measured.points)
 
 
 def test_command_writes_what_is_asked_and_ends_with_the_cheapest_way(tmp_path, monkeypatch):

@@ -16,10 +16,9 @@ from autobalancer.harness.master.cosimulation import CoSimulation, cosimulate
 from autobalancer.harness.precision.verdicts import Judged, judge, spinning, table
 from autobalancer.harness.schemes.startup import parts
 from autobalancer.harness.stress.case import Outcome, linear_motion, refusal, scene, stated_error
-from autobalancer.harness.stress.cases import all_cases
 from autobalancer.harness.stress.cases_rotor import _liquid_scene
 from autobalancer.harness.stress.cases_weights import _two
-from autobalancer.harness.stress.run import as_json, run_case, stress
+from autobalancer.harness.stress.run import all_cases, as_json, run_case, stress
 from autobalancer.models.monolith import reference
 from autobalancer.models.reference.oscillator import forced_motion
 from autobalancer.models.weights import Weights, advance
@@ -279,10 +278,11 @@ def test_refusal_needs_all_its_words():
 
 def test_cases_run_in_parallel_and_give_the_pinned_rows():
     names = ["damping ratio 1", "speed 1e0 rad/s, rotor alone"]
-    seen: list[int] = []
-    rows = stress(names, lambda done, total, _name: seen.append(done * 10 + total))
+    seen: dict[str, float] = {}
+    rows = stress(names, seen.__setitem__)
     assert [row.case for row in rows] == names
-    assert sorted(seen) == [12, 22]
+    assert sorted(seen) == names
+    assert sorted(seen.values()) == [0.5, 1.0]
     for row in as_json(rows)["rows"]:
         assert set(row) == {"case", "expected", "outcome", "holds", "seconds"}
 

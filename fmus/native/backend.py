@@ -1,0 +1,62 @@
+"""Build backend (PEP 517, 660): setuptools, with the native libraries compiled before a wheel.
+
+The compiler, and what the declarations of the units import, are asked for only when the libraries
+were not made from the present sources.  Every other call is setuptools' own.
+"""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+from types import ModuleType
+
+from setuptools import build_meta
+from setuptools.build_meta import *  # noqa: F403
+from setuptools.command.sdist import sdist
+from setuptools.compat.py310 import tomllib
+
+_ROOT = Path(__file__).resolve().parents[2]
+
+# the checkout's folders import as autobalancer.*, as they do once installed
+_package = ModuleType("autobalancer")
+_package.__path__ = [str(_ROOT)]
+sys.modules["autobalancer"] = _package
+
+from autobalancer.fmus.native import compile as native  # noqa: E402
+
+# what the units import: layout.h comes from their declarations
+_DECLARATIONS = ("numpy", "pythonfmu")
+
+
+def get_requires_for_build_wheel(config_settings=None) -> list[str]:
+    return build_meta.get_requires_for_build_wheel(config_settings) + _needed()
+
+
+def get_requires_for_build_editable(config_settings=None) -> list[str]:
+    return build_meta.get_requires_for_build_editable(config_settings) + _needed()
+
+
+def build_wheel(wheel_directory, config_settings=None, metadata_directory=None) -> str:
+    native.libraries()
+    return build_meta.build_wheel(wheel_directory, config_settings, metadata_directory)
+
+
+def build_editable(wheel_directory, config_settings=None, metadata_directory=None) -> str:
+    native.libraries()
+    return build_meta.build_editable(wheel_directory, config_settings, metadata_directory)
+
+
+def _needed() -> list[str]:
+    if not native.stale():
+        return []
+    project = tomllib.loads((_ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+    declared = [line for line in project["dependencies"] if line.startswith(_DECLARATIONS)]
+    return [f"ziglang=={native.COMPILER}", *declared]
+
+
+class Sources(sdist):
+    """A source distribution without the libraries: a wheel made from it compiles its own."""
+
+    def make_distribution(self) -> None:
+        self.filelist.prune(native.BINARIES.relative_to(_ROOT).as_posix())
+        super().make_distribution()

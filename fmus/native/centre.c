@@ -1,0 +1,27 @@
+#include "centre.h"
+
+Instant instant(const CentreMotion *motion, double time)
+{
+    Instant now;
+    now.acceleration = cubic_value(motion->signal, time);
+    now.slope = cubic_slope(motion->signal, time);
+    now.rotor_speed = motion->rotor_speed + motion->angular_acceleration * time;
+    return now;
+}
+
+double rotor_turned(const CentreMotion *motion, double time)
+{
+    return time * (motion->rotor_speed + 0.5 * motion->angular_acceleration * time);
+}
+
+void shifted(const Complex *signal, Complex offset, double rotor_speed,
+             double angular_acceleration, Complex *result)
+{
+    const Complex whirl = {-(rotor_speed * rotor_speed), angular_acceleration};
+    result[0] = complex_sum(signal[0], complex_product(whirl, offset));
+    result[1] = complex_difference(
+        signal[1], complex_scaled(2.0 * rotor_speed * angular_acceleration, offset));
+    result[2] = complex_difference(
+        signal[2], complex_scaled(2.0 * angular_acceleration * angular_acceleration, offset));
+    result[3] = signal[3];
+}

@@ -1,0 +1,277 @@
+"""Compiler of the native units: one library a platform, from any machine, always the same bytes.
+
+`zig cc` (the wheel `ziglang`) compiles for all platforms.  No library is linked with a C run-time
+library: the C has its own elementary functions, so that results have the same bits everywhere,
+and the few names it needs (calloc, memcpy, strlen) are in every process.  A stamp, the hash of the
+sources, says what a library was made from.
+
+    python -m autobalancer.fmus.native.compile [platform ...]
+"""
+
+from __future__ import annotations
+
+import hashlib
+import importlib.util
+import os
+import subprocess
+import sys
+import tempfile
+from collections.abc import Iterable, Iterator
+from concurrent.futures import ThreadPoolExecutor
+from contextlib import contextmanager
+from dataclasses import dataclass
+from importlib.metadata import version
+from pathlib import Path
+
+COMPILER = "0.17.1"  # version of ziglang: part of the stamp, another writes other bytes
+
+SOURCES = Path(__file__).resolve().parent
+BINARIES = SOURCES / "bin"
+GENERATED = BINARIES / "sources"
+
+# no contraction to fused multiply-add: the same bits on every processor; sqrt an instruction
+FLAGS = ("-std=c99", "-O2", "-ffp-contract=off", "-fno-math-errno")
+_WARNINGS = ("-Wall", "-Wextra", "-Wpedantic")
+# macOS headers would call checking variants of memcpy
+_OBJECT = ("-fPIC", "-fvisibility=hidden", "-D_FORTIFY_SOURCE=0")
+_LINK = ("-shared", "-nostdlib", "-s")
+# else the path of the output would stand in the library
+_INSTALL_NAME = ("-Wl,-install_name,@rpath/autobalancer.dylib",)
+
+
+@dataclass(frozen=True)
+class Platform:
+    """How a library is made.
+
+    Attributes:
+        target: name that zig has for the platform, with the oldest system it serves.
+        library: file name.
+        link: further options.
+    """
+
+    target: str
+    library: str
+    link: tuple[str, ...] = ()
+
+
+# by their names in FMI 3.0
+PLATFORMS = {
+    "x86_64-linux": Platform("x86_64-linux-gnu.2.17", "autobalancer.so"),
+    "aarch64-linux": Platform("aarch64-linux-gnu.2.17", "autobalancer.so"),
+    "x86_64-windows": Platform("x86_64-windows-gnu", "autobalancer.dll"),
+    "x86_64-darwin": Platform("x86_64-macos.11.0", "autobalancer.dylib", _INSTALL_NAME),
+    "aarch64-darwin": Platform("aarch64-macos.11.0", "autobalancer.dylib", _INSTALL_NAME),
+}
+
+_STAMP = '#ifndef STAMP_H\n#define STAMP_H\n\n#define STAMP "{}"\n\n#endif\n'
+
+
+class NotCompiled(RuntimeError):
+    """A library is missing or made from other sources, and the compiler is not installed."""
+
+
+def libraries(platforms: Iterable[str] = PLATFORMS) -> dict[str, Path]:
+    """Libraries made from the present sources; what is stale is compiled first.
+
+    Args:
+        platforms: names out of PLATFORMS.
+
+    Returns:
+        platform -> file.
+
+    Raises:
+        ValueError: a name is not in PLATFORMS.
+        NotCompiled: one is stale and ziglang is not installed.
+        subprocess.CalledProcessError: the compiler refuses the sources; its words are on stderr.
+    """
+    names = _known(platforms)
+    if not _current():
+        generate()
+    current = stamp()
+    compile([name for name in names if _made_from(name) != current])
+    return {name: _library(name) for name in names}
+
+
+def stale(platforms: Iterable[str] = PLATFORMS) -> bool:
+    """Whether `libraries` would have to generate or compile; imports no unit."""
+    if not _current():
+        return True
+    current = stamp()
+    return any(_made_from(name) != current for name in _known(platforms))
+
+
+def stamp() -> str:
+    """Sixteen hexadecimal digits that name the sources of the libraries.
+
+    Raises:
+        OSError: layout.h has not been generated yet.
+    """
+    total = hashlib.sha256()
+    for text in (COMPILER, *FLAGS, *_OBJECT, *_LINK, *map(repr, PLATFORMS.values())):
+        total.update(text.encode() + b"\0")
+    windows = {path.name: _text(path) for path in sorted((SOURCES / "windows").iterdir())}
+    for name, text in {**sources(), **windows, "layout.h": generated("layout.h")}.items():
+        total.update(f"{name}\0{len(text)}\0{text}".encode())
+    return total.hexdigest()[:16]
+
+
+def sources() -> dict[str, str]:
+    """Text of the C sources by file name, without what is generated."""
+    return {path.name: _text(path) for path in sorted(SOURCES.glob("*.[ch]"))}
+
+
+def generated(name: str) -> str:
+    """Text of layout.h or stamp.h, as `libraries` leaves them."""
+    return _text(GENERATED / name)
+
+
+def generate() -> None:
+    """Write layout.h, from the declarations of the units, and stamp.h."""
+    from .layout import header
+
+    declarations = _declarations()
+    _write(GENERATED / "layout.h", header().encode())
+    _write(GENERATED / "stamp.h", _STAMP.format(stamp()).encode())
+    _write(BINARIES / "declarations", declarations.encode())
+
+
+def compile(platforms: Iterable[str] = PLATFORMS) -> None:
+    """Compile the libraries of these platforms from the sources and what `generate` has written.
+
+    Raises:
+        As `libraries`.
+    """
+    names = _known(platforms)
+    if not names:
+        return
+    _installed()
+    current = stamp()
+    with _caches() as environment:
+        for name in names:
+            library = _compiled(PLATFORMS[name], environment)
+            _write(_library(name), library)
+            _write(BINARIES / name / "stamp", current.encode())
+
+
+def _compiled(platform: Platform, environment: dict[str, str]) -> bytes:
+    """Bytes of a library; the compiler runs in the folder of the sources, so no path is in them."""
+    windows = platform.library.endswith(".dll")
+    files = [path.name for path in sorted(SOURCES.glob("*.c"))] + ["windows/entry.c"] * windows
+    target = ("cc", "-target", platform.target, "-g0")
+
+    with tempfile.TemporaryDirectory() as folder:
+
+        def compiled(file: str) -> str:
+            output = str(Path(folder) / f"{Path(file).stem}.o")
+            options = (*FLAGS, *_WARNINGS, *_OBJECT, "-I", str(GENERATED))
+            _zig([*target, *options, "-c", file, "-o", output], environment)
+            return output
+
+        with ThreadPoolExecutor(os.cpu_count()) as pool:
+            objects = list(pool.map(compiled, files))
+        if windows:
+            objects.append(_import_library(folder, environment))
+        output = Path(folder) / platform.library
+        _zig([*target, *_LINK, *platform.link, *objects, "-o", str(output)], environment)
+        library = output.read_bytes()
+    return _without_time(library) if windows else library
+
+
+def _import_library(folder: str, environment: dict[str, str]) -> str:
+    """What names msvcrt.dll has: zig's own import libraries take a minute to make."""
+    output = str(Path(folder) / "msvcrt.lib")
+    definition = ["-d", "windows/msvcrt.def", "-l", output]
+    _zig(["dlltool", "-m", "i386:x86-64", *definition], environment)
+    return output
+
+
+def _without_time(library: bytes) -> bytes:
+    """A PE file with its time of linking zeroed: eight bytes after the header's `PE`."""
+    position = int.from_bytes(library[0x3C:0x40], "little") + 8
+    return library[:position] + bytes(4) + library[position + 4 :]
+
+
+def _zig(arguments: list[str], environment: dict[str, str]) -> None:
+    command = [sys.executable, "-m", "ziglang", *arguments]
+    subprocess.run(command, cwd=SOURCES, env=environment, check=True, stdin=subprocess.DEVNULL)
+
+
+@contextmanager
+def _caches() -> Iterator[dict[str, str]]:
+    """Environment with folders for zig's caches: those the caller named, else temporary ones."""
+    with tempfile.TemporaryDirectory(prefix="autobalancer-zig-") as folder:
+        places = {"ZIG_GLOBAL_CACHE_DIR": folder, "ZIG_LOCAL_CACHE_DIR": folder}
+        yield {**places, **os.environ}
+
+
+def _installed() -> None:
+    if importlib.util.find_spec("ziglang") is None:
+        found = "it is not installed"
+    elif (present := version("ziglang")) != COMPILER:
+        found = f"{present} is installed"
+    else:
+        return
+    raise NotCompiled(
+        f"the native libraries were not made from the present sources, and to compile them needs "
+        f"ziglang {COMPILER}: {found}. Run: {sys.executable} -m pip install ziglang=={COMPILER}"
+    )
+
+
+def _known(platforms: Iterable[str]) -> list[str]:
+    names = list(dict.fromkeys(platforms))
+    for name in names:
+        if name not in PLATFORMS:
+            allowed = ", ".join(map(repr, PLATFORMS))
+            raise ValueError(f"platform = {name!r}: must be one of {allowed}")
+    return names
+
+
+def _library(platform: str) -> Path:
+    return BINARIES / platform / PLATFORMS[platform].library
+
+
+def _made_from(platform: str) -> str | None:
+    """Stamp of the library that is there."""
+    path = BINARIES / platform / "stamp"
+    return path.read_text() if path.exists() and _library(platform).exists() else None
+
+
+def _current() -> bool:
+    """Whether layout.h and stamp.h belong to the present sources and declarations."""
+    try:
+        return _text(BINARIES / "declarations") == _declarations() and _text(
+            GENERATED / "stamp.h"
+        ) == _STAMP.format(stamp())
+    except FileNotFoundError:
+        return False
+
+
+def _declarations() -> str:
+    """Hash of the Python sources that layout.h may come from."""
+    root = SOURCES.parent.parent
+    total = hashlib.sha256()
+    for path in sorted([*(root / "fmus").rglob("*.py"), *(root / "models").rglob("*.py")]):
+        total.update(f"{path.relative_to(root).as_posix()}\0{_text(path)}\0".encode())
+    return total.hexdigest()
+
+
+def _text(path: Path) -> str:
+    """Text with the same line ends on every platform."""
+    return path.read_text(encoding="utf-8").replace("\r\n", "\n")
+
+
+def _write(path: Path, data: bytes) -> None:
+    """Write a file whole, unless it says the same already."""
+    if path.exists() and path.read_bytes() == data:
+        return
+    path.parent.mkdir(parents=True, exist_ok=True)
+    handle, draft = tempfile.mkstemp(dir=path.parent)
+    with os.fdopen(handle, "wb") as file:
+        file.write(data)
+    os.chmod(draft, 0o644)
+    os.replace(draft, path)
+
+
+if __name__ == "__main__":
+    for platform_, path_ in libraries(sys.argv[1:] or PLATFORMS).items():
+        print(f"{platform_:15} {path_.stat().st_size:7} bytes  {path_}")

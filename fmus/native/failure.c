@@ -1,0 +1,14 @@
+#include "failure.h"
+
+int fail(Failure *failure, int code, const char *name, int where, double first, double second,
+         double third, double fourth)
+{
+    failure->code = code;
+    failure->where = where;
+    failure->name = name;
+    failure->value[0] = first;
+    failure->value[1] = second;
+    failure->value[2] = third;
+    failure->value[3] = fourth;
+    return code;
+}

@@ -1,0 +1,50 @@
+/* What a function of the core could not do, as numbers; the words are made in text.c. */
+#ifndef AUTOBALANCER_FAILURE_H
+#define AUTOBALANCER_FAILURE_H
+
+/* The comment of a code gives the Python exception it stands for and what `value`, `where` and
+   `name` hold. */
+enum {
+    FINE = 0,
+    /* ValueError of the parameters; `value[0]` is the value refused */
+    FAILURE_NOT_POSITIVE,      /* `name`: must be a positive finite number */
+    FAILURE_NEGATIVE,          /* `name`: must be a finite number, 0 or more */
+    FAILURE_NOT_FINITE,        /* `name`: must be a finite number */
+    FAILURE_COUNT,             /* count: must be at least 1 */
+    FAILURE_KAPPA,             /* kappa: must be a finite number, 1 or more */
+    FAILURE_FLOAT_RADIUS,      /* float_radius; value[1]: chamber_radius */
+    FAILURE_POLAR_INERTIA,     /* polar_inertia; value[1]: twice the inertia */
+    FAILURE_STATIONS,          /* stations: at least two, each beyond the last */
+    FAILURE_STATION_MASS,      /* masses; where: number of the station, from 1 */
+    FAILURE_SUPPORTS,          /* supports value[0], value[1]; where: number of stations */
+    FAILURE_UNBALANCE_PLACE,   /* unbalances: position, not that of a disc */
+    FAILURE_COMPLIANCE,        /* compliance: must be finite and symmetric */
+    FAILURE_NOT_ELASTIC,       /* compliance: must be positive definite */
+    FAILURE_CANNOT_BEND,       /* internal_damping of a shaft with discs at its supports only */
+    FAILURE_ADDED_MASS,        /* added_mass: must be at least 0 kg */
+    FAILURE_WEIGHT_RADIUS,     /* weight_radius; value[1]: track radius; value[2]: largest */
+    FAILURE_RESTITUTION,       /* restitution: must be within 0 to 1 */
+    FAILURE_OVERLAP,           /* value[0]: overlap, value[1]: angle neighbours need [rad] */
+    /* OverflowError and LinAlgError of the rotor's matrices */
+    FAILURE_MATRICES,          /* the rotor's matrices are not finite */
+    FAILURE_SINGULAR,          /* a matrix is singular */
+    /* ArithmeticError of the weights */
+    FAILURE_ANGLES,            /* the weights' angles are not finite */
+    FAILURE_SUBSTEPS,          /* value: substeps, step, acceleration, largest rate */
+    FAILURE_NOT_CONVERGED,     /* value: step, angle, rate, acceleration */
+    FAILURE_SLIDE,             /* the same for a sliding group */
+    FAILURE_EVENTS             /* value: step, time reached; where: largest number */
+};
+
+typedef struct {
+    int code;
+    int where;
+    const char *name;
+    double value[4];
+} Failure;
+
+/* Write a failure and return its code, so that a caller can return what this returns. */
+int fail(Failure *failure, int code, const char *name, int where, double first, double second,
+         double third, double fourth);
+
+#endif

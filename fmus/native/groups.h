@@ -1,0 +1,34 @@
+/* Which weights move together, how, and with what force; twin of models/contact/groups.py. */
+#ifndef AUTOBALANCER_GROUPS_H
+#define AUTOBALANCER_GROUPS_H
+
+#include "centre.h"
+#include "resistance.h"
+#include "ring.h"
+
+#define PULL 1e-12 /* of the largest drive: tension that is rounding */
+
+/* Set `drives` and `limits`: accelerations g of a run of weights, limits f of those at rest. */
+void fill_drives(WeightsInOrder *weights, int first, int size, const Instant *now,
+                 double angular_acceleration);
+
+/* Set `groups`: who moves together now; contacts that are pulled open are dropped. */
+void find_groups(WeightsInOrder *weights, const Instant *now, double angular_acceleration);
+
+/* Group i as one that slides. */
+SlidingGroup sliding_group(const WeightsInOrder *weights, int i);
+
+/* Middle and rate of group i after `step`; on failure the weights' failure is set. */
+void moved(WeightsInOrder *weights, int i, const Instant *now, const Instant *later,
+           double angular_acceleration, double step, double *middle, double *rate);
+
+/* Angle acceleration of group i at `middle` and its time derivative [rad/s^2, rad/s^3]. */
+void group_acceleration(WeightsInOrder *weights, int i, double middle, double angle_rate,
+                        const Instant *now, double angular_acceleration, double *acceleration,
+                        double *slope);
+
+/* As weights_reaction: a group counts as its factor times one weight at its middle. */
+void ring_reaction(WeightsInOrder *weights, const Instant *now, double angular_acceleration,
+                   Complex *force, Complex *force_slope);
+
+#endif

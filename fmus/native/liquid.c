@@ -1,0 +1,58 @@
+#include "liquid.h"
+
+#include "elementary.h"
+
+static int positive(const char *name, double value, Failure *failure)
+{
+    return is_finite(value) && value > 0.0
+               ? FINE
+               : fail(failure, FAILURE_NOT_POSITIVE, name, 0, value, 0.0, 0.0, 0.0);
+}
+
+int liquid_check(const Liquid *liquid, Failure *failure)
+{
+    int code = positive("chamber_radius", liquid->chamber_radius, failure);
+    if (!code) {
+        code = positive("float_radius", liquid->float_radius, failure);
+    }
+    if (!code) {
+        code = positive("height", liquid->height, failure);
+    }
+    if (!code) {
+        code = positive("density", liquid->density, failure);
+    }
+    if (!code && liquid->float_radius >= liquid->chamber_radius) {
+        code = fail(failure, FAILURE_FLOAT_RADIUS, "float_radius", 0, liquid->float_radius,
+                    liquid->chamber_radius, 0.0, 0.0);
+    }
+    return code;
+}
+
+double liquid_gap(const Liquid *liquid)
+{
+    return liquid->chamber_radius - liquid->float_radius;
+}
+
+double liquid_mass(const Liquid *liquid)
+{
+    /* the factored difference of squares keeps its digits in a thin gap */
+    const double area =
+        PI * liquid_gap(liquid) * (liquid->chamber_radius + liquid->float_radius);
+    return liquid->density * area * liquid->height;
+}
+
+double liquid_added_mass(const Liquid *liquid)
+{
+    return liquid->density * PI * (liquid->chamber_radius * liquid->chamber_radius) *
+           liquid->height;
+}
+
+Complex liquid_reaction(const Liquid *liquid, Complex acceleration)
+{
+    return complex_scaled(-liquid_added_mass(liquid), acceleration);
+}
+
+double liquid_clearance(const Liquid *liquid, Complex displacement)
+{
+    return liquid_gap(liquid) - magnitude(displacement);
+}

@@ -1,0 +1,123 @@
+#include "motion.h"
+
+#include "centre.h"
+#include "elementary.h"
+#include "events.h"
+#include "groups.h"
+#include "matrix.h"
+#include "ring.h"
+
+size_t track_scratch(int count)
+{
+    return ring_scratch(count);
+}
+
+static int is_offset(const Track *track)
+{
+    return track->offset.re != 0.0 || track->offset.im != 0.0;
+}
+
+Complex track_static_moment(const Track *track, const double *angles)
+{
+    return complex_sum(weights_static_moment(&track->weights, angles),
+                       complex_scaled(weights_added_mass(&track->weights), track->offset));
+}
+
+int track_first_contacts(const Track *track, const double *angles, const double *speeds,
+                         double *contacts, double *scratch, Failure *failure)
+{
+    const int n = track->weights.count;
+    WeightsInOrder weights;
+    int k, code;
+    fill_doubles((size_t)n, 0.0, contacts);
+    if (!track->solid) {
+        return FINE;
+    }
+    code = put_in_order(track, angles, speeds, contacts, scratch, &weights, failure);
+    for (k = 0; k < n && !code; k++) {
+        const int alike = weights.angle_rate[k] == weights.angle_rate[(k + 1) % n];
+        contacts[weights.order[k]] = alike && gap(&weights, k) <= TOUCH ? 1.0 : 0.0;
+    }
+    return code;
+}
+
+int track_advance(const Track *track, const double *angles, const double *speeds,
+                  const double *contacts, const Complex *signal, double rotor_speed,
+                  double angular_acceleration, double step, int stop_at_contact, Moved *moved,
+                  double *scratch, Failure *failure)
+{
+    CentreMotion motion;
+    WeightsInOrder weights;
+    EventStepper stepper;
+    int k, code;
+    motion.rotor_speed = rotor_speed;
+    motion.angular_acceleration = angular_acceleration;
+    for (k = 0; k < 4; k++) {
+        motion.signal[k] = signal[k];
+    }
+    if (is_offset(track)) {
+        shifted(signal, track->offset, rotor_speed, angular_acceleration, motion.signal);
+    }
+    moved->impulse = complex_of(0.0, 0.0);
+    moved->events = 0;
+    moved->reached = step;
+    if (!track->eventful) {
+        Quadrature memory = quadrature_empty();
+        copy_doubles((size_t)track->weights.count, contacts, moved->contacts);
+        return weights_advance(&track->weights, angles, speeds, motion.signal,
+                               angular_acceleration, step, moved->angles, moved->speeds, &memory,
+                               failure);
+    }
+    code = put_in_order(track, angles, speeds, contacts, scratch, &weights, failure);
+    if (code) {
+        return code;
+    }
+    stepper = event_stepper(&weights, &motion, stop_at_contact);
+    code = run(&stepper, step);
+    if (code) {
+        return code;
+    }
+    as_given(&weights, moved->angles, moved->speeds, moved->contacts);
+    moved->impulse =
+        complex_product(stepper.impulse, rect(1.0, -rotor_turned(&motion, stepper.time)));
+    moved->events = stepper.events;
+    moved->reached = stepper.time;
+    return FINE;
+}
+
+int track_reaction(const Track *track, const double *angles, const double *speeds,
+                   const double *contacts, Complex acceleration, Complex slope,
+                   double rotor_speed, double angular_acceleration, Complex *force,
+                   Complex *force_slope, double *scratch, Failure *failure)
+{
+    const int off = is_offset(track);
+    const Complex whirl = {-(rotor_speed * rotor_speed), angular_acceleration};
+    const double whirl_slope = 2.0 * rotor_speed * angular_acceleration;
+    if (off) {
+        acceleration = complex_sum(acceleration, complex_product(whirl, track->offset));
+        slope = complex_difference(slope, complex_scaled(whirl_slope, track->offset));
+    }
+    if (track->eventful) {
+        WeightsInOrder weights;
+        Instant now;
+        const int code =
+            put_in_order(track, angles, speeds, contacts, scratch, &weights, failure);
+        if (code) {
+            return code;
+        }
+        now.acceleration = acceleration;
+        now.slope = slope;
+        now.rotor_speed = rotor_speed;
+        ring_reaction(&weights, &now, angular_acceleration, force, force_slope);
+    } else {
+        weights_reaction(&track->weights, angles, speeds, acceleration, slope, rotor_speed,
+                         angular_acceleration, force, force_slope);
+    }
+    if (off) {
+        const Complex carried =
+            complex_scaled(weights_added_mass(&track->weights), track->offset);
+        *force = complex_difference(*force, complex_product(carried, whirl));
+        *force_slope = complex_sum(*force_slope, complex_scaled(whirl_slope, carried));
+    }
+    return FINE;
+}

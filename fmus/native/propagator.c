@@ -1,0 +1,220 @@
+#include "propagator.h"
+
+#include "elementary.h"
+#include "matrix.h"
+
+#define TAYLOR_TERMS 20 /* 0.5^20/20! is far below rounding */
+
+/* Largest sum of a column's absolute values. */
+static double norm_of(int parts, int size, const double *matrix)
+{
+    double norm = 0.0;
+    int i, j;
+    for (j = 0; j < size; j++) {
+        double sum = 0.0;
+        for (i = 0; i < size; i++) {
+            const double *x = matrix + ((size_t)i * size + j) * parts;
+            sum += parts == 1 ? absolute(x[0]) : hypotenuse(x[0], x[1]);
+        }
+        if (!(sum <= norm)) { /* keeps NaN */
+            norm = sum;
+        }
+    }
+    return norm;
+}
+
+/* result = a b, all of them with zeros where rows from `upper` on meet columns before it. */
+static void upper_product(int parts, int size, int upper, const double *a, const double *b,
+                          double *result)
+{
+    const size_t width = (size_t)size * parts, corner = upper * width + (size_t)upper * parts;
+    int i;
+    fill_doubles(width * size, 0.0, result);
+    for (i = 0; i < size; i++) {
+        const double *factors = a + i * width;
+        if (i < upper) {
+            add_multiples(parts, size, upper, factors, b, width, result + i * width);
+        }
+        add_multiples(parts, size - upper, size - upper, factors + (size_t)upper * parts, b + corner,
+                      width, result + i * width + (size_t)upper * parts);
+    }
+}
+
+int exponential(int parts, int size, int upper, double *matrix, double *scratch, Failure *failure)
+{
+    const size_t count = (size_t)size * size * parts;
+    double *scaled = scratch, *term = scaled + count, *product = term + count, *kept;
+    const double norm = norm_of(parts, size, matrix);
+    int doublings, j, k;
+    size_t i;
+    if (!is_finite(norm)) {
+        return fail(failure, FAILURE_MATRICES, "matrices", 0, norm, 0.0, 0.0, 0.0);
+    }
+    doublings = binary_exponent(norm) + 1;
+    doublings = doublings > 0 ? doublings : 0;
+    for (i = 0; i < count; i++) {
+        scaled[i] = term[i] = matrix[i] = scaled_by_power(matrix[i], -doublings);
+    }
+    for (k = 2; k <= TAYLOR_TERMS; k++) {
+        upper_product(parts, size, upper, term, scaled, product);
+        for (i = 0; i < count; i++) {
+            product[i] /= k;
+            matrix[i] += product[i];
+        }
+        kept = term;
+        term = product;
+        product = kept;
+    }
+    /* E -> 2 E + E^2 instead of squaring e^A keeps slow modes exact next to fast ones */
+    for (j = 0; j < doublings; j++) {
+        upper_product(parts, size, upper, matrix, matrix, product);
+        for (i = 0; i < count; i++) {
+            matrix[i] = 2.0 * matrix[i] + product[i];
+        }
+    }
+    for (i = 0; i < (size_t)size; i++) {
+        matrix[(i * size + i) * parts] += 1.0;
+    }
+    return FINE;
+}
+
+int step_matrix_rows(int stations, int planes, int axes)
+{
+    return axes * (2 * stations + 2 * planes);
+}
+
+int step_matrix_columns(int stations, int planes, int axes)
+{
+    return axes * (2 * stations + ORDERS * planes + 1);
+}
+
+size_t step_matrix_scratch(int stations, int planes, int axes)
+{
+    const size_t size = (size_t)step_matrix_columns(stations, planes, axes);
+    const size_t parts = axes == 1 ? 2 : 1;
+    return 5 * parts * size * size; /* Z, its exponential, and what that needs */
+}
+
+/* Rows (dof, 2 dof + axes p + axes) of M v' by q, v, f_0 and e. */
+static void set_right(const LinearRotor *rotor, int parts, int axes, double speed,
+                      const double *damping, const double *stiffness, double *right)
+{
+    const int n = rotor->stations, p = rotor->plane_count, dof = axes * n;
+    const int width = 2 * dof + axes * (p + 1), e = 2 * dof + axes * p;
+    const double squared = speed * speed;
+    int i, j, k, axis;
+    fill_doubles((size_t)dof * width * parts, 0.0, right);
+    for (i = 0; i < dof; i++) {
+        double *row = right + (size_t)i * width * parts;
+        for (k = 0; k < dof * parts; k++) {
+            row[k] = -stiffness[i * dof * parts + k];
+            row[dof * parts + k] = -damping[i * dof * parts + k];
+        }
+    }
+    for (axis = 0; axis < axes; axis++) {
+        for (i = 0; i < n; i++) {
+            double *row = right + (size_t)(axis * n + i) * width * parts;
+            for (j = 0; j < p; j++) {
+                row[(2 * dof + axis * p + j) * parts] = rotor->planes[j * n + i];
+            }
+        }
+    }
+    for (i = 0; i < n; i++) {
+        const double x = squared * rotor->unbalance[2 * i];
+        const double y = squared * rotor->unbalance[2 * i + 1];
+        double *row = right + ((size_t)i * width + e) * parts;
+        row[0] = x;
+        if (axes == 1) {
+            row[1] = y;
+        } else {
+            row[1] = -y;
+            row += (size_t)n * width;
+            row[0] = y;
+            row[1] = x;
+        }
+    }
+}
+
+/* Turning e^{i w t} of `count` vectors, at rows and columns from `first` on: f' = i w f. */
+static void set_turning(int parts, int size, int first, int count, double speed, double *z)
+{
+    int k;
+    for (k = 0; k < count; k++) {
+        const size_t x = first + k, y = x + count;
+        if (parts == 2) {
+            z[(x * size + x) * 2 + 1] = speed;
+        } else {
+            z[x * size + y] = -speed;
+            z[y * size + x] = speed;
+        }
+    }
+}
+
+int generator(const LinearRotor *rotor, double speed, int turning_force, double *z,
+              double *scratch, Failure *failure)
+{
+    const int axes = linear_rotor_isotropic(rotor) ? 1 : 2, parts = 3 - axes;
+    const int p = rotor->plane_count, dof = axes * rotor->stations, forces = axes * p;
+    const int size = 2 * dof + ORDERS * forces + axes, f = 2 * dof, e = size - axes;
+    const int width = 2 * dof + forces + axes;
+    const size_t square = (size_t)dof * dof * parts;
+    double *mass = scratch, *damping = mass + square, *stiffness = damping + square;
+    double *right = stiffness + square;
+    int i, k;
+    linear_rotor_coefficients(rotor, speed, mass, damping, stiffness);
+    set_right(rotor, parts, axes, speed, damping, stiffness, right);
+    if (matrix_solve(parts, dof, width, mass, right)) {
+        return fail(failure, FAILURE_SINGULAR, "mass", 0, 0.0, 0.0, 0.0, 0.0);
+    }
+    fill_doubles((size_t)size * size * parts, 0.0, z);
+    for (i = 0; i < dof; i++) {
+        double *row = z + (size_t)(dof + i) * size * parts;
+        const double *from = right + (size_t)i * width * parts;
+        z[((size_t)i * size + dof + i) * parts] = 1.0;
+        copy_doubles((size_t)(2 * dof + forces) * parts, from, row);
+        copy_doubles((size_t)axes * parts, from + (2 * dof + forces) * parts, row + e * parts);
+    }
+    for (k = 0; k < ORDERS; k++) {
+        const int first = f + k * forces;
+        if (turning_force) {
+            set_turning(parts, size, first, p, speed, z);
+        }
+        for (i = first; i < first + forces && k + 1 < ORDERS; i++) {
+            z[((size_t)i * size + i + forces) * parts] = 1.0;
+        }
+    }
+    set_turning(parts, size, e, 1, speed, z);
+    return FINE;
+}
+
+int step_matrix(const LinearRotor *rotor, double speed, double step, int turning_force,
+                double *matrix, double *scratch, Failure *failure)
+{
+    const int axes = linear_rotor_isotropic(rotor) ? 1 : 2, parts = 3 - axes;
+    const int n = rotor->stations, p = rotor->plane_count, dof = axes * n, forces = axes * p;
+    const int size = step_matrix_columns(n, p, axes);
+    const size_t count = (size_t)size * size * parts, width = (size_t)size * parts;
+    double *z = scratch, *propagated = z + count, *work = propagated + count;
+    double *rates = work, *jerks = rates + dof * width, *planes = jerks + dof * width;
+    size_t i;
+    int code = generator(rotor, speed, turning_force, z, work, failure);
+    if (code) {
+        return code;
+    }
+    for (i = 0; i < count; i++) {
+        propagated[i] = z[i] * step;
+    }
+    code = exponential(parts, size, 2 * dof, propagated, work, failure);
+    if (code) {
+        return code;
+    }
+    copy_doubles(2 * dof * width, propagated, matrix);
+    /* e^{Zt} Z, not Z e^{Zt}: a stiff support would lose the small acceleration between k q and F */
+    matrix_product(parts, dof, size, size, propagated + dof * width, z, rates);
+    matrix_product(parts, dof, size, size, rates, z, jerks);
+    matrix_per_axis(parts, axes, p, n, rotor->planes, planes);
+    matrix_product(parts, forces, dof, size, planes, rates, matrix + 2 * dof * width);
+    matrix_product(parts, forces, dof, size, planes, jerks,
+                   matrix + (2 * (size_t)dof + forces) * width);
+    return FINE;
+}

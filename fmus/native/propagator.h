@@ -1,0 +1,40 @@
+/* Exact step of the linear rotor at constant speed; twin of models/propagator.py.
+
+   Axes and parts: an isotropic rotor has one axis of complex elements (parts 2), any other two axes
+   of real ones (parts 1). */
+#ifndef AUTOBALANCER_PROPAGATOR_H
+#define AUTOBALANCER_PROPAGATOR_H
+
+#include <stddef.h>
+
+#include "failure.h"
+#include "linear_rotor.h"
+
+#define ORDERS 4 /* value and three derivatives of a force signal */
+
+/* e^matrix (size, size), in place, by a Taylor series and doubling of e^A - 1.
+
+   `upper`: rows from this one on have zeros in the columns before it (0 is always right; more saves
+   time).  scratch: 3 parts size^2 doubles. */
+int exponential(int parts, int size, int upper, double *matrix, double *scratch, Failure *failure);
+
+/* Elements in a row and rows of a step matrix; in doubles it has rows * columns * parts. */
+int step_matrix_rows(int stations, int planes, int axes);
+int step_matrix_columns(int stations, int planes, int axes);
+/* Doubles of scratch for step_matrix. */
+size_t step_matrix_scratch(int stations, int planes, int axes);
+
+/* Matrix Z of the autonomous system (q, v, f_0..f_3, e)' = Z (q, v, f_0..f_3, e), (columns, columns).
+   The same scratch. */
+int generator(const LinearRotor *rotor, double speed, int turning_force, double *z,
+              double *scratch, Failure *failure);
+
+/* Matrix (rows, columns) that takes (q, v, f_0..f_3, e) to (q, v, a, j) one `step` [s] later.
+
+   a and j are acceleration and jerk of the p planes in fixed axes; blocks are (x..., y...) for an
+   anisotropic rotor, complex for an isotropic one.  With `turning_force` 0 the f_k are derivatives
+   in fixed axes.  With step = 0 it evaluates a and j at the start. */
+int step_matrix(const LinearRotor *rotor, double speed, double step, int turning_force,
+                double *matrix, double *scratch, Failure *failure);
+
+#endif

@@ -1,0 +1,17 @@
+/* Where a function that was positive becomes negative, and where a cubic is least; twin of
+   models/contact/roots.py. */
+#ifndef AUTOBALANCER_ROOTS_H
+#define AUTOBALANCER_ROOTS_H
+
+/* A function of time; NaN says that it failed and ends the search. */
+typedef double (*TimeFunction)(void *context, double time);
+
+/* Time at which a function, `begin` >= 0 at 0 and negative at `upper`, becomes negative.
+
+   Chandrupatla 1997 to a bracket of `width`; returns its end at which the value is negative. */
+double crossing(TimeFunction value, void *context, double begin, double upper, double width);
+
+/* Time of the least value of a cubic that falls first and rises last; 0: it stays positive. */
+double lowest(double f0, double s0, double f1, double s1, double step);
+
+#endif

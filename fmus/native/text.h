@@ -1,0 +1,30 @@
+/* Messages: texts in a buffer of fixed size, and numbers as Python writes them.
+
+   A C library's own number formats depend on the host's locale. */
+#ifndef AUTOBALANCER_TEXT_H
+#define AUTOBALANCER_TEXT_H
+
+#include <stddef.h>
+
+/* A text that ends with "..." where it did not fit. */
+typedef struct {
+    char *at;
+    size_t size, length;
+} Text;
+
+/* An empty text in a buffer of at least 4 characters. */
+Text text_in(char *buffer, size_t size);
+void text_put(Text *text, const char *words);
+void text_put_part(Text *text, const char *words, size_t length);
+void text_integer(Text *text, unsigned long value);
+/* The shortest decimal number that is this one: Python's repr. */
+void text_number(Text *text, double value);
+/* So many significant digits: Python's format(value, ".6g"). */
+void text_rounded(Text *text, double value, int digits);
+/* [1.0, 2.0]: Python's repr of a list. */
+void text_list(Text *text, const double *values, size_t count);
+
+size_t text_length(const char *words);
+int text_equal(const char *a, const char *b);
+
+#endif

@@ -1,0 +1,53 @@
+#include "track.h"
+
+#include "elementary.h"
+
+static int check_options(const Track *track, Failure *failure)
+{
+    const double radius = track->weights.track_radius, size = track->weight_radius;
+    const int count = track->weights.count;
+    const double room = count > 1 ? radius * sine(PI / count) : radius;
+    if (!(is_finite(size) && size >= 0.0)) {
+        return fail(failure, FAILURE_NEGATIVE, "weight_radius", 0, size, 0.0, 0.0, 0.0);
+    }
+    if (!(is_finite(track->rolling_resistance) && track->rolling_resistance >= 0.0)) {
+        return fail(failure, FAILURE_NEGATIVE, "rolling_resistance", 0, track->rolling_resistance,
+                    0.0, 0.0, 0.0);
+    }
+    if (!(track->restitution >= 0.0 && track->restitution <= 1.0)) {
+        return fail(failure, FAILURE_RESTITUTION, "restitution", 0, track->restitution, 0.0, 0.0,
+                    0.0);
+    }
+    if (!(is_finite(track->offset.re) && is_finite(track->offset.im))) {
+        return fail(failure, FAILURE_NOT_FINITE, "offset", 0, track->offset.re, track->offset.im,
+                    0.0, 0.0);
+    }
+    if (size > room * (1.0 + 1e-12)) {
+        return fail(failure, FAILURE_WEIGHT_RADIUS, "weight_radius", count, size, radius, room,
+                    0.0);
+    }
+    return FINE;
+}
+
+int track_prepare(Track *track, Failure *failure)
+{
+    const Weights *weights = &track->weights;
+    int code = weights_check(weights, failure);
+    if (!code) {
+        code = check_options(track, failure);
+    }
+    if (code) {
+        return code;
+    }
+    track->alpha = arc_sine(smaller(1.0, track->weight_radius / weights->track_radius));
+    track->lever = -1.0 / (weights->kappa * weights->track_radius);
+    track->grip = -track->rolling_resistance * track->lever;
+    track->damping_rate = weights_damping_rate(weights);
+    track->moment = weights->mass * weights->track_radius;
+    track->solid = track->alpha > 0.0 && weights->count > 1;
+    track->full =
+        track->solid && weights->count * track->alpha >= PI - weights->count * TOUCH;
+    track->eventful = (track->weight_radius > 0.0 && weights->count > 1) ||
+                      track->rolling_resistance > 0.0;
+    return FINE;
+}

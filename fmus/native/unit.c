@@ -1,0 +1,363 @@
+#include "unit.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#include "elementary.h"
+
+/* A host's own sums of times are off by their rounding; more is another point in time. */
+static const double POINT_OF_STEP = 1e-6, POINT_OF_TIME = 1e-10;
+
+/* -- memory ---------------------------------------------------------------------------------- */
+
+void *unit_allocate(Unit *unit, size_t count, size_t size)
+{
+    /* the first double of a block is the link to the block before */
+    const size_t most = ((size_t)-1 - sizeof(double)) / (size ? size : 1);
+    void **block = count <= most ? calloc(1, sizeof(double) + count * size) : NULL;
+    if (!block) {
+        return NULL;
+    }
+    *block = unit->allocated;
+    unit->allocated = block;
+    return (char *)block + sizeof(double);
+}
+
+void unit_free(Unit *unit)
+{
+    void **block = unit->allocated;
+    while (block) {
+        void **before = *block;
+        free(block);
+        block = before;
+    }
+    free(unit);
+}
+
+/* -- messages -------------------------------------------------------------------------------- */
+
+Text *unit_reason(Unit *unit)
+{
+    unit->reason = text_in(unit->reason_buffer, sizeof unit->reason_buffer);
+    return &unit->reason;
+}
+
+int unit_failed(Unit *unit, const Failure *failure, const double *values, size_t count)
+{
+    failure_words(unit_reason(unit), failure, values, count);
+    return 1;
+}
+
+static void tell(Unit *unit, Status status, double time, const char *what, const char *reason)
+{
+    Text text = text_in(unit->message_buffer, sizeof unit->message_buffer);
+    text_put(&text, unit->name);
+    text_put(&text, " at t = ");
+    text_number(&text, time);
+    text_put(&text, " s: ");
+    text_put(&text, what);
+    text_put(&text, reason);
+    unit->log(unit->host, unit->name, status, text.at);
+}
+
+Status unit_report(Unit *unit, Status status, const char *what)
+{
+    Text *reason = &unit->reason;
+    char words[96];
+    Text before = text_in(words, sizeof words);
+    text_put(&before, what);
+    text_put(&before, ": ");
+    tell(unit, status, unit->time, words, reason->at);
+    return status;
+}
+
+void unit_warn_once(Unit *unit, int bit, double time, const char *words)
+{
+    if (!(unit->warned & bit)) {
+        unit->warned |= bit;
+        tell(unit, STATUS_WARNING, time, words, "");
+    }
+}
+
+Status unit_refuse(Unit *unit, const char *function, const char *why)
+{
+    text_put(unit_reason(unit), why);
+    return unit_report(unit, STATUS_ERROR, function);
+}
+
+Status unit_allowed(Unit *unit, const char *function, int phases)
+{
+    static const char *const names[] = {"before initialisation has begun", "during initialisation",
+                                        "after initialisation", "after the end"};
+    int k = 0;
+    if (unit->phase & phases) {
+        return STATUS_OK;
+    }
+    while (!(unit->phase >> k & 1)) {
+        k++;
+    }
+    text_put(unit_reason(unit), "not allowed ");
+    text_put(&unit->reason, names[k]);
+    return unit_report(unit, STATUS_ERROR, function);
+}
+
+/* -- life cycle ------------------------------------------------------------------------------ */
+
+static const Equations *equations_of(const char *name)
+{
+    const Equations *const all[] = {&ROTOR_EQUATIONS, &LIQUID_EQUATIONS, &WEIGHTS_EQUATIONS};
+    size_t k;
+    for (k = 0; k < sizeof all / sizeof *all; k++) {
+        if (text_equal(all[k]->name, name)) {
+            return all[k];
+        }
+    }
+    return NULL;
+}
+
+/* Everything an instance needs while it lives; 1 with the reason when something is wrong. */
+static int build(Unit *unit, const char *name, const char *token)
+{
+    const Table *table;
+    Sizes sizes;
+    Variable *reals;
+    size_t count, outputs;
+    if (token_read(token, &table, &sizes, unit_reason(unit))) {
+        return 1;
+    }
+    unit->equations = equations_of(table->unit);
+    count = layout_count(table, &sizes, MOST_REALS);
+    reals = unit_allocate(unit, count, sizeof *reals);
+    unit->real = unit_allocate(unit, count, sizeof(double));
+    if (unit->equations && reals && unit->real) {
+        unit->layout = layout_in(reals, table, &sizes);
+        layout_starts(&unit->layout, unit->real);
+        unit->equations->starts(&unit->layout, unit->real);
+        if (token_check(token, &unit->layout, layout_digest(&unit->layout, unit->real),
+                        &unit->reason)) {
+            return 1;
+        }
+        memcpy(unit->token, token, text_length(token) + 1);
+        outputs = unit->layout.computed.count + unit->layout.observed.count;
+        unit->memory_count = unit->equations->memory_size(&unit->layout);
+        unit->name = unit_allocate(unit, text_length(name) + 1, 1);
+        unit->boolean = unit_allocate(unit, unit->layout.boolean_count, 1);
+        unit->memory = unit_allocate(unit, unit->memory_count, sizeof(double));
+        unit->before = unit_allocate(unit, unit->memory_count, sizeof(double));
+        unit->seed = unit_allocate(unit, unit->layout.inputs.count, sizeof(double));
+        unit->change = unit_allocate(unit, outputs, sizeof(double));
+        unit->kept = unit_allocate(unit, unit->layout.computed.count, sizeof(double));
+        unit->own = unit_allocate(unit, 1, unit->equations->own_size());
+        if (unit->name && unit->boolean && unit->memory && unit->before && unit->seed &&
+            unit->change && unit->kept && unit->own && !unit->equations->allocate(unit)) {
+            memcpy(unit->name, name, text_length(name) + 1);
+            return 0;
+        }
+    }
+    text_put(unit_reason(unit), "not enough memory for a unit of this size");
+    return 1;
+}
+
+Unit *unit_instantiate(const char *name, const char *token, Log log, void *host)
+{
+    Unit *unit = calloc(1, sizeof *unit);
+    const char *shown = name ? name : "";
+    if (!unit) {
+        log(host, shown, STATUS_ERROR, "instantiation failed: not enough memory");
+        return NULL;
+    }
+    unit->log = log;
+    unit->host = host;
+    if (build(unit, shown, token)) {
+        Text text = text_in(unit->message_buffer, sizeof unit->message_buffer);
+        text_put(&text, shown);
+        text_put(&text, ": instantiation failed: ");
+        text_put(&text, unit->reason.at);
+        log(host, shown, STATUS_ERROR, text.at);
+        unit_free(unit);
+        return NULL;
+    }
+    unit_reset(unit);
+    return unit;
+}
+
+void unit_reset(Unit *unit)
+{
+    size_t k;
+    memset(unit->real, 0, unit->layout.real_count * sizeof(double));
+    layout_starts(&unit->layout, unit->real);
+    unit->equations->starts(&unit->layout, unit->real);
+    for (k = 0; k < unit->layout.boolean_count; k++) {
+        unit->boolean[k] = (unsigned char)unit->layout.table->flags[k].start;
+    }
+    memset(unit->memory, 0, unit->memory_count * sizeof(double));
+    unit->time = 0.0;
+    unit->stop = infinity();
+    unit->phase = INSTANTIATED;
+    unit->stale = BEGINNING;
+    unit->warned = 0;
+}
+
+Status unit_setup(Unit *unit, double start, double stop)
+{
+    if (!is_finite(start) || !(stop >= start)) {
+        Text *reason = unit_reason(unit);
+        text_put(reason, "start time = ");
+        text_number(reason, start);
+        text_put(reason, " s, stop time = ");
+        text_number(reason, stop);
+        text_put(reason, " s: must be finite numbers, the stop time not before the start time");
+        return unit_report(unit, STATUS_ERROR, "set-up failed");
+    }
+    unit->time = start;
+    unit->stop = stop;
+    return STATUS_OK;
+}
+
+Status unit_enter_initialisation(Unit *unit)
+{
+    unit->phase = INITIALISING;
+    return STATUS_OK;
+}
+
+Status unit_exit_initialisation(Unit *unit)
+{
+    if (unit_refresh(unit, FRESH)) {
+        return unit_report(unit, STATUS_ERROR, "initialisation failed");
+    }
+    unit->phase = RUNNING;
+    return STATUS_OK;
+}
+
+Status unit_terminate(Unit *unit)
+{
+    unit->phase = TERMINATED;
+    return STATUS_OK;
+}
+
+/* 0, or 1 and why a step may not be made from here or as far as that. */
+static int out_of_place(Unit *unit, double time, double step)
+{
+    const double rounding = POINT_OF_STEP * step + POINT_OF_TIME * absolute(unit->time);
+    if (!(absolute(time - unit->time) <= rounding)) {
+        Text *reason = unit_reason(unit);
+        text_put(reason, "communication point = ");
+        text_number(reason, time);
+        text_put(reason, " s: must be where the unit is, ");
+        text_number(reason, unit->time);
+        text_put(reason, " s");
+        return 1;
+    }
+    if (time + step > unit->stop + rounding) {
+        Text *reason = unit_reason(unit);
+        text_put(reason, "end of the step = ");
+        text_number(reason, time + step);
+        text_put(reason, " s: must not be beyond the stop time, ");
+        text_number(reason, unit->stop);
+        text_put(reason, " s");
+        return 1;
+    }
+    return 0;
+}
+
+/* 0, or 1 with the reason when one of these is not finite. */
+static int demand_finite(Unit *unit, Range range)
+{
+    size_t k;
+    for (k = range.first; k < range.first + range.count; k++) {
+        if (!is_finite(unit->real[k])) {
+            layout_shown(&unit->layout, k, unit->real[k], unit_reason(unit));
+            text_put(&unit->reason, ": must be a finite number");
+            return 1;
+        }
+    }
+    return 0;
+}
+
+static int step_from_here(Unit *unit, double step)
+{
+    const size_t size = unit->memory_count * sizeof(double);
+    memcpy(unit->before, unit->memory, size);
+    unit->made = step;
+    if (demand_finite(unit, unit->layout.inputs) || unit->equations->step(unit, step) ||
+        demand_finite(unit, unit->layout.computed)) {
+        memcpy(unit->memory, unit->before, size);
+        unit->stale = unit->stale > COMPUTED ? unit->stale : COMPUTED;
+        return 1;
+    }
+    return 0;
+}
+
+Status unit_step(Unit *unit, double time, double step)
+{
+    int failed = 0;
+    Status status = STATUS_DISCARD;
+    if (!(step > 0.0 && is_finite(step))) {
+        Text *reason = unit_reason(unit);
+        text_put(reason, "communication step size = ");
+        text_number(reason, step);
+        text_put(reason, " s: must be above 0 s");
+        failed = 1;
+    } else if (out_of_place(unit, time, step)) {
+        failed = 1;
+        status = STATUS_ERROR;
+    } else {
+        failed = unit_refresh(unit, COMPUTED) || step_from_here(unit, step);
+    }
+    if (failed) {
+        char words[64];
+        Text what = text_in(words, sizeof words);
+        text_put(&what, "step of ");
+        text_number(&what, step);
+        text_put(&what, " s failed");
+        return unit_report(unit, status, words);
+    }
+    unit->time = time + unit->made;
+    unit->stale = OBSERVED;
+    return STATUS_OK;
+}
+
+/* -- inside ---------------------------------------------------------------------------------- */
+
+/* 0, or 1 and everything that is not allowed. */
+static int check_values(Unit *unit)
+{
+    const Layout *layout = &unit->layout;
+    const size_t end = layout->inputs.first + layout->inputs.count;
+    int wrong = 0;
+    size_t k;
+    for (k = 0; k < end; k++) {
+        char words[256];
+        Text problem = text_in(words, sizeof words);
+        if (layout_problem(layout, k, unit->real[k], &problem)) {
+            Text *reason = wrong ? &unit->reason : unit_reason(unit);
+            text_put(reason, wrong ? "; " : "");
+            text_put(reason, words);
+            wrong = 1;
+        }
+    }
+    return wrong;
+}
+
+int unit_refresh(Unit *unit, int level)
+{
+    const Equations *equations = unit->equations;
+    if (unit->stale == BEGINNING && level < BEGINNING) {
+        if (check_values(unit) || equations->parameters(unit) || equations->begin(unit)) {
+            return 1;
+        }
+        unit->stale = COMPUTED;
+    }
+    if (unit->stale == COMPUTED && level < COMPUTED) {
+        if (demand_finite(unit, unit->layout.inputs) || equations->outputs(unit) ||
+            demand_finite(unit, unit->layout.computed)) {
+            return 1;
+        }
+        unit->stale = OBSERVED;
+    }
+    if (unit->stale == OBSERVED && level < OBSERVED) {
+        equations->observe(unit);
+        unit->stale = FRESH;
+    }
+    return 0;
+}

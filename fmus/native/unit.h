@@ -1,0 +1,144 @@
+/* A co-simulation slave whose Reals are one array, indexed by value reference; twin of
+   fmus/slave.py.
+
+   A unit adds its equations in `Equations`, in the order parameters, begin, step, outputs (and
+   observe for what is computed only when read).  Everything else is here; FMI's functions are thin
+   fronts over it.  An instance shares nothing with another, so that each may have its own thread. */
+#ifndef AUTOBALANCER_UNIT_H
+#define AUTOBALANCER_UNIT_H
+
+#include <stddef.h>
+#include <stdint.h>
+
+#include "failure_words.h"
+#include "token.h"
+#include "variables.h"
+
+/* As both versions of FMI number them. */
+typedef enum { STATUS_OK, STATUS_WARNING, STATUS_DISCARD, STATUS_ERROR, STATUS_FATAL } Status;
+
+/* How stale the outputs are, ascending. */
+enum { FRESH, OBSERVED, COMPUTED, BEGINNING };
+
+/* Where in its life an instance is. */
+enum { INSTANTIATED = 1, INITIALISING = 2, RUNNING = 4, TERMINATED = 8 };
+
+typedef struct Unit Unit;
+
+/* What a unit supplies.  Functions that return int return 0, or 1 with unit->reason written. */
+typedef struct {
+    const char *name;
+    /* Doubles of `memory`, and bytes of what else the equations need (`own`). */
+    size_t (*memory_size)(const Layout *layout);
+    size_t (*own_size)(void);
+    /* Start values that depend on index and size; then what the equations allocate. */
+    void (*starts)(const Layout *layout, double *real);
+    int (*allocate)(Unit *unit);
+    /* Make the physical model from the parameters. */
+    int (*parameters)(Unit *unit);
+    /* Set `memory` to the initial state. */
+    int (*begin)(Unit *unit);
+    /* Move `memory` and the computed outputs to the end of the step [s]; one that ends early says
+       so in unit->made. */
+    int (*step)(Unit *unit, double step);
+    /* Compute the outputs from `memory` and the inputs as they are now. */
+    int (*outputs)(Unit *unit);
+    /* Compute the outputs declared as observed. */
+    void (*observe)(Unit *unit);
+    /* Signals come as value and derivatives: their number, and their first value reference. */
+    size_t (*signals)(const Layout *layout, size_t *first);
+    /* How all outputs change, by value reference, when the inputs change by `seed`. */
+    int (*directional)(Unit *unit, const double *seed, double *change);
+    /* Time derivative of an output that is no signal; 1 when it has none. */
+    int (*slope)(Unit *unit, size_t reference, double *value);
+} Equations;
+
+/* Writes a message for people; `host` is what the front keeps. */
+typedef void (*Log)(void *host, const char *instance_name, Status status, const char *message);
+
+enum { REASON_SIZE = 2048, MESSAGE_SIZE = 2560 };
+
+struct Unit {
+    const Equations *equations;
+    Layout layout;
+    char token[TOKEN_SIZE];
+    char *name;
+    double *real; /* values of all variables */
+    unsigned char *boolean;
+    double *memory; /* state of the equations */
+    size_t memory_count;
+    double *before; /* `memory` before a step, for one that fails */
+    double *seed;   /* direction of the inputs, */
+    double *change; /* change of the outputs, */
+    double *kept;   /* and the computed outputs while it is found */
+    double time;    /* communication point reached [s] */
+    double made;    /* length of the last step, less than asked where it ended early [s] */
+    double stop;    /* infinite when not defined [s] */
+    size_t first_boolean; /* value reference, as the version of FMI has it */
+    int may_end_early; /* whether the host takes a step that ends early */
+    int phase, stale;
+    int warned; /* warnings given, a bit each */
+    void *own;
+    void *allocated; /* list of all memory */
+    Text reason;
+    char reason_buffer[REASON_SIZE];
+    char message_buffer[MESSAGE_SIZE];
+    Log log;
+    void *host;
+};
+
+extern const Equations ROTOR_EQUATIONS, LIQUID_EQUATIONS, WEIGHTS_EQUATIONS;
+
+/* Zeroed memory that goes with the instance, or NULL. */
+void *unit_allocate(Unit *unit, size_t count, size_t size);
+
+/* -- life cycle; NULL is returned, and an error given, after a reason is logged -------------- */
+
+Unit *unit_instantiate(const char *name, const char *token, Log log, void *host);
+void unit_free(Unit *unit);
+/* As new: start values, no state, all of the above kept. */
+void unit_reset(Unit *unit);
+Status unit_setup(Unit *unit, double start, double stop);
+Status unit_enter_initialisation(Unit *unit);
+/* Check every parameter and start the equations. */
+Status unit_exit_initialisation(Unit *unit);
+Status unit_terminate(Unit *unit);
+/* One communication step; STATUS_DISCARD with the reason logged when it fails.  After a failure the
+   state is that of before the step. */
+Status unit_step(Unit *unit, double time, double step);
+/* STATUS_OK when `function` may be called in one of these phases. */
+Status unit_allowed(Unit *unit, const char *function, int phases);
+/* The error of a call that is wrong by itself. */
+Status unit_refuse(Unit *unit, const char *function, const char *why);
+
+/* -- values ---------------------------------------------------------------------------------- */
+
+Status unit_get_reals(Unit *unit, const unsigned *references, size_t count, double *values);
+Status unit_set_reals(Unit *unit, const unsigned *references, size_t count, const double *values);
+/* One Boolean, 0 or 1. */
+Status unit_get_boolean(Unit *unit, unsigned reference, int *value);
+Status unit_set_boolean(Unit *unit, unsigned reference, int value);
+/* FMI's own way to an input's and an output's derivatives. */
+Status unit_set_derivatives(Unit *unit, const unsigned *references, size_t count,
+                            const int *orders, const double *values);
+Status unit_get_derivatives(Unit *unit, const unsigned *references, size_t count,
+                            const int *orders, double *values);
+/* Exact change of `unknowns` (outputs) for a change `seed` of `knowns` (inputs). */
+Status unit_directional(Unit *unit, const unsigned *unknowns, size_t unknown_count,
+                        const unsigned *knowns, size_t known_count, const double *seed,
+                        double *change);
+
+/* -- for the equations ----------------------------------------------------------------------- */
+
+/* Bring the outputs up to date so far that `stale` is at most `level`; 0, or 1 with the reason. */
+int unit_refresh(Unit *unit, int level);
+/* Begin the reason anew and return it. */
+Text *unit_reason(Unit *unit);
+/* The reason for a failure of the core, with the values it names as a list; returns 1. */
+int unit_failed(Unit *unit, const Failure *failure, const double *values, size_t count);
+/* Log a warning the first time it applies in this instance: `bit` says which. */
+void unit_warn_once(Unit *unit, int bit, double time, const char *words);
+/* Log an error with what was attempted and the reason, and return the status. */
+Status unit_report(Unit *unit, Status status, const char *what);
+
+#endif

@@ -1,0 +1,94 @@
+#include "unit_front.h"
+
+#include "unit_state.h"
+
+Unit *front_unit(void *instance)
+{
+    return *(Unit **)instance;
+}
+
+const char *front_category(Status status)
+{
+    static const char *const categories[] = {"logAll", "logStatusWarning", "logStatusDiscard",
+                                             "logStatusError", "logStatusFatal"};
+    return categories[status];
+}
+
+Status front_allowed(void *instance, const char *function, int phases, size_t count,
+                     const void *a, const void *b)
+{
+    if (!instance) {
+        return STATUS_ERROR;
+    }
+    if (count && (!a || !b)) {
+        return unit_refuse(front_unit(instance), function, "an array is missing");
+    }
+    return unit_allowed(front_unit(instance), function, phases);
+}
+
+Status front_save(void *instance, const char *function, void **state)
+{
+    const Status status = front_allowed(instance, function, ANY_PHASE, 1, state, state);
+    State *saved;
+    if (status) {
+        return status;
+    }
+    saved = *state;
+    if (unit_save(front_unit(instance), &saved)) {
+        return STATUS_ERROR;
+    }
+    *state = saved;
+    return STATUS_OK;
+}
+
+Status front_restore(void *instance, const char *function, void *state)
+{
+    const Status status = front_allowed(instance, function, ANY_PHASE, 1, state, state);
+    return status ? status : unit_restore(front_unit(instance), state);
+}
+
+Status front_forget(void *instance, void **state)
+{
+    State *saved;
+    if (!instance) {
+        return STATUS_ERROR;
+    }
+    if (state) {
+        saved = *state;
+        unit_forget(&saved);
+        *state = NULL;
+    }
+    return STATUS_OK;
+}
+
+Status front_state_size(void *instance, const char *function, void *state, size_t *size)
+{
+    const Status status = front_allowed(instance, function, ANY_PHASE, 1, state, size);
+    if (!status) {
+        *size = unit_state_size(front_unit(instance));
+    }
+    return status;
+}
+
+Status front_serialise(void *instance, const char *function, void *state, void *bytes,
+                       size_t size)
+{
+    const Status status = front_allowed(instance, function, ANY_PHASE, 1, state, bytes);
+    return status ? status : unit_serialise(front_unit(instance), state, bytes, size);
+}
+
+Status front_deserialise(void *instance, const char *function, const void *bytes, size_t size,
+                         void **state)
+{
+    const Status status = front_allowed(instance, function, ANY_PHASE, 1, bytes, state);
+    State *saved;
+    if (status) {
+        return status;
+    }
+    saved = *state;
+    if (unit_deserialise(front_unit(instance), bytes, size, &saved)) {
+        return STATUS_ERROR;
+    }
+    *state = saved;
+    return STATUS_OK;
+}

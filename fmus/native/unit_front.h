@@ -1,0 +1,31 @@
+/* What the fronts for both versions of FMI share: whether a call may be made, and the state as
+   pointers without type.  An instance is a structure whose first member is the unit. */
+#ifndef AUTOBALANCER_UNIT_FRONT_H
+#define AUTOBALANCER_UNIT_FRONT_H
+
+#include "unit.h"
+
+enum {
+    ANY_PHASE = INSTANTIATED | INITIALISING | RUNNING | TERMINATED,
+    AFTER_INSTANTIATION = INITIALISING | RUNNING | TERMINATED,
+    SETTABLE_PHASES = INSTANTIATED | INITIALISING | RUNNING
+};
+
+Unit *front_unit(void *instance);
+/* Log category of a message, as the model description names it. */
+const char *front_category(Status status);
+/* STATUS_OK when the call may be made now, and its arrays (if there are `count` elements to take)
+   are there. */
+Status front_allowed(void *instance, const char *function, int phases, size_t count,
+                     const void *a, const void *b);
+
+Status front_save(void *instance, const char *function, void **state);
+Status front_restore(void *instance, const char *function, void *state);
+Status front_forget(void *instance, void **state);
+Status front_state_size(void *instance, const char *function, void *state, size_t *size);
+Status front_serialise(void *instance, const char *function, void *state, void *bytes,
+                       size_t size);
+Status front_deserialise(void *instance, const char *function, const void *bytes, size_t size,
+                         void **state);
+
+#endif

@@ -1,0 +1,153 @@
+/* The liquid balancer of Dubovik 2006 as a unit; twin of fmus/liquid.py. */
+#include "elementary.h"
+#include "liquid.h"
+#include "signals.h"
+#include "unit.h"
+
+enum { SIGNALS = 2, TOUCHES = 1 };
+
+/* Inputs from the first of them on, and outputs. */
+enum { X = 8, Y = 9 };
+enum { FORCE = 0, SLOPE = 2, ADDED_MASS = 4, LIQUID_MASS = 5, CLEARANCE = 6 };
+
+typedef struct {
+    Liquid liquid;
+    double carried, sent; /* parts of the added mass: through the port, in the force [kg] */
+} Own;
+
+static size_t memory_size(const Layout *layout)
+{
+    (void)layout;
+    return 0;
+}
+
+static size_t own_size(void)
+{
+    return sizeof(Own);
+}
+
+static void starts(const Layout *layout, double *real)
+{
+    (void)layout;
+    (void)real;
+}
+
+static int allocate(Unit *unit)
+{
+    (void)unit;
+    return 0;
+}
+
+static int parameters(Unit *unit)
+{
+    Own *own = unit->own;
+    const double *real = unit->real;
+    Failure failure;
+    own->liquid.chamber_radius = real[0];
+    own->liquid.float_radius = real[1];
+    own->liquid.height = real[2];
+    own->liquid.density = real[3];
+    if (liquid_check(&own->liquid, &failure)) {
+        return unit_failed(unit, &failure, NULL, 0);
+    }
+    own->carried = unit->boolean[0] ? 0.0 : liquid_added_mass(&own->liquid);
+    own->sent = liquid_added_mass(&own->liquid) - own->carried;
+    return 0;
+}
+
+static int begin(Unit *unit)
+{
+    (void)unit;
+    return 0;
+}
+
+static void warn_of_touch(Unit *unit, Complex displacement, double time)
+{
+    const Own *own = unit->own;
+    char words[160];
+    Text text = text_in(words, sizeof words);
+    text_put(&text, "bending ");
+    text_rounded(&text, magnitude(displacement), 6);
+    text_put(&text, " m exceeds the gap ");
+    text_rounded(&text, liquid_gap(&own->liquid), 6);
+    text_put(&text, " m: the float touches the chamber and the model is invalid");
+    unit_warn_once(unit, TOUCHES, time, words);
+}
+
+/* Outputs with the input signals taken t after the start of the step. */
+static void put(Unit *unit, double t)
+{
+    const Own *own = unit->own;
+    const double *in = unit->real + unit->layout.inputs.first;
+    double *out = unit->real + unit->layout.computed.first;
+    const Complex displacement = complex_of(in[X], in[Y]);
+    const double clearance = liquid_clearance(&own->liquid, displacement);
+    Complex cubic[SIGNAL_ORDERS], acceleration, slope;
+    Complex force = {0.0, 0.0}, force_slope = {0.0, 0.0};
+    signal_orders(in, cubic);
+    signal_at(cubic, t, &acceleration, &slope);
+    if (own->sent != 0.0) {
+        force = complex_scaled(-own->sent, acceleration);
+        force_slope = complex_scaled(-own->sent, slope);
+    }
+    if (clearance < 0.0) {
+        warn_of_touch(unit, displacement, unit->time + t);
+    }
+    out[FORCE] = force.re;
+    out[FORCE + 1] = force.im;
+    out[SLOPE] = force_slope.re;
+    out[SLOPE + 1] = force_slope.im;
+    out[ADDED_MASS] = own->carried;
+    out[LIQUID_MASS] = liquid_mass(&own->liquid);
+    out[CLEARANCE] = clearance;
+}
+
+static int step(Unit *unit, double length)
+{
+    put(unit, length);
+    return 0;
+}
+
+static int outputs(Unit *unit)
+{
+    put(unit, 0.0);
+    return 0;
+}
+
+static void observe(Unit *unit)
+{
+    (void)unit;
+}
+
+static size_t signals(const Layout *layout, size_t *first)
+{
+    *first = layout->inputs.first;
+    return SIGNALS;
+}
+
+static int directional(Unit *unit, const double *seed, double *change)
+{
+    const Own *own = unit->own;
+    const double *in = unit->real + unit->layout.inputs.first;
+    const double bending = magnitude(complex_of(in[X], in[Y]));
+    int k;
+    for (k = 0; k < 2 * SIGNALS; k++) {
+        change[FORCE + k] = -own->sent * seed[k];
+    }
+    change[ADDED_MASS] = change[LIQUID_MASS] = 0.0;
+    /* at rest in the middle every direction closes the gap alike, and there is no derivative */
+    change[CLEARANCE] =
+        bending > 0.0 ? -(in[X] / bending * seed[X] + in[Y] / bending * seed[Y]) : 0.0;
+    return 0;
+}
+
+static int slope(Unit *unit, size_t reference, double *value)
+{
+    const size_t output = reference - unit->layout.computed.first;
+    *value = 0.0;
+    return output != ADDED_MASS && output != LIQUID_MASS;
+}
+
+const Equations LIQUID_EQUATIONS = {
+    "LiquidBalancer", memory_size, own_size, starts,  allocate,    parameters, begin,
+    step,             outputs,     observe,  signals, directional, slope};

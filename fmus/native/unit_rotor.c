@@ -1,0 +1,199 @@
+/* The rotor on its supports as a unit: forces on its planes in, accelerations of the planes out;
+   twin of fmus/rotor.py. */
+#include <string.h>
+
+#include "elementary.h"
+#include "propagator.h"
+#include "unit_rotor.h"
+
+/* 2 pi minus its floating-point value */
+static const double TURN_ROUNDING = 2.4492935982947064e-16;
+
+static size_t memory_size(const Layout *layout)
+{
+    return MOTION + 4 * (size_t)layout->sizes.stations + 1;
+}
+
+static size_t own_size(void)
+{
+    return sizeof(Rotor);
+}
+
+static double *doubles(Unit *unit, size_t count)
+{
+    return unit_allocate(unit, count, sizeof(double));
+}
+
+/* The larger of a size for one axis and for two. */
+static size_t larger_of(size_t (*size)(int, int, int), int n, int p)
+{
+    const size_t one = size(n, p, 1), two = size(n, p, 2);
+    return one > two ? one : two;
+}
+
+static size_t matrix_doubles(int n, int p, int axes)
+{
+    return (size_t)step_matrix_rows(n, p, axes) * (size_t)step_matrix_columns(n, p, axes) *
+           (axes == 1 ? 2 : 1);
+}
+
+static int allocate(Unit *unit)
+{
+    Rotor *own = unit->own;
+    const Sizes *sizes = &unit->layout.sizes;
+    const int n = sizes->stations, p = sizes->planes;
+    const size_t stations = (size_t)n, planes = (size_t)p, free = n > 2 ? stations - 2 : 0;
+    const size_t matrix = larger_of(matrix_doubles, n, p);
+    int k, missing = 0;
+    own->kind = rotor_kind(&unit->layout);
+    own->stations = n;
+    own->planes = p;
+    own->unbalances = sizes->unbalances;
+    own->turning = !sizes->fixed_frame;
+    own->rotor_memory = doubles(unit, linear_rotor_size(n, p));
+    own->loaded_mass = doubles(unit, stations * stations);
+    own->values = doubles(unit, 2 * stations + 3 * (size_t)sizes->unbalances + free * free +
+                                    linear_rotor_flexible_scratch(n));
+    own->ports = unit_allocate(unit, planes, sizeof(int));
+    own->unsorted = doubles(unit, matrix);
+    own->matrix_scratch = doubles(unit, larger_of(step_matrix_scratch, n, p));
+    own->operand = doubles(unit, 4 * stations + 2 * SIGNAL_ORDERS * planes + 2);
+    own->result = doubles(unit, 4 * stations + 4 * planes);
+    own->variable_mass = doubles(unit, planes);
+    own->variable_memory = doubles(unit, larger_of(variable_speed_size, n, p));
+    own->variable_scratch = doubles(unit, larger_of(variable_speed_scratch, n, p));
+    own->state = doubles(unit, 4 * stations);
+    own->acceleration = doubles(unit, 2 * planes);
+    own->jerk = doubles(unit, 2 * planes);
+    for (k = 0; k < KEPT_MATRICES; k++) {
+        own->kept[k].added_mass = doubles(unit, planes);
+        own->kept[k].matrix = doubles(unit, matrix);
+        missing |= !own->kept[k].added_mass || !own->kept[k].matrix;
+    }
+    for (k = 0; k < 4; k++) {
+        own->ends[k] = doubles(unit, 4 * planes);
+        missing |= !own->ends[k];
+    }
+    return missing || !own->rotor_memory || !own->loaded_mass || !own->values || !own->ports ||
+           !own->unsorted || !own->matrix_scratch || !own->operand || !own->result ||
+           !own->variable_mass || !own->variable_memory || !own->variable_scratch ||
+           !own->state || !own->acceleration || !own->jerk;
+}
+
+static int parameters(Unit *unit)
+{
+    Rotor *own = unit->own;
+    int k;
+    if (rotor_of_parameters(unit)) {
+        return 1;
+    }
+    own->axes = linear_rotor_isotropic(&own->rotor) ? 1 : 2;
+    own->parts = 3 - own->axes;
+    own->rows = step_matrix_rows(own->stations, own->planes, own->axes);
+    own->columns = step_matrix_columns(own->stations, own->planes, own->axes);
+    for (k = 0; k < KEPT_MATRICES; k++) {
+        own->kept[k].used = 0;
+    }
+    own->variable_made = 0;
+    return 0;
+}
+
+/* The angle (turns, remainder, carry) turned by `by` [rad]; Kahan's summation. */
+static void turn_by(double *angle, double by)
+{
+    double turns = angle[TURNS], carry = angle[CARRY], total;
+    const double rest = angle[REST];
+    if (absolute(by) > PI) {
+        const double part = ieee_remainder(by, TAU), whole = nearest((by - part) / TAU);
+        by = part;
+        turns += whole;
+        carry += whole * TURN_ROUNDING;
+    }
+    by -= carry;
+    total = rest + by;
+    carry = (total - rest) - by;
+    if (total > PI) {
+        total -= TAU;
+        turns += 1.0;
+        carry += TURN_ROUNDING;
+    } else if (total < -PI) {
+        total += TAU;
+        turns -= 1.0;
+        carry -= TURN_ROUNDING;
+    }
+    angle[TURNS] = turns;
+    angle[REST] = total;
+    angle[CARRY] = carry;
+}
+
+static int begin(Unit *unit)
+{
+    const Rotor *own = unit->own;
+    const size_t motion = 4 * (size_t)own->stations;
+    const double *start = unit->real + unit->layout.parameters.count - motion;
+    memset(unit->memory, 0, MOTION * sizeof(double));
+    turn_by(unit->memory, start[-1]);
+    memcpy(unit->memory + MOTION, start, motion * sizeof(double));
+    return 0;
+}
+
+static int step(Unit *unit, double length)
+{
+    Rotor *own = unit->own;
+    const double speed = rotor_drive(unit)[0], spin_up = rotor_drive(unit)[1];
+    const size_t motion = 4 * (size_t)own->stations;
+    double *end_speed = unit->memory + MOTION + motion;
+    if (rotor_propagate(unit, length)) {
+        return 1;
+    }
+    turn_by(unit->memory, length * (speed + 0.5 * spin_up * length));
+    memcpy(unit->memory + MOTION, own->result, motion * sizeof(double));
+    *end_speed = speed + spin_up * length;
+    rotor_put(own, own->result + motion, unit->memory[REST], *end_speed,
+        unit->real + unit->layout.computed.first);
+    return 0;
+}
+
+static int outputs(Unit *unit)
+{
+    const Rotor *own = unit->own;
+    unit->memory[MOTION + 4 * own->stations] = rotor_drive(unit)[0];
+    return rotor_outputs_now(unit, unit->real + unit->layout.computed.first);
+}
+
+static double largest_bending(const Rotor *own, const double *stations)
+{
+    const LinearRotor *rotor = &own->rotor;
+    double largest = 0.0;
+    int i;
+    for (i = 0; i < rotor->deflections; i++) {
+        double bending[2];
+        rotor_vectors_at(rotor->deflection + i * own->stations, 1, own->stations, stations, bending);
+        largest = larger(largest, hypotenuse(bending[0], bending[1]));
+    }
+    return largest;
+}
+
+static void observe(Unit *unit)
+{
+    const Rotor *own = unit->own;
+    const double *memory = unit->memory, *motion = memory + MOTION;
+    const size_t count = 4 * (size_t)own->stations;
+    double *out = unit->real + unit->layout.observed.first;
+    out[0] = memory[TURNS] * TAU +
+             (memory[REST] + (memory[TURNS] * TURN_ROUNDING - memory[CARRY]));
+    memcpy(out + 1, motion, count * sizeof(double));
+    out += 1 + count;
+    rotor_vectors_at(own->rotor.planes, own->planes, own->stations, motion, out);
+    out[2 * own->planes] = largest_bending(own, motion);
+}
+
+static size_t signals(const Layout *layout, size_t *first)
+{
+    *first = layout->inputs.first + (size_t)layout->sizes.planes + 2;
+    return 2 * (size_t)layout->sizes.planes;
+}
+
+const Equations ROTOR_EQUATIONS = {
+    "RotorOnSupports", memory_size, own_size, rotor_starts,  allocate,    parameters, begin,
+    step,              outputs,     observe,  signals, rotor_directional, rotor_slope};

@@ -1,0 +1,79 @@
+/* What the files of the rotor's unit share. */
+#ifndef AUTOBALANCER_UNIT_ROTOR_H
+#define AUTOBALANCER_UNIT_ROTOR_H
+
+#include "linear_rotor.h"
+#include "signals.h"
+#include "unit.h"
+#include "variable_speed.h"
+
+enum { PLANAR, TWO_SUPPORT, FLEXIBLE };
+
+/* Step matrices an instance keeps: a master that repeats steps asks for few. */
+enum { KEPT_MATRICES = 8 };
+
+/* In memory: the angle, then displacements and velocities of the stations, x and y alternating,
+   then the speed the outputs belong to. */
+enum { TURNS, REST, CARRY, MOTION };
+
+/* A step matrix with x and y alternating in rows and columns, and what it is of. */
+typedef struct {
+    int used;
+    uint64_t last; /* when it was asked for */
+    double speed, step;
+    double *added_mass; /* (p,) */
+    double *matrix;
+} Kept;
+
+typedef struct {
+    int kind, stations, planes, unbalances, turning;
+    LinearRotor rotor;
+    int axes, parts; /* as in propagator.h */
+    int rows, columns; /* of a step matrix, in elements */
+    double *rotor_memory, *loaded_mass;
+    double *values; /* scratch for making the rotor */
+    int *ports;
+    Kept kept[KEPT_MATRICES];
+    uint64_t clock;
+    double *unsorted, *matrix_scratch;
+    double *operand, *result; /* of a step matrix */
+    VariableSpeedStep variable;
+    int variable_made;
+    double *variable_mass, *variable_memory, *variable_scratch; /* (p,) and its own */
+    double *state, *acceleration, *jerk;
+    double *ends[4]; /* outputs at other speeds, for derivatives */
+} Rotor;
+
+/* -- unit_rotor_kinds.c: the parameters of each kind ----------------------------------------- */
+
+int rotor_kind(const Layout *layout);
+/* Start values that depend on index and size. */
+void rotor_starts(const Layout *layout, double *real);
+/* Make unit->own's rotor from the parameters; 0, or 1 with the reason. */
+int rotor_of_parameters(Unit *unit);
+
+/* -- unit_rotor_step.c ----------------------------------------------------------------------- */
+
+/* Inputs: added masses, then speed and acceleration, then forces. */
+double *rotor_drive(Unit *unit);
+/* Step matrix with x and y alternating in rows and columns; NULL with the reason. */
+const double *rotor_matrix(Unit *unit, double speed, double step);
+/* Motion of the stations, and acceleration and jerk of the planes, after `step` [s], in
+   own->result; all in fixed axes, x and y alternating. */
+int rotor_propagate(Unit *unit, double step);
+/* Vectors (x, y alternating) turned by the angle with this cosine and sine. */
+void rotor_rotated(double *pairs, size_t count, double c, double s);
+/* Computed outputs from acceleration and jerk of the planes in fixed axes. */
+void rotor_put(const Rotor *own, const double *planes, double angle, double speed, double *out);
+/* The computed outputs as they are with the present inputs. */
+int rotor_outputs_now(Unit *unit, double *out);
+/* Rows of a matrix (count, n) times vectors (x, y alternating). */
+void rotor_vectors_at(const double *rows, int count, int n, const double *vectors,
+                      double *result);
+
+/* -- unit_rotor_derivatives.c: as in `Equations` --------------------------------------------- */
+
+int rotor_directional(Unit *unit, const double *seed, double *change);
+int rotor_slope(Unit *unit, size_t reference, double *value);
+
+#endif

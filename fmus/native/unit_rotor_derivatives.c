@@ -1,0 +1,119 @@
+/* Derivatives of the rotor's outputs: by the inputs, exact, and by time. */
+#include <string.h>
+
+#include "elementary.h"
+#include "matrix.h"
+#include "unit_rotor.h"
+
+/* Change of the computed outputs by a change of the forces' values and slopes, (2p,) each. */
+static int force_response(Unit *unit, const double *values, const double *slopes, double *change)
+{
+    Rotor *own = unit->own;
+    const size_t n = (size_t)own->stations, p = (size_t)own->planes;
+    const double c = cosine(unit->memory[REST]), s = sine(unit->memory[REST]);
+    const double speed = rotor_drive(unit)[0], *matrix = rotor_matrix(unit, speed, 0.0);
+    double *forces = own->operand + 4 * n;
+    if (!matrix) {
+        return 1;
+    }
+    memset(own->operand, 0, (4 * n + 2 * SIGNAL_ORDERS * p + 2) * sizeof(double));
+    memcpy(forces, values, 2 * p * sizeof(double));
+    memcpy(forces + 2 * p, slopes, 2 * p * sizeof(double));
+    if (own->turning) {
+        rotor_rotated(forces, 2 * p, c, s);
+    }
+    matrix_product(own->parts, own->rows, own->columns, 1, matrix, own->operand, own->result);
+    rotor_put(own, own->result + 4 * n, unit->memory[REST], speed, change);
+    return 0;
+}
+
+/* Outputs with speed or acceleration (k = 0, 1) changed by `by`. */
+static int outputs_beside(Unit *unit, int k, double by, double *out)
+{
+    double *driven = rotor_drive(unit) + k;
+    const double before = *driven;
+    int wrong;
+    *driven = before + by;
+    wrong = rotor_outputs_now(unit, out);
+    *driven = before;
+    return wrong;
+}
+
+/* Add the change by speed and angular acceleration.  Outputs are cubic in the one and linear in the
+   other, so that these differences are exact for any distance h. */
+static int add_drive_response(Unit *unit, double speed, double spin_up, double *change)
+{
+    Rotor *own = unit->own;
+    const double size = larger(1.0, absolute(rotor_drive(unit)[0]));
+    const double far = larger(absolute(rotor_drive(unit)[1]), size * size);
+    double **end = own->ends;
+    int k;
+    if (speed != 0.0) {
+        if (outputs_beside(unit, 0, size, end[0]) || outputs_beside(unit, 0, -size, end[1]) ||
+            outputs_beside(unit, 0, 2.0 * size, end[2]) ||
+            outputs_beside(unit, 0, -2.0 * size, end[3])) {
+            return 1;
+        }
+        for (k = 0; k < 4 * own->planes; k++) {
+            change[k] += speed * (8.0 * (end[0][k] - end[1][k]) - (end[2][k] - end[3][k])) /
+                         (12.0 * size);
+        }
+    }
+    if (spin_up != 0.0) {
+        if (outputs_beside(unit, 1, far, end[0]) || outputs_beside(unit, 1, -far, end[1])) {
+            return 1;
+        }
+        for (k = 0; k < 4 * own->planes; k++) {
+            change[k] += spin_up * (end[0][k] - end[1][k]) / (2.0 * far);
+        }
+    }
+    return 0;
+}
+
+int rotor_directional(Unit *unit, const double *seed, double *change)
+{
+    Rotor *own = unit->own;
+    const int p = own->planes;
+    const double *forces = seed + p + 2;
+    double *values = own->ends[1], *slopes = values + 2 * p, *now = own->ends[0];
+    int k;
+    memset(change, 0,
+           (unit->layout.computed.count + unit->layout.observed.count) * sizeof(double));
+    if (rotor_outputs_now(unit, now)) {
+        return 1;
+    }
+    for (k = 0; k < 2 * p; k++) {
+        /* more mass on a plane is the force -m a less */
+        values[k] = forces[k] - seed[k / 2] * now[k];
+        slopes[k] = forces[2 * p + k] - seed[k / 2] * now[2 * p + k];
+    }
+    return force_response(unit, values, slopes, change) ||
+           add_drive_response(unit, seed[p], seed[p + 1], change);
+}
+
+int rotor_slope(Unit *unit, size_t reference, double *value)
+{
+    const Rotor *own = unit->own;
+    const size_t n = 2 * (size_t)own->stations, p = 2 * (size_t)own->planes;
+    const double *velocity = unit->memory + MOTION + n;
+    const size_t output = reference - unit->layout.observed.first;
+    if (reference < unit->layout.observed.first) {
+        return 1;
+    }
+    if (output == 0) {
+        *value = unit->memory[MOTION + 2 * n];
+        return 0;
+    }
+    if (output <= n) {
+        *value = velocity[output - 1];
+        return 0;
+    }
+    if (output > 2 * n && output <= 2 * n + p) {
+        const size_t k = output - 2 * n - 1;
+        double both[2];
+        rotor_vectors_at(own->rotor.planes + k / 2 * (n / 2), 1, own->stations, velocity, both);
+        *value = both[k % 2];
+        return 0;
+    }
+    return 1;
+}

@@ -1,0 +1,245 @@
+/* The step of the rotor's unit: matrices kept by speed and length of the step, and their use. */
+#include <string.h>
+
+#include "elementary.h"
+#include "matrix.h"
+#include "propagator.h"
+#include "unit_rotor.h"
+
+/* Inputs: added masses, then speed and acceleration, then forces. */
+static const double *added_masses(const Unit *unit)
+{
+    return unit->real + unit->layout.inputs.first;
+}
+
+double *rotor_drive(Unit *unit)
+{
+    return unit->real + unit->layout.inputs.first + ((const Rotor *)unit->own)->planes;
+}
+
+/* Where the k-th element of blocks with x and y alternating stands when every block is
+   (x..., y...); `ends` are where the blocks end, in pairs. */
+static int alternating(const int *ends, int k)
+{
+    int block = 0, first, size;
+    while (k / 2 >= ends[block]) {
+        block++;
+    }
+    first = block ? ends[block - 1] : 0;
+    size = ends[block] - first;
+    return 2 * first + (k / 2 - first) + (k % 2) * size;
+}
+
+static void sort_matrix(const Rotor *own, const double *from, double *to)
+{
+    const int n = own->stations, p = own->planes;
+    const int rows[4] = {n, 2 * n, 2 * n + p, 2 * n + 2 * p};
+    const int columns[7] = {n,
+                            2 * n,
+                            2 * n + p,
+                            2 * n + 2 * p,
+                            2 * n + 3 * p,
+                            2 * n + 4 * p,
+                            2 * n + 4 * p + 1};
+    int j, k;
+    for (j = 0; j < own->rows; j++) {
+        const double *row = from + (size_t)alternating(rows, j) * (size_t)own->columns;
+        for (k = 0; k < own->columns; k++) {
+            *to++ = row[alternating(columns, k)];
+        }
+    }
+}
+
+/* The kept matrix that was asked for longest ago, or one never used. */
+static Kept *oldest(Rotor *own)
+{
+    Kept *found = own->kept;
+    int k;
+    for (k = 1; k < KEPT_MATRICES && found->used; k++) {
+        if (!own->kept[k].used || own->kept[k].last < found->last) {
+            found = own->kept + k;
+        }
+    }
+    return found;
+}
+
+const double *rotor_matrix(Unit *unit, double speed, double step)
+{
+    Rotor *own = unit->own;
+    const size_t size = (size_t)own->planes * sizeof(double);
+    const double *masses = added_masses(unit);
+    LinearRotor loaded;
+    Failure failure;
+    Kept *kept;
+    int k;
+    own->clock++;
+    for (k = 0; k < KEPT_MATRICES; k++) {
+        kept = own->kept + k;
+        if (kept->used && kept->speed == speed && kept->step == step &&
+            !memcmp(kept->added_mass, masses, size)) {
+            kept->last = own->clock;
+            return kept->matrix;
+        }
+    }
+    kept = oldest(own);
+    kept->used = 0;
+    loaded = linear_rotor_with_added_mass(&own->rotor, masses, own->loaded_mass);
+    if (step_matrix(&loaded, speed, step, own->turning,
+                    own->axes == 1 ? kept->matrix : own->unsorted, own->matrix_scratch,
+                    &failure)) {
+        unit_failed(unit, &failure, NULL, 0);
+        return NULL;
+    }
+    if (own->axes == 2) {
+        sort_matrix(own, own->unsorted, kept->matrix);
+    }
+    memcpy(kept->added_mass, masses, size);
+    kept->speed = speed;
+    kept->step = step;
+    kept->last = own->clock;
+    kept->used = 1;
+    return kept->matrix;
+}
+
+/* (x..., y...) a block from x and y alternating, or back; complex numbers stay as they are. */
+static void to_axes(const double *pairs, int axes, int blocks, int size, double *values)
+{
+    int b, k;
+    for (b = 0; b < blocks; b++, pairs += 2 * size, values += 2 * size) {
+        for (k = 0; k < size; k++) {
+            values[axes == 1 ? 2 * k : k] = pairs[2 * k];
+            values[axes == 1 ? 2 * k + 1 : size + k] = pairs[2 * k + 1];
+        }
+    }
+}
+
+static void from_axes(const double *values, int axes, int blocks, int size, double *pairs)
+{
+    int b, k;
+    for (b = 0; b < blocks; b++, pairs += 2 * size, values += 2 * size) {
+        for (k = 0; k < size; k++) {
+            pairs[2 * k] = values[axes == 1 ? 2 * k : k];
+            pairs[2 * k + 1] = values[axes == 1 ? 2 * k + 1 : size + k];
+        }
+    }
+}
+
+static int make_variable(Unit *unit)
+{
+    Rotor *own = unit->own;
+    const size_t size = (size_t)own->planes * sizeof(double);
+    const double *masses = added_masses(unit);
+    LinearRotor loaded;
+    Failure failure;
+    if (own->variable_made && !memcmp(own->variable_mass, masses, size)) {
+        return 0;
+    }
+    own->variable_made = 0;
+    loaded = linear_rotor_with_added_mass(&own->rotor, masses, own->loaded_mass);
+    if (variable_speed_step(&loaded, own->turning, own->variable_memory, own->variable_scratch,
+                            &own->variable, &failure)) {
+        return unit_failed(unit, &failure, NULL, 0);
+    }
+    memcpy(own->variable_mass, masses, size);
+    own->variable_made = 1;
+    return 0;
+}
+
+/* Motion of the stations, and acceleration and jerk of the planes, after `step` [s], in
+   own->result; all in fixed axes, x and y alternating. */
+static int propagate_variable(Unit *unit, double step)
+{
+    Rotor *own = unit->own;
+    const int n = own->stations, p = own->planes;
+    const double speed = rotor_drive(unit)[0], spin_up = rotor_drive(unit)[1], angle = unit->memory[REST];
+    const double *forces = rotor_drive(unit) + 2;
+    double *planes = own->result + 4 * n;
+    Failure failure;
+    if (make_variable(unit)) {
+        return 1;
+    }
+    to_axes(unit->memory + MOTION, own->axes, 2, n, own->state);
+    if (step != 0.0 &&
+        variable_speed_advance(&own->variable, own->state, forces, angle, speed, spin_up, step,
+                               own->variable_scratch, &failure)) {
+        return unit_failed(unit, &failure, NULL, 0);
+    }
+    variable_speed_plane_motion(&own->variable, own->state, forces, angle, speed, spin_up, step,
+                                own->acceleration, own->jerk, own->variable_scratch);
+    from_axes(own->state, own->axes, 2, n, own->result);
+    from_axes(own->acceleration, own->axes, 1, p, planes);
+    from_axes(own->jerk, own->axes, 1, p, planes + 2 * p);
+    return 0;
+}
+
+void rotor_rotated(double *pairs, size_t count, double c, double s)
+{
+    size_t k;
+    for (k = 0; k < 2 * count; k += 2) {
+        const double x = pairs[k], y = pairs[k + 1];
+        pairs[k] = x * c - y * s;
+        pairs[k + 1] = x * s + y * c;
+    }
+}
+
+int rotor_propagate(Unit *unit, double step)
+{
+    Rotor *own = unit->own;
+    const size_t n = (size_t)own->stations, p = (size_t)own->planes;
+    const size_t forces = 4 * n, turn = forces + 2 * SIGNAL_ORDERS * p;
+    const double c = cosine(unit->memory[REST]), s = sine(unit->memory[REST]);
+    const double *matrix;
+    if (rotor_drive(unit)[1] != 0.0) {
+        return propagate_variable(unit, step);
+    }
+    matrix = rotor_matrix(unit, rotor_drive(unit)[0], step);
+    if (!matrix) {
+        return 1;
+    }
+    memcpy(own->operand, unit->memory + MOTION, forces * sizeof(double));
+    memcpy(own->operand + forces, rotor_drive(unit) + 2, (turn - forces) * sizeof(double));
+    if (own->turning) {
+        rotor_rotated(own->operand + forces, SIGNAL_ORDERS * p, c, s);
+    }
+    own->operand[turn] = c;
+    own->operand[turn + 1] = s;
+    matrix_product(own->parts, own->rows, own->columns, 1, matrix, own->operand, own->result);
+    return 0;
+}
+
+void rotor_put(const Rotor *own, const double *planes, double angle, double speed, double *out)
+{
+    const size_t n = 2 * (size_t)own->planes;
+    size_t k;
+    memcpy(out, planes, 2 * n * sizeof(double));
+    if (own->turning) {
+        /* (a e^{-i beta})' = (j - i w a) e^{-i beta} */
+        for (k = 0; k < n; k += 2) {
+            out[n + k] += speed * out[k + 1];
+            out[n + k + 1] -= speed * out[k];
+        }
+        rotor_rotated(out, n, cosine(angle), -sine(angle));
+    }
+}
+
+int rotor_outputs_now(Unit *unit, double *out)
+{
+    const Rotor *own = unit->own;
+    if (rotor_propagate(unit, 0.0)) {
+        return 1;
+    }
+    rotor_put(own, own->result + 4 * own->stations, unit->memory[REST], rotor_drive(unit)[0], out);
+    return 0;
+}
+
+void rotor_vectors_at(const double *rows, int count, int n, const double *vectors, double *result)
+{
+    int i, j;
+    for (i = 0; i < count; i++, result += 2) {
+        result[0] = result[1] = 0.0;
+        for (j = 0; j < n; j++) {
+            result[0] += rows[i * n + j] * vectors[2 * j];
+            result[1] += rows[i * n + j] * vectors[2 * j + 1];
+        }
+    }
+}

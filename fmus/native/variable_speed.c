@@ -1,0 +1,262 @@
+#include "variable_speed.h"
+
+#include "elementary.h"
+#include "matrix.h"
+
+#define ROOT 2.449489742783178 /* sqrt(6) */
+#define STAGES 3
+
+/* Radau IIA with three stages: Hairer, Wanner, Solving Ordinary Differential Equations II, table
+   IV.5.6 */
+static const double NODES[STAGES] = {(4.0 - ROOT) / 10.0, (4.0 + ROOT) / 10.0, 1.0};
+static const double COEFFICIENTS[STAGES][STAGES] = {
+    {(88.0 - 7.0 * ROOT) / 360.0, (296.0 - 169.0 * ROOT) / 1800.0, (-2.0 + 3.0 * ROOT) / 225.0},
+    {(296.0 + 169.0 * ROOT) / 1800.0, (88.0 + 7.0 * ROOT) / 360.0, (-2.0 - 3.0 * ROOT) / 225.0},
+    {(16.0 - ROOT) / 36.0, (16.0 + ROOT) / 36.0, 1.0 / 9.0}};
+
+size_t variable_speed_size(int stations, int planes, int axes)
+{
+    const size_t dof = (size_t)axes * stations, forces = (size_t)axes * planes;
+    const size_t parts = axes == 1 ? 2 : 1;
+    return parts * dof * (4 * dof + 2 * forces + axes);
+}
+
+size_t variable_speed_scratch(int stations, int planes, int axes)
+{
+    const size_t dof = (size_t)axes * stations, forces = (size_t)axes * planes;
+    const size_t parts = axes == 1 ? 2 : 1, size = 2 * dof;
+    const size_t make = dof * (6 * dof + forces + axes);
+    const size_t stages = STAGES * size * (STAGES * size + 1) + size * size;
+    const size_t drive = 6 * dof + 6 * forces + 2 * axes;
+    return parts * ((make > stages ? make : stages) + drive);
+}
+
+/* Matrices of one power of the speed: -M^-1 (K, C) side by side; K and C are overwritten. */
+static void set_power(int parts, int dof, const double *inverse, double *stiffness, double *damping,
+                      double *product, double *result)
+{
+    const size_t width = (size_t)dof * parts;
+    size_t i, k;
+    int half;
+    for (half = 0; half < 2; half++) {
+        matrix_product(parts, dof, dof, dof, inverse, half ? damping : stiffness, product);
+        for (i = 0; i < (size_t)dof; i++) {
+            for (k = 0; k < width; k++) {
+                result[(2 * i + half) * width + k] = -product[i * width + k];
+            }
+        }
+    }
+}
+
+/* Columns that turn the unit vector e into the unbalance, (dof, axes). */
+static void set_unbalance(const LinearRotor *rotor, int axes, double *columns)
+{
+    const int n = rotor->stations;
+    int i;
+    for (i = 0; i < n; i++) {
+        const double x = rotor->unbalance[2 * i], y = rotor->unbalance[2 * i + 1];
+        columns[2 * i] = x;
+        if (axes == 1) {
+            columns[2 * i + 1] = y;
+        } else {
+            columns[2 * i + 1] = -y;
+            columns[2 * (n + i)] = y;
+            columns[2 * (n + i) + 1] = x;
+        }
+    }
+}
+
+int variable_speed_step(const LinearRotor *rotor, int turning_force, double *memory,
+                        double *scratch, VariableSpeedStep *made, Failure *failure)
+{
+    const int axes = linear_rotor_isotropic(rotor) ? 1 : 2, parts = 3 - axes;
+    const int n = rotor->stations, p = rotor->plane_count, dof = axes * n, forces = axes * p;
+    const size_t square = (size_t)dof * dof * parts;
+    double *mass = scratch, *inverse = mass + square, *damping = inverse + square;
+    double *stiffness = damping + square, *damping_1 = stiffness + square;
+    double *stiffness_1 = damping_1 + square, *columns = stiffness_1 + square;
+    size_t k;
+    made->turning_force = turning_force;
+    made->axes = axes;
+    made->parts = parts;
+    made->dof = dof;
+    made->plane_count = p;
+    made->still = memory;
+    made->per_speed = made->still + 2 * square;
+    made->planes = made->per_speed + 2 * square;
+    made->force = made->planes + (size_t)forces * dof * parts;
+    made->unbalance = made->force + (size_t)forces * dof * parts;
+    linear_rotor_coefficients(rotor, 1.0, mass, damping_1, stiffness_1);
+    linear_rotor_coefficients(rotor, 0.0, mass, damping, stiffness);
+    for (k = 0; k < square; k++) {
+        damping_1[k] -= damping[k];
+        stiffness_1[k] -= stiffness[k];
+    }
+    fill_doubles(square, 0.0, inverse);
+    for (k = 0; k < (size_t)dof; k++) {
+        inverse[(k * dof + k) * parts] = 1.0;
+    }
+    if (matrix_solve(parts, dof, dof, mass, inverse)) {
+        return fail(failure, FAILURE_SINGULAR, "mass", 0, 0.0, 0.0, 0.0, 0.0);
+    }
+    set_power(parts, dof, inverse, stiffness, damping, mass, made->still);
+    set_power(parts, dof, inverse, stiffness_1, damping_1, mass, made->per_speed);
+    matrix_per_axis(parts, axes, p, n, rotor->planes, made->planes);
+    matrix_transposed(parts, forces, dof, made->planes, columns);
+    matrix_product(parts, dof, dof, forces, inverse, columns, made->force);
+    set_unbalance(rotor, axes, columns);
+    matrix_product(parts, dof, dof, axes, inverse, columns, made->unbalance);
+    return FINE;
+}
+
+/* Write a complex number as the k-th of `count`, for the axes in use. */
+static void put(const VariableSpeedStep *method, int count, int k, Complex value, double *to)
+{
+    to[method->parts * k] = value.re;
+    to[method->axes == 1 ? 2 * k + 1 : count + k] = value.im;
+}
+
+/* to (dof) elements = force F + unbalance e, with F (p) and e one complex numbers by `put`. */
+static void sum_drive(const VariableSpeedStep *method, const double *forces, const double *pull,
+                      double *to, double *scratch)
+{
+    const int parts = method->parts, dof = method->dof, axes = method->axes;
+    int k;
+    matrix_product(parts, dof, axes * method->plane_count, 1, method->force, forces, to);
+    matrix_product(parts, dof, axes, 1, method->unbalance, pull, scratch);
+    for (k = 0; k < dof * parts; k++) {
+        to[k] += scratch[k];
+    }
+}
+
+/* Acceleration (dof) by unbalance and plane forces at time t, its derivative, and the speed. */
+static double set_drive(const VariableSpeedStep *method, const double *forces, double angle,
+                        double speed, double spin_up, double t, double *drive, double *drive_slope,
+                        double *scratch)
+{
+    const int p = method->plane_count, elements = method->parts * method->axes;
+    double *values = scratch, *slopes = values + elements * p, *pulls = slopes + elements * p;
+    double *pull_slopes = pulls + elements, *work = pull_slopes + elements;
+    const double w = speed + spin_up * t;
+    const Complex turn = rect(1.0, angle + speed * t + 0.5 * spin_up * t * t);
+    int k, order;
+    for (k = 0; k < p; k++) {
+        Complex cubic[4], value, slope;
+        for (order = 0; order < 4; order++) {
+            const double *f = forces + 2 * (order * p + k);
+            cubic[order] = complex_of(f[0], f[1]);
+        }
+        value = cubic_value(cubic, t);
+        slope = cubic_slope(cubic, t);
+        if (method->turning_force) {
+            value = complex_product(value, turn);
+            /* value is turned already */
+            slope = complex_sum(complex_product(slope, turn),
+                                complex_product(complex_of(0.0, w), value));
+        }
+        put(method, p, k, value, values);
+        put(method, p, k, slope, slopes);
+    }
+    put(method, 1, 0, complex_product(complex_of(w * w, -spin_up), turn), pulls);
+    put(method, 1, 0, complex_product(complex_of(3.0 * w * spin_up, w * w * w), turn), pull_slopes);
+    sum_drive(method, values, pulls, drive, work);
+    sum_drive(method, slopes, pull_slopes, drive_slope, work);
+    return w;
+}
+
+/* matrix (dof, 2 dof) = still + w per_speed. */
+static void set_matrix(const VariableSpeedStep *method, double w, double *matrix)
+{
+    const size_t count = 2 * (size_t)method->dof * method->dof * method->parts;
+    size_t k;
+    for (k = 0; k < count; k++) {
+        matrix[k] = method->still[k] + w * method->per_speed[k];
+    }
+}
+
+/* The stages' equations: rows of stage i of the system, and its right-hand side. */
+static void set_stage(const VariableSpeedStep *method, int i, const double *state,
+                      const double *matrix, const double *drive, double step, double *system,
+                      double *right)
+{
+    const int parts = method->parts, dof = method->dof, size = 2 * dof, width = STAGES * size;
+    double *rows = system + (size_t)i * size * width * parts;
+    int row, j, k;
+    copy_doubles((size_t)dof * parts, state + dof * parts, right);
+    matrix_product(parts, dof, size, 1, matrix, state, right + dof * parts);
+    for (k = 0; k < dof * parts; k++) {
+        right[dof * parts + k] += drive[k];
+    }
+    fill_doubles((size_t)size * width * parts, 0.0, rows);
+    for (row = 0; row < size; row++) {
+        double *to = rows + (size_t)row * width * parts;
+        for (j = 0; j < STAGES; j++) {
+            const double weight = step * COEFFICIENTS[i][j];
+            double *block = to + (size_t)j * size * parts;
+            if (row < dof) {
+                block[(dof + row) * parts] -= weight;
+            } else {
+                const double *from = matrix + (size_t)(row - dof) * size * parts;
+                for (k = 0; k < size * parts; k++) {
+                    block[k] -= weight * from[k];
+                }
+            }
+        }
+        to[((size_t)i * size + row) * parts] += 1.0;
+    }
+}
+
+int variable_speed_advance(const VariableSpeedStep *method, double *state, const double *forces,
+                           double angle, double speed, double spin_up, double step,
+                           double *scratch, Failure *failure)
+{
+    const int size = 2 * method->dof, parts = method->parts;
+    const size_t length = (size_t)size * parts;
+    double *system = scratch, *right = system + STAGES * STAGES * length * size;
+    double *matrix = right + STAGES * length, *drive = matrix + length * size;
+    double *drive_slope = drive + length, *work = drive_slope + length;
+    size_t k;
+    int i;
+    for (i = 0; i < STAGES; i++) {
+        const double w = set_drive(method, forces, angle, speed, spin_up, NODES[i] * step, drive,
+                                   drive_slope, work);
+        set_matrix(method, w, matrix);
+        set_stage(method, i, state, matrix, drive, step, system, right + i * length);
+    }
+    if (matrix_solve(parts, STAGES * size, 1, system, right)) {
+        return fail(failure, FAILURE_SINGULAR, "stages", 0, 0.0, 0.0, 0.0, 0.0);
+    }
+    for (k = 0; k < length; k++) {
+        state[k] += step * (COEFFICIENTS[2][0] * right[k] + COEFFICIENTS[2][1] * right[length + k] +
+                            COEFFICIENTS[2][2] * right[2 * length + k]);
+    }
+    return FINE;
+}
+
+void variable_speed_plane_motion(const VariableSpeedStep *method, const double *state,
+                                 const double *forces, double angle, double speed, double spin_up,
+                                 double t, double *acceleration, double *jerk, double *scratch)
+{
+    const int dof = method->dof, parts = method->parts, axes = method->axes;
+    const int planes = axes * method->plane_count;
+    const size_t half = (size_t)dof * parts;
+    double *matrix = scratch, *drive = matrix + 2 * half * dof, *drive_slope = drive + half;
+    double *rates = drive_slope + half; /* (v, v') */
+    double *jerks = rates + 2 * half, *growth = jerks + half, *work = growth + half;
+    const double w =
+        set_drive(method, forces, angle, speed, spin_up, t, drive, drive_slope, work);
+    size_t k;
+    set_matrix(method, w, matrix);
+    copy_doubles(half, state + half, rates);
+    matrix_product(parts, dof, 2 * dof, 1, matrix, state, rates + half);
+    for (k = 0; k < half; k++) {
+        rates[half + k] += drive[k];
+    }
+    matrix_product(parts, dof, 2 * dof, 1, matrix, rates, jerks);
+    matrix_product(parts, dof, 2 * dof, 1, method->per_speed, state, growth);
+    for (k = 0; k < half; k++) {
+        jerks[k] += spin_up * growth[k] + drive_slope[k];
+    }
+    matrix_product(parts, planes, dof, 1, method->planes, rates + half, acceleration);
+    matrix_product(parts, planes, dof, 1, method->planes, jerks, jerk);
+}

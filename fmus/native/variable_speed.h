@@ -1,0 +1,44 @@
+/* Step of the linear rotor while its speed changes linearly; twin of models/variable_speed.py. */
+#ifndef AUTOBALANCER_VARIABLE_SPEED_H
+#define AUTOBALANCER_VARIABLE_SPEED_H
+
+#include <stddef.h>
+
+#include "failure.h"
+#include "linear_rotor.h"
+
+/* The rotor's matrices split by powers of the speed.  dof = axes n. */
+typedef struct {
+    int turning_force;
+    int axes, parts; /* 1, 2 for an isotropic rotor, else 2, 1: see propagator.h */
+    int dof, plane_count;
+    double *still, *per_speed; /* (dof, 2 dof) */
+    double *planes;            /* (axes p, dof) */
+    double *force;             /* (dof, axes p) */
+    double *unbalance;         /* (dof, axes) */
+} VariableSpeedStep;
+
+/* Doubles of the matrices, of the scratch for making them, and of that for the two functions. */
+size_t variable_speed_size(int stations, int planes, int axes);
+size_t variable_speed_scratch(int stations, int planes, int axes);
+
+/* The matrices in `memory`. */
+int variable_speed_step(const LinearRotor *rotor, int turning_force, double *memory,
+                        double *scratch, VariableSpeedStep *made, Failure *failure);
+
+/* State (q, v) one `step` [s] later, in place.
+
+   state: (2 dof) elements, complex for an isotropic rotor, else q (x..., y...), v (x..., y...).
+   forces: (4, p) complex forces on the planes in the rotor frame (fixed axes when turning_force is
+   0) and their derivatives.  angle, speed, spin_up: of the rotor at the start. */
+int variable_speed_advance(const VariableSpeedStep *method, double *state, const double *forces,
+                           double angle, double speed, double spin_up, double step,
+                           double *scratch, Failure *failure);
+
+/* Acceleration and jerk of the planes in fixed axes, (axes p) elements, at time t into the step, to
+   which `state` belongs; the other arguments belong to the start of the step. */
+void variable_speed_plane_motion(const VariableSpeedStep *method, const double *state,
+                                 const double *forces, double angle, double speed, double spin_up,
+                                 double t, double *acceleration, double *jerk, double *scratch);
+
+#endif

@@ -1,0 +1,272 @@
+#include "weights.h"
+
+#include "elementary.h"
+
+#define MAX_SUBSTEPS 1000000
+#define FAR 1e4 /* rad: beyond, whole turns are taken off while a step is computed */
+
+int weights_check(const Weights *weights, Failure *failure)
+{
+    if (weights->count < 1) {
+        return fail(failure, FAILURE_COUNT, "count", 0, weights->count, 0.0, 0.0, 0.0);
+    }
+    if (!(is_finite(weights->mass) && weights->mass > 0.0)) {
+        return fail(failure, FAILURE_NOT_POSITIVE, "mass", 0, weights->mass, 0.0, 0.0, 0.0);
+    }
+    if (!(is_finite(weights->track_radius) && weights->track_radius > 0.0)) {
+        return fail(failure, FAILURE_NOT_POSITIVE, "track_radius", 0, weights->track_radius, 0.0,
+                    0.0, 0.0);
+    }
+    if (!(is_finite(weights->drag) && weights->drag >= 0.0)) {
+        return fail(failure, FAILURE_NEGATIVE, "drag", 0, weights->drag, 0.0, 0.0, 0.0);
+    }
+    if (!(is_finite(weights->kappa) && weights->kappa >= 1.0)) {
+        return fail(failure, FAILURE_KAPPA, "kappa", 0, weights->kappa, 0.0, 0.0, 0.0);
+    }
+    return FINE;
+}
+
+double weights_added_mass(const Weights *weights)
+{
+    return weights->count * weights->mass;
+}
+
+double weights_damping_rate(const Weights *weights)
+{
+    return weights->drag / (weights->kappa * weights->mass);
+}
+
+Complex weights_static_moment(const Weights *weights, const double *angles)
+{
+    Complex sum = {0.0, 0.0};
+    int k;
+    for (k = 0; k < weights->count; k++) {
+        sum = complex_sum(sum, rect(1.0, angles[k]));
+    }
+    return complex_scaled(weights->mass * weights->track_radius, sum);
+}
+
+double weights_spread(int count, const double *angles)
+{
+    Complex sum = {0.0, 0.0};
+    int k;
+    for (k = 0; k < count; k++) {
+        sum = complex_sum(sum, rect(1.0, 2.0 * angles[k]));
+    }
+    return magnitude(sum) / count;
+}
+
+void phi_functions(double z, int count, double *phi)
+{
+    double inverse = 1.0, term, last; /* inverse: 1/k! */
+    int j = count, k;
+    if (z < -1.0) {
+        double factorial = 1.0;
+        phi[0] = natural_exp(z);
+        for (k = 0; k < count; k++) {
+            factorial *= k ? k : 1;
+            phi[k + 1] = (phi[k] - 1.0 / factorial) / z;
+        }
+        return;
+    }
+    /* upward recursion loses digits for small |z|: sum the last one, the others follow downward */
+    for (k = 2; k <= count; k++) {
+        inverse *= k;
+    }
+    term = last = 1.0 / inverse;
+    while (absolute(term) > 1e-18 * last) {
+        j++;
+        term *= z / j;
+        last += term;
+    }
+    phi[count] = last;
+    for (k = count - 1; k >= 0; k--) {
+        double factorial = 1.0;
+        for (j = 2; j <= k; j++) {
+            factorial *= j;
+        }
+        phi[k] = z * phi[k + 1] + 1.0 / factorial;
+    }
+}
+
+Quadrature quadrature_empty(void)
+{
+    Quadrature empty = {-1.0, -1.0, {0.0}};
+    return empty;
+}
+
+const double *quadrature(Quadrature *memory, double damping_rate, double step)
+{
+    double phi[6], power = 1.0;
+    int k;
+    if (memory->damping_rate != damping_rate || memory->step != step) {
+        phi_functions(-damping_rate * step, 5, phi);
+        for (k = 0; k < 5; k++) {
+            memory->response[k] = power * phi[k]; /* of the rate: to rate, g0, g1, g2, g3 */
+            power *= step;
+            memory->response[5 + k] = power * phi[k + 1]; /* of the angle */
+        }
+        memory->damping_rate = damping_rate;
+        memory->step = step;
+    }
+    return memory->response;
+}
+
+void along_track(Complex a, Complex da, double angle, double speed, double gain, double *value,
+                 double *slope)
+{
+    const Complex direction = rect(gain, -angle);
+    const Complex along = complex_product(a, direction);
+    *value = along.im;
+    *slope = complex_product(da, direction).im - along.re * speed;
+}
+
+int weights_substep(double *angle, double *speed, const Complex *ends, double gain, double spin_up,
+                    const double *response, double step, Failure *failure)
+{
+    const double *s = response + 1, *t = response + 6; /* to g0..g3 */
+    const double inverse = 1.0 / step;
+    double g0, g1, free_speed, free_angle, new_speed, new_angle, change = infinity();
+    int iteration;
+    along_track(ends[0], ends[1], *angle, *speed, gain, &g0, &g1);
+    g0 -= spin_up;
+    free_speed = response[0] * *speed + s[0] * g0 + s[1] * g1;
+    free_angle = *angle + response[5] * *speed + t[0] * g0 + t[1] * g1;
+    new_speed = free_speed;
+    new_angle = free_angle;
+    g0 += spin_up;
+    for (iteration = 0; iteration < MAX_ITERATIONS; iteration++) {
+        const double last_angle = new_angle, last_speed = new_speed, last_change = change;
+        double along, slope, rise, g2, g3;
+        along_track(ends[2], ends[3], new_angle, new_speed, gain, &along, &slope);
+        rise = (along - g0) * inverse;
+        g2 = (6.0 * rise - 4.0 * g1 - 2.0 * slope) * inverse;
+        g3 = (6.0 * (g1 + slope) - 12.0 * rise) * inverse * inverse;
+        new_speed = free_speed + s[2] * g2 + s[3] * g3;
+        new_angle = free_angle + t[2] * g2 + t[3] * g3;
+        change = absolute(new_angle - last_angle) + absolute(new_speed - last_speed) * step;
+        /* a linear iteration changes next by change^2 / last_change */
+        if (change * change <=
+            CONVERGED * (1.0 + absolute(new_angle)) * smaller(last_change, 1.0)) {
+            *angle = new_angle;
+            *speed = new_speed;
+            return FINE;
+        }
+    }
+    return fail(failure, FAILURE_NOT_CONVERGED, "weights", 0, step, *angle, *speed,
+                magnitude(ends[0]));
+}
+
+double largest_of(int count, const double *values)
+{
+    double largest = absolute(values[0]);
+    int k;
+    for (k = 1; k < count; k++) {
+        largest = larger(largest, absolute(values[k]));
+    }
+    return largest;
+}
+
+double fastest_rate(int count, const double *speeds, const Complex *signal, double gain,
+                    double spin_up, double rate, double step, double *strongest)
+{
+    /* value and slope only: corrector passes change the rest, and must not change the substeps */
+    const double strength = magnitude(signal[0]) + step * magnitude(signal[1]);
+    /* a run-up leaves free weights behind: they gain spin_up * step, or what the drag lets them */
+    const double gained = absolute(spin_up) * (rate * step < 1.0 ? step : 1.0 / rate);
+    *strongest = strength;
+    return largest_of(count, speeds) + square_root(-strength * gain) + gained;
+}
+
+/* Move one weight over `count` substeps of h. */
+static int move(double *angle, double *speed, int count, double h, const Complex *signal,
+                double gain, double spin_up, const double *response, Failure *failure)
+{
+    Complex ends[4];
+    int j, code = FINE;
+    ends[0] = signal[0];
+    ends[1] = signal[1];
+    for (j = 1; j <= count && !code; j++) {
+        ends[2] = cubic_value(signal, j * h);
+        ends[3] = cubic_slope(signal, j * h);
+        code = weights_substep(angle, speed, ends, gain, spin_up, response, h, failure);
+        ends[0] = ends[2];
+        ends[1] = ends[3];
+    }
+    return code;
+}
+
+int weights_advance(const Weights *weights, const double *angles, const double *speeds,
+                    const Complex *signal, double spin_up, double step, double *new_angles,
+                    double *new_speeds, Quadrature *memory, Failure *failure)
+{
+    const double gain = -1.0 / (weights->kappa * weights->track_radius);
+    const double rate = weights_damping_rate(weights);
+    const int n = weights->count;
+    const double *response;
+    double strongest, turns, h, sum = 0.0;
+    const double fastest =
+        fastest_rate(n, speeds, signal, gain, spin_up, rate, step, &strongest);
+    int k, count, far, code = FINE;
+    for (k = 0; k < n; k++) {
+        sum += angles[k];
+    }
+    if (!is_finite(sum)) {
+        return fail(failure, FAILURE_ANGLES, "angles", 0, 0.0, 0.0, 0.0, 0.0);
+    }
+    turns = step * fastest / TURN_PER_SUBSTEP;
+    if (!(turns < MAX_SUBSTEPS)) {
+        return fail(failure, FAILURE_SUBSTEPS, "weights", 0, turns, step, strongest,
+                    largest_of(n, speeds));
+    }
+    count = 1 + (int)turns;
+    h = step / count;
+    response = quadrature(memory, rate, h);
+    /* the iteration's end is judged by the angle: turns behind a weight must not loosen it */
+    far = largest_of(n, angles) > FAR;
+    for (k = 0; k < n && !code; k++) {
+        const double behind = far ? TAU * nearest(angles[k] / TAU) : 0.0;
+        double angle = angles[k] - behind, speed = speeds[k];
+        code = move(&angle, &speed, count, h, signal, gain, spin_up, response, failure);
+        new_angles[k] = angle + behind;
+        new_speeds[k] = speed;
+    }
+    return code;
+}
+
+void weights_reaction(const Weights *weights, const double *angles, const double *speeds,
+                      Complex acceleration, Complex slope, double speed, double spin_up,
+                      Complex *force, Complex *force_slope)
+{
+    const double gain = -1.0 / (weights->kappa * weights->track_radius);
+    const double rate = weights_damping_rate(weights);
+    const double scale = -weights->mass * weights->track_radius;
+    const Complex turn = {0.0, 2.0 * speed}, pull = {-speed * speed, spin_up};
+    const Complex pull_slope = {pull.re, 3.0 * spin_up};
+    Complex moment = {0.0, 0.0}, first = moment, second = moment, third = moment, sum;
+    int k;
+    acceleration = complex_scaled(gain, acceleration);
+    slope = complex_scaled(gain, slope);
+    for (k = 0; k < weights->count; k++) {
+        const double nu = speeds[k], squared = nu * nu;
+        const Complex unit = rect(1.0, angles[k]), back = complex_conjugate(unit);
+        const Complex along = complex_product(acceleration, back);
+        const double bend = along.im - spin_up - rate * nu;
+        const double torque_slope = complex_product(slope, back).im - along.re * nu;
+        const Complex rates[3] = {
+            {0.0, nu},
+            {-squared, bend},
+            {-3.0 * nu * bend, torque_slope - rate * bend - nu * squared}};
+        moment = complex_sum(moment, unit);
+        first = complex_sum(first, complex_product(rates[0], unit));
+        second = complex_sum(second, complex_product(rates[1], unit));
+        third = complex_sum(third, complex_product(rates[2], unit));
+    }
+    sum = complex_sum(second, complex_product(turn, first));
+    sum = complex_sum(sum, complex_product(pull, moment));
+    *force = complex_scaled(scale, sum);
+    sum = complex_sum(third, complex_product(turn, second));
+    sum = complex_sum(sum, complex_product(pull_slope, first));
+    sum = complex_difference(sum, complex_scaled(2.0 * speed * spin_up, moment));
+    *force_slope = complex_scaled(scale, sum);
+}

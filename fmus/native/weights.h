@@ -1,0 +1,75 @@
+/* Balls, rollers and pendulums of an auto-balancer in the frame of the rotor; twin of
+   models/weights.py. */
+#ifndef AUTOBALANCER_WEIGHTS_H
+#define AUTOBALANCER_WEIGHTS_H
+
+#include "complex_number.h"
+#include "failure.h"
+
+#define TURN_PER_SUBSTEP 0.15 /* rad of weight motion: the error of a step is then below 1e-6 */
+#define MAX_ITERATIONS 12 /* the fixed point gains about two digits an iteration; more: divergence */
+#define CONVERGED 1e-14   /* relative to the size of the change over the substep */
+
+/* N equal weights on one circular track. */
+typedef struct {
+    int count;           /* N */
+    double mass;         /* of each [kg] */
+    double track_radius; /* of the weights' centres R [m] */
+    double drag;         /* viscous, of each, b [N s/m] */
+    double kappa;        /* 7/5 ball, 3/2 roller, 1 pendulum */
+} Weights;
+
+/* Exact response of angle and rate over a step, remembered for one damping rate and step. */
+typedef struct {
+    double damping_rate, step;
+    double response[10];
+} Quadrature;
+
+/* 0, or what is not allowed. */
+int weights_check(const Weights *weights, Failure *failure);
+double weights_added_mass(const Weights *weights);   /* N m [kg] */
+double weights_damping_rate(const Weights *weights); /* d = b/(kappa m) [1/s] */
+
+/* Sum of m R e^{i theta} in the rotor frame [kg m]. */
+Complex weights_static_moment(const Weights *weights, const double *angles);
+/* |sum e^{2 i theta}|/N: 0 for evenly spread weights, 1 for a pair. */
+double weights_spread(int count, const double *angles);
+
+/* phi_0(z)..phi_count(z) for z <= 0; count at most 8. */
+void phi_functions(double z, int count, double *phi);
+/* A quadrature that remembers nothing, and the response for a damping rate and step. */
+Quadrature quadrature_empty(void);
+const double *quadrature(Quadrature *memory, double damping_rate, double step);
+
+/* Im(a e^{-i theta}) times `gain` and its time derivative. */
+void along_track(Complex a, Complex da, double angle, double speed, double gain, double *value,
+                 double *slope);
+
+/* One weight over one substep, in place; `ends` is acceleration and slope at both ends. */
+int weights_substep(double *angle, double *speed, const Complex *ends, double gain, double spin_up,
+                    const double *response, double step, Failure *failure);
+
+/* Largest absolute value of `count` >= 1. */
+double largest_of(int count, const double *values);
+
+/* Rate [rad/s] that no weight exceeds by much within a step, and the strongest acceleration. */
+double fastest_rate(int count, const double *speeds, const Complex *signal, double gain,
+                    double spin_up, double rate, double step, double *strongest);
+
+/* Move every weight over one communication step.
+
+   angles, speeds: (N,), and new_angles, new_speeds (N,) for the result, which may be the same
+   arrays; without meaning after a failure.  signal: acceleration of the track's centre in the rotor
+   frame at the start of the step and its derivatives of order 1 to 3. */
+int weights_advance(const Weights *weights, const double *angles, const double *speeds,
+                    const Complex *signal, double spin_up, double step, double *new_angles,
+                    double *new_speeds, Quadrature *memory, Failure *failure);
+
+/* Residual force on the rotor in the rotor frame and its exact slope; N m is not in it.
+
+   acceleration, slope: of the track's centre in the rotor frame; speed, spin_up: of the rotor. */
+void weights_reaction(const Weights *weights, const double *angles, const double *speeds,
+                      Complex acceleration, Complex slope, double speed, double spin_up,
+                      Complex *force, Complex *force_slope);
+
+#endif

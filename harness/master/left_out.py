@@ -1,0 +1,32 @@
+"""What a run does without because its scene does not need it, known before anything is loaded."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from ..scene import Scene
+
+BALANCERS = ("LiquidBalancer", "BallBalancer")
+EXPLICIT = ("jacobi", "gauss-seidel", "compensated")  # they take no corrector pass
+
+
+def left_out(scene: Scene, recorded: Sequence[str]) -> list[str]:
+    """In words; `recorded` are the signals of the record."""
+    present = {balancer.model for balancer in scene.balancer}
+    notes = [f"{model} (none in the scene)" for model in BALANCERS if model not in present]
+    exchanging = any(balancer.exchanges_force for balancer in scene.balancer)
+    coupling, profile = scene.coupling, scene.profile()
+    if not exchanging:
+        alone = "the liquid acts as added mass alone" if scene.balancer else "no balancer"
+        notes += [f"force exchange ({alone})", "corrector passes and rollback"]
+    elif coupling.scheme in EXPLICIT:
+        notes.append("corrector passes and rollback (explicit scheme)")
+    if exchanging and coupling.order < 3:
+        notes.append("slopes of the signals" if coupling.order == 0 else "second derivatives")
+    if profile.start == profile.end:
+        notes.append("variable speed")
+    if scene.assembly().rotor.isotropic:
+        notes.append("second axis of the rotor (isotropic: complex system of half the size)")
+    if not recorded:
+        notes.append("recording")
+    return notes

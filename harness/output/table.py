@@ -1,0 +1,87 @@
+"""A table, and the three ways to show it: on a terminal, as Markdown, as CSV."""
+
+from __future__ import annotations
+
+import csv
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from .files import write_whole
+
+if TYPE_CHECKING:
+    from rich.table import Table
+
+_JUSTIFY = {"l": "left", "r": "right"}
+_RULES = {"l": "---", "r": "---:"}
+GOOD, BAD = "green", "bold red"
+
+
+@dataclass(frozen=True)
+class Sheet:
+    """Rows under named columns.
+
+    Attributes:
+        columns: heads.
+        rows: cells of every row, of the columns' number; text but for CSV, which takes numbers.
+        align: a letter a column, `l` or `r`; by default all left.
+        title: above it, on a terminal.
+        colours: by column, the style of a cell by its text, on a terminal.
+        grouped: a line is drawn above every row whose first cell says something, on a terminal.
+    """
+
+    columns: Sequence[str]
+    rows: Sequence[Sequence[Any]]
+    align: str = ""
+    title: str = ""
+    colours: Mapping[str, Mapping[str, str]] = field(default_factory=dict)
+    grouped: bool = False
+
+    def __post_init__(self) -> None:
+        if any(len(row) != len(self.columns) for row in self.rows):
+            raise ValueError(f"every row needs {len(self.columns)} cells: {self.columns}")
+        if self.align and (len(self.align) != len(self.columns) or set(self.align) - {*"lr"}):
+            raise ValueError(f"align {self.align!r} needs a letter l or r for each column")
+
+    @property
+    def _align(self) -> str:
+        return self.align or "l" * len(self.columns)
+
+    def rich(self) -> Table:
+        """For a terminal; what is too wide goes on below."""
+        from rich.markup import escape
+        from rich.table import Table
+        from rich.text import Text
+
+        table = Table(title=escape(self.title) or None, title_justify="left")
+        for name, letter in zip(self.columns, self._align, strict=True):
+            table.add_column(Text(name), justify=_JUSTIFY[letter], overflow="fold")  # type: ignore[arg-type]
+        styles = [self.colours.get(name, {}) for name in self.columns]
+        for number, row in enumerate(self.rows):
+            if self.grouped and number and row[0]:
+                table.add_section()
+            cells = zip(row, styles, strict=True)
+            table.add_row(*(Text(cell, style=style.get(cell, "")) for cell, style in cells))
+        return table
+
+    def markdown(self) -> str:
+        """As lines of Markdown."""
+        rule = "|".join(_RULES[letter] for letter in self._align)
+        lines = [f"| {' | '.join(self.columns)} |", f"|{rule}|"]
+        for row in self.rows:
+            cells = (str(cell).replace("|", "\\|") for cell in row)
+            lines.append(f"| {' | '.join(cells)} |")
+        return "\n".join(lines)
+
+    def write_csv(self, path: Path) -> Path:
+        """As CSV, completely or not at all; numbers keep every digit.
+
+        Raises:
+            UserError: the file cannot be written.
+        """
+        with write_whole(path) as stream:
+            writer = csv.writer(stream, lineterminator="\n")
+            writer.writerow(self.columns)
+            writer.writerows(self.rows)
+        return path

@@ -1,0 +1,128 @@
+"""Work on many things: the same outcomes wherever it is done, and an end at once on Ctrl-C."""
+
+from __future__ import annotations
+
+import os
+import signal
+import subprocess
+import sys
+import tempfile
+import time
+from concurrent.futures import Executor, Future, ThreadPoolExecutor
+from pathlib import Path
+
+import pytest
+
+from autobalancer.harness.errors import SimulationError
+from autobalancer.harness.output.workers import PREFIX, Failed, as_they_come, in_order, processes
+
+
+def square(number: int) -> int:
+    if number == 3:
+        raise SimulationError("three")
+    return number * number
+
+
+def note(place: tuple[str, int]) -> int:
+    """Leave a file that says that this item was begun; the first one fails."""
+    directory, number = place
+    (Path(directory) / str(number)).touch()
+    if number == 0:
+        raise SimulationError("the first")
+    time.sleep(0.2)
+    return number
+
+
+def end_process(_item: int) -> None:
+    os.kill(os.getpid(), signal.SIGKILL)
+
+
+def folder(_item: int) -> str:
+    return tempfile.mkdtemp()
+
+
+class AtOnce(Executor):
+    """Another's executor, such as a cluster's: only what the base class promises."""
+
+    def submit(self, function, /, *arguments, **options):
+        future: Future = Future()
+        try:
+            future.set_result(function(*arguments, **options))
+        except Exception as error:
+            future.set_exception(error)
+        return future
+
+
+@pytest.mark.parametrize("workers", [1, 2, AtOnce(), ThreadPoolExecutor(2)])
+def test_outcomes_stand_in_the_items_order_whoever_does_the_work(workers):
+    told = []
+    assert in_order(square, [5, 1, 2, 4], workers, told.append) == [25, 1, 4, 16]
+    assert told == [0.25, 0.5, 0.75, 1.0]
+
+
+@pytest.mark.parametrize("workers", [1, 2, AtOnce()])
+def test_an_item_that_fails_costs_itself_alone_when_asked_so(workers):
+    outcomes = dict(as_they_come(square, [2, 3, 4], workers, (SimulationError,)))
+    assert outcomes[0] == 4
+    assert outcomes[2] == 16
+    assert isinstance(outcomes[1], Failed)
+    assert outcomes[1].item == 3
+    assert str(outcomes[1].error) == "three"
+
+
+@pytest.mark.parametrize("workers", [1, 2, AtOnce()])
+def test_otherwise_the_first_failure_is_raised(workers):
+    with pytest.raises(SimulationError, match="three"):
+        in_order(square, [2, 3, 4], workers)
+
+
+def test_after_a_failure_nothing_more_is_begun(tmp_path):
+    items = [(str(tmp_path), number) for number in range(40)]
+    with processes(2) as executor, pytest.raises(SimulationError, match="the first"):
+        in_order(note, items, executor)
+    assert len(os.listdir(tmp_path)) < 10
+
+
+def test_a_process_ended_from_outside_is_an_error_in_words():
+    with pytest.raises(SimulationError, match="a process that did the work was ended"):
+        in_order(end_process, [1, 2], 2)
+
+
+def test_temporary_files_of_processes_are_gone_with_them():
+    folders = in_order(folder, [1, 2, 3], 2)
+    assert all(PREFIX in name for name in folders)
+    assert not any(os.path.exists(name) for name in folders)
+
+
+SCRIPT = """
+import os, pathlib, tempfile, time
+from autobalancer.harness.output.workers import in_order
+
+def work(directory):
+    made = tempfile.mkdtemp()
+    (pathlib.Path(directory) / str(os.getpid())).write_text(made)
+    time.sleep(60)
+
+if __name__ == "__main__":
+    in_order(work, [{directory!r}] * 8, 2)
+"""
+
+
+def test_ctrl_c_ends_all_processes_at_once_and_clears_their_files(tmp_path):
+    script, begun = tmp_path / "script.py", tmp_path / "begun"
+    begun.mkdir()
+    script.write_text(SCRIPT.format(directory=str(begun)), encoding="utf-8")
+    group = subprocess.Popen(
+        [sys.executable, script], stderr=subprocess.PIPE, text=True, start_new_session=True
+    )
+    until = time.monotonic() + 60.0
+    while len(os.listdir(begun)) < 2 and time.monotonic() < until:
+        time.sleep(0.05)
+    os.killpg(group.pid, signal.SIGINT)  # a terminal tells every process of the group
+    _, errors = group.communicate(timeout=20.0)  # they would sleep for a minute
+    assert errors.count("KeyboardInterrupt") == 1  # the parent's own; none of a worker
+    workers = [path for path in begun.iterdir() if path.read_text()]
+    assert len(workers) == 2
+    for path in workers:
+        assert not os.path.exists(f"/proc/{path.name}")
+        assert not os.path.exists(path.read_text())

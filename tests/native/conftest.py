@@ -1,0 +1,306 @@
+"""The C sources as libraries for the tests, and the equations' functions by ctypes."""
+
+from __future__ import annotations
+
+import ctypes
+import importlib.util
+import math
+import re
+import subprocess
+import sys
+from collections.abc import Sequence
+from ctypes import POINTER, byref, c_char_p, c_double, c_int, c_size_t
+from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+SOURCES = Path(__file__).parents[2] / "fmus" / "native"
+CORE = [
+    "elementary",
+    "failure",
+    "matrix",
+    "shaft",
+    "rotor_kinds",
+    "linear_rotor",
+    "propagator",
+    "variable_speed",
+    "weights",
+    "liquid",
+    "track",
+    "centre",
+    "roots",
+    "contact",
+    "resistance",
+    "ring",
+    "groups",
+    "event_functions",
+    "impacts",
+    "events",
+    "motion",
+    "pulse",
+    "reaction_change",
+]
+FLAGS = [
+    "-std=c99",
+    "-O2",
+    "-ffp-contract=off",
+    "-fno-math-errno",
+    "-Wall",
+    "-Wextra",
+    "-Wpedantic",
+    "-Werror",
+    "-shared",
+    "-fPIC",
+]
+
+
+def compile_library(
+    destination: Path,
+    compiler: Sequence[str] = ("cc",),
+    sources: Sequence[str] = CORE,
+    flags: Sequence[str] = (),
+) -> Path:
+    """Compile C sources (names without ending) into the shared library `destination`.
+
+    `flags` are added to `FLAGS`, and win over them.
+    """
+    files = [str(SOURCES / f"{name}.c") for name in sources]
+    subprocess.run([*compiler, *FLAGS, *flags, *files, "-o", str(destination)], check=True)
+    return destination
+
+
+class Complex(ctypes.Structure):
+    _fields_ = (("re", c_double), ("im", c_double))
+
+
+class Failure(ctypes.Structure):
+    _fields_ = (("code", c_int), ("where", c_int), ("name", c_char_p), ("value", c_double * 4))
+
+
+def _struct(name: str, doubles: str = "", **fields: Any) -> type[ctypes.Structure]:
+    listed = [(key, c_double) for key in doubles.split()] or list(fields.items())
+    return type(name, (ctypes.Structure,), {"_fields_": listed})
+
+
+_D = POINTER(c_double)
+LinearRotor = _struct(
+    "LinearRotor",
+    stations=c_int,
+    plane_count=c_int,
+    deflections=c_int,
+    **dict.fromkeys(
+        [
+            "mass",
+            "damping_x",
+            "damping_y",
+            "stiffness_x",
+            "stiffness_y",
+            "internal_damping",
+            "gyroscopic",
+            "planes",
+            "unbalance",
+            "deflection",
+        ],
+        _D,
+    ),
+)
+Planar = _struct(
+    "Planar",
+    mass=c_double,
+    stiffness=c_double * 2,
+    damping=c_double * 2,
+    internal_damping=c_double,
+    unbalance=c_double,
+    unbalance_angle=c_double,
+)
+TwoSupport = _struct(
+    "TwoSupport",
+    **dict.fromkeys(["mass", "inertia", "polar_inertia", "span", "com"], c_double),
+    stiffness=c_double * 4,
+    damping=c_double * 4,
+    planes=_D,
+    unbalance_count=c_int,
+    unbalances=_D,
+)
+Flexible = _struct(
+    "Flexible",
+    stations=_D,
+    masses=_D,
+    supports=c_int * 2,
+    support_stiffness=c_double * 4,
+    support_damping=c_double * 4,
+    bending_stiffness=c_double,
+    compliance=_D,
+    internal_damping=c_double,
+    unbalance_count=c_int,
+    unbalances=_D,
+    ports=POINTER(c_int),
+)
+VariableSpeedStep = _struct(
+    "VariableSpeedStep",
+    **dict.fromkeys(["turning_force", "axes", "parts", "dof", "plane_count"], c_int),
+    **dict.fromkeys(["still", "per_speed", "planes", "force", "unbalance"], _D),
+)
+Weights = _struct(
+    "Weights",
+    count=c_int,
+    **dict.fromkeys(["mass", "track_radius", "drag", "kappa"], c_double),
+)
+Quadrature = _struct("Quadrature", damping_rate=c_double, step=c_double, response=c_double * 10)
+Liquid = _struct("Liquid", "chamber_radius float_radius height density")
+Track = _struct(
+    "Track",
+    weights=Weights,
+    **dict.fromkeys(["weight_radius", "restitution", "rolling_resistance"], c_double),
+    offset=Complex,
+    **dict.fromkeys(["alpha", "lever", "grip", "damping_rate", "moment"], c_double),
+    **dict.fromkeys(["solid", "full", "eventful"], c_int),
+)
+Moved = _struct(
+    "Moved",
+    **dict.fromkeys(["angles", "speeds", "contacts"], _D),
+    impulse=Complex,
+    events=c_int,
+    reached=c_double,
+)
+Instant = _struct("Instant", acceleration=Complex, slope=Complex, rotor_speed=c_double)
+
+STRUCTURES = (
+    Complex, Failure, LinearRotor, Planar, TwoSupport, Flexible, VariableSpeedStep, Weights,
+    Quadrature, Liquid, Track, Moved, Instant,
+)  # fmt: skip
+
+_RETURNS = {
+    c_double: (
+        "square_root copy_sign nearest scaled_by_power sine cosine natural_exp arc_sine hypotenuse"
+        " modulo ieee_remainder weights_spread weights_added_mass weights_damping_rate fastest_rate"
+        " liquid_gap liquid_mass liquid_added_mass liquid_clearance group_factor lowest"
+    ),
+    Complex: "rect weights_static_moment liquid_reaction track_static_moment hat_half strike",
+    c_size_t: (
+        "linear_rotor_size linear_rotor_flexible_scratch step_matrix_scratch variable_speed_size"
+        " variable_speed_scratch track_scratch"
+    ),
+    Quadrature: "quadrature_empty",
+    _D: "quadrature",
+    LinearRotor: "linear_rotor_in linear_rotor_with_added_mass",
+    None: "phi_functions weights_reaction variable_speed_plane_motion along_track discharge",
+}
+
+
+class Refused(Exception):
+    """A function returned a failure: its code's number and what it holds."""
+
+    def __init__(self, failure: Any) -> None:
+        super().__init__(failure.code, failure.name, list(failure.value))
+        self.code, self.where, self.name = failure.code, failure.where, failure.name
+        self.value = tuple(failure.value)
+
+
+class Core:
+    """The equations in C, with arrays for what C takes as pointers.
+
+    Attributes:
+        structures: the C structures, by name.
+        codes: numbers of the failures, by name, from failure.h.
+    """
+
+    Refused = Refused
+    compile_library = staticmethod(compile_library)
+
+    def __init__(self, path: Path) -> None:
+        self.structures = SimpleNamespace(**{t.__name__: t for t in STRUCTURES})
+        listed = re.search(r"enum \{(.*?)\};", (SOURCES / "failure.h").read_text(), re.S)
+        names = re.findall(r"^\s*([A-Z_]+)\b", listed[1], re.M)  # type: ignore[index]
+        self.codes = {name: number for number, name in enumerate(names)}
+        self.library = ctypes.CDLL(str(path))
+        for type_, names in _RETURNS.items():
+            for name in names.split():
+                if hasattr(self.library, name):
+                    getattr(self.library, name).restype = type_
+
+    def __call__(self, name: str, *arguments: Any) -> Any:
+        """Call a function: floats go as doubles, arrays as pointers."""
+        return getattr(self.library, name)(*map(_argument, arguments))
+
+    def demand(self, name: str, *arguments: Any) -> None:
+        """Call a function that may fail, and raise `Refused` when it does."""
+        failure = Failure()
+        if self(name, *arguments, byref(failure)):
+            raise Refused(failure)
+
+    def real(self, name: str, x: NDArray, *others: NDArray) -> NDArray:
+        """A function of numbers for each of the arrays' elements."""
+        call = getattr(self.library, name)
+        call.argtypes = [c_double] * (1 + len(others))
+        return np.array([call(*values) for values in zip(x, *others, strict=True)])
+
+    def rotor(self, kind: str, n: int, p: int, values: Any) -> Any:
+        """A rotor of a kind from its parameters (a structure)."""
+        memory = np.zeros(self("linear_rotor_size", n, p))
+        rotor = self("linear_rotor_in", memory, n, p)
+        rotor.memory = memory  # type: ignore[attr-defined]
+        scratch = [np.zeros(self("linear_rotor_flexible_scratch", n))] * (kind == "flexible")
+        self.demand(f"linear_rotor_{kind}", byref(values), byref(rotor), *scratch)
+        return rotor
+
+    def rotor_of(self, rotor: Any) -> Any:
+        """The rotor of a `models.rotor.LinearRotor`, whatever its kind."""
+        n, p = rotor.stations, rotor.plane_count
+        memory = np.zeros(self("linear_rotor_size", n, p))
+        made = self("linear_rotor_in", memory, n, p)
+        made.memory = memory
+        for name, _ in LinearRotor._fields_[3:]:
+            if name != "deflection":
+                values = np.ascontiguousarray(getattr(rotor, name)).view(float).ravel()
+                ctypes.memmove(getattr(made, name), values.ctypes.data, values.nbytes)
+        return made
+
+    def step_matrix(self, rotor: Any, speed: float, step: float, turning: bool) -> NDArray:
+        """As `models.propagator.step_matrix`, of a rotor made by `rotor` or `rotor_of`."""
+        axes = 1 if self("linear_rotor_isotropic", byref(rotor)) else 2
+        sizes = rotor.stations, rotor.plane_count, axes
+        shape = self("step_matrix_rows", *sizes), self("step_matrix_columns", *sizes)
+        matrix = np.empty(shape, complex if axes == 1 else float)
+        scratch = np.full(self("step_matrix_scratch", *sizes), math.nan)
+        self.demand("step_matrix", byref(rotor), speed, step, int(turning), matrix, scratch)
+        return matrix
+
+
+def _argument(value: Any) -> Any:
+    if isinstance(value, float):
+        return c_double(value)
+    if isinstance(value, complex):
+        return Complex(value.real, value.imag)
+    if isinstance(value, np.ndarray):
+        return value.ctypes.data_as(_D)
+    return value
+
+
+@pytest.fixture(scope="session")
+def core(tmp_path_factory: pytest.TempPathFactory) -> Core:
+    """The equations in C, compiled by the C compiler of this machine."""
+    return Core(compile_library(tmp_path_factory.mktemp("native") / "core.so"))
+
+
+@pytest.fixture(scope="session")
+def packaging() -> Any:
+    """The module beside this one: native FMUs and their host."""
+    path = Path(__file__).with_name("packaging.py")
+    spec = importlib.util.spec_from_file_location("native_packaging", path)
+    assert spec
+    assert spec.loader
+    module = importlib.util.module_from_spec(spec)
+    sys.modules[spec.name] = module
+    spec.loader.exec_module(module)
+    return module
+
+
+@pytest.fixture(scope="session")
+def fmus(packaging: Any, tmp_path_factory: pytest.TempPathFactory) -> Any:
+    """Builds native and Python FMUs."""
+    return packaging.Packager(tmp_path_factory.mktemp("units"))

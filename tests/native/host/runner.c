@@ -1,0 +1,276 @@
+/* A host in plain C that carries out orders from its standard input and writes numbers as their bits.
+
+   It leaves out the C run-time library, so that it is made for any platform in a second: the few
+   functions it needs come from system_*.c beside it.  Orders, one a line, words apart by a blank:
+
+       open FILE                load a library
+       new K TOKEN              instance number K
+       real K REFERENCE BITS    set a Real, its bits in hexadecimal
+       boolean K REFERENCE 0|1
+       init K                   initialise from time 0
+       to K TIME STEP           step, both as bits
+       pass K REFERENCE L REFERENCE COUNT    from outputs of one instance to inputs of another
+       show K REFERENCE COUNT   write Reals, 16 hexadecimal digits each
+       free K */
+#include <stddef.h>
+#include <stdint.h>
+
+#include "system.h"
+
+enum { INSTANCES = 8, REALS = 4096, LINE = 8192 };
+
+typedef struct {
+    void (*logger)(void *, const char *, int, const char *, const char *, ...);
+    void *(*allocate)(size_t, size_t);
+    void (*release)(void *);
+    void (*finished)(void *, int);
+    void *environment;
+} Callbacks;
+
+typedef struct {
+    void *(*instantiate)(const char *, int, const char *, const char *, const Callbacks *, int, int);
+    int (*setup)(void *, int, double, double, int, double);
+    int (*enter)(void *);
+    int (*leave)(void *);
+    int (*set_real)(void *, const unsigned *, size_t, const double *);
+    int (*set_boolean)(void *, const unsigned *, size_t, const int *);
+    int (*get_real)(void *, const unsigned *, size_t, double *);
+    int (*step)(void *, double, double, int);
+    void (*release)(void *);
+} Library;
+
+static Library library;
+static void *instances[INSTANCES];
+static double reals[REALS];
+static unsigned references[REALS];
+static char line[LINE];
+static char *rest;
+
+static void write_text(const char *text)
+{
+    size_t length = 0;
+    while (text[length])
+        length++;
+    system_write(text, length);
+}
+
+static void fail(const char *why, const char *what)
+{
+    write_text("failed: ");
+    write_text(why);
+    write_text(" ");
+    write_text(what);
+    write_text("\n");
+    system_exit(1);
+}
+
+static void logger(void *environment, const char *name, int status, const char *category,
+                   const char *message, ...)
+{
+    (void)environment;
+    (void)name;
+    (void)status;
+    (void)category;
+    write_text("message: ");
+    write_text(message);
+    write_text("\n");
+}
+
+/* Read a line without its end; 0 at the end of the input. */
+static int read_line(void)
+{
+    static char buffer[65536];
+    static size_t used, filled;
+    size_t length = 0;
+    for (;;) {
+        if (used == filled) {
+            filled = system_read(buffer, sizeof buffer);
+            used = 0;
+            if (filled == 0)
+                return 0;
+        }
+        line[length] = buffer[used++];
+        if (line[length] == '\n')
+            break;
+        if (++length == LINE)
+            fail("line too long", "");
+    }
+    line[length] = 0;
+    rest = line;
+    return 1;
+}
+
+/* The next word of the line. */
+static char *word(void)
+{
+    char *start = rest;
+    while (*rest && *rest != ' ')
+        rest++;
+    if (*rest)
+        *rest++ = 0;
+    return start;
+}
+
+static unsigned number(void)
+{
+    unsigned value = 0;
+    const char *digits = word();
+    for (; *digits; digits++)
+        value = 10 * value + (unsigned)(*digits - '0');
+    return value;
+}
+
+typedef union {
+    uint64_t bits;
+    double value;
+} Real;
+
+static double real(void)
+{
+    Real real;
+    const char *digits = word();
+    real.bits = 0;
+    for (; *digits; digits++)
+        real.bits = real.bits << 4 | (uint64_t)(*digits <= '9' ? *digits - '0' : *digits - 'a' + 10);
+    return real.value;
+}
+
+static void write_real(double value)
+{
+    char digits[17];
+    Real real;
+    int k;
+    real.value = value;
+    for (k = 0; k < 16; k++)
+        digits[k] = "0123456789abcdef"[real.bits >> (60 - 4 * k) & 15];
+    digits[16] = ' ';
+    system_write(digits, 17);
+}
+
+static void **instance(void)
+{
+    unsigned k = number();
+    if (k >= INSTANCES)
+        fail("no such instance", "");
+    return &instances[k];
+}
+
+/* So many references from the first on, as two words of the line say, or the count given. */
+static size_t range(unsigned first, size_t count)
+{
+    size_t k;
+    if (count > REALS)
+        fail("too many values", "");
+    for (k = 0; k < count; k++)
+        references[k] = first + (unsigned)k;
+    return count;
+}
+
+static void expect_ok(int status, const char *order)
+{
+    if (status != 0)
+        fail("status not OK from", order);
+}
+
+static void open_library(const char *path)
+{
+    void *handle = system_open(path);
+    if (handle == NULL)
+        fail("cannot load", path);
+#define FIND(member, name) *(void **)&library.member = system_symbol(handle, name)
+    FIND(instantiate, "fmi2Instantiate");
+    FIND(setup, "fmi2SetupExperiment");
+    FIND(enter, "fmi2EnterInitializationMode");
+    FIND(leave, "fmi2ExitInitializationMode");
+    FIND(set_real, "fmi2SetReal");
+    FIND(set_boolean, "fmi2SetBoolean");
+    FIND(get_real, "fmi2GetReal");
+    FIND(step, "fmi2DoStep");
+    FIND(release, "fmi2FreeInstance");
+#undef FIND
+}
+
+static void begin(void *unit)
+{
+    expect_ok(library.setup(unit, 0, 0.0, 0.0, 0, 0.0), "fmi2SetupExperiment");
+    expect_ok(library.enter(unit), "fmi2EnterInitializationMode");
+    expect_ok(library.leave(unit), "fmi2ExitInitializationMode");
+}
+
+static void pass(void)
+{
+    void *from = *instance();
+    unsigned output = number();
+    void *to = *instance();
+    unsigned input = number();
+    size_t count = number();
+    expect_ok(library.get_real(from, references, range(output, count), reals), "fmi2GetReal");
+    expect_ok(library.set_real(to, references, range(input, count), reals), "fmi2SetReal");
+}
+
+static void show(void *unit)
+{
+    unsigned first = number();
+    size_t count = range(first, number()), k;
+    expect_ok(library.get_real(unit, references, count, reals), "fmi2GetReal");
+    for (k = 0; k < count; k++)
+        write_real(reals[k]);
+    write_text("\n");
+}
+
+static void carry_out(char order)
+{
+    static const Callbacks callbacks = {logger, NULL, NULL, NULL, NULL};
+    void **place;
+    unsigned reference;
+    double time;
+    int boolean;
+    if (order == 'o') {
+        open_library(rest);
+        return;
+    }
+    if (order == 'p') {
+        pass();
+        return;
+    }
+    place = instance();
+    switch (order) {
+    case 'n':
+        *place = library.instantiate("unit", 1, rest, "file:///none", &callbacks, 0, 1);
+        if (*place == NULL)
+            fail("refused", rest);
+        break;
+    case 'r':
+        reference = number();
+        reals[0] = real();
+        expect_ok(library.set_real(*place, &reference, 1, reals), "fmi2SetReal");
+        break;
+    case 'b':
+        reference = number();
+        boolean = (int)number();
+        expect_ok(library.set_boolean(*place, &reference, 1, &boolean), "fmi2SetBoolean");
+        break;
+    case 'i':
+        begin(*place);
+        break;
+    case 't':
+        time = real();
+        expect_ok(library.step(*place, time, real(), 1), "fmi2DoStep");
+        break;
+    case 's':
+        show(*place);
+        break;
+    case 'f':
+        library.release(*place);
+        break;
+    default:
+        fail("no such order", line);
+    }
+}
+
+void run(void)
+{
+    while (read_line())
+        carry_out(*word());
+    system_exit(0);
+}

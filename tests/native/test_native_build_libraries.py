@@ -1,0 +1,307 @@
+"""The libraries of the native units: what they need, export and carry, and when they are made."""
+
+from __future__ import annotations
+
+import hashlib
+import os
+import re
+import shutil
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import fmpy
+import pytest
+
+from autobalancer.fmus.native import compile as compiler
+from autobalancer.fmus.native.compile import COMPILER, PLATFORMS, NotCompiled, libraries
+from autobalancer.fmus.native.package import universal
+
+lief = pytest.importorskip("lief", reason="no reader of libraries: lief is not installed")
+pytest.importorskip("ziglang", reason="no compiler: ziglang is not installed")
+lief.logging.disable()
+ROOT = Path(__file__).parents[2]
+LIMIT = 250_000  # bytes
+
+# what every C library has, and memory
+_STRING = {"memcmp", "memcpy", "memmove", "memset", "strcmp", "strlen", "strncmp"}
+ALLOWED = _STRING | {"calloc", "free"}
+# of clang for macOS, from libSystem; the binder belongs to the loader
+DARWIN = {"bzero", "__bzero", "dyld_stub_binder"}
+LINUX = {"bcmp"}  # of clang, for memcmp == 0
+# of zig's linker
+MARKS = {"_mh_dylib_header", "__dso_handle"}
+# of FMI 2.0, for model exchange alone
+EXCHANGE = {
+    "fmi2CompletedIntegratorStep",
+    "fmi2EnterContinuousTimeMode",
+    "fmi2EnterEventMode",
+    "fmi2GetContinuousStates",
+    "fmi2GetDerivatives",
+    "fmi2GetEventIndicators",
+    "fmi2GetNominalsOfContinuousStates",
+    "fmi2NewDiscreteStates",
+    "fmi2SetContinuousStates",
+    "fmi2SetTime",
+}
+MACHINE_ORDER = (0x01000007, 0x0100000C)  # x86_64, arm64
+
+each = pytest.mark.parametrize("platform", PLATFORMS)
+
+
+@pytest.fixture(scope="module")
+def library():
+    """Path and parsed form of a platform's library."""
+    made = libraries()
+
+    def library(platform: str):
+        path = made[platform]
+        if "darwin" in platform:
+            return path, lief.MachO.parse(str(path)).at(0)
+        return path, lief.parse(str(path))
+
+    return library
+
+
+def _plain(names, darwin: bool) -> set[str]:
+    """Names as C has them: macOS puts an underscore before each."""
+    return {
+        str(n).removeprefix("_") if darwin and str(n).startswith("_") else str(n) for n in names
+    }
+
+
+def _exports(binary, platform: str) -> set[str]:
+    if "windows" in platform:
+        return {entry.name for entry in binary.get_export().entries}
+    return _plain((s.name for s in binary.exported_symbols), "darwin" in platform)
+
+
+def _standard(version: int) -> set[str]:
+    """Functions of a version of FMI, by the header that fmpy compiles units with."""
+    header = Path(fmpy.__file__).parent / "c-code" / f"fmi{version}Functions.h"
+    return set(re.findall(rf"fmi{version}FullName\((fmi\w+)\)", header.read_text()))
+
+
+@each
+def test_no_library_is_larger_than_250_kB(platform, library):
+    path, _ = library(platform)
+    assert path.stat().st_size <= LIMIT
+
+
+@each
+def test_exports_are_the_functions_of_both_versions_of_fmi_and_no_other(platform, library):
+    _, binary = library(platform)
+    assert _standard(2) > EXCHANGE
+    assert len(_standard(3)) == 75
+    assert _exports(binary, platform) - MARKS == (_standard(2) - EXCHANGE) | _standard(3)
+
+
+@pytest.mark.parametrize("platform", ["x86_64-linux", "aarch64-linux"])
+def test_a_linux_library_asks_for_no_other_library(platform, library):
+    _, binary = library(platform)
+    assert list(binary.libraries) == []
+    wanted = {s.name for s in binary.dynamic_symbols if s.name and s.shndx == 0}
+    assert wanted
+    assert wanted <= ALLOWED | LINUX
+    # a version would tie it to glibc
+    assert not binary.has(lief.ELF.DynamicEntry.TAG.VERNEED)
+
+
+def test_the_windows_library_asks_for_memory_and_strings_of_msvcrt_alone(library):
+    _, binary = library("x86_64-windows")
+    wanted = {entry.name: {e.name for e in entry.entries} for entry in binary.imports}
+    assert set(wanted) == {"msvcrt.dll"}
+    assert wanted["msvcrt.dll"] <= ALLOWED
+
+
+@pytest.mark.parametrize("platform", ["x86_64-darwin", "aarch64-darwin"])
+def test_a_macos_library_asks_for_libsystem_and_macos_11(platform, library):
+    _, binary = library(platform)
+    own, system = [entry.name for entry in binary.libraries]
+    assert own == "@rpath/autobalancer.dylib"
+    assert system == "/usr/lib/libSystem.B.dylib"
+    assert binary.build_version.platform == lief.MachO.BuildVersion.PLATFORMS.MACOS
+    assert list(binary.build_version.minos) == [11, 0, 0]
+    assert _plain((s.name for s in binary.imported_symbols), True) <= ALLOWED | DARWIN
+
+
+def test_machines_are_those_that_the_platforms_name(library):
+    elf, pe, macho = lief.ELF.ARCH, lief.PE.Header.MACHINE_TYPES, lief.MachO.Header.CPU_TYPE
+    kinds = {name: library(name)[1].header for name in PLATFORMS}
+    assert kinds["x86_64-linux"].machine_type == elf.X86_64
+    assert kinds["aarch64-linux"].machine_type == elf.AARCH64
+    assert kinds["x86_64-windows"].machine == pe.AMD64
+    assert kinds["x86_64-darwin"].cpu_type == macho.X86_64
+    assert kinds["aarch64-darwin"].cpu_type == macho.ARM64
+
+
+# --- signature, for arm64 refuses what has none -------------------------------------------------
+
+
+def _big(data: bytes, position: int, size: int = 4) -> int:
+    return int.from_bytes(data[position : position + size], "big")
+
+
+def _code_directory(signature: bytes) -> bytes:
+    """The code directory of an embedded signature: Apple's cs_blobs.h."""
+    assert _big(signature, 0) == 0xFADE0CC0
+    blobs = [
+        (_big(signature, 12 + 8 * k), _big(signature, 16 + 8 * k))
+        for k in range(_big(signature, 8))
+    ]
+    start = dict(blobs)[0]
+    assert _big(signature, start) == 0xFADE0C02
+    return signature[start : start + _big(signature, start + 4)]
+
+
+def _check_pages(library: bytes, signature: bytes) -> int:
+    """Compare the hash of every page with the one that is signed; their number."""
+    directory = _code_directory(signature)
+    flags, hashes, _, _, count, limit = (_big(directory, 12 + 4 * k) for k in range(6))
+    size, kind, page = directory[36], directory[37], 1 << directory[39]
+    assert flags & 2  # ad hoc: nobody's name on it
+    assert (size, kind) == (32, 2)  # SHA-256
+    assert count == -(-limit // page)
+    for k in range(count):
+        signed = directory[hashes + size * k : hashes + size * (k + 1)]
+        assert hashlib.sha256(library[k * page : min((k + 1) * page, limit)]).digest() == signed
+    return count
+
+
+def test_every_page_of_the_arm64_macos_library_is_signed(library):
+    path, binary = library("aarch64-darwin")
+    data = path.read_bytes()
+    command = binary.code_signature
+    signature = data[command.data_offset : command.data_offset + command.data_size]
+    assert _check_pages(data, signature) >= 4
+    spoilt = bytearray(data)
+    spoilt[5000] ^= 1
+    with pytest.raises(AssertionError):
+        _check_pages(bytes(spoilt), signature)
+
+
+def test_the_universal_library_holds_both_as_they_are(library):
+    parts = [library(name)[0].read_bytes() for name in ("x86_64-darwin", "aarch64-darwin")]
+    whole = universal(parts)
+    assert _big(whole, 0) == 0xCAFEBABE
+    assert _big(whole, 4) == 2
+    for k, part in enumerate(parts):
+        machine, _, start, size, alignment = (_big(whole, 8 + 20 * k + 4 * i) for i in range(5))
+        assert machine == MACHINE_ORDER[k]
+        assert start % (1 << alignment) == 0
+        assert alignment == 14
+        assert whole[start : start + size] == part
+    assert lief.MachO.parse(list(whole)).size == 2
+
+
+# --- making them ------------------------------------------------------------------------------
+
+
+@pytest.fixture
+def checkout(tmp_path):
+    """The sources elsewhere, without libraries; runs Python with them as the package."""
+
+    def copy(folder: str):
+        root = tmp_path / folder / "autobalancer"
+        for name in ("fmus", "models"):
+            ignored = shutil.ignore_patterns("bin", "__pycache__")
+            shutil.copytree(ROOT / name, root / name, ignore=ignored)
+
+        def run(code: str, **environment: str) -> str:
+            return subprocess.run(
+                [sys.executable, "-c", code],
+                env={**os.environ, "PYTHONPATH": str(root.parent), **environment},
+                check=True,
+                capture_output=True,
+                text=True,
+            ).stdout
+
+        return root / "fmus" / "native", run
+
+    return copy
+
+
+_MAKE = "from autobalancer.fmus.native.compile import libraries; libraries({})"
+
+
+def _bytes(native: Path) -> dict[str, str]:
+    files = [path for path in (native / "bin").rglob("*") if path.is_file()]
+    return {str(p.relative_to(native)): hashlib.sha256(p.read_bytes()).hexdigest() for p in files}
+
+
+def test_bytes_depend_on_nothing_but_the_sources(checkout, tmp_path):
+    names = ["x86_64-linux", "x86_64-windows", "aarch64-darwin"]
+    here = libraries(names)
+    time.sleep(1.1)  # a PE file has a time in whole seconds
+    native, run = checkout("another folder, ü")
+    run(_MAKE.format(names), HOME="/nonexistent", TMPDIR=str(tmp_path), SOURCE_DATE_EPOCH="1")
+    assert len(here) == 3
+    for path in here.values():
+        copy = native / path.relative_to(compiler.SOURCES)
+        assert copy.stat().st_mtime > path.stat().st_mtime + 1
+        assert copy.read_bytes() == path.read_bytes()
+
+
+def test_an_edit_makes_the_libraries_stale_and_the_next_call_makes_them_anew(checkout, tmp_path):
+    native, run = checkout("one")
+    caches = {f"ZIG_{kind}_CACHE_DIR": str(tmp_path / "zig") for kind in ("LOCAL", "GLOBAL")}
+    make = _MAKE.format("['x86_64-linux']")
+    stale = (
+        "from autobalancer.fmus.native.compile import stale, stamp; "
+        "print(stale(['x86_64-linux']), stamp())"
+    )
+    run(make, **caches)
+    first = _bytes(native)
+    fresh, stamp = run(stale).split()
+    assert fresh == "False"
+    with (native / "liquid.c").open("a") as file:
+        file.write("/* edited */\n")
+    assert run(stale).split()[0] == "True"
+    run(make, **caches)
+    assert run(stale).split()[0] == "False"
+    assert run(stale).split()[1] != stamp
+    changed = {name for name, digest in _bytes(native).items() if first[name] != digest}
+    assert changed == {
+        "bin/sources/stamp.h",
+        "bin/x86_64-linux/autobalancer.so",
+        "bin/x86_64-linux/stamp",
+    }
+
+
+def test_an_edit_in_python_that_declares_nothing_else_compiles_nothing(checkout):
+    native, run = checkout("one")
+    run(_MAKE.format("['x86_64-linux']"))
+    first = _bytes(native)
+    with (native.parent / "liquid.py").open("a") as file:
+        file.write("# edited\n")
+    without = "import sys; sys.modules['ziglang'] = None; " + _MAKE.format("['x86_64-linux']")
+    run(without)
+    changed = {name for name, digest in _bytes(native).items() if first[name] != digest}
+    assert changed == {"bin/declarations"}
+
+
+def test_without_a_compiler_the_error_names_the_command(checkout):
+    _, run = checkout("one")
+    code = (
+        "import sys; sys.modules['ziglang'] = None\n"
+        "from autobalancer.fmus.native.compile import NotCompiled, libraries\n"
+        "try: libraries()\n"
+        "except NotCompiled as error: print(error)"
+    )
+    assert f"-m pip install ziglang=={COMPILER}" in run(code)
+
+
+def test_another_compiler_is_refused(monkeypatch):
+    monkeypatch.setattr(compiler, "version", lambda name: "0.1.0")
+    with pytest.raises(NotCompiled, match=r"0\.1\.0 is installed"):
+        compiler.compile(["x86_64-linux"])
+
+
+def test_a_platform_that_does_not_exist_is_refused_by_name():
+    with pytest.raises(ValueError, match=r"'amiga'.*'x86_64-linux'"):
+        libraries(["x86_64-linux", "amiga"])
+
+
+def test_the_compiler_that_tests_install_is_the_one_that_the_stamp_names():
+    assert f'"ziglang=={COMPILER}"' in (ROOT / "pyproject.toml").read_text()

@@ -1,0 +1,270 @@
+"""Native FMUs and the wheel: what is inside, where, and that it is all a tool needs."""
+
+from __future__ import annotations
+
+import hashlib
+import re
+import shutil
+import subprocess
+import sys
+import tarfile
+import zipfile
+from importlib.metadata import version
+from pathlib import Path
+from xml.etree import ElementTree
+
+import fmpy
+import numpy as np
+import pytest
+from fmpy.build import build_platform_binary
+from fmpy.validation import validate_fmu
+
+from autobalancer.fmus.build import UNITS, build, content_id, contents, identity
+from autobalancer.fmus.native.compile import PLATFORMS, SOURCES, libraries, stamp
+from autobalancer.fmus.native.package import native_files, universal
+
+pytest.importorskip("ziglang", reason="no compiler: ziglang is not installed")
+
+ROOT = Path(__file__).parents[2]
+SHAPES = [
+    ("RotorOnSupports", {}),
+    ("RotorOnSupports", {"kind": "two_support", "stations": 2, "planes": 2}),
+    ("RotorOnSupports", {"kind": "flexible", "stations": 3, "shaft": "compliance"}),
+    ("LiquidBalancer", {"frame": "fixed"}),
+    ("BallBalancer", {"weights": 5}),
+]
+shapes = pytest.mark.parametrize(("unit", "options"), SHAPES)
+
+
+def native(unit, folder, **options):
+    return build(unit, folder, backend="native", **options)
+
+
+def _names(path: Path, folder: str) -> set[str]:
+    with zipfile.ZipFile(path) as archive:
+        return {name for name in archive.namelist() if name.startswith(folder)}
+
+
+# --- FMU --------------------------------------------------------------------------------------
+
+
+@shapes
+def test_fmpy_finds_nothing_wrong_with_a_native_unit(unit, options, tmp_path):
+    assert validate_fmu(str(native(unit, tmp_path, **options))) == []
+
+
+@shapes
+def test_a_native_unit_has_the_variables_of_the_python_unit(unit, options):
+    one, other = (
+        ElementTree.fromstring(contents(unit, backend=backend, **options)["modelDescription.xml"])
+        for backend in ("native", "python")
+    )
+    for part in ("ModelVariables", "ModelStructure", "UnitDefinitions"):
+        here, there = (ElementTree.tostring(xml.find(part)) for xml in (one, other))
+        assert here == there
+    assert one.get("guid") != other.get("guid")
+
+
+@shapes
+def test_a_native_unit_needs_no_python(unit, options):
+    files = contents(unit, backend="native", **options)
+    assert not [name for name in files if name.endswith(".py")]
+    assert not any(b"pythonfmu" in data.lower() for data in files.values())
+    assert b"libpython" not in b"".join(files.values())
+
+
+def test_two_builds_have_the_same_bytes(tmp_path):
+    one, other = (native("BallBalancer", tmp_path / name).read_bytes() for name in "ab")
+    assert one == other
+
+
+def test_guid_says_unit_sizes_layout_and_sources():
+    files = contents("BallBalancer", backend="native", weights=3)
+    guid = ElementTree.fromstring(files["modelDescription.xml"]).get("guid")
+    assert re.fullmatch(rf"BallBalancer/frame=rotor/weights=3/[0-9a-f]{{16}}-{stamp()}", guid)
+
+
+def test_the_identity_of_a_native_unit_is_that_of_its_file(tmp_path):
+    options = {"weights": 3, "backend": "native"}
+    assert content_id(build("BallBalancer", tmp_path, **options)) == identity(
+        "BallBalancer", **options
+    )
+
+
+def test_fmi_2_folders_serve_x86_and_arm(tmp_path):
+    path = native("LiquidBalancer", tmp_path, name="liquid")
+    assert _names(path, "binaries/") == {
+        "binaries/linux64/liquid.so",
+        "binaries/aarch64-linux/liquid.so",
+        "binaries/win64/liquid.dll",
+        "binaries/darwin64/liquid.dylib",
+        "binaries/aarch64-darwin/liquid.dylib",
+    }
+    made = {name: file.read_bytes() for name, file in libraries().items()}
+    with zipfile.ZipFile(path) as archive:
+        assert archive.read("binaries/linux64/liquid.so") == made["x86_64-linux"]
+        both = universal([made["x86_64-darwin"], made["aarch64-darwin"]])
+        assert archive.read("binaries/darwin64/liquid.dylib") == both
+
+
+def test_fmi_3_folders_are_named_as_the_platforms_are_and_the_build_is_described():
+    unit = UNITS["LiquidBalancer"].configured(frame="rotor")
+    files = native_files(unit, "liquid", lambda token, sources: b"", fmi=3)
+    found = {name for name in files if name.startswith("binaries/")}
+    suffixes = {"linux": "so", "windows": "dll", "darwin": "dylib"}
+    assert found == {f"binaries/{name}/liquid.{suffixes[name.split('-')[1]]}" for name in PLATFORMS}
+    made = ElementTree.fromstring(files["sources/buildDescription.xml"])
+    assert made.find("BuildConfiguration").get("modelIdentifier") == "liquid"
+    listed = {file.get("name") for file in made.iter("SourceFile")}
+    assert listed == {source.name for source in SOURCES.glob("*.c")}
+
+
+@pytest.mark.parametrize(
+    ("platforms", "folders"),
+    [
+        (["x86_64-linux"], {"linux64"}),
+        (["x86_64-darwin", "x86_64-windows"], {"darwin64", "win64"}),
+        # fmpy on arm64 looks in linux64
+        (["aarch64-linux"], {"linux64", "aarch64-linux"}),
+        (["aarch64-darwin"], {"darwin64", "aarch64-darwin"}),
+    ],
+)
+def test_chosen_platforms_and_no_other(platforms, folders, tmp_path):
+    path = native("LiquidBalancer", tmp_path, platforms=platforms)
+    assert {name.split("/")[1] for name in _names(path, "binaries/")} == folders
+
+
+def test_a_platform_that_does_not_exist_is_refused(tmp_path):
+    with pytest.raises(ValueError, match=r"'amiga': must be one of 'x86_64-linux'"):
+        native("LiquidBalancer", tmp_path, platforms=["amiga"])
+    with pytest.raises(ValueError, match=r"platforms.*native units"):
+        build("LiquidBalancer", tmp_path, platforms=["x86_64-linux"])
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_the_sources_in_a_unit_are_those_of_its_libraries(tmp_path):
+    path = native("BallBalancer", tmp_path)
+    with zipfile.ZipFile(path) as archive:
+        listed = ElementTree.fromstring(archive.read("modelDescription.xml"))
+        files = [file.get("name") for file in listed.findall("CoSimulation/SourceFiles/File")]
+        assert files == sorted(source.name for source in SOURCES.glob("*.c"))
+        for source in SOURCES.glob("*.[ch]"):
+            assert archive.read(f"sources/{source.name}") == source.read_bytes()
+    assert _names(path, "sources/") >= {"sources/layout.h", "sources/stamp.h"}
+
+
+# --- in a tool --------------------------------------------------------------------------------
+
+
+def _run(path: Path) -> np.ndarray:
+    return fmpy.simulate_fmu(
+        str(path),
+        stop_time=0.05,
+        output_interval=0.0005,
+        start_values={"a_xi": 30.0, "speed": 200.0, "weight[1].angle0": 0.2},
+        output=["F_xi", "F_eta", "weight[1].angle", "spread"],
+    )
+
+
+def test_fmpy_simulates_a_native_unit(tmp_path):
+    result = _run(native("BallBalancer", tmp_path))
+    assert result["weight[1].angle"][0] == 0.2
+    assert np.ptp(result["weight[1].angle"]) > 1e-4
+
+
+@pytest.mark.skipif(shutil.which("cmake") is None, reason="no cmake: fmpy compiles with it")
+def test_a_unit_that_a_tool_compiles_from_its_sources_gives_the_same_bits(tmp_path):
+    built = native("BallBalancer", tmp_path, platforms=["x86_64-windows"])
+    folder = Path(fmpy.extract(str(built), unzipdir=str(tmp_path / "unit")))
+    assert not (folder / "binaries" / fmpy.platform).exists()
+    build_platform_binary(folder)
+    ours = _run(native("BallBalancer", tmp_path / "ours"))
+    assert _run(folder).tobytes() == ours.tobytes()
+
+
+# --- wheel ------------------------------------------------------------------------------------
+
+
+@pytest.fixture(scope="module")
+def checkout(tmp_path_factory):
+    """A checkout with its libraries: packaging writes into the folder."""
+    if int(version("setuptools").split(".")[0]) < 77:
+        pytest.skip("the backend needs setuptools 77 or newer")
+    libraries()
+    root = tmp_path_factory.mktemp("checkout")
+    for name in ("fmus", "models", "harness"):
+        shutil.copytree(ROOT / name, root / name, ignore=shutil.ignore_patterns("__pycache__"))
+    for name in ("pyproject.toml", "README.md", "LICENSE"):
+        shutil.copy(ROOT / name, root)
+    return root
+
+
+def _backend(checkout: Path, call: str) -> str:
+    """Last word of a call of the build backend, as pip makes it."""
+    code = f"import sys; sys.path.insert(0, 'fmus/native'); import backend; print(backend.{call})"
+    done = subprocess.run(
+        [sys.executable, "-c", code], cwd=checkout, check=True, capture_output=True, text=True
+    )
+    return done.stdout.splitlines()[-1]
+
+
+def test_the_wheel_carries_libraries_and_sources_and_is_at_most_1_5_MB(checkout, tmp_path):
+    name = _backend(checkout, f"build_wheel({str(tmp_path)!r})")
+    assert name.endswith("-py3-none-any.whl")
+    wheel = tmp_path / name
+    assert wheel.stat().st_size <= 1_500_000
+    home = "autobalancer/fmus/native"
+    with zipfile.ZipFile(wheel) as archive:
+        for target, path in libraries().items():
+            assert archive.read(f"{home}/bin/{target}/{path.name}") == path.read_bytes()
+        names = {n.removeprefix(f"{home}/") for n in archive.namelist() if n.startswith(home)}
+    assert {source.name for source in SOURCES.glob("*.[ch]")} <= names
+    assert {"windows/entry.c", "windows/msvcrt.def", "bin/sources/stamp.h"} <= names
+
+
+def test_the_source_distribution_has_the_sources_and_no_library(checkout, tmp_path):
+    name = _backend(checkout, f"build_sdist({str(tmp_path)!r})")
+    with tarfile.open(tmp_path / name) as archive:
+        names = {n.split("/", 1)[-1] for n in archive.getnames()}
+    assert {f"fmus/native/{source.name}" for source in SOURCES.glob("*.[ch]")} <= names
+    assert "fmus/native/windows/msvcrt.def" in names
+    assert not [n for n in names if "/bin/" in n]
+
+
+def test_the_compiler_is_asked_for_only_when_the_libraries_are_stale(checkout):
+    for kind in ("wheel", "editable"):
+        call = f"get_requires_for_build_{kind}()"
+        assert _backend(checkout, call) == "[]"
+        stamp = checkout / "fmus/native/bin/x86_64-windows/stamp"
+        kept = stamp.read_text()
+        stamp.write_text("0" * 16)
+        wanted = _backend(checkout, call)
+        stamp.write_text(kept)
+        assert "ziglang==" in wanted
+        assert "numpy" in wanted
+        assert "scipy" not in wanted
+
+
+def test_an_installed_package_builds_native_units_without_compiler_or_checkout(checkout, tmp_path):
+    wheel = _backend(checkout, f"build_wheel({str(tmp_path)!r})")
+    site = tmp_path / "site"
+    with zipfile.ZipFile(tmp_path / wheel) as archive:
+        archive.extractall(site)
+    before = _digest(site)
+    code = (
+        f"import sys; sys.modules['ziglang'] = None; sys.path.insert(0, {str(site)!r})\n"
+        "from autobalancer.fmus.build import build\n"
+        f"print(build('LiquidBalancer', {str(tmp_path)!r}, backend='native'))"
+    )
+    command = [sys.executable, "-B", "-c", code]
+    done = subprocess.run(command, cwd=tmp_path, check=True, capture_output=True, text=True)
+    built = Path(done.stdout.strip())
+    assert _digest(site) == before
+    with zipfile.ZipFile(built) as archive:
+        made = archive.read("binaries/win64/LiquidBalancer.dll")
+    assert made == libraries(["x86_64-windows"])["x86_64-windows"].read_bytes()
+
+
+def _digest(folder: Path) -> dict[str, str]:
+    files = [path for path in folder.rglob("*") if path.is_file()]
+    return {str(path): hashlib.sha256(path.read_bytes()).hexdigest() for path in files}

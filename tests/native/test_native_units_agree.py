@@ -1,0 +1,232 @@
+"""Native and Python units: the same variables, the same start values, the same motion."""
+
+from __future__ import annotations
+
+import math
+import re
+from typing import Any
+
+import fmpy
+import numpy as np
+import pytest
+from fmpy.fmi2 import FMU2Slave
+
+CASES: list[tuple[str, dict[str, Any]]] = [
+    ("LiquidBalancer", {}),
+    ("LiquidBalancer", {"frame": "fixed"}),
+    ("BallBalancer", {"weights": 1}),
+    ("BallBalancer", {"weights": 2}),
+    ("BallBalancer", {"weights": 7, "frame": "fixed"}),
+    ("RotorOnSupports", {"planes": 1}),
+    ("RotorOnSupports", {"planes": 3, "frame": "fixed"}),
+    ("RotorOnSupports", {"kind": "two_support", "stations": 2, "planes": 2, "unbalances": 2}),
+    ("RotorOnSupports", {"kind": "two_support", "stations": 2, "planes": 1, "frame": "fixed"}),
+    ("RotorOnSupports", {"kind": "flexible", "stations": 4, "planes": 2, "unbalances": 2}),
+    (
+        "RotorOnSupports",
+        {"kind": "flexible", "stations": 5, "planes": 2, "shaft": "compliance", "frame": "fixed"},
+    ),
+]
+STEPS = 60
+
+
+def ids(case: tuple[str, dict]) -> str:
+    return "-".join([case[0], *map(str, case[1].values())])
+
+
+def drawn(rng, name: str, k: int) -> float:
+    """A value for an input in step k: every input moves, the drive runs up now and then."""
+    value = float(rng.normal())
+    if "added_mass" in name:
+        return 0.2 + 0.05 * (k // 20)
+    if name == "speed":
+        return 300.0 + value
+    if name == "acceleration":
+        return 20.0 * value * (k % 4 == 1)
+    if name in ("x", "y"):
+        return 1e-4 * value
+    return value * 10.0 ** name.count("der")
+
+
+def parameters(rng, layout, anisotropic: bool) -> dict[str, float | bool]:
+    """Start values a little changed, places on the shaft left."""
+    values: dict[str, float | bool] = {}
+    for v in layout.reals[layout.parameters]:
+        if "position" in v.name or v.name.endswith(".z") or "compliance" in v.name:
+            continue
+        if v.name in ("weight_radius", "restitution", "rolling_resistance", "com") or (
+            v.name.startswith("track_offset")
+        ):
+            continue
+        start = float(v.start)
+        factor = 1.0 + 0.2 * float(rng.random()) * (
+            anisotropic or not v.name.endswith(("_x", "_y"))
+        )
+        zero = {"m": 1e-5, "m/s": 1e-3, "rad": 0.3, "rad/s": 5.0, "N.s/m": 0.3}.get(v.unit, 0.0)
+        values[v.name] = start * factor if start else zero * float(rng.random())
+    return values
+
+
+def motion(packaging, path, layout, seed: int, changes: dict | None = None) -> np.ndarray:
+    """Outputs before and after every step of a run of random inputs."""
+    rng = np.random.default_rng(seed)
+    host = packaging.Host(path)
+    values = parameters(rng, layout, seed % 2 == 0) | (changes or {})
+    if layout.booleans:
+        values["inertia_as_force"] = seed % 3 == 0
+    host.begin(values)
+    names = [v.name for v in layout.reals[layout.inputs]]
+    seen = [host.outputs()]
+    for k in range(STEPS):
+        host.set({name: drawn(rng, name, k) for name in names})
+        seen.append(host.outputs())
+        host.step(1e-3 * (1 + k % 3))
+        seen.append(host.outputs())
+    host.free()
+    return np.array(seen)
+
+
+@pytest.mark.parametrize("case", CASES, ids=ids)
+@pytest.mark.parametrize("seed", [1, 2, 3])
+def test_the_same_motion_to_1e_12_of_a_signals_range(fmus, packaging, case, seed):
+    """Where rounding itself moves a signal more (a stiff shaft's jerk), it is the measure."""
+    unit, options = case
+    layout = fmus.layout(unit, **options)
+    expected = motion(packaging, fmus.python(unit, **options), layout, seed)
+    found = motion(packaging, fmus.native(unit, **options), layout, seed)
+    # a signal that hardly moves has the rounding of its size
+    size = np.maximum(np.ptp(expected, axis=0), 1e-3 * np.abs(expected).max(axis=0))
+    allowed = 1e-12 * size
+    if options.get("kind") == "flexible":
+        # one digit more or less in the last place of the masses
+        nearby = {f"station[{j}].mass": float(np.nextafter(1.0, 2.0)) for j in (1, 2, 3)}
+        calm = dict.fromkeys(nearby, 1.0)
+        moved = motion(packaging, fmus.python(unit, **options), layout, seed, nearby)
+        still = motion(packaging, fmus.python(unit, **options), layout, seed, calm)
+        allowed = np.maximum(allowed, 30.0 * np.abs(moved - still).max(axis=0))
+        assert np.all(allowed < 1e-10 * size)
+    assert np.all(np.abs(found - expected).max(axis=0) <= allowed)
+
+
+@pytest.mark.parametrize("case", CASES, ids=ids)
+def test_start_values_stand_in_the_library(fmus, packaging, case):
+    unit, options = case
+    host = packaging.Host(fmus.native(unit, **options))
+    for v in host.description.modelVariables:
+        if v.type == "Real" and v.start is not None:
+            tolerance = 1e-13 if v.name.startswith("compliance") else 0.0
+            assert host.get(v.name)[0] == pytest.approx(float(v.start), rel=tolerance, abs=0.0)
+        elif v.type == "Boolean":
+            found = host.slave.getBoolean([v.valueReference])[0]
+            assert bool(found) == (v.start == "true")
+    host.free()
+
+
+def instantiated(library, token: str) -> bool:
+    """Whether the library takes a token."""
+    slave = FMU2Slave(
+        guid=token,
+        unzipDirectory=str(library.parent),
+        modelIdentifier="autobalancer",
+        instanceName="unit",
+        libraryPath=str(library),
+    )
+    try:
+        slave.instantiate()
+    except Exception:
+        return False
+    slave.fmi2FreeInstance(slave.component)  # the library stays loaded
+    return True
+
+
+def test_one_library_serves_every_size(fmus):
+    taken = []
+    for planes in range(1, 5):
+        for frame in ("rotor", "fixed"):
+            taken.append(fmus.token("RotorOnSupports", planes=planes, frame=frame))
+            for unbalances in (1, 2, 5):
+                sizes = {"planes": planes, "unbalances": unbalances, "frame": frame}
+                taken.append(fmus.token("RotorOnSupports", kind="two_support", stations=2, **sizes))
+                taken += [
+                    fmus.token("RotorOnSupports", kind="flexible", stations=n, shaft=shaft, **sizes)
+                    for n in (2, 3, 8, 20)
+                    for shaft in ("uniform", "compliance")
+                ]
+    taken += [fmus.token("BallBalancer", weights=n) for n in (*range(1, 13), 100)]
+    assert all(instantiated(fmus.library, token) for token in taken)
+
+
+@pytest.mark.parametrize(
+    ("token", "reason"),
+    [
+        ("", "must be that of the model description"),
+        ("{1234-5678}", "must be that of the model description"),
+        ("Pump/frame=rotor/0123456789abcdef-0123456789abcdef", "a unit that this library does not"),
+        ("BallBalancer/frame=rotor/weights=0/0-0", "a size that is no whole number"),
+        ("BallBalancer/frame=rotor/weights=99999999999999999999/0-0", "no whole number"),
+        ("BallBalancer/frame=rotor/wheels=2/0-0", "an option this library does not know"),
+        ("BallBalancer/frame=rotor/weights=2", "ends too early"),
+        ("RotorOnSupports/frame=rotor/kind=planar/planes=1/stations=3/0-0", "does not exist"),
+        ("RotorOnSupports/frame=rotor/kind=flexible/planes=1/shaft=uniform/stations=99999/unbalances"
+         "=99999/0-0", "does not exist|not enough memory|variables are not"),
+    ],
+)  # fmt: skip
+def test_a_token_of_nobody_is_refused_with_a_reason(fmus, packaging, rewritten, token, reason):
+    assert refusal(fmus, packaging, rewritten, token, reason)
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "reason"),
+    [
+        ("weights=2", "weights=3", "its variables are not those of this library"),
+        ("frame=rotor/weights=2", "weights=2/frame=rotor", "not written as this library"),
+        ("-0123456789abcdef", "-0123456789abcdee", "built from other sources"),
+        ("-0123456789abcdef", "-0123456789abcdef0", "built from other sources"),
+    ],
+)
+def test_another_token_is_refused_with_what_was_expected(
+    fmus, packaging, rewritten, old, new, reason
+):
+    token = fmus.token("BallBalancer")
+    assert old in token
+    text = refusal(fmus, packaging, rewritten, token.replace(old, new), reason)
+    assert "; expected 'BallBalancer/frame=rotor/" in text
+
+
+def refusal(fmus, packaging, rewritten, token: str, reason: str) -> str:
+    """The reason logged by an FMU with another GUID."""
+    source = fmus.native("BallBalancer")
+    own = fmus.token("BallBalancer").encode()
+    path = rewritten(
+        source,
+        source.with_name("other.fmu"),
+        lambda name, data: (name, data.replace(own, token.encode())),
+    )
+    messages: list[str] = []
+
+    class Listening(packaging.Host):
+        def _log(self, _environment, _instance, status, _category, message):
+            assert status == 3
+            messages.append(message.decode())
+
+    with pytest.raises(Exception, match="instantiate"):
+        Listening(path)
+    assert len(messages) == 1
+    assert messages[0].startswith("unit: instantiation failed: identity '")
+    assert re.search(reason, messages[0])
+    return messages[0]
+
+
+def test_fmpy_simulates_a_native_unit(fmus):
+    """Dubovik 2006: the settled whirl of a disc with the unbalance's own frequency."""
+    result = fmpy.simulate_fmu(
+        str(fmus.native("RotorOnSupports")),
+        stop_time=2.0,
+        output_interval=1e-3,
+        start_values={"damping_x": 400.0, "damping_y": 400.0},
+        output=["x", "y", "angle", "bending"],
+    )
+    mass, stiffness, damping, speed = 2.0, 8e4, 400.0, 300.0
+    bending = 2e-4 * speed**2 / math.hypot(stiffness - mass * speed**2, damping * speed)
+    assert result["bending"][-1] == pytest.approx(bending, rel=1e-9)
+    assert result["angle"][-1] == pytest.approx(speed * 2.0, rel=1e-12)

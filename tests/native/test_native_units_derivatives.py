@@ -1,0 +1,223 @@
+"""FMI's own derivatives: of inputs and outputs by time, and of outputs by inputs."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+CASES = [
+    ("LiquidBalancer", {"frame": "rotor"}),
+    ("BallBalancer", {"weights": 3}),
+    ("BallBalancer", {"weights": 2, "frame": "fixed"}),
+    ("RotorOnSupports", {"planes": 2}),
+    ("RotorOnSupports", {"planes": 1, "frame": "fixed"}),
+    ("RotorOnSupports", {"kind": "two_support", "stations": 2, "planes": 2}),
+    ("RotorOnSupports", {"kind": "two_support", "stations": 2, "planes": 2, "frame": "fixed"}),
+]
+POLYNOMIAL = 5  # outputs are at most cubic in any input but added_mass and angle
+
+
+def somewhere(fmus, packaging, case, seed: int, spin_up: float):
+    """A unit in the middle of a motion, with every input set."""
+    unit, options = case
+    rng = np.random.default_rng(seed)
+    host = packaging.Host(fmus.native(unit, **options))
+    start = {"inertia_as_force": True} if unit != "RotorOnSupports" else {"internal_damping": 7.0}
+    if options.get("kind"):
+        start = {"support[1].stiffness_x": 3e5}
+    if unit == "BallBalancer":
+        start |= {f"weight[{k}].speed0": float(k) for k in range(1, options["weights"] + 1)}
+    host.begin(start)
+    inputs = [n for n, v in host.variables.items() if v.causality == "input"]
+    values = {}
+    for name in inputs:
+        value = float(rng.normal())
+        values[name] = {
+            "speed": 300.0 + value,
+            "acceleration": spin_up,
+            "angle": value,
+            "x": 1e-3 * value,
+            "y": 1e-3 * value,
+        }.get(name, abs(value) if "added_mass" in name else value * 10.0 ** name.count("der"))
+    host.set(values)
+    host.step(1e-3)
+    host.set(values)
+    return host, inputs
+
+
+def derivative(host, known: str, seed: float = 1.0) -> np.ndarray:
+    outputs = [v.valueReference for v in host.variables.values() if v.causality == "output"]
+    reference = [host.variables[known].valueReference]
+    return np.array(host.slave.getDirectionalDerivative(outputs, reference, [seed]))
+
+
+def beside(host, known: str, nodes: np.ndarray) -> np.ndarray:
+    """Outputs with one input changed."""
+    (value,) = host.get(known)
+    seen = []
+    for node in nodes:
+        host.set({known: value + float(node)})
+        seen.append(host.outputs())
+    host.set({known: value})
+    return np.array(seen)
+
+
+@pytest.mark.parametrize("spin_up", [0.0, 40.0])
+@pytest.mark.parametrize("case", CASES, ids=str)
+def test_directional_derivatives_are_those_of_the_outputs(fmus, packaging, case, spin_up):
+    """Against the polynomial through the outputs beside; where they are none, one far narrower."""
+    host, inputs = somewhere(fmus, packaging, case, 3, spin_up)
+    for known in inputs:
+        smooth = "added_mass" in known or known in ("angle", "x", "y")
+        (value,) = host.get(known)
+        size = (1e-3 if smooth else 1.0) * max(1.0, abs(value))
+        size *= 1e-3 if known in ("x", "y") else 1.0
+        degree = 8 if smooth else POLYNOMIAL
+        nodes = np.cos(np.pi * np.arange(degree + 1) / degree)
+        seen = beside(host, known, size * nodes)
+        slopes = np.polynomial.chebyshev.chebfit(nodes, seen, degree)
+        expected = np.array(
+            [
+                np.polynomial.chebyshev.chebval(0.0, np.polynomial.chebyshev.chebder(c)) / size
+                for c in slopes.T
+            ]
+        )
+        rounding = 1e-13 * np.abs(seen).max(axis=0) / size
+        found = derivative(host, known)
+        scale = 1e-12 * np.abs(expected) + 10.0 * rounding
+        assert np.all(np.abs(found - expected) <= scale), known
+        assert derivative(host, known, -2.5) == pytest.approx(-2.5 * found, rel=1e-12)
+    host.free()
+
+
+def test_directional_derivatives_add(fmus, packaging):
+    host, inputs = somewhere(fmus, packaging, CASES[3], 5, 0.0)
+    outputs = [v.valueReference for v in host.variables.values() if v.causality == "output"]
+    knowns = [host.variables[name].valueReference for name in inputs]
+    seed = np.random.default_rng(0).normal(size=len(knowns)).tolist()
+    before = host.outputs()
+    found = host.slave.getDirectionalDerivative(outputs, knowns, seed)
+    each = sum(s * derivative(host, name) for s, name in zip(seed, inputs, strict=True))
+    assert found == pytest.approx(each, rel=1e-9, abs=1e-9)
+    assert host.outputs() == before
+    host.free()
+
+
+def test_more_mass_on_a_planar_rotor_slows_by_its_share(fmus, packaging):
+    """a = force/(m + m_b): da/dm_b = -a/(m + m_b)."""
+    host, _ = somewhere(fmus, packaging, CASES[4], 8, 0.0)
+    mass = host.get("mass")[0] + host.get("plane[1].added_mass")[0]
+    found = derivative(host, "plane[1].added_mass")[:2]
+    a = np.array(host.get("plane[1].a_x", "plane[1].a_y"))
+    assert found == pytest.approx(-a / mass, rel=1e-13)
+    host.free()
+
+
+@pytest.mark.parametrize("case", CASES[:4], ids=str)
+def test_a_derivative_does_not_touch_what_a_step_left(fmus, packaging, case):
+    """Outputs of a step's end stay those, with the inputs still those of its start."""
+    host, inputs = somewhere(fmus, packaging, case, 3, 10.0)
+    host.step(1e-3)
+    before = host.outputs()
+    derivative(host, inputs[0])
+    assert host.outputs() == before
+    host.free()
+
+
+@pytest.mark.parametrize(
+    ("knowns", "unknowns", "reason"),
+    [(["mass"], ["plane[1].a_xi"], "knowns must be"), (["speed"], ["speed"], "unknowns must be")],
+)
+def test_derivatives_of_others_are_refused(fmus, packaging, knowns, unknowns, reason):
+    host, _ = somewhere(fmus, packaging, ("RotorOnSupports", {}), 1, 0.0)
+    references = [[host.variables[n].valueReference for n in names] for names in (unknowns, knowns)]
+    text = host.refused(lambda: host.slave.getDirectionalDerivative(*references, [1.0]))
+    assert reason in text
+    host.free()
+
+
+@pytest.mark.parametrize("case", CASES, ids=str)
+def test_input_derivatives_are_the_units_own_slopes(fmus, packaging, case):
+    """FMI's call and the variables der(...) are two ways to the same bits."""
+    seen = []
+    for fmi_own_way in (False, True):
+        host, inputs = somewhere(fmus, packaging, case, 4, 0.0)
+        slopes = [name for name in inputs if name.startswith("der(")]
+        values = {name: 0.25 * k for k, name in enumerate(slopes)}
+        if "speed" in inputs:
+            values["acceleration"] = 12.0
+        if fmi_own_way:
+            references, orders = [], []
+            for name in values:
+                inner = "speed" if name == "acceleration" else name[4:-1].split(",")[0]
+                references.append(host.variables[inner].valueReference)
+                orders.append(int(name[4:-1].split(",")[1]) if "," in name else 1)
+            host.slave.setRealInputDerivatives(references, orders, list(values.values()))
+        else:
+            host.set(values)
+        host.step(1e-3)
+        seen.append(host.outputs())
+        host.free()
+    assert seen[1] == seen[0]
+
+
+@pytest.mark.parametrize(
+    ("name", "order", "value", "reason"),
+    [
+        ("a_xi", 4, 0.0, "a_xi: the order of a derivative must be 1 to 3"),
+        ("a_xi", 0, 0.0, "a_xi: the order of a derivative must be 1 to 3"),
+        ("a_xi", 1, float("nan"), "a_xi: a derivative must be a finite number"),
+        ("der(a_xi)", 1, 0.0, "der(a_xi): is a derivative itself"),
+        ("mass", 1, 0.0, "mass: is no input"),
+        ("F_xi", 1, 0.0, "F_xi: is no input"),
+    ],
+)
+def test_wrong_input_derivatives_are_refused(fmus, packaging, name, order, value, reason):
+    host, _ = somewhere(fmus, packaging, CASES[1], 1, 0.0)
+    before = host.outputs()
+    reference = host.variables[name].valueReference
+    text = host.refused(lambda: host.slave.setRealInputDerivatives([reference], [order], [value]))
+    assert text.endswith(reason)
+    assert host.outputs() == before
+    host.free()
+
+
+@pytest.mark.parametrize("case", CASES, ids=str)
+def test_output_derivatives_are_the_exact_slopes(fmus, packaging, case):
+    """Signals by der(...), the others by the motion's own rates."""
+    host, _ = somewhere(fmus, packaging, case, 6, 0.0)
+    host.step(1e-3)
+    known: dict[str, str | float] = {}
+    for name, v in host.variables.items():
+        if v.causality == "output" and v.derivative is not None:
+            known[v.derivative.name] = name
+    if "angle" in host.variables and case[0] == "RotorOnSupports":
+        known["angle"] = host.get("speed")[0]
+        for name in list(known):
+            if name in ("x", "y"):
+                known[f"plane[1].{name}"] = f"v{name}"
+    if "added_mass" in host.variables:
+        known["added_mass"] = 0.0
+    assert known
+    for name, slope in known.items():
+        reference = [host.variables[name].valueReference]
+        found = host.slave.getRealOutputDerivatives(reference, [1])[0]
+        assert found == (host.get(slope)[0] if isinstance(slope, str) else slope), name
+    host.free()
+
+
+@pytest.mark.parametrize(
+    ("name", "order", "reason"),
+    [
+        ("F_xi", 2, "the order of an output's derivative must be 1"),
+        ("spread", 1, "has no derivative to be read"),
+        ("der(F_xi)", 1, "has no derivative to be read"),
+        ("a_xi", 1, "has no derivative to be read"),
+    ],
+)
+def test_derivatives_there_are_not_are_refused(fmus, packaging, name, order, reason):
+    host, _ = somewhere(fmus, packaging, CASES[1], 1, 0.0)
+    reference = [host.variables[name].valueReference]
+    text = host.refused(lambda: host.slave.getRealOutputDerivatives(reference, [order]))
+    assert text.endswith(f"{name}: {reason}")
+    host.free()

@@ -1,0 +1,212 @@
+"""FMI 3.0: the same units behind another front."""
+
+from __future__ import annotations
+
+import ctypes
+import re
+import subprocess
+from pathlib import Path
+
+import fmpy
+import pytest
+from fmpy.fmi1 import FMICallException
+from fmpy.fmi3 import FMU3Slave
+
+HEADERS = Path(fmpy.__file__).parent / "c-code"
+BALLS, ROTOR = "BallBalancer", "RotorOnSupports"
+
+
+class Host3:
+    """An instance of the library under FMI 3.0, value references by name."""
+
+    def __init__(self, fmus, unit: str, token: str | None = None, **options: object) -> None:
+        layout = fmus.layout(unit, **options)
+        self.reference = dict(layout.index)
+        count = len(layout.reals)
+        self.reference |= {v.name: count + i for i, v in enumerate(layout.booleans)}
+        self.reference["time"] = count + len(layout.booleans)
+        self.outputs = [v.name for v in layout.reals if v.causality == "output"]
+        self.messages: list[str] = []
+        self.slave = FMU3Slave(
+            guid=token or fmus.token(unit, **options),
+            unzipDirectory=str(fmus.unpacked),
+            modelIdentifier="autobalancer",
+            instanceName="unit",
+        )
+
+    def instantiate(self, **options: object) -> Host3:
+        def log(_environment, _status, _category, message):
+            self.messages.append(message.decode())
+
+        self.slave.instantiate(logMessage=log, **options)
+        return self
+
+    def begin(self, values: dict[str, float | bool]) -> Host3:
+        self.slave.enterInitializationMode()
+        self.set(values)
+        self.slave.exitInitializationMode()
+        return self
+
+    def set(self, values: dict[str, float | bool]) -> None:
+        for name, value in values.items():
+            setter = self.slave.setBoolean if isinstance(value, bool) else self.slave.setFloat64
+            setter([self.reference[name]], [value])
+
+    def get(self, *names: str) -> list[float]:
+        return self.slave.getFloat64([self.reference[name] for name in names])
+
+    def refused(self, call) -> str:
+        before = len(self.messages)
+        with pytest.raises(FMICallException):
+            call()
+        return self.messages[before]
+
+    def free(self) -> None:
+        self.slave.fmi3FreeInstance(self.slave.component)  # the library stays loaded
+
+
+@pytest.fixture
+def host(fmus):
+    made: list[Host3] = []
+
+    def make(unit: str, values: dict | None = None, **options: object) -> Host3:
+        made.append(Host3(fmus, unit, **options).instantiate().begin(values or {}))
+        return made[-1]
+
+    yield make
+    for one in made:
+        one.free()
+
+
+def declared(header: str, version: int) -> set[str]:
+    text = (HEADERS / header).read_text()
+    return set(re.findall(rf"FMI{version}_Export\s+(fmi{version}\w+?)TYPE\b", text))
+
+
+def exported(library: Path) -> set[str]:
+    """Names in the dynamic symbol table that the library defines itself."""
+    lines = subprocess.run(
+        ["nm", "-D", "--defined-only", str(library)], capture_output=True, text=True, check=True
+    ).stdout.splitlines()
+    return {line.split()[-1] for line in lines}
+
+
+def test_every_function_of_both_standards_is_there_and_nothing_else(fmus):
+    model_exchange = {
+        f"fmi2{name}"
+        for name in (
+            "EnterEventMode", "NewDiscreteStates", "EnterContinuousTimeMode", "SetTime",
+            "CompletedIntegratorStep", "SetContinuousStates", "GetDerivatives",
+            "GetEventIndicators", "GetContinuousStates", "GetNominalsOfContinuousStates",
+        )
+    }  # fmt: skip
+    wanted = declared("fmi3Functions.h", 3) | declared("fmi2Functions.h", 2) - model_exchange
+    assert len(wanted) == 75 + 34
+    assert exported(fmus.library) == wanted
+
+
+@pytest.mark.parametrize(
+    ("unit", "options", "start", "inputs"),
+    [
+        (BALLS, {"weights": 3}, {"inertia_as_force": True}, {"a_xi": 4.0, "speed": 250.0}),
+        (ROTOR, {"planes": 2}, {"x0": 1e-4}, {"plane[2].F_eta": 3.0, "acceleration": 5.0}),
+    ],
+)
+def test_both_versions_give_the_same_bits(fmus, packaging, host, unit, options, start, inputs):
+    three = host(unit, start, **options)
+    two = packaging.Host(fmus.native(unit, **options)).begin(start)
+    for k in range(10):
+        for one in (two, three):
+            one.set(inputs)
+        two.step(1e-3)
+        three.slave.doStep(two.time - 1e-3, 1e-3)
+        assert three.get(*three.outputs) == two.get(*three.outputs), k
+    two.free()
+
+
+def test_time_is_read_together_with_others(host):
+    rotor = host(ROTOR)
+    rotor.slave.doStep(0.0, 0.25)
+    names = ["time", "mass", "speed", "time", "time", "angle"]
+    assert rotor.get(*names) == [0.25, 2.0, 300.0, 0.25, 0.25, pytest.approx(75.0)]
+    assert rotor.get("time") == [0.25]
+
+
+def test_references_are_unique_over_all_types(host):
+    balls = host(BALLS, {"inertia_as_force": True})
+    reference = balls.reference["inertia_as_force"]
+    assert balls.slave.getBoolean([reference]) == [True]
+    wrong = f"value references [0]: unknown, there are {reference} to {reference}"
+    assert wrong in balls.refused(lambda: balls.slave.getBoolean([0]))
+    text = balls.refused(lambda: balls.slave.getFloat64([reference]))
+    assert f"value references [{reference}]: unknown" in text
+    text = balls.refused(lambda: balls.slave.setBoolean([reference], [False]))
+    assert "inertia_as_force: fixed once initialisation has ended" in text
+    time = balls.reference["time"]
+    assert "unknown" in balls.refused(lambda: balls.slave.setFloat64([time], [1.0]))
+
+
+def test_state_and_derivatives(host):
+    balls = host(BALLS, {"inertia_as_force": True})
+    balls.set({"a_xi": 4.0, "der(a_xi)": 50.0})
+    balls.slave.doStep(0.0, 1e-3)
+    state = balls.slave.getFMUState()
+    data = balls.slave.serializeFMUState(state)
+    balls.slave.doStep(1e-3, 1e-3)
+    expected = balls.get(*balls.outputs)
+    balls.slave.setFMUState(balls.slave.deserializeFMUState(data))
+    balls.slave.doStep(1e-3, 1e-3)
+    assert balls.get(*balls.outputs) == expected
+    slope = balls.slave.getOutputDerivatives([balls.reference["F_xi"]], [1])
+    assert slope == balls.get("der(F_xi)")
+    known, unknown = [balls.reference["a_xi"]], [balls.reference["F_xi"]]
+    (found,) = balls.slave.getDirectionalDerivative(unknown, known, [2.0])
+    before = balls.get("a_xi", "F_xi")
+    balls.set({"a_xi": before[0] + 2.0})
+    after = balls.get("F_xi")[0]
+    balls.set({"a_xi": before[0]})
+    assert found == pytest.approx(after - balls.get("F_xi")[0], rel=1e-9)
+    balls.slave.freeFMUState(state)
+    assert not state.value
+
+
+def test_other_interfaces_and_types_are_refused(fmus, host):
+    rotor = host(ROTOR)
+    dll = rotor.slave.dll
+    component = rotor.slave.component
+    for name in ("fmi3EnterEventMode", "fmi3EnterStepMode", "fmi3EnterConfigurationMode"):
+        before = len(rotor.messages)
+        function = getattr(dll, name)
+        function.argtypes = [ctypes.c_void_p]
+        assert function(component) == 3
+        assert f"{name}: the unit does not have this" in rotor.messages[before]
+    for kind in ("Float32", "Int32", "UInt64", "String", "Clock"):
+        function = getattr(dll, f"fmi3Get{kind}")
+        function.argtypes = [ctypes.c_void_p, ctypes.c_void_p, ctypes.c_size_t, ctypes.c_void_p,
+                             ctypes.c_size_t]  # fmt: skip
+        array = (ctypes.c_uint * 1)(0)
+        values = (ctypes.c_double * 1)()
+        before = len(rotor.messages)
+        assert function(component, array, 1, values, 1) == 3
+        assert "the unit has variables of Float64 and Boolean only" in rotor.messages[before]
+    one = Host3(fmus, ROTOR)
+    with pytest.raises(Exception, match="nstantiat"):
+        one.instantiate(eventModeUsed=True)
+    assert "neither event mode nor intermediate variables" in one.messages[0]
+
+
+def test_a_wrong_token_is_refused_with_a_reason(fmus):
+    one = Host3(fmus, ROTOR, token="{b1}")
+    with pytest.raises(Exception, match="nstantiat"):
+        one.instantiate()
+    assert "identity '{b1}': must be that of the model description" in one.messages[0]
+
+
+def test_a_failed_step_says_how_far_the_unit_is(host):
+    balls = host(BALLS, {"a_xi": 1e300})
+    text = balls.refused(lambda: balls.slave.doStep(0.0, 1.0))
+    assert "the weights would need" in text
+    assert balls.get("time") == [0.0]
+    balls.set({"a_xi": 0.0})
+    event, end, early, time = balls.slave.doStep(0.0, 1e-3)
+    assert (event, end, early, time) == (False, False, False, 1e-3)

@@ -1,0 +1,62 @@
+"""A host in plain C, with nothing of Python around it: `host/host.c` says what it demands."""
+
+from __future__ import annotations
+
+import shutil
+import subprocess
+from pathlib import Path
+
+import pytest
+
+HOST = Path(__file__).with_name("host")
+UNITS = [
+    ("RotorOnSupports", {"planes": 2}),
+    ("RotorOnSupports", {"kind": "two_support", "stations": 2, "planes": 1, "frame": "fixed"}),
+    ("RotorOnSupports", {"kind": "flexible", "stations": 3, "planes": 1}),
+    ("LiquidBalancer", {}),
+    ("BallBalancer", {"weights": 3}),
+]
+
+
+def compiled(folder: Path, *flags: str, counting: str = "counting.c") -> Path:
+    host = folder / "host"
+    sources = [str(HOST / "host.c"), str(HOST / counting)]
+    base = ["cc", "-D_GNU_SOURCE", "-std=c99", "-O1", "-g", "-Wall", "-Wextra", "-rdynamic"]
+    libraries = ["-o", str(host), "-ldl", "-lpthread", "-lm"]
+    subprocess.run([*base, *flags, *sources, *libraries], check=True)
+    return host
+
+
+def words(fmus) -> list[str]:
+    """The units for the host: token and ranges of value references."""
+    found: list[str] = []
+    for unit, options in UNITS:
+        layout = fmus.layout(unit, **options)
+        inputs, computed, observed = layout.inputs, layout.computed, layout.observed
+        numbers = [inputs.start, inputs.stop - inputs.start]
+        numbers += [computed.start, observed.stop - computed.start]
+        found += [fmus.token(unit, **options), *map(str, numbers)]
+    return found
+
+
+def run(command: list[str], **environment: str) -> subprocess.CompletedProcess:
+    return subprocess.run(command, env=environment, capture_output=True, text=True, timeout=300)
+
+
+@pytest.mark.parametrize("folder", ["plain", "Jörg (1) + [x] 'y' %s#"])
+def test_a_plain_host_finds_nothing_wrong(fmus, tmp_path, folder):
+    place = tmp_path / folder
+    place.mkdir()
+    library = shutil.copy(fmus.library, place)
+    done = run([str(compiled(tmp_path)), str(library), *words(fmus)])
+    assert (done.returncode, done.stderr) == (0, "")
+    assert done.stdout == f"{len(UNITS)} units, 0 failures\n"
+
+
+def test_sanitizers_find_nothing_either(fmus, packaging, tmp_path):
+    flags = ["-fsanitize=address,undefined", "-fno-sanitize-recover=all", "-g"]
+    library = packaging.compile_units(tmp_path / "sanitized", *flags)
+    host = compiled(tmp_path, *flags, counting="not_counting.c")
+    done = run([str(host), str(library), *words(fmus)], ASAN_OPTIONS="detect_leaks=1")
+    assert (done.returncode, done.stderr) == (0, "")
+    assert done.stdout == f"{len(UNITS)} units, 0 failures\n"

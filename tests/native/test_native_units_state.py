@@ -1,0 +1,196 @@
+"""State of native units: complete, and refused when it is damaged or another's."""
+
+from __future__ import annotations
+
+import ctypes
+import struct
+
+import numpy as np
+import pytest
+
+CASES = [
+    ("LiquidBalancer", {}),
+    ("BallBalancer", {"weights": 3}),
+    ("RotorOnSupports", {"planes": 2}),
+    ("RotorOnSupports", {"kind": "flexible", "stations": 3, "planes": 1}),
+]
+MOVED = {
+    "LiquidBalancer": {"a_xi": 3.0, "der(a_eta)": 20.0, "x": 1e-3},
+    "BallBalancer": {"a_xi": 3.0, "der(a_eta)": 20.0, "acceleration": 2.0},
+    "RotorOnSupports": {"plane[1].F_xi": 5.0, "der(plane[1].F_eta)": 40.0, "acceleration": 3.0},
+}
+
+
+def moving(fmus, packaging, case, steps: int = 5):
+    unit, options = case
+    host = packaging.Host(fmus.native(unit, **options)).begin()
+    host.set(MOVED[unit])
+    for _ in range(steps):
+        host.step(1e-3)
+    return host
+
+
+def run_on(host, steps: int = 4) -> list[list[float]]:
+    seen = [host.outputs()]
+    for k in range(steps):
+        host.set({name: value * k for name, value in MOVED[host.unit].items()})
+        seen.append(host.outputs())
+        host.step(2e-3)
+        seen.append(host.outputs())
+    return seen
+
+
+@pytest.mark.parametrize("case", CASES)
+def test_a_state_is_everything(fmus, packaging, case):
+    """The same bits after going back, from the same instance and in another one."""
+    host = moving(fmus, packaging, case)
+    host.unit = case[0]
+    state, time = host.slave.getFMUState(), host.time
+    expected = run_on(host)
+    host.slave.setFMUState(state)
+    host.time = time
+    assert run_on(host) == expected
+    data = host.slave.serializeFMUState(state)
+    other = packaging.Host(fmus.native(case[0], **case[1]))
+    other.unit = case[0]
+    copy = other.slave.deserializeFMUState(data)
+    other.slave.setFMUState(copy)
+    other.time = time
+    assert run_on(other) == expected
+    for one, saved in ((host, state), (other, copy)):
+        one.slave.freeFMUState(saved)
+        one.free()
+
+
+@pytest.mark.parametrize("case", CASES)
+def test_a_state_from_before_the_start_brings_its_parameters(fmus, packaging, case):
+    unit, options = case
+    host = packaging.Host(fmus.native(unit, **options))
+    name = host.description.modelVariables[0].name
+    place = 0.04 if unit == "LiquidBalancer" else None
+    host.slave.setupExperiment()
+    host.slave.enterInitializationMode()
+    before = host.slave.getFMUState()
+    host.slave.exitInitializationMode()
+    expected = host.outputs()
+    host.slave.setFMUState(before)
+    if place is None and name != "station[1].z":
+        host.set({name: 5.0})
+    host.slave.exitInitializationMode()
+    changed = host.slave.getFMUState()
+    host.slave.setFMUState(before)
+    host.slave.exitInitializationMode()
+    assert host.outputs() == expected
+    host.slave.setFMUState(changed)
+    assert (host.outputs() == expected) == (unit == "LiquidBalancer" or "station" in name)
+    for state in (before, changed):
+        host.slave.freeFMUState(state)
+    host.free()
+
+
+def test_a_saved_state_is_overwritten_in_place(fmus, packaging):
+    host = moving(fmus, packaging, CASES[1])
+    state = host.slave.getFMUState()
+    address = state.value
+    host.step(1e-3)
+    expected = host.outputs()
+    host.slave.fmi2GetFMUstate(host.slave.component, ctypes.byref(state))
+    assert state.value == address
+    host.step(1e-3)
+    host.slave.setFMUState(state)
+    assert host.outputs() == expected
+    host.slave.freeFMUState(state)
+    assert state.value is None
+    host.slave.freeFMUState(state)  # nothing to free, and no harm
+    host.free()
+
+
+def test_a_state_of_another_unit_is_refused_and_changes_nothing(fmus, packaging):
+    rotor, balls = moving(fmus, packaging, CASES[2]), moving(fmus, packaging, CASES[1])
+    before = rotor.outputs()
+    state = balls.slave.getFMUState()
+    text = rotor.refused(lambda: rotor.slave.setFMUState(state))
+    assert "the state belongs to 'BallBalancer/frame=rotor/weights=3/" in text
+    assert "not to 'RotorOnSupports/frame=rotor/kind=planar/" in text
+    data = balls.slave.serializeFMUState(state)
+    assert "belongs to" in rotor.refused(lambda: rotor.slave.deserializeFMUState(data))
+    assert rotor.outputs() == before
+    balls.slave.freeFMUState(state)
+    for host in (rotor, balls):
+        host.free()
+
+
+def test_ten_thousand_damaged_states_are_refused(fmus, packaging):
+    rng = np.random.default_rng(7)
+    host = moving(fmus, packaging, CASES[1])
+    before = host.outputs()
+    state = host.slave.getFMUState()
+    data = bytes(host.slave.serializeFMUState(state))
+    function = host.slave.dll.fmi2DeSerializeFMUstate
+    refused = 0
+    for k in range(10_000):
+        damaged = bytearray(data)
+        if k % 4 == 3:  # shorter, longer or other bytes altogether
+            size = int(rng.integers(0, 2 * len(data)))
+            damaged = bytearray((data + bytes(rng.bytes(len(data))))[:size])
+            if damaged == data:
+                continue
+        else:
+            for place in rng.integers(0, len(data), 1 + k % 3):
+                damaged[place] ^= int(rng.integers(1, 256))
+            if damaged == data:
+                continue
+        made = ctypes.c_void_p()
+        buffer = (ctypes.c_char * max(1, len(damaged))).from_buffer_copy(bytes(damaged) or b"0")
+        status = function(host.slave.component, buffer, len(damaged), ctypes.byref(made))
+        assert status == 3
+        assert not made.value
+        refused += 1
+    assert refused > 9_990
+    assert host.outputs() == before
+    host.slave.freeFMUState(state)
+    host.free()
+
+
+def fnv(data: bytes) -> bytes:
+    total = 0xCBF29CE484222325
+    for byte in data:
+        total = (total ^ byte) * 0x100000001B3 & 0xFFFFFFFFFFFFFFFF
+    return total.to_bytes(8, "little")
+
+
+@pytest.mark.parametrize(
+    ("offset", "value"),
+    [
+        (4, struct.pack("<I", 2)),  # version
+        (200, struct.pack("<Q", 3)),  # number of values
+        (208, struct.pack("<d", float("nan"))),  # time
+        (216, struct.pack("<i", 3)),  # phase
+        (220, struct.pack("<i", -1)),  # how stale
+        (224, struct.pack("<d", float("inf"))),  # first parameter
+    ],
+)
+def test_a_state_made_up_with_a_right_checksum_is_refused(fmus, packaging, offset, value):
+    host = moving(fmus, packaging, CASES[1])
+    state = host.slave.getFMUState()
+    data = bytearray(host.slave.serializeFMUState(state))
+    data[offset : offset + len(value)] = value
+    data[-8:] = fnv(bytes(data[:-8]))
+    host.refused(lambda: host.slave.deserializeFMUState(bytes(data)))
+    host.slave.freeFMUState(state)
+    host.free()
+
+
+def test_parameters_no_setter_lets_in_come_by_no_state(fmus, packaging):
+    """A mass below zero in bytes with a right checksum: refused when it is restored."""
+    host = moving(fmus, packaging, CASES[1])
+    before = host.outputs()
+    state = host.slave.getFMUState()
+    data = bytearray(host.slave.serializeFMUState(state))
+    data[224:232] = struct.pack("<d", -1.0)
+    data[-8:] = fnv(bytes(data[:-8]))
+    text = host.refused(lambda: host.slave.deserializeFMUState(bytes(data)))
+    assert "mass = -1.0 kg: must be a finite number above 0 kg" in text
+    assert host.outputs() == before
+    host.slave.freeFMUState(state)
+    host.free()

@@ -1,0 +1,233 @@
+"""What native units refuse: in the Python units' words, with nothing changed."""
+
+from __future__ import annotations
+
+import math
+import re
+from functools import partial
+
+import numpy as np
+import pytest
+
+LIQUID, BALLS, ROTOR = "LiquidBalancer", "BallBalancer", "RotorOnSupports"
+TWO = {"kind": "two_support", "stations": 2, "planes": 1}
+FLEXIBLE = {"kind": "flexible", "stations": 4, "planes": 1}
+MATRIX = FLEXIBLE | {"shaft": "compliance"}
+
+SOFT = {"compliance[1,1]": 2e-7, "compliance[1,2]": 1e-7, "compliance[2,2]": 2e-7}
+
+# every value is allowed by itself
+TOGETHER = [
+    (LIQUID, {}, {"float_radius": 0.05}),
+    (LIQUID, {}, {"float_radius": 0.3}),
+    (BALLS, {}, {"weight_radius": 0.05}),
+    (ROTOR, TWO, {"polar_inertia": 1.5}),
+    (ROTOR, FLEXIBLE, {"station[3].z": 0.1}),
+    (ROTOR, FLEXIBLE, {"station[4].z": -1.0, "support[2].position": -1.0}),
+    (ROTOR, FLEXIBLE, {"support[1].position": 0.05}),
+    (ROTOR, FLEXIBLE, {"support[2].position": 0.0}),
+    (ROTOR, FLEXIBLE, {"plane[1].position": 0.123456789}),
+    (ROTOR, FLEXIBLE, {"unbalance[1].position": 1.0 / 3.0}),
+    (ROTOR, FLEXIBLE | {"stations": 2}, {"internal_damping": 1.0}),
+    (ROTOR, MATRIX, SOFT | {"compliance[1,2]": 1.0}),
+    (ROTOR, MATRIX, SOFT | {"compliance[1,1]": -1e-6}),
+    (ROTOR, {}, {"stiffness_x": 1e308, "damping_x": 1e308}),
+]
+
+
+def reason_of(text: str) -> str:
+    """What follows the instance, the time and what was attempted."""
+    found = re.fullmatch(r"unit at t = [^ ]+ s: [^:]+: (.*)", text, re.S)
+    assert found, text
+    return found[1]
+
+
+@pytest.mark.parametrize(("unit", "options", "values"), TOGETHER)
+def test_parameters_that_do_not_fit_together(fmus, packaging, unit, options, values):
+    said = []
+    for path in (fmus.python(unit, **options), fmus.native(unit, **options)):
+        host = packaging.Host(path)
+        said.append(host.refused(lambda host=host: host.begin(values)))
+        if path == fmus.native(unit, **options):
+            host.free()
+    assert said[1] == said[0]
+    assert "initialisation failed: " in said[1]
+
+
+def test_a_step_too_large_for_the_matrices_is_refused_as_in_python(fmus, packaging):
+    said = []
+    for path in (fmus.python(ROTOR), fmus.native(ROTOR)):
+        host = packaging.Host(path).begin({"speed": 1e50})
+        said.append(host.refused(lambda host=host: host.step(1e280)))
+        host.free()
+    assert said[1] == said[0]
+
+
+@pytest.mark.parametrize("unit", [LIQUID, BALLS, ROTOR])
+def test_every_limit_is_told_by_the_setter_and_changes_nothing(fmus, packaging, unit):
+    """Name, value and what is allowed as the Python unit tells them, at once and for each."""
+    options = {ROTOR: {"planes": 2}}.get(unit, {})
+    layout = fmus.layout(unit, **options)
+    host = packaging.Host(fmus.native(unit, **options)).begin()
+    fresh = packaging.Host(fmus.native(unit, **options))
+    for v in layout.reals[: layout.inputs.stop]:
+        wrong = [math.nan, math.inf, -math.inf]
+        if v.minimum is not None:
+            wrong.append(v.minimum - 1e-3)
+            if v.above:
+                wrong.append(v.minimum)
+        target = host if v.causality == "input" else fresh
+        for value in wrong:
+            before = target.get(v.name)
+            text = target.refused(partial(target.set, {v.name: value}))
+            assert reason_of(text) == v.problem(value)
+            assert target.get(v.name) == before
+    host.free()
+    fresh.free()
+
+
+def test_several_wrong_values_are_all_named_and_none_is_set(fmus, packaging):
+    host = packaging.Host(fmus.native(ROTOR))
+    names = ["mass", "stiffness_x", "unbalance_angle", "damping_x"]
+    references = [host.variables[name].valueReference for name in names]
+    before = host.get(*names)
+    text = host.refused(lambda: host.slave.setReal(references, [-1.0, 5.0, math.nan, -2.5]))
+    assert reason_of(text) == (
+        "mass = -1.0 kg: must be a finite number above 0 kg; unbalance_angle = nan rad: must be a "
+        "finite number; damping_x = -2.5 N.s/m: must be a finite number, at least 0 N.s/m"
+    )
+    assert host.get(*names) == before
+    host.free()
+
+
+@pytest.mark.parametrize(
+    ("call", "reason"),
+    [
+        (lambda h: h.slave.setReal([0], [1.0]), "mass: fixed once initialisation has ended"),
+        (lambda h: h.set({"plane[1].a_xi": 1.0}), "plane[1].a_xi: outputs cannot be set"),
+        (lambda h: h.set({"bending": 1.0}), "bending: outputs cannot be set"),
+        (lambda h: h.slave.getReal([0, 36, 37]), "value references [36, 37]: unknown, there are 0 "
+         "to 35"),
+        (lambda h: h.slave.setReal([99], [1.0]), "value references [99]: unknown, there are 0 to "
+         "35"),
+        (lambda h: h.slave.getBoolean([0]), "value references [0]: unknown, there are none"),
+        (lambda h: h.slave.getInteger([0]), "the unit has Reals and Booleans only"),
+        (lambda h: h.slave.setInteger([0], [1]), "the unit has Reals and Booleans only"),
+        (lambda h: h.slave.getString([0]), "the unit has Reals and Booleans only"),
+        (lambda h: h.slave.setString([0], ["a"]), "the unit has Reals and Booleans only"),
+    ],
+)  # fmt: skip
+def test_access_that_is_not_allowed_while_running(fmus, packaging, call, reason):
+    host = packaging.Host(fmus.native(ROTOR)).begin()
+    assert reason_of(host.refused(lambda: call(host))) == reason
+    host.step(1e-3)
+    host.free()
+
+
+@pytest.mark.parametrize("step", [0.0, -1e-3, math.nan, math.inf])
+def test_a_step_must_go_forward(fmus, packaging, step):
+    for path in (fmus.python(BALLS), fmus.native(BALLS)):
+        host = packaging.Host(path).begin({"a_xi": 5.0})
+        host.step(1e-3)
+        before = host.outputs()
+        text = host.refused(lambda host=host: host.slave.doStep(host.time, step))
+        assert text == (
+            f"unit at t = 0.001 s: step of {step!r} s failed: "
+            f"communication step size = {step!r} s: must be above 0 s"
+        )
+        assert host.messages[-1][0] in (2, 3)
+        assert host.outputs() == before
+        host.free()
+
+
+@pytest.mark.parametrize("point", [0.0, 2e-3, 1.1e-3, math.nan, -1.0])
+def test_a_step_begins_where_the_unit_is(fmus, packaging, point):
+    host = packaging.Host(fmus.native(BALLS)).begin({"a_xi": 5.0})
+    host.step(1e-3)
+    before = host.outputs()
+    text = host.refused(lambda: host.slave.doStep(point, 1e-3))
+    assert reason_of(text) == (
+        f"communication point = {point!r} s: must be where the unit is, 0.001 s"
+    )
+    assert host.outputs() == before
+    host.slave.doStep(np.nextafter(1e-3, 1.0), 1e-3)
+    host.free()
+
+
+def test_a_step_ends_at_the_stop_time_at_the_latest(fmus, packaging):
+    host = packaging.Host(fmus.native(LIQUID))
+    host.slave.setupExperiment(startTime=1.0, stopTime=1.3)
+    host.slave.enterInitializationMode()
+    host.slave.exitInitializationMode()
+    for k in range(3):
+        host.slave.doStep(1.0 + 0.1 * k, 0.1)  # sums of tenths are not exact
+    text = host.refused(lambda: host.slave.doStep(1.3, 0.1))
+    assert "step of 0.1 s failed: end of the step = 1.40000000000000" in text
+    assert text.endswith("must not be beyond the stop time, 1.3 s")
+    host.free()
+
+
+@pytest.mark.parametrize(
+    ("inputs", "step"),
+    [
+        ({"a_xi": 1e300}, 1.0),
+        ({"a_xi": 1e9, "acceleration": 7.0}, 100.0),
+        ({"a_xi": 1e6, "der(a_xi,2)": 1e15}, 0.05),
+    ],
+)
+def test_weights_that_cannot_be_moved_stay_where_they_are(fmus, packaging, inputs, step):
+    said = []
+    for path in (fmus.python(BALLS), fmus.native(BALLS)):
+        host = packaging.Host(path).begin({"weight[1].angle0": 0.3})
+        host.step(1e-3)
+        before = host.get("weight[1].angle", "weight[2].speed")
+        host.set(inputs)
+        said.append(host.refused(lambda host=host: host.step(step)))
+        assert host.messages[-1][0] in (2, 3)
+        assert host.get("weight[1].angle", "weight[2].speed") == before
+        host.set(dict.fromkeys(inputs, 0.0))
+        host.step(1e-3)
+        host.free()
+    assert said[1] == said[0]
+
+
+@pytest.mark.parametrize(
+    "values",
+    [
+        {"weight_radius": 0.005},
+        {"rolling_resistance": 0.01},
+        {"track_offset_xi": 1e-4},
+        {"track_offset_eta": -1e-4},
+    ],
+)
+def test_what_the_library_does_not_have_yet_is_refused(fmus, packaging, values):
+    host = packaging.Host(fmus.native(BALLS))
+    assert "the Python unit has the others" in host.refused(lambda: host.begin(values))
+    host.free()
+
+
+def test_one_weight_may_have_a_size(fmus, packaging):
+    """It meets nobody."""
+    packaging.Host(fmus.native(BALLS, weights=1)).begin({"weight_radius": 0.005}).free()
+
+
+def test_the_float_that_touches_is_told_once(fmus, packaging):
+    said = []
+    for path in (fmus.python(LIQUID), fmus.native(LIQUID)):
+        host = packaging.Host(path).begin()
+        host.set({"x": 0.011, "y": -0.002})
+        host.step(1e-3)
+        host.step(1e-3)
+        said.append([m for m in host.messages if m[0] == 1])
+        host.free()
+    assert said[1] == said[0]
+    assert len(said[0]) == 1
+
+
+@pytest.mark.parametrize("name", ["%s%n%x", "a#b", "Jörg [1] 100%", "x" * 5000, ""])
+def test_a_name_is_no_format(fmus, packaging, name):
+    host = packaging.Host(fmus.native(LIQUID), name)
+    text = host.refused(lambda: host.set({"density": -1.0}))
+    doubled = name.replace("%", "%%").replace("#", "##")  # as the logger's format wants it
+    assert text.startswith(doubled[:2000])
+    host.free()
