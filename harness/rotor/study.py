@@ -158,7 +158,7 @@ def response_of(scene: Scene, low: float, high: float, fmus: Path | None = None)
     with Revolution(scene.without_balancers(), fmus=fmus) as units:
         measured = [_steady(units, float(w))[0] for w in points]
     return Response(
-        title=scene.title or scene.name,
+        title=scene.heading,
         stations=station_names(scene),
         speeds=speeds,
         amplitude=np.array(curve),
@@ -193,7 +193,7 @@ def orbits_of(scene: Scene, fmus: Path | None = None) -> Orbits:
         period = 2.0 * math.pi / speed
         late = result.time >= result.time[-1] - LAST_REVOLUTIONS * period * (1.0 + 1e-9)
         run = np.stack([result[name][late] for name in outputs], axis=1).reshape(-1, 2, len(names))
-    return Orbits(scene.title or scene.name, speed, names, alone, run, LAST_REVOLUTIONS)
+    return Orbits(scene.heading, speed, names, alone, run, LAST_REVOLUTIONS)
 
 
 def run_up_of(scene: Scene, low: float, high: float, fmus: Path | None = None) -> RunUp:
@@ -215,7 +215,7 @@ def run_up_of(scene: Scene, low: float, high: float, fmus: Path | None = None) -
         speeds = np.array([rising.profile().speed(t) for t in result.time])
     alone = swings[1] if len(swings) > 1 else np.empty((0, len(names)))
     critical = _within(critical_speeds(scene.assembly().rotor), low, high)
-    return RunUp(scene.title or scene.name, names, seconds, speeds, swings[0], alone, critical)
+    return RunUp(scene.heading, names, seconds, speeds, swings[0], alone, critical)
 
 
 def _within(values: Array, low: float, high: float) -> Array:
