@@ -2,332 +2,191 @@
 
 from __future__ import annotations
 
-import ast
-import hashlib
-import io
-import os
 import re
-import tempfile
 import zipfile
 from collections.abc import Iterable, Sequence
+from functools import cache
+from importlib import import_module
 from importlib.metadata import PackageNotFoundError, version
+from importlib.util import find_spec
 from pathlib import Path
+from typing import Any
 from xml.etree import ElementTree
 
-import pythonfmu
+from .catalogue import equations, sized_unit
+from .unit import SizedUnit, alternatives
+from .xml import fmi2, fmi3
+from .xml.archive import digest, unzipped, write, zipped
+from .xml.description import Capabilities, options_in
+from .xml.documentation import LICENCE, html
 
-from .description import model_description
-from .documentation import LICENCE, LICENCE_WITH_PYTHONFMU, external_dependencies, html
-from .liquid import LiquidBalancer
-from .rotor import RotorOnSupports
-from .rotor_kinds import KINDS
-from .rotor_parts import SHAFTS
-from .signals import FRAMES
-from .slave import Unit
-from .weights import BallBalancer
-
-UNITS: dict[str, type[Unit]] = {
-    unit.__name__: unit for unit in (RotorOnSupports, LiquidBalancer, BallBalancer)
-}
-_MODULES = {"RotorOnSupports": "rotor", "LiquidBalancer": "liquid", "BallBalancer": "weights"}
-_ROOT = Path(__file__).resolve().parent.parent
-_PYTHONFMU = Path(pythonfmu.__file__).resolve().parent
-# what a slave needs of pythonfmu, without its builder
-_EMBEDDED = ("_version", "default_experiment", "enums", "fmi2slave", "logmsg", "variables")
-# backend -> versions of FMI it writes
-FMI_VERSIONS = {"native": (2,), "python": (2,)}
-_EPOCH = (1980, 1, 1, 0, 0, 0)
-
-_SLAVE = '''"""Loaded by pythonfmu: {unit} with its sizes."""
-from {package}.fmus.host import entered
-from {package}.fmus.{module} import {unit} as _unit
-
-{unit} = _unit.configured({options})
-del _unit
-entered(globals(), locals())
-'''
+_DESCRIBED_BY = {2: fmi2.model_description, 3: fmi3.model_description}
+_DESCRIPTION = "modelDescription.xml"
 
 
 def build(
     unit: str,
     destination: Path | str,
     *,
-    stations: int = 1,
-    planes: int = 1,
-    kind: str = "planar",
-    unbalances: int = 1,
-    shaft: str = SHAFTS[0],
-    weights: int = 2,
-    frame: str = "rotor",
-    name: str | None = None,
     backend: str = "python",
     fmi: int = 2,
     platforms: Iterable[str] | None = None,
+    name: str | None = None,
+    **options: Any,
 ) -> Path:
     """Build one FMU.
 
     Args:
         unit: RotorOnSupports | LiquidBalancer | BallBalancer.
         destination: folder (made when missing), or a file that ends in .fmu.
-        stations, planes, kind: of the rotor.
-        unbalances: how many a rotor of kind two_support or flexible has.
-        shaft: of a flexible rotor, "uniform" or "compliance".
-        weights: number of weights of the ball balancer.
-        frame: "rotor", or "fixed" for signals along fixed axes.
+        backend: "python" (slaves under pythonfmu) or "native" (libraries in C).
+        fmi: 2 or 3; Python units are of FMI 2.0 only.
+        platforms: of native units, default: all.
         name: model name and file name, default: that of the unit.
-        backend: "native", compiled C that needs nothing, or "python", pythonfmu and the sources.
-        fmi: version of FMI, 2 | 3; 3 for native units alone.
-        platforms: of a native unit, names out of `native.compile.PLATFORMS`; default: all.
+        options: frame ("rotor", or "fixed" for signals along fixed axes); of a rotor kind,
+            stations, planes, unbalances and shaft; of a ball balancer weights.  `Sizes` of the
+            units say what they mean and what is allowed; a unit leaves those of others aside.
 
     Returns:
         The file.
 
     Raises:
         ValueError: an argument is not one of those allowed; the text names it.
-        native.compile.NotCompiled: no native library of the present sources, and no compiler.
+        TypeError: no unit has such an option.
         OSError: the file cannot be written; nothing is left behind.
     """
-    content = contents(
-        unit,
-        stations=stations,
-        planes=planes,
-        kind=kind,
-        unbalances=unbalances,
-        shaft=shaft,
-        weights=weights,
-        frame=frame,
-        name=name,
-        backend=backend,
-        fmi=fmi,
-        platforms=platforms,
-    )
+    content = contents(unit, backend=backend, fmi=fmi, platforms=platforms, name=name, **options)
     target = Path(destination)
     if target.suffix != ".fmu" or target.is_dir():
         target = target / f"{name or unit}.fmu"
-    _write(target, _zipped(content))
+    write(target, zipped(content))
     return target
 
 
 def contents(
     unit: str,
     *,
-    stations: int = 1,
-    planes: int = 1,
-    kind: str = "planar",
-    unbalances: int = 1,
-    shaft: str = SHAFTS[0],
-    weights: int = 2,
-    frame: str = "rotor",
-    name: str | None = None,
     backend: str = "python",
     fmi: int = 2,
     platforms: Iterable[str] | None = None,
+    name: str | None = None,
+    **options: Any,
 ) -> dict[str, bytes]:
     """Files of an FMU by their names in it; arguments as of `build`."""
-    options = _options(unit, stations, planes, kind, unbalances, shaft, weights, frame)
+    sized = sized_unit(unit, **options)
     identifier = unit if name is None else name
     if not re.fullmatch(r"[A-Za-z_][A-Za-z0-9_]*", identifier):
         raise ValueError(
             f"name = {identifier!r}: must be letters, digits and underscores, not a digit first"
         )
-    _one_of("backend", backend, FMI_VERSIONS)
-    _one_of("fmi", fmi, FMI_VERSIONS[backend])
-    configured = UNITS[unit].configured(**options)
+    if fmi not in _DESCRIBED_BY:
+        raise ValueError(f"fmi = {fmi!r}: must be one of {alternatives(_DESCRIBED_BY)}")
+    if backend not in ("python", "native"):
+        raise ValueError(f"backend = {backend!r}: must be one of 'python', 'native'")
+    files = {
+        "documentation/index.html": html(sized, identifier, equations(sized.unit)),
+        "documentation/licenses/license.txt": LICENCE.encode(),
+    }
     if backend == "native":
-        return _native(configured, identifier, fmi, platforms)
+        return {**files, **_native(sized, identifier, fmi, platforms)}
+    if fmi != 2:
+        raise ValueError(f"fmi = {fmi!r}: Python units are of FMI 2.0 only; build native ones")
     if platforms is not None:
-        raise ValueError("platforms: a choice for native units alone")
-    sources = _sources(_MODULES[unit])
-    package = f"autobalancer_{_digest(sources)[:16]}"
-    slave = _SLAVE.format(
-        unit=unit,
-        package=package,
-        module=_MODULES[unit],
-        options=", ".join(f"{key}={value!r}" for key, value in sorted(options.items())),
-    ).encode()
-    module = f"{unit}_{hashlib.sha256(slave).hexdigest()[:16]}"
-    files = {f"resources/{package}/{path}": data for path, data in sources.items()}
-    files[f"resources/{module}.py"] = slave
-    files["resources/slavemodule.txt"] = module.encode()
-    for binary in sorted((_PYTHONFMU / "resources" / "binaries").glob("*/*")):
-        if binary.suffix in (".so", ".dll", ".dylib"):
-            name_ = f"binaries/{binary.parent.name}/{identifier}{binary.suffix}"
-            files[name_] = binary.read_bytes()
-    files["documentation/index.html"] = html(configured, identifier)
-    needs_numpy = any(b"import numpy" in data for data in sources.values())
-    files["documentation/externalDependencies.txt"] = external_dependencies(configured, needs_numpy)
-    files["documentation/licenses/license.txt"] = LICENCE_WITH_PYTHONFMU.encode()
-    release = _version()
-    draft = model_description(configured, identifier, "", release)
-    digest = _digest({**files, "modelDescription.xml": draft})
-    guid = f"{{{digest[:8]}-{digest[8:12]}-{digest[12:16]}-{digest[16:20]}-{digest[20:32]}}}"
-    files["modelDescription.xml"] = model_description(configured, identifier, guid, release)
+        raise ValueError("platforms: only native units have them to choose from")
+    return _python(sized, identifier, files)
+
+
+def _python(unit: SizedUnit, identifier: str, files: dict[str, bytes]) -> dict[str, bytes]:
+    """Files of a Python FMU; its GUID is a hash of all the others."""
+    from .python.package import python_files
+
+    files = {**files, **python_files(unit, identifier)}
+    draft = _described(unit, identifier, 2, "", Capabilities())
+    found = digest({**files, _DESCRIPTION: draft})
+    guid = f"{{{found[:8]}-{found[8:12]}-{found[12:16]}-{found[16:20]}-{found[20:32]}}}"
+    files[_DESCRIPTION] = _described(unit, identifier, 2, guid, Capabilities())
     return files
 
 
 def _native(
-    unit: type[Unit], identifier: str, fmi: int, platforms: Iterable[str] | None
+    unit: SizedUnit, identifier: str, fmi: int, platforms: Iterable[str] | None
 ) -> dict[str, bytes]:
-    """Files of a native FMU."""
-    # imported here: Python units must build where there is no compiler
-    from .native.compile import PLATFORMS
-    from .native.package import native_files
-
-    chosen = PLATFORMS if platforms is None else platforms
+    """Files of a native FMU, all but its documentation: the place where `native` joins in."""
+    if find_spec(f"{__package__}.native") is None:
+        raise ValueError("backend = 'native': this installation has Python units only")
+    package = import_module(".native.package", __package__)
+    files: dict[str, bytes] = {}
 
     def describe(token: str, sources: Sequence[str]) -> bytes:
-        return model_description(unit, identifier, token, _version(), sources)
+        can = Capabilities(
+            input_derivatives=True,
+            output_derivatives=1,
+            directional_derivatives=True,
+            sources=tuple(sources),
+        )
+        if fmi == 3:
+            files["sources/buildDescription.xml"] = fmi3.build_description(identifier, can)
+        return _described(unit, identifier, fmi, token, can)
 
-    return {
-        "documentation/index.html": html(unit, identifier),
-        "documentation/licenses/license.txt": LICENCE.encode(),
-        **native_files(unit, identifier, describe, platforms=chosen, fmi=fmi),
-    }
-
-
-def identity(unit: str, **options) -> str:
-    """GUID of the FMU that `build` would write from the present sources."""
-    return _guid(contents(unit, **options)["modelDescription.xml"])
-
-
-def content_id(path: Path | str) -> str:
-    """GUID of an FMU file, a hash of its content; compare with `identity`.
-
-    Raises:
-        ValueError: the file is not an FMU.
-        OSError: it cannot be read.
-    """
-    try:
-        with zipfile.ZipFile(path) as archive:
-            return _guid(archive.read("modelDescription.xml"))
-    except (zipfile.BadZipFile, KeyError, ElementTree.ParseError) as error:
-        raise ValueError(f"{path}: not an FMU ({error})") from None
+    chosen = {} if platforms is None else {"platforms": platforms}
+    files.update(package.native_files(unit, identifier, describe, fmi=fmi, **chosen))
+    return files
 
 
-def _guid(description: bytes) -> str:
-    guid = ElementTree.fromstring(description).get("guid")
-    if not guid:
-        raise KeyError("modelDescription.xml has no guid")
-    return guid
+def _described(unit: SizedUnit, identifier: str, fmi: int, token: str, can: Capabilities) -> bytes:
+    return _DESCRIBED_BY[fmi](unit, identifier, token, _release(), can)
 
 
-def _options(
-    unit: str,
-    stations: int,
-    planes: int,
-    kind: str,
-    unbalances: int,
-    shaft: str,
-    weights: int,
-    frame: str,
-) -> dict:
-    """The options that concern this unit, checked."""
-    _one_of("unit", unit, UNITS)
-    _one_of("frame", frame, FRAMES)
-    if unit == "LiquidBalancer":
-        return {"frame": frame}
-    if unit == "BallBalancer":
-        _at_least_one("weights", weights)
-        return {"frame": frame, "weights": weights}
-    _one_of("kind", kind, KINDS)
-    _at_least_one("stations", stations)
-    _at_least_one("planes", planes)
-    options = {"frame": frame, "kind": kind, "stations": stations, "planes": planes}
-    if kind != "planar":
-        _at_least_one("unbalances", unbalances)
-        options["unbalances"] = unbalances
-    if kind == "flexible":
-        _one_of("shaft", shaft, SHAFTS)
-        options["shaft"] = shaft
-    return options
-
-
-def _one_of(what: str, value: object, allowed) -> None:
-    if value not in allowed:
-        raise ValueError(f"{what} = {value!r}: must be one of {', '.join(map(repr, allowed))}")
-
-
-def _at_least_one(what: str, value: int) -> None:
-    if not isinstance(value, int) or isinstance(value, bool) or value < 1:
-        raise ValueError(f"{what} = {value!r}: must be a whole number, at least 1")
-
-
-def _sources(module: str) -> dict[str, bytes]:
-    """Python files of the embedded package: the unit's module and what it imports, no more."""
-    sources = {"__init__.py": b"", "fmus/__init__.py": b"", "pythonfmu/__init__.py": b""}
-    waiting = [f"fmus.{module}"]
-    while waiting:
-        name = waiting.pop()
-        path = f"{name.replace('.', '/')}.py"
-        if path in sources:
-            continue
-        text = _text(_ROOT / path)
-        for folder in Path(path).parents[:-1]:
-            sources[f"{folder.as_posix()}/__init__.py"] = b""
-        waiting += _imports(name, text)
-        if path == "fmus/_pythonfmu.py":
-            text = text.replace("from pythonfmu.", "from ..pythonfmu.")
-        sources[path] = text.encode()
-    for stem in _EMBEDDED:
-        sources[f"pythonfmu/{stem}.py"] = _text(_PYTHONFMU / f"{stem}.py").encode()
-    return sources
-
-
-def _text(path: Path) -> str:
-    """Source with the same line ends on every platform."""
-    return path.read_text(encoding="utf-8").replace("\r\n", "\n")
-
-
-def _imports(module: str, text: str) -> list[str]:
-    """Modules of this project that a source imports relatively, by their dotted names."""
-    found = []
-    for node in ast.walk(ast.parse(text)):
-        if isinstance(node, ast.ImportFrom) and node.level:
-            base = module.split(".")[: -node.level] + (node.module or "").split(".")
-            target = ".".join(part for part in base if part)
-            if (_ROOT / target.replace(".", "/")).is_dir():  # `from .package import module`
-                found += [f"{target}.{alias.name}" for alias in node.names]
-            else:
-                found.append(target)
-    return found
-
-
-def _digest(files: dict[str, bytes]) -> str:
-    total = hashlib.sha256()
-    for path in sorted(files):
-        total.update(f"{path}\0{len(files[path])}\0".encode())
-        total.update(files[path])
-    return total.hexdigest()
-
-
-def _version() -> str:
+def _release() -> str:
     try:
         return version("autobalancer")
     except PackageNotFoundError:
         return "0"
 
 
-def _zipped(files: dict[str, bytes]) -> bytes:
-    """Archive with sorted names, fixed dates and permissions; stored, as zlib builds differ."""
-    buffer = io.BytesIO()
-    with zipfile.ZipFile(buffer, "w", zipfile.ZIP_STORED) as archive:
-        for path in sorted(files):
-            entry = zipfile.ZipInfo(path, _EPOCH)
-            entry.create_system = 3
-            entry.external_attr = (0o755 if path.startswith("binaries/") else 0o644) << 16
-            archive.writestr(entry, files[path])
-    return buffer.getvalue()
+def identity(unit: str, **arguments: Any) -> str:
+    """Hash of the content of the FMU that `build` would write from the present sources.
+
+    Computed once for the same arguments, which are those of `build`.
+    """
+    given = {k: tuple(v) if isinstance(v, list) else v for k, v in arguments.items()}
+    return _identity(unit, tuple(sorted(given.items())))
 
 
-def _write(target: Path, data: bytes) -> None:
-    """Write a file whole or not at all."""
-    target.parent.mkdir(parents=True, exist_ok=True)
-    handle, draft = tempfile.mkstemp(prefix=f".{target.name}-", dir=target.parent)
+@cache
+def _identity(unit: str, arguments: tuple[tuple[str, Any], ...]) -> str:
+    return digest(contents(unit, **dict(arguments)))
+
+
+def content_id(path: Path | str) -> str:
+    """Hash of the content of an FMU file: equal to `identity` when it is what `build` would write.
+
+    Raises:
+        ValueError: the file is not an FMU.
+        OSError: it cannot be read.
+    """
+    return digest(_opened(path)[0])
+
+
+def options_of(path: Path | str) -> dict[str, Any]:
+    """What an FMU file was built as, by its model description: its options, and `unit`, its name.
+
+    Empty for an FMU that `build` did not write.
+
+    Raises:
+        ValueError: the file is not an FMU.
+        OSError: it cannot be read.
+    """
+    return options_in(_opened(path)[1])
+
+
+def _opened(path: Path | str) -> tuple[dict[str, bytes], ElementTree.Element]:
+    """Files of an FMU, and its model description."""
     try:
-        with os.fdopen(handle, "wb") as file:
-            file.write(data)
-        os.chmod(draft, 0o644)
-        os.replace(draft, target)
-    except BaseException:
-        os.unlink(draft)
-        raise
+        files = unzipped(path)
+        root = ElementTree.fromstring(files[_DESCRIPTION])
+        if root.tag != "fmiModelDescription":
+            raise KeyError(f"{_DESCRIPTION} begins with {root.tag}")
+    except (zipfile.BadZipFile, KeyError, ElementTree.ParseError) as error:
+        raise ValueError(f"{path}: not an FMU ({error})") from None
+    return files, root

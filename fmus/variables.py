@@ -25,14 +25,16 @@ class Variable:
         unit: name of an SI unit, empty for a Boolean.
         start: start value; None for outputs, which are calculated.
         description: one line.
-        variability: fixed | discrete | continuous.
+        variability: fixed | continuous.
         minimum: smallest allowed value, or None.
         above: True when the minimum itself is not allowed.
+        maximum: largest value that the equations accept, or None.
         depends: inputs an output depends on directly, at the same communication point.
         begins: parameters and inputs an output depends on at the start, besides `depends`.
         kind: how it depends on its inputs in FMI's words, "dependent" or "fixed" (linear).
-        derivative_of: output this one is the time derivative of.
+        derivative_of: output, or input signal, this one is the time derivative of.
         observed: an output computed only when somebody reads it.
+        quantity: what is measured, where the unit alone does not say it.
     """
 
     name: str
@@ -48,6 +50,8 @@ class Variable:
     kind: str = "dependent"
     derivative_of: str = ""
     observed: bool = False
+    maximum: float | None = None
+    quantity: str = ""
 
     @property
     def boolean(self) -> bool:
@@ -84,9 +88,10 @@ def parameter(
     *,
     minimum: float | None = None,
     above: bool = False,
+    **more,
 ) -> Variable:
     """A parameter, free until initialisation ends."""
-    return Variable(name, "parameter", unit, start, description, "fixed", minimum, above)
+    return Variable(name, "parameter", unit, start, description, "fixed", minimum, above, **more)
 
 
 def plain_input(name: str, start: float, unit: str, description: str, **more) -> Variable:
@@ -112,6 +117,7 @@ def signal_inputs(names: Sequence[str], units: Sequence[str], description: str) 
             0.0,
             f"{description}{f', derivative of order {order}' if order else ''}"
             " at the start of the step",
+            derivative_of=derivative(name, order - 1) if order else "",
         )
         for order in range(ORDERS)
         for name in names

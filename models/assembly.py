@@ -56,7 +56,7 @@ class Assembly:
     def capacity(self) -> float:
         """Unbalance that all weights together can balance, the sum of N m R [kg m]."""
         devices = [m.device for m in self.balancers]
-        return sum(device.capacity for device in devices if isinstance(device, Weights))
+        return sum(device.point_capacity for device in devices if isinstance(device, Weights))
 
     @property
     def weights(self) -> tuple[Mounted, ...]:

@@ -12,18 +12,6 @@ from .assembly import Assembly, SpeedProfile
 from .reference.coupled import REST, Array, Monolith, RightHandSide, Start
 from .reference.trajectory import Trajectory, differences
 
-__all__ = [
-    "Monolith",
-    "ReferenceDisagreement",
-    "Start",
-    "Trajectory",
-    "differences",
-    "integrate",
-    "reference",
-    "simulate",
-    "trajectory",
-]
-
 NON_STIFF = ("DOP853", "LSODA")
 STIFF = ("Radau", "LSODA")
 _STIFF_RATIO = 100.0  # fastest mode over speed from which an explicit method only wastes its steps
@@ -120,21 +108,21 @@ def trajectory(system: Monolith, time: Array, states: Array) -> Trajectory:
     n, profile = system.stations, system.profile
     count = (system.size - 4 * n) // 2
     speed = np.array([profile.speed(t) for t in time])
-    spin_up = np.array([profile.acceleration(t) for t in time])
+    angular_acceleration = np.array([profile.acceleration(t) for t in time])
     angle = system.angle + np.array([profile.angle(t) for t in time])
     solved = [system.accelerations(t, y) for t, y in zip(time, states, strict=True)]
-    phi2 = np.array([bend for _, bend in solved]).reshape(len(time), count)
-    theta, rate, bend, first = {}, {}, {}, 0
+    phi2 = np.array([turning for _, turning in solved]).reshape(len(time), count)
+    theta, theta_1, theta_2, first = {}, {}, {}, 0
     for m in system.assembly.weights:
         part = slice(first, first := first + len(m.angles))
         theta[m.name] = states[:, 4 * n : 4 * n + count][:, part] - angle[:, None]
-        rate[m.name] = states[:, 4 * n + count :][:, part] - speed[:, None]
-        bend[m.name] = phi2[:, part] - spin_up[:, None]
+        theta_1[m.name] = states[:, 4 * n + count :][:, part] - speed[:, None]
+        theta_2[m.name] = phi2[:, part] - angular_acceleration[:, None]
     x, y, vx, vy = (states[:, j * n : (j + 1) * n] for j in range(4))
     a = np.array([lateral for lateral, _ in solved])
     return Trajectory(
-        system.assembly, time, x, y, vx, vy, angle, speed, spin_up,
-        a[:, 0], a[:, 1], theta, rate, bend,
+        system.assembly, time, x, y, vx, vy, angle, speed, angular_acceleration,
+        a[:, 0], a[:, 1], theta, theta_1, theta_2,
     )  # fmt: skip
 
 

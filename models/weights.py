@@ -18,6 +18,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
 
+from .cubic import at, hermite
+
 KAPPA = {"balls": 7.0 / 5.0, "rollers": 3.0 / 2.0, "pendulums": 1.0}
 
 TURN_PER_SUBSTEP = 0.15  # rad of weight motion per substep: the error of a step is then below 1e-6
@@ -71,9 +73,9 @@ class Weights:
         return self.mass * self.track_radius
 
     @property
-    def capacity(self) -> float:
-        """Largest unbalance point weights can balance, N m R [kg m]."""
-        return self.count * self.mass * self.track_radius
+    def point_capacity(self) -> float:
+        """Largest unbalance that point weights balance, N m R [kg m]."""
+        return self.count * self.moment
 
     @cached_property
     def lever(self) -> float:
@@ -88,10 +90,10 @@ class Weights:
 
 def static_moment(weights: Weights, angles: Sequence[float]) -> complex:
     """Sum of m R e^{i theta} in the rotor frame [kg m]."""
-    return weights.mass * weights.track_radius * sum(rect(1.0, angle) for angle in angles)
+    return weights.moment * sum(rect(1.0, angle) for angle in angles)
 
 
-def spread(angles: Sequence[float]) -> float:
+def alignment(angles: Sequence[float]) -> float:
     """Goncharov 2017 (2): p = |sum e^{2 i theta}|/n, 0 for evenly spread weights, 1 for a pair."""
     return abs(sum(rect(1.0, 2.0 * angle) for angle in angles)) / len(angles)
 
@@ -129,67 +131,102 @@ def quadrature(damping_rate: float, step: float) -> tuple[float, ...]:
     return (*speed, *angle)
 
 
-def along_track(a: complex, da: complex, angle: float, speed: float, gain: float) -> tuple:
-    """Im(a e^{-i theta}) times `gain` and its time derivative."""
-    direction = rect(gain, -angle)
-    along = a * direction
-    return along.imag, (da * direction).imag - along.real * speed
+def along_track(
+    acceleration: complex, slope: complex, angle: float, angle_rate: float, lever: float
+) -> tuple[float, float]:
+    """Drive Im(a e^{-i theta}) times `lever`, and its time derivative along the motion.
+
+    Args:
+        acceleration, slope: of the track's centre, rotor frame [m/s^2, m/s^3].
+        angle, angle_rate: of the weight, or of a group's middle [rad, rad/s].
+        lever: -1/(kappa R), times a group's factor [1/m].
+    """
+    direction = rect(lever, -angle)
+    along = acceleration * direction
+    return along.imag, (slope * direction).imag - along.real * angle_rate
 
 
 def substep(
-    angle: float, speed: float, ends: tuple, gain: float, spin_up: float, rate: float, step: float
+    angle: float,
+    angle_rate: float,
+    ends: tuple[complex, complex, complex, complex],
+    lever: float,
+    angular_acceleration: float,
+    damping_rate: float,
+    step: float,
 ) -> tuple[float, float]:
-    """One weight over one substep; `ends` is acceleration and slope at both ends."""
+    """Angle and rate of one weight after `step`; order 4.
+
+    Args:
+        angle, angle_rate: at the start [rad, rad/s].
+        ends: acceleration of the track's centre and its slope at the start, and at the end.
+        lever: -1/(kappa R), times a group's factor [1/m].
+        angular_acceleration: of the rotor, w' [rad/s^2].
+        damping_rate: d [1/s].
+
+    Raises:
+        ArithmeticError: the implicit equations did not converge.
+    """
     a0, da0, a1, da1 = ends
-    e, s0, s1, s2, s3, t, t0, t1, t2, t3 = quadrature(rate, step)
+    e, s0, s1, s2, s3, t, t0, t1, t2, t3 = quadrature(damping_rate, step)
     # `along_track` written out here and below: a run with weights spends its time here
-    direction = rect(gain, -angle)
+    direction = rect(lever, -angle)
     along = a0 * direction
-    g0 = along.imag - spin_up
-    g1 = (da0 * direction).imag - along.real * speed
-    free_speed = e * speed + s0 * g0 + s1 * g1
-    free_angle = angle + t * speed + t0 * g0 + t1 * g1
-    new_speed, new_angle = free_speed, free_angle
-    inverse = 1.0 / step
-    g0 += spin_up
-    change = math.inf
+    g0 = along.imag - angular_acceleration
+    g1 = (da0 * direction).imag - along.real * angle_rate
+    free_rate = e * angle_rate + s0 * g0 + s1 * g1
+    free_angle = angle + t * angle_rate + t0 * g0 + t1 * g1
+    new_angle, new_rate = free_angle, free_rate
+    g0 += angular_acceleration
+    change = 1.0  # a weight moves less than 0.15 rad in a substep, which makes it contract fast
     for _ in range(MAX_ITERATIONS):
-        direction = rect(gain, -new_angle)
+        direction = rect(lever, -new_angle)
         along = a1 * direction
-        slope = (da1 * direction).imag - along.real * new_speed
-        rise = (along.imag - g0) * inverse
-        g2 = (6.0 * rise - 4.0 * g1 - 2.0 * slope) * inverse
-        g3 = (6.0 * (g1 + slope) - 12.0 * rise) * inverse * inverse
-        last_angle, last_speed, last_change = new_angle, new_speed, change
-        new_speed = free_speed + s2 * g2 + s3 * g3
+        slope = (da1 * direction).imag - along.real * new_rate
+        g2, g3 = hermite(g0, g1, along.imag, slope, step)
+        last_angle, last_rate, last_change = new_angle, new_rate, change
+        new_rate = free_rate + s2 * g2 + s3 * g3
         new_angle = free_angle + t2 * g2 + t3 * g3
-        change = abs(new_angle - last_angle) + abs(new_speed - last_speed) * step
-        # a linear iteration changes next by change^2 / last_change
-        if change * change <= CONVERGED * (1.0 + abs(new_angle)) * min(last_change, 1.0):
-            return new_angle, new_speed
+        change = abs(new_angle - last_angle) + abs(new_rate - last_rate) * step
+        if converged(change, last_change, new_angle):
+            return new_angle, new_rate
     raise ArithmeticError(
         f"the weights' step of {step:g} s did not converge (angle {angle:g} rad, "
-        f"rate {speed:g} rad/s, acceleration {abs(a0):g} m/s^2): use smaller communication steps"
+        f"rate {angle_rate:g} rad/s, acceleration {abs(a0):g} m/s^2): use smaller "
+        "communication steps"
     )
+
+
+def converged(change: float, last_change: float, angle: float) -> bool:
+    """Whether the next iteration of a substep would change no more than rounding.
+
+    A linear iteration changes next by change^2/last_change.
+
+    Args:
+        change, last_change: of angle and rate * step by this iteration and the one before [rad].
+            At the first one 0.0 when nothing is known of the iteration, 1.0 when it gains so fast
+            that a first change of 1e-7 is enough.
+    """
+    return change * change <= CONVERGED * (1.0 + abs(angle)) * max(change, min(last_change, 1.0))
 
 
 def fastest_rate(
     speeds: Sequence[float],
     signal: Sequence[complex],
-    gain: float,
-    spin_up: float,
-    rate: float,
+    lever: float,
+    angular_acceleration: float,
+    damping_rate: float,
     step: float,
 ) -> tuple[float, float]:
     """Rate [rad/s] that no weight exceeds by much within a step, and the strongest acceleration.
 
-    Arguments as `advance`; `gain` = -1/(kappa R) and `rate` = d of the weights.
+    Arguments as `advance`; `lever` and `damping_rate` are the weights'.
     """
     # value and slope only: corrector passes change the rest, and must not change the substeps
     strongest = abs(signal[0]) + step * abs(signal[1])
-    # a run-up leaves free weights behind: they gain spin_up * step, or what the drag lets them
-    gained = abs(spin_up) * (step if rate * step < 1.0 else 1.0 / rate)
-    return max(map(abs, speeds)) + math.sqrt(-strongest * gain) + gained, strongest
+    # a run-up leaves free weights behind: they gain w' * step, or what the drag lets them
+    gained = abs(angular_acceleration) * (step if damping_rate * step < 1.0 else 1.0 / damping_rate)
+    return max(map(abs, speeds)) + math.sqrt(-strongest * lever) + gained, strongest
 
 
 def advance(
@@ -197,7 +234,7 @@ def advance(
     angles: Sequence[float],
     speeds: Sequence[float],
     signal: Sequence[complex],
-    spin_up: float,
+    angular_acceleration: float,
     step: float,
 ) -> tuple[list[float], list[float]]:
     """Move every weight over one communication step.
@@ -206,7 +243,7 @@ def advance(
         angles, speeds: (N,) angles in the rotor [rad] and their rates [rad/s].
         signal: acceleration of the track's centre in the rotor frame at the start of the step and
             its derivatives of order 1 to 3 [m/s^2, m/s^3, ...].
-        spin_up: angular acceleration of the rotor w' [rad/s^2].
+        angular_acceleration: angular acceleration of the rotor w' [rad/s^2].
         step: length of the step [s].
 
     Returns:
@@ -215,17 +252,17 @@ def advance(
     Raises:
         ArithmeticError: the input is not finite, or asks for more than a million substeps.
     """
-    a0, a1, a2, a3 = signal
-    gain = -1.0 / (weights.kappa * weights.track_radius)
-    rate = weights.damping_rate
-    fastest, strongest = fastest_rate(speeds, signal, gain, spin_up, rate, step)
+    lever, damping_rate = weights.lever, weights.damping_rate
+    fastest, strongest = fastest_rate(
+        speeds, signal, lever, angular_acceleration, damping_rate, step
+    )
     if not math.isfinite(sum(angles)):
         raise ArithmeticError(f"the weights' angles {list(angles)} are not finite")
     if max(map(abs, angles)) > _FAR:
         # the iteration's end is judged by the angle: turns behind a weight must not loosen it
         behind = [2.0 * math.pi * round(angle / (2.0 * math.pi)) for angle in angles]
         near = [angle - turned for angle, turned in zip(angles, behind, strict=True)]
-        moved, rates = advance(weights, near, speeds, signal, spin_up, step)
+        moved, rates = advance(weights, near, speeds, signal, angular_acceleration, step)
         return [angle + turned for angle, turned in zip(moved, behind, strict=True)], rates
     turns = step * fastest / TURN_PER_SUBSTEP
     if not turns < _MAX_SUBSTEPS:
@@ -236,16 +273,18 @@ def advance(
     count = 1 + int(turns)
     h = step / count
     new_angles, new_speeds = list(angles), list(speeds)
-    start = (a0, a1)
+    start = signal[0], signal[1]
     for j in range(1, count + 1):
-        t = j * h
-        end = (
-            a0 + t * (a1 + t * (a2 / 2.0 + t * a3 / 6.0)),
-            a1 + t * (a2 + t * a3 / 2.0),
-        )
+        end = at(signal, j * h)
         for k in range(len(new_angles)):
             new_angles[k], new_speeds[k] = substep(
-                new_angles[k], new_speeds[k], (*start, *end), gain, spin_up, rate, h
+                new_angles[k],
+                new_speeds[k],
+                (*start, *end),
+                lever,
+                angular_acceleration,
+                damping_rate,
+                h,
             )
         start = end
     return new_angles, new_speeds
@@ -257,8 +296,8 @@ def reaction(
     speeds: Sequence[float],
     acceleration: complex,
     slope: complex,
-    speed: float,
-    spin_up: float,
+    rotor_speed: float,
+    angular_acceleration: float,
 ) -> tuple[complex, complex]:
     """Residual force on the rotor in the rotor frame and its exact slope, -(d/dt)^2 of the moment.
 
@@ -267,33 +306,36 @@ def reaction(
     Args:
         angles, speeds: (N,) [rad, rad/s].
         acceleration, slope: of the track's centre in the rotor frame [m/s^2, m/s^3].
-        speed, spin_up: of the rotor, w and w' [rad/s, rad/s^2].
+        rotor_speed, angular_acceleration: w and w' [rad/s, rad/s^2].
 
     Returns:
         F [N] and dF/dt [N/s], xi + i eta.
     """
-    gain = -1.0 / (weights.kappa * weights.track_radius)
-    rate = weights.damping_rate
-    acceleration *= gain
-    slope *= gain
+    lever, damping_rate = weights.lever, weights.damping_rate
+    acceleration *= lever
+    slope *= lever
     moment = first = second = third = 0j
     for angle, nu in zip(angles, speeds, strict=True):
         unit = rect(1.0, angle)
         # `along_track` written out with e^{-i theta} = conj(unit)
         back = unit.conjugate()
         along = acceleration * back
-        bend = along.imag - spin_up - rate * nu
+        theta_2 = along.imag - angular_acceleration - damping_rate * nu
         torque_slope = (slope * back).imag - along.real * nu
         squared = nu * nu
         moment += unit
         first += complex(0.0, nu) * unit
-        second += complex(-squared, bend) * unit
-        third += complex(-3.0 * nu * bend, torque_slope - rate * bend - nu * squared) * unit
-    turn = 2j * speed
-    pull = 1j * spin_up - speed * speed
+        second += complex(-squared, theta_2) * unit
+        theta_3 = torque_slope - damping_rate * theta_2
+        third += complex(-3.0 * nu * theta_2, theta_3 - nu * squared) * unit
+    turn = 2j * rotor_speed
+    pull = 1j * angular_acceleration - rotor_speed * rotor_speed
     force = second + turn * first + pull * moment
     force_slope = (
-        third + turn * second + (2j * spin_up + pull) * first - 2.0 * speed * spin_up * moment
+        third
+        + turn * second
+        + (2j * angular_acceleration + pull) * first
+        - 2.0 * rotor_speed * angular_acceleration * moment
     )
-    scale = -weights.mass * weights.track_radius
+    scale = -weights.moment
     return scale * force, scale * force_slope

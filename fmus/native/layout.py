@@ -14,6 +14,10 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any
 
+from ..catalogue import sized_unit
+from ..unit import SizedUnit
+from ..variables import Layout, Variable
+
 _STATIONS, _PLANES, _UNBALANCES, _WEIGHTS = 5, 3, 7, 11
 _REPEATS = {
     _STATIONS: "SIZE_STATIONS",
@@ -82,7 +86,7 @@ def header() -> str:
         counts = ", ".join(f"{{{b.repeat}, {len(b.patterns)}}}" for b in blocks)
         parts.append(f"static const Block {title}_blocks[] = {{{counts}}};")
         flags = [v.name for v in _layout(unit, **options).booleans]
-        starts = [str(int(v.start)) for v in _layout(unit, **options).booleans]
+        starts = [str(int(bool(v.start))) for v in _layout(unit, **options).booleans]
         booleans = [f'{{"{name}", {start}}}' for name, start in zip(flags, starts, strict=True)]
         where = "0"
         if booleans:
@@ -97,19 +101,18 @@ def header() -> str:
     return "\n\n".join(parts) + "\n"
 
 
-def token(unit: str, options: dict[str, Any], stamp: str) -> str:
+def token(unit: SizedUnit, stamp: str) -> str:
     """Identity of a native unit: GUID in FMI 2.0, instantiation token in FMI 3.0.
 
     Args:
-        unit: RotorOnSupports | LiquidBalancer | BallBalancer.
-        options: those of `Unit.configured`, all of them.
+        unit: with its sizes.
         stamp: of the C sources.
     """
-    words = [unit, *(f"{key}={value}" for key, value in sorted(options.items()))]
-    return "/".join([*words, f"{digest(_unit(unit).configured(**options).layout)}-{stamp}"])
+    words = [unit.name, *(f"{key}={value}" for key, value in unit.options.items())]
+    return "/".join([*words, f"{digest(unit.layout)}-{stamp}"])
 
 
-def digest(layout: Any) -> str:
+def digest(layout: Layout) -> str:
     """Sixteen hexadecimal digits of all names, units, start values and limits: FNV-1a."""
     total = _FNV_START
     for byte in "".join(_described(layout)).encode("ascii"):
@@ -117,35 +120,28 @@ def digest(layout: Any) -> str:
     return f"{total:016x}"
 
 
-def _described(layout: Any) -> Iterator[str]:
+def _described(layout: Layout) -> Iterator[str]:
     """A line a variable, as variables.c writes it."""
     for v in layout.reals:
         start = "~" if v.name.startswith(_COMPUTED) else _bits(v.start or 0.0)
         low = "-" if v.minimum is None else _bits(v.minimum) + "+" * v.above
         yield f"{_group(v)} {v.name} {v.unit} {start} {low}\n"
     for v in layout.booleans:
-        yield f"b {v.name} {int(v.start)}\n"
+        yield f"b {v.name} {int(bool(v.start))}\n"
 
 
 def _bits(value: float) -> str:
     return struct.pack(">d", value).hex()
 
 
-def _group(variable: Any) -> str:
+def _group(variable: Variable) -> str:
     return {"parameter": "p", "input": "i", "output": "vo"[not variable.observed]}[
         variable.causality
     ]
 
 
-def _unit(name: str) -> Any:
-    # imported when needed: the declarations come with the equations and their libraries
-    from ..build import UNITS
-
-    return UNITS[name]
-
-
-def _layout(unit: str, frame: str = "rotor", **options: Any) -> Any:
-    return _unit(unit).configured(frame=frame, **options).layout
+def _layout(unit: str, frame: str = "rotor", **options: Any) -> Layout:
+    return sized_unit(unit, frame=frame, **options).layout
 
 
 def _blocks(unit: str, options: dict[str, Any]) -> list[_Block]:

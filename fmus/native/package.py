@@ -6,7 +6,7 @@ import struct
 from collections.abc import Callable, Iterable, Sequence
 from xml.etree.ElementTree import Element, SubElement, indent, tostring
 
-from ..slave import Unit
+from ..unit import SizedUnit
 from .compile import PLATFORMS, generated, libraries, sources, stamp
 from .layout import token
 
@@ -17,7 +17,7 @@ _PAGE = 14  # of arm64, as a power of two
 
 
 def native_files(
-    unit: type[Unit],
+    unit: SizedUnit,
     identifier: str,
     describe: Callable[[str, Sequence[str]], bytes],
     *,
@@ -27,7 +27,7 @@ def native_files(
     """Files of a native FMU by their names in it, all but the documentation.
 
     Args:
-        unit: a configured unit.
+        unit: with its sizes.
         identifier: model identifier.
         describe: writes modelDescription.xml; called with the token (GUID or instantiation token)
             and the names of the C files in sources/.
@@ -47,7 +47,7 @@ def native_files(
     compiled = sorted(name for name in texts if name.endswith(".c"))
     if fmi == 3:
         files["sources/buildDescription.xml"] = _build_description(identifier, compiled)
-    files["modelDescription.xml"] = describe(token(unit.__name__, unit.options, stamp()), compiled)
+    files["modelDescription.xml"] = describe(token(unit, stamp()), compiled)
     return files
 
 

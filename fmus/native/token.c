@@ -151,7 +151,7 @@ int token_check(const char *token, const Layout *layout, uint64_t digest, Text *
     put_options(&text, layout);
     options = text.length;
     for (shift = 60; shift >= 0; shift -= 4) {
-        text_put_part(&text, "0123456789abcdef" + (digest >> shift & 15), 1);
+        text_put_part(&text, &"0123456789abcdef"[digest >> shift & 15], 1);
     }
     text_put(&text, "-");
     stamp = text.length;

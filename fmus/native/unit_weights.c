@@ -3,9 +3,11 @@
 #include <string.h>
 
 #include "elementary.h"
+#include "motion.h"
+#include "pulse.h"
+#include "reaction_change.h"
 #include "signals.h"
 #include "unit.h"
-#include "weights.h"
 
 enum { SIGNALS = 2 };
 
@@ -18,13 +20,16 @@ enum { FORCE = 0, FORCE_SLOPE = 2, ADDED_MASS = 4 };
 
 typedef struct {
     int count;
-    Weights model;
+    Track track;
+    int plain;            /* point weights on a centred track keep their shorter way */
+    int stop_at_contact;  /* whether a step ends behind the first collision */
     double carried, sent; /* parts of the added mass: through the port, in the force [kg] */
     Quadrature quadrature;
+    double *scratch;
 } Own;
 
-/* Angles, speeds, contacts (N,) each, and impulse owed and pulse given as xi, eta each; point
-   weights on a centred track use the first two. */
+/* Angles, speeds, contacts (N,) each, and impulse owed and pulse given as xi, eta each; plain
+   weights use the first two. */
 static size_t memory_size(const Layout *layout)
 {
     return 3 * (size_t)layout->sizes.weights + 4;
@@ -47,6 +52,20 @@ static int allocate(Unit *unit)
 {
     Own *own = unit->own;
     own->count = unit->layout.sizes.weights;
+    own->scratch = unit_allocate(unit, track_scratch(own->count), sizeof(double));
+    return !own->scratch;
+}
+
+/* A Boolean parameter; 0 where the unit is declared without it. */
+static int flag(const Unit *unit, const char *name)
+{
+    const Table *table = unit->layout.table;
+    int k;
+    for (k = 0; k < table->flag_count; k++) {
+        if (text_equal(table->flags[k].name, name)) {
+            return unit->boolean[k];
+        }
+    }
     return 0;
 }
 
@@ -64,38 +83,44 @@ static int refuse_size(Unit *unit, double size, double radius)
 static int parameters(Unit *unit)
 {
     Own *own = unit->own;
+    Track *track = &own->track;
     const double *real = unit->real;
     Failure failure;
-    own->model.count = own->count;
-    own->model.mass = real[MASS];
-    own->model.track_radius = real[TRACK_RADIUS];
-    own->model.kappa = real[KAPPA];
-    own->model.drag = real[DRAG];
+    track->weights.count = own->count;
+    track->weights.mass = real[MASS];
+    track->weights.track_radius = real[TRACK_RADIUS];
+    track->weights.kappa = real[KAPPA];
+    track->weights.drag = real[DRAG];
+    track->weight_radius = real[WEIGHT_RADIUS];
+    track->restitution = real[RESTITUTION];
+    track->rolling_resistance = real[ROLLING];
+    track->offset = complex_of(real[OFFSET_XI], real[OFFSET_ETA]);
     own->quadrature = quadrature_empty();
-    if (weights_check(&own->model, &failure)) {
-        return unit_failed(unit, &failure, NULL, 0);
-    }
     if (real[WEIGHT_RADIUS] >= real[TRACK_RADIUS]) {
         return refuse_size(unit, real[WEIGHT_RADIUS], real[TRACK_RADIUS]);
     }
-    if ((real[WEIGHT_RADIUS] > 0.0 && own->count > 1) || real[ROLLING] > 0.0 ||
-        real[OFFSET_XI] != 0.0 || real[OFFSET_ETA] != 0.0) {
-        text_put(unit_reason(unit),
-                 "weight_radius of several weights, rolling_resistance, track_offset_xi and "
-                 "track_offset_eta must be 0 in this library: it has point weights on a centred "
-                 "track only; the Python unit has the others");
-        return 1;
+    if (track_prepare(track, &failure)) {
+        return unit_failed(unit, &failure, NULL, 0);
     }
-    own->carried = unit->boolean[0] ? 0.0 : weights_added_mass(&own->model);
-    own->sent = weights_added_mass(&own->model) - own->carried;
+    own->plain = !track->eventful && real[OFFSET_XI] == 0.0 && real[OFFSET_ETA] == 0.0;
+    own->stop_at_contact = flag(unit, "stop_at_contact") && unit->may_end_early;
+    own->carried = flag(unit, "inertia_as_force") ? 0.0 : weights_added_mass(&track->weights);
+    own->sent = weights_added_mass(&track->weights) - own->carried;
     return 0;
 }
 
 static int begin(Unit *unit)
 {
     const Own *own = unit->own;
+    const size_t count = (size_t)own->count;
+    double *angles = unit->memory;
+    Failure failure;
     memset(unit->memory, 0, unit->memory_count * sizeof(double));
-    memcpy(unit->memory, unit->real + FIRST_ANGLE, 2 * (size_t)own->count * sizeof(double));
+    memcpy(angles, unit->real + FIRST_ANGLE, 2 * count * sizeof(double));
+    if (!own->plain && track_first_contacts(&own->track, angles, angles + count,
+                                            angles + 2 * count, own->scratch, &failure)) {
+        return unit_failed(unit, &failure, angles, count);
+    }
     return 0;
 }
 
@@ -109,18 +134,40 @@ static void rotating(double angle, double speed, Complex *value, Complex *slope)
     *slope = complex_product(seen, turn);
 }
 
+/* Force of the weights and its slope, in the rotor frame; acceleration and slope too. */
+static int react(Unit *unit, Complex acceleration, Complex slope, double speed, double spin_up,
+                 Complex *force, Complex *force_slope)
+{
+    const Own *own = unit->own;
+    const size_t count = (size_t)own->count;
+    const double *angles = unit->memory, *pulse = unit->memory + 3 * count + 2;
+    Failure failure;
+    if (own->plain) {
+        weights_reaction(&own->track.weights, angles, angles + count, acceleration, slope, speed,
+                         spin_up, force, force_slope);
+    } else {
+        if (track_reaction(&own->track, angles, angles + count, angles + 2 * count, acceleration,
+                           slope, speed, spin_up, force, force_slope, own->scratch, &failure)) {
+            return unit_failed(unit, &failure, angles, count);
+        }
+        *force = complex_sum(*force, complex_of(pulse[0], pulse[1]));
+    }
+    if (own->sent != 0.0) {
+        *force = complex_difference(*force, complex_scaled(own->sent, acceleration));
+        *force_slope = complex_difference(*force_slope, complex_scaled(own->sent, slope));
+    }
+    return 0;
+}
+
 /* Computed outputs; acceleration and slope in the rotor frame. */
-static void put(Unit *unit, Complex acceleration, Complex slope, double angle, double speed,
-                double spin_up)
+static int put(Unit *unit, Complex acceleration, Complex slope, double angle, double speed,
+               double spin_up)
 {
     const Own *own = unit->own;
     double *out = unit->real + unit->layout.computed.first;
     Complex force, force_slope;
-    weights_reaction(&own->model, unit->memory, unit->memory + own->count, acceleration, slope,
-                     speed, spin_up, &force, &force_slope);
-    if (own->sent != 0.0) {
-        force = complex_difference(force, complex_scaled(own->sent, acceleration));
-        force_slope = complex_difference(force_slope, complex_scaled(own->sent, slope));
+    if (react(unit, acceleration, slope, speed, spin_up, &force, &force_slope)) {
+        return 1;
     }
     if (unit->layout.sizes.fixed_frame) {
         rotating(-angle, -speed, &force, &force_slope);
@@ -130,32 +177,68 @@ static void put(Unit *unit, Complex acceleration, Complex slope, double angle, d
     out[FORCE_SLOPE] = force_slope.re;
     out[FORCE_SLOPE + 1] = force_slope.im;
     out[ADDED_MASS] = own->carried;
+    return 0;
+}
+
+/* One step of weights that may touch, stick or run off centre. */
+static int meet(Unit *unit, const Complex *cubic, double speed, double spin_up, double length)
+{
+    Own *own = unit->own;
+    const size_t count = (size_t)own->count;
+    double *angles = unit->memory, *impulses = unit->memory + 3 * count;
+    Complex owed = complex_of(impulses[0], impulses[1]);
+    Complex pulse = complex_of(impulses[2], impulses[3]);
+    Moved moved;
+    Failure failure;
+    moved.angles = angles;
+    moved.speeds = angles + count;
+    moved.contacts = angles + 2 * count;
+    if (track_advance(&own->track, moved.angles, moved.speeds, moved.contacts, cubic, speed,
+                      spin_up, length, own->stop_at_contact, &moved, own->scratch, &failure)) {
+        return unit_failed(unit, &failure, unit->before, count);
+    }
+    unit->made = moved.reached;
+    length = moved.reached;
+    discharge(&owed, &pulse, moved.impulse, length * (speed + 0.5 * spin_up * length), length);
+    impulses[0] = owed.re;
+    impulses[1] = owed.im;
+    impulses[2] = pulse.re;
+    impulses[3] = pulse.im;
+    return 0;
 }
 
 static int step(Unit *unit, double length)
 {
     Own *own = unit->own;
     const double *in = unit->real + unit->layout.inputs.first;
+    const int fixed = unit->layout.sizes.fixed_frame;
     const double speed = in[SPEED], spin_up = in[ACCELERATION];
-    const double speed_end = speed + spin_up * length;
-    double angle_end = in[ANGLE], *angles = unit->memory, *speeds = unit->memory + own->count;
+    double *angles = unit->memory, *speeds = unit->memory + own->count, angle = in[ANGLE];
     Complex cubic[SIGNAL_ORDERS], end, end_slope;
     Failure failure;
     signal_orders(in, cubic);
     signal_at(cubic, length, &end, &end_slope);
-    if (unit->layout.sizes.fixed_frame) {
+    if (fixed) {
         Complex start = cubic[0], start_slope = cubic[1];
-        angle_end += length * (speed + 0.5 * spin_up * length);
-        rotating(angle_end, speed_end, &end, &end_slope);
+        angle += length * (speed + 0.5 * spin_up * length);
+        rotating(angle, speed + spin_up * length, &end, &end_slope);
         rotating(in[ANGLE], speed, &start, &start_slope);
         signal_hermite(start, start_slope, end, end_slope, length, cubic);
     }
-    if (weights_advance(&own->model, angles, speeds, cubic, spin_up, length, angles, speeds,
-                        &own->quadrature, &failure)) {
+    if (!own->plain) {
+        if (meet(unit, cubic, speed, spin_up, length)) {
+            return 1;
+        }
+    } else if (weights_advance(&own->track.weights, angles, speeds, cubic, spin_up, length,
+                               angles, speeds, &own->quadrature, &failure)) {
         return unit_failed(unit, &failure, unit->before, (size_t)own->count);
     }
-    put(unit, end, end_slope, angle_end, speed_end, spin_up);
-    return 0;
+    if (unit->made < length) {
+        length = unit->made;
+        angle = in[ANGLE] + (fixed ? length * (speed + 0.5 * spin_up * length) : 0.0);
+        signal_at(cubic, length, &end, &end_slope);
+    }
+    return put(unit, end, end_slope, angle, speed + spin_up * length, spin_up);
 }
 
 /* Acceleration and its slope now, in the rotor frame. */
@@ -174,15 +257,14 @@ static int outputs(Unit *unit)
     const double *in = unit->real + unit->layout.inputs.first;
     Complex acceleration, slope;
     motion_now(unit, &acceleration, &slope);
-    put(unit, acceleration, slope, in[ANGLE], in[SPEED], in[ACCELERATION]);
-    return 0;
+    return put(unit, acceleration, slope, in[ANGLE], in[SPEED], in[ACCELERATION]);
 }
 
 static void observe(Unit *unit)
 {
     const Own *own = unit->own;
     const size_t count = (size_t)own->count;
-    const Complex moment = weights_static_moment(&own->model, unit->memory);
+    const Complex moment = track_static_moment(&own->track, unit->memory);
     double *out = unit->real + unit->layout.observed.first;
     memcpy(out, unit->memory, 2 * count * sizeof(double));
     out[2 * count] = moment.re;
@@ -198,82 +280,39 @@ static size_t signals(const Layout *layout, size_t *first)
 
 /* -- derivatives ----------------------------------------------------------------------------- */
 
-/* Changes of what the force depends on, in the rotor frame. */
-typedef struct {
-    Complex acceleration, slope;
-    double speed, spin_up;
-} Change;
-
-/* The differential of `weights_reaction`, whose symbols these are. */
-static void reaction_change(const Unit *unit, const Change *by, Complex acceleration,
-                            Complex *force, Complex *force_slope)
-{
-    const Own *own = unit->own;
-    const Weights *model = &own->model;
-    const double *in = unit->real + unit->layout.inputs.first;
-    const double w = in[SPEED], spin_up = in[ACCELERATION];
-    const double gain = -1.0 / (model->kappa * model->track_radius);
-    const double rate = weights_damping_rate(model);
-    const double scale = -model->mass * model->track_radius;
-    Complex moment = {0.0, 0.0}, first = {0.0, 0.0}, second = {0.0, 0.0};
-    Complex second_change = {0.0, 0.0}, third_change = {0.0, 0.0}, sum, slope_sum;
-    int k;
-    for (k = 0; k < own->count; k++) {
-        const double nu = unit->memory[own->count + k];
-        const Complex unity = rect(1.0, unit->memory[k]), back = complex_conjugate(unity);
-        const double bend = gain * complex_product(acceleration, back).im - spin_up - rate * nu;
-        const Complex along = complex_scaled(gain, complex_product(by->acceleration, back));
-        const double bent = along.im - by->spin_up;
-        const double torque = gain * complex_product(by->slope, back).im - along.re * nu;
-        moment = complex_sum(moment, unity);
-        first = complex_sum(first, complex_product(complex_of(0.0, nu), unity));
-        second = complex_sum(second, complex_product(complex_of(-nu * nu, bend), unity));
-        second_change = complex_sum(second_change, complex_product(complex_of(0.0, bent), unity));
-        third_change = complex_sum(
-            third_change,
-            complex_product(complex_of(-3.0 * nu * bent, torque - rate * bent), unity));
-    }
-    sum = complex_sum(second_change, complex_product(complex_of(0.0, 2.0 * by->speed), first));
-    sum = complex_sum(
-        sum, complex_product(complex_of(-2.0 * w * by->speed, by->spin_up), moment));
-    slope_sum = complex_sum(third_change,
-                            complex_product(complex_of(0.0, 2.0 * by->speed), second));
-    slope_sum = complex_sum(slope_sum, complex_product(complex_of(0.0, 2.0 * w), second_change));
-    slope_sum = complex_sum(
-        slope_sum, complex_product(complex_of(-2.0 * w * by->speed, 3.0 * by->spin_up), first));
-    slope_sum = complex_difference(
-        slope_sum, complex_scaled(2.0 * (by->speed * spin_up + w * by->spin_up), moment));
-    *force = complex_difference(complex_scaled(scale, sum),
-                                complex_scaled(own->sent, by->acceleration));
-    *force_slope = complex_difference(complex_scaled(scale, slope_sum),
-                                      complex_scaled(own->sent, by->slope));
-}
-
 static int directional(Unit *unit, const double *seed, double *change)
 {
+    const Own *own = unit->own;
     const double *in = unit->real + unit->layout.inputs.first;
     const double *out = unit->real + unit->layout.computed.first;
-    const double angle = in[ANGLE], speed = in[SPEED];
-    Change by;
+    const double *angles = unit->memory, *speeds = angles + own->count;
+    const int fixed = unit->layout.sizes.fixed_frame;
     Complex acceleration, slope, force, force_slope;
+    Instant by;
+    Failure failure;
     memset(change, 0,
            (unit->layout.computed.count + unit->layout.observed.count) * sizeof(double));
     motion_now(unit, &acceleration, &slope);
     by.acceleration = complex_of(seed[0], seed[1]);
     by.slope = complex_of(seed[2], seed[3]);
-    by.speed = seed[SPEED];
-    by.spin_up = seed[ACCELERATION];
-    if (unit->layout.sizes.fixed_frame) {
+    by.rotor_speed = seed[SPEED];
+    if (fixed) {
         /* (a' - i w a) e^{-i beta}: by a and a', by w, and by beta */
-        rotating(angle, speed, &by.acceleration, &by.slope);
+        rotating(in[ANGLE], in[SPEED], &by.acceleration, &by.slope);
         by.slope.re += seed[SPEED] * acceleration.im + seed[ANGLE] * slope.im;
         by.slope.im -= seed[SPEED] * acceleration.re + seed[ANGLE] * slope.re;
         by.acceleration.re += seed[ANGLE] * acceleration.im;
         by.acceleration.im -= seed[ANGLE] * acceleration.re;
     }
-    reaction_change(unit, &by, acceleration, &force, &force_slope);
-    if (unit->layout.sizes.fixed_frame) {
-        rotating(-angle, -speed, &force, &force_slope);
+    if (track_reaction_change(&own->track, angles, speeds, speeds + own->count, acceleration,
+                              slope, in[SPEED], in[ACCELERATION], &by, seed[ACCELERATION],
+                              &force, &force_slope, own->scratch, &failure)) {
+        return unit_failed(unit, &failure, angles, (size_t)own->count);
+    }
+    force = complex_difference(force, complex_scaled(own->sent, by.acceleration));
+    force_slope = complex_difference(force_slope, complex_scaled(own->sent, by.slope));
+    if (fixed) {
+        rotating(-in[ANGLE], -in[SPEED], &force, &force_slope);
         /* (F' + i w F) e^{i beta} by w and by beta */
         force_slope.re -= seed[SPEED] * out[FORCE + 1] + seed[ANGLE] * out[FORCE_SLOPE + 1];
         force_slope.im += seed[SPEED] * out[FORCE] + seed[ANGLE] * out[FORCE_SLOPE];

@@ -204,7 +204,7 @@ static void put_bits(Text *text, double value)
     int shift;
     memcpy(&bits, &value, sizeof bits);
     for (shift = 60; shift >= 0; shift -= 4) {
-        text_put_part(text, "0123456789abcdef" + (bits >> shift & 15), 1);
+        text_put_part(text, &"0123456789abcdef"[bits >> shift & 15], 1);
     }
 }
 

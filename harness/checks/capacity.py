@@ -137,7 +137,7 @@ def check_sizes(scene: Scene, check: SizesCheck, progress: Progress) -> Iterator
             if sector is not None:
                 filled = math.degrees(theory.filled_sector(best, count))
                 yield rows.number(f"{label}sector [degrees]", sector, filled, SECTOR, source, 1.0)
-            value = theory.shape(kind, best, count)
+            value = theory.capacity_shape(kind, best, count)
             note = ""
             if round(value, 3) != printed:
                 note = ", cut off in print" if value > printed else ", rounded twice in print"

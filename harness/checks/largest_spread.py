@@ -6,7 +6,7 @@ import math
 from collections.abc import Iterator
 
 from ...models.papers import capacity as theory
-from ...models.papers.settling import critical_drag, settling_time, slow_root
+from ...models.papers.settling import critical_drag_factor, settling_time, slow_root
 from ...models.papers.touching import facing_measure
 from ...models.weights import Weights
 from ..design.scenes import sized, weights_of
@@ -57,11 +57,11 @@ def _row(scene: Scene, first: SettlingRun, second: SettlingRun, rows: Rows) -> R
     device = balls.build().device
     assert isinstance(device, Weights)
     rotor, speed = scene.assembly().loaded_rotor, scene.profile().speed(0.0)
-    limit = critical_drag(rotor, speed, device.kappa)
+    limit = critical_drag_factor(rotor, speed, device.kappa)
     alpha = balls.half_angle
     number, p = facing_measure(balls.count, alpha)
     times = sorted((first.seconds, second.seconds))
-    free = settling_time(slow_root(device, theory.largest_spread(balls.count, alpha), limit))
+    free = settling_time(slow_root(device, theory.largest_alignment(balls.count, alpha), limit))
     name = f"{balls.count} {balls.kind} at the largest p, slower way"
     if p > 1.0 - 1e-12:
         return rows.statement(
@@ -88,8 +88,8 @@ def _both_ways(scene: Scene, part: float) -> list[Batch]:
     small = balls.count // 2
     large = balls.count - small
     unit = balls.mass * balls.track_radius
-    held = unit * (theory.packed_factor(large, alpha) - theory.packed_factor(small, alpha))
-    change = part * unit * theory.packed_factor(balls.count, alpha)
+    held = unit * (theory.packed_sine(large, alpha) - theory.packed_sine(small, alpha))
+    change = part * unit * theory.packed_sine(balls.count, alpha)
     angles = [math.pi + alpha * (2 * k - large + 1) for k in range(large)]
     angles += [alpha * (2 * k - small + 1) for k in range(small)]
     found = []

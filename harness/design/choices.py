@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ...models.papers import capacity as theory
-from ...models.papers.settling import critical_drag, settling_time, slow_root
+from ...models.papers.settling import critical_drag_factor, settling_time, slow_root
 from ...models.weights import Weights
 from ..output.workers import Progress, Workers, in_order
 from ..scene import Scene
@@ -134,9 +134,9 @@ def _choice(scene: Scene, unbalance: float, runs: list[SettlingRun]) -> Choice:
     assert isinstance(device, Weights)
     radius = balls.weight_radius or 0.0
     alpha = balls.half_angle
-    largest = theory.largest_spread(balls.count, alpha)
+    largest = theory.largest_alignment(balls.count, alpha)
     rotor, speed = scene.assembly().loaded_rotor, scene.profile().speed(0.0)
-    root = slow_root(device, largest, critical_drag(rotor, speed, device.kappa))
+    root = slow_root(device, largest, critical_drag_factor(rotor, speed, device.kappa))
     limit = capacity_of(balls)
     times = [run.seconds for run in runs]
     return Choice(
@@ -145,7 +145,7 @@ def _choice(scene: Scene, unbalance: float, runs: list[SettlingRun]) -> Choice:
         radius,
         balls.mass,
         limit,
-        theory.packed_spread(balls.count, alpha),
+        theory.packed_alignment(balls.count, alpha),
         largest,
         theory.settling_shape(balls.kind, radius / (balls.track_radius + radius), balls.count),
         settling_time(root, SETTLED),

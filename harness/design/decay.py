@@ -20,8 +20,8 @@ from ...models.assembly import Assembly
 from ...models.linear.balanced import CannotBalance
 from ...models.linear.floquet import exponents
 from ...models.linear.linearised import linearise
-from ...models.papers.settling import critical_drag, slow_root
-from ...models.papers.touching import Packed, joint_spread, merged, packed_groups
+from ...models.papers.settling import critical_drag_factor, slow_root
+from ...models.papers.touching import Packed, joint_alignment, merged, packed_groups
 from ...models.weights import Weights
 
 WINDOW = (1e-6, 1e-3)  # of the scale: residuals of the linear end of a run
@@ -112,8 +112,8 @@ def spectrum(
     rotor = assembly.loaded_rotor
     weights = assembly.weights[0].device
     assert isinstance(weights, Weights)
-    number, joint = joint_spread(groups, alpha)
-    root = slow_root(weights, joint, critical_drag(rotor, speed, weights.kappa), number)
+    number, joint = joint_alignment(groups, alpha)
+    root = slow_root(weights, joint, critical_drag_factor(rotor, speed, weights.kappa), number)
     try:
         system = linearise(merged(assembly, alpha, groups))
     except CannotBalance:

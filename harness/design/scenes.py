@@ -6,7 +6,7 @@ import random
 from collections.abc import Callable, Sequence
 
 from ...models.papers import capacity as theory
-from ...models.papers.settling import critical_drag
+from ...models.papers.settling import critical_drag_factor
 from ..errors import SceneError
 from ..scene import Scene
 from ..scene.balancer import WeightBalancer
@@ -119,7 +119,7 @@ def weights_of(scene: Scene) -> WeightBalancer:
             "y at constant speed, and one set of balls or rollers with weight_radius"
         )
     try:
-        critical_drag(scene.assembly().loaded_rotor, profile.speed(0.0))
+        critical_drag_factor(scene.assembly().loaded_rotor, profile.speed(0.0))
     except ValueError as error:
         raise SceneError(f"{scene.name}: design: {error}") from error
     return one

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ...models.papers.settling import settling_time
-from ...models.weights import spread
+from ...models.weights import alignment
 from ..errors import SimulationError
 from ..master.cosimulation import CoSimulation
 from ..master.schedule import schedule, steps_per_rev
@@ -108,7 +108,7 @@ def _run(
     assembly, speed = batch.scene.assembly(), batch.scene.profile().speed(0.0)
     return SettlingRun(
         settled_at(times, residuals),
-        spread(places[-1]),
+        alignment(places[-1]),
         decay(assembly, speed, balls.half_angle, times, residuals, places),
         units.unconverged,
         units.steps,

@@ -7,11 +7,10 @@ from typing import Annotated, Any
 
 import typer
 
+from ...fmus.catalogue import CATALOGUE
 from ..errors import UserError
 from ..output.table import Sheet
 from ..output.terminal import directory_to_fill, progress_bars, say, show
-
-UNITS = ("RotorOnSupports", "LiquidBalancer", "BallBalancer")
 
 
 def command(
@@ -22,14 +21,27 @@ def command(
     output: Annotated[
         Path, typer.Option("--output", "-o", metavar="DIR", help="Where the FMUs go.")
     ] = Path(),
+    fmi: Annotated[int, typer.Option("--fmi", metavar="2|3", help="Version of FMI.")] = 2,
+    platform: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--platform",
+            metavar="NAME",
+            help="For this platform instead of all, such as x86_64-linux; may be repeated.",
+        ),
+    ] = None,
+    python: Annotated[
+        bool, typer.Option("--python", help="Units that run Python, instead of native ones.")
+    ] = False,
 ) -> None:
     """Build the three units as FMUs, or exactly those that a scene needs."""
     wanted, left_out = _wanted(scene)
+    backend = {"backend": "python" if python else "native", "fmi": fmi, "platforms": platform}
     directory_to_fill(output)
     rows = []
     with progress_bars() as bars:
         for name, (unit, options) in bars.track(wanted.items(), description="building"):
-            path = _build(unit, output / name, options)
+            path = _build(unit, output / name, {**options, **backend})
             shown = ", ".join(f"{key} = {value}" for key, value in options.items()) or "-"
             rows.append([str(path), unit, shown, f"{path.stat().st_size / 1000:.0f}"])
     show(Sheet(("file", "unit", "options", "kB"), rows, "lllr", "Units built"))
@@ -39,18 +51,19 @@ def command(
 def _wanted(scene: str | None) -> tuple[dict[str, tuple[str, dict[str, Any]]], list[str]]:
     """File name -> unit and options; and the units that the scene does without."""
     if scene is None:
-        return {f"{unit}.fmu": (unit, {}) for unit in UNITS}, []
+        return {f"{unit}.fmu": (unit, {}) for unit in CATALOGUE}, []
     from ..scene import load_scene
     from .plan import plan
 
     units = plan(load_scene(scene)).units
     wanted = {unit.file_name: (unit.model, dict(unit.sizes)) for unit in units}
     used = {unit.model for unit in units}
-    return wanted, [f"{unit} (none in the scene)" for unit in UNITS if unit not in used]
+    return wanted, [f"{unit} (none in the scene)" for unit in CATALOGUE if unit not in used]
 
 
 def _build(unit: str, path: Path, options: dict[str, Any]) -> Path:
     from ...fmus.build import build
+    from ...fmus.native.compile import NotCompiled
 
     try:
         return Path(build(unit, path, **options))
@@ -58,3 +71,5 @@ def _build(unit: str, path: Path, options: dict[str, Any]) -> Path:
         raise UserError(f"{path}: cannot be written: {error.strerror or error}") from error
     except ValueError as error:
         raise UserError(f"{path}: {error}") from error
+    except NotCompiled as error:
+        raise UserError(f"{error}; or build units that run Python: --python") from error

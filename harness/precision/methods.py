@@ -8,7 +8,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ...models.monolith import Monolith, Start, integrate, trajectory
+from ...models.monolith import integrate, trajectory
+from ...models.reference.coupled import Monolith, Start
 from ..errors import SimulationError
 from ..master.cosimulation import CoSimulation
 from ..master.recorder import Recorder

@@ -7,7 +7,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from ...models.monolith import ReferenceDisagreement, Start, reference
+from ...models.monolith import ReferenceDisagreement, reference
+from ...models.reference.coupled import Start
 from ...models.reference.trajectory import Trajectory
 from ..errors import SimulationError
 from ..master.plan import plan, signal_units

@@ -14,7 +14,8 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from itertools import product
 
-from ...models.monolith import ReferenceDisagreement, Start, reference
+from ...models.monolith import ReferenceDisagreement, reference
+from ...models.reference.coupled import Start
 from ..errors import SimulationError
 from ..master import facts
 from ..master.cosimulation import CoSimulation

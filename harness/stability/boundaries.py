@@ -24,7 +24,7 @@ from scipy.optimize import brentq
 
 from ...models.criteria import Criterion
 from ...models.linear.balanced import CannotBalance
-from ...models.linear.boundaries import Crossing, critical_speeds
+from ...models.linear.boundaries import Crossing, balancing_boundaries
 from ...models.stability import growth_rates
 from ..errors import UserError
 from ..output.workers import Progress, Workers, in_order
@@ -173,7 +173,7 @@ def _by_criterion(scene: Scene, result: Speeds) -> None:
 def _by_floquet(scene: Scene, result: Speeds, narrowest: float | None) -> None:
     assembly = scene.assembly()
     try:
-        found = critical_speeds(assembly, *result.range, narrowest=narrowest)
+        found = balancing_boundaries(assembly, *result.range, narrowest=narrowest)
     except (CannotBalance, ArithmeticError) as error:
         result.refused["floquet"] = str(error)
         return

@@ -10,7 +10,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ...models.monolith import Start, reference
+from ...models.monolith import reference
+from ...models.reference.coupled import Start
 from ...models.reference.oscillator import forced_motion
 from ..errors import SimulationError
 from ..master.cosimulation import cosimulate

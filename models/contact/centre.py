@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import NamedTuple
 
+from ..cubic import at
+
 
 class Instant(NamedTuple):
     """What drives the weights at one time.
@@ -35,12 +37,8 @@ class CentreMotion(NamedTuple):
 
 def instant(motion: CentreMotion, time: float) -> Instant:
     """What drives the weights `time` after the start of the step [s]."""
-    a0, a1, a2, a3 = motion.signal
-    return Instant(
-        a0 + time * (a1 + time * (a2 / 2.0 + time * a3 / 6.0)),
-        a1 + time * (a2 + time * a3 / 2.0),
-        motion.rotor_speed + motion.angular_acceleration * time,
-    )
+    speed = motion.rotor_speed + motion.angular_acceleration * time
+    return Instant(*at(motion.signal, time), speed)
 
 
 def turned(motion: CentreMotion, time: float) -> float:

@@ -22,7 +22,8 @@ from __future__ import annotations
 import cmath
 from typing import NamedTuple
 
-from ..weights import CONVERGED, MAX_ITERATIONS, quadrature
+from ..cubic import hermite
+from ..weights import MAX_ITERATIONS, converged, quadrature
 from .contact import group_factor
 
 
@@ -151,19 +152,17 @@ def sliding_substep(
     end_speed = rotor_speed + angular_acceleration * step
     # kept during the iteration, which a load that changes sides in it would not let converge
     side_count = find_sides(group, a1, free_angle, free_rate, end_speed, sides)
-    inverse = 1.0 / step
+    change = 0.0
     for _ in range(MAX_ITERATIONS):
         end, slope = sliding_drive(
             group, a1, da1, new_angle, new_rate, end_speed, angular_acceleration, sides, side_count
         )
-        rise = (end - g0) * inverse
-        g2 = (6.0 * rise - 4.0 * g1 - 2.0 * slope) * inverse
-        g3 = (6.0 * (g1 + slope) - 12.0 * rise) * inverse * inverse
-        last_angle, last_rate = new_angle, new_rate
+        g2, g3 = hermite(g0, g1, end, slope, step)
+        last_angle, last_rate, last_change = new_angle, new_rate, change
         new_rate = free_rate + s2 * g2 + s3 * g3
         new_angle = free_angle + t2 * g2 + t3 * g3
         change = abs(new_angle - last_angle) + abs(new_rate - last_rate) * step
-        if change <= CONVERGED * (1.0 + abs(new_angle)):
+        if converged(change, last_change, new_angle):
             return new_angle, new_rate
     raise ArithmeticError(
         f"the sliding weights' step of {step:g} s did not converge (angle {angle:g} rad, "

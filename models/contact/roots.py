@@ -6,6 +6,8 @@ import math
 from collections.abc import Callable
 from typing import TypeVar
 
+from ..cubic import at, hermite
+
 _HALVINGS = 40  # down to rounding of the bracket
 
 Context = TypeVar("Context")
@@ -63,11 +65,9 @@ def _share(x1: float, f1: float, x2: float, f2: float, x3: float, f3: float, edg
 
 def lowest(f0: float, s0: float, f1: float, s1: float, step: float) -> float:
     """Time of the least value of a cubic that falls first and rises last; 0: it stays positive."""
-    rise = (f1 - f0) / step
-    second = (6.0 * rise - 4.0 * s0 - 2.0 * s1) / step
-    third = (6.0 * (s0 + s1) - 12.0 * rise) / (step * step)
+    second, third = hermite(f0, s0, f1, s1, step)
     root = math.sqrt(max(0.0, second * second - 2.0 * s0 * third))
     time = -2.0 * s0 / (second + root) if second + root > 0.0 else 0.0
-    least = f0 + time * (s0 + time * (second / 2.0 + time * third / 6.0))
+    least, _ = at((f0, s0, second, third), time)
     doubt = 0.1 * step * (abs(s0) + abs(s1))  # the cubic is no better than this
     return time if 0.0 < time < step and least < doubt else 0.0

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from functools import cached_property
 
 from ..weights import Weights
+from .spacing import fits, half_angle, largest_radius
 
 TOUCH = 1e-11  # rad: neighbours this close collide together
 
@@ -43,17 +44,17 @@ class Track:
         if not cmath.isfinite(self.offset):
             raise ValueError(f"offset = {self.offset!r}: must be finite")
         count, track = self.weights.count, self.weights.track_radius
-        room = track * math.sin(math.pi / count) if count > 1 else track
-        if self.weight_radius > room * (1.0 + 1e-12):
+        if not fits(count, self.weight_radius, track):
             raise ValueError(
                 f"weight_radius = {self.weight_radius!r} m: {count} weights do not fit on a track "
-                f"of radius {track!r} m, the largest that fit have {room:.6g} m"
+                f"of radius {track!r} m, the largest that fit have "
+                f"{largest_radius(count, track):.6g} m"
             )
 
     @cached_property
     def alpha(self) -> float:
         """Half the angle between weights that touch [rad]."""
-        return math.asin(min(1.0, self.weight_radius / self.weights.track_radius))
+        return half_angle(self.weight_radius, self.weights.track_radius)
 
     @cached_property
     def solid(self) -> bool:

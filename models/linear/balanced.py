@@ -6,6 +6,7 @@ the unbalance, S^T (sum m R e^{i theta}) + u = 0 (Filimonikhina 2017 (3), plane 
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -18,8 +19,11 @@ _BALANCED = 1e-12  # residual moment over the sum of all moments: rounding only
 _RANK = 1e-12  # singular values below this share of the largest one are rounding
 _IN_LINE = 0.05  # of 1 - p: weights within some 0.2 rad of one diameter
 _FREE = 1e-6  # of the capacity: weights that undo more are packed together anyway
-_NEWTON = 60
-_STARTS = 12
+_NEWTON = 60  # iterations: half of the starts need 14, one in a hundred more than 50
+_STARTS = 12  # the last turns weights by up to 1.65 rad, as far as makes a difference
+_RESTART = 0.3  # rad that each start is farther from the given angles than the one before
+_GOLDEN = (math.sqrt(5.0) - 1.0) / 2.0  # its multiples spread most evenly over a turn
+_SMALL_TURN = 1e-6  # smaller singular values are of weights in line, which turns hardly help
 _LONGEST_TURN = 0.5  # rad per Newton step: a larger one leaves the neighbourhood of the start
 
 
@@ -70,7 +74,7 @@ class WeightTable:
             angle.extend(mounted.angles)
             row = (
                 mounted.plane,
-                device.mass * device.track_radius,
+                device.moment,
                 device.kappa * device.track_radius,
                 device.damping_rate,
             )
@@ -139,7 +143,7 @@ def _newton(assembly: Assembly, table: WeightTable, angles: NDArray) -> NDArray 
         slope = 1j * np.exp(1j * angles)[:, None] * pulls
         matrix = np.concatenate([slope.real, slope.imag], axis=1).T
         right = np.concatenate([left.real, left.imag])
-        turn = np.linalg.lstsq(matrix, -right, rcond=1e-6)[0]
+        turn = np.linalg.lstsq(matrix, -right, rcond=_SMALL_TURN)[0]
         longest = float(np.abs(turn).max())
         angles = angles + turn * min(1.0, _LONGEST_TURN / longest if longest > 0.0 else 1.0)
     return None
@@ -157,6 +161,17 @@ def _needlessly_in_line(table: WeightTable, moments: dict[int, complex], angles:
         if free and abs(lengths @ np.exp(2j * angles[on])) > lengths.sum() * (1.0 - _IN_LINE):
             return True
     return False
+
+
+def restart_angles(angles: NDArray[np.float64], attempt: int) -> NDArray[np.float64]:
+    """Angles (K,) [rad] to start Newton's method from once more; attempt 0: those that were given.
+
+    Each attempt turns the weights by up to 0.15 rad more, all by different parts of it.
+    """
+    if attempt == 0:
+        return angles
+    parts = np.modf(np.arange(1, len(angles) + 1) * _GOLDEN)[0] - 0.5
+    return angles + _RESTART * attempt * parts
 
 
 def balanced_angles(assembly: Assembly) -> NDArray[np.float64]:
@@ -181,10 +196,9 @@ def balanced_angles(assembly: Assembly) -> NDArray[np.float64]:
         on = table.plane == plane
         if abs(moment) >= table.moment[on].sum() * (1.0 - _BALANCED):
             start[on] = np.angle(moment)  # all weights together: Newton would creep there
-    golden = np.modf(np.arange(1, len(start) + 1) * 0.6180339887498949)[0] - 0.5
     in_line = None
     for attempt in range(_STARTS):
-        found = _newton(assembly, table, start + 0.3 * attempt * golden if attempt else start)
+        found = _newton(assembly, table, restart_angles(start, attempt))
         if found is None:
             continue
         if found is start or not _needlessly_in_line(table, moments, found):

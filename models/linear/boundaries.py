@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 from typing import Literal
 
 import numpy as np
@@ -27,17 +29,10 @@ class Crossing:
     above: Literal["stable", "unstable"]
 
 
-class _Growth:
-    """Growth rate of one assembly with everything prepared."""
-
-    def __init__(self, system: Linearised, refinement: float) -> None:
-        self._systems = [system]
-        self._refinement = refinement
-
-    def __call__(self, speeds: NDArray) -> NDArray[np.float64]:
-        which = np.zeros(speeds.size, int)
-        flat = active_growth(self._systems, which, speeds.ravel(), self._refinement)
-        return flat.reshape(speeds.shape)
+def _growth(system: Linearised, refinement: float, speeds: NDArray) -> NDArray[np.float64]:
+    """Growth rate of one system [1/s] at speeds of any shape."""
+    which = np.zeros(speeds.size, int)
+    return active_growth([system], which, speeds.ravel(), refinement).reshape(speeds.shape)
 
 
 def _decided(speeds: NDArray, growth: NDArray) -> NDArray[np.bool_]:
@@ -45,7 +40,9 @@ def _decided(speeds: NDArray, growth: NDArray) -> NDArray[np.bool_]:
     return np.abs(growth) * (2.0 * math.pi) > MARGIN * speeds
 
 
-def _probe(growth_at: _Growth, w: NDArray, g: NDArray) -> tuple[NDArray, NDArray]:
+def _probe(
+    growth_at: Callable[[NDArray], NDArray], w: NDArray, g: NDArray
+) -> tuple[NDArray, NDArray]:
     """Samples that show a change of sign between two of the scan's speeds.
 
     Looked for wherever the growth, seen at three neighbouring speeds, comes closest to zero in the
@@ -73,7 +70,7 @@ def _probe(growth_at: _Growth, w: NDArray, g: NDArray) -> tuple[NDArray, NDArray
     return np.concatenate([w, *found_w]), np.concatenate([g, *found_g])
 
 
-def critical_speeds(
+def balancing_boundaries(
     assembly: Assembly,
     low: float,
     high: float,
@@ -105,7 +102,7 @@ def critical_speeds(
     width = (high - low) / GRID if narrowest is None else narrowest
     if not width > 0.0:
         raise ValueError(f"narrowest = {width:g} rad/s: must be positive")
-    growth_at = _Growth(linearise(assembly), refinement)
+    growth_at = partial(_growth, linearise(assembly), refinement)
     w = np.linspace(low, high, max(3, math.ceil((high - low) / width) + 1))
     w, g = _probe(growth_at, w, growth_at(w))
     left, right, sign = _brackets(w, g)

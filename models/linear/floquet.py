@@ -2,7 +2,7 @@
 
 In the rotor's frame the coefficients repeat every half revolution, so the map over half a turn
 decides.  It is the product of steps of Radau IIA collocation with six stages (order 11, L-stable:
-drag or damping of any size; Hairer, Wanner, Solving ODE II, IV.5).  Nodes lie at fixed angles of
+drag or damping of any size; Hairer & Wanner 1996, IV.5).  Nodes lie at fixed angles of
 the rotor, the same for all speeds with equally many steps: one batched solve a step.
 
 Natural frequencies beyond `MOST_STEPS` are not followed turn by turn.  Collocation damps them away,
@@ -18,6 +18,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
+from ..steps.radau import radau
 from .linearised import Linearised
 
 STAGES = 6
@@ -27,21 +28,6 @@ MOST_STEPS = 2048  # resolves natural frequencies up to about 500 w
 _HELD_ANGLES = 8  # over half a turn, for the motions faster than that
 _ROUNDING = 64.0 * np.finfo(float).eps  # of an eigenvalue's modulus
 _CHUNK = 256  # points a batch: its matrices stay in the cache
-
-
-def radau(stages: int) -> tuple[NDArray, NDArray]:
-    """Nodes c and matrix a of Radau IIA on [0, 1]; the weights are the last row of a."""
-    polynomial = np.zeros(stages + 1)
-    polynomial[-2:] = -1.0, 1.0  # P_s - P_{s-1}: the last node is 1
-    points = np.sort(np.polynomial.legendre.legroots(polynomial).real)
-    points[-1] = 1.0
-    # a_ij = integral of the j-th Lagrange polynomial to c_i, in the well-conditioned Legendre basis
-    basis = np.polynomial.legendre.legvander(points, stages - 1)
-    integrals = np.empty((stages, stages))
-    for k in range(stages):
-        integral = np.polynomial.legendre.legint(np.eye(stages)[k], lbnd=-1)
-        integrals[:, k] = np.polynomial.legendre.legval(points, integral) / 2.0
-    return (points + 1.0) / 2.0, integrals @ np.linalg.inv(basis)
 
 
 NODES, COEFFICIENTS = radau(STAGES)

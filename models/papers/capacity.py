@@ -20,27 +20,13 @@ from collections.abc import Iterable
 
 from scipy.optimize import brentq
 
+from ..contact.spacing import SLACK, half_angle
 from ..weights import Weights
 
-_SLACK = 1e-12  # relative: a full race may be a rounding too full
 _KINDS = ("balls", "rollers")
 
 
-def half_angle(radius: float, track: float) -> float:
-    """alpha (4), half the angle between neighbours that touch [rad].
-
-    Args:
-        radius, track: of the weights and of their centres' circle [m].
-
-    Raises:
-        ValueError: the radius is not within 0 to `track`: two such weights cannot share a track.
-    """
-    if not 0.0 <= radius <= track or not 0.0 < track < math.inf:
-        raise ValueError(f"radius = {radius!r} m: must be within 0 to the track radius {track!r} m")
-    return math.asin(radius / track)
-
-
-def packed_factor(count: int, alpha: float) -> float:
+def packed_sine(count: int, alpha: float) -> float:
     """sin(n alpha)/sin(alpha), the moment of n weights in contact in units of one's (5)."""
     if alpha == 0.0:
         return float(count)
@@ -73,7 +59,7 @@ def capacity(mass: float, track: float, radius: float, count: int) -> float:
         return mass * track
     alpha = half_angle(radius, track)
     demand_fit(count, alpha)
-    return mass * track * packed_factor(count, alpha)
+    return mass * track * packed_sine(count, alpha)
 
 
 def device_capacity(
@@ -85,7 +71,7 @@ def device_capacity(
     return capacity(mass, race - radius, radius, count)
 
 
-def shape(kind: str, ratio: float, count: int) -> float:
+def capacity_shape(kind: str, ratio: float, count: int) -> float:
     """s(rho) (9): capacity over 4 pi/3 density R^4 (balls), pi density height R^3 (rollers).
 
     n = 1 is continued by sin alpha = rho/(1 - rho) beyond rho = 1/2, where alpha ends.
@@ -109,8 +95,10 @@ def best_ratio(kind: str, count: int) -> float:
 
     def slope(ratio: float) -> float:
         alpha = math.asin(ratio / (1.0 - ratio))
-        bend = 1.0 / ((1.0 - ratio) * math.sqrt(1.0 - 2.0 * ratio))  # d alpha / d rho
-        return power / ratio - 2.0 / (1.0 - ratio) + count * bend / math.tan(count * alpha)
+        slope_of_alpha = 1.0 / ((1.0 - ratio) * math.sqrt(1.0 - 2.0 * ratio))  # d alpha / d rho
+        return (
+            power / ratio - 2.0 / (1.0 - ratio) + count * slope_of_alpha / math.tan(count * alpha)
+        )
 
     full = full_ratio(count)
     return float(brentq(slope, 1e-6 * full, full * (1.0 - 1e-9), xtol=1e-15))
@@ -153,26 +141,26 @@ def half_cylinder_capacity(race: float, height: float, density: float) -> float:
     return 2.0 / 3.0 * race**3 * height * density
 
 
-def packed_spread(count: int, alpha: float) -> float:
+def packed_alignment(count: int, alpha: float) -> float:
     """p of n weights in one packed group, |sin 2 n alpha|/(n sin 2 alpha)."""
     if math.sin(2.0 * alpha) == 0.0:
         return 1.0
     return abs(math.sin(2 * count * alpha) / (count * math.sin(2.0 * alpha)))
 
 
-def largest_spread(count: int, alpha: float) -> float:
+def largest_alignment(count: int, alpha: float) -> float:
     """Largest p: two packed groups face to face, (10) for even n and (13) for odd n."""
     if alpha == 0.0:
         return 1.0
     if count % 2:
-        return packed_factor(count, alpha) / count
+        return packed_sine(count, alpha) / count
     # n = 2 gives 1 at every alpha, also at alpha = pi/2 where (10) is 0/0
     return 1.0 if count == 2 else 2.0 * math.sin(count * alpha) / (count * math.sin(2.0 * alpha))
 
 
-def settling_measure(spread: float, mass: float, count: int) -> float:
+def settling_measure(alignment: float, mass: float, count: int) -> float:
     """a = (1 - p) m n (3) [kg]: the larger, the faster the slowest motion settles."""
-    return (1.0 - spread) * mass * count
+    return (1.0 - alignment) * mass * count
 
 
 def settling_shape(kind: str, ratio: float, count: int) -> float:
@@ -212,7 +200,7 @@ def _filled_sine(ratio: float, count: int) -> float:
     sine = ratio / (1.0 - ratio)
     if count == 1:
         return sine
-    if not 0.0 <= ratio <= full_ratio(count) * (1.0 + _SLACK):
+    if not 0.0 <= ratio <= full_ratio(count) * (1.0 + SLACK):
         raise ValueError(
             f"ratio = {ratio!r}: {count} weights fit up to rho = {full_ratio(count):.6g}"
         )
@@ -220,7 +208,7 @@ def _filled_sine(ratio: float, count: int) -> float:
 
 
 def demand_fit(count: int, alpha: float) -> None:
-    if count * alpha > math.pi * (1.0 + _SLACK):
+    if count * alpha > math.pi * (1.0 + SLACK):
         raise ValueError(
             f"count = {count!r}: weights {2.0 * alpha:.6g} rad apart fill the track at "
             f"{int(math.pi / alpha)}"

@@ -66,7 +66,7 @@ class Dimensionless:
             mu_eta=float(rotor.damping_y[0, 0]) / (2.0 * total * w_x),
             mu_w=device.damping_rate / w_x,
             n_eta=math.sqrt(float(rotor.stiffness_y[0, 0] / rotor.stiffness_x[0, 0])),
-            unbalance=abs(complex(rotor.unbalance[0])) / device.capacity,
+            unbalance=abs(complex(rotor.unbalance[0])) / device.point_capacity,
             count=device.count,
             kappa=device.kappa,
         ), w_x
@@ -101,6 +101,6 @@ class Dimensionless:
             mass=total_mass - device.added_mass,
             stiffness=(stiffness, stiffness * self.n_eta**2),
             damping=(damping * self.mu_xi, damping * self.mu_eta),
-            unbalance=self.unbalance * device.capacity,
+            unbalance=self.unbalance * device.point_capacity,
         )
         return Assembly(rotor, (Mounted("weights", device, 0, tuple(angles)),))

@@ -13,10 +13,9 @@ from collections.abc import Sequence
 
 from scipy.optimize import brentq
 
+from ..contact.spacing import SLACK, half_angle, least_distance
 from ..weights import Weights
-from .capacity import demand_fit, half_angle, packed_factor
-
-_SLACK = 1e-12  # relative: rounding of a packed group
+from .capacity import demand_fit, packed_sine
 
 
 def packed_angles(weights: Weights, radius: float, heavy: float = 0.0) -> list[float]:
@@ -39,21 +38,21 @@ def fan_angles(
     Raises:
         ValueError: the unbalance is beyond the capacity, or there is one weight only.
     """
-    count, unit = weights.count, weights.mass * weights.track_radius
+    count, unit = weights.count, weights.moment
     alpha = half_angle(radius, weights.track_radius)
     demand_fit(count, alpha)
-    limit = unit * packed_factor(count, alpha)
-    if count == 1 or not 0.0 <= unbalance <= limit * (1.0 + _SLACK):
+    limit = unit * packed_sine(count, alpha)
+    if count == 1 or not 0.0 <= unbalance <= limit * (1.0 + SLACK):
         raise ValueError(
             f"unbalance = {unbalance!r} kg m: {count} weights balance "
             + (f"{limit:.6g} kg m only" if count == 1 else f"0 to {limit:.6g} kg m")
         )
 
     def moment(beta: float) -> float:
-        return packed_factor(count, beta) - unbalance / unit
+        return packed_sine(count, beta) - unbalance / unit
 
     low, high = alpha, math.pi / count
-    beta = low if moment(low) <= 0.0 else float(brentq(moment, low, high + _SLACK, xtol=1e-15))
+    beta = low if moment(low) <= 0.0 else float(brentq(moment, low, high + SLACK, xtol=1e-15))
     return _fan(count, beta, heavy)
 
 
@@ -74,25 +73,18 @@ def completed_angles(
     """
     if weights.count < 2 or len(free) != weights.count - 2:
         raise ValueError(f"free: must be {weights.count - 2} angles, got {len(free)}")
-    unit = weights.mass * weights.track_radius
+    unit = weights.moment
     left = -unbalance / unit - sum(cmath.rect(1.0, angle) for angle in free)
-    if abs(left) > 2.0 + _SLACK:
+    if abs(left) > 2.0 + SLACK:
         raise ValueError(f"free: two weights cannot carry {abs(left):.6g} times one's moment")
     half = math.acos(min(1.0, abs(left) / 2.0))
     middle = cmath.phase(left)
     angles = [*free, middle - half, middle + half]
     nearest = least_distance(angles)
     apart = 2.0 * half_angle(radius, weights.track_radius)
-    if nearest < apart * (1.0 - _SLACK):
+    if nearest < apart * (1.0 - SLACK):
         raise ValueError(f"free: weights overlap, {nearest:.6g} rad apart instead of {apart:.6g}")
     return angles
-
-
-def least_distance(angles: Sequence[float]) -> float:
-    """Smallest angle between neighbours on the circle [rad]; a full turn for one weight."""
-    order = sorted(angle % math.tau for angle in angles)
-    following = [*order[1:], order[0] + math.tau]
-    return min(b - a for a, b in zip(order, following, strict=True))
 
 
 def _fan(count: int, beta: float, heavy: float) -> list[float]:

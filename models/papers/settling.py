@@ -48,7 +48,9 @@ def plane_response(rotor: LinearRotor, speed: float, plane: int = 0) -> complex:
     return complex(speed**4 * (row @ np.linalg.solve(dynamic, row)))
 
 
-def critical_drag(rotor: LinearRotor, speed: float, kappa: float = 1.0, plane: int = 0) -> float:
+def critical_drag_factor(
+    rotor: LinearRotor, speed: float, kappa: float = 1.0, plane: int = 0
+) -> float:
     """b_cr of (1), sqrt(-2 Re Y/kappa) [1/(s sqrt(kg))].
 
     Raises:
@@ -65,34 +67,34 @@ def critical_drag(rotor: LinearRotor, speed: float, kappa: float = 1.0, plane: i
 
 
 def slow_root(
-    weights: Weights, spread: float, drag_limit: float, count: float | None = None
+    weights: Weights, alignment: float, critical_factor: float, count: float | None = None
 ) -> complex:
     """Root lambda (1) [1/s]; complex where the drag is below critical.
 
     Args:
         weights: n, m and the drag.
-        spread: p of the main motion.
-        drag_limit: b_cr, `critical_drag`.
-        count: n_g of weights that touch (`touching.joint_spread`, with its p), instead of n.
+        alignment: p of the main motion.
+        critical_factor: b_cr, `critical_drag_factor`.
+        count: n_g of weights that touch (`touching.joint_alignment`, with its p), instead of n.
     """
     d = weights.damping_rate
     number = weights.count if count is None else count
-    stiffness = (1.0 - spread) * weights.mass * number * drag_limit**2
+    stiffness = (1.0 - alignment) * weights.mass * number * critical_factor**2
     root = cmath.sqrt(d * d - stiffness)
     if root.real == 0.0:
         return -0.5 * (d - root)
     return -0.5 * stiffness / (d + root)  # -(d - root)/2 without its cancellation
 
 
-def slow_roots(weights: Weights, spread: float, response: complex) -> NDArray[np.complex128]:
+def slow_roots(weights: Weights, alignment: float, response: complex) -> NDArray[np.complex128]:
     """All four quasi-static roots, slowest (largest real part) first [1/s].
 
     Args:
         weights: n, m, kappa and the drag.
-        spread: p of the main motion.
+        alignment: p of the main motion.
         response: Y, `plane_response`; its imaginary part is the rotor's damping.
     """
-    turn = cmath.sqrt((spread * abs(response)) ** 2 - response.imag**2)
+    turn = cmath.sqrt((alignment * abs(response)) ** 2 - response.imag**2)
     share = weights.count * weights.mass / (2.0 * weights.kappa)
     found: list[complex] = []
     for mu in (response.real + turn, response.real - turn):

@@ -22,7 +22,7 @@ from typing import NamedTuple
 from ..assembly import Assembly, Mounted
 from ..contact.contact import group_factor
 from ..weights import Weights
-from .capacity import packed_spread
+from .capacity import packed_alignment
 
 
 class Packed(NamedTuple):
@@ -58,8 +58,8 @@ def packed_groups(angles: Sequence[float], alpha: float, slack: float = 1e-8) ->
     return groups
 
 
-def joint_spread(groups: Sequence[Packed], alpha: float) -> tuple[float, float]:
-    """n_g and p_g of the module's head: number and spread that decide the slow root."""
+def joint_alignment(groups: Sequence[Packed], alpha: float) -> tuple[float, float]:
+    """n_g and p_g of the module's head: number and alignment that decide the slow root."""
     shares = [g.size * group_factor(g.size, alpha) ** 2 for g in groups]
     total = sum(shares)
     turned = sum(
@@ -74,10 +74,10 @@ def facing_measure(count: int, alpha: float) -> tuple[int, float]:
     On their diameter both groups are pressed together or one opens, and a group that is pressed
     adds nothing to n_g (1 - p_g).  The slower way opens the smaller group, of q = n // 2 weights:
     (1 - p) m n of (10), (13) becomes (1 - p_q) m q, its half for even n, and 0 for n = 2 and 3,
-    where that group is a single weight.  p_q is the spread of q packed weights.
+    where that group is a single weight.  p_q is the alignment of q packed weights.
     """
     smaller = count // 2
-    return smaller, packed_spread(smaller, alpha)
+    return smaller, packed_alignment(smaller, alpha)
 
 
 def merged(assembly: Assembly, alpha: float, groups: Sequence[Packed]) -> Assembly:

@@ -59,7 +59,7 @@ class Monolith:
         mounted = [m for m in assembly.weights for _ in range(_weights(m.device).count)]
         devices = [_weights(m.device) for m in mounted]
         self._plane = np.array([m.plane for m in mounted], int)
-        self._pull = np.array([d.mass * d.track_radius for d in devices])
+        self._pull = np.array([d.moment for d in devices])
         self._share = np.array([d.mass / d.kappa for d in devices])
         self._drag = np.array([d.damping_rate for d in devices])
         self._lever = np.array([1.0 / (d.kappa * d.track_radius) for d in devices])
@@ -173,9 +173,9 @@ class Monolith:
             f_x = pull * c - c_x * v_x - k_x * x - swirl * yy
             f_y = pull * s - c_y * v_y - k_y * yy + swirl * x
             if not steady:
-                spin_up = profile.acceleration(t)
-                f_x += u * spin_up * s
-                f_y -= u * spin_up * c
+                w1 = profile.acceleration(t)
+                f_x += u * w1 * s
+                f_y -= u * w1 * c
             m_xx = m_yy = bare
             m_xy = 0.0
             rates = state[first_rate:]

@@ -26,11 +26,11 @@ class Trajectory:
         assembly: whose motion it is.
         time: (T,) [s].
         x, y, vx, vy: (T, n) stations in fixed axes [m, m/s].
-        angle, speed, spin_up: (T,) of the rotor [rad, rad/s, rad/s^2].
-        theta, rate: by balancer, (T, N) angles of the weights in the rotor [rad] and their
+        angle, speed, angular_acceleration: (T,) of the rotor [rad, rad/s, rad/s^2].
+        theta, angle_rate: by balancer, (T, N) angles of the weights in the rotor [rad] and their
             rates [rad/s].
         ax, ay: (T, n) accelerations of the stations [m/s^2].
-        bend: by balancer, (T, N) second derivatives of theta [rad/s^2].
+        angle_acceleration: by balancer, (T, N) second derivatives of theta [rad/s^2].
     """
 
     assembly: Assembly
@@ -41,12 +41,12 @@ class Trajectory:
     vy: Array
     angle: Array
     speed: Array
-    spin_up: Array
+    angular_acceleration: Array
     ax: Array
     ay: Array
     theta: dict[str, Array] = field(default_factory=dict)
-    rate: dict[str, Array] = field(default_factory=dict)
-    bend: dict[str, Array] = field(default_factory=dict)
+    angle_rate: dict[str, Array] = field(default_factory=dict)
+    angle_acceleration: dict[str, Array] = field(default_factory=dict)
 
     @property
     def bending(self) -> Array:
@@ -58,8 +58,7 @@ class Trajectory:
         """Static moment of a balancer's weights in the rotor, (T,) [kg m]."""
         device = self._mounted(balancer).device
         assert isinstance(device, Weights)
-        pull = device.mass * device.track_radius
-        return pull * np.exp(1j * self.theta[balancer]).sum(axis=1)
+        return device.moment * np.exp(1j * self.theta[balancer]).sum(axis=1)
 
     def plane_acceleration(self, plane: int) -> NDArray[np.complex128]:
         """Acceleration of a plane (from 0) in the rotor frame, (T,) [m/s^2]."""
@@ -74,10 +73,11 @@ class Trajectory:
         device = self._mounted(balancer).device
         if isinstance(device, Liquid):
             return np.zeros(len(self.time), complex)
-        phi1 = self.rate[balancer] + self.speed[:, None]
-        phi2 = self.bend[balancer] + self.spin_up[:, None]
-        pull = device.mass * device.track_radius
-        return pull * ((phi1**2 - 1j * phi2) * np.exp(1j * self.theta[balancer])).sum(axis=1)
+        phi1 = self.angle_rate[balancer] + self.speed[:, None]
+        phi2 = self.angle_acceleration[balancer] + self.angular_acceleration[:, None]
+        return device.moment * ((phi1**2 - 1j * phi2) * np.exp(1j * self.theta[balancer])).sum(
+            axis=1
+        )
 
     def signal(self, name: str) -> Array:
         """A signal over time, (T,), by the name the units give it.
@@ -142,7 +142,7 @@ class Trajectory:
                 return device.gap - np.abs(shift)
             return None
         if kind == "weight" and 0 <= index < device.count and what in ("angle", "speed"):
-            return (self.theta if what == "angle" else self.rate)[name][:, index]
+            return (self.theta if what == "angle" else self.angle_rate)[name][:, index]
         if kind is None and what in ("moment_xi", "moment_eta"):
             return _part(self.moment(name), what)
         if kind is None and what == "spread":

@@ -3,27 +3,19 @@
 The system is then linear with time-varying matrices (internal damping and gyroscopic coupling grow
 with the speed, Dubovik 2006 (5) has the w' terms of the unbalance).  Radau IIA with three stages is
 used: order 5, one linear solve a step, and L-stable, so that stiff supports set no step-size limit.
-Hairer, Wanner, Solving Ordinary Differential Equations II, table IV.5.6.
+Hairer & Wanner 1996, table IV.5.6.
 """
 
 from __future__ import annotations
-
-import math
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ..rotor import LinearRotor
+from .radau import radau
 
-_ROOT = math.sqrt(6.0)
-NODES = np.array([(4.0 - _ROOT) / 10.0, (4.0 + _ROOT) / 10.0, 1.0])
-COEFFICIENTS = np.array(
-    [
-        [(88 - 7 * _ROOT) / 360, (296 - 169 * _ROOT) / 1800, (-2 + 3 * _ROOT) / 225],
-        [(296 + 169 * _ROOT) / 1800, (88 + 7 * _ROOT) / 360, (-2 - 3 * _ROOT) / 225],
-        [(16 - _ROOT) / 36, (16 + _ROOT) / 36, 1 / 9],
-    ]
-)
+STAGES = 3  # order 5: as good as the cubic forces
+NODES, COEFFICIENTS = radau(STAGES)
 
 
 class VariableSpeedStep:
@@ -54,15 +46,15 @@ class VariableSpeedStep:
         return value if self.axes == 1 else np.concatenate([value.real, value.imag])
 
     def _drive(
-        self, forces: NDArray, angle: float, speed: float, spin_up: float, t: float
+        self, forces: NDArray, angle: float, speed: float, angular_acceleration: float, t: float
     ) -> tuple[NDArray, NDArray, float]:
         """Acceleration by unbalance and plane forces at time t, its derivative, and the speed."""
-        w = speed + spin_up * t
-        turn = np.exp(1j * (angle + speed * t + 0.5 * spin_up * t * t))
+        w = speed + angular_acceleration * t
+        turn = np.exp(1j * (angle + speed * t + 0.5 * angular_acceleration * t * t))
         value = forces[0] + t * (forces[1] + t * (forces[2] / 2 + t * forces[3] / 6))
         slope = forces[1] + t * (forces[2] + t * forces[3] / 2)
-        pull = np.array([w * w - 1j * spin_up]) * turn
-        pull_slope = np.array([3.0 * w * spin_up + 1j * w**3]) * turn
+        pull = np.array([w * w - 1j * angular_acceleration]) * turn
+        pull_slope = np.array([3.0 * w * angular_acceleration + 1j * w**3]) * turn
         if self.turning_force:
             value, slope = value * turn, (slope + 1j * w * value) * turn
         drive = self._force @ self._axes_of(value) + self._unbalance @ self._axes_of(pull)
@@ -76,7 +68,7 @@ class VariableSpeedStep:
         forces: NDArray,
         angle: float,
         speed: float,
-        spin_up: float,
+        angular_acceleration: float,
         step: float,
     ) -> NDArray:
         """State (q, v) one `step` [s] later.
@@ -85,23 +77,23 @@ class VariableSpeedStep:
             state: (2 dof,) displacements and velocities, complex for an isotropic rotor.
             forces: (4, p) complex forces on the planes in the rotor frame and their derivatives;
                 in fixed axes when `turning_force` is False.
-            angle, speed, spin_up: of the rotor at the start [rad, rad/s, rad/s^2].
+            angle, speed, angular_acceleration: of the rotor at the start [rad, rad/s, rad/s^2].
         """
         dof, size = self.dof, 2 * self.dof
-        system = np.eye(3 * size, dtype=self._still.dtype)
-        right = np.empty(3 * size, dtype=self._still.dtype)
+        system = np.eye(STAGES * size, dtype=self._still.dtype)
+        right = np.empty(STAGES * size, dtype=self._still.dtype)
         for i, node in enumerate(NODES):
-            drive, _, w = self._drive(forces, angle, speed, spin_up, node * step)
+            drive, _, w = self._drive(forces, angle, speed, angular_acceleration, node * step)
             matrix = np.zeros((size, size), dtype=self._still.dtype)
             matrix[:dof, dof:] = np.eye(dof)
             matrix[dof:] = self._still + w * self._per_speed
             rows = slice(i * size, (i + 1) * size)
             right[rows] = matrix @ state
             right[rows][dof:] += drive
-            for j in range(3):
+            for j in range(STAGES):
                 system[rows, j * size : (j + 1) * size] -= step * COEFFICIENTS[i, j] * matrix
-        stages = np.linalg.solve(system, right).reshape(3, size)
-        return state + step * (COEFFICIENTS[2] @ stages)
+        stages = np.linalg.solve(system, right).reshape(STAGES, size)
+        return state + step * (COEFFICIENTS[-1] @ stages)
 
     def plane_motion(
         self,
@@ -109,20 +101,20 @@ class VariableSpeedStep:
         forces: NDArray,
         angle: float,
         speed: float,
-        spin_up: float,
+        angular_acceleration: float,
         t: float = 0.0,
     ) -> tuple[NDArray, NDArray]:
         """Acceleration and jerk of the planes in fixed axes, (axes p,), at time t into the step.
 
         `state` belongs to that time; the other arguments to the start of the step.
         """
-        drive, drive_slope, w = self._drive(forces, angle, speed, spin_up, t)
+        drive, drive_slope, w = self._drive(forces, angle, speed, angular_acceleration, t)
         matrix = self._still + w * self._per_speed
         velocity = state[self.dof :]
         acceleration = matrix @ state + drive
         jerk = (
             matrix @ np.concatenate([velocity, acceleration])
-            + spin_up * (self._per_speed @ state)
+            + angular_acceleration * (self._per_speed @ state)
             + drive_slope
         )
         return self._planes @ acceleration, self._planes @ jerk

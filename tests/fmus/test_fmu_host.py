@@ -9,7 +9,8 @@ import sys
 
 import pytest
 
-from autobalancer.fmus.build import UNITS, build
+from autobalancer.fmus.build import build
+from autobalancer.fmus.catalogue import CATALOGUE
 
 HOST = """
 import gc, sys
@@ -100,13 +101,13 @@ def run(script, path, count):
     return subprocess.run(command, capture_output=True, text=True, timeout=300, check=False)
 
 
-@pytest.mark.parametrize("unit", UNITS)
+@pytest.mark.parametrize("unit", CATALOGUE)
 def test_thousands_of_instances_and_resets_leave_the_host_alive(unit, tmp_path):
     done = run(CYCLES, build(unit, tmp_path), 1500)
     assert (done.returncode, done.stdout) == (0, "alive\n"), done.stderr
 
 
-@pytest.mark.parametrize("unit", UNITS)
+@pytest.mark.parametrize("unit", CATALOGUE)
 def test_errors_are_logged_with_their_reason_and_leave_the_host_alive(unit, tmp_path):
     done = run(ERRORS, build(unit, tmp_path), 300)
     assert done.returncode == 0, done.stderr
@@ -115,17 +116,9 @@ def test_errors_are_logged_with_their_reason_and_leave_the_host_alive(unit, tmp_
     assert f"unit at t = 0.0 s: initialisation failed: {first}" in done.stdout
 
 
-def test_kept_references_are_what_saves_the_host(tmp_path, monkeypatch):
+def test_kept_references_are_what_saves_the_host(altered):
     """Without them the same host loses its module: the traps are real and still there."""
-    from autobalancer.fmus import build as builder
-
-    text = builder._text
-
-    def without(path):
-        return text(path).replace("_increment(item)", "pass")
-
-    monkeypatch.setattr(builder, "_text", without)
-    path = build("LiquidBalancer", tmp_path)
+    path = altered("LiquidBalancer", "fmus/python/host.py", "_increment(item)", "pass")
     assert run(ERRORS, path, 300).returncode != 0
     assert run(CYCLES, path, 1500).returncode != 0
 
@@ -156,7 +149,7 @@ print("alive")
 )
 
 
-@pytest.mark.parametrize("unit", UNITS)
+@pytest.mark.parametrize("unit", CATALOGUE)
 def test_unpacked_folder_may_vanish_while_the_unit_runs(unit, tmp_path):
     done = run(VANISHED, build(unit, tmp_path), 1)
     assert (done.returncode, done.stdout) == (0, "alive\n"), done.stderr

@@ -2,23 +2,18 @@
 
 from __future__ import annotations
 
-import itertools
 import math
 import re
 from fractions import Fraction
-from pathlib import Path
+from functools import partial
 
 import fmpy
 import numpy as np
 import pytest
 from fmpy.fmi1 import FMICallException
-from fmpy.fmi2 import FMU2Slave
 from scipy.integrate import solve_ivp
 
-from autobalancer.fmus.build import build
-from autobalancer.fmus.liquid import LiquidBalancer
-from autobalancer.fmus.rotor import TURN, RotorOnSupports, _turned
-from autobalancer.fmus.weights import BallBalancer
+from autobalancer.fmus.rotor.angle import TURN, turned
 
 DISC = {
     "mass": 2.0,
@@ -31,95 +26,20 @@ DISC = {
 }
 
 
-@pytest.fixture(scope="module")
-def fmu(tmp_path_factory):
-    """Builds an FMU and keeps it for the other tests of this module."""
-    folder = tmp_path_factory.mktemp("fmus")
-    numbers = itertools.count()
-
-    def make(unit: str, **options) -> Path:
-        return build(unit, folder / str(next(numbers)), **options)
-
-    return make
+@pytest.fixture
+def rotor_of(probe):
+    """A planar rotor with start values."""
+    return partial(probe, "RotorOnSupports")
 
 
-def unit_of(cls, starts=None, **options):
-    """A unit in plain Python, initialised."""
-    unit = cls.configured(**options)(instance_name="unit")
-    for name, value in (starts or {}).items():
-        if isinstance(value, bool):
-            unit.set_boolean([unit.layout.boolean_index[name]], [value])
-        else:
-            put(unit, name, value)
-    unit.exit_initialization_mode()
-    return unit
-
-
-def rotor_of(starts=None, planes=1, frame="rotor"):
-    return unit_of(RotorOnSupports, starts, kind="planar", stations=1, planes=planes, frame=frame)
-
-
-def balls_of(starts=None, weights=2, frame="rotor"):
-    return unit_of(BallBalancer, starts, weights=weights, frame=frame)
-
-
-def put(unit, name, *values):
-    first = unit.layout.index[name]
-    unit.set_real(list(range(first, first + len(values))), [float(v) for v in values])
-
-
-def look(unit, *names):
-    return [unit.get_real([unit.layout.index[name]])[0] for name in names]
-
-
-class Host:
-    """The FMU under fmpy, with access by name."""
-
-    def __init__(self, path: Path) -> None:
-        self.description = fmpy.read_model_description(str(path))
-        self.reference = {v.name: v.valueReference for v in self.description.modelVariables}
-        self.slave = FMU2Slave(
-            guid=self.description.guid,
-            unzipDirectory=fmpy.extract(str(path)),
-            modelIdentifier=self.description.coSimulation.modelIdentifier,
-            instanceName="unit",
-        )
-
-    def start(self, **values) -> Host:
-        self.slave.instantiate()
-        return self.initialise(**values)
-
-    def initialise(self, **values) -> Host:
-        self.slave.setupExperiment()
-        self.slave.enterInitializationMode()
-        for name, value in values.items():
-            self[name] = value
-        self.slave.exitInitializationMode()
-        return self
-
-    def __getitem__(self, name: str) -> float:
-        return self.slave.getReal([self.reference[name]])[0]
-
-    def __setitem__(self, name: str, value: float) -> None:
-        self.slave.setReal([self.reference[name]], [value])
-
-    def outputs(self) -> list[float]:
-        return self.slave.getReal(
-            [v.valueReference for v in self.description.modelVariables if v.causality == "output"]
-        )
-
-    def run(self, steps: int, step: float = 1e-3, start: float = 0.0) -> list[float]:
-        for k in range(steps):
-            self.slave.doStep(start + k * step, step)
-        return self.outputs()
-
-    def free(self) -> None:
-        self.slave.terminate()
-        self.slave.freeInstance()
+@pytest.fixture
+def balls_of(probe):
+    """Weights with start values."""
+    return partial(probe, "BallBalancer")
 
 
 @pytest.mark.parametrize("speed", [150.0, 200.0, 260.0])
-def test_rotor_settles_on_dubovik_bending(speed):
+def test_rotor_settles_on_dubovik_bending(speed, rotor_of):
     """Dubovik 2006 (6), with the liquid's mass at the added-mass port."""
     unit = rotor_of({**DISC, "speed": speed, "plane[1].added_mass": 0.5})
     for k in range(4000):
@@ -128,11 +48,11 @@ def test_rotor_settles_on_dubovik_bending(speed):
     stiffness = 8e4 - mass * speed**2
     bending = DISC["unbalance"] * speed**2 / math.hypot(stiffness, chi * speed)
     phase = math.atan2(-chi * speed, stiffness)
-    x, y, angle, largest = look(unit, "x", "y", "angle", "bending")
+    x, y, angle, largest = unit.look("x", "y", "angle", "bending")
     assert largest == pytest.approx(bending, rel=1e-10)
     turned = complex(x, y) * np.exp(-1j * angle)
     assert turned == pytest.approx(bending * np.exp(1j * phase), rel=1e-8)
-    a = complex(*look(unit, "plane[1].a_xi", "plane[1].a_eta"))
+    a = complex(*unit.look("plane[1].a_xi", "plane[1].a_eta"))
     assert a == pytest.approx(-(speed**2) * turned, rel=1e-8)
 
 
@@ -149,7 +69,7 @@ def signal(order_values, frame, angle, speed):
 @pytest.mark.parametrize("frame", ["rotor", "fixed"])
 @pytest.mark.parametrize("stiffness_y", [8e4, 5e4])
 @pytest.mark.parametrize("spin_up", [0.0, 700.0])
-def test_rotor_step_agrees_with_scipy(frame, stiffness_y, spin_up):
+def test_rotor_step_agrees_with_scipy(frame, stiffness_y, spin_up, rotor_of):
     """One step with a cubic force against an independent integration of Dubovik (5)."""
     orders = [3 + 2j, -400 + 900j, 3e5 - 2e5j, -4e7 + 6e7j]
     speed, angle, h = 150.0, 0.7, 2e-3
@@ -166,7 +86,7 @@ def test_rotor_step_agrees_with_scipy(frame, stiffness_y, spin_up):
     unit = rotor_of(start, frame=frame)
     axes = ("xi", "eta") if frame == "rotor" else ("x", "y")
     first = f"plane[1].F_{axes[0]}"
-    put(unit, first, *np.array(orders).view(float))
+    unit.put(first, *np.array(orders).view(float))
     assert unit.do_step(0.0, h)
 
     def acceleration(t, q, v):
@@ -187,25 +107,25 @@ def test_rotor_step_agrees_with_scipy(frame, stiffness_y, spin_up):
     solution = solve_ivp(rhs, (0, h), [1e-4, 0, 0, 0.02], "DOP853", rtol=1e-13, atol=1e-18)
     end = solution.y[:, -1]
     tolerance = 1e-11 if spin_up == 0.0 else 3e-6
-    assert look(unit, "x", "y") == pytest.approx(end[:2], rel=tolerance, abs=1e-4 * tolerance)
-    assert look(unit, "vx", "vy") == pytest.approx(end[2:], rel=tolerance, abs=1e-2 * tolerance)
+    assert unit.look("x", "y") == pytest.approx(end[:2], rel=tolerance, abs=1e-4 * tolerance)
+    assert unit.look("vx", "vy") == pytest.approx(end[2:], rel=tolerance, abs=1e-2 * tolerance)
     a = acceleration(h, complex(*end[:2]), complex(*end[2:]))
     turn = np.exp(-1j * (angle + speed * h + spin_up * h * h / 2)) if frame == "rotor" else 1
-    got = complex(*look(unit, *(f"plane[1].a_{axis}" for axis in axes)))
+    got = complex(*unit.look(*(f"plane[1].a_{axis}" for axis in axes)))
     assert got == pytest.approx(a * turn, rel=100 * tolerance)
 
 
 def slope_error(unit, names, h=1e-4):
     """Largest relative difference of der(output) and the output's central difference."""
-    state = unit._get_fmu_state()
-    slopes = np.array(look(unit, *(f"der({n})" for n in names)))
+    state = unit.saved()
+    slopes = np.array(unit.look(*(f"der({n})" for n in names)))
     ends = []
     for part in (1, 2, 3, 4):
-        unit._set_fmu_state(state)
+        unit.restore(state)
         assert unit.do_step(0.0, h * part)
-        ends.append(np.array(look(unit, *names)))
-    unit._set_fmu_state(state)
-    begin = np.array(look(unit, *names))
+        ends.append(np.array(unit.look(*names)))
+    unit.restore(state)
+    begin = np.array(unit.look(*names))
     # one-sided difference of order 4
     change = (-25 * begin + 48 * ends[0] - 36 * ends[1] + 16 * ends[2] - 3 * ends[3]) / (12 * h)
     return np.abs(change - slopes).max() / np.abs(slopes).max()
@@ -213,28 +133,28 @@ def slope_error(unit, names, h=1e-4):
 
 @pytest.mark.parametrize("frame", ["rotor", "fixed"])
 @pytest.mark.parametrize("spin_up", [0.0, 500.0])
-def test_slope_outputs_are_the_outputs_derivatives(frame, spin_up):
+def test_slope_outputs_are_the_outputs_derivatives(frame, spin_up, probe, rotor_of, balls_of):
     xi, eta = ("xi", "eta") if frame == "rotor" else ("x", "y")
     wavy = [3.0, 2.0, -40.0, 90.0, 3e3, -2e3, 1e4, 2e4]
     turning = {"speed": 120.0, "acceleration": spin_up}
     rotor = rotor_of({**DISC, **turning, "x0": 1e-4}, frame=frame)
-    put(rotor, f"plane[1].F_{xi}", *wavy)
+    rotor.put(f"plane[1].F_{xi}", *wavy)
     assert slope_error(rotor, [f"plane[1].a_{xi}", f"plane[1].a_{eta}"]) < 2e-5
     for force in (False, True):
         balls = balls_of(
             {**turning, "inertia_as_force": force, "weight[1].speed0": 5.0, "angle": 0.4},
             frame=frame,
         )
-        put(balls, f"a_{xi}", *wavy)
+        balls.put(f"a_{xi}", *wavy)
         # the angle input belongs to the start of the step, so the end of a step keeps its own
         assert slope_error(balls, [f"F_{xi}", f"F_{eta}"]) < 2e-5
-        liquid = unit_of(LiquidBalancer, {"inertia_as_force": True}, frame=frame)
-        put(liquid, f"a_{xi}", *wavy)
+        liquid = probe("LiquidBalancer", {"inertia_as_force": True}, frame=frame)
+        liquid.put(f"a_{xi}", *wavy)
         assert slope_error(liquid, [f"F_{xi}", f"F_{eta}"]) < 1e-9
 
 
 @pytest.mark.parametrize("frame", ["rotor", "fixed"])
-def test_weights_agree_with_scipy(frame):
+def test_weights_agree_with_scipy(frame, balls_of):
     """Filimonikhina 2017 (4) in fixed axes, absolute angles phi, against the unit's rotor axes."""
     mass, radius, kappa, drag = 0.01, 0.05, 1.4, 0.05
     speed, spin_up, angle, h = 30.0, 40.0, 0.3, 5e-3
@@ -254,7 +174,7 @@ def test_weights_agree_with_scipy(frame):
     unit = balls_of(starts, frame=frame)
     axes = ("xi", "eta") if frame == "rotor" else ("x", "y")
     orders = [20 + 5j, -300 + 200j, 4e3 - 9e3j, 1e5 + 2e5j]
-    put(unit, f"a_{axes[0]}", *np.array(orders).view(float))
+    unit.put(f"a_{axes[0]}", *np.array(orders).view(float))
     assert unit.do_step(0.0, h)
 
     def turned(t):
@@ -278,7 +198,7 @@ def test_weights_agree_with_scipy(frame):
     # the step is a collocation of order 4, in fixed axes after a cubic fit of the turning signal
     tolerance = 1e-7 if frame == "rotor" else 2e-5
     beta = turned(h)
-    assert look(unit, "weight[1].angle", "weight[2].angle") == pytest.approx(
+    assert unit.look("weight[1].angle", "weight[2].angle") == pytest.approx(
         [end[0] - beta, end[2] - beta], rel=tolerance
     )
     slopes = rhs(h, end)
@@ -287,50 +207,50 @@ def test_weights_agree_with_scipy(frame):
         force += mass * radius * (rate**2 - 1j * bend) * np.exp(1j * phi)
     if frame == "rotor":
         force *= np.exp(-1j * beta)
-    got = complex(*look(unit, *(f"F_{axis}" for axis in axes)))
+    got = complex(*unit.look(*(f"F_{axis}" for axis in axes)))
     assert got == pytest.approx(force, rel=30 * tolerance)
 
 
-def test_liquid_leaves_by_the_port_or_in_the_force_but_not_by_both():
+def test_liquid_leaves_by_the_port_or_in_the_force_but_not_by_both(probe):
     added = 1000.0 * math.pi * 0.05**2 * 0.02
     for as_force in (False, True):
-        unit = unit_of(LiquidBalancer, {"inertia_as_force": as_force}, frame="rotor")
-        put(unit, "a_xi", 3.0, -2.0, 10.0, 0.0)
-        force = look(unit, "F_xi", "F_eta", "der(F_xi)")
+        unit = probe("LiquidBalancer", {"inertia_as_force": as_force}, frame="rotor")
+        unit.put("a_xi", 3.0, -2.0, 10.0, 0.0)
+        force = unit.look("F_xi", "F_eta", "der(F_xi)")
         assert force == pytest.approx([-3 * added, 2 * added, -10 * added] if as_force else [0] * 3)
-        assert look(unit, "added_mass")[0] == pytest.approx(0.0 if as_force else added)
+        assert unit.look("added_mass")[0] == pytest.approx(0.0 if as_force else added)
         mass = 1000.0 * math.pi * (0.05**2 - 0.04**2) * 0.02
-        assert look(unit, "liquid_mass")[0] == pytest.approx(mass)
+        assert unit.look("liquid_mass")[0] == pytest.approx(mass)
 
 
-def test_liquid_warns_once_with_the_time_when_the_float_touches():
-    unit = unit_of(LiquidBalancer, frame="rotor")
-    put(unit, "x", 0.006, 0.008)
-    assert look(unit, "clearance")[0] == pytest.approx(0.0, abs=1e-12)
-    put(unit, "x", 0.009, 0.012)
+def test_liquid_warns_once_with_the_time_when_the_float_touches(probe):
+    unit = probe("LiquidBalancer", frame="rotor")
+    unit.put("x", 0.006, 0.008)
+    assert unit.look("clearance")[0] == pytest.approx(0.0, abs=1e-12)
+    unit.put("x", 0.009, 0.012)
     for k in range(3):
         assert unit.do_step(0.5 + k, 1.0)
-    assert look(unit, "clearance")[0] == pytest.approx(-0.005)
+    assert unit.look("clearance")[0] == pytest.approx(-0.005)
     assert len(unit.log_queue) == 1
     assert "0.015 m exceeds the gap 0.01 m" in unit.log_queue[0].msg
 
 
-def test_several_planes_of_the_disc_add_up():
+def test_several_planes_of_the_disc_add_up(rotor_of):
     one = rotor_of({**DISC, "plane[1].added_mass": 0.5})
     two = rotor_of({**DISC, "plane[1].added_mass": 0.2, "plane[2].added_mass": 0.3}, planes=2)
-    put(one, "plane[1].F_xi", 3.0, 1.0)
-    put(two, "plane[1].F_xi", 2.0, 0.25, 1.0, 0.75)
+    one.put("plane[1].F_xi", 3.0, 1.0)
+    two.put("plane[1].F_xi", 2.0, 0.25, 1.0, 0.75)
     for unit in (one, two):
         assert unit.do_step(0.0, 1e-3)
-    assert look(two, "x", "y", "plane[2].a_xi") == pytest.approx(
-        look(one, "x", "y", "plane[1].a_xi"), rel=1e-12
+    assert two.look("x", "y", "plane[2].a_xi") == pytest.approx(
+        one.look("x", "y", "plane[1].a_xi"), rel=1e-12
     )
 
 
 def test_angle_keeps_its_digits_over_ten_million_turns():
     angle, by, count = [0.0, 0.0, 0.0], 0.3 * TURN * 1e4, 3333
     for _ in range(count):
-        angle = _turned(angle, by)
+        angle = turned(angle, by)
     pi = Fraction("3.14159265358979323846264338327950288419716939937510")
     exact = Fraction(by) * count
     whole = round(exact / (2 * pi))
@@ -338,16 +258,14 @@ def test_angle_keeps_its_digits_over_ten_million_turns():
     assert angle[1] == pytest.approx(float(exact - whole * 2 * pi), abs=2e-15)
 
 
-def test_outputs_follow_inputs_set_during_initialisation():
+def test_outputs_follow_inputs_set_during_initialisation(rotor_of):
     """A rotor in the middle, at rest: a = F/m + U w^2/m, at once and after every change."""
-    unit = RotorOnSupports.configured(kind="planar", stations=1, planes=1, frame="rotor")(
-        instance_name="unit"
-    )
-    put(unit, "speed", 10.0)
+    unit = rotor_of(begin=False)
+    unit.put("speed", 10.0)
     for mass, force in ((2.0, 0.0), (4.0, 8.0), (4.0, 6.0)):
-        put(unit, "mass", mass)
-        put(unit, "plane[1].F_xi", force)
-        assert look(unit, "plane[1].a_xi")[0] == pytest.approx((force + 2e-4 * 100.0) / mass)
+        unit.put("mass", mass)
+        unit.put("plane[1].F_xi", force)
+        assert unit.look("plane[1].a_xi")[0] == pytest.approx((force + 2e-4 * 100.0) / mass)
 
 
 @pytest.mark.parametrize("unit", ["RotorOnSupports", "LiquidBalancer", "BallBalancer"])
@@ -384,9 +302,9 @@ PERTURBED = {
 
 
 @pytest.mark.parametrize("unit", PERTURBED)
-def test_restored_state_continues_bit_by_bit(fmu, unit):
-    host = Host(fmu(unit)).start(**PERTURBED[unit])
-    other = Host(fmu(unit)).start()
+def test_restored_state_continues_bit_by_bit(fmu, unit, host_of):
+    host = host_of(fmu(unit)).start(**PERTURBED[unit])
+    other = host_of(fmu(unit)).start()
     host.run(20)
     state = host.slave.getFMUState()
     data = host.slave.serializeFMUState(state)
@@ -401,38 +319,37 @@ def test_restored_state_continues_bit_by_bit(fmu, unit):
         each.free()
 
 
-def test_state_survives_json_with_infinities():
-    unit = balls_of()
-    state = unit._get_fmu_state()
-    state["real"][3] = math.inf
-    state["real"][4] = math.nan
-    back = unit._fmu_state_from_bytes(unit._fmu_state_to_bytes(state))
-    assert repr(back) == repr(state)
+def test_state_survives_json_with_infinities(balls_of):
+    unit, other = balls_of(), balls_of()
+    unit.put("a_xi", math.inf, math.nan)
+    other.restore(unit.packed())
+    assert repr(other.saved()) == repr(unit.saved())
+    assert math.isinf(other.real[other.layout.index["a_xi"]])
 
 
-def test_saved_state_is_not_changed_by_later_steps():
+def test_saved_state_is_not_changed_by_later_steps(rotor_of):
     unit = rotor_of(DISC)
-    state = unit._get_fmu_state()
+    state = unit.saved()
     frozen = repr(state)
     for k in range(5):
         assert unit.do_step(k * 1e-3, 1e-3)
     assert repr(state) == frozen
 
 
-def test_state_of_another_size_is_refused():
+def test_state_of_another_size_is_refused(balls_of):
     with pytest.raises(RuntimeError, match="belongs to"):
-        balls_of(weights=3)._set_fmu_state(balls_of(weights=2)._get_fmu_state())
+        balls_of(weights=3).restore(balls_of(weights=2).saved())
     for data in (b"\xff\x00", b"[1, 2]", b'{"real": []}'):
         with pytest.raises(RuntimeError, match="belongs to"):
-            balls_of()._set_fmu_state(BallBalancer._fmu_state_from_bytes(data))
+            balls_of().restore(data)
 
 
 @pytest.mark.parametrize("unit", PERTURBED)
-def test_two_instances_do_not_disturb_each_other(fmu, unit):
+def test_two_instances_do_not_disturb_each_other(fmu, unit, host_of):
     path = fmu(unit)
-    alone = Host(path).start(**PERTURBED[unit])
+    alone = host_of(path).start(**PERTURBED[unit])
     expected = alone.run(30)
-    first, second = Host(path).start(**PERTURBED[unit]), Host(path).start()
+    first, second = host_of(path).start(**PERTURBED[unit]), host_of(path).start()
     for k in range(30):
         first.slave.doStep(k * 1e-3, 1e-3)
         second.slave.doStep(k * 1e-3, 1e-3)
@@ -443,8 +360,8 @@ def test_two_instances_do_not_disturb_each_other(fmu, unit):
 
 
 @pytest.mark.parametrize("unit", PERTURBED)
-def test_reset_and_instantiate_again_start_afresh(fmu, unit):
-    host = Host(fmu(unit)).start(**PERTURBED[unit])
+def test_reset_and_instantiate_again_start_afresh(fmu, unit, host_of):
+    host = host_of(fmu(unit)).start(**PERTURBED[unit])
     expected = host.run(10)
     host.slave.terminate()
     host.slave.reset()
@@ -456,8 +373,8 @@ def test_reset_and_instantiate_again_start_afresh(fmu, unit):
     host.free()
 
 
-def test_failed_step_is_discarded_and_can_be_repeated(fmu):
-    host = Host(fmu("BallBalancer")).start(a_xi=3.0)
+def test_failed_step_is_discarded_and_can_be_repeated(fmu, host_of):
+    host = host_of(fmu("BallBalancer")).start(a_xi=3.0)
     host.run(3)
     state = host.slave.getFMUState()
     expected = host.run(3, start=3e-3)
@@ -472,24 +389,24 @@ def test_failed_step_is_discarded_and_can_be_repeated(fmu):
 
 
 @pytest.mark.parametrize(
-    ("cls", "options", "name", "value", "message"),
+    ("unit", "options", "name", "value", "message"),
     [
-        (RotorOnSupports, {}, "mass", -1.0, r"mass = -1.0 kg: .*above 0 kg"),
-        (RotorOnSupports, {}, "mass", 0.0, r"mass = 0.0 kg: .*above 0 kg"),
-        (RotorOnSupports, {}, "stiffness_x", math.nan, r"stiffness_x = nan N/m: .*finite"),
-        (RotorOnSupports, {}, "speed", math.inf, r"speed = inf rad/s: .*finite"),
-        (RotorOnSupports, {}, "plane[1].added_mass", -1.0, r"plane\[1\].added_mass = -1.0 kg"),
-        (LiquidBalancer, {}, "float_radius", 0.06, r"float_radius = 0.06 m: .*smaller than"),
-        (LiquidBalancer, {}, "density", 0.0, r"density = 0.0 kg/m3: .*above 0"),
-        (BallBalancer, {}, "kappa", 0.5, r"kappa = 0.5: .*at least 1"),
-        (BallBalancer, {}, "drag", -0.1, r"drag = -0.1 N.s/m: .*at least 0"),
-        (BallBalancer, {"weights": 8}, "weight_radius", 0.02, "8 weights do not fit"),
-        (BallBalancer, {}, "weight_radius", 0.05, "do not fit"),
+        ("RotorOnSupports", {}, "mass", -1.0, r"mass = -1.0 kg: .*above 0 kg"),
+        ("RotorOnSupports", {}, "mass", 0.0, r"mass = 0.0 kg: .*above 0 kg"),
+        ("RotorOnSupports", {}, "stiffness_x", math.nan, r"stiffness_x = nan N/m: .*finite"),
+        ("RotorOnSupports", {}, "speed", math.inf, r"speed = inf rad/s: .*finite"),
+        ("RotorOnSupports", {}, "plane[1].added_mass", -1.0, r"plane\[1\].added_mass = -1.0 kg"),
+        ("LiquidBalancer", {}, "float_radius", 0.06, r"float_radius = 0.06 m: .*smaller than"),
+        ("LiquidBalancer", {}, "density", 0.0, r"density = 0.0 kg/m3: .*above 0"),
+        ("BallBalancer", {}, "kappa", 0.5, r"kappa = 0.5: .*at least 1"),
+        ("BallBalancer", {}, "drag", -0.1, r"drag = -0.1 N.s/m: .*at least 0"),
+        ("BallBalancer", {"weights": 8}, "weight_radius", 0.02, "8 weights do not fit"),
+        ("BallBalancer", {}, "weight_radius", 0.05, "do not fit"),
     ],
 )
-def test_bad_value_fails_initialisation_and_is_named(cls, options, name, value, message):
-    unit = cls.configured(**options)(instance_name="unit")
-    put(unit, name, value)
+def test_bad_value_fails_initialisation_and_is_named(unit, options, name, value, message, probe):
+    unit = probe(unit, begin=False, **options)
+    unit.put(name, value)
     with pytest.raises(RuntimeError, match=message):
         unit.exit_initialization_mode()
     assert unit.log_queue[-1].status == 3
@@ -508,11 +425,13 @@ def test_bad_value_fails_initialisation_and_is_named(cls, options, name, value, 
         ("speed", 10.0, math.nan, "step size = nan s"),
     ],
 )
-def test_bad_step_is_refused_with_its_reason_and_leaves_the_state(name, value, step, message):
+def test_bad_step_is_refused_with_its_reason_and_leaves_the_state(
+    name, value, step, message, rotor_of
+):
     unit = rotor_of(DISC)
     assert unit.do_step(0.0, 1e-3)
     before = list(unit.memory)
-    put(unit, name, value)
+    unit.put(name, value)
     assert unit.do_step(1e-3, step) is False
     assert unit.memory == before
     (report,) = unit.log_queue
@@ -521,19 +440,19 @@ def test_bad_step_is_refused_with_its_reason_and_leaves_the_state(name, value, s
     assert "t = 0.001 s" in report.msg
 
 
-def test_parameters_are_fixed_once_running_and_outputs_never_settable():
+def test_parameters_are_fixed_once_running_and_outputs_never_settable(rotor_of, balls_of):
     unit = rotor_of(DISC)
     with pytest.raises(RuntimeError, match="mass: fixed once"):
-        put(unit, "mass", 3.0)
+        unit.put("mass", 3.0)
     with pytest.raises(RuntimeError, match="angle: outputs cannot be set"):
-        put(unit, "angle", 3.0)
+        unit.put("angle", 3.0)
     with pytest.raises(RuntimeError, match=r"value references \[999\]: unknown"):
         unit.get_real([0, 999])
     with pytest.raises(RuntimeError, match="inertia_as_force: fixed once"):
         balls_of().set_boolean([0], [True])
 
 
-def test_reading_scattered_references_equals_reading_slices():
+def test_reading_scattered_references_equals_reading_slices(rotor_of):
     unit = rotor_of(DISC)
     count = len(unit.layout.reals)
     everything = unit.get_real(list(range(count)))

@@ -12,6 +12,7 @@ from autobalancer.models.papers.capacity import (
     best_count,
     best_ratio,
     capacity,
+    capacity_shape,
     device_capacity,
     fastest_count,
     filled_sector,
@@ -20,12 +21,11 @@ from autobalancer.models.papers.capacity import (
     half_cylinder_capacity,
     half_filled_ratio,
     hemisphere_capacity,
-    largest_spread,
-    packed_spread,
+    largest_alignment,
+    packed_alignment,
     residual_unbalance,
     settling_measure,
     settling_shape,
-    shape,
     weight_mass,
 )
 from autobalancer.models.papers.positions import (
@@ -35,14 +35,14 @@ from autobalancer.models.papers.positions import (
     packed_angles,
 )
 from autobalancer.models.papers.settling import (
-    critical_drag,
+    critical_drag_factor,
     plane_response,
     settling_time,
     slow_root,
     slow_roots,
 )
 from autobalancer.models.rotor import LinearRotor
-from autobalancer.models.weights import Weights, spread
+from autobalancer.models.weights import Weights, alignment
 
 # Table 1 and the longer digits checked for physics.md: n, rho, sector [degrees], s
 BALLS = [
@@ -62,7 +62,7 @@ ROWS = [("balls", *row) for row in BALLS] + [("rollers", *row) for row in ROLLER
 def test_table_1_to_its_digits(kind, count, ratio, sector, value):
     found = best_ratio(kind, count)
     assert found == pytest.approx(ratio, abs=5e-4 if round(ratio, 3) == ratio else 1e-12)
-    assert shape(kind, found, count) == pytest.approx(value, abs=5.0e-5)
+    assert capacity_shape(kind, found, count) == pytest.approx(value, abs=5.0e-5)
     if sector is not None:
         # the print's own sectors are off by up to 0.82 degrees (195 for 195.81)
         assert math.degrees(filled_sector(found, count)) == pytest.approx(sector, abs=0.82)
@@ -70,7 +70,7 @@ def test_table_1_to_its_digits(kind, count, ratio, sector, value):
 
 def test_table_1_prints_three_digits_of_which_one_is_cut_off():
     printed = [0.105, 0.060, 0.051, 0.044, 0.037, 0.031, 0.027, 0.023]
-    found = [shape("balls", best_ratio("balls", n), n) for n in range(1, 9)]
+    found = [capacity_shape("balls", best_ratio("balls", n), n) for n in range(1, 9)]
     rounded = [n for n, s, p in zip(range(1, 9), found, printed, strict=True) if round(s, 3) != p]
     assert rounded == [3]
     assert math.floor(found[2] * 1000) / 1000 == printed[2]
@@ -105,11 +105,11 @@ def test_capacity_7_is_capacity_5_with_the_mass_6():
     for n in (1, 2, 3, 6):
         balls = device_capacity("balls", race, ratio, n, density)
         assert balls == pytest.approx(
-            4 / 3 * math.pi * density * race**4 * shape("balls", ratio, n), rel=1e-13
+            4 / 3 * math.pi * density * race**4 * capacity_shape("balls", ratio, n), rel=1e-13
         )
         rollers = device_capacity("rollers", race, ratio, n, density, height)
         assert rollers == pytest.approx(
-            math.pi * density * height * race**3 * shape("rollers", ratio, n), rel=1e-13
+            math.pi * density * height * race**3 * capacity_shape("rollers", ratio, n), rel=1e-13
         )
     same = device_capacity("rollers", race, ratio, 4, density, 2 * ratio * race)
     assert same / device_capacity("balls", race, ratio, 4, density) == pytest.approx(1.5)
@@ -118,7 +118,7 @@ def test_capacity_7_is_capacity_5_with_the_mass_6():
 def test_point_weights_are_the_limit_of_small_ones():
     assert capacity(0.1, 2.0, 0.0, 7) == pytest.approx(1.4)
     assert capacity(0.1, 2.0, 1e-6, 7) == pytest.approx(1.4, rel=1e-10)
-    assert largest_spread(7, 0.0) == packed_spread(7, 0.0) == 1.0
+    assert largest_alignment(7, 0.0) == packed_alignment(7, 0.0) == 1.0
 
 
 @pytest.mark.parametrize("count", range(2, 10))
@@ -129,7 +129,7 @@ def test_special_radii_fill_half_and_all_of_the_race(count):
     for ratio in (0.03, 0.11, 0.24, 0.4):
         most = max(
             (n for n in range(1, 60) if n == 1 or ratio <= full_ratio(n)),
-            key=lambda n: shape("balls", ratio, n),
+            key=lambda n: capacity_shape("balls", ratio, n),
         )
         assert best_count(ratio) == most
 
@@ -151,13 +151,13 @@ def test_limits_hemisphere_and_half_cylinder():
 @pytest.mark.parametrize("count", range(2, 9))
 def test_spread_extremes_10_13_are_those_of_the_drawn_positions(count):
     alpha = 0.9 * math.pi / (2 * count)
-    assert spread(packed_angles(Weights(count, 1.0, 1.0), math.sin(alpha))) == pytest.approx(
-        packed_spread(count, alpha), abs=1e-13
+    assert alignment(packed_angles(Weights(count, 1.0, 1.0), math.sin(alpha))) == pytest.approx(
+        packed_alignment(count, alpha), abs=1e-13
     )
     part = count // 2
     near = [alpha * (2 * k - (count - part) + 1) for k in range(count - part)]
     far = [math.pi + alpha * (2 * k - part + 1) for k in range(part)]
-    assert spread(near + far) == pytest.approx(largest_spread(count, alpha), rel=1e-12)
+    assert alignment(near + far) == pytest.approx(largest_alignment(count, alpha), rel=1e-12)
 
 
 def test_spread_of_a_half_filled_race_is_12_and_14_and_tends_to_2_over_pi():
@@ -165,11 +165,11 @@ def test_spread_of_a_half_filled_race_is_12_and_14_and_tends_to_2_over_pi():
         expected = 1 / (n * math.sin(math.pi / (2 * n)))
         if n % 2 == 0:
             expected = 2 / (n * math.sin(math.pi / n))
-        assert largest_spread(n, math.pi / (2 * n)) == pytest.approx(expected, rel=1e-12)
-        assert packed_spread(n, math.pi / (2 * n)) == pytest.approx(0.0, abs=1e-12)
-    assert largest_spread(3, math.pi / 6) == pytest.approx(2 / 3)
-    assert largest_spread(4001, math.pi / 8002) == pytest.approx(2 / math.pi, rel=1e-6)
-    assert largest_spread(2, 0.3) == 1.0
+        assert largest_alignment(n, math.pi / (2 * n)) == pytest.approx(expected, rel=1e-12)
+        assert packed_alignment(n, math.pi / (2 * n)) == pytest.approx(0.0, abs=1e-12)
+    assert largest_alignment(3, math.pi / 6) == pytest.approx(2 / 3)
+    assert largest_alignment(4001, math.pi / 8002) == pytest.approx(2 / math.pi, rel=1e-6)
+    assert largest_alignment(2, 0.3) == 1.0
 
 
 def test_settling_functions_15_16_are_the_measure_3():
@@ -177,7 +177,7 @@ def test_settling_functions_15_16_are_the_measure_3():
         for n in range(2, 9):
             ratio = 0.8 * full_ratio(n)
             alpha = math.asin(ratio / (1 - ratio))
-            measure = settling_measure(largest_spread(n, alpha), ratio**power, n)
+            measure = settling_measure(largest_alignment(n, alpha), ratio**power, n)
             assert settling_shape(kind, ratio, n) == pytest.approx(measure, rel=1e-12, abs=1e-15)
 
 
@@ -233,7 +233,7 @@ def test_impossible_sizes_are_refused():
     with pytest.raises(ValueError, match="fill the track at 3"):
         capacity(0.1, 1.0, 0.8, 4)
     with pytest.raises(ValueError, match="fit up to"):
-        shape("balls", 0.47, 3)
+        capacity_shape("balls", 0.47, 3)
     with pytest.raises(ValueError, match="one of balls, rollers"):
         weight_mass("cubes", 0.1, 1.0)
     with pytest.raises(ValueError, match="height"):
@@ -282,10 +282,10 @@ def test_slow_root_is_the_limit_of_the_eigenvalues_for_light_weights(damping):
         loaded = rotor.with_added_mass([weights.added_mass])
         exact = slowest_by_differences(1.0, 1.0, damping, weights, angles, unbalance, speed)
         exact = [r for r in exact if abs(r.imag) < 0.5 and r.real > -0.5]
-        found = slow_roots(weights, spread(angles), plane_response(loaded, speed))[:2]
+        found = slow_roots(weights, alignment(angles), plane_response(loaded, speed))[:2]
         errors.append(abs(found[0] / exact[0] - 1.0))
         assert found[1] == pytest.approx(exact[1], rel=0.1)
-        closed = slow_root(weights, spread(angles), critical_drag(loaded, speed, 1.4))
+        closed = slow_root(weights, alignment(angles), critical_drag_factor(loaded, speed, 1.4))
         # Goncharov's (1) is this root when the rotor has no damping, and near it with damping
         assert closed == pytest.approx(found[0], rel=1e-9 if damping == 0.0 else 0.2)
     assert errors[1] < 5e-3
@@ -297,10 +297,10 @@ def test_critical_drag_of_a_disc():
     rotor = LinearRotor.planar(2.0, 8.0)
     w = 5.0
     expected = math.sqrt(2 * w**4 / (1.4 * (2.0 * w**2 - 8.0)))
-    assert critical_drag(rotor, w, 1.4) == pytest.approx(expected, rel=1e-13)
-    fast = critical_drag(rotor, 1e4, 1.4) / 1e4
+    assert critical_drag_factor(rotor, w, 1.4) == pytest.approx(expected, rel=1e-13)
+    fast = critical_drag_factor(rotor, 1e4, 1.4) / 1e4
     assert fast == pytest.approx(math.sqrt(2 / (1.4 * 2.0)), rel=1e-6)
-    limit = critical_drag(rotor, w)
+    limit = critical_drag_factor(rotor, w)
     for factor in (0.5, 2.0):  # at b = b_cr sqrt((1 - p) m n) the two slow roots meet
         drag = factor * limit * math.sqrt(0.4 * 3 * 0.01)
         root = slow_root(Weights(3, 0.01, 1.0, drag * 0.01), 0.6, limit)
@@ -317,6 +317,6 @@ def test_weights_on_one_diameter_have_a_direction_that_never_settles():
 
 def test_no_slow_root_where_weights_move_to_the_heavy_side():
     with pytest.raises(ValueError, match="heavy side"):
-        critical_drag(LinearRotor.planar(1.0, 4.0), 1.5)
+        critical_drag_factor(LinearRotor.planar(1.0, 4.0), 1.5)
     with pytest.raises(ValueError, match="equal stiffness"):
         plane_response(LinearRotor.planar(1.0, [1.0, 2.0]), 3.0)

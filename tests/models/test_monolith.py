@@ -12,14 +12,9 @@ from scipy.integrate import quad
 
 from autobalancer.models.assembly import Assembly, Mounted, SpeedProfile
 from autobalancer.models.liquid import Liquid
-from autobalancer.models.monolith import (
-    Monolith,
-    ReferenceDisagreement,
-    Start,
-    differences,
-    reference,
-    simulate,
-)
+from autobalancer.models.monolith import ReferenceDisagreement, reference, simulate
+from autobalancer.models.reference.coupled import Monolith, Start
+from autobalancer.models.reference.trajectory import differences
 from autobalancer.models.rotor import LinearRotor
 from autobalancer.models.steps.propagator import step_matrix
 from autobalancer.models.weights import KAPPA, Weights, advance, reaction
@@ -151,9 +146,10 @@ def test_without_friction_and_rotation_energy_stays(kappa: float) -> None:
         initial=Start(0.2, -0.1, 0.5, 0.3), rtol=1e-11,
     )  # fmt: skip
     v, q = run.vx[:, 0] + 1j * run.vy[:, 0], np.array([run.x[:, 0], run.y[:, 0]])
-    moving = v[:, None] + 0.5j * run.rate["w"] * np.exp(1j * run.theta["w"])
+    moving = v[:, None] + 0.5j * run.angle_rate["w"] * np.exp(1j * run.theta["w"])
     energy = 0.5 * np.abs(v) ** 2 + 0.5 * np.array([2.0, 7.0]) @ q**2
-    energy += 0.15 * (np.abs(moving) ** 2 + (kappa - 1.0) * 0.25 * run.rate["w"] ** 2).sum(axis=1)
+    rolling = (kappa - 1.0) * 0.25 * run.angle_rate["w"] ** 2
+    energy += 0.15 * (np.abs(moving) ** 2 + rolling).sum(axis=1)
     assert_allclose(energy, energy[0], rtol=1e-9)
     assert np.ptp(np.abs(v)) > 0.1
 
@@ -167,10 +163,10 @@ def test_on_isotropic_supports_angular_momentum_stays() -> None:
     )  # fmt: skip
     q, v = run.x[:, 0] + 1j * run.y[:, 0], run.vx[:, 0] + 1j * run.vy[:, 0]
     arm = 0.5 * np.exp(1j * run.theta["w"])
-    moving = v[:, None] + 1j * run.rate["w"] * arm
+    moving = v[:, None] + 1j * run.angle_rate["w"] * arm
     momentum = (np.conj(q) * v).imag
     momentum += 0.3 * (np.conj(q[:, None] + arm) * moving).imag.sum(axis=1)
-    momentum += 0.3 * 0.4 * 0.25 * run.rate["w"].sum(axis=1)
+    momentum += 0.3 * 0.4 * 0.25 * run.angle_rate["w"].sum(axis=1)
     assert_allclose(momentum, momentum[0], rtol=1e-9)
 
 
@@ -209,15 +205,15 @@ def test_weights_follow_the_monolith_when_shown_its_acceleration(profile: SpeedP
     for name in ("balls", "pendulums"):
         device = next(m.device for m in assembly.weights if m.name == name)
         assert isinstance(device, Weights)
-        angles, speeds = list(run.theta[name][2]), list(run.rate[name][2])
+        angles, speeds = list(run.theta[name][2]), list(run.angle_rate[name][2])
         for k in range(2, 196):
             signal = hermite(h, (a[k], slopes[k]), (a[k + 1], slopes[k + 1]))
             w1 = profile.acceleration(time[k])
             angles, speeds = advance(device, angles, speeds, signal, w1, h)
         assert_allclose(angles, run.theta[name][196], atol=2e-7)
         force, slope = reaction(
-            device, list(run.theta[name][100]), list(run.rate[name][100]), a[100], slopes[100],
-            run.speed[100], run.spin_up[100],
+            device, list(run.theta[name][100]), list(run.angle_rate[name][100]), a[100],
+            slopes[100], run.speed[100], run.angular_acceleration[100],
         )  # fmt: skip
         f = run.force(name)
         assert_allclose(force, f[100], rtol=1e-10)
@@ -261,7 +257,7 @@ def test_a_run_up_is_not_stepped_across_its_end() -> None:
     later = Assembly(
         two_balls().rotor,
         (replace(two_balls().balancers[0], angles=tuple(restarted.theta["weights"][0]),
-                 speeds=tuple(restarted.rate["weights"][0])),),
+                 speeds=tuple(restarted.angle_rate["weights"][0])),),
     )  # fmt: skip
     state = (float(part[0, 0]) for part in (restarted.x, restarted.y, restarted.vx, restarted.vy))
     start = Start(*state, angle=float(restarted.angle[0]))

@@ -9,7 +9,7 @@ from autobalancer.models.assembly import Assembly, Mounted
 from autobalancer.models.linear.linearised import linearise
 from autobalancer.models.linear.reduced import reduced_eigenvalues, second_harmonic
 from autobalancer.models.rotor import LinearRotor
-from autobalancer.models.weights import Weights, spread
+from autobalancer.models.weights import Weights, alignment
 
 EQUAL = ((1.0, 1.0), (1.0, 1.0))
 PAIR = (2 * np.pi / 3, 4 * np.pi / 3)  # two weights that balance one weight's moment
@@ -174,7 +174,7 @@ def test_growth_rate_is_that_of_the_linearised_assembly():
 
 
 def test_second_harmonic_has_goncharovs_spread_for_modulus():
-    assert abs(second_harmonic(TRIPLE)) == pytest.approx(spread(TRIPLE))
+    assert abs(second_harmonic(TRIPLE)) == pytest.approx(alignment(TRIPLE))
     assert second_harmonic((0.3, 0.3 + np.pi)) == pytest.approx(np.exp(0.6j))
 
 

@@ -9,7 +9,7 @@ from scipy.integrate import solve_ivp
 
 from autobalancer.models.assembly import Assembly, Mounted
 from autobalancer.models.linear.balanced import CannotBalance, balanced_angles, residual_unbalance
-from autobalancer.models.linear.boundaries import critical_speeds
+from autobalancer.models.linear.boundaries import balancing_boundaries
 from autobalancer.models.liquid import Liquid
 from autobalancer.models.papers.dimensionless import Dimensionless
 from autobalancer.models.papers.tables import TABLE_1, TABLE_2
@@ -22,7 +22,7 @@ from autobalancer.models.stability import (
     multipliers,
     neutral_count,
 )
-from autobalancer.models.weights import Weights, spread
+from autobalancer.models.weights import Weights, alignment
 
 LIQUID = Liquid(chamber_radius=0.1, float_radius=0.08, height=0.01, density=1000.0)
 
@@ -152,14 +152,16 @@ def test_liquid_and_balls_together_agree_with_an_independent_integration():
 def test_published_intervals_hold_the_critical_speeds(row):
     # Table 2: the paper's finite time of integration takes very slow growth for stable
     allowed = 0.0003 if row.table == 1 else 0.022
-    speeds = [c.speed for c in critical_speeds(Dimensionless.of_row(row).assembly(), 0.5, 13.0)]
+    speeds = [
+        c.speed for c in balancing_boundaries(Dimensionless.of_row(row).assembly(), 0.5, 13.0)
+    ]
     for low, high in row.intervals:
         assert any(low - allowed <= speed <= high + allowed for speed in speeds)
 
 
 def test_known_boundaries():
     row = TABLE_1[3]
-    speeds = [c.speed for c in critical_speeds(Dimensionless.of_row(row).assembly(), 0.5, 9.0)]
+    speeds = [c.speed for c in balancing_boundaries(Dimensionless.of_row(row).assembly(), 0.5, 9.0)]
     assert speeds == pytest.approx([1.0143, 5.0499, 8.3223], abs=6e-5)
 
 
@@ -182,8 +184,10 @@ def test_second_unstable_bands_the_paper_does_not_report():
 @pytest.mark.parametrize("row", [TABLE_1[3], TABLE_1[6], TABLE_2[8]])
 def test_boundaries_do_not_move_under_doubled_discretisation(row):
     assembly = Dimensionless.of_row(row).assembly()
-    once = critical_speeds(assembly, 0.5, 13.0, narrowest=0.1, tolerance=1e-12)
-    twice = critical_speeds(assembly, 0.5, 13.0, narrowest=0.1, tolerance=1e-12, refinement=2.0)
+    once = balancing_boundaries(assembly, 0.5, 13.0, narrowest=0.1, tolerance=1e-12)
+    twice = balancing_boundaries(
+        assembly, 0.5, 13.0, narrowest=0.1, tolerance=1e-12, refinement=2.0
+    )
     assert [c.above for c in once] == [c.above for c in twice]
     assert [c.speed for c in once] == pytest.approx([c.speed for c in twice], abs=1e-8)
 
@@ -197,7 +201,7 @@ def test_isotropic_rotor_by_eigenvalues_is_the_limit_of_floquet():
 
 def test_isotropic_rotor_becomes_stable_near_its_natural_frequency():
     assembly = balls(mass=1e-4, unbalance=5e-5, drag=1e-3, stiffness=1.0, damping=0.3)
-    first = critical_speeds(assembly, 0.3, 5.0)
+    first = balancing_boundaries(assembly, 0.3, 5.0)
     natural = math.sqrt(1.0 / 0.9802)
     assert [c.above for c in first] == ["stable"]
     assert first[0].speed == pytest.approx(natural, rel=1e-3)
@@ -217,7 +221,7 @@ def test_neutral_turns_of_many_weights_are_exact_and_no_instability(count, stiff
 
 def test_neutral_directions_do_not_hide_an_instability_close_to_one():
     assembly = balls(count=4)
-    edge = critical_speeds(assembly, 0.5, 2.0)[0].speed
+    edge = balancing_boundaries(assembly, 0.5, 2.0)[0].speed
     assert is_stable(assembly, [edge - 1e-6, edge + 1e-6]).tolist() == [False, True]
 
 
@@ -249,7 +253,7 @@ def test_evenly_spread_weights_balance_without_standing_on_one_line():
     # by symmetry least turns would take the four to 0, pi, pi, pi: nothing drives them across
     angles = tuple(0.4 + 0.5 * math.pi * k for k in range(4))  # the unbalance is at 0.4
     even = balls(count=4, unbalance=2 * 0.01, angles=angles)
-    assert spread(balanced_angles(even)) < 0.95
+    assert alignment(balanced_angles(even)) < 0.95
     given = (0.4, *[0.4 + math.pi] * 3)  # asked for, it is kept
     chosen = balls(count=4, unbalance=2 * 0.01, angles=given)
     assert balanced_angles(chosen) == pytest.approx(given)
@@ -290,7 +294,7 @@ def test_liquid_alone_has_dubovik_roots_and_limit():
     speeds = [50.0, 180.0, 250.0]
     expected = [window.roots(w)[0].real for w in speeds]
     assert growth_rates(assembly, speeds) == pytest.approx(expected, rel=1e-9)
-    crossings = critical_speeds(assembly, 20.0, 400.0)
+    crossings = balancing_boundaries(assembly, 20.0, 400.0)
     assert [c.above for c in crossings] == ["unstable"]
     assert crossings[0].speed == pytest.approx(window.upper, rel=1e-8)
 
@@ -298,8 +302,8 @@ def test_liquid_alone_has_dubovik_roots_and_limit():
 def test_bands_far_narrower_than_the_scan_are_found():
     # the second band above n3 closes as mu_w grows towards 0.755
     assembly = Dimensionless(0.1, 0.25, 0.5, 0.7553, 7.0, 0.5).assembly()
-    fine = critical_speeds(assembly, 10.0, 13.0, narrowest=0.002)
-    coarse = critical_speeds(assembly, 10.0, 13.0, narrowest=0.5)
+    fine = balancing_boundaries(assembly, 10.0, 13.0, narrowest=0.002)
+    coarse = balancing_boundaries(assembly, 10.0, 13.0, narrowest=0.5)
     assert [c.above for c in fine] == ["unstable", "stable"]
     assert fine[1].speed - fine[0].speed < 0.03
     assert [c.speed for c in coarse] == pytest.approx([c.speed for c in fine], rel=1e-8)
@@ -307,7 +311,7 @@ def test_bands_far_narrower_than_the_scan_are_found():
 
 def test_a_band_wider_than_the_stated_width_is_not_missed():
     assembly = Dimensionless(0.01, 1.0, 2.0, 0.5, 7.0, 0.5).assembly()
-    found = critical_speeds(assembly, 0.5, 9.0, narrowest=2.0)
+    found = balancing_boundaries(assembly, 0.5, 9.0, narrowest=2.0)
     assert [c.above for c in found] == ["stable", "unstable", "stable"]
 
 
@@ -338,7 +342,7 @@ def test_drag_of_any_size_locks_the_weights_smoothly():
 def test_an_undamped_rotor_without_weights_is_neither_stable_nor_critical():
     assembly = Assembly(LinearRotor.planar(1.0, (1.0, 49.0)))
     assert not is_stable(assembly, [0.5, 3.0]).any()
-    assert critical_speeds(assembly, 0.5, 9.0) == []
+    assert balancing_boundaries(assembly, 0.5, 9.0) == []
 
 
 def test_wrong_speeds_are_refused():
@@ -346,7 +350,7 @@ def test_wrong_speeds_are_refused():
         with pytest.raises(ValueError, match="rad/s"):
             growth_rates(balls(), speed)
     with pytest.raises(ValueError, match="ascending"):
-        critical_speeds(balls(), 3.0, 2.0)
+        balancing_boundaries(balls(), 3.0, 2.0)
 
 
 def test_a_map_of_two_thousand_points_takes_seconds():

@@ -15,12 +15,12 @@ from autobalancer.models.contact.track import Track
 from autobalancer.models.linear.floquet import exponents
 from autobalancer.models.linear.linearised import linearise
 from autobalancer.models.monolith import simulate
-from autobalancer.models.papers.capacity import largest_spread
+from autobalancer.models.papers.capacity import largest_alignment
 from autobalancer.models.papers.positions import completed_angles
-from autobalancer.models.papers.settling import critical_drag, slow_root
-from autobalancer.models.papers.touching import Packed, joint_spread, merged, packed_groups
+from autobalancer.models.papers.settling import critical_drag_factor, slow_root
+from autobalancer.models.papers.touching import Packed, joint_alignment, merged, packed_groups
 from autobalancer.models.rotor import LinearRotor
-from autobalancer.models.weights import Weights, spread
+from autobalancer.models.weights import Weights, alignment
 from autobalancer.models.weights import advance as point_advance
 from autobalancer.models.weights import reaction as point_reaction
 
@@ -64,16 +64,16 @@ def test_a_packed_group_moves_and_pulls_like_the_single_weight():
 
 def test_joint_spread_is_p_without_contact_and_1_for_groups_face_to_face():
     angles = [0.2, 1.7, 3.3, 4.9]
-    number, p = joint_spread(packed_groups(angles, ALPHA), ALPHA)
-    assert (number, p) == pytest.approx((4.0, spread(angles)))
+    number, p = joint_alignment(packed_groups(angles, ALPHA), ALPHA)
+    assert (number, p) == pytest.approx((4.0, alignment(angles)))
     one, two = Packed(1, 0.4), Packed(2, 0.4 + math.pi)
-    number, p = joint_spread([one, two], ALPHA)
+    number, p = joint_alignment([one, two], ALPHA)
     assert number == pytest.approx(1 + 2 * math.cos(ALPHA) ** 2)
     # Goncharov's position of largest p for 3 weights (13): pressed together, nothing drives them
     assert p == pytest.approx(1.0)
-    assert largest_spread(3, ALPHA) < 0.98
+    assert largest_alignment(3, ALPHA) < 0.98
     weights = Weights(3, 1e-3, 1.0, 2e-3, 1.4)
-    limit = critical_drag(LinearRotor.planar(1.0, 1.0), 2.0, 1.4)
+    limit = critical_drag_factor(LinearRotor.planar(1.0, 1.0), 2.0, 1.4)
     assert abs(slow_root(weights, p, limit, number)) < 1e-12
 
 
@@ -88,8 +88,8 @@ def test_slow_root_with_contact_is_the_limit_of_the_spectrum_for_light_weights()
         assembly = Assembly(rotor, (Mounted("b", weights, 0, tuple(angles), (0.0,) * 4),))
         groups = packed_groups(angles, ALPHA)
         assert [g.size for g in groups].count(2) == 1
-        number, p = joint_spread(groups, ALPHA)
-        root = slow_root(weights, p, critical_drag(assembly.loaded_rotor, 2.0, 1.4), number)
+        number, p = joint_alignment(groups, ALPHA)
+        root = slow_root(weights, p, critical_drag_factor(assembly.loaded_rotor, 2.0, 1.4), number)
         values = exponents(
             [linearise(merged(assembly, ALPHA, groups))], np.zeros(1, int), np.array([2.0])
         )

@@ -15,9 +15,9 @@ from autobalancer.models.weights import (
     KAPPA,
     Weights,
     advance,
+    alignment,
     phi_functions,
     reaction,
-    spread,
     static_moment,
 )
 
@@ -200,13 +200,13 @@ def test_balanced_weights_that_turn_with_the_rotor_pull_nothing() -> None:
 def test_packed_weights_pull_with_their_centrifugal_force() -> None:
     weights = Weights(2, 0.1, 0.5, 0.2)
     force, _ = reaction(weights, [0.4, 0.4], [0.0, 0.0], 0j, 0j, 7.0, 0.0)
-    assert_allclose(force, weights.capacity * 49.0 * np.exp(0.4j), rtol=1e-14)
+    assert_allclose(force, weights.point_capacity * 49.0 * np.exp(0.4j), rtol=1e-14)
 
 
 def test_spread_of_goncharov_2() -> None:
-    assert spread([0.3, 0.3 + math.pi]) == pytest.approx(1.0)
-    assert spread([0.3 + k * 2 * math.pi / 3 for k in range(3)]) == pytest.approx(0.0, abs=1e-15)
-    assert spread([0.0, math.pi / 2]) == pytest.approx(0.0, abs=1e-15)
+    assert alignment([0.3, 0.3 + math.pi]) == pytest.approx(1.0)
+    assert alignment([0.3 + k * 2 * math.pi / 3 for k in range(3)]) == pytest.approx(0.0, abs=1e-15)
+    assert alignment([0.0, math.pi / 2]) == pytest.approx(0.0, abs=1e-15)
 
 
 def test_what_is_not_finite_or_endless_is_an_error() -> None:

@@ -13,7 +13,8 @@ import fmpy
 from fmpy import fmi2
 from fmpy.fmi1 import FMICallException
 
-from autobalancer.fmus.build import UNITS, build, contents
+from autobalancer.fmus.build import build, contents
+from autobalancer.fmus.catalogue import sized_unit
 from autobalancer.fmus.native import layout
 from autobalancer.fmus.native.layout import header, token
 
@@ -91,7 +92,7 @@ class Packager:
         return self._once("python", unit, options)
 
     def layout(self, unit: str, **options: object):
-        return UNITS[unit].configured(**self.options(unit, **options)).layout
+        return sized_unit(unit, **self.options(unit, **options)).layout
 
     def _once(self, runtime: str, unit: str, options: dict) -> Path:
         key = (runtime, unit, *sorted(options.items()))

@@ -18,7 +18,7 @@ from pathlib import Path
 
 import pytest
 
-from autobalancer.fmus.build import UNITS
+from autobalancer.fmus.catalogue import sized_unit
 from autobalancer.fmus.native.compile import SOURCES, libraries, stamp
 from autobalancer.fmus.native.layout import token
 
@@ -196,7 +196,7 @@ class Orders:
 
     def new(self, unit: str, **options) -> int:
         """An instance of a unit, not initialised."""
-        self.layouts.append(UNITS[unit].configured(**options).layout)
+        self.layouts.append(sized_unit(unit, **options).layout)
         number = len(self.layouts) - 1
         self.lines.append(f"new {number} {token(unit, options, stamp())}")
         return number

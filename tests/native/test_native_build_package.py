@@ -19,7 +19,8 @@ import pytest
 from fmpy.build import build_platform_binary
 from fmpy.validation import validate_fmu
 
-from autobalancer.fmus.build import UNITS, build, content_id, contents, identity
+from autobalancer.fmus.build import build, content_id, contents, identity
+from autobalancer.fmus.catalogue import sized_unit
 from autobalancer.fmus.native.compile import PLATFORMS, SOURCES, libraries, stamp
 from autobalancer.fmus.native.package import native_files, universal
 
@@ -108,7 +109,7 @@ def test_fmi_2_folders_serve_x86_and_arm(tmp_path):
 
 
 def test_fmi_3_folders_are_named_as_the_platforms_are_and_the_build_is_described():
-    unit = UNITS["LiquidBalancer"].configured(frame="rotor")
+    unit = sized_unit("LiquidBalancer", frame="rotor")
     files = native_files(unit, "liquid", lambda token, sources: b"", fmi=3)
     found = {name for name in files if name.startswith("binaries/")}
     suffixes = {"linux": "so", "windows": "dll", "darwin": "dylib"}

@@ -28,6 +28,12 @@ CASES: list[tuple[str, dict[str, Any]]] = [
     ),
 ]
 STEPS = 60
+MEETING: dict[str, dict[str, float]] = {
+    "contact": {"weight_radius": 0.018, "restitution": 0.4, "drag": 0.5},
+    "rolling": {"rolling_resistance": 0.008},
+    "offset": {"track_offset_xi": 2e-4, "track_offset_eta": -1e-4},
+    "all": {"weight_radius": 0.018, "rolling_resistance": 0.004, "track_offset_xi": 1e-4},
+}
 
 
 def ids(case: tuple[str, dict]) -> str:
@@ -106,6 +112,33 @@ def test_the_same_motion_to_1e_12_of_a_signals_range(fmus, packaging, case, seed
         allowed = np.maximum(allowed, 30.0 * np.abs(moved - still).max(axis=0))
         assert np.all(allowed < 1e-10 * size)
     assert np.all(np.abs(found - expected).max(axis=0) <= allowed)
+
+
+@pytest.mark.parametrize("frame", ["rotor", "fixed"])
+@pytest.mark.parametrize("option", MEETING)
+def test_weights_that_meet_stick_or_run_off_centre_move_alike(fmus, packaging, option, frame):
+    """Towards each other along a steady pull: they collide and come to rest together."""
+    layout = fmus.layout("BallBalancer", weights=3, frame=frame)
+    axis = "xi" if frame == "rotor" else "x"
+    seen = []
+    for make in (fmus.python, fmus.native):
+        host = packaging.Host(make("BallBalancer", weights=3, frame=frame))
+        start = {f"weight[{k}].angle0": 2.0 * k for k in (1, 2, 3)}
+        host.begin({"mass": 0.05, **start, **MEETING[option]})
+        rows = []
+        for k in range(400):
+            host.set({f"a_{axis}": -60.0, f"der(a_{axis})": 40.0 * (k % 5), "angle": 0.3 * k})
+            rows.append(host.outputs())
+            host.step(1e-3)
+            rows.append(host.outputs())
+        host.free()
+        seen.append(np.array(rows))
+    names = [v.name for v in layout.reals if v.causality == "output"]
+    gaps = np.diff(np.sort(seen[0][-1][[names.index(f"weight[{k}].angle") for k in (1, 2, 3)]]))
+    if frame == "rotor" and "weight_radius" in MEETING[option]:
+        assert gaps.min() == pytest.approx(2.0 * math.asin(0.018 / 0.05), abs=1e-9)
+    size = np.maximum(np.ptp(seen[0], axis=0), 1e-3 * np.abs(seen[0]).max(axis=0))
+    assert np.all(np.abs(seen[1] - seen[0]).max(axis=0) <= 1e-12 * size)
 
 
 @pytest.mark.parametrize("case", CASES, ids=ids)

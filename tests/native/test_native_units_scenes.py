@@ -8,23 +8,12 @@ import numpy as np
 import pytest
 
 from autobalancer.harness import bundled_scenes, cosimulate, load_scene
-from autobalancer.harness.scene.balancer import WeightBalancer
 from autobalancer.harness.wiring import file_name, plan
 
-POINTLIKE = ("weight_radius", "rolling_resistance", "track_offset_xi", "track_offset_eta")
 
-
-def of_point_weights(name: str) -> bool:
-    """Whether no balancer of the scene has contacts, rolling resistance or an offset track."""
-    return not any(
-        isinstance(balancer, WeightBalancer) and any(getattr(balancer, key) for key in POINTLIKE)
-        for balancer in load_scene(name).balancer
-    )
-
-
-@pytest.mark.parametrize("name", [name for name in bundled_scenes() if of_point_weights(name)])
+@pytest.mark.parametrize("name", bundled_scenes())
 def test_a_scene_moves_alike_on_native_and_python_units(fmus, tmp_path, name):
-    """To 1e-12 of each signal's range over 20 revolutions."""
+    """To 1e-12 of each signal's range over 20 revolutions, collisions and sticking included."""
     scene = load_scene(name).replace({"run.revolutions": 20})
     for unit in plan(scene):
         source = fmus.native(unit.model, **unit.options)

@@ -21,6 +21,9 @@ TOGETHER = [
     (LIQUID, {}, {"float_radius": 0.05}),
     (LIQUID, {}, {"float_radius": 0.3}),
     (BALLS, {}, {"weight_radius": 0.05}),
+    (BALLS, {"weights": 3}, {"weight_radius": 0.049}),
+    (BALLS, {}, {"restitution": 1.25}),
+    (BALLS, {}, {"weight_radius": 0.01, "weight[2].angle0": 0.3}),
     (ROTOR, TWO, {"polar_inertia": 1.5}),
     (ROTOR, FLEXIBLE, {"station[3].z": 0.1}),
     (ROTOR, FLEXIBLE, {"station[4].z": -1.0, "support[2].position": -1.0}),
@@ -189,21 +192,6 @@ def test_weights_that_cannot_be_moved_stay_where_they_are(fmus, packaging, input
         host.step(1e-3)
         host.free()
     assert said[1] == said[0]
-
-
-@pytest.mark.parametrize(
-    "values",
-    [
-        {"weight_radius": 0.005},
-        {"rolling_resistance": 0.01},
-        {"track_offset_xi": 1e-4},
-        {"track_offset_eta": -1e-4},
-    ],
-)
-def test_what_the_library_does_not_have_yet_is_refused(fmus, packaging, values):
-    host = packaging.Host(fmus.native(BALLS))
-    assert "the Python unit has the others" in host.refused(lambda: host.begin(values))
-    host.free()
 
 
 def test_one_weight_may_have_a_size(fmus, packaging):

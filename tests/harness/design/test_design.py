@@ -37,7 +37,7 @@ from autobalancer.harness.scene.check import (
     SlowRootCheck,
 )
 from autobalancer.models.papers.positions import fan_angles, least_distance
-from autobalancer.models.weights import spread
+from autobalancer.models.weights import alignment
 
 
 def test_random_starts_never_overlap_and_reach_the_whole_circle():
@@ -54,7 +54,7 @@ def test_facing_starts_never_overlap_and_have_a_larger_spread():
         starts = [facing_start(count, alpha, rng) for _ in range(50)]
         assert min(map(least_distance, starts)) >= 2 * alpha - 1e-12
         others = [random_start(count, alpha, rng) for _ in range(50)]
-        medians = [np.median([spread(start) for start in some]) for some in (starts, others)]
+        medians = [np.median([alignment(start) for start in some]) for some in (starts, others)]
         assert medians[0] > medians[1] + 0.1
 
 
@@ -135,7 +135,7 @@ def test_decay_says_why_a_slow_root_is_not_compared():
     moved = decay(*args, falling, [closer] * 390 + [balanced] * 10)
     assert moved.excluded == "contacts change"
     # at p near 0 both slow roots are the same
-    assert spread(spread_out) < 1e-12
+    assert alignment(spread_out) < 1e-12
     assert decay(*args, falling, [balanced] * 400).excluded in (
         "others nearly as slow",
         "slowest motion swings",

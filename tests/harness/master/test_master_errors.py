@@ -123,7 +123,7 @@ def failing_late(name: str, content: bytes) -> tuple[str, bytes]:
     if name.endswith((".py", ".txt", ".xml", ".json")):
         text = content.decode()
         text = re.sub(r"_([0-9a-f]{16})\b", lambda m: "_" + m[1][::-1], text)
-        if name.endswith("fmus/weights.py"):
+        if name.endswith("fmus/weights/slave.py"):
             start = "    def step(self, step: float) -> None:\n"
             assert text.count(start) == 1
             trap = "        if self.time > 0.5:\n            raise ArithmeticError('it broke')\n"

@@ -30,7 +30,7 @@ def test_assembly_carries_the_scene_s_numbers():
     assert assembly.added_mass == pytest.approx([0.05])
     assert assembly.rotor.stiffness_y[0, 0] == 49.0
     assert assembly.balancers[0].plane == 0
-    assert assembly.balancers[0].device.capacity == pytest.approx(0.05)
+    assert assembly.balancers[0].device.point_capacity == pytest.approx(0.05)
 
 
 @pytest.mark.parametrize("name", LIQUID_CASES)

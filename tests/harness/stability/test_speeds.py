@@ -64,7 +64,7 @@ def test_units_rest_where_no_unbalance_is_left(name):
             [i for i, s in enumerate(motion.units.states) if s.output.endswith("].angle")],
         )
     assembly = scene.assembly()
-    given = sum(m.device.capacity for m in assembly.weights)
+    given = sum(m.device.point_capacity for m in assembly.weights)
     assert np.abs(residual_unbalance(assembly, angles)).max() < 1e-9 * given
     assert not rest.any()
 
@@ -349,12 +349,12 @@ def test_check_compares_units_with_floquet():
 def test_check_fails_when_floquet_is_not_that_of_the_units(monkeypatch):
     from autobalancer.models.linear import boundaries as module
 
-    true = module.critical_speeds
+    true = module.balancing_boundaries
 
     def shifted(assembly, low, high, **options):
         return [Crossing(1.002 * c.speed, c.above) for c in true(assembly, low, high, **options)]
 
-    monkeypatch.setattr("autobalancer.harness.stability.boundaries.critical_speeds", shifted)
+    monkeypatch.setattr("autobalancer.harness.stability.boundaries.balancing_boundaries", shifted)
     (row,) = run_checks(quick())
     assert not row.holds
     assert row.error == pytest.approx(0.002, rel=1e-2)

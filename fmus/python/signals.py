@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-FRAMES = {"rotor": ("xi", "eta"), "fixed": ("x", "y")}
-
 
 def orders(signal: Sequence[float]) -> tuple[complex, complex, complex, complex]:
     """Value and derivatives 1 to 3 from the eight inputs of one vector signal."""

@@ -8,64 +8,44 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
-from ..models.rotor import LinearRotor
-from ..models.steps.propagator import step_matrix
-from ..models.steps.variable_speed import VariableSpeedStep
-from .rotor_kinds import KINDS
-from .rotor_parts import SHAFTS, Sizes
-from .rotor_variables import rotor_variables
-from .signals import FRAMES
-from .slave import Unit
-from .variables import ORDERS, Variable
-
-TURN = 2.0 * math.pi
-_TURN_ROUNDING = 2.4492935982947064e-16  # 2 pi minus its floating-point value
+from ...models.rotor import LinearRotor
+from ...models.steps.propagator import step_matrix
+from ...models.steps.variable_speed import VariableSpeedStep
+from ..python.slave import Slave
+from ..variables import ORDERS
+from .angle import total, turned
+from .kinds import ROTORS
+from .parameters import RotorSizes
+from .variables import ROTOR
 
 
-class RotorOnSupports(Unit):
+class RotorOnSupports(Slave):
     """Linear rotor with n stations and p planes; exact step at constant speed.
 
     Its `memory` is the angle (whole turns, remainder, rounding carried along), then displacements
     and velocities of the stations, x and y alternating.
     """
 
-    frame = "rotor"
-    kind = "planar"
-    stations = 1
-    planes = 1
-    unbalances = 1
-    shaft = SHAFTS[0]
-
-    @classmethod
-    def sizes(cls) -> Sizes:
-        """What the build has fixed."""
-        return Sizes(cls.stations, cls.planes, cls.unbalances, cls.shaft)
-
-    @classmethod
-    def variables(cls) -> list[Variable]:
-        kind, axes = KINDS[cls.kind], FRAMES[cls.frame]
-        own = kind.variables(cls.sizes())
-        crossed = kind.gyroscopic or cls.frame == "rotor"
-        return rotor_variables(own, cls.stations, cls.planes, axes, crossed)
+    unit = ROTOR
+    sizes: RotorSizes
 
     def parameters(self) -> None:
-        values = {v.name: self.value(v.name) for v in self.layout.reals[self.layout.parameters]}
-        self.rotor = KINDS[self.kind].rotor(values, self.sizes())
-        self.turning = self.frame == "rotor"
-        size = (4 * self.stations) + 2 * ORDERS * self.planes + 2
+        self.rotor = ROTORS[self.sizes.kind](self.parameter_values(), self.sizes)
+        self.turning = self.sizes.frame == "rotor"
+        size = (4 * self.sizes.stations) + 2 * ORDERS * self.sizes.planes + 2
         self._vector = np.empty(size)
         # an isotropic rotor computes with complex numbers over the same memory
         self._operand = self._vector.view(complex) if self.rotor.isotropic else self._vector
 
     def begin(self) -> None:
-        first = self.layout.parameters.stop - 4 * self.stations - 1
+        first = self.layout.parameters.stop - 4 * self.sizes.stations - 1
         angle, *motion = self.real[first : self.layout.parameters.stop]
-        self.memory = _turned([0.0, 0.0, 0.0], angle) + motion
+        self.memory = turned([0.0, 0.0, 0.0], angle) + motion
 
     def step(self, step: float) -> None:
         speed, spin_up = self._drive()
         motion, planes = self._propagate(step)
-        angle = _turned(self.memory[:3], step * (speed + 0.5 * spin_up * step))
+        angle = turned(self.memory[:3], step * (speed + 0.5 * spin_up * step))
         self.memory = angle + motion
         self._put(planes, angle[1], speed + spin_up * step)
 
@@ -74,15 +54,14 @@ class RotorOnSupports(Unit):
         self._put(planes, self.memory[1], self._drive()[0])
 
     def observe(self) -> None:
-        turns, rest, carry, *motion = self.memory
-        places, bending = self._shape(motion[: 2 * self.stations])
-        angle = turns * TURN + (rest + (turns * _TURN_ROUNDING - carry))
+        angle, motion = total(self.memory[:3]), self.memory[3:]
+        places, bending = self._shape(motion[: 2 * self.sizes.stations])
         self.real[self.layout.observed] = [angle, *motion, *places, bending]
 
     def _shape(self, stations: list[float]) -> tuple[list[float], float]:
         """Displacements of the planes and largest bending, from those of the stations."""
-        if self.kind == "planar":  # one station, the disc, and every plane a port at it
-            return stations * self.planes, math.hypot(*stations)
+        if self.sizes.kind == "planar":  # one station, the disc, and every plane a port at it
+            return stations * self.sizes.planes, math.hypot(*stations)
         place = np.array(stations).reshape(-1, 2)
         bending = self.rotor.deflection @ place
         largest = float(np.hypot(bending[:, 0], bending[:, 1]).max(initial=0.0))
@@ -90,7 +69,7 @@ class RotorOnSupports(Unit):
 
     def _drive(self) -> list[float]:
         """Speed and angular acceleration at the start of the step."""
-        first = self.layout.inputs.start + self.planes
+        first = self.layout.inputs.start + self.sizes.planes
         return self.real[first : first + 2]
 
     def _propagate(self, step: float) -> tuple[list[float], list[float]]:
@@ -99,7 +78,7 @@ class RotorOnSupports(Unit):
         Both in fixed axes, x and y alternating.
         """
         inputs = self.real[self.layout.inputs]
-        p = self.planes
+        p = self.sizes.planes
         speed, spin_up = inputs[p : p + 2]
         if spin_up:
             return self._propagate_variable(step, inputs)
@@ -111,13 +90,13 @@ class RotorOnSupports(Unit):
         self._vector[:] = [*self.memory[3:], *forces, c, s]
         matrix = _matrix(self.rotor, tuple(inputs[:p]), speed, step, self.turning)
         result = matrix.dot(self._operand).view(float).tolist()
-        n = 4 * self.stations
+        n = 4 * self.sizes.stations
         return result[:n], result[n:]
 
     def _propagate_variable(
         self, step: float, inputs: list[float]
     ) -> tuple[list[float], list[float]]:
-        p = self.planes
+        p = self.sizes.planes
         speed, spin_up = inputs[p : p + 2]
         method = _variable(self.rotor, tuple(inputs[:p]), self.turning)
         forces = np.array(inputs[p + 2 :]).view(complex).reshape(ORDERS, p)
@@ -131,7 +110,7 @@ class RotorOnSupports(Unit):
 
     def _put(self, planes: list[float], angle: float, speed: float) -> None:
         """Computed outputs from acceleration and jerk of the planes in fixed axes."""
-        n = 2 * self.planes
+        n = 2 * self.sizes.planes
         a, j = planes[:n], planes[n:]
         if self.turning:
             # (a e^{-i beta})' = (j - i w a) e^{-i beta}
@@ -144,29 +123,12 @@ class RotorOnSupports(Unit):
 
 def _rotated(pairs: list[float], c: float, s: float) -> list[float]:
     """Vectors (x, y alternating) turned by the angle with this cosine and sine."""
-    turned = pairs[:]
+    rotated = pairs[:]
     for k in range(0, len(pairs), 2):
         x, y = pairs[k], pairs[k + 1]
-        turned[k] = x * c - y * s
-        turned[k + 1] = x * s + y * c
-    return turned
-
-
-def _turned(angle: list[float], by: float) -> list[float]:
-    """The angle (turns, remainder, carry) turned by `by` [rad]; Kahan's summation."""
-    turns, rest, carry = angle
-    if abs(by) > math.pi:
-        part = math.remainder(by, TURN)
-        whole = float(round((by - part) / TURN))
-        by, turns, carry = part, turns + whole, carry + whole * _TURN_ROUNDING
-    by -= carry
-    total = rest + by
-    carry = (total - rest) - by
-    if total > math.pi:
-        total, turns, carry = total - TURN, turns + 1.0, carry + _TURN_ROUNDING
-    elif total < -math.pi:
-        total, turns, carry = total + TURN, turns - 1.0, carry - _TURN_ROUNDING
-    return [turns, total, carry]
+        rotated[k] = x * c - y * s
+        rotated[k + 1] = x * s + y * c
+    return rotated
 
 
 @lru_cache(maxsize=256)

@@ -1,0 +1,322 @@
+"""Base class of the Python units: FMI 2.0 co-simulation over pythonfmu, without its traps.
+
+A unit adds its equations in four methods, in this order: `parameters`, `begin`, `step`, `outputs`
+(and `observe` for what is computed only when read).  Everything else is here.
+"""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Mapping, Sequence
+from functools import cache
+from typing import Any, ClassVar
+
+from ..unit import SizedUnit, Sizes, Unit
+from ..variables import Layout
+from ._pythonfmu import Fmi2Slave, Fmi2Status
+from .access import BEGINNING, COMPUTED, FRESH, OBSERVED, Access, known
+from .host import keep
+
+OPTIONS = "options.json"  # file in an FMU's resources: build options, and with them the sizes
+
+
+class Slave(Fmi2Slave):
+    """A co-simulation slave whose Reals are one list, indexed by value reference.
+
+    Args:
+        instance_name: shown in messages.
+        options: build options; default: those in the FMU's resources, or the unit's defaults where
+            there are no resources.
+
+    Attributes:
+        sizes, layout: what the options say.
+        real, boolean: values of all variables.
+        memory: state of the equations.  A step replaces the list and never changes it in place, so
+            that saving a state needs no copy and a failed step is undone by keeping the old list.
+        time: communication point reached [s].
+
+    Raises:
+        ValueError, TypeError: the options are not those of the unit.
+    """
+
+    unit: ClassVar[Unit]
+    sizes: Sizes
+
+    # -- what a unit supplies ---------------------------------------------------------------------
+
+    def parameters(self) -> None:
+        """Make the physical model from the parameters; may raise ValueError."""
+
+    def begin(self) -> None:
+        """Set `memory` to the initial state."""
+
+    def step(self, step: float) -> None:
+        """Replace `memory` and the computed outputs by those at the end of the step [s]."""
+        raise NotImplementedError
+
+    def outputs(self) -> None:
+        """Compute the outputs from `memory` and the inputs as they are now."""
+        raise NotImplementedError
+
+    def observe(self) -> None:
+        """Compute the outputs declared as observed."""
+
+    def parameter_values(self) -> dict[str, float]:
+        """Values of the Real parameters by name."""
+        group = self.layout.parameters
+        names = (v.name for v in self.layout.reals[group])
+        return dict(zip(names, self.real[group], strict=True))
+
+    def flag(self, name: str) -> bool:
+        """A Boolean by name."""
+        return self.boolean[self.layout.boolean_index[name]]
+
+    # -- life cycle -------------------------------------------------------------------------------
+
+    def __init__(self, *, options: Mapping[str, Any] | None = None, **kwargs: Any) -> None:
+        super().__init__(**kwargs)
+        if options is None:
+            options = _options_in(self.resources) if self.resources else {}
+        sized = self.unit.sized(options)
+        self.sizes = sized.sizes
+        self.layout, self._access = _shared(sized)
+        self.real: list[float] = self.layout.starts[:]
+        self.boolean: list[bool] = self.layout.boolean_starts[:]
+        self.memory: list[float] = []
+        self.time = 0.0
+        self._running = False
+        self._stale = BEGINNING
+        self._warned: set[str] = set()
+
+    def setup_experiment(
+        self, start_time: float, stop_time: float | None, tolerance: float | None
+    ) -> None:
+        """Remember the start time."""
+        self.time = start_time
+
+    def exit_initialization_mode(self) -> None:
+        """Check every parameter and start the equations; raises what is wrong, logged."""
+        try:
+            self._refresh(FRESH)
+        except Exception as error:
+            raise self._fatal("initialisation failed", error) from None
+        self._running = True
+
+    def do_step(self, current_time: float, step_size: float) -> bool:
+        """One communication step; False (fmi2Discard) with the reason logged when it fails.
+
+        After a failure the state is that of before the step.
+        """
+        before = self.memory
+        try:
+            if self._stale == BEGINNING:
+                self._refresh(COMPUTED)
+                before = self.memory
+            self._running = True
+            if not 0.0 < step_size < math.inf:
+                raise ValueError(f"communication step size = {step_size!r} s: must be above 0 s")
+            self._demand_finite(self.layout.inputs)
+            self.step(step_size)
+            self._demand_finite(self.layout.computed)
+        except Exception as error:
+            self.memory = before
+            self._stale = max(self._stale, COMPUTED)
+            self._report(f"step of {step_size!r} s failed", error)
+            return False
+        except BaseException:
+            keep(self, self.log_queue, type(self))
+            raise
+        self.time = current_time + step_size
+        self._stale = OBSERVED
+        return True
+
+    # -- values -----------------------------------------------------------------------------------
+
+    def get_real(self, vrs: Sequence[int]) -> list[float]:
+        """Values of the Reals, brought up to date first."""
+        try:
+            key = tuple(vrs)
+            try:
+                pick, level = self._access.readers[key]
+            except KeyError:
+                pick, level = self._access.reader(key)
+            if self._stale > level:
+                self._refresh(level)
+            return pick(self.real)
+        except Exception as error:
+            raise self._fatal("reading failed", error) from None
+
+    def set_real(self, vrs: Sequence[int], values: Sequence[float]) -> None:
+        """Set parameters and inputs; while running, inputs only."""
+        try:
+            key = tuple(vrs)
+            try:
+                where, inputs_only = self._access.writers[key]
+            except KeyError:
+                where, inputs_only = self._access.writer(key)
+            if inputs_only:
+                if self._stale < COMPUTED:
+                    self._stale = COMPUTED
+            elif self._running:
+                raise ValueError(self._access.fixed(key))
+            else:
+                self._stale = BEGINNING
+            if where.__class__ is slice:
+                self.real[where] = values
+            else:
+                for vr, value in zip(where, values, strict=True):  # type: ignore[arg-type]
+                    self.real[vr] = value
+        except Exception as error:
+            raise self._fatal("setting failed", error) from None
+
+    def get_boolean(self, vrs: Sequence[int]) -> list[bool]:
+        """Values of the Booleans."""
+        try:
+            known(vrs, len(self.boolean))
+            return [self.boolean[vr] for vr in vrs]
+        except Exception as error:
+            raise self._fatal("reading failed", error) from None
+
+    def set_boolean(self, vrs: Sequence[int], values: Sequence[bool]) -> None:
+        """Set Booleans, all of which are parameters."""
+        try:
+            known(vrs, len(self.boolean))
+            if self._running:
+                names = [self.layout.booleans[vr].name for vr in vrs]
+                raise ValueError(f"{', '.join(names)}: fixed once initialisation has ended")
+            for vr, value in zip(vrs, values, strict=True):
+                self.boolean[vr] = bool(value)
+            self._stale = BEGINNING
+        except Exception as error:
+            raise self._fatal("setting failed", error) from None
+
+    def _wrong_type(self, vrs: Sequence[int], *values: Any) -> Any:
+        error = ValueError(f"value references {list(vrs)}: the unit has Reals and Booleans only")
+        raise self._fatal("access failed", error)
+
+    get_integer = set_integer = get_string = set_string = _wrong_type
+
+    # -- state ------------------------------------------------------------------------------------
+
+    def _get_fmu_state(self) -> dict[str, Any]:
+        return {
+            "unit": self._signature(),
+            "time": self.time,
+            "running": self._running,
+            "stale": self._stale,
+            "real": self.real[:],
+            "boolean": self.boolean[:],
+            "memory": self.memory,
+        }
+
+    def _set_fmu_state(self, state: dict[str, Any]) -> None:
+        try:
+            if state["unit"] != self._signature():
+                raise ValueError(
+                    f"the state belongs to {state['unit']!r}, not to {self._signature()!r}"
+                )
+            fixed = self.layout.parameters
+            other = (
+                self._stale == BEGINNING
+                or self.real[fixed] != state["real"][fixed]
+                or self.boolean != state["boolean"]
+            )
+            self.time = state["time"]
+            self._running = state["running"]
+            self._stale = state["stale"]
+            self.real = state["real"][:]
+            self.boolean = state["boolean"][:]
+            self.memory = state["memory"]
+            if other and self._stale < BEGINNING:
+                self.parameters()
+        except Exception as error:
+            raise self._fatal("restoring a state failed", error) from None
+
+    @staticmethod
+    def _fmu_state_to_bytes(state: dict[str, Any]) -> bytes:
+        return json.dumps(state).encode("ascii")
+
+    @staticmethod
+    def _fmu_state_from_bytes(state: bytes) -> dict[str, Any]:
+        # an exception here could not be made safe, for lack of the instance: `set` refuses instead
+        try:
+            found = json.loads(state.decode("ascii"))
+        except ValueError as error:
+            return {"unit": f"unreadable bytes ({error})"}
+        return found if isinstance(found, dict) and "unit" in found else {"unit": "other data"}
+
+    # -- inside -----------------------------------------------------------------------------------
+
+    def _signature(self) -> str:
+        """Whose state it is: within an FMU the module is named after the sources' content."""
+        return f"{type(self).__module__} {self.layout.signature}"
+
+    def _refresh(self, level: int) -> None:
+        """Bring the outputs up to date so far that `_stale` is at most `level`."""
+        if self._stale == BEGINNING:
+            self._check_values()
+            self.parameters()
+            self.begin()
+            self._stale = COMPUTED
+        if self._stale == COMPUTED and level < COMPUTED:
+            self._demand_finite(self.layout.inputs)
+            self.outputs()
+            self._demand_finite(self.layout.computed)
+            self._stale = OBSERVED
+        if self._stale == OBSERVED and level < OBSERVED:
+            self.observe()
+            self._stale = FRESH
+
+    def _check_values(self) -> None:
+        end = self.layout.inputs.stop
+        known = zip(self.layout.reals[:end], self.real[:end], strict=True)
+        problems = [text for variable, value in known if (text := variable.problem(value))]
+        if problems:
+            raise ValueError("; ".join(problems))
+
+    def _demand_finite(self, group: slice) -> None:
+        total = sum(self.real[group])
+        if total - total == 0.0:  # neither infinite nor NaN
+            return
+        values = zip(self.layout.reals[group], self.real[group], strict=True)
+        for variable, value in values:
+            if not math.isfinite(value):
+                raise ArithmeticError(f"{variable.shown(value)}: must be a finite number")
+
+    def warn_once(self, key: str, text: str, time: float) -> None:
+        """Log a warning the first time it applies in this instance."""
+        if key not in self._warned:
+            self._warned.add(key)
+            self.log(f"{self.instance_name} at t = {time!r} s: {text}", Fmi2Status.warning)
+
+    def _report(self, what: str, error: Exception) -> str:
+        reason = str(error) or type(error).__name__
+        text = f"{self.instance_name} at t = {self.time!r} s: {what}: {reason}"
+        self.log(text, Fmi2Status.error)
+        return text
+
+    def _fatal(self, what: str, error: Exception) -> Exception:
+        """The exception to raise through pythonfmu: logged first, and made safe for the host."""
+        keep(self, self.log_queue, type(self))
+        return RuntimeError(self._report(what, error))
+
+
+@cache
+def _shared(sized: SizedUnit) -> tuple[Layout, Access]:
+    """What instances of the same sizes have in common."""
+    return sized.layout, Access(sized.layout)
+
+
+_options: dict[str, dict[str, Any]] = {}  # by resources folder
+
+
+def _options_in(resources: str) -> dict[str, Any]:
+    """Options of the FMU whose resources are there; for a reset the folder may be gone by then."""
+    try:
+        with open(f"{resources}/{OPTIONS}", encoding="utf-8") as file:
+            _options[resources] = json.load(file)
+    except FileNotFoundError:
+        if resources not in _options:
+            raise
+    return _options[resources]

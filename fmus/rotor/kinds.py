@@ -1,0 +1,99 @@
+"""Values of a rotor's parameters made into a `LinearRotor`, for each kind of rotor."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+
+import numpy as np
+
+from ...models.rotor import LinearRotor
+from .parameters import RotorSizes
+
+Values = Mapping[str, float]
+
+_ONTO = 1e-9  # of the shaft's length: a place this near to a station is the station
+
+
+def planar(values: Values, sizes: RotorSizes) -> LinearRotor:
+    """A disc in its plane: Filimonikhina 2017, Dubovik 2006."""
+    rotor = LinearRotor.planar(
+        values["mass"],
+        (values["stiffness_x"], values["stiffness_y"]),
+        (values["damping_x"], values["damping_y"]),
+        values["internal_damping"],
+        values["unbalance"],
+        values["unbalance_angle"],
+    )
+    # several planes are several ports at the one disc
+    return replace(rotor, planes=np.ones((sizes.planes, 1)))
+
+
+def two_support(values: Values, sizes: RotorSizes) -> LinearRotor:
+    """A rigid body on two supports: Polushkin 2016."""
+    return LinearRotor.two_support(
+        **{name: values[name] for name in ("mass", "inertia", "polar_inertia", "span", "com")},
+        stiffness=_supports(values, "stiffness"),
+        damping=_supports(values, "damping"),
+        planes=[values[f"plane[{i}].position"] for i in range(1, sizes.planes + 1)],
+        unbalances=_unbalances(values, sizes),
+    )
+
+
+def flexible(values: Values, sizes: RotorSizes) -> LinearRotor:
+    """Discs on an elastic shaft: Filimonikhin 2011."""
+    n = sizes.stations
+    z = [values[f"station[{j}].z"] for j in range(1, n + 1)]
+    ends = [_station_at(z, f"support[{s}].position", values) + 1 for s in (1, 2)]
+    shaft: dict = {"bending_stiffness": values.get("bending_stiffness")}
+    if sizes.shaft == "compliance":
+        shaft = {"compliance": _symmetric(values, n - 2)}
+    rotor = LinearRotor.flexible(
+        stations=z,
+        masses=[values[f"station[{j}].mass"] for j in range(1, n + 1)],
+        supports=ends,
+        support_stiffness=_supports(values, "stiffness"),
+        support_damping=_supports(values, "damping"),
+        internal_damping=values["internal_damping"],
+        # one without amount may keep its default place, where there is no station
+        unbalances=[u for u in _unbalances(values, sizes) if u[1] != 0.0],
+        **shaft,
+    )
+    # only the planes that carry something are ports
+    ports = [_station_at(z, f"plane[{i}].position", values) for i in range(1, sizes.planes + 1)]
+    return replace(rotor, planes=rotor.planes[ports])
+
+
+ROTORS = {"planar": planar, "two_support": two_support, "flexible": flexible}
+
+
+def _supports(values: Values, what: str) -> list[list[float]]:
+    return [[values[f"support[{s}].{what}_{axis}"] for axis in "xy"] for s in (1, 2)]
+
+
+def _unbalances(values: Values, sizes: RotorSizes) -> list[tuple[float, float, float]]:
+    return [
+        (
+            values[f"unbalance[{k}].position"],
+            values[f"unbalance[{k}].amount"],
+            values[f"unbalance[{k}].angle"],
+        )
+        for k in range(1, sizes.unbalances + 1)
+    ]
+
+
+def _symmetric(values: Values, size: int) -> list[list[float]]:
+    """The compliance from its upper triangle."""
+    return [
+        [values[f"compliance[{min(j, k)},{max(j, k)}]"] for k in range(1, size + 1)]
+        for j in range(1, size + 1)
+    ]
+
+
+def _station_at(z: list[float], name: str, values: Values) -> int:
+    """Index of the station at a place; raises ValueError when there is none."""
+    place = values[name]
+    nearest = min(range(len(z)), key=lambda j: abs(z[j] - place))
+    if not abs(z[nearest] - place) <= _ONTO * abs(z[-1] - z[0]):
+        raise ValueError(f"{name} = {place!r} m: must be the place of a station, one of {z} m")
+    return nearest

@@ -1,0 +1,152 @@
+"""Parameters of each kind of rotor."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from ..unit import Sizes, count, one_of
+from ..variables import Variable, parameter
+
+_SPAN = 0.8  # m, between the supports of a body nobody has described yet
+_SPACING = 0.1  # m, between the stations of such a shaft
+_STEEL_20_MM = 1.6e3  # N m^2, E I of a steel shaft of 20 mm
+
+
+@dataclass(frozen=True)
+class RotorSizes(Sizes):
+    """Sizes of a rotor.
+
+    Attributes:
+        kind: planar | two_support | flexible.
+        stations, planes, unbalances: numbers of them.
+        shaft: how a flexible rotor's is given: "uniform" (bending stiffness) or "compliance" (a
+            matrix).
+    """
+
+    kind: str = one_of("planar", "two_support", "flexible")
+    stations: int = count(1)
+    planes: int = count(1)
+    unbalances: int = count(1, of=("two_support", "flexible"))
+    shaft: str = one_of("uniform", "compliance", of=("flexible",))
+
+
+def planar(sizes: RotorSizes) -> list[Variable]:
+    """A disc in its plane: Filimonikhina 2017, Dubovik 2006."""
+    if sizes.stations != 1:
+        raise ValueError(f"stations = {sizes.stations!r}: a planar rotor has exactly 1")
+    return [
+        parameter("mass", 2.0, "kg", "Disc without weights or liquid", minimum=0.0, above=True),
+        parameter("stiffness_x", 8.0e4, "N/m", "Of the supports, along x", minimum=0.0),
+        parameter("stiffness_y", 8.0e4, "N/m", "Of the supports, along y", minimum=0.0),
+        parameter("damping_x", 40.0, "N.s/m", "Of the supports, along x", minimum=0.0),
+        parameter("damping_y", 40.0, "N.s/m", "Of the supports, along y", minimum=0.0),
+        parameter("internal_damping", 0.0, "N.s/m", "Of the turning shaft", minimum=0.0),
+        parameter("unbalance", 2.0e-4, "kg.m", "Static moment", minimum=0.0),
+        parameter("unbalance_angle", 0.0, "rad", "Of the unbalance, in the rotor"),
+    ]
+
+
+def two_support(sizes: RotorSizes) -> list[Variable]:
+    """A rigid body on two supports: Polushkin 2016."""
+    if sizes.stations != 2:
+        raise ValueError(
+            f"stations = {sizes.stations!r}: a rotor on two supports has exactly 2, its supports"
+        )
+    places = [_SPAN * i / (sizes.planes + 1) for i in range(1, sizes.planes + 1)]
+    where = "From support 1"
+    return [
+        parameter("mass", 12.0, "kg", "Without weights or liquid", minimum=0.0, above=True),
+        parameter("inertia", 0.7, "kg.m2", "Transverse, about the centre", minimum=0.0, above=True),
+        parameter("polar_inertia", 0.1, "kg.m2", "About the axis of rotation", minimum=0.0),
+        parameter("span", _SPAN, "m", "Between the supports", minimum=0.0, above=True),
+        parameter("com", _SPAN / 2.0, "m", "Centre of mass from support 1"),
+        *_supports(2.0e5, 150.0),
+        *_planes(places, where),
+        *_unbalances(sizes, places[0], where),
+    ]
+
+
+def flexible(sizes: RotorSizes) -> list[Variable]:
+    """Discs on an elastic shaft: Filimonikhin 2011."""
+    n = sizes.stations
+    if n < 2:
+        raise ValueError(f"stations = {n!r}: a flexible rotor has at least 2, its supports")
+    z = [_SPACING * j for j in range(n)]
+    where = "Place on the shaft, that of a station"
+    discs = [
+        v
+        for j, place in enumerate(z, start=1)
+        for v in (
+            parameter(f"station[{j}].z", place, "m", "Place on the shaft, beyond the one before"),
+            parameter(f"station[{j}].mass", 1.0, "kg", "Of its disc", minimum=0.0, above=True),
+        )
+    ]
+    places = [z[(i + n // 2) % n] for i in range(sizes.planes)]
+    softest = "Of the shaft, where it is softest"
+    return [
+        *discs,
+        parameter("support[1].position", z[0], "m", where),
+        parameter("support[2].position", z[-1], "m", where),
+        *_supports(2.0e5, 150.0),
+        *_shaft(sizes, z),
+        parameter("internal_damping", 0.0, "N.s/m", softest, minimum=0.0),
+        *_planes(places, where),
+        *_unbalances(sizes, z[n // 2], where),
+    ]
+
+
+PARAMETERS = {"planar": planar, "two_support": two_support, "flexible": flexible}
+
+
+def _supports(stiffness: float, damping: float) -> list[Variable]:
+    return [
+        parameter(f"support[{s}].{what}_{axis}", start, unit, f"Along {axis}", minimum=0.0,
+                  above=above)
+        for s in (1, 2)
+        for what, start, unit, above in (
+            ("stiffness", stiffness, "N/m", True),
+            ("damping", damping, "N.s/m", False),
+        )
+        for axis in "xy"
+    ]  # fmt: skip
+
+
+def _planes(places: Sequence[float], where: str) -> list[Variable]:
+    return [
+        parameter(f"plane[{i}].position", place, "m", where) for i, place in enumerate(places, 1)
+    ]
+
+
+def _unbalances(sizes: RotorSizes, place: float, where: str) -> list[Variable]:
+    return [
+        v
+        for k in range(1, sizes.unbalances + 1)
+        for v in (
+            parameter(f"unbalance[{k}].position", place, "m", where),
+            parameter(f"unbalance[{k}].amount", 2.0e-4 * (k == 1), "kg.m", "Static moment",
+                      minimum=0.0),
+            parameter(f"unbalance[{k}].angle", 0.0, "rad", "In the rotor"),
+        )
+    ]  # fmt: skip
+
+
+def _shaft(sizes: RotorSizes, z: Sequence[float]) -> list[Variable]:
+    """How the shaft bends, by one of the two descriptions."""
+    if sizes.shaft == "uniform":
+        text = "E I of the uniform shaft"
+        return [parameter("bending_stiffness", _STEEL_20_MM, "N.m2", text, minimum=0.0, above=True)]
+    text = "Displacement at one by a unit force at the other of the stations that are no supports"
+    inner = range(1, len(z) - 1)
+    return [
+        parameter(f"compliance[{j},{k}]", _compliance(z[j], z[k], z[-1]), "m/N", text)
+        for j in inner
+        for k in inner
+        if j <= k
+    ]
+
+
+def _compliance(a: float, b: float, span: float) -> float:
+    """Displacement at a by a unit force at b >= a of a uniform shaft supported at 0 and span."""
+    rest = span - b
+    return a * rest * (span**2 - rest**2 - a**2) / (6.0 * span * _STEEL_20_MM)

@@ -1,0 +1,125 @@
+"""A unit as it is declared: its sizes, its variables, and what is said about it.
+
+Nothing here needs more than the standard library: the C units take their variables from the same
+declarations before NumPy or pythonfmu are installed.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field, fields
+from functools import cache
+from typing import Any
+
+from .variables import Layout, Variable
+
+
+def one_of(*words: str, of: tuple[str, ...] = ()) -> Any:
+    """A choice out of words, the first of them unless told otherwise; `of` as for `count`."""
+    return field(default=words[0], metadata={"words": words, "of": of})
+
+
+def count(default: int, of: tuple[str, ...] = ()) -> Any:
+    """A whole number, at least 1; when `of` is given, of these kinds of the unit only."""
+    return field(default=default, metadata={"words": (), "of": of})
+
+
+@dataclass(frozen=True)
+class Sizes:
+    """What is fixed when a unit is instantiated: a field a build option, by `one_of` or `count`.
+
+    Attributes:
+        frame: axes of the signals: "rotor" (xi, eta, which turn with it) or "fixed" (x, y).
+
+    Raises:
+        ValueError: an option is not one of those allowed; the text names it.
+    """
+
+    frame: str = one_of("rotor", "fixed")
+
+    def __post_init__(self) -> None:
+        for name, value in self.options.items():
+            words = self.words(name)
+            if words and value not in words:
+                raise ValueError(f"{name} = {value!r}: must be one of {alternatives(words)}")
+            if not words and (not isinstance(value, int) or isinstance(value, bool) or value < 1):
+                raise ValueError(f"{name} = {value!r}: must be a whole number, at least 1")
+
+    @classmethod
+    def words(cls, name: str) -> tuple[str, ...]:
+        """The words allowed for an option; none for a number."""
+        return next(f.metadata["words"] for f in fields(cls) if f.name == name)
+
+    @property
+    def options(self) -> dict[str, Any]:
+        """Every option that concerns a unit of this kind, by name."""
+        kind = getattr(self, "kind", "")
+        return {
+            f.name: getattr(self, f.name)
+            for f in fields(self)
+            if not f.metadata["of"] or kind in f.metadata["of"]
+        }
+
+    @property
+    def axes(self) -> tuple[str, str]:
+        """Names of the axes of the signals."""
+        return ("xi", "eta") if self.frame == "rotor" else ("x", "y")
+
+
+@dataclass(frozen=True)
+class Unit:
+    """A unit's record in the catalogue.
+
+    Attributes:
+        name: of the unit and of the class of its slave.
+        folder: where its files are: `variables` (the declarations), `slave` (the equations in
+            Python), `README.md` (the equations in words, and where they are valid).
+        summary: one line.
+        sizes: its build options.
+        variables: all variables of a unit of these sizes, in the order parameters, inputs,
+            outputs, observed outputs; raises ValueError where there is no unit of these sizes.
+    """
+
+    name: str
+    folder: str
+    summary: str
+    sizes: type[Sizes]
+    variables: Callable[[Any], list[Variable]]
+
+    def sized(self, options: Mapping[str, Any] | None = None) -> SizedUnit:
+        """The unit with options, those left out at their defaults.
+
+        Raises:
+            ValueError: an option is not one of those allowed, or there is no unit of these sizes.
+            TypeError: there is no such option.
+        """
+        return _sized(self, self.sizes(**(options or {})))
+
+
+@dataclass(frozen=True)
+class SizedUnit:
+    """A unit of certain sizes, with its variables and their value references."""
+
+    unit: Unit
+    sizes: Sizes
+    layout: Layout = field(compare=False)
+
+    @property
+    def name(self) -> str:
+        """Of the unit."""
+        return self.unit.name
+
+    @property
+    def options(self) -> dict[str, Any]:
+        """Build options that make it, all that concern it, sorted by name."""
+        return dict(sorted(self.sizes.options.items()))
+
+
+@cache
+def _sized(unit: Unit, sizes: Sizes) -> SizedUnit:
+    return SizedUnit(unit, sizes, Layout(unit.name, unit.variables(sizes)))
+
+
+def alternatives(words: Any) -> str:
+    """Words to choose from, for a message."""
+    return ", ".join(map(repr, words))

@@ -1,0 +1,140 @@
+"""Variables of the balancer with balls, rollers or pendulums."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+from ..unit import Sizes, Unit, count
+from ..variables import Variable, output, parameter, plain_input, signal_inputs, signal_names
+
+_MOTION = ("m/s2", "m/s3", "m/s4", "m/s5")
+_OPTIONS = (
+    "weight_radius",
+    "restitution",
+    "rolling_resistance",
+    "track_offset_xi",
+    "track_offset_eta",
+)
+_FORCE = ("mass", "track_radius", "kappa", "drag", *_OPTIONS, "inertia_as_force")
+
+
+@dataclass(frozen=True)
+class WeightSizes(Sizes):
+    """Sizes of a ball balancer.
+
+    Attributes:
+        weights: their number.
+    """
+
+    weights: int = count(2)
+
+
+def variables(sizes: WeightSizes) -> list[Variable]:
+    """Parameters, the weights' start, the track's acceleration, the force on the rotor."""
+    a = [f"a_{axis}" for axis in sizes.axes]
+    force = [f"F_{axis}" for axis in sizes.axes]
+    numbers = range(1, sizes.weights + 1)
+    angles = tuple(f"weight[{k}].angle0" for k in numbers)
+    speeds = tuple(f"weight[{k}].speed0" for k in numbers)
+    begins = (*_FORCE, *angles, *speeds)
+    # seen in the rotor's axes the force does not depend on the rotor's angle
+    turning = ("speed",) if sizes.frame == "rotor" else ("angle", "speed")
+    values, slopes = signal_names(a, 1), signal_names(a, 2)
+    return [
+        *_parameters(),
+        *(
+            parameter(
+                angle, 2 * math.pi * k / sizes.weights, "rad", "Angle in the rotor at the start"
+            )
+            for k, angle in enumerate(angles)
+        ),
+        *(parameter(speed, 0.0, "rad/s", "Speed in the rotor at the start") for speed in speeds),
+        *signal_inputs(a, _MOTION, "Acceleration of the track's centre"),
+        plain_input("angle", 0.0, "rad", "Angle of the rotor at the start of the step"),
+        plain_input("speed", 300.0, "rad/s", "Of the rotor, at the start of the step"),
+        plain_input("acceleration", 0.0, "rad/s2", "Angular, of the rotor, over the step"),
+        *(
+            output(
+                f,
+                "N",
+                "Force on the rotor",
+                depends=(*values, *turning, "acceleration"),
+                begins=begins,
+            )
+            for f in force
+        ),
+        *(
+            output(
+                f"der({f})",
+                "N/s",
+                f"Exact slope of {f}",
+                depends=(*slopes, *turning, "acceleration"),
+                begins=begins,
+                derivative_of=f,
+            )
+            for f in force
+        ),
+        output(
+            "added_mass",
+            "kg",
+            "Mass N m to be carried by the rotor",
+            begins=("mass", "inertia_as_force"),
+        ),
+        *_observed(angles, speeds),
+    ]
+
+
+def _parameters() -> list[Variable]:
+    """What is common to all weights."""
+    return [
+        parameter("mass", 0.01, "kg", "Of each weight m", minimum=0.0, above=True),
+        parameter("track_radius", 0.05, "m", "Of the weights' centres R", minimum=0.0, above=True),
+        parameter("kappa", 1.4, "1", "7/5 ball, 3/2 roller, 1 pendulum", minimum=1.0),
+        parameter("drag", 0.05, "N.s/m", "Viscous, of each weight, b", minimum=0.0),
+        parameter("weight_radius", 0.0, "m", "Of each weight; 0: point weights", minimum=0.0),
+        parameter(
+            "restitution", 0.0, "1", "Of two weights, rotor held: 0 to 1", minimum=0.0, maximum=1.0
+        ),
+        parameter("rolling_resistance", 0.0, "1", "Resistance over load; 0: none", minimum=0.0),
+        parameter("track_offset_xi", 0.0, "m", "Of the track's centre, in the rotor"),
+        parameter("track_offset_eta", 0.0, "m", "Of the track's centre, in the rotor"),
+        parameter("inertia_as_force", False, "", "True: N m acts in F and added_mass is zero"),
+        parameter("stop_at_contact", False, "", "True: a step ends behind the first collision"),
+    ]
+
+
+def _observed(angles: tuple[str, ...], speeds: tuple[str, ...]) -> list[Variable]:
+    """Outputs for people and records, computed when they are read."""
+    observed = [
+        *(
+            output(angle[:-1], "rad", "Angle in the rotor", begins=(angle,), observed=True)
+            for angle in angles
+        ),
+        *(
+            output(
+                speed[:-1],
+                "rad/s",
+                "Speed in the rotor",
+                begins=(speed,),
+                derivative_of=angle[:-1],
+                observed=True,
+            )
+            for angle, speed in zip(angles, speeds, strict=True)
+        ),
+    ]
+    for axis in ("xi", "eta"):
+        moment = ("mass", "track_radius", f"track_offset_{axis}", *angles)
+        text = "Sum of m (e + R e^{i theta}), in the rotor"
+        observed.append(output(f"moment_{axis}", "kg.m", text, begins=moment, observed=True))
+    text = "|sum of e^{2 i theta}|/N: 0 evenly spread, 1 in line"
+    return [*observed, output("spread", "1", text, begins=angles, observed=True)]
+
+
+BALLS = Unit(
+    name="BallBalancer",
+    folder="weights",
+    summary="N equal weights on one track: the acceleration of the track's centre in, force out.",
+    sizes=WeightSizes,
+    variables=variables,
+)

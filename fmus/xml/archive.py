@@ -1,0 +1,59 @@
+"""The archive of an FMU: the same bytes from the same files, written whole or not at all."""
+
+from __future__ import annotations
+
+import hashlib
+import io
+import os
+import tempfile
+import zipfile
+from collections.abc import Mapping
+from pathlib import Path
+
+_EPOCH = (1980, 1, 1, 0, 0, 0)
+
+
+def digest(files: Mapping[str, bytes]) -> str:
+    """Hash of names and contents, 64 hexadecimal digits."""
+    total = hashlib.sha256()
+    for path in sorted(files):
+        total.update(f"{path}\0{len(files[path])}\0".encode())
+        total.update(files[path])
+    return total.hexdigest()
+
+
+def zipped(files: Mapping[str, bytes]) -> bytes:
+    """Archive with sorted names, fixed dates and permissions; stored, as zlib builds differ."""
+    buffer = io.BytesIO()
+    with zipfile.ZipFile(buffer, "w", zipfile.ZIP_STORED) as archive:
+        for path in sorted(files):
+            entry = zipfile.ZipInfo(path, _EPOCH)
+            entry.create_system = 3
+            entry.external_attr = (0o755 if path.startswith("binaries/") else 0o644) << 16
+            archive.writestr(entry, files[path])
+    return buffer.getvalue()
+
+
+def unzipped(path: Path | str) -> dict[str, bytes]:
+    """Files of an archive by name.
+
+    Raises:
+        zipfile.BadZipFile: it is none, or damaged.
+        OSError: it cannot be read.
+    """
+    with zipfile.ZipFile(path) as archive:
+        return {name: archive.read(name) for name in archive.namelist() if name[-1] != "/"}
+
+
+def write(target: Path, data: bytes) -> None:
+    """Write a file whole or not at all."""
+    target.parent.mkdir(parents=True, exist_ok=True)
+    handle, draft = tempfile.mkstemp(prefix=f".{target.name}-", dir=target.parent)
+    try:
+        with os.fdopen(handle, "wb") as file:
+            file.write(data)
+        os.chmod(draft, 0o644)
+        os.replace(draft, target)
+    except BaseException:
+        os.unlink(draft)
+        raise

@@ -1,0 +1,125 @@
+"""What the model descriptions of FMI 2.0 and 3.0 have in common."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+from xml.etree.ElementTree import Element, SubElement, indent, tostring
+
+from ..unit import SizedUnit
+from ..variables import Variable
+from .types import bounds, described, type_name
+
+AUTHOR = "The autobalancer authors"
+# a fixed date keeps builds reproducible; formal checkers want the Z
+DATE = "2026-01-01T00:00:00Z"
+
+_INITIAL = {"parameter": {"initial": "exact"}, "input": {}, "output": {"initial": "calculated"}}
+
+
+@dataclass(frozen=True)
+class Capabilities:
+    """What an implementation of a unit offers beyond stepping, saving and restoring its state.
+
+    Attributes:
+        input_derivatives: whether it takes the derivatives of inputs FMI's own way.
+        output_derivatives: highest order of those that it gives FMI's own way.
+        directional_derivatives: whether it gives them.
+        early_return: whether a step may end early (FMI 3.0).
+        sources: names of the C files in `sources/` that make the library.
+    """
+
+    input_derivatives: bool = False
+    output_derivatives: int = 0
+    directional_derivatives: bool = False
+    early_return: bool = False
+    sources: tuple[str, ...] = ()
+
+
+def header(unit: SizedUnit, name: str, release: str) -> dict[str, str]:
+    """Attributes of the root, in both versions."""
+    return {
+        "modelName": name,
+        "description": unit.unit.summary,
+        "author": AUTHOR,
+        "version": release,
+        "copyright": AUTHOR,
+        "license": "MIT, see documentation/licenses/license.txt",
+        "generationTool": f"autobalancer {release}",
+        "generationDateAndTime": DATE,
+        "variableNamingConvention": "structured",
+    }
+
+
+def scalar(variable: Variable, reference: str) -> dict[str, str]:
+    """What a variable is, in both versions."""
+    return {
+        "name": variable.name,
+        "valueReference": reference,
+        "description": described(variable),
+        "causality": variable.causality,
+        "variability": variable.variability,
+        **_INITIAL[variable.causality],
+    }
+
+
+def value(variable: Variable, references: Mapping[str, str]) -> dict[str, str]:
+    """Type, bounds and start value of a variable, in both versions; `references` by name."""
+    if variable.boolean:
+        return {"start": flag(bool(variable.start))}
+    found = {"declaredType": type_name(variable), "unit": variable.unit, **bounds(variable)}
+    if variable.start is not None:
+        found["start"] = repr(float(variable.start))
+    if variable.derivative_of:
+        found["derivative"] = references[variable.derivative_of]
+    return found
+
+
+def unknown(variable: Variable, references: Mapping[str, str], initially: bool) -> dict[str, str]:
+    """Every dependency of an output, none left to a tool's guess."""
+    known = {*variable.depends, *(variable.begins if initially else ())}
+    kind = "dependent" if initially else variable.kind
+    return {
+        "dependencies": " ".join(sorted((references[name] for name in known), key=int)),
+        "dependenciesKind": " ".join([kind] * len(known)),
+    }
+
+
+def log_categories(root: Element, prefix: str) -> None:
+    """LogCategories; status names have the prefix of their version."""
+    categories = SubElement(root, "LogCategories")
+    for status in ("Warning", "Discard", "Error", "Fatal"):
+        text = f"Log messages with {prefix}{status} status."
+        SubElement(categories, "Category", {"name": f"logStatus{status}", "description": text})
+    SubElement(categories, "Category", {"name": "logAll", "description": "Log all messages."})
+
+
+def experiment(root: Element) -> None:
+    """DefaultExperiment: 40 steps a revolution at the start value of the speed, 300 rad/s."""
+    SubElement(root, "DefaultExperiment", {"startTime": "0", "stopTime": "1", "stepSize": "0.0005"})
+
+
+def built(parent: Element, unit: SizedUnit) -> None:
+    """What the FMU was built as; `options_in` reads it."""
+    options = {key: str(value) for key, value in unit.options.items()}
+    SubElement(parent, "Built", {"unit": unit.name, **options})
+
+
+def options_in(root: Element) -> dict[str, Any]:
+    """Unit and build options that a model description of either version names; else nothing."""
+    found = root.find(".//Built")
+    if found is None:
+        return {}
+    return {key: int(v) if v.isdecimal() else v for key, v in found.attrib.items()}
+
+
+def text_of(root: Element) -> bytes:
+    """The file."""
+    indent(root)
+    return b'<?xml version="1.0" encoding="UTF-8"?>\n' + tostring(root, "utf-8") + b"\n"
+
+
+def flag(value: bool) -> str:
+    """A Boolean in XML."""
+    return str(value).lower()

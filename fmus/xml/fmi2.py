@@ -1,0 +1,77 @@
+"""modelDescription.xml of FMI 2.0, from a unit's declarations."""
+
+from __future__ import annotations
+
+from xml.etree.ElementTree import Element, SubElement
+
+from ..unit import SizedUnit
+from . import description as common
+from .description import Capabilities, flag
+from .types import type_attributes, type_names, unit_definitions
+
+
+def model_description(
+    unit: SizedUnit, name: str, guid: str, release: str, can: Capabilities
+) -> bytes:
+    """The XML of the model description, UTF-8.
+
+    Args:
+        unit: with its sizes.
+        name: model name and model identifier.
+        guid: identity of the content.
+        release: version of autobalancer.
+        can: what the implementation offers.
+    """
+    root = Element("fmiModelDescription", {"fmiVersion": "2.0", "guid": guid})
+    root.attrib.update(common.header(unit, name, release))
+    _co_simulation(root, name, can)
+    types = type_names(unit.layout)
+    unit_definitions(root, types)
+    definitions = SubElement(root, "TypeDefinitions")
+    for kind in types:
+        simple = SubElement(definitions, "SimpleType", {"name": kind})
+        SubElement(simple, "Real", type_attributes(kind))
+    common.log_categories(root, "fmi2")
+    common.experiment(root)
+    tool = SubElement(SubElement(root, "VendorAnnotations"), "Tool", {"name": "autobalancer"})
+    common.built(tool, unit)
+    layout = unit.layout
+    references = {**layout.index, **layout.boolean_index}
+    position = {v.name: str(i) for i, v in enumerate(layout.variables, 1)}
+    variables = SubElement(root, "ModelVariables")
+    for v in layout.variables:
+        about = common.scalar(v, str(references[v.name]))
+        element = SubElement(variables, "ScalarVariable", about)
+        SubElement(element, "Boolean" if v.boolean else "Real", common.value(v, position))
+    structure = SubElement(root, "ModelStructure")
+    for tag in ("Outputs", "InitialUnknowns"):
+        unknowns = SubElement(structure, tag)
+        for v in layout.variables:
+            if v.causality == "output":
+                found = common.unknown(v, position, tag == "InitialUnknowns")
+                SubElement(unknowns, "Unknown", {"index": position[v.name], **found})
+    return common.text_of(root)
+
+
+def _co_simulation(root: Element, name: str, can: Capabilities) -> None:
+    element = SubElement(
+        root,
+        "CoSimulation",
+        {
+            "modelIdentifier": name,
+            "needsExecutionTool": "false",
+            "canHandleVariableCommunicationStepSize": "true",
+            "canInterpolateInputs": flag(can.input_derivatives),
+            "maxOutputDerivativeOrder": str(can.output_derivatives),
+            "canRunAsynchronuously": "false",
+            "canBeInstantiatedOnlyOncePerProcess": "false",
+            "canNotUseMemoryManagementFunctions": "true",
+            "canGetAndSetFMUstate": "true",
+            "canSerializeFMUstate": "true",
+            "providesDirectionalDerivative": flag(can.directional_derivatives),
+        },
+    )
+    if can.sources:
+        files = SubElement(element, "SourceFiles")
+        for source in can.sources:
+            SubElement(files, "File", {"name": source})

@@ -1,0 +1,108 @@
+"""modelDescription.xml and buildDescription.xml of FMI 3.0, from a unit's declarations.
+
+Value references are unique over all types: the Reals have those of FMI 2.0, the Booleans follow
+them, and after those comes the independent variable `time`.
+"""
+
+from __future__ import annotations
+
+from xml.etree.ElementTree import Element, SubElement
+
+from ..unit import SizedUnit
+from ..variables import Layout
+from . import description as common
+from .description import Capabilities, flag
+from .types import type_attributes, type_names, unit_definitions
+
+TIME = "time"
+
+
+def value_references(layout: Layout) -> dict[str, int]:
+    """Name -> value reference, `time` included."""
+    reals = len(layout.reals)
+    references = dict(layout.index)
+    references.update((name, reals + k) for name, k in layout.boolean_index.items())
+    references[TIME] = len(references)
+    return references
+
+
+def model_description(
+    unit: SizedUnit, name: str, token: str, release: str, can: Capabilities
+) -> bytes:
+    """The XML of the model description, UTF-8.
+
+    Args:
+        unit: with its sizes.
+        name: model name and model identifier.
+        token: instantiation token.
+        release: version of autobalancer.
+        can: what the implementation offers.
+    """
+    root = Element("fmiModelDescription", {"fmiVersion": "3.0", "instantiationToken": token})
+    root.attrib.update(common.header(unit, name, release))
+    SubElement(
+        root,
+        "CoSimulation",
+        {
+            "modelIdentifier": name,
+            "needsExecutionTool": "false",
+            "canBeInstantiatedOnlyOncePerProcess": "false",
+            "canGetAndSetFMUState": "true",
+            "canSerializeFMUState": "true",
+            "providesDirectionalDerivatives": flag(can.directional_derivatives),
+            "canHandleVariableCommunicationStepSize": "true",
+            "maxOutputDerivativeOrder": str(can.output_derivatives),
+            "canReturnEarlyAfterIntermediateUpdate": "false",
+            "providesIntermediateUpdate": "false",
+            "mightReturnEarlyFromDoStep": flag(can.early_return),
+            "hasEventMode": "false",
+        },
+    )
+    types = sorted({*type_names(unit.layout), "Time"})
+    unit_definitions(root, types)
+    definitions = SubElement(root, "TypeDefinitions")
+    for kind in types:
+        SubElement(definitions, "Float64Type", {"name": kind, **type_attributes(kind)})
+    common.log_categories(root, "fmi3")
+    common.experiment(root)
+    references = {k: str(v) for k, v in value_references(unit.layout).items()}
+    variables = SubElement(root, "ModelVariables")
+    _time(variables, references[TIME])
+    for v in unit.layout.variables:
+        about = {**common.scalar(v, references[v.name]), **common.value(v, references)}
+        SubElement(variables, "Boolean" if v.boolean else "Float64", about)
+    structure = SubElement(root, "ModelStructure")
+    for tag in ("Output", "InitialUnknown"):
+        for v in unit.layout.variables:
+            if v.causality == "output":
+                found = common.unknown(v, references, tag == "InitialUnknown")
+                SubElement(structure, tag, {"valueReference": references[v.name], **found})
+    annotation = SubElement(SubElement(root, "Annotations"), "Annotation", {"type": "autobalancer"})
+    common.built(annotation, unit)
+    return common.text_of(root)
+
+
+def build_description(name: str, can: Capabilities) -> bytes:
+    """sources/buildDescription.xml: the C files that make the library, C99."""
+    root = Element("fmiBuildDescription", {"fmiVersion": "3.0"})
+    build = SubElement(root, "BuildConfiguration", {"modelIdentifier": name})
+    files = SubElement(build, "SourceFileSet", {"language": "C99"})
+    for source in can.sources:
+        SubElement(files, "SourceFile", {"name": source})
+    return common.text_of(root)
+
+
+def _time(parent: Element, reference: str) -> None:
+    SubElement(
+        parent,
+        "Float64",
+        {
+            "name": TIME,
+            "valueReference": reference,
+            "description": "Simulation time",
+            "causality": "independent",
+            "variability": "continuous",
+            "declaredType": "Time",
+            "unit": "s",
+        },
+    )

@@ -1,0 +1,31 @@
+"""Cubics over a step, told by value and derivatives 1 to 3 at its start; real or complex."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TypeVar
+
+Number = TypeVar("Number", float, complex)
+
+
+def hermite(
+    start: Number, slope: Number, end: Number, end_slope: Number, step: float
+) -> tuple[Number, Number]:
+    """Second and third derivative at the start of the cubic with these values and slopes.
+
+    Of a smooth f the cubic errs by at most step^4/384 f''''.
+    """
+    rise = (end - start) / step
+    return (
+        (6.0 * rise - 4.0 * slope - 2.0 * end_slope) / step,
+        (6.0 * (slope + end_slope) - 12.0 * rise) / (step * step),
+    )
+
+
+def at(cubic: Sequence[Number], time: float) -> tuple[Number, Number]:
+    """Value and slope of a cubic `time` after its start."""
+    f0, f1, f2, f3 = cubic
+    return (
+        f0 + time * (f1 + time * (f2 / 2.0 + time * f3 / 6.0)),
+        f1 + time * (f2 + time * f3 / 2.0),
+    )

@@ -1,0 +1,165 @@
+"""What the tests of the units share: a unit in plain Python, and one under fmpy."""
+
+from __future__ import annotations
+
+import itertools
+import os
+import shutil
+import subprocess
+import sys
+from collections.abc import Callable
+from importlib.util import find_spec
+from pathlib import Path
+from typing import Any
+
+import fmpy
+import pytest
+from fmpy.fmi2 import FMU2Slave
+
+import autobalancer.fmus
+from autobalancer.fmus.build import build
+from autobalancer.fmus.catalogue import CATALOGUE, slave_class
+
+BACKENDS = ["python"] + (["native"] if find_spec("autobalancer.fmus.native") else [])
+
+
+class Probe:
+    """A unit in plain Python, with its variables by name; what is not here is the slave's."""
+
+    def __init__(self, unit: str, options: dict[str, Any]) -> None:
+        self.slave = slave_class(CATALOGUE[unit])(instance_name="unit", options=options)
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(self.slave, name)
+
+    def put(self, name: str, *values: float) -> None:
+        """Set a variable, and those that follow it."""
+        if name in self.layout.boolean_index:
+            self.set_boolean([self.layout.boolean_index[name]], list(values))
+            return
+        first = self.layout.index[name]
+        self.set_real(list(range(first, first + len(values))), [float(v) for v in values])
+
+    def look(self, *names: str) -> list[float]:
+        """Values of variables, one call each."""
+        return [self.get_real([self.layout.index[name]])[0] for name in names]
+
+    def saved(self) -> dict[str, Any]:
+        """The state as pythonfmu's library keeps it."""
+        return self.slave._get_fmu_state()
+
+    def packed(self) -> bytes:
+        """The state, serialised."""
+        return self.slave._fmu_state_to_bytes(self.saved())
+
+    def restore(self, state: dict[str, Any] | bytes) -> None:
+        """Go back to a saved or serialised state."""
+        if isinstance(state, bytes):
+            state = self.slave._fmu_state_from_bytes(state)
+        self.slave._set_fmu_state(state)
+
+
+class Host:
+    """An FMU under fmpy, with access by name."""
+
+    def __init__(self, path: Path) -> None:
+        self.description = fmpy.read_model_description(str(path))
+        self.reference = {v.name: v.valueReference for v in self.description.modelVariables}
+        self.slave = FMU2Slave(
+            guid=self.description.guid,
+            unzipDirectory=fmpy.extract(str(path)),
+            modelIdentifier=self.description.coSimulation.modelIdentifier,
+            instanceName="unit",
+        )
+
+    def start(self, **values: float) -> Host:
+        self.slave.instantiate()
+        return self.initialise(**values)
+
+    def initialise(self, **values: float) -> Host:
+        self.slave.setupExperiment()
+        self.slave.enterInitializationMode()
+        for name, value in values.items():
+            self[name] = value
+        self.slave.exitInitializationMode()
+        return self
+
+    def __getitem__(self, name: str) -> float:
+        return self.slave.getReal([self.reference[name]])[0]
+
+    def __setitem__(self, name: str, value: float) -> None:
+        self.slave.setReal([self.reference[name]], [value])
+
+    def outputs(self) -> list[float]:
+        return self.slave.getReal(
+            [v.valueReference for v in self.description.modelVariables if v.causality == "output"]
+        )
+
+    def run(self, steps: int, step: float = 1e-3, start: float = 0.0) -> list[float]:
+        for k in range(steps):
+            self.slave.doStep(start + k * step, step)
+        return self.outputs()
+
+    def free(self) -> None:
+        self.slave.terminate()
+        self.slave.freeInstance()
+
+
+@pytest.fixture(scope="session")
+def probe() -> Callable[..., Probe]:
+    """A unit in plain Python: its name, start values, options; `begin=False` leaves it there."""
+
+    def make(unit: str, starts: dict | None = None, begin: bool = True, **options: Any) -> Probe:
+        made = Probe(unit, options)
+        for name, value in (starts or {}).items():
+            made.put(name, value)
+        if begin:
+            made.exit_initialization_mode()
+        return made
+
+    return make
+
+
+@pytest.fixture(scope="module")
+def fmu(tmp_path_factory: pytest.TempPathFactory) -> Callable[..., Path]:
+    """Builds an FMU into a folder of its own."""
+    folder = tmp_path_factory.mktemp("fmus")
+    numbers = itertools.count()
+
+    def make(unit: str, **options: Any) -> Path:
+        return build(unit, folder / str(next(numbers)), **options)
+
+    return make
+
+
+@pytest.fixture(scope="session")
+def host_of() -> type[Host]:
+    """An FMU under fmpy."""
+    return Host
+
+
+@pytest.fixture
+def altered(tmp_path) -> Callable[..., Path]:
+    """Build a unit from a copy of the sources in which `old` of one file reads `new`."""
+
+    def make(unit: str, file: str, old: str, new: str) -> Path:
+        package = tmp_path / "altered" / "autobalancer"
+        here = Path(autobalancer.fmus.__file__).parent.parent
+        for folder in ("fmus", "models"):
+            shutil.copytree(here / folder, package / folder)
+        text = (package / file).read_text()
+        assert text.count(old) == 1
+        (package / file).write_text(text.replace(old, new))
+        script = "import sys; from autobalancer.fmus.build import build; build(*sys.argv[1:])"
+        command = [sys.executable, "-c", script, unit, str(package.parent)]
+        environment = {**os.environ, "PYTHONPATH": str(package.parent)}
+        subprocess.run(command, env=environment, check=True)
+        return package.parent / f"{unit}.fmu"
+
+    return make
+
+
+@pytest.fixture(params=BACKENDS)
+def backend(request: pytest.FixtureRequest) -> str:
+    """Every runtime there is: what holds for one holds for the other."""
+    return request.param

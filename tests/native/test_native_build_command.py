@@ -1,0 +1,77 @@
+"""`autobalancer build`: native units for all platforms, or what was asked for instead."""
+
+from __future__ import annotations
+
+import zipfile
+from pathlib import Path
+
+import pytest
+from typer.testing import CliRunner
+
+from autobalancer.fmus.native import compile as compiler
+from autobalancer.harness.cli import app
+
+pytest.importorskip("ziglang", reason="no compiler: ziglang is not installed")
+
+
+def invoke(*arguments):
+    return CliRunner().invoke(app, ["build", *map(str, arguments)])
+
+
+def folders(path: Path) -> set[str]:
+    with zipfile.ZipFile(path) as archive:
+        return {n.split("/")[1] for n in archive.namelist() if n.startswith("binaries/")}
+
+
+def test_units_are_native_and_for_every_platform(tmp_path):
+    outcome = invoke("-o", tmp_path)
+    assert outcome.exit_code == 0, outcome.output
+    for unit in ("RotorOnSupports", "LiquidBalancer", "BallBalancer"):
+        assert folders(tmp_path / f"{unit}.fmu") == {
+            "linux64",
+            "aarch64-linux",
+            "win64",
+            "darwin64",
+            "aarch64-darwin",
+        }
+
+
+def test_platforms_asked_for_are_the_only_ones(tmp_path):
+    chosen = ("--platform", "x86_64-linux", "--platform", "x86_64-windows")
+    outcome = invoke("liquid_disc", "-o", tmp_path, *chosen)
+    assert outcome.exit_code == 0, outcome.output
+    assert folders(tmp_path / "LiquidBalancer.fmu") == {"linux64", "win64"}
+
+
+def test_python_units_on_request(tmp_path):
+    outcome = invoke("--python", "-o", tmp_path)
+    assert outcome.exit_code == 0, outcome.output
+    with zipfile.ZipFile(tmp_path / "LiquidBalancer.fmu") as archive:
+        assert "resources/slavemodule.txt" in archive.namelist()
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (["--platform", "amiga"], "platform = 'amiga': must be one of 'x86_64-linux'"),
+        (["--fmi", "4"], "fmi = 4: must be one of"),
+        (["--python", "--platform", "x86_64-linux"], "native units"),
+        (["--python", "--fmi", "3"], "fmi = 3"),
+    ],
+)
+def test_what_cannot_be_built_is_refused_and_nothing_is_left(tmp_path, arguments, message):
+    outcome = invoke("-o", tmp_path, *arguments)
+    assert outcome.exit_code != 0
+    assert message in str(outcome.exception) + outcome.output
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_without_compiler_the_command_says_what_to_do(tmp_path, monkeypatch):
+    monkeypatch.setattr(compiler, "BINARIES", tmp_path / "bin")
+    monkeypatch.setattr(compiler, "GENERATED", tmp_path / "bin" / "sources")
+    monkeypatch.setattr(compiler.importlib.util, "find_spec", lambda name: None)
+    outcome = invoke("-o", tmp_path / "units")
+    assert outcome.exit_code != 0
+    said = str(outcome.exception) + outcome.output
+    assert f"pip install ziglang=={compiler.COMPILER}" in said
+    assert "--python" in said

@@ -1,0 +1,152 @@
+"""Steps that end behind a collision: where the unit's parameter and the host allow it."""
+
+from __future__ import annotations
+
+import ctypes
+import math
+
+import numpy as np
+import pytest
+from fmpy.fmi1 import FMICallException
+from fmpy.fmi3 import FMU3Slave
+
+RADIUS, SIZE = 0.05, 0.01
+TOUCHING = 2.0 * math.asin(SIZE / RADIUS)
+DISCARD, LAST_SUCCESSFUL_TIME = 2, 2
+START = {
+    "weight_radius": SIZE,
+    "restitution": 0.5,
+    "weight[1].angle0": 0.0,
+    "weight[2].angle0": 0.5,
+    "weight[1].speed0": 20.0,
+    "speed": 10.0,
+    "angle": 0.7,
+}
+STEP = 0.02  # they meet about a third into it
+ANGLES = ("weight[1].angle", "weight[2].angle")
+
+
+def begun(fmus, packaging, frame: str = "rotor", **values: float | bool):
+    host = packaging.Host(fmus.native("BallBalancer", frame=frame))
+    return host.begin(START | {f"a_{'xi' if frame == 'rotor' else 'x'}": 0.3} | values)
+
+
+def last_successful_time(host) -> float:
+    value = ctypes.c_double()
+    function = host.slave.dll.fmi2GetRealStatus
+    assert function(host.slave.component, LAST_SUCCESSFUL_TIME, ctypes.byref(value)) == 0
+    return value.value
+
+
+@pytest.mark.parametrize("frame", ["rotor", "fixed"])
+def test_a_step_ends_where_two_weights_have_met(fmus, packaging, frame):
+    host = begun(fmus, packaging, frame, stop_at_contact=True)
+    status = host.slave.dll.fmi2DoStep(
+        host.slave.component, ctypes.c_double(0.0), ctypes.c_double(STEP), 1
+    )
+    assert status == DISCARD
+    assert not host.messages
+    met = last_successful_time(host)
+    assert 0.0 < met < STEP
+    first, second = host.get(*ANGLES)
+    assert second - first == pytest.approx(TOUCHING, abs=1e-9)
+    # the rest of the step from there leads where the whole step leads
+    slow, fast = host.get("weight[1].speed", "weight[2].speed")
+    assert fast > slow
+    if frame == "fixed":
+        host.set({"angle": START["angle"] + START["speed"] * met})
+    host.slave.doStep(met, STEP - met)
+    whole = begun(fmus, packaging, frame)
+    whole.step(STEP)
+    assert host.get(*ANGLES) == pytest.approx(whole.get(*ANGLES), abs=1e-5)
+    for one in (host, whole):
+        one.free()
+
+
+def test_the_time_of_contact_is_that_of_the_gap(fmus, packaging):
+    """A weight that nothing drives or brakes comes 20 rad/s nearer to the other one."""
+    host = begun(fmus, packaging, stop_at_contact=True, a_xi=0.0, drag=0.0)
+    with pytest.raises(FMICallException):
+        host.slave.doStep(0.0, STEP)
+    assert last_successful_time(host) == pytest.approx((0.5 - TOUCHING) / 20.0, rel=1e-9)
+    slow, fast = host.get("weight[1].speed", "weight[2].speed")
+    assert fast - slow == pytest.approx(0.5 * 20.0, rel=1e-9)  # restitution
+    host.free()
+
+
+def test_outputs_are_those_of_the_contact(fmus, packaging):
+    """What a host reads after an early end is what a state restored there gives."""
+    host = begun(fmus, packaging, stop_at_contact=True, inertia_as_force=True)
+    with pytest.raises(FMICallException):
+        host.slave.doStep(0.0, STEP)
+    met = last_successful_time(host)
+    forces = host.get("F_xi", "F_eta", "der(F_xi)", "der(F_eta)")
+    host.set({"a_xi": 0.3})  # the acceleration there, as it is constant
+    assert host.get("F_xi", "F_eta", "der(F_xi)", "der(F_eta)") == pytest.approx(forces, rel=1e-12)
+    host.slave.doStep(met, 1e-4)
+    host.free()
+
+
+def test_without_the_parameter_a_step_is_whole(fmus, packaging):
+    host = begun(fmus, packaging)
+    host.step(STEP)
+    assert last_successful_time(host) == STEP
+    host.free()
+
+
+def test_the_python_unit_says_that_it_cannot(fmus, packaging):
+    host = packaging.Host(fmus.python("BallBalancer"))
+    text = host.refused(lambda: host.begin({"stop_at_contact": True}))
+    assert "stop_at_contact = True: must be False" in text
+
+
+@pytest.mark.parametrize("allowed", [True, False])
+def test_fmi_3_returns_early_where_the_host_allows_it(fmus, allowed):
+    layout = fmus.layout("BallBalancer")
+    slave = FMU3Slave(
+        guid=fmus.token("BallBalancer"),
+        unzipDirectory=str(fmus.unpacked),
+        modelIdentifier="autobalancer",
+        instanceName="unit",
+    )
+    slave.instantiate(earlyReturnAllowed=allowed)
+    slave.enterInitializationMode()
+    for name, value in START.items():
+        slave.setFloat64([layout.index[name]], [value])
+    reference = len(layout.reals) + layout.boolean_index["stop_at_contact"]
+    slave.setBoolean([reference], [True])
+    slave.exitInitializationMode()
+    event, end, early, time = slave.doStep(0.0, STEP)
+    assert (event, end, early) == (False, False, allowed)
+    assert (0.0 < time < STEP) == allowed
+    first, second = slave.getFloat64([layout.index[name] for name in ANGLES])
+    assert (second - first == pytest.approx(TOUCHING, abs=1e-9)) == allowed
+    slave.fmi3FreeInstance(slave.component)
+
+
+def test_every_contact_of_a_run_is_met(fmus, packaging):
+    """Five weights let loose: after each early end two of them touch, and the run goes on."""
+    host = packaging.Host(fmus.native("BallBalancer", weights=5))
+    speeds = {f"weight[{k}].speed0": float(v) for k, v in enumerate((9, -7, 4, 0, -12), start=1)}
+    host.begin({"weight_radius": 0.008, "restitution": 0.8, "drag": 0.001, **speeds})
+    host.slave.reset()
+    host.begin(
+        {"weight_radius": 0.008, "restitution": 0.8, "drag": 0.001, **speeds}
+        | {"stop_at_contact": True, "speed": 0.0}
+    )
+    apart = 2.0 * math.asin(0.008 / RADIUS)
+    names = [f"weight[{k}].angle" for k in range(1, 6)]
+    met = 0
+    for _ in range(60):
+        begin = host.time
+        try:
+            host.slave.doStep(begin, 0.05)
+        except FMICallException:
+            met += 1
+            angles = np.sort(np.mod(host.get(*names), 2.0 * math.pi))
+            gaps = np.diff([*angles, angles[0] + 2.0 * math.pi])
+            assert gaps.min() == pytest.approx(apart, abs=1e-9)
+        host.time = last_successful_time(host)
+        assert begin < host.time <= begin + 0.05 + 1e-12
+    assert met > 5
+    host.free()
