@@ -14,7 +14,7 @@ from ..output.table import Sheet
 from ..output.terminal import console, progress_bar, say, show
 
 if TYPE_CHECKING:
-    from .cycles import Balanced, Cycle, Technology
+    from .cycles import BalancingReport, Cycle, Technology
 
 
 def command(
@@ -38,11 +38,11 @@ def command(
         say(f"Picture: {plot_corrections(result, output)}")
     if json_file is not None:
         write_json(as_json(loaded.name, result), json_file)
-    if not all(t.truly for t in result.technologies):
+    if not all(t.actually_met for t in result.technologies):
         raise typer.Exit(1)
 
 
-def _print(result: Balanced) -> None:
+def _print(result: BalancingReport) -> None:
     from rich.markup import escape
 
     console().print(escape(result.title), style="bold")
@@ -54,11 +54,11 @@ def _print(result: Balanced) -> None:
     show(_coefficients(result))
     for technology in result.technologies:
         show(_cycles(result, technology))
-        say(_verdict(technology), style="" if technology.truly else "bold red")
+        say(_verdict(technology), style="" if technology.actually_met else "bold red")
     say(f"{result.runs} runs of the machine. FMUs loaded: {', '.join(result.units)}")
 
 
-def _coefficients(result: Balanced) -> Sheet:
+def _coefficients(result: BalancingReport) -> Sheet:
     rows = []
     for i, measured in enumerate(result.measured):
         for j, value in enumerate(measured):
@@ -83,7 +83,7 @@ def _coefficients(result: Balanced) -> Sheet:
     )  # fmt: skip
 
 
-def _cycles(result: Balanced, technology: Technology) -> Sheet:
+def _cycles(result: BalancingReport, technology: Technology) -> Sheet:
     sensors = range(1, len(result.at_supports) + 1)
     columns = [
         "cycle",
@@ -101,7 +101,7 @@ def _cycles(result: Balanced, technology: Technology) -> Sheet:
     )
 
 
-def _row(result: Balanced, cycle: Cycle) -> list[str]:
+def _row(result: BalancingReport, cycle: Cycle) -> list[str]:
     actual = (cycle.actual_at_supports / result.at_supports).max()
     return [
         *(f"{abs(a):.3g} at {_degrees(a)}" for a in cycle.reading.amplitude),
@@ -116,7 +116,7 @@ def _row(result: Balanced, cycle: Cycle) -> list[str]:
 
 def _verdict(technology: Technology) -> str:
     count = len(technology.cycles)
-    if technology.truly:
+    if technology.actually_met:
         return f"Grade met after {count} cycles, control run included."
     return f"Not balanced: {technology.note}."
 
@@ -128,7 +128,7 @@ def _degrees(value: complex) -> str:
     return f"{degrees(phase(value)):.1f}°"
 
 
-def as_json(scene: str, result: Balanced) -> dict[str, Any]:
+def as_json(scene: str, result: BalancingReport) -> dict[str, Any]:
     """Everything found, complex numbers as [real, imaginary], SI units."""
     return {
         "scene": scene,
@@ -150,7 +150,7 @@ def as_json(scene: str, result: Balanced) -> dict[str, Any]:
                 "name": t.name,
                 "cycles": len(t.cycles),
                 "meets": t.meets,
-                "actually_meets": t.truly,
+                "actually_meets": t.actually_met,
                 "note": t.note,
                 "coefficients": _pairs(t.coefficients),
                 "runs": [_run(c) for c in t.cycles],

@@ -67,7 +67,7 @@ class Technology:
         coefficients: (s, p) used to tell the unbalance [1/kg].
         cycles: every run, the last one the control run.
         meets: the control run found the grade met.
-        truly: and so it is.
+        actually_met: and so it is, by the unbalance that really is left.
         note: why it ended otherwise.
     """
 
@@ -75,12 +75,12 @@ class Technology:
     coefficients: Complex
     cycles: tuple[Cycle, ...]
     meets: bool
-    truly: bool
+    actually_met: bool
     note: str = ""
 
 
 @dataclass(frozen=True, eq=False)
-class Balanced:
+class BalancingReport:
     """Everything the machine found out about a scene.
 
     Attributes:
@@ -133,7 +133,7 @@ class Truth:
 
 def balance(
     scene: Scene, *, progress: Progress | None = None, fmus: Path | None = None
-) -> Balanced:
+) -> BalancingReport:
     """Balance the rotor of a scene on the virtual machine.
 
     Args:
@@ -161,8 +161,8 @@ def balance(
                 used = scalar_coefficients(measured, lag)
             done.append(_cycles(machine, name, used, first, levers, shares, truth))
             report(0.3 + 0.7 * len(done) / len(setup.technologies))
-        return Balanced(
-            title=scene.title or scene.name,
+        return BalancingReport(
+            title=scene.heading,
             grade=setup.grade,
             speed=machine.speed,
             planes=tuple(machine.planes),
@@ -183,10 +183,10 @@ def trial_runs(machine: Machine, trial: float) -> tuple[Synchronous, Complex, ND
     count = len(machine.planes)
     first = machine.measure()
     runs = [machine.measure(np.array(row, complex)) for row in (trial * np.eye(count)).tolist()]
-    seen = np.array([run.amplitude for run in runs])
-    coefficients = from_trial_runs(first.amplitude, seen, np.full(count, trial))
-    spread = [np.hypot(run.uncertainty, first.uncertainty) / trial for run in runs]
-    return first, coefficients, np.array(spread).T
+    amplitudes = np.array([run.amplitude for run in runs])
+    coefficients = from_trial_runs(first.amplitude, amplitudes, np.full(count, trial))
+    standard_error = [np.hypot(run.uncertainty, first.uncertainty) / trial for run in runs]
+    return first, coefficients, np.array(standard_error).T
 
 
 def _cycles(
@@ -219,10 +219,10 @@ def _cycles(
         note = str(error)
     if not meets and not note:
         note = f"grade not met after {len(cycles)} cycles"
-    truly = meets and bool(np.all(cycles[-1].actual_at_supports <= allowed))
-    if meets and not truly:
+    actually_met = meets and bool(np.all(cycles[-1].actual_at_supports <= allowed))
+    if meets and not actually_met:
         note = "the control run is deceived: the actual unbalance is above what is permissible"
-    return Technology(name, used, tuple(cycles), meets, truly, note)
+    return Technology(name, used, tuple(cycles), meets, actually_met, note)
 
 
 def permissible(scene: Scene, setup: Balancing) -> tuple[float, NDArray[np.float64]]:

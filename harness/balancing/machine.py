@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from ...models.linear.synchronous import Synchronous, synchronous
 from ..errors import SceneError, SimulationError
+from ..master.closing import Closing
 from ..master.names import station
 from ..scene import Scene
 from ..scene.balancing import Balancing
@@ -27,7 +28,7 @@ DRIFT = 1e-8  # of the amplitude, between the halves of a measurement: more is n
 SIGMAS = 6.0  # noise may look like this much drift once in 1e9 measurements
 
 
-class Machine:
+class Machine(Closing):
     """The rotor of a scene, without its balancers, on the machine.
 
     Args:
@@ -98,12 +99,6 @@ class Machine:
     def close(self) -> None:
         """Free the unit."""
         self.revolution.close()
-
-    def __enter__(self) -> Machine:
-        return self
-
-    def __exit__(self, *_exception: object) -> None:
-        self.close()
 
 
 def _refuse_drift(angle: NDArray[np.float64], samples: NDArray[np.float64]) -> None:

@@ -9,7 +9,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from ..output.plot import save
-from .cycles import Balanced, Technology
+from .cycles import BalancingReport, Technology
 
 _COLOURS = {"complex": "tab:blue", "scalar": "tab:orange"}
 _MARKERS = {"complex": "o", "scalar": "s"}
@@ -24,7 +24,7 @@ def moment(largest: float) -> tuple[float, str]:
     raise AssertionError("unreachable")
 
 
-def plot_corrections(result: Balanced, path: Path) -> Path:
+def plot_corrections(result: BalancingReport, path: Path) -> Path:
     """One polar diagram a plane: the mounted correction after every cycle, and where it had to go.
 
     Raises:

@@ -75,7 +75,7 @@ def window_curves(scene: Scene, check: LiquidWindowCheck) -> WindowCurves:
         with Revolution(variant) as units:
             measured.append([abs(steady_displacement(units, float(speed))) for speed in points])
     return WindowCurves(
-        title=scene.title or scene.name,
+        title=scene.heading,
         speeds=speeds,
         bending=np.asarray(window.bending(speeds)),
         bending_without=np.asarray(window.bending_without(speeds)),

@@ -56,7 +56,7 @@ def plot_precision(found: Precision, path: Path) -> Path:
     axes.grid(which="major", alpha=0.35)
     axes.grid(which="minor", alpha=0.1)
     figure.legend(loc="outside right upper", fontsize="small", frameon=False)
-    axes.set_title(found.scene.title or found.scene.name, fontsize="medium")
+    axes.set_title(found.scene.heading, fontsize="medium")
     figure.supxlabel(_footer(found), fontsize="x-small", color="0.35")
     return save(figure, path)
 

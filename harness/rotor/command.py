@@ -68,7 +68,7 @@ def _draw(kind: str, scene: Scene, low: float, high: float, path: Path) -> None:
 
     if kind == "campbell":
         data, critical = rotor_study.campbell_of(scene, low, high)
-        pictures.plot_campbell(data, critical, scene.title or scene.name, path)
+        pictures.plot_campbell(data, critical, scene.heading, path)
     elif kind == "response":
         pictures.plot_response(rotor_study.response_of(scene, low, high), path)
     elif kind == "orbit":
@@ -86,7 +86,7 @@ def modes_table(scene: Scene, found: Modes) -> Sheet:
         hertz = frequency / math.tau
         rows.append([str(number), f"{frequency:.6g}", f"{hertz:.5g}", f"{damping:.4g}", shown])
     columns = ("mode", "frequency [rad/s]", "[Hz]", "damping ratio [1]", "whirl")
-    title = f"{scene.title or scene.name}: rotor alone at {found.speed:g} rad/s"
+    title = f"{scene.heading}: rotor alone at {found.speed:g} rad/s"
     return Sheet(columns, rows, "rrrrl", title)
 
 

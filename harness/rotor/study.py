@@ -28,6 +28,8 @@ MEASURED_POINTS = 16
 LAST_REVOLUTIONS = 2  # of a run: shown as its orbit
 RUN_UP_REVOLUTIONS = 100  # slow enough for resonances to show, short enough to wait for
 ABOVE = 1.3  # a range ends this much above the highest speed of interest
+LOWEST = 0.01  # of a range's end: a rotor that stands still has neither whirl nor response
+ORBIT_STEPS = 120  # a revolution: straight lines of 3 degrees look round
 FAR = 3.0  # critical speeds beyond this many operating speeds are of no interest
 
 
@@ -111,22 +113,17 @@ def _outputs(count: int) -> list[str]:
     return [f"{prefix}{axis}" for axis in "xy" for prefix in stations(count)]
 
 
-def operating_speed(scene: Scene) -> float:
-    """The scene's speed, or where its run-up ends [rad/s]."""
-    return scene.profile().end
-
-
 def speed_range(scene: Scene) -> tuple[float, float]:
     """From near standstill to beyond the operating speed and the critical ones near it [rad/s]."""
-    speed = operating_speed(scene)
+    speed = scene.profile().end
     critical = critical_speeds(scene.assembly().rotor)
     high = ABOVE * max([speed, *critical[critical < FAR * speed].tolist()])
-    return high / 100.0, high
+    return LOWEST * high, high
 
 
 def modes_at(scene: Scene) -> Modes:
     """Modes of the rotor without balancers at the operating speed."""
-    return modes(scene.assembly().rotor, operating_speed(scene))
+    return modes(scene.assembly().rotor, scene.profile().end)
 
 
 def campbell_of(scene: Scene, low: float, high: float) -> tuple[Campbell, Array]:
@@ -161,7 +158,7 @@ def response_of(scene: Scene, low: float, high: float, fmus: Path | None = None)
     with Revolution(scene.without_balancers(), fmus=fmus) as units:
         measured = [_steady(units, float(w))[0] for w in points]
     return Response(
-        title=scene.title or scene.name,
+        title=scene.heading,
         stations=station_names(scene),
         speeds=speeds,
         amplitude=np.array(curve),
@@ -184,9 +181,9 @@ def _steady(units: Revolution, speed: float) -> tuple[NDArray[np.complexfloating
 
 def orbits_of(scene: Scene, fmus: Path | None = None) -> Orbits:
     """Orbits at the operating speed: of the rotor alone, and at the end of the scene's run."""
-    speed = operating_speed(scene)
+    speed = scene.profile().end
     names = station_names(scene)
-    with Revolution(scene.without_balancers(), steps=120, fmus=fmus) as units:
+    with Revolution(scene.without_balancers(), steps=ORBIT_STEPS, fmus=fmus) as units:
         alone = _steady(units, speed)[1]
     alone = np.concatenate([alone, alone[:1]])
     run = np.empty((0, 2, len(names)))
@@ -196,7 +193,7 @@ def orbits_of(scene: Scene, fmus: Path | None = None) -> Orbits:
         period = 2.0 * math.pi / speed
         late = result.time >= result.time[-1] - LAST_REVOLUTIONS * period * (1.0 + 1e-9)
         run = np.stack([result[name][late] for name in outputs], axis=1).reshape(-1, 2, len(names))
-    return Orbits(scene.title or scene.name, speed, names, alone, run, LAST_REVOLUTIONS)
+    return Orbits(scene.heading, speed, names, alone, run, LAST_REVOLUTIONS)
 
 
 def run_up_of(scene: Scene, low: float, high: float, fmus: Path | None = None) -> RunUp:
@@ -218,7 +215,7 @@ def run_up_of(scene: Scene, low: float, high: float, fmus: Path | None = None) -
         speeds = np.array([rising.profile().speed(t) for t in result.time])
     alone = swings[1] if len(swings) > 1 else np.empty((0, len(names)))
     critical = _within(critical_speeds(scene.assembly().rotor), low, high)
-    return RunUp(scene.title or scene.name, names, seconds, speeds, swings[0], alone, critical)
+    return RunUp(scene.heading, names, seconds, speeds, swings[0], alone, critical)
 
 
 def _within(values: Array, low: float, high: float) -> Array:

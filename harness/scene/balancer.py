@@ -6,15 +6,27 @@ import math
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal
 
 import numpy as np
-from pydantic import Field, ValidationInfo, field_validator
+from pydantic import Field, model_validator
 
 from ...models.assembly import Mounted
 from ...models.contact.contact import restitution_on
+from ...models.contact.spacing import closest, fits, half_angle, largest_radius
 from ...models.liquid import Liquid
 from ...models.rotor import LinearRotor
 from ...models.weights import KAPPA, Weights
 from .feeds import Feeds, Start, fed
-from .quantities import Flag, NotNegative, Positive, Real, Table, Text, Unit, Whole, same_length
+from .quantities import (
+    Flag,
+    NotNegative,
+    Positive,
+    Real,
+    Table,
+    Text,
+    Unit,
+    Whole,
+    refusal,
+    refuse_other_length,
+)
 
 MOST_WEIGHTS = 10_000  # a slip of the keyboard, not a balancer
 
@@ -93,67 +105,51 @@ class WeightBalancer(Balancer):
     """Of the track's centre from the plane's, in the rotor."""
     track_offset_eta: Annotated[Real, Unit("m"), Feeds()] = 0.0
     """Of the track's centre from the plane's, in the rotor."""
-    angles: Annotated[
-        tuple[Real, ...] | None,
-        Field(validate_default=True),
-        Unit("rad"),
-        Feeds("weight[{n}].angle0"),
-    ] = None
+    angles: Annotated[tuple[Real, ...], Unit("rad"), Feeds("weight[{n}].angle0")] = ()
     """In the rotor, one a weight; default: evenly spread."""
-    speeds: Annotated[
-        tuple[Real, ...] | None,
-        Field(validate_default=True),
-        Unit("rad/s"),
-        Feeds("weight[{n}].speed0"),
-    ] = None
+    speeds: Annotated[tuple[Real, ...], Unit("rad/s"), Feeds("weight[{n}].speed0")] = ()
     """In the rotor, one a weight; default: 0."""
 
-    @field_validator("weight_radius")
+    @model_validator(mode="before")
     @classmethod
-    def _fits_the_track(cls, value: float | None, info: ValidationInfo) -> float | None:
-        count, track = info.data.get("count"), info.data.get("track_radius")
-        if value is None or count is None or track is None:
-            return value
-        if value >= track:
-            raise ValueError(f"must be less than track_radius = {track!r} m")
-        # neighbours whose centres run at track_radius R touch at 2 asin(r/R)
-        if count * math.asin(value / track) > math.pi * (1.0 + 1e-12):
-            raise ValueError(
-                f"{count} weights do not fit on a track of radius {track!r} m: "
-                f"must be at most {track * math.sin(math.pi / count):.6g} m"
+    def _evenly_spread_at_rest(cls, values: Any) -> Any:
+        count = values.get("count") if isinstance(values, dict) else None
+        if type(count) is not int or not 0 < count <= MOST_WEIGHTS:
+            return values
+        given = {key: value for key, value in values.items() if value is not None}
+        angles = [math.tau * k / count for k in range(count)]
+        return {"angles": angles, "speeds": [0.0] * count, **given}
+
+    @model_validator(mode="after")
+    def _fits_together(self) -> WeightBalancer:
+        for key in ("angles", "speeds"):
+            refuse_other_length(key, getattr(self, key), self.count, "weight")
+        if self.weight_radius is not None:
+            self._refuse_tight(self.weight_radius)
+        elif self.restitution > 0.0:
+            raise refusal(
+                "restitution",
+                "point weights do not collide: give weight_radius, or leave this out",
             )
-        return value
+        return self
 
-    @field_validator("restitution")
-    @classmethod
-    def _needs_a_radius(cls, value: float, info: ValidationInfo) -> float:
-        if value > 0.0 and info.data.get("weight_radius", 0.0) is None:
-            raise ValueError("point weights do not collide: give weight_radius, or leave this out")
-        return value
-
-    @field_validator("angles", "speeds")
-    @classmethod
-    def _one_each(
-        cls, value: tuple[float, ...] | None, info: ValidationInfo
-    ) -> tuple[float, ...] | None:
-        count = info.data.get("count")
-        if count is None:
-            return value
-        if value is None:
-            turn = 2.0 * math.pi if info.field_name == "angles" else 0.0
-            return tuple(turn * k / count for k in range(count))
-        same_length(value, count, "weight")
-        return value
-
-    @field_validator("angles")
-    @classmethod
-    def _do_not_overlap(
-        cls, value: tuple[float, ...] | None, info: ValidationInfo
-    ) -> tuple[float, ...] | None:
-        radius, track = info.data.get("weight_radius"), info.data.get("track_radius")
-        if value is not None and len(value) > 1 and radius is not None and track is not None:
-            _refuse_overlap(value, 2.0 * math.asin(radius / track))
-        return value
+    def _refuse_tight(self, radius: float) -> None:
+        track = self.track_radius
+        if radius >= track:
+            raise refusal("weight_radius", f"must be less than track_radius = {track!r} m")
+        if not fits(self.count, radius, track):
+            raise refusal(
+                "weight_radius",
+                f"{self.count} weights do not fit on a track of radius {track!r} m: "
+                f"must be at most {largest_radius(self.count, track):.6g} m",
+            )
+        distance, first, second = closest(self.angles)
+        if self.count > 1 and distance < 2.0 * self.half_angle * (1.0 - 1e-9):
+            raise refusal(
+                "angles",
+                f"weights {first + 1} and {second + 1} overlap: {distance:.6g} rad apart, must be "
+                f"at least {2.0 * self.half_angle:.6g} rad for their weight_radius",
+            )
 
     @property
     def kappa(self) -> float:
@@ -163,7 +159,7 @@ class WeightBalancer(Balancer):
     @property
     def half_angle(self) -> float:
         """Half the angle between weights that touch [rad]; 0 for points."""
-        return math.asin((self.weight_radius or 0.0) / self.track_radius)
+        return half_angle(self.weight_radius or 0.0, self.track_radius)
 
     @property
     def can_touch(self) -> bool:
@@ -197,19 +193,7 @@ class WeightBalancer(Balancer):
     def build(self) -> Mounted:
         """The weights on their plane."""
         device = Weights(self.count, self.mass, self.track_radius, self.drag, self.kappa)
-        return Mounted(self.label, device, self.at - 1, self.angles or (), self.speeds or ())
-
-
-def _refuse_overlap(angles: tuple[float, ...], apart: float) -> None:
-    """Raise ValueError when two weights stand closer than `apart` [rad] on the circle."""
-    order = sorted(range(len(angles)), key=lambda k: angles[k] % (2.0 * math.pi))
-    for first, second in zip(order, order[1:] + order[:1], strict=True):
-        distance = (angles[second] - angles[first]) % (2.0 * math.pi)
-        if distance < apart * (1.0 - 1e-9):
-            raise ValueError(
-                f"weights {first + 1} and {second + 1} overlap: {distance:.6g} rad apart, "
-                f"must be at least {apart:.6g} rad for their weight_radius"
-            )
+        return Mounted(self.label, device, self.at - 1, self.angles, self.speeds)
 
 
 class LiquidBalancer(Balancer):
@@ -235,13 +219,13 @@ class LiquidBalancer(Balancer):
         """Only where its inertia is sent rather than carried."""
         return self.inertia_as_force
 
-    @field_validator("float_radius")
-    @classmethod
-    def _fits_the_chamber(cls, value: float, info: ValidationInfo) -> float:
-        chamber = info.data.get("chamber_radius")
-        if chamber is not None and value >= chamber:
-            raise ValueError(f"must be less than chamber_radius = {chamber!r} m")
-        return value
+    @model_validator(mode="after")
+    def _fits_the_chamber(self) -> LiquidBalancer:
+        if self.float_radius >= self.chamber_radius:
+            raise refusal(
+                "float_radius", f"must be less than chamber_radius = {self.chamber_radius!r} m"
+            )
+        return self
 
     def build(self) -> Mounted:
         """The liquid on its plane."""

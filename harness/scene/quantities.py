@@ -66,9 +66,9 @@ NotNegativePair = Annotated[
 ]
 
 
-def same_length(values: Sequence[Any], count: int, what: str) -> None:
-    """Raise ValueError unless there is one value for each of `count` things called `what`."""
+def refuse_other_length(key: str, values: Sequence[Any], count: int, what: str) -> None:
+    """Refuse a key unless it has one value for each of `count` things called `what`."""
     if not values:
-        raise ValueError(f"must not be empty: give {count}, one for each {what}, or leave it out")
+        raise refusal(key, f"must not be empty: give {count}, one for each {what}, or leave it out")
     if len(values) != count:
-        raise ValueError(f"has {len(values)} values: must have {count}, one for each {what}")
+        raise refusal(key, f"has {len(values)} values: must have {count}, one for each {what}")

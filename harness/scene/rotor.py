@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from itertools import pairwise
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal
 
-from pydantic import Field, ValidationInfo, field_validator
+from pydantic import Field, field_validator, model_validator
 
 from ...models.rotor import LinearRotor
 from .feeds import Feeds, Start, fed
@@ -25,7 +25,8 @@ from .quantities import (
     Table,
     Unit,
     Whole,
-    same_length,
+    refusal,
+    refuse_other_length,
 )
 
 
@@ -207,13 +208,13 @@ class TwoSupportRotor(RotorTable):
 
     supports: ClassVar[tuple[int, ...]] = (1, 2)
 
-    @field_validator("polar_inertia")
-    @classmethod
-    def _is_a_body(cls, value: float, info: ValidationInfo) -> float:
-        inertia = info.data.get("inertia")
-        if inertia is not None and value > 2.0 * inertia:
-            raise ValueError(f"no body has more than 2 inertia = {2.0 * inertia:g} kg m^2")
-        return value
+    @model_validator(mode="after")
+    def _is_a_body(self) -> TwoSupportRotor:
+        if self.polar_inertia > 2.0 * self.inertia:
+            raise refusal(
+                "polar_inertia", f"no body has more than 2 inertia = {2.0 * self.inertia:g} kg m^2"
+            )
+        return self
 
     @property
     def stations(self) -> tuple[float, ...]:
@@ -275,9 +276,7 @@ class FlexibleRotor(RotorTable):
     """One entry a support."""
     bending_stiffness: Annotated[Positive | None, Unit("N m^2"), Feeds()] = None
     """E I of the shaft; this or `compliance`."""
-    compliance: Annotated[
-        tuple[tuple[Real, ...], ...] | None, Field(validate_default=True), Unit("m/N")
-    ] = None
+    compliance: Annotated[tuple[tuple[Real, ...], ...] | None, Unit("m/N")] = None
     """Square matrix over the stations without supports; this or `bending_stiffness`."""
     internal_damping: Annotated[NotNegative, Unit("N s/m"), Feeds()] = 0.0
     """Of the shaft, turns with it."""
@@ -291,36 +290,21 @@ class FlexibleRotor(RotorTable):
             raise ValueError("must rise from one station to the next")
         return value
 
-    @field_validator("masses")
-    @classmethod
-    def _one_a_station(cls, value: tuple[float, ...], info: ValidationInfo) -> tuple[float, ...]:
-        if "stations" in info.data:
-            same_length(value, len(info.data["stations"]), "station")
-        return value
-
-    @field_validator("supports")
-    @classmethod
-    def _two_stations(cls, value: tuple[int, int], info: ValidationInfo) -> tuple[int, int]:
-        count = len(info.data.get("stations", ()))
-        if value[0] == value[1] or (count and not all(1 <= s <= count for s in value)):
-            raise ValueError(f"must be two different stations, 1 to {count}")
-        return value
-
-    @field_validator("compliance")
-    @classmethod
-    def _one_description(
-        cls, value: tuple[tuple[float, ...], ...] | None, info: ValidationInfo
-    ) -> tuple[tuple[float, ...], ...] | None:
-        stations = info.data.get("stations")
-        if "bending_stiffness" in info.data and (
-            (value is None) == (info.data["bending_stiffness"] is None)
-        ):
-            raise ValueError("give either bending_stiffness (N m^2) or compliance (m/N)")
-        if value is not None and stations is not None:
-            size = len(stations) - 2
-            if len(value) != size or any(len(row) != size for row in value):
-                raise ValueError(f"must be {size} rows of {size}, the stations without supports")
-        return value
+    @model_validator(mode="after")
+    def _fits_together(self) -> FlexibleRotor:
+        count = len(self.stations)
+        refuse_other_length("masses", self.masses, count, "station")
+        if self.supports[0] == self.supports[1] or not all(1 <= s <= count for s in self.supports):
+            raise refusal("supports", f"must be two different stations, 1 to {count}")
+        if (self.compliance is None) == (self.bending_stiffness is None):
+            raise refusal("compliance", "give either bending_stiffness (N m^2) or compliance (m/N)")
+        size = count - 2
+        delta = self.compliance
+        if delta is not None and [len(row) for row in delta] != [size] * size:
+            raise refusal(
+                "compliance", f"must be {size} rows of {size}, the stations without supports"
+            )
+        return self
 
     @property
     def mass(self) -> float:

@@ -101,6 +101,11 @@ class Scene(Table):
         """Short name: the file's stem."""
         return self._path.stem if self._path else self._label
 
+    @property
+    def heading(self) -> str:
+        """What tables and pictures call the scene: its title, else its name."""
+        return self.title or self.name
+
     @cached_property
     def _linear_rotor(self) -> LinearRotor:
         return self.rotor.build()

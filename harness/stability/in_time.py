@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from ...models.linear.balanced import golden_parts
 from ..errors import SimulationError
 from ..scene import Scene
 from .main_motion import MainMotion
@@ -23,7 +24,6 @@ SETTLING = 9.0  # times 1/growth rate: e^-9 leaves 1e-4 of what the main motion 
 TRANSIENT = 60.0  # revolutions before that: the weights find their places
 LONGEST = 3000.0  # revolutions of a run: what settles later, e^-0.003 a revolution, is a boundary
 FITTED_RUN = 120  # revolutions: in its first half what dies 5 % faster falls to a twentieth
-_GOLDEN = 0.6180339887498949
 
 
 def growth_in_run(motion: MainMotion, speed: float, revolutions: int = FITTED_RUN) -> float:
@@ -37,9 +37,7 @@ def growth_in_run(motion: MainMotion, speed: float, revolutions: int = FITTED_RU
     Raises:
         SimulationError: the disturbance vanished or became large within a few revolutions.
     """
-    size = len(motion.state)
-    pattern = np.modf(np.arange(1, size + 1) * _GOLDEN)[0] - 0.5
-    units = motion.units
+    pattern, units = golden_parts(len(motion.state)), motion.units
     units.begin(motion.state + DISTURBANCE * pattern * units.scale(speed), speed)
     deviations = [motion.deviation(units.turn(speed), speed)]
     changes: list[NDArray] = []  # they obey the same map, and do not ask where the run ends

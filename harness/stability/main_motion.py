@@ -24,7 +24,9 @@ from typing import TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
+from ...models.linear.balanced import restart_angles
 from ..errors import SimulationError
+from ..master.closing import Closing
 from ..master.fmu import Fmu, Variables
 from ..scene import Scene
 from .revolution import RANK, Matrix, Revolution, Vector, derivative
@@ -39,15 +41,13 @@ MOST_REFINED = 32  # times the given steps a revolution
 _LONGEST_TURN = 0.5  # rad per iteration: a longer one leaves the neighbourhood of the start
 _ITERATIONS = 30  # of half a radian: twice around, and Newton's last few
 _STARTS = 5  # the second leaves a line of symmetry, on which Newton stands still
-_SPREAD = 0.3  # rad by which a start is spread further than the one before: still its neighbourhood
-_GOLDEN = 0.6180339887498949
 
 
 class NoMainMotion(SimulationError):
     """The weights cannot undo the unbalance, or the rotor cannot rest."""
 
 
-class MainMotion:
+class MainMotion(Closing):
     """Multipliers and growth about the main motion, measured on the coupled units at any speed.
 
     Args:
@@ -102,9 +102,8 @@ class MainMotion:
         outputs = [(rotor, rotor.group(names))]
         scale = self.units.states[0].scale * self._speed**2
         first = self.units.first[self._angles]
-        pattern = np.modf(np.arange(1, len(first) + 1) * _GOLDEN)[0] - 0.5
         for attempt in range(_STARTS):
-            rest[self._angles] = first + _SPREAD * attempt * pattern
+            rest[self._angles] = restart_angles(first, attempt)
             balanced = self._newton(rest, outputs, scale)
             if balanced is not None and self._rests(balanced):
                 return balanced
@@ -234,9 +233,3 @@ class MainMotion:
     def close(self) -> None:
         """Free the units."""
         self.units.close()
-
-    def __enter__(self) -> MainMotion:
-        return self
-
-    def __exit__(self, *_exception: object) -> None:
-        self.close()

@@ -134,7 +134,7 @@ def stability_map(
         points = [Point(*place, *rate) for place, rate in zip(places, rates, strict=True)]
     applies = bool(np.isfinite(criterion).any())
     return StabilityMap(
-        scene.title or scene.name,
+        scene.heading,
         x,
         y,
         (x.label(scene), y.label(scene)),

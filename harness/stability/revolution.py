@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import SimulationError
+from ..master.closing import Closing
 from ..master.cosimulation import CoSimulation
 from ..master.names import stations, weight
 from ..master.schedule import steps_per_rev
@@ -78,7 +79,7 @@ def derivative(
     return np.array(columns).T
 
 
-class Revolution:
+class Revolution(Closing):
     """One revolution of a scene's coupled units as a map of their states.
 
     Args:
@@ -205,9 +206,3 @@ class Revolution:
     def close(self) -> None:
         """Free the units."""
         self.cosim.close()
-
-    def __enter__(self) -> Revolution:
-        return self
-
-    def __exit__(self, *_exception: object) -> None:
-        self.close()

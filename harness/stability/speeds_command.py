@@ -55,7 +55,7 @@ def command(
             workers=os.cpu_count() or 1,
             progress=progress,
         )
-    show(table(found, loaded.title or loaded.name))
+    show(table(found, loaded.heading))
     for name, side in found.lowest.items():
         throughout = "" if found.methods[name] else ", and up to its end"
         say(f"{name}: {side} at the low end of the range{throughout}")

@@ -163,6 +163,11 @@ def _needlessly_in_line(table: WeightTable, moments: dict[int, complex], angles:
     return False
 
 
+def golden_parts(count: int) -> NDArray[np.float64]:
+    """Numbers (count,) within 0.5 of 0, all different: multiples of the golden ratio, modulo 1."""
+    return np.modf(np.arange(1, count + 1) * _GOLDEN)[0] - 0.5
+
+
 def restart_angles(angles: NDArray[np.float64], attempt: int) -> NDArray[np.float64]:
     """Angles (K,) [rad] to start Newton's method from once more; attempt 0: those that were given.
 
@@ -170,8 +175,7 @@ def restart_angles(angles: NDArray[np.float64], attempt: int) -> NDArray[np.floa
     """
     if attempt == 0:
         return angles
-    parts = np.modf(np.arange(1, len(angles) + 1) * _GOLDEN)[0] - 0.5
-    return angles + _RESTART * attempt * parts
+    return angles + _RESTART * attempt * golden_parts(len(angles))
 
 
 def balanced_angles(assembly: Assembly) -> NDArray[np.float64]:

@@ -93,7 +93,7 @@ def test_complex_coefficients_without_noise_need_two_cycles(scene):
     result = balance(scene.replace({"balancing.technology": "complex"}))
     (technology,) = result.technologies
     assert technology.meets
-    assert technology.truly
+    assert technology.actually_met
     assert len(technology.cycles) == 2
     assert result.difference < 1e-6
     first, last = technology.cycles
@@ -105,7 +105,7 @@ def test_a_rotor_within_its_grade_needs_one_cycle():
     result = balance(load_scene("balancing_machine").replace({"balancing.grade": "G4000"}))
     for technology in result.technologies:
         assert len(technology.cycles) == 1
-        assert technology.truly
+        assert technology.actually_met
         assert not technology.cycles[0].mounted.any()
 
 
@@ -114,7 +114,7 @@ def test_scalar_technology_takes_five_cycles_where_the_complex_one_takes_two():
     result = balance(load_scene("balancing_machine"))
     cycles = {t.name: len(t.cycles) for t in result.technologies}
     assert cycles == {"complex": 2, "scalar": 5}
-    assert all(t.truly for t in result.technologies)
+    assert all(t.actually_met for t in result.technologies)
     # the same by arithmetic alone, without a machine
     scalar = result.technologies[1]
     start = scalar.cycles[0].actual
@@ -130,7 +130,7 @@ def test_scalar_technology_converges_only_where_its_residual_map_contracts():
         (technology,) = result.technologies
         matrix = residual_map(result.analytic, technology.coefficients)
         assert (np.abs(np.linalg.eigvals(matrix)).max() < 1.0) == contracts
-        assert technology.truly == contracts
+        assert technology.actually_met == contracts
         if not contracts:
             assert len(technology.cycles) == 20
             assert technology.note == "grade not met after 20 cycles"
@@ -191,7 +191,7 @@ def test_noise_is_repeatable_by_its_seed_and_errs_within_its_uncertainty():
         error = np.abs(result.measured - result.analytic)
         assert np.all(error < 5.0 * result.uncertainty)
         assert np.all(error > 0.0)
-        assert all(t.truly for t in result.technologies)
+        assert all(t.actually_met for t in result.technologies)
 
 
 def test_machine_reaches_steady_state_from_any_transient():
@@ -221,7 +221,7 @@ def test_unstable_rotor_is_refused():
             }
         )
         if stable:
-            assert balance(scene).technologies[0].truly
+            assert balance(scene).technologies[0].actually_met
         else:
             with pytest.raises(SimulationError, match=r"not stable at 222.2 rad/s: free vibration"):
                 balance(scene)
