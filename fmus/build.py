@@ -115,7 +115,6 @@ def _native(
     if find_spec(f"{__package__}.native") is None:
         raise ValueError("backend = 'native': this installation has Python units only")
     package = import_module(".native.package", __package__)
-    files: dict[str, bytes] = {}
 
     def describe(token: str, sources: Sequence[str]) -> bytes:
         can = Capabilities(
@@ -124,13 +123,10 @@ def _native(
             directional_derivatives=True,
             sources=tuple(sources),
         )
-        if fmi == 3:
-            files["sources/buildDescription.xml"] = fmi3.build_description(identifier, can)
         return _described(unit, identifier, fmi, token, can)
 
     chosen = {} if platforms is None else {"platforms": platforms}
-    files.update(package.native_files(unit, identifier, describe, fmi=fmi, **chosen))
-    return files
+    return package.native_files(unit, identifier, describe, fmi=fmi, **chosen)
 
 
 def _described(unit: SizedUnit, identifier: str, fmi: int, token: str, can: Capabilities) -> bytes:

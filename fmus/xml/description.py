@@ -27,7 +27,7 @@ class Capabilities:
         output_derivatives: highest order of those that it gives FMI's own way.
         directional_derivatives: whether it gives them.
         early_return: whether a step may end early (FMI 3.0).
-        sources: names of the C files in `sources/` that make the library.
+        sources: names of the C files in `sources/` that make the library (FMI 2.0).
     """
 
     input_derivatives: bool = False

@@ -1,4 +1,4 @@
-"""modelDescription.xml and buildDescription.xml of FMI 3.0, from a unit's declarations.
+"""modelDescription.xml of FMI 3.0, from a unit's declarations.
 
 Value references are unique over all types: the Reals have those of FMI 2.0, the Booleans follow
 them, and after those comes the independent variable `time`.
@@ -79,16 +79,6 @@ def model_description(
                 SubElement(structure, tag, {"valueReference": references[v.name], **found})
     annotation = SubElement(SubElement(root, "Annotations"), "Annotation", {"type": "autobalancer"})
     common.built(annotation, unit)
-    return common.text_of(root)
-
-
-def build_description(name: str, can: Capabilities) -> bytes:
-    """sources/buildDescription.xml: the C files that make the library, C99."""
-    root = Element("fmiBuildDescription", {"fmiVersion": "3.0"})
-    build = SubElement(root, "BuildConfiguration", {"modelIdentifier": name})
-    files = SubElement(build, "SourceFileSet", {"language": "C99"})
-    for source in can.sources:
-        SubElement(files, "SourceFile", {"name": source})
     return common.text_of(root)
 
 

@@ -22,6 +22,18 @@ from autobalancer.fmus.catalogue import CATALOGUE, slave_class
 
 BACKENDS = ["python"] + (["native"] if find_spec("autobalancer.fmus.native") else [])
 
+SHAPES = [
+    ("RotorOnSupports", {}),
+    ("RotorOnSupports", {"kind": "two_support", "stations": 2, "unbalances": 2}),
+    ("RotorOnSupports", {"kind": "flexible", "stations": 4, "shaft": "compliance"}),
+    ("RotorOnSupports", {"planes": 3, "frame": "fixed"}),
+    ("LiquidBalancer", {}),
+    ("LiquidBalancer", {"frame": "fixed"}),
+    ("BallBalancer", {}),
+    ("BallBalancer", {"weights": 1}),
+    ("BallBalancer", {"weights": 5, "frame": "fixed"}),
+]
+
 
 class Probe:
     """A unit in plain Python, with its variables by name; what is not here is the slave's."""
@@ -163,3 +175,21 @@ def altered(tmp_path) -> Callable[..., Path]:
 def backend(request: pytest.FixtureRequest) -> str:
     """Every runtime there is: what holds for one holds for the other."""
     return request.param
+
+
+@pytest.fixture(params=SHAPES, ids=lambda shape: "-".join([shape[0], *map(str, shape[1].values())]))
+def shape(request: pytest.FixtureRequest) -> tuple[str, dict[str, Any]]:
+    """A unit with its build options."""
+    return request.param
+
+
+@pytest.fixture
+def unit(shape: tuple[str, dict[str, Any]]) -> str:
+    """Name of the unit of `shape`."""
+    return shape[0]
+
+
+@pytest.fixture
+def options(shape: tuple[str, dict[str, Any]]) -> dict[str, Any]:
+    """Build options of `shape`."""
+    return shape[1]

@@ -269,8 +269,8 @@ def test_outputs_follow_inputs_set_during_initialisation(rotor_of):
 
 
 @pytest.mark.parametrize("unit", ["RotorOnSupports", "LiquidBalancer", "BallBalancer"])
-def test_unit_runs_alone_with_an_input_file(fmu, unit):
-    path = str(fmu(unit))
+def test_unit_runs_alone_with_an_input_file(fmu, unit, backend):
+    path = str(fmu(unit, backend=backend))
     name = {"RotorOnSupports": "plane[1].F_xi", "BallBalancer": "a_eta"}.get(unit, "a_xi")
     samples = np.array([(0.0, 0.0), (0.05, 2.0), (0.1, -2.0)], dtype=[("time", "f8"), (name, "f8")])
     starts = {"inertia_as_force": True} if unit == "LiquidBalancer" else {}
@@ -302,9 +302,9 @@ PERTURBED = {
 
 
 @pytest.mark.parametrize("unit", PERTURBED)
-def test_restored_state_continues_bit_by_bit(fmu, unit, host_of):
-    host = host_of(fmu(unit)).start(**PERTURBED[unit])
-    other = host_of(fmu(unit)).start()
+def test_restored_state_continues_bit_by_bit(fmu, unit, host_of, backend):
+    host = host_of(fmu(unit, backend=backend)).start(**PERTURBED[unit])
+    other = host_of(fmu(unit, backend=backend)).start()
     host.run(20)
     state = host.slave.getFMUState()
     data = host.slave.serializeFMUState(state)
@@ -345,8 +345,8 @@ def test_state_of_another_size_is_refused(balls_of):
 
 
 @pytest.mark.parametrize("unit", PERTURBED)
-def test_two_instances_do_not_disturb_each_other(fmu, unit, host_of):
-    path = fmu(unit)
+def test_two_instances_do_not_disturb_each_other(fmu, unit, host_of, backend):
+    path = fmu(unit, backend=backend)
     alone = host_of(path).start(**PERTURBED[unit])
     expected = alone.run(30)
     first, second = host_of(path).start(**PERTURBED[unit]), host_of(path).start()
@@ -360,8 +360,8 @@ def test_two_instances_do_not_disturb_each_other(fmu, unit, host_of):
 
 
 @pytest.mark.parametrize("unit", PERTURBED)
-def test_reset_and_instantiate_again_start_afresh(fmu, unit, host_of):
-    host = host_of(fmu(unit)).start(**PERTURBED[unit])
+def test_reset_and_instantiate_again_start_afresh(fmu, unit, host_of, backend):
+    host = host_of(fmu(unit, backend=backend)).start(**PERTURBED[unit])
     expected = host.run(10)
     host.slave.terminate()
     host.slave.reset()
@@ -373,8 +373,8 @@ def test_reset_and_instantiate_again_start_afresh(fmu, unit, host_of):
     host.free()
 
 
-def test_failed_step_is_discarded_and_can_be_repeated(fmu, host_of):
-    host = host_of(fmu("BallBalancer")).start(a_xi=3.0)
+def test_failed_step_is_discarded_and_can_be_repeated(fmu, host_of, backend):
+    host = host_of(fmu("BallBalancer", backend=backend)).start(a_xi=3.0)
     host.run(3)
     state = host.slave.getFMUState()
     expected = host.run(3, start=3e-3)
