@@ -173,6 +173,18 @@ def test_a_step_passes_as_often_as_asked(corrections):
         assert rotor["restore"] == rotor["step"] - 11
 
 
+@pytest.mark.parametrize("name", ["two_balls", "two_plane_rodrigues"])
+def test_steps_under_a_tolerance_grow_twofold_at_most(name):
+    scene = load_scene(name).replace({"coupling.tolerance": 1e-4, "coupling.scheme": "auto"})
+    with CoSimulation(scene) as cosim:
+        cosim.start()
+        longest = step_size(scene, 8)
+        lengths = np.array([cosim.step(10.0, longest) for _ in range(60)])
+    growth = lengths[1:] / lengths[:-1]
+    assert growth.max() <= 2.0 * (1.0 + 1e-9)
+    assert growth[0] == pytest.approx(2.0), "the first steps err by next to nothing"
+
+
 # -- compensated ----------------------------------------------------------------------------------
 
 
