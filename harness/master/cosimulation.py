@@ -16,7 +16,7 @@ import numpy as np
 from ..errors import SimulationError
 from ..scene import Scene, load_scene
 from .facts import Facts, advice, result
-from .fmu import Fmu
+from .fmu import Closing, Fmu
 from .loop import consistent_start, loop_gain, rotor_response, value_eigenvalues
 from .plan import find_or_build, plan, refuse_other_build
 from .recorder import Recorder, recorded
@@ -33,7 +33,7 @@ REPORTED = 256  # steps between two reports of progress: some ten a second
 Progress = Callable[[float], None]
 
 
-class CoSimulation:
+class CoSimulation(Closing):
     """The units of a scene, loaded and connected; restarted and stepped as often as wanted.
 
     Args:
@@ -198,12 +198,6 @@ class CoSimulation:
     def close(self) -> None:
         """Free all instances."""
         self._stack.close()
-
-    def __enter__(self) -> CoSimulation:
-        return self
-
-    def __exit__(self, *_exception: object) -> None:
-        self.close()
 
 
 def cosimulate(

@@ -12,6 +12,7 @@ from collections.abc import Sequence
 from ctypes import byref, c_double, c_int, c_size_t, c_uint, c_void_p, create_string_buffer
 from pathlib import Path
 from tempfile import mkdtemp
+from typing import TYPE_CHECKING
 
 import fmpy
 import numpy as np
@@ -20,6 +21,9 @@ from fmpy.model_description import ModelDescription
 
 from ..errors import SimulationError, UnitError
 from .names import readable
+
+if TYPE_CHECKING:
+    from typing_extensions import Self
 
 _WARNING = fmi2.fmi2Warning
 _STATUS = ("OK", "Warning", "Discard", "Error", "Fatal", "Pending")
@@ -50,7 +54,21 @@ class Variables:
         self.vectors = np.ctypeslib.as_array(self.buffer)[: self.size // 2 * 2].view(complex)
 
 
-class Fmu:
+class Closing:
+    """What is closed at the end of a `with` block."""
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *_exception: object) -> None:
+        self.close()
+
+    def close(self) -> None:
+        """Give back what is held."""
+        raise NotImplementedError
+
+
+class Fmu(Closing):
     """An instance of an FMI 2.0 co-simulation FMU.
 
     Args:
@@ -252,9 +270,3 @@ class Fmu:
             self._alive = False
             self.fmu.freeInstance()
         shutil.rmtree(self._directory, ignore_errors=True)
-
-    def __enter__(self) -> Fmu:
-        return self
-
-    def __exit__(self, *_exception: object) -> None:
-        self.close()

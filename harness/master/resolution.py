@@ -26,15 +26,15 @@ import numpy as np
 from ...models.weights import Weights
 from ..errors import SimulationError
 from ..scene import Scene
-from .system import SignalState, System
+from .signals import MISS_PER_ERROR, SignalState
+from .system import System
 
 SAID = 0.01  # of the motion: estimated error from which the run says so; a picture would show it
 REFUSED = 0.3  # of the motion: within the estimate's factor of three, all of it
 UNRESOLVED = 0.05  # of a signal's largest value: error of a cubic that no longer follows it
 PERSISTENT = 20  # such steps in all: a transient that dies sooner is left to the estimate
 NOISE = 1e-9  # of what all weights together can pull: below it a signal is cancellation
-# as far as the cubic before misses where the step's own would err by UNRESOLVED
-LOST_PREDICTION = 120.0 * UNRESOLVED
+LOST_PREDICTION = MISS_PER_ERROR * UNRESOLVED  # of a signal's largest value: then it is lost
 _TURN = 2.0 * math.pi
 
 
@@ -74,7 +74,7 @@ class Resolution:
     refused = False
 
     def __init__(self, scene: Scene, system: System, miss_per_error: float) -> None:
-        self._part = miss_per_error
+        self._miss_per_error = miss_per_error
         assembly, profile, start = scene.assembly(), scene.profile(), scene.run.initial
         rotor = assembly.loaded_rotor
         self._speed = max(profile.start, profile.end)
@@ -115,7 +115,7 @@ class Resolution:
             if state.prediction_error > LOST_PREDICTION * state.largest:
                 lost = state, name
         # a first step has no past to be judged by: the second one's miss is its miss too
-        times = (2.0 if self._blind else 1.0) / self._part
+        times = (2.0 if self._blind else 1.0) / self._miss_per_error
         self._blind = missed == 0.0
         self._pushed = self._kept * self._pushed + times * missed
         worst, cause = 0.0, ""

@@ -14,6 +14,9 @@ Cubic = tuple[complex, complex, complex, complex]
 Knot = tuple[complex, complex]  # value and slope at one point
 
 ZERO: Knot = (0j, 0j)
+# (h + h)^2 h^2/24 over h^4/720: how far the cubic of the step before misses the end of a step, over
+# what the step's own cubic errs on average
+MISS_PER_ERROR = 120.0
 REST: Cubic = (0j, 0j, 0j, 0j)
 
 

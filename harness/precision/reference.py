@@ -11,6 +11,7 @@ from ...models.monolith import ReferenceDisagreement, reference
 from ...models.reference.coupled import Start
 from ...models.reference.trajectory import Trajectory
 from ..errors import SimulationError
+from ..master.names import weight
 from ..master.plan import plan, signal_units
 from ..scene import Scene
 from ..scene.balancer import WeightBalancer
@@ -67,8 +68,8 @@ def _refuse_contacts(scene: Scene, right: Trajectory) -> None:
     for balancer in scene.balancer:
         if not isinstance(balancer, WeightBalancer) or not balancer.weight_radius:
             continue
-        names = [f"{balancer.label}.weight[{k}].angle" for k in range(1, balancer.count + 1)]
-        angles = np.array([right.signal(name) for name in names])
+        names = [weight(k, "angle") for k in range(1, balancer.count + 1)]
+        angles = np.array([right.signal(f"{balancer.label}.{name}") for name in names])
         apart = 2.0 * balancer.half_angle
         for k in range(1, len(angles)):
             gaps = np.abs((angles[k:] - angles[:-k] + math.pi) % (2.0 * math.pi) - math.pi)

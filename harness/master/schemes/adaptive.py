@@ -130,5 +130,5 @@ def _predicted(signal: SignalState, step: float) -> complex:
 
 
 def _share(last_step: float, step: float) -> float:
-    """Part of the prediction's miss that is error of the step's own cubic."""
+    """Part of the prediction's miss that is error of the step's own cubic; 1/120 of equal steps."""
     return step * step / (30.0 * (step + last_step) ** 2)

@@ -16,7 +16,7 @@ import numpy as np
 
 from ...errors import LoopError
 from ..loop import QuasiNewton, Vector, difference, jacobian, loop_gain, pack, size, unpack
-from ..signals import Cubic, Knot, end_of, interpolated, joined, predicted
+from ..signals import MISS_PER_ERROR, Cubic, Knot, end_of, interpolated, joined, predicted
 from ..system import System
 
 CONVERGED = 1e-10  # residual of the forces relative to the largest force so far
@@ -62,7 +62,7 @@ class Iterated:
     chooses_steps = False
     rolls_back = True
     startup_halvings = 0
-    miss_per_error = 120.0  # (h + h)^2 h^2/24 over h^4/720, as `adaptive` has them
+    miss_per_error = MISS_PER_ERROR
 
     def __init__(
         self,

@@ -10,6 +10,7 @@ import pytest
 from autobalancer.harness import Scene, SceneError, bundled_scenes, cosimulate, load_scene
 from autobalancer.harness.master.cosimulation import CoSimulation
 from autobalancer.harness.master.fmu import Fmu
+from autobalancer.harness.scene.file import find, read
 
 LATERAL = ("rotor.x", "rotor.y")
 
@@ -61,7 +62,7 @@ def test_order_4_from_standstill_through_resonance_and_past_the_end_of_a_run_up(
 
 def test_forces_of_all_balancers_on_a_plane_add_up():
     """Two balancers of one weight each are one balancer of two."""
-    document = dict(load_scene("two_balls")._document)
+    document = read(find("two_balls"))
     (both,) = document["balancer"]
     angles = both["angles"]
     document["balancer"] = [

@@ -29,6 +29,11 @@ EXACT = 1e-9  # of the amplitude: reference and rounding of a motion without cou
 STEPS = {0: (40, 80), 1: (40, 80), 3: (40, 80, 160)}  # a revolution, by order of the signals
 
 
+EXCHANGING = [
+    name for name in bundled_scenes() if any(b.exchanges_force for b in load_scene(name).balancer)
+]
+
+
 def gain_of(scene) -> float:
     with CoSimulation(scene) as cosim:
         cosim.start()
@@ -36,7 +41,7 @@ def gain_of(scene) -> float:
 
 
 @pytest.mark.parametrize(("scheme", "order"), [(s, o) for s in ORDERS for o in ORDERS[s]])
-@pytest.mark.parametrize("name", bundled_scenes())
+@pytest.mark.parametrize("name", EXCHANGING)
 def test_every_scheme_converges_with_its_order_or_says_that_it_is_unstable(
     against, name, scheme, order
 ):
@@ -54,12 +59,18 @@ def test_every_scheme_converges_with_its_order_or_says_that_it_is_unstable(
         return
     errors = np.array([error(steps) for steps in STEPS[order]])
     assert np.isfinite(errors).all()
-    if gain == 0.0:
-        assert errors.max() <= EXACT, "nothing is exchanged, so nothing can be missed"
-        return
     observed = np.log2(errors[:-1] / errors[1:])
     expected = ORDERS[scheme][order]
     assert observed[-1] >= expected - 0.3 or errors[-1] <= EXACT, (errors, observed)
+
+
+@pytest.mark.parametrize("name", [n for n in bundled_scenes() if n not in EXCHANGING])
+def test_where_no_force_is_exchanged_nothing_can_be_missed(against, name):
+    runs = against(name, {"run.revolutions": 2, "run.record": None})
+    held = {"scheme": "jacobi", "order": 0, "corrections": None, "tolerance": None}
+    result = runs.run({**held, "steps_per_rev": 40})
+    assert gain_of(runs.scene) == 0.0
+    assert runs.of_amplitude(result) <= EXACT
 
 
 def test_cubic_signals_are_a_thousand_times_better_than_held_ones_side_by_side(against):
@@ -171,6 +182,18 @@ def test_a_step_passes_as_often_as_asked(corrections):
         assert rotor["step"] - first <= 10 * (1 + corrections)
         assert rotor["step"] - first >= 10
         assert rotor["restore"] == rotor["step"] - 11
+
+
+@pytest.mark.parametrize("name", ["two_balls", "two_plane_rodrigues"])
+def test_steps_under_a_tolerance_grow_twofold_at_most(name):
+    scene = load_scene(name).replace({"coupling.tolerance": 1e-4, "coupling.scheme": "auto"})
+    with CoSimulation(scene) as cosim:
+        cosim.start()
+        longest = step_size(scene, 8)
+        lengths = np.array([cosim.step(10.0, longest) for _ in range(60)])
+    growth = lengths[1:] / lengths[:-1]
+    assert growth.max() <= 2.0 * (1.0 + 1e-9)
+    assert growth[0] == pytest.approx(2.0), "the first steps err by next to nothing"
 
 
 # -- compensated ----------------------------------------------------------------------------------
