@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import time
 
 import numpy as np
 import pytest
@@ -203,13 +202,13 @@ def test_packed_weights_pull_with_their_centrifugal_force() -> None:
     assert_allclose(force, weights.point_capacity * 49.0 * np.exp(0.4j), rtol=1e-14)
 
 
-def test_spread_of_goncharov_2() -> None:
+def test_alignment_of_goncharov_2() -> None:
     assert alignment([0.3, 0.3 + math.pi]) == pytest.approx(1.0)
     assert alignment([0.3 + k * 2 * math.pi / 3 for k in range(3)]) == pytest.approx(0.0, abs=1e-15)
     assert alignment([0.0, math.pi / 2]) == pytest.approx(0.0, abs=1e-15)
 
 
-def test_what_is_not_finite_or_endless_is_an_error() -> None:
+def test_what_is_not_finite_or_endless_is_an_error(monkeypatch) -> None:
     weights = Weights(2, 0.1, 0.5)
     for bad in (math.nan, math.inf):
         with pytest.raises(ArithmeticError):
@@ -220,10 +219,10 @@ def test_what_is_not_finite_or_endless_is_an_error() -> None:
             advance(weights, [0.0, 1.0], [0.0, bad], (1.0, 0j, 0j, 0j), 0.0, 0.1)
         with pytest.raises(ArithmeticError):
             advance(weights, [0.0, 1.0], [0.0, 0.0], (1.0, 0j, 0j, 0j), bad, 0.1)
-    begin = time.perf_counter()
+    # refused before the first of them is computed
+    monkeypatch.setattr("autobalancer.models.weights.substep", None)
     with pytest.raises(ArithmeticError, match="substeps"):
         advance(weights, [0.0, 1.0], [0.0, 1e12], (1.0, 0j, 0j, 0j), 0.0, 0.1)
-    assert time.perf_counter() - begin < 1.0
 
 
 @pytest.mark.parametrize(
