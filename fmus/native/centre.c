@@ -1,5 +1,7 @@
 #include "centre.h"
 
+#include "cubic.h"
+
 Instant instant(const CentreMotion *motion, double time)
 {
     Instant now;
@@ -14,8 +16,8 @@ double rotor_turned(const CentreMotion *motion, double time)
     return time * (motion->rotor_speed + 0.5 * motion->angular_acceleration * time);
 }
 
-void shifted(const Complex *signal, Complex offset, double rotor_speed,
-             double angular_acceleration, Complex *result)
+void shifted(const Complex *signal, Complex offset, double rotor_speed, double angular_acceleration,
+             Complex *result)
 {
     const Complex whirl = {-(rotor_speed * rotor_speed), angular_acceleration};
     result[0] = complex_sum(signal[0], complex_product(whirl, offset));

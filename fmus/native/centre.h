@@ -25,7 +25,7 @@ Instant instant(const CentreMotion *motion, double time);
 double rotor_turned(const CentreMotion *motion, double time);
 
 /* Signal of the track's centre from that of the plane's: (i w' - w^2) e, exact for linear w. */
-void shifted(const Complex *signal, Complex offset, double rotor_speed,
-             double angular_acceleration, Complex *result);
+void shifted(const Complex *signal, Complex offset, double rotor_speed, double angular_acceleration,
+             Complex *result);
 
 #endif

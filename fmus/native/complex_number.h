@@ -42,20 +42,4 @@ static inline Complex complex_conjugate(Complex a)
     return complex_of(a.re, -a.im);
 }
 
-/* Value of the cubic with this value and derivatives 1 to 3, at time t. */
-static inline Complex cubic_value(const Complex *cubic, double t)
-{
-    const Complex third = complex_of(t * cubic[3].re / 6.0, t * cubic[3].im / 6.0);
-    Complex sum = complex_sum(complex_scaled(0.5, cubic[2]), third);
-    sum = complex_sum(cubic[1], complex_scaled(t, sum));
-    return complex_sum(cubic[0], complex_scaled(t, sum));
-}
-
-/* Its slope. */
-static inline Complex cubic_slope(const Complex *cubic, double t)
-{
-    const Complex sum = complex_sum(cubic[2], complex_scaled(0.5 * t, cubic[3]));
-    return complex_sum(cubic[1], complex_scaled(t, sum));
-}
-
 #endif

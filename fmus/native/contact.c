@@ -4,9 +4,9 @@
 
 #include "elementary.h"
 
-#define SWEEPS_PER_WEIGHT 8 /* a blow passes one contact a sweep; what still goes on has collapsed */
-#define WEAKEST 1e-4        /* of the largest difference of rates: blows below end without rebound */
-#define NO_APPROACH 1e-12   /* the same with e = 1, where nothing dies out: rounding only */
+#define SWEEPS_PER_WEIGHT 8 /* a blow passes one contact a sweep; what still goes on collapses */
+#define WEAKEST 1e-4 /* of the largest difference of rates: blows below end without rebound */
+#define NO_APPROACH 1e-12 /* the same with e = 1, where nothing dies out: rounding only */
 
 double group_factor(int count, double alpha)
 {

@@ -217,8 +217,8 @@ static double sine_near_zero(double x, double low)
               z * (-1.0 / 5040.0 +
                    z * (1.0 / 362880.0 +
                         z * (-1.0 / 39916800.0 +
-                             z * (1.0 / 6227020800.0 +
-                                  z * (-1.0 / 1307674368000.0 + z * (1.0 / 355687428096000.0))))))));
+                             z * (1.0 / 6227020800.0 + z * (-1.0 / 1307674368000.0 +
+                                                            z * (1.0 / 355687428096000.0))))))));
     return x + (tail + low * (1.0 - 0.5 * z));
 }
 
@@ -234,9 +234,8 @@ static double cosine_near_zero(double x, double low)
               z * (1.0 / 40320.0 +
                    z * (-1.0 / 3628800.0 +
                         z * (1.0 / 479001600.0 +
-                             z * (-1.0 / 87178291200.0 +
-                                  z * (1.0 / 20922789888000.0 -
-                                       z * (1.0 / 6402373705728000.0))))))));
+                             z * (-1.0 / 87178291200.0 + z * (1.0 / 20922789888000.0 -
+                                                              z * (1.0 / 6402373705728000.0))))))));
     const double main = 1.0 - half;
     return main + (((1.0 - main) - half) + (rest - x * low));
 }
@@ -276,10 +275,10 @@ double cosine(double x)
 double natural_exp(double x)
 {
     /* 1/k! from k = 13 down to 2: the first term left out is below 1e-17 of the sum */
-    static const double terms[12] = {
-        1.0 / 6227020800.0, 1.0 / 479001600.0, 1.0 / 39916800.0, 1.0 / 3628800.0,
-        1.0 / 362880.0,     1.0 / 40320.0,     1.0 / 5040.0,     1.0 / 720.0,
-        1.0 / 120.0,        1.0 / 24.0,        1.0 / 6.0,        1.0 / 2.0};
+    static const double terms[12] = {1.0 / 6227020800.0, 1.0 / 479001600.0, 1.0 / 39916800.0,
+                                     1.0 / 3628800.0,    1.0 / 362880.0,    1.0 / 40320.0,
+                                     1.0 / 5040.0,       1.0 / 720.0,       1.0 / 120.0,
+                                     1.0 / 24.0,         1.0 / 6.0,         1.0 / 2.0};
     double n, coarse, fine, r, low, tail = 0.0, main;
     int k;
     if (x != x) {
@@ -329,7 +328,7 @@ double arc_sine(double x)
     if (size == 1.0) {
         return copy_sign(HALF_PI[0], x);
     }
-    /* arcsin x = pi/2 - 2 arcsin sqrt((1 - x)/2), with all roundings of the main part taken along */
+    /* arcsin x = pi/2 - 2 arcsin sqrt((1 - x)/2), with the main part's roundings taken along */
     rest = 0.5 * (1.0 - size);
     root = square_root(rest);
     square = two_product(root, root, &error);

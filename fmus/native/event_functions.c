@@ -73,8 +73,8 @@ static void fill_sliding_drives(WeightsInOrder *weights, int i, double middle, d
 }
 
 /* Least pressure in a group, as an acceleration and above rounding, and after whom. */
-static double pressure_of(const EventFunctions *functions, int i, double middle,
-                          double angle_rate, const Instant *now, int *where)
+static double pressure_of(const EventFunctions *functions, int i, double middle, double angle_rate,
+                          const Instant *now, int *where)
 {
     WeightsInOrder *weights = functions->weights;
     const Groups *groups = &weights->groups;
@@ -204,7 +204,7 @@ static int comes_to_rest(EventFunction *event, const Instant *later, double leng
     const EventFunctions *functions = event->functions;
     WeightsInOrder *weights = functions->weights;
     const Groups *groups = &weights->groups;
-    const double spin_up = functions->motion->angular_acceleration;
+    const double acceleration = functions->motion->angular_acceleration;
     const int i = event->group;
     const double sign = groups->sign[i], rate = groups->angle_rate[i];
     const double end_rate = groups->end_rate[i];
@@ -213,9 +213,9 @@ static int comes_to_rest(EventFunction *event, const Instant *later, double leng
     if (sign * end_rate < 0.0) {
         return 1;
     }
-    group_acceleration(weights, i, groups->middle[i], rate, &functions->now, spin_up, &start,
+    group_acceleration(weights, i, groups->middle[i], rate, &functions->now, acceleration, &start,
                        &unused);
-    group_acceleration(weights, i, groups->end_middle[i], end_rate, later, spin_up, &final,
+    group_acceleration(weights, i, groups->end_middle[i], end_rate, later, acceleration, &final,
                        &unused);
     return sign * start < 0.0 && 0.0 < sign * final &&
            dips(event, lowest(sign * rate, sign * start, sign * end_rate, sign * final, length));
@@ -224,11 +224,11 @@ static int comes_to_rest(EventFunction *event, const Instant *later, double leng
 static int breaks_away(EventFunction *event, const Instant *later)
 {
     const EventFunctions *functions = event->functions;
-    const double spin_up = functions->motion->angular_acceleration;
-    if (!(hold_of(functions->weights, event->group, later, spin_up) < 0.0)) {
+    const double acceleration = functions->motion->angular_acceleration;
+    if (!(hold_of(functions->weights, event->group, later, acceleration) < 0.0)) {
         return 0;
     }
-    event->start = hold_of(functions->weights, event->group, &functions->now, spin_up);
+    event->start = hold_of(functions->weights, event->group, &functions->now, acceleration);
     return 1;
 }
 

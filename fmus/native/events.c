@@ -9,8 +9,7 @@
 #define LOCATED 1e-12     /* of the substep */
 #define MOST_PARTS 100000 /* substeps and events within a communication step */
 
-EventStepper event_stepper(WeightsInOrder *weights, const CentreMotion *motion,
-                           int stop_at_contact)
+EventStepper event_stepper(WeightsInOrder *weights, const CentreMotion *motion, int stop_at_contact)
 {
     EventStepper stepper;
     stepper.weights = weights;
@@ -61,8 +60,8 @@ static double value_of(void *event, double time)
 
 /* Time of the first event of those that show at the ends of a stretch, to `width`; `event->kind` is
    -1 when there is none. */
-static double earliest(EventFunctions *functions, const Instant *later, double length,
-                       double width, EventFunction *event)
+static double earliest(EventFunctions *functions, const Instant *later, double length, double width,
+                       EventFunction *event)
 {
     const WeightsInOrder *weights = functions->weights;
     double first = length;
@@ -79,8 +78,8 @@ static double earliest(EventFunctions *functions, const Instant *later, double l
                 event_value(&candidate, first) >= 0.0) {
                 continue;
             }
-            first = crossing(value_of, &candidate, candidate.start,
-                             smaller(candidate.upper, first), width);
+            first = crossing(value_of, &candidate, candidate.start, smaller(candidate.upper, first),
+                             width);
             *event = candidate;
         }
     }

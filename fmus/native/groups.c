@@ -69,8 +69,8 @@ static void append_groups(WeightsInOrder *weights, int first, int size, const In
         if (begin) {
             weights->joined[(first + begin - 1) % weights->count] = 0;
         }
-        append_group(weights, (first + begin) % weights->count,
-                     track->full ? size : pools->size[j], pools->value[j]);
+        append_group(weights, (first + begin) % weights->count, track->full ? size : pools->size[j],
+                     pools->value[j]);
     }
 }
 
@@ -135,8 +135,8 @@ void moved(WeightsInOrder *weights, int i, const Instant *now, const Instant *la
         sliding_substep(&group, middle, rate, ends, now->rotor_speed, angular_acceleration,
                         response, step, weights->sides, weights->failure);
     } else {
-        weights_substep(middle, rate, ends, group_lever(weights, i), angular_acceleration,
-                        response, step, weights->failure);
+        weights_substep(middle, rate, ends, group_lever(weights, i), angular_acceleration, response,
+                        step, weights->failure);
     }
 }
 

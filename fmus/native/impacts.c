@@ -97,8 +97,7 @@ static void capture(WeightsInOrder *weights, int first, int size, const Instant 
     }
 }
 
-Complex settle(WeightsInOrder *weights, const Instant *now, double angular_acceleration,
-               int closed)
+Complex settle(WeightsInOrder *weights, const Instant *now, double angular_acceleration, int closed)
 {
     const int n = weights->count;
     const Runs *chains = &weights->chains;

@@ -36,8 +36,7 @@ double liquid_gap(const Liquid *liquid)
 double liquid_mass(const Liquid *liquid)
 {
     /* the factored difference of squares keeps its digits in a thin gap */
-    const double area =
-        PI * liquid_gap(liquid) * (liquid->chamber_radius + liquid->float_radius);
+    const double area = PI * liquid_gap(liquid) * (liquid->chamber_radius + liquid->float_radius);
     return liquid->density * area * liquid->height;
 }
 

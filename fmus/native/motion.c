@@ -64,9 +64,8 @@ int track_advance(const Track *track, const double *angles, const double *speeds
     if (!track->eventful) {
         Quadrature memory = quadrature_empty();
         copy_doubles((size_t)track->weights.count, contacts, moved->contacts);
-        return weights_advance(&track->weights, angles, speeds, motion.signal,
-                               angular_acceleration, step, moved->angles, moved->speeds, &memory,
-                               failure);
+        return weights_advance(&track->weights, angles, speeds, motion.signal, angular_acceleration,
+                               step, moved->angles, moved->speeds, &memory, failure);
     }
     code = put_in_order(track, angles, speeds, contacts, scratch, &weights, failure);
     if (code) {
@@ -86,9 +85,9 @@ int track_advance(const Track *track, const double *angles, const double *speeds
 }
 
 int track_reaction(const Track *track, const double *angles, const double *speeds,
-                   const double *contacts, Complex acceleration, Complex slope,
-                   double rotor_speed, double angular_acceleration, Complex *force,
-                   Complex *force_slope, double *scratch, Failure *failure)
+                   const double *contacts, Complex acceleration, Complex slope, double rotor_speed,
+                   double angular_acceleration, Complex *force, Complex *force_slope,
+                   double *scratch, Failure *failure)
 {
     const int off = is_offset(track);
     const Complex whirl = {-(rotor_speed * rotor_speed), angular_acceleration};
@@ -100,8 +99,7 @@ int track_reaction(const Track *track, const double *angles, const double *speed
     if (track->eventful) {
         WeightsInOrder weights;
         Instant now;
-        const int code =
-            put_in_order(track, angles, speeds, contacts, scratch, &weights, failure);
+        const int code = put_in_order(track, angles, speeds, contacts, scratch, &weights, failure);
         if (code) {
             return code;
         }
@@ -114,8 +112,7 @@ int track_reaction(const Track *track, const double *angles, const double *speed
                          angular_acceleration, force, force_slope);
     }
     if (off) {
-        const Complex carried =
-            complex_scaled(weights_added_mass(&track->weights), track->offset);
+        const Complex carried = complex_scaled(weights_added_mass(&track->weights), track->offset);
         *force = complex_difference(*force, complex_product(carried, whirl));
         *force_slope = complex_sum(*force_slope, complex_scaled(whirl_slope, carried));
     }

@@ -14,11 +14,11 @@
 /* State at the end of a communication step. */
 typedef struct {
     double *angles, *speeds; /* (N,) in the rotor [rad, rad/s] */
-    double *contacts;        /* (N,) 1 where a weight lastingly touches the next along the track */
-    Complex impulse;         /* of the collisions in this step on the rotor, rotor frame at its end
-                                [N s]; what is not in the force of track_reaction */
-    int events;              /* collisions, contacts opened, weights stuck or broken away */
-    double reached;          /* time since the start of the step [s]: `step`, or the first contact */
+    double *contacts; /* (N,) 1 where a weight lastingly touches the next along the track */
+    Complex impulse; /* of the collisions in this step on the rotor, rotor frame at its end
+                        [N s]; what is not in the force of track_reaction */
+    int events; /* collisions, contacts opened, weights stuck or broken away */
+    double reached; /* time since the start of the step [s]: `step`, or the first contact */
 } Moved;
 
 /* Doubles of scratch for the functions below. */
@@ -33,10 +33,10 @@ int track_first_contacts(const Track *track, const double *angles, const double 
 
 /* Move every weight over one communication step.
 
-   angles, speeds, contacts: state, contacts all 0 for a fresh start; the arrays of `moved`
-   may be the same, and have no meaning after a failure.  signal: (4,) acceleration of the plane's centre in
-   the rotor frame at the start of the step and its derivatives.  stop_at_contact: end behind the
-   first collision. */
+   angles, speeds, contacts: state, contacts all 0 for a fresh start; the arrays of `moved` may be
+   the same, and have no meaning after a failure.  signal: (4,) acceleration of the plane's centre
+   in the rotor frame at the start of the step and its derivatives.  stop_at_contact: end behind
+   the first collision. */
 int track_advance(const Track *track, const double *angles, const double *speeds,
                   const double *contacts, const Complex *signal, double rotor_speed,
                   double angular_acceleration, double step, int stop_at_contact, Moved *moved,
@@ -44,8 +44,8 @@ int track_advance(const Track *track, const double *angles, const double *speeds
 
 /* Residual force on the rotor in the rotor frame and its slope, without impulses. */
 int track_reaction(const Track *track, const double *angles, const double *speeds,
-                   const double *contacts, Complex acceleration, Complex slope,
-                   double rotor_speed, double angular_acceleration, Complex *force,
-                   Complex *force_slope, double *scratch, Failure *failure);
+                   const double *contacts, Complex acceleration, Complex slope, double rotor_speed,
+                   double angular_acceleration, Complex *force, Complex *force_slope,
+                   double *scratch, Failure *failure);
 
 #endif

@@ -35,8 +35,8 @@ static void upper_product(int parts, int size, int upper, const double *a, const
         if (i < upper) {
             add_multiples(parts, size, upper, factors, b, width, result + i * width);
         }
-        add_multiples(parts, size - upper, size - upper, factors + (size_t)upper * parts, b + corner,
-                      width, result + i * width + (size_t)upper * parts);
+        add_multiples(parts, size - upper, size - upper, factors + (size_t)upper * parts,
+                      b + corner, width, result + i * width + (size_t)upper * parts);
     }
 }
 
@@ -150,8 +150,8 @@ static void set_turning(int parts, int size, int first, int count, double speed,
     }
 }
 
-int generator(const LinearRotor *rotor, double speed, int turning_force, double *z,
-              double *scratch, Failure *failure)
+int generator(const LinearRotor *rotor, double speed, int turning_force, double *z, double *scratch,
+              Failure *failure)
 {
     const int axes = linear_rotor_isotropic(rotor) ? 1 : 2, parts = 3 - axes;
     const int p = rotor->plane_count, dof = axes * rotor->stations, forces = axes * p;
@@ -209,7 +209,7 @@ int step_matrix(const LinearRotor *rotor, double speed, double step, int turning
         return code;
     }
     copy_doubles(2 * dof * width, propagated, matrix);
-    /* e^{Zt} Z, not Z e^{Zt}: a stiff support would lose the small acceleration between k q and F */
+    /* e^{Zt} Z, not Z e^{Zt}: a stiff support would lose the small difference of k q and F */
     matrix_product(parts, dof, size, size, propagated + dof * width, z, rates);
     matrix_product(parts, dof, size, size, rates, z, jerks);
     matrix_per_axis(parts, axes, p, n, rotor->planes, planes);

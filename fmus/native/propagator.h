@@ -24,10 +24,10 @@ int step_matrix_columns(int stations, int planes, int axes);
 /* Doubles of scratch for step_matrix. */
 size_t step_matrix_scratch(int stations, int planes, int axes);
 
-/* Matrix Z of the autonomous system (q, v, f_0..f_3, e)' = Z (q, v, f_0..f_3, e), (columns, columns).
-   The same scratch. */
-int generator(const LinearRotor *rotor, double speed, int turning_force, double *z,
-              double *scratch, Failure *failure);
+/* Matrix Z (columns, columns) of the autonomous system (q, v, f_0..f_3, e)' =
+   Z (q, v, f_0..f_3, e); the same scratch. */
+int generator(const LinearRotor *rotor, double speed, int turning_force, double *z, double *scratch,
+              Failure *failure);
 
 /* Matrix (rows, columns) that takes (q, v, f_0..f_3, e) to (q, v, a, j) one `step` [s] later.
 

@@ -35,8 +35,8 @@ static void sliding_change(const WeightsInOrder *weights, int i, const Drive *d,
     const SlidingGroup group = sliding_group(weights, i);
     const double middle = weights->groups.middle[i], rate = weights->groups.angle_rate[i];
     const double turning = d->now.rotor_speed + rate;
-    const int side_count = find_sides(&group, d->now.acceleration, middle, rate,
-                                      d->now.rotor_speed, weights->sides);
+    const int side_count =
+        find_sides(&group, d->now.acceleration, middle, rate, d->now.rotor_speed, weights->sides);
     const double share = side_count ? 1.0 / side_count : 1.0;
     DriveChange sum = {0.0, 0.0, 0.0};
     int k;
@@ -104,8 +104,8 @@ static void ring_change(WeightsInOrder *weights, const Drive *d, Complex *force,
         first = complex_sum(first, complex_product(complex_of(0.0, nu), unit));
         second = complex_sum(second, complex_product(complex_of(-nu * nu, theta_2), unit));
         by_second = complex_sum(by_second, complex_product(complex_of(0.0, change), unit));
-        by_third = complex_sum(
-            by_third, complex_product(complex_of(-3.0 * nu * change, slope_change), unit));
+        by_third = complex_sum(by_third,
+                               complex_product(complex_of(-3.0 * nu * change, slope_change), unit));
     }
     sum = complex_sum(by_second, complex_product(by_turn, first));
     sum = complex_sum(sum, complex_product(by_pull, moment));
@@ -126,8 +126,8 @@ int track_reaction_change(const Track *track, const double *angles, const double
     const Complex whirl = {-(rotor_speed * rotor_speed), angular_acceleration};
     const Complex by_whirl = {-2.0 * rotor_speed * by->rotor_speed, by_angular_acceleration};
     const double whirl_slope = 2.0 * rotor_speed * angular_acceleration;
-    const double by_whirl_slope = 2.0 * (by->rotor_speed * angular_acceleration +
-                                         rotor_speed * by_angular_acceleration);
+    const double by_whirl_slope =
+        2.0 * (by->rotor_speed * angular_acceleration + rotor_speed * by_angular_acceleration);
     const Complex offset = track->offset;
     const Complex carried = complex_scaled(weights_added_mass(&track->weights), offset);
     WeightsInOrder weights;

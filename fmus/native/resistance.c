@@ -1,6 +1,7 @@
 #include "resistance.h"
 
 #include "contact.h"
+#include "cubic.h"
 #include "elementary.h"
 #include "weights.h"
 
@@ -20,8 +21,7 @@ int find_sides(const SlidingGroup *group, Complex acceleration, double angle, do
         return 0;
     }
     for (k = 0; k < group->count; k++) {
-        const Complex load =
-            complex_product(acceleration, rect(1.0, -angle - turn_of(group, k)));
+        const Complex load = complex_product(acceleration, rect(1.0, -angle - turn_of(group, k)));
         sides[k] = centrifugal >= load.re ? 1.0 : -1.0;
     }
     return group->count;
@@ -65,7 +65,6 @@ int sliding_substep(const SlidingGroup *group, double *angle, double *angle_rate
                     const double *response, double step, double *sides, Failure *failure)
 {
     const double *s = response + 1, *t = response + 6; /* to g0..g3 */
-    const double inverse = 1.0 / step;
     const double end_speed = rotor_speed + angular_acceleration * step;
     double g0, g1, free_rate, free_angle, new_rate, new_angle;
     int side_count = find_sides(group, ends[0], *angle, *angle_rate, rotor_speed, sides);
@@ -80,12 +79,10 @@ int sliding_substep(const SlidingGroup *group, double *angle, double *angle_rate
     side_count = find_sides(group, ends[2], free_angle, free_rate, end_speed, sides);
     for (iteration = 0; iteration < MAX_ITERATIONS; iteration++) {
         const double last_angle = new_angle, last_rate = new_rate;
-        double end, slope, rise, g2, g3, change;
-        sliding_drive(group, ends[2], ends[3], new_angle, new_rate, end_speed,
-                      angular_acceleration, sides, side_count, &end, &slope);
-        rise = (end - g0) * inverse;
-        g2 = (6.0 * rise - 4.0 * g1 - 2.0 * slope) * inverse;
-        g3 = (6.0 * (g1 + slope) - 12.0 * rise) * inverse * inverse;
+        double end, slope, g2, g3, change;
+        sliding_drive(group, ends[2], ends[3], new_angle, new_rate, end_speed, angular_acceleration,
+                      sides, side_count, &end, &slope);
+        hermite(g0, g1, end, slope, step, &g2, &g3);
         new_rate = free_rate + s[2] * g2 + s[3] * g3;
         new_angle = free_angle + t[2] * g2 + t[3] * g3;
         change = absolute(new_angle - last_angle) + absolute(new_rate - last_rate) * step;

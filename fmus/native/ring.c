@@ -79,8 +79,7 @@ static void sort(int n, const double *within, int *order)
 }
 
 int put_in_order(const Track *track, const double *angles, const double *speeds,
-                 const double *contacts, double *scratch, WeightsInOrder *weights,
-                 Failure *failure)
+                 const double *contacts, double *scratch, WeightsInOrder *weights, Failure *failure)
 {
     const int n = track->weights.count;
     int j;

@@ -1,5 +1,6 @@
 #include "roots.h"
 
+#include "cubic.h"
 #include "elementary.h"
 
 #define HALVINGS 40 /* down to rounding of the bracket */
@@ -64,12 +65,11 @@ double crossing(TimeFunction value, void *context, double begin, double upper, d
 
 double lowest(double f0, double s0, double f1, double s1, double step)
 {
-    const double rise = (f1 - f0) / step;
-    const double second = (6.0 * rise - 4.0 * s0 - 2.0 * s1) / step;
-    const double third = (6.0 * (s0 + s1) - 12.0 * rise) / (step * step);
-    const double root = square_root(larger(0.0, second * second - 2.0 * s0 * third));
-    const double time = second + root > 0.0 ? -2.0 * s0 / (second + root) : 0.0;
-    const double least = f0 + time * (s0 + time * (second / 2.0 + time * third / 6.0));
+    double second, third, root, time, least;
     const double doubt = 0.1 * step * (absolute(s0) + absolute(s1)); /* it is no better than this */
+    hermite(f0, s0, f1, s1, step, &second, &third);
+    root = square_root(larger(0.0, second * second - 2.0 * s0 * third));
+    time = second + root > 0.0 ? -2.0 * s0 / (second + root) : 0.0;
+    least = f0 + time * (s0 + time * (second / 2.0 + time * third / 6.0));
     return 0.0 < time && time < step && least < doubt ? time : 0.0;
 }

@@ -109,8 +109,8 @@ int linear_rotor_two_support(const TwoSupport *values, LinearRotor *rotor, Failu
     line_row(values->com, values->span, at_centre);
     for (i = 0; i < 2; i++) {
         for (j = 0; j < 2; j++) {
-            rotor->mass[2 * i + j] = values->mass * at_centre[i] * at_centre[j] +
-                                     values->inertia * tilt[i] * tilt[j];
+            rotor->mass[2 * i + j] =
+                values->mass * at_centre[i] * at_centre[j] + values->inertia * tilt[i] * tilt[j];
             rotor->gyroscopic[2 * i + j] = values->polar_inertia * tilt[i] * tilt[j];
         }
         rotor->damping_x[3 * i] = values->damping[2 * i];
@@ -208,10 +208,9 @@ int linear_rotor_flexible(const Flexible *values, LinearRotor *rotor, double *sc
     if (size > 0) {
         bending_rows(n, values->stations, ends[0], ends[1], rows);
     }
-    code = values->compliance
-               ? given_compliance(size, values->compliance, delta, failure)
-               : beam_compliance(n, values->stations, rows, values->bending_stiffness, delta, work,
-                                 failure);
+    code = values->compliance ? given_compliance(size, values->compliance, delta, failure)
+                              : beam_compliance(n, values->stations, rows,
+                                                values->bending_stiffness, delta, work, failure);
     if (!code) {
         code = shaft_stiffness(n, delta, rows, rotor->stiffness_x, work, failure);
     }

@@ -1,5 +1,7 @@
 #include "signals.h"
 
+#include "cubic.h"
+
 void signal_orders(const double *signal, Complex *cubic)
 {
     int k;

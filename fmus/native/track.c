@@ -1,12 +1,12 @@
 #include "track.h"
 
 #include "elementary.h"
+#include "spacing.h"
 
 static int check_options(const Track *track, Failure *failure)
 {
     const double radius = track->weights.track_radius, size = track->weight_radius;
     const int count = track->weights.count;
-    const double room = count > 1 ? radius * sine(PI / count) : radius;
     if (!(is_finite(size) && size >= 0.0)) {
         return fail(failure, FAILURE_NEGATIVE, "weight_radius", 0, size, 0.0, 0.0, 0.0);
     }
@@ -22,9 +22,9 @@ static int check_options(const Track *track, Failure *failure)
         return fail(failure, FAILURE_NOT_FINITE, "offset", 0, track->offset.re, track->offset.im,
                     0.0, 0.0);
     }
-    if (size > room * (1.0 + 1e-12)) {
-        return fail(failure, FAILURE_WEIGHT_RADIUS, "weight_radius", count, size, radius, room,
-                    0.0);
+    if (!fits(count, size, radius)) {
+        return fail(failure, FAILURE_WEIGHT_RADIUS, "weight_radius", count, size, radius,
+                    largest_radius(count, radius), 0.0);
     }
     return FINE;
 }
@@ -39,15 +39,14 @@ int track_prepare(Track *track, Failure *failure)
     if (code) {
         return code;
     }
-    track->alpha = arc_sine(smaller(1.0, track->weight_radius / weights->track_radius));
+    track->alpha = half_angle(track->weight_radius, weights->track_radius);
     track->lever = -1.0 / (weights->kappa * weights->track_radius);
     track->grip = -track->rolling_resistance * track->lever;
     track->damping_rate = weights_damping_rate(weights);
     track->moment = weights->mass * weights->track_radius;
     track->solid = track->alpha > 0.0 && weights->count > 1;
-    track->full =
-        track->solid && weights->count * track->alpha >= PI - weights->count * TOUCH;
-    track->eventful = (track->weight_radius > 0.0 && weights->count > 1) ||
-                      track->rolling_resistance > 0.0;
+    track->full = track->solid && weights->count * track->alpha >= PI - weights->count * TOUCH;
+    track->eventful =
+        (track->weight_radius > 0.0 && weights->count > 1) || track->rolling_resistance > 0.0;
     return FINE;
 }

@@ -269,7 +269,7 @@ static void observe(Unit *unit)
     memcpy(out, unit->memory, 2 * count * sizeof(double));
     out[2 * count] = moment.re;
     out[2 * count + 1] = moment.im;
-    out[2 * count + 2] = weights_spread(own->count, unit->memory);
+    out[2 * count + 2] = weights_alignment(own->count, unit->memory);
 }
 
 static size_t signals(const Layout *layout, size_t *first)

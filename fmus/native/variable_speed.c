@@ -1,13 +1,13 @@
 #include "variable_speed.h"
 
+#include "cubic.h"
 #include "elementary.h"
 #include "matrix.h"
 
 #define ROOT 2.449489742783178 /* sqrt(6) */
 #define STAGES 3
 
-/* Radau IIA with three stages: Hairer, Wanner, Solving Ordinary Differential Equations II, table
-   IV.5.6 */
+/* Radau IIA with three stages: Hairer & Wanner 1996, table IV.5.6 */
 static const double NODES[STAGES] = {(4.0 - ROOT) / 10.0, (4.0 + ROOT) / 10.0, 1.0};
 static const double COEFFICIENTS[STAGES][STAGES] = {
     {(88.0 - 7.0 * ROOT) / 360.0, (296.0 - 169.0 * ROOT) / 1800.0, (-2.0 + 3.0 * ROOT) / 225.0},
@@ -131,14 +131,14 @@ static void sum_drive(const VariableSpeedStep *method, const double *forces, con
 
 /* Acceleration (dof) by unbalance and plane forces at time t, its derivative, and the speed. */
 static double set_drive(const VariableSpeedStep *method, const double *forces, double angle,
-                        double speed, double spin_up, double t, double *drive, double *drive_slope,
-                        double *scratch)
+                        double speed, double angular_acceleration, double t, double *drive,
+                        double *drive_slope, double *scratch)
 {
     const int p = method->plane_count, elements = method->parts * method->axes;
     double *values = scratch, *slopes = values + elements * p, *pulls = slopes + elements * p;
     double *pull_slopes = pulls + elements, *work = pull_slopes + elements;
-    const double w = speed + spin_up * t;
-    const Complex turn = rect(1.0, angle + speed * t + 0.5 * spin_up * t * t);
+    const double w = speed + angular_acceleration * t;
+    const Complex turn = rect(1.0, angle + speed * t + 0.5 * angular_acceleration * t * t);
     int k, order;
     for (k = 0; k < p; k++) {
         Complex cubic[4], value, slope;
@@ -157,8 +157,9 @@ static double set_drive(const VariableSpeedStep *method, const double *forces, d
         put(method, p, k, value, values);
         put(method, p, k, slope, slopes);
     }
-    put(method, 1, 0, complex_product(complex_of(w * w, -spin_up), turn), pulls);
-    put(method, 1, 0, complex_product(complex_of(3.0 * w * spin_up, w * w * w), turn), pull_slopes);
+    put(method, 1, 0, complex_product(complex_of(w * w, -angular_acceleration), turn), pulls);
+    put(method, 1, 0, complex_product(complex_of(3.0 * w * angular_acceleration, w * w * w), turn),
+        pull_slopes);
     sum_drive(method, values, pulls, drive, work);
     sum_drive(method, slopes, pull_slopes, drive_slope, work);
     return w;
@@ -207,7 +208,7 @@ static void set_stage(const VariableSpeedStep *method, int i, const double *stat
 }
 
 int variable_speed_advance(const VariableSpeedStep *method, double *state, const double *forces,
-                           double angle, double speed, double spin_up, double step,
+                           double angle, double speed, double angular_acceleration, double step,
                            double *scratch, Failure *failure)
 {
     const int size = 2 * method->dof, parts = method->parts;
@@ -218,8 +219,8 @@ int variable_speed_advance(const VariableSpeedStep *method, double *state, const
     size_t k;
     int i;
     for (i = 0; i < STAGES; i++) {
-        const double w = set_drive(method, forces, angle, speed, spin_up, NODES[i] * step, drive,
-                                   drive_slope, work);
+        const double w = set_drive(method, forces, angle, speed, angular_acceleration,
+                                   NODES[i] * step, drive, drive_slope, work);
         set_matrix(method, w, matrix);
         set_stage(method, i, state, matrix, drive, step, system, right + i * length);
     }
@@ -234,8 +235,9 @@ int variable_speed_advance(const VariableSpeedStep *method, double *state, const
 }
 
 void variable_speed_plane_motion(const VariableSpeedStep *method, const double *state,
-                                 const double *forces, double angle, double speed, double spin_up,
-                                 double t, double *acceleration, double *jerk, double *scratch)
+                                 const double *forces, double angle, double speed,
+                                 double angular_acceleration, double t, double *acceleration,
+                                 double *jerk, double *scratch)
 {
     const int dof = method->dof, parts = method->parts, axes = method->axes;
     const int planes = axes * method->plane_count;
@@ -244,7 +246,7 @@ void variable_speed_plane_motion(const VariableSpeedStep *method, const double *
     double *rates = drive_slope + half; /* (v, v') */
     double *jerks = rates + 2 * half, *growth = jerks + half, *work = growth + half;
     const double w =
-        set_drive(method, forces, angle, speed, spin_up, t, drive, drive_slope, work);
+        set_drive(method, forces, angle, speed, angular_acceleration, t, drive, drive_slope, work);
     size_t k;
     set_matrix(method, w, matrix);
     copy_doubles(half, state + half, rates);
@@ -255,7 +257,7 @@ void variable_speed_plane_motion(const VariableSpeedStep *method, const double *
     matrix_product(parts, dof, 2 * dof, 1, matrix, rates, jerks);
     matrix_product(parts, dof, 2 * dof, 1, method->per_speed, state, growth);
     for (k = 0; k < half; k++) {
-        jerks[k] += spin_up * growth[k] + drive_slope[k];
+        jerks[k] += angular_acceleration * growth[k] + drive_slope[k];
     }
     matrix_product(parts, planes, dof, 1, method->planes, rates + half, acceleration);
     matrix_product(parts, planes, dof, 1, method->planes, jerks, jerk);

@@ -30,15 +30,16 @@ int variable_speed_step(const LinearRotor *rotor, int turning_force, double *mem
 
    state: (2 dof) elements, complex for an isotropic rotor, else q (x..., y...), v (x..., y...).
    forces: (4, p) complex forces on the planes in the rotor frame (fixed axes when turning_force is
-   0) and their derivatives.  angle, speed, spin_up: of the rotor at the start. */
+   0) and their derivatives.  angle, speed, angular_acceleration: of the rotor at the start. */
 int variable_speed_advance(const VariableSpeedStep *method, double *state, const double *forces,
-                           double angle, double speed, double spin_up, double step,
+                           double angle, double speed, double angular_acceleration, double step,
                            double *scratch, Failure *failure);
 
 /* Acceleration and jerk of the planes in fixed axes, (axes p) elements, at time t into the step, to
    which `state` belongs; the other arguments belong to the start of the step. */
 void variable_speed_plane_motion(const VariableSpeedStep *method, const double *state,
-                                 const double *forces, double angle, double speed, double spin_up,
-                                 double t, double *acceleration, double *jerk, double *scratch);
+                                 const double *forces, double angle, double speed,
+                                 double angular_acceleration, double t, double *acceleration,
+                                 double *jerk, double *scratch);
 
 #endif

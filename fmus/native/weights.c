@@ -1,5 +1,6 @@
 #include "weights.h"
 
+#include "cubic.h"
 #include "elementary.h"
 
 #define MAX_SUBSTEPS 1000000
@@ -46,7 +47,7 @@ Complex weights_static_moment(const Weights *weights, const double *angles)
     return complex_scaled(weights->mass * weights->track_radius, sum);
 }
 
-double weights_spread(int count, const double *angles)
+double weights_alignment(int count, const double *angles)
 {
     Complex sum = {0.0, 0.0};
     int k;
@@ -112,49 +113,52 @@ const double *quadrature(Quadrature *memory, double damping_rate, double step)
     return memory->response;
 }
 
-void along_track(Complex a, Complex da, double angle, double speed, double gain, double *value,
+void along_track(Complex a, Complex da, double angle, double speed, double lever, double *value,
                  double *slope)
 {
-    const Complex direction = rect(gain, -angle);
+    const Complex direction = rect(lever, -angle);
     const Complex along = complex_product(a, direction);
     *value = along.im;
     *slope = complex_product(da, direction).im - along.re * speed;
 }
 
-int weights_substep(double *angle, double *speed, const Complex *ends, double gain, double spin_up,
-                    const double *response, double step, Failure *failure)
+int weights_substep(double *angle, double *angle_rate, const Complex *ends, double lever,
+                    double angular_acceleration, const double *response, double step,
+                    Failure *failure)
 {
     const double *s = response + 1, *t = response + 6; /* to g0..g3 */
-    const double inverse = 1.0 / step;
-    double g0, g1, free_speed, free_angle, new_speed, new_angle, change = infinity();
+    double g0, g1, free_rate, free_angle, new_rate, new_angle;
+    double change = 1.0; /* a weight moves less than 0.15 rad in a substep: it contracts fast */
     int iteration;
-    along_track(ends[0], ends[1], *angle, *speed, gain, &g0, &g1);
-    g0 -= spin_up;
-    free_speed = response[0] * *speed + s[0] * g0 + s[1] * g1;
-    free_angle = *angle + response[5] * *speed + t[0] * g0 + t[1] * g1;
-    new_speed = free_speed;
+    along_track(ends[0], ends[1], *angle, *angle_rate, lever, &g0, &g1);
+    g0 -= angular_acceleration;
+    free_rate = response[0] * *angle_rate + s[0] * g0 + s[1] * g1;
+    free_angle = *angle + response[5] * *angle_rate + t[0] * g0 + t[1] * g1;
     new_angle = free_angle;
-    g0 += spin_up;
+    new_rate = free_rate;
+    g0 += angular_acceleration;
     for (iteration = 0; iteration < MAX_ITERATIONS; iteration++) {
-        const double last_angle = new_angle, last_speed = new_speed, last_change = change;
-        double along, slope, rise, g2, g3;
-        along_track(ends[2], ends[3], new_angle, new_speed, gain, &along, &slope);
-        rise = (along - g0) * inverse;
-        g2 = (6.0 * rise - 4.0 * g1 - 2.0 * slope) * inverse;
-        g3 = (6.0 * (g1 + slope) - 12.0 * rise) * inverse * inverse;
-        new_speed = free_speed + s[2] * g2 + s[3] * g3;
+        const double last_angle = new_angle, last_rate = new_rate, last_change = change;
+        double along, slope, g2, g3;
+        along_track(ends[2], ends[3], new_angle, new_rate, lever, &along, &slope);
+        hermite(g0, g1, along, slope, step, &g2, &g3);
+        new_rate = free_rate + s[2] * g2 + s[3] * g3;
         new_angle = free_angle + t[2] * g2 + t[3] * g3;
-        change = absolute(new_angle - last_angle) + absolute(new_speed - last_speed) * step;
-        /* a linear iteration changes next by change^2 / last_change */
-        if (change * change <=
-            CONVERGED * (1.0 + absolute(new_angle)) * smaller(last_change, 1.0)) {
+        change = absolute(new_angle - last_angle) + absolute(new_rate - last_rate) * step;
+        if (converged(change, last_change, new_angle)) {
             *angle = new_angle;
-            *speed = new_speed;
+            *angle_rate = new_rate;
             return FINE;
         }
     }
-    return fail(failure, FAILURE_NOT_CONVERGED, "weights", 0, step, *angle, *speed,
+    return fail(failure, FAILURE_NOT_CONVERGED, "weights", 0, step, *angle, *angle_rate,
                 magnitude(ends[0]));
+}
+
+int converged(double change, double last_change, double angle)
+{
+    const double rounding = CONVERGED * (1.0 + absolute(angle));
+    return change * change <= rounding * (last_change > 0.0 ? smaller(last_change, 1.0) : change);
 }
 
 double largest_of(int count, const double *values)
@@ -167,20 +171,22 @@ double largest_of(int count, const double *values)
     return largest;
 }
 
-double fastest_rate(int count, const double *speeds, const Complex *signal, double gain,
-                    double spin_up, double rate, double step, double *strongest)
+double fastest_rate(int count, const double *speeds, const Complex *signal, double lever,
+                    double angular_acceleration, double damping_rate, double step,
+                    double *strongest)
 {
     /* value and slope only: corrector passes change the rest, and must not change the substeps */
     const double strength = magnitude(signal[0]) + step * magnitude(signal[1]);
-    /* a run-up leaves free weights behind: they gain spin_up * step, or what the drag lets them */
-    const double gained = absolute(spin_up) * (rate * step < 1.0 ? step : 1.0 / rate);
+    /* a run-up leaves free weights behind: they lever w' * step, or what the drag lets them */
+    const double gained =
+        absolute(angular_acceleration) * (damping_rate * step < 1.0 ? step : 1.0 / damping_rate);
     *strongest = strength;
-    return largest_of(count, speeds) + square_root(-strength * gain) + gained;
+    return largest_of(count, speeds) + square_root(-strength * lever) + gained;
 }
 
 /* Move one weight over `count` substeps of h. */
 static int move(double *angle, double *speed, int count, double h, const Complex *signal,
-                double gain, double spin_up, const double *response, Failure *failure)
+                double lever, double angular_acceleration, const double *response, Failure *failure)
 {
     Complex ends[4];
     int j, code = FINE;
@@ -189,7 +195,8 @@ static int move(double *angle, double *speed, int count, double h, const Complex
     for (j = 1; j <= count && !code; j++) {
         ends[2] = cubic_value(signal, j * h);
         ends[3] = cubic_slope(signal, j * h);
-        code = weights_substep(angle, speed, ends, gain, spin_up, response, h, failure);
+        code =
+            weights_substep(angle, speed, ends, lever, angular_acceleration, response, h, failure);
         ends[0] = ends[2];
         ends[1] = ends[3];
     }
@@ -197,16 +204,16 @@ static int move(double *angle, double *speed, int count, double h, const Complex
 }
 
 int weights_advance(const Weights *weights, const double *angles, const double *speeds,
-                    const Complex *signal, double spin_up, double step, double *new_angles,
-                    double *new_speeds, Quadrature *memory, Failure *failure)
+                    const Complex *signal, double angular_acceleration, double step,
+                    double *new_angles, double *new_speeds, Quadrature *memory, Failure *failure)
 {
-    const double gain = -1.0 / (weights->kappa * weights->track_radius);
-    const double rate = weights_damping_rate(weights);
+    const double lever = -1.0 / (weights->kappa * weights->track_radius);
+    const double damping_rate = weights_damping_rate(weights);
     const int n = weights->count;
     const double *response;
     double strongest, turns, h, sum = 0.0;
-    const double fastest =
-        fastest_rate(n, speeds, signal, gain, spin_up, rate, step, &strongest);
+    const double fastest = fastest_rate(n, speeds, signal, lever, angular_acceleration,
+                                        damping_rate, step, &strongest);
     int k, count, far, code = FINE;
     for (k = 0; k < n; k++) {
         sum += angles[k];
@@ -221,13 +228,14 @@ int weights_advance(const Weights *weights, const double *angles, const double *
     }
     count = 1 + (int)turns;
     h = step / count;
-    response = quadrature(memory, rate, h);
+    response = quadrature(memory, damping_rate, h);
     /* the iteration's end is judged by the angle: turns behind a weight must not loosen it */
     far = largest_of(n, angles) > FAR;
     for (k = 0; k < n && !code; k++) {
         const double behind = far ? TAU * nearest(angles[k] / TAU) : 0.0;
         double angle = angles[k] - behind, speed = speeds[k];
-        code = move(&angle, &speed, count, h, signal, gain, spin_up, response, failure);
+        code =
+            move(&angle, &speed, count, h, signal, lever, angular_acceleration, response, failure);
         new_angles[k] = angle + behind;
         new_speeds[k] = speed;
     }
@@ -235,28 +243,28 @@ int weights_advance(const Weights *weights, const double *angles, const double *
 }
 
 void weights_reaction(const Weights *weights, const double *angles, const double *speeds,
-                      Complex acceleration, Complex slope, double speed, double spin_up,
-                      Complex *force, Complex *force_slope)
+                      Complex acceleration, Complex slope, double speed,
+                      double angular_acceleration, Complex *force, Complex *force_slope)
 {
-    const double gain = -1.0 / (weights->kappa * weights->track_radius);
-    const double rate = weights_damping_rate(weights);
+    const double lever = -1.0 / (weights->kappa * weights->track_radius);
+    const double damping_rate = weights_damping_rate(weights);
     const double scale = -weights->mass * weights->track_radius;
-    const Complex turn = {0.0, 2.0 * speed}, pull = {-speed * speed, spin_up};
-    const Complex pull_slope = {pull.re, 3.0 * spin_up};
+    const Complex turn = {0.0, 2.0 * speed}, pull = {-speed * speed, angular_acceleration};
+    const Complex pull_slope = {pull.re, 3.0 * angular_acceleration};
     Complex moment = {0.0, 0.0}, first = moment, second = moment, third = moment, sum;
     int k;
-    acceleration = complex_scaled(gain, acceleration);
-    slope = complex_scaled(gain, slope);
+    acceleration = complex_scaled(lever, acceleration);
+    slope = complex_scaled(lever, slope);
     for (k = 0; k < weights->count; k++) {
         const double nu = speeds[k], squared = nu * nu;
         const Complex unit = rect(1.0, angles[k]), back = complex_conjugate(unit);
         const Complex along = complex_product(acceleration, back);
-        const double bend = along.im - spin_up - rate * nu;
+        const double bend = along.im - angular_acceleration - damping_rate * nu;
         const double torque_slope = complex_product(slope, back).im - along.re * nu;
         const Complex rates[3] = {
             {0.0, nu},
             {-squared, bend},
-            {-3.0 * nu * bend, torque_slope - rate * bend - nu * squared}};
+            {-3.0 * nu * bend, torque_slope - damping_rate * bend - nu * squared}};
         moment = complex_sum(moment, unit);
         first = complex_sum(first, complex_product(rates[0], unit));
         second = complex_sum(second, complex_product(rates[1], unit));
@@ -267,6 +275,6 @@ void weights_reaction(const Weights *weights, const double *angles, const double
     *force = complex_scaled(scale, sum);
     sum = complex_sum(third, complex_product(turn, second));
     sum = complex_sum(sum, complex_product(pull_slope, first));
-    sum = complex_difference(sum, complex_scaled(2.0 * speed * spin_up, moment));
+    sum = complex_difference(sum, complex_scaled(2.0 * speed * angular_acceleration, moment));
     *force_slope = complex_scaled(scale, sum);
 }

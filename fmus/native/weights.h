@@ -7,7 +7,7 @@
 #include "failure.h"
 
 #define TURN_PER_SUBSTEP 0.15 /* rad of weight motion: the error of a step is then below 1e-6 */
-#define MAX_ITERATIONS 12 /* the fixed point gains about two digits an iteration; more: divergence */
+#define MAX_ITERATIONS 12 /* the fixed point gains about two digits an iteration */
 #define CONVERGED 1e-14   /* relative to the size of the change over the substep */
 
 /* N equal weights on one circular track. */
@@ -33,7 +33,7 @@ double weights_damping_rate(const Weights *weights); /* d = b/(kappa m) [1/s] */
 /* Sum of m R e^{i theta} in the rotor frame [kg m]. */
 Complex weights_static_moment(const Weights *weights, const double *angles);
 /* |sum e^{2 i theta}|/N: 0 for evenly spread weights, 1 for a pair. */
-double weights_spread(int count, const double *angles);
+double weights_alignment(int count, const double *angles);
 
 /* phi_0(z)..phi_count(z) for z <= 0; count at most 8. */
 void phi_functions(double z, int count, double *phi);
@@ -41,20 +41,33 @@ void phi_functions(double z, int count, double *phi);
 Quadrature quadrature_empty(void);
 const double *quadrature(Quadrature *memory, double damping_rate, double step);
 
-/* Im(a e^{-i theta}) times `gain` and its time derivative. */
-void along_track(Complex a, Complex da, double angle, double speed, double gain, double *value,
-                 double *slope);
+/* Im(a e^{-i theta}) times `lever` and its time derivative. */
+void along_track(Complex a, Complex da, double angle, double angle_rate, double lever,
+                 double *value, double *slope);
 
-/* One weight over one substep, in place; `ends` is acceleration and slope at both ends. */
-int weights_substep(double *angle, double *speed, const Complex *ends, double gain, double spin_up,
-                    const double *response, double step, Failure *failure);
+/* Angle and rate of one weight after `step`, in place; order 4.
+
+   ends: acceleration of the track's centre and its slope at the start, and at the end; lever:
+   -1/(kappa R), times a group's factor; response: of `quadrature`. */
+int weights_substep(double *angle, double *angle_rate, const Complex *ends, double lever,
+                    double angular_acceleration, const double *response, double step,
+                    Failure *failure);
+
+/* Whether the next iteration of a substep would change no more than rounding: a linear one changes
+   next by change^2/last_change.
+
+   change, last_change: of angle and rate * step by this iteration and the one before [rad]; at
+   the first one 0 when nothing is known, 1 when it gains so fast that a first change of 1e-7 is
+   enough. */
+int converged(double change, double last_change, double angle);
 
 /* Largest absolute value of `count` >= 1. */
 double largest_of(int count, const double *values);
 
 /* Rate [rad/s] that no weight exceeds by much within a step, and the strongest acceleration. */
-double fastest_rate(int count, const double *speeds, const Complex *signal, double gain,
-                    double spin_up, double rate, double step, double *strongest);
+double fastest_rate(int count, const double *speeds, const Complex *signal, double lever,
+                    double angular_acceleration, double damping_rate, double step,
+                    double *strongest);
 
 /* Move every weight over one communication step.
 
@@ -62,14 +75,15 @@ double fastest_rate(int count, const double *speeds, const Complex *signal, doub
    arrays; without meaning after a failure.  signal: acceleration of the track's centre in the rotor
    frame at the start of the step and its derivatives of order 1 to 3. */
 int weights_advance(const Weights *weights, const double *angles, const double *speeds,
-                    const Complex *signal, double spin_up, double step, double *new_angles,
-                    double *new_speeds, Quadrature *memory, Failure *failure);
+                    const Complex *signal, double angular_acceleration, double step,
+                    double *new_angles, double *new_speeds, Quadrature *memory, Failure *failure);
 
 /* Residual force on the rotor in the rotor frame and its exact slope; N m is not in it.
 
-   acceleration, slope: of the track's centre in the rotor frame; speed, spin_up: of the rotor. */
+   acceleration, slope: of the track's centre in the rotor frame; speed, angular_acceleration: of
+   the rotor. */
 void weights_reaction(const Weights *weights, const double *angles, const double *speeds,
-                      Complex acceleration, Complex slope, double speed, double spin_up,
-                      Complex *force, Complex *force_slope);
+                      Complex acceleration, Complex slope, double speed,
+                      double angular_acceleration, Complex *force, Complex *force_slope);
 
 #endif

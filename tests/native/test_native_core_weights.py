@@ -108,7 +108,7 @@ def test_moment_and_spread_of_weights_are_those_of_python(core):
         moment = core("weights_static_moment", byref(native), angles)
         expected = points.static_moment(python, angles)
         assert abs(complex(moment.re, moment.im) - expected) <= 1e-15 * python.capacity
-        spread = core("weights_spread", python.count, angles)
+        spread = core("weights_alignment", python.count, angles)
         assert spread == pytest.approx(points.spread(angles), abs=1e-15)
         assert core("weights_added_mass", byref(native)) == python.added_mass
         assert core("weights_damping_rate", byref(native)) == python.damping_rate

@@ -136,7 +136,7 @@ def test_references_are_unique_over_all_types(host):
     balls = host(BALLS, {"inertia_as_force": True})
     reference = balls.reference["inertia_as_force"]
     assert balls.slave.getBoolean([reference]) == [True]
-    wrong = f"value references [0]: unknown, there are {reference} to {reference}"
+    wrong = f"value references [0]: unknown, there are {reference} to {reference + 1}"
     assert wrong in balls.refused(lambda: balls.slave.getBoolean([0]))
     text = balls.refused(lambda: balls.slave.getFloat64([reference]))
     assert f"value references [{reference}]: unknown" in text

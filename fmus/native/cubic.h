@@ -1,0 +1,33 @@
+/* Cubics over a step, told by value and derivatives 1 to 3 at its start; twin of
+   models/cubic.py. */
+#ifndef AUTOBALANCER_CUBIC_H
+#define AUTOBALANCER_CUBIC_H
+
+#include "complex_number.h"
+
+/* Second and third derivative at the start of the cubic with these values and slopes. */
+static inline void hermite(double start, double slope, double end, double end_slope, double step,
+                           double *second, double *third)
+{
+    const double rise = (end - start) / step;
+    *second = (6.0 * rise - 4.0 * slope - 2.0 * end_slope) / step;
+    *third = (6.0 * (slope + end_slope) - 12.0 * rise) / (step * step);
+}
+
+/* Value of a complex cubic `time` after its start. */
+static inline Complex cubic_value(const Complex *cubic, double time)
+{
+    const Complex third = complex_of(time * cubic[3].re / 6.0, time * cubic[3].im / 6.0);
+    Complex sum = complex_sum(complex_scaled(0.5, cubic[2]), third);
+    sum = complex_sum(cubic[1], complex_scaled(time, sum));
+    return complex_sum(cubic[0], complex_scaled(time, sum));
+}
+
+/* Its slope there. */
+static inline Complex cubic_slope(const Complex *cubic, double time)
+{
+    const Complex sum = complex_sum(cubic[2], complex_scaled(0.5 * time, cubic[3]));
+    return complex_sum(cubic[1], complex_scaled(time, sum));
+}
+
+#endif
