@@ -6,6 +6,7 @@ import ctypes
 import math
 from ctypes import byref
 
+import mpmath
 import numpy as np
 import pytest
 
@@ -115,7 +116,6 @@ def test_moment_and_spread_of_weights_are_those_of_python(core):
 
 
 def test_response_to_rate_and_drive_is_exact_whatever_the_drag(core):
-    mpmath = pytest.importorskip("mpmath")
     phi = np.empty(6)
     for z in [0.0, -1e-12, -1e-3, -0.3, -0.999999, -1.0, -1.0000001, -1.5, -30.0, -1e3, -1e9]:
         core("phi_functions", z, 5, phi)
