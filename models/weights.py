@@ -207,7 +207,8 @@ def converged(change: float, last_change: float, angle: float) -> bool:
             At the first one 0.0 when nothing is known of the iteration, 1.0 when it gains so fast
             that a first change of 1e-7 is enough.
     """
-    return change * change <= CONVERGED * (1.0 + abs(angle)) * max(change, min(last_change, 1.0))
+    gained = min(last_change, 1.0) if last_change else change
+    return change * change <= CONVERGED * (1.0 + abs(angle)) * gained
 
 
 def fastest_rate(

@@ -66,7 +66,7 @@ int sliding_substep(const SlidingGroup *group, double *angle, double *angle_rate
 {
     const double *s = response + 1, *t = response + 6; /* to g0..g3 */
     const double end_speed = rotor_speed + angular_acceleration * step;
-    double g0, g1, free_rate, free_angle, new_rate, new_angle;
+    double g0, g1, free_rate, free_angle, new_rate, new_angle, change = 0.0;
     int side_count = find_sides(group, ends[0], *angle, *angle_rate, rotor_speed, sides);
     int iteration;
     sliding_drive(group, ends[0], ends[1], *angle, *angle_rate, rotor_speed, angular_acceleration,
@@ -78,15 +78,15 @@ int sliding_substep(const SlidingGroup *group, double *angle, double *angle_rate
     /* kept during the iteration, which a load that changes sides in it would not let converge */
     side_count = find_sides(group, ends[2], free_angle, free_rate, end_speed, sides);
     for (iteration = 0; iteration < MAX_ITERATIONS; iteration++) {
-        const double last_angle = new_angle, last_rate = new_rate;
-        double end, slope, g2, g3, change;
+        const double last_angle = new_angle, last_rate = new_rate, last_change = change;
+        double end, slope, g2, g3;
         sliding_drive(group, ends[2], ends[3], new_angle, new_rate, end_speed, angular_acceleration,
                       sides, side_count, &end, &slope);
         hermite(g0, g1, end, slope, step, &g2, &g3);
         new_rate = free_rate + s[2] * g2 + s[3] * g3;
         new_angle = free_angle + t[2] * g2 + t[3] * g3;
         change = absolute(new_angle - last_angle) + absolute(new_rate - last_rate) * step;
-        if (change <= CONVERGED * (1.0 + absolute(new_angle))) {
+        if (converged(change, last_change, new_angle)) {
             *angle = new_angle;
             *angle_rate = new_rate;
             return FINE;

@@ -43,6 +43,14 @@ void text_integer(Text *text, unsigned long value)
     text_put_part(text, digits + at, (size_t)(DECIMAL_DIGITS - at));
 }
 
+void text_hexadecimal(Text *text, uint64_t value)
+{
+    int shift;
+    for (shift = 60; shift >= 0; shift -= 4) {
+        text_put_part(text, &"0123456789abcdef"[value >> shift & 15], 1);
+    }
+}
+
 size_t text_length(const char *words)
 {
     size_t length = 0;

@@ -5,6 +5,7 @@
 #define AUTOBALANCER_TEXT_H
 
 #include <stddef.h>
+#include <stdint.h>
 
 /* A text that ends with "..." where it did not fit. */
 typedef struct {
@@ -17,6 +18,8 @@ Text text_in(char *buffer, size_t size);
 void text_put(Text *text, const char *words);
 void text_put_part(Text *text, const char *words, size_t length);
 void text_integer(Text *text, unsigned long value);
+/* Sixteen hexadecimal digits. */
+void text_hexadecimal(Text *text, uint64_t value);
 /* The shortest decimal number that is this one: Python's repr. */
 void text_number(Text *text, double value);
 /* So many significant digits: Python's format(value, ".6g"). */

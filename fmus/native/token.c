@@ -147,12 +147,9 @@ int token_check(const char *token, const Layout *layout, uint64_t digest, Text *
     char expected[TOKEN_SIZE];
     Text text = text_in(expected, sizeof expected);
     size_t options, stamp, alike;
-    int shift;
     put_options(&text, layout);
     options = text.length;
-    for (shift = 60; shift >= 0; shift -= 4) {
-        text_put_part(&text, &"0123456789abcdef"[digest >> shift & 15], 1);
-    }
+    text_hexadecimal(&text, digest);
     text_put(&text, "-");
     stamp = text.length;
     text_put(&text, STAMP);

@@ -201,11 +201,8 @@ uint64_t hash_bytes(uint64_t hash, const void *bytes, size_t count)
 static void put_bits(Text *text, double value)
 {
     uint64_t bits;
-    int shift;
     memcpy(&bits, &value, sizeof bits);
-    for (shift = 60; shift >= 0; shift -= 4) {
-        text_put_part(text, &"0123456789abcdef"[bits >> shift & 15], 1);
-    }
+    text_hexadecimal(text, bits);
 }
 
 uint64_t layout_digest(const Layout *layout, const double *starts)

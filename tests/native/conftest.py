@@ -178,8 +178,9 @@ STRUCTURES = (
 _RETURNS = {
     c_double: (
         "square_root copy_sign nearest scaled_by_power sine cosine natural_exp arc_sine hypotenuse"
-        " modulo ieee_remainder weights_alignment weights_added_mass weights_damping_rate fastest_rate"
-        " liquid_gap liquid_mass liquid_added_mass liquid_clearance group_factor lowest"
+        " modulo ieee_remainder weights_alignment weights_added_mass weights_damping_rate"
+        " fastest_rate liquid_gap liquid_mass liquid_added_mass liquid_clearance group_factor"
+        " lowest"
     ),
     Complex: "rect weights_static_moment liquid_reaction track_static_moment hat_half strike",
     c_size_t: (

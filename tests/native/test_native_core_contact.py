@@ -13,10 +13,11 @@ from ctypes import byref
 import numpy as np
 import pytest
 
-from autobalancer.models.contact import collide, group_factor, pools, pressure_levers
-from autobalancer.models.pulse import discharge, hat_half
-from autobalancer.models.roots import lowest
-from autobalancer.models.track import Track, advance, first_contacts, reaction, static_moment
+from autobalancer.models.contact.contact import Pools, collide, group_factor, pool, pressure_factors
+from autobalancer.models.contact.motion import advance, first_contacts, reaction, static_moment
+from autobalancer.models.contact.pulse import discharge, hat_half
+from autobalancer.models.contact.roots import lowest
+from autobalancer.models.contact.track import Track
 from autobalancer.models.weights import Weights
 
 STEP = 5e-3
@@ -334,14 +335,17 @@ def test_pools_collisions_and_group_factors_are_those_of_python(core):
         )
         found = _pools(core, n)
         core("pool", byref(found), drives, limits, n, 1e-12)
-        expected = pools(drives.tolist(), limits.tolist(), 1e-12)
-        assert found.first[: found.count] == [p.first for p in expected]
-        assert found.size[: found.count] == [p.size for p in expected]
-        values = [p.value for p in expected]
+        python = Pools(n)
+        pool(python, drives.tolist(), limits.tolist(), n, 1e-12)
+        assert found.count == python.count
+        assert found.first[: found.count] == python.first[: found.count]
+        assert found.size[: found.count] == python.size[: found.count]
+        values = python.value[: found.count]
         assert found.value[: found.count] == pytest.approx(values, abs=1e-14)
         restitution = float(random.choice([0.0, 0.3, 1.0]))
         rates = random.normal(size=n)
-        expected = collide(rates.tolist(), restitution)
+        expected = rates.tolist()
+        collide(expected, n, restitution, python)
         core("collide", rates, n, restitution, byref(found))
         assert rates.tolist() == pytest.approx(expected, abs=1e-13)
         alpha = random.uniform(0.0, 0.2)
@@ -349,7 +353,7 @@ def test_pools_collisions_and_group_factors_are_those_of_python(core):
         if n > 1:
             factors = np.empty(2 * n)
             core("pressure_factors", n, alpha, factors)
-            exact = np.array(pressure_levers(n, alpha))
+            exact = np.array(pressure_factors(n, alpha))
             assert np.abs(factors.view(complex)[: n - 1] - exact).max() < 1e-14
 
 

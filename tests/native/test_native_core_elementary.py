@@ -4,10 +4,9 @@ from __future__ import annotations
 
 import math
 
+import mpmath
 import numpy as np
 import pytest
-
-mpmath = pytest.importorskip("mpmath")
 
 RANDOM = np.random.default_rng(7)
 

@@ -6,12 +6,13 @@ import ctypes
 import math
 from ctypes import byref
 
+import mpmath
 import numpy as np
 import pytest
 
-from autobalancer.models.propagator import exponential, step_matrix
 from autobalancer.models.rotor import LinearRotor
-from autobalancer.models.variable_speed import VariableSpeedStep
+from autobalancer.models.steps.propagator import exponential, step_matrix
+from autobalancer.models.steps.variable_speed import VariableSpeedStep
 
 KINDS = ("planar", "two_support", "flexible")
 FIELDS = [
@@ -337,7 +338,7 @@ def test_steps_at_varying_speed_are_those_of_python(drawn, kind, turning):
     assert (worst < 1e-12).all(), worst
 
 
-def _exact_step(rotor, case, step, mpmath):
+def _exact_step(rotor, case, step):
     """Radau IIA of three stages with 60 digits, from the equation of motion as it is written.
 
     M z'' + C z' + K z = S^T F e^{i beta} + u (w^2 - i w') e^{i beta}, z = x + i y; with two axes
@@ -388,20 +389,19 @@ def _exact_step(rotor, case, step, mpmath):
 def test_steps_at_varying_speed_on_stiff_supports_are_as_exact_as_those_of_python_within_a_digit(
     drawn, kind
 ):
-    mpmath = pytest.importorskip("mpmath")
     ours = theirs = 0.0
     with mpmath.workdps(60):
         for seed in range(12):
             draw = drawn(kind, seed)
             python, method, (advance, _), case, step = _variable_case(draw, True)
-            exact = _exact_step(python, case, step, mpmath)
+            exact = _exact_step(python, case, step)
             ours = max(ours, _largest_difference(advance(*case, step), exact))
             theirs = max(theirs, _largest_difference(method.advance(*case, step), exact))
     assert ours < 10.0 * theirs, (ours, theirs)
 
 
 def test_a_step_of_a_long_shaft_at_varying_speed_is_that_of_python(drawn):
-    draw = drawn("flexible", 2, stations=20, planes=3, stiffest=1e6)
+    draw = drawn("flexible", 2, stations=20, planes=3, stiffest=1e5)
     method = VariableSpeedStep(draw.python)
     advance, _ = _variable(draw, draw.core.rotor_of(draw.python), True)
     state = draw.random.normal(size=2 * method.dof)

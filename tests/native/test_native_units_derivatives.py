@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 import pytest
 
@@ -14,10 +16,11 @@ CASES = [
     ("RotorOnSupports", {"kind": "two_support", "stations": 2, "planes": 2}),
     ("RotorOnSupports", {"kind": "two_support", "stations": 2, "planes": 2, "frame": "fixed"}),
 ]
+TOUCHING = {"weight_radius": 0.0125, "track_offset_xi": 1e-4, "track_offset_eta": 2e-4}
 POLYNOMIAL = 5  # outputs are at most cubic in any input but added_mass and angle
 
 
-def somewhere(fmus, packaging, case, seed: int, spin_up: float):
+def somewhere(fmus, packaging, case, seed: int, spin_up: float, more: dict | None = None):
     """A unit in the middle of a motion, with every input set."""
     unit, options = case
     rng = np.random.default_rng(seed)
@@ -27,7 +30,7 @@ def somewhere(fmus, packaging, case, seed: int, spin_up: float):
         start = {"support[1].stiffness_x": 3e5}
     if unit == "BallBalancer":
         start |= {f"weight[{k}].speed0": float(k) for k in range(1, options["weights"] + 1)}
-    host.begin(start)
+    host.begin(start | (more or {}))
     inputs = [n for n, v in host.variables.items() if v.causality == "input"]
     values = {}
     for name in inputs:
@@ -65,13 +68,26 @@ def beside(host, known: str, nodes: np.ndarray) -> np.ndarray:
 @pytest.mark.parametrize("spin_up", [0.0, 40.0])
 @pytest.mark.parametrize("case", CASES, ids=str)
 def test_directional_derivatives_are_those_of_the_outputs(fmus, packaging, case, spin_up):
+    agree(*somewhere(fmus, packaging, case, 3, spin_up))
+
+
+@pytest.mark.parametrize("frame", ["rotor", "fixed"])
+def test_weights_that_press_on_each_other_answer_together(fmus, packaging, frame):
+    """Three packed balls off centre: contacts that last are part of the derivative."""
+    packed = {f"weight[{k}].angle0": k * 2.0 * math.asin(0.25) for k in (1, 2, 3)}
+    rates = {f"weight[{k}].speed0": 2.0 for k in (1, 2, 3)}
+    case = ("BallBalancer", {"weights": 3, "frame": frame})
+    # far away a contact would open, where the outputs have a kink
+    agree(*somewhere(fmus, packaging, case, 3, 5.0, {**TOUCHING, **packed, **rates}), reach=0.01)
+
+
+def agree(host, inputs: list[str], reach: float = 1.0) -> None:
     """Against the polynomial through the outputs beside; where they are none, one far narrower."""
-    host, inputs = somewhere(fmus, packaging, case, 3, spin_up)
     for known in inputs:
         smooth = "added_mass" in known or known in ("angle", "x", "y")
         (value,) = host.get(known)
         size = (1e-3 if smooth else 1.0) * max(1.0, abs(value))
-        size *= 1e-3 if known in ("x", "y") else 1.0
+        size *= 1e-3 if known in ("x", "y") else reach
         degree = 8 if smooth else POLYNOMIAL
         nodes = np.cos(np.pi * np.arange(degree + 1) / degree)
         seen = beside(host, known, size * nodes)

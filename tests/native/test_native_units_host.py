@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import shutil
 import subprocess
 from pathlib import Path
@@ -60,3 +61,13 @@ def test_sanitizers_find_nothing_either(fmus, packaging, tmp_path):
     done = run([str(host), str(library), *words(fmus)], ASAN_OPTIONS="detect_leaks=1")
     assert (done.returncode, done.stderr) == (0, "")
     assert done.stdout == f"{len(UNITS)} units, 0 failures\n"
+
+
+def test_the_library_has_no_state_of_its_own(fmus):
+    """Instances in any number of threads share constants alone."""
+    table = subprocess.run(
+        ["objdump", "-t", str(fmus.library)], capture_output=True, text=True, check=True
+    ).stdout
+    variable = [line for line in table.splitlines() if re.search(r"\sO \.(data|bss)\s", line)]
+    names = {line.split()[-1] for line in variable}
+    assert not {name for name in names if not name.startswith(("_", "completed."))}
