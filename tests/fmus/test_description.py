@@ -251,8 +251,8 @@ def test_declared_dependencies_are_the_real_ones(unit, options, probe):
             (value,) = instance.look(variable.name)
             if "radius" not in variable.name and not placed(variable.name):
                 instance.put(variable.name, (value or 0.3) * (1.0 + 0.03 * (k + 1) / len(known)))
-        for flag in layout.booleans:
-            instance.put(flag.name, as_force)
+        if "inertia_as_force" in layout.boolean_index:
+            instance.put("inertia_as_force", as_force)
         base = instance.get_real(every)
         rounding = {
             v.unit: 1e-14
