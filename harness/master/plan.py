@@ -17,7 +17,7 @@ from typing import Any, Literal, NamedTuple
 
 import fmpy
 
-from ...fmus.build import build, content_id, identity
+from ...fmus.build import build, content_id, identity, options_of
 from ..errors import UnitError
 from ..scene import Scene
 from ..scene.balancer import Balancer
@@ -218,9 +218,18 @@ def refuse_other_build(fmu: Fmu, unit: UnitPlan) -> None:
     """
     if content_id(fmu.path) == identity(unit.model, **unit.sizes):
         return
-    sizes = ", ".join(f"{key} = {value}" for key, value in unit.sizes.items())
+    found = options_of(fmu.path)
+    different = [
+        f"{key} = {found[key]} instead of {value}"
+        for key, value in {"unit": unit.model, "frame": "rotor", **unit.sizes}.items()
+        if key in found and found[key] != value
+    ]
+    why = "its content is not what this installation builds"
+    if different:
+        why = f"it was built with {', '.join(different)}"
+    elif not found:
+        why = "it is not from `autobalancer build`"
     raise UnitError(
-        f"{fmu.path}: is of a different build than {unit.name!r} of this scene needs: its content "
-        f"is not that of a {unit.model}{f' with {sizes}' if sizes else ''} built by this "
-        "installation; build it for this scene"
+        f"{fmu.path}: is of a different build than {unit.name!r} of this scene needs: {why}; build "
+        "it for this scene"
     )

@@ -100,21 +100,27 @@ def test_another_interface_is_refused(scene, fmus, rewritten, tmp_path, change):
 @pytest.mark.parametrize("weights", [1, 3, 12])
 def test_an_fmu_with_another_number_of_weights_is_refused(scene, fmus, weights):
     build("BallBalancer", fmus, weights=weights)
-    with pytest.raises(UnitError, match=r"BallBalancer\.fmu: .*different build.*'weights'.*= 2"):
+    with pytest.raises(
+        UnitError, match=r"BallBalancer\.fmu: .*different build.*'weights'.*= \d+ instead of 2"
+    ):
         cosimulate(scene, fmus=fmus)
 
 
 @pytest.mark.parametrize("unit", ["RotorOnSupports", "BallBalancer"])
 def test_an_fmu_in_fixed_axes_is_refused(scene, fmus, unit):
     build(unit, fmus, frame="fixed")
-    with pytest.raises(UnitError, match=rf"{unit}\.fmu: is of a different build.*build it"):
+    with pytest.raises(
+        UnitError, match=rf"{unit}\.fmu: is of a different build.*frame = fixed instead of rotor"
+    ):
         cosimulate(scene, fmus=fmus)
 
 
 def test_another_unit_under_the_expected_name_is_refused(scene, fmus):
     (fmus / "RotorOnSupports.fmu").replace(fmus / "BallBalancer.fmu")
     build("RotorOnSupports", fmus)
-    with pytest.raises(UnitError, match=r"BallBalancer\.fmu: .*not that of a BallBalancer with"):
+    with pytest.raises(
+        UnitError, match=r"BallBalancer\.fmu: .*unit = RotorOnSupports instead of BallBalancer"
+    ):
         cosimulate(scene, fmus=fmus)
 
 
@@ -132,7 +138,7 @@ def of_older_equations(name: str, content: bytes) -> tuple[str, bytes]:
 def test_an_fmu_of_the_same_sizes_and_other_content_is_refused(scene, fmus, rewritten, tmp_path):
     path = fmus / "BallBalancer.fmu"
     rewritten(path, tmp_path / "older.fmu", of_older_equations).replace(path)
-    with pytest.raises(UnitError, match=r"BallBalancer\.fmu: .*its content is not that of"):
+    with pytest.raises(UnitError, match=r"BallBalancer\.fmu: .*its content is not what"):
         cosimulate(scene, fmus=fmus)
 
 
