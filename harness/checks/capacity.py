@@ -21,8 +21,8 @@ from ..scene.balancer import WeightBalancer
 from ..scene.check import CapacityCheck, SizesCheck
 from .row import Row, Rows
 
-RESIDUAL = 1e-3  # of the capacity
-ANGLES = 1e-3  # rad
+RESIDUAL = 1e-3  # of the capacity: what has not settled when the run ends
+ANGLES = 1e-3  # rad: the same
 SOURCE = "Goncharov 2017 (5)"
 
 # n, rho, sector [degrees] (none for one weight), s, as printed
@@ -102,7 +102,8 @@ def packed_turn(response: complex, share: float) -> float:
 
 def _amplitude(result: Result, speed: float) -> float:
     """Of the whirl at the rotor's speed over the last revolution [m]."""
-    begin = int(np.searchsorted(result.time, result.time[-1] - math.tau / speed * (1.0 + 1e-9)))
+    turn = math.tau / speed * (1.0 + 1e-9)  # rounding must not lose its first point
+    begin = int(np.searchsorted(result.time, result.time[-1] - turn))
     whirl = result["rotor.x"] + 1j * result["rotor.y"]
     return float(abs(np.mean((whirl * np.exp(-1j * speed * result.time))[begin:-1])))
 

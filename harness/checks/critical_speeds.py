@@ -16,8 +16,8 @@ from ..stability.main_motion import MainMotion
 from .report import text
 from .row import Row, Rows
 
-SPEED_TOLERANCE = 1e-3  # relative, co-simulated against Floquet
-GROWTH_TOLERANCE = 5e-3  # relative, of a growth rate fitted to a run
+SPEED_TOLERANCE = 1e-3  # relative, co-simulated against Floquet: the coupling's error
+GROWTH_TOLERANCE = 5e-3  # relative, of a rate fitted to a run: what faster motions leave in it
 FLOQUET = "Floquet multipliers about the main motion"
 
 

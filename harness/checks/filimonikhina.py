@@ -26,6 +26,7 @@ NARROWEST = 0.02  # n: no band wider than this is missed by Floquet
 # what the paper's intervals miss of the exact speeds: it integrates for a finite time, and calls
 # stable what grows very slowly, which Table 2's heavy damping of the supports makes common
 OUTSIDE = {1: 3e-4, 2: 2.2e-2}  # n
+SEARCHED = 41  # speeds across a band: near its worst one will do, to see it grow
 PRINTED = 5e-4  # relative, of the criterion's roots as printed
 
 
@@ -41,7 +42,7 @@ def check_row(scene: Scene, check: TableCheck, progress: Progress, index: int) -
         SceneError: the scene is not a planar rotor with one set of two pendulums.
     """
     row = TABLES[check.table][index]
-    yield from _row(index, *variant(scene, row), row)
+    yield from rows_of(index, *variant(scene, row), row)
     progress(1.0)
 
 
@@ -79,7 +80,8 @@ def variant(scene: Scene, row: TableRow) -> tuple[Scene, float]:
     return scene.replace({key: np.asarray(value).tolist() for key, value in changes.items()}), w_x
 
 
-def _row(index: int, scene: Scene, w_x: float, row: TableRow) -> Iterator[Row]:
+def rows_of(index: int, scene: Scene, w_x: float, row: TableRow) -> Iterator[Row]:
+    """What the units of `variant` say of a row of a table."""
     rows = Rows(scene.name, "filimonikhina_table")
     label = f"Table {row.table} row {index + 1} (eps {row.eps:g}, mu_w {row.mu_w:g}"
     if row.table == 2:
@@ -120,7 +122,7 @@ def _beyond(
     exact = [c.speed for c in found.methods["floquet"]]
     for begin, end in zip(exact[printed::2], exact[printed + 1 :: 2], strict=False):
         note = f"{label}FINDING, unstable again from {begin / w_x:.5g} to {end / w_x:.5g}: "
-        grid = np.linspace(begin, end, 41)
+        grid = np.linspace(begin, end, SEARCHED)
         worst = float(grid[np.argmax(growth_rates(scene.assembly(), grid))])
         yield growth_row(rows, scene, worst, note)
         yield rest_row(rows, scene, worst, note)

@@ -17,6 +17,7 @@ from ..scene.check import LargestSpreadCheck
 from .row import Row, Rows
 
 TIMES = 0.05  # of the predicted time: a change of 1e-3 of the capacity is not yet a small one
+ROUNDING = 1e-12  # of p, a sum of a few cosines
 SOURCE = "Goncharov 2017 (1), (10), (13)"
 
 
@@ -63,7 +64,7 @@ def _row(scene: Scene, first: SettlingRun, second: SettlingRun, rows: Rows) -> R
     times = sorted((first.seconds, second.seconds))
     free = settling_time(slow_root(device, theory.largest_alignment(balls.count, alpha), limit))
     name = f"{balls.count} {balls.kind} at the largest p, slower way"
-    if p > 1.0 - 1e-12:
+    if p > 1.0 - ROUNDING:  # on one line, across which nothing drives them
         return rows.statement(
             f"{name}: slow direction",
             "never settles",

@@ -21,10 +21,12 @@ from ..stability.revolution import Revolution
 from .row import Row, Rows
 from .sign_change import sign_change
 
-BOUNDARY_TOLERANCE = 1e-4  # relative, as all below: what exchanging the inertia as a force errs by
-GROWTH_TOLERANCE = 1e-3  # near w^* the rate is a small difference of large terms
-BENDING_TOLERANCE = 1e-5  # exact steps; at a resonance the fixed point is badly conditioned
-PHASE_TOLERANCE = 1e-5  # rad
+# relative; in brackets the largest error over the bundled scenes: that of the coupling, where the
+# liquid's inertia goes as a force; as added mass none is above 2e-9
+BOUNDARY_TOLERANCE = 1e-4  # of w_* and w^* (3e-6)
+GROWTH_TOLERANCE = 1e-3  # of growth rates (9e-5)
+BENDING_TOLERANCE = 1e-5  # (7e-10)
+PHASE_TOLERANCE = 1e-5  # rad (9e-10)
 GROWTH_SPEEDS = (0.9, 0.97, 1.03, 1.1)  # fractions of w^*, both sides of it
 OPEN_END = 5.0  # times w_*: how far an unlimited window is followed
 OPEN_SPAN, OPEN_SPEEDS = 50.0, 25  # of it, end over start: from far below w_*; every 17 %

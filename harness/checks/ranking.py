@@ -20,7 +20,7 @@ from ..scene.check import RankingCheck
 from .row import Row, Rows
 from .slow_root import decay_rows
 
-HALVED = 0.02  # of the settling time
+HALVED = 0.02  # of the settling time: the coupling's error, and readings 1/8 of a revolution apart
 SOURCE = "Goncharov 2017, 5.4.3, Fig. 7"
 
 
@@ -45,7 +45,7 @@ def check_ranking(
         progress=lambda done: progress(share * done),
     )
     yield from _order(data, rows)
-    found = [run.decay for c in data.able for run in c.runs]
+    found = [run.decay for c in data.with_capacity for run in c.runs]
     if any(one.dominant for one in found):
         yield from decay_rows(found, rows)
     yield _halved(check, data, rows, workers)
@@ -53,7 +53,7 @@ def check_ranking(
 
 
 def _order(data: Design, rows: Rows) -> Iterator[Row]:
-    able = [c.count for c in data.able]
+    able = [c.count for c in data.with_capacity]
     if not able:
         yield rows.statement(
             f"{data.kind}: numbers that can balance {data.unbalance:g} kg m",
@@ -86,7 +86,7 @@ def _order(data: Design, rows: Rows) -> Iterator[Row]:
 def _halved(check: RankingCheck, data: Design, rows: Rows, workers: Workers) -> Row:
     """Settling times of the first starts with half the step against those of the study."""
     coarse, work = [], []
-    for choice in data.able:
+    for choice in data.with_capacity:
         steps = 2 * steps_per_rev(choice.scene)
         fine = choice.scene.replace({"coupling.steps_per_rev": steps})
         for batch in batches(fine, data.unbalance, check.halved):

@@ -13,7 +13,7 @@ from ..scene import Scene
 from ..scene.check import SlowRootCheck
 from .row import Row, Rows
 
-DECAY = 0.05  # of the rate
+DECAY = 0.05  # of the rate: (1) takes the rotor as fast, and other motions are still in the fit
 SOURCE = "Goncharov 2017 (1)"
 
 

@@ -14,7 +14,7 @@ from ...models.weights import Weights
 from ..output.workers import Progress, Workers, in_order
 from ..scene import Scene
 from .scenes import STEEL, batches, capacity_of, race_of, sized, unbalance_of, weights_of
-from .settling import SETTLED, SettlingRun, median_interval, run_batch
+from .settling import SETTLED, SettlingRun, median_interval, refuse_few, run_batch
 
 
 @dataclass(frozen=True)
@@ -27,7 +27,7 @@ class Choice:
         packed, largest: spread p of the packed group, and the largest one (10), (13).
         measure: function (15) or (16) at this radius.
         predicted: time in which the slow root (1) falls to `SETTLED` at the largest p [s].
-        enough: the capacity reaches the unbalance; where it does not, nothing is run.
+        has_capacity: the capacity reaches the unbalance; where it does not, nothing is run.
         median, low, high: co-simulated settling time and its 95 % confidence interval [s]; NaN
             where nothing was run.
         runs: every start.
@@ -42,7 +42,7 @@ class Choice:
     largest: float
     measure: float
     predicted: float
-    enough: bool
+    has_capacity: bool
     median: float
     low: float
     high: float
@@ -54,12 +54,12 @@ class Choice:
         return sum(math.isfinite(run.seconds) for run in self.runs)
 
     @property
-    def reached(self) -> float:
+    def median_alignment(self) -> float:
         """Median of p where the runs ended."""
-        return float(np.median([run.spread for run in self.runs])) if self.runs else math.nan
+        return float(np.median([run.alignment for run in self.runs])) if self.runs else math.nan
 
     @property
-    def predicted_there(self) -> float:
+    def predicted_at_end(self) -> float:
         """Median of the times that the slow root predicts for the positions reached [s]."""
         return float(np.median([run.predicted for run in self.runs])) if self.runs else math.nan
 
@@ -75,9 +75,9 @@ class Design:
     choices: tuple[Choice, ...]
 
     @property
-    def able(self) -> list[Choice]:
+    def with_capacity(self) -> list[Choice]:
         """Those with enough capacity."""
-        return [c for c in self.choices if c.enough]
+        return [c for c in self.choices if c.has_capacity]
 
     @property
     def units(self) -> list[str]:
@@ -114,7 +114,7 @@ def design(
             balls or rollers with weight_radius.
         SimulationError: a run cannot be completed, or the starts are too few.
     """
-    median_interval([0.0] * starts)  # too few are refused before the work
+    refuse_few(starts)  # before the work
     balls = weights_of(scene)
     amount = unbalance_of(scene) if unbalance is None else unbalance
     race = race_of(balls) if race is None else race

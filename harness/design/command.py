@@ -78,7 +78,7 @@ def table(data: Design, starts: int) -> Sheet:
             str(c.count),
             f"{1e3 * c.radius:.4g}",
             f"{c.mass:.4g}",
-            f"{c.capacity:.4g}" + ("" if c.enough else " (too little)"),
+            f"{c.capacity:.4g}" + ("" if c.has_capacity else " (too little)"),
             f"{c.packed:.3f}",
             f"{c.largest:.3f}",
             f"{c.measure:.4f}",
@@ -92,9 +92,9 @@ def table(data: Design, starts: int) -> Sheet:
 
 
 def _measured(c: Choice) -> tuple[str, ...]:
-    there = c.predicted_there
+    there = c.predicted_at_end
     return (
-        f"{c.reached:.3f}",
+        f"{c.median_alignment:.3f}",
         f"{there:.3g}" if math.isfinite(there) else "p = 1",
         f"{c.median:.3g}" if math.isfinite(c.median) else "not settled",
         f"{c.low:.3g} - {c.high:.3g}",

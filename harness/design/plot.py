@@ -33,10 +33,10 @@ def plot_design(data: Design, path: Path) -> Path:
         mfc="white",
         label="slow root at the largest p",
     )
-    there = [c for c in data.choices if math.isfinite(c.predicted_there)]
+    there = [c for c in data.choices if math.isfinite(c.predicted_at_end)]
     below.plot(
         [c.count for c in there],
-        [c.predicted_there for c in there],
+        [c.predicted_at_end for c in there],
         "d:",
         color="#2c7a4b",
         mfc="white",
@@ -56,7 +56,7 @@ def plot_design(data: Design, path: Path) -> Path:
         capsize=4,
         label="co-simulated: median, 95 % confidence",
     )
-    late = [c.count for c in data.choices if c.enough and math.isinf(c.median)]
+    late = [c.count for c in data.choices if c.has_capacity and math.isinf(c.median)]
     if late:
         below.plot(
             late,
@@ -67,13 +67,13 @@ def plot_design(data: Design, path: Path) -> Path:
             label="co-simulated: most starts do not settle",
         )
     for c in data.choices:
-        if not c.enough:
+        if not c.has_capacity:
             below.axvspan(c.count - 0.4, c.count + 0.4, color="0.9", zorder=0)
     below.set_yscale("log")
     below.yaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 3.0, 5.0, 7.0)))
     below.yaxis.set_minor_locator(NullLocator())
     below.yaxis.set_major_formatter("{x:g}")
-    grey = "" if all(c.enough for c in data.choices) else " (grey: too little capacity)"
+    grey = "" if all(c.has_capacity for c in data.choices) else " (grey: too little capacity)"
     below.set_xlabel(f"number of weights n{grey}")
     below.set_ylabel("settling time [s]")
     below.set_xticks(counts)

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 def words(data: Design) -> list[str]:
     """Lines for people."""
-    if not data.able:
+    if not data.with_capacity:
         best = max(data.choices, key=lambda c: c.capacity)
         return [
             f"No number of {data.kind} in this space balances {data.unbalance:.4g} kg m: "
@@ -24,7 +24,7 @@ def words(data: Design) -> list[str]:
             "space or a denser material."
         ]
     lines = [*_recommendation(data), *_ranking(data)]
-    short = [str(c.count) for c in data.choices if not c.enough]
+    short = [str(c.count) for c in data.choices if not c.has_capacity]
     if short:
         names = ", ".join(short)
         lines.append(f"Too little capacity for {data.unbalance:.4g} kg m, not run: n = {names}.")
@@ -32,7 +32,7 @@ def words(data: Design) -> list[str]:
 
 
 def _recommendation(data: Design) -> list[str]:
-    fastest = min(data.able, key=lambda c: c.median)
+    fastest = min(data.with_capacity, key=lambda c: c.median)
     if math.isinf(fastest.median):
         return ["No recommendation: most starts did not settle within the scene's run."]
     lines = [
@@ -49,12 +49,12 @@ def _recommendation(data: Design) -> list[str]:
 
 def by_measure(data: Design) -> list[Choice]:
     """Numbers with enough capacity, the fastest by Goncharov's measure at the largest p first."""
-    return sorted(data.able, key=lambda c: -c.measure)
+    return sorted(data.with_capacity, key=lambda c: -c.measure)
 
 
 def by_median(data: Design) -> list[Choice]:
     """The same, the fastest by the co-simulated medians first."""
-    return sorted(data.able, key=lambda c: c.median)
+    return sorted(data.with_capacity, key=lambda c: c.median)
 
 
 def rivals(data: Design) -> list[Choice]:
@@ -85,7 +85,7 @@ def order(choices: list[Choice]) -> str:
 
 
 def _ranking(data: Design) -> list[str]:
-    if all(math.isinf(c.median) for c in data.able):
+    if all(math.isinf(c.median) for c in data.with_capacity):
         return []
     told = contradicted(data)
     return [
@@ -100,7 +100,7 @@ def _ranking(data: Design) -> list[str]:
 
 
 def _decays(data: Design) -> list[str]:
-    found = [run.decay for c in data.able for run in c.runs]
+    found = [run.decay for c in data.with_capacity for run in c.runs]
     chosen = [one for one in found if one.dominant]
     told = excluded(found)
     line = f"Slow root dominant at the end of {len(chosen)} of {len(found)} runs"
@@ -134,7 +134,7 @@ def deviations(decays: Sequence[Decay]) -> dict[str, tuple[float, float]]:
 
 
 def _steps(data: Design) -> list[str]:
-    runs = [run for c in data.able for run in c.runs]
+    runs = [run for c in data.with_capacity for run in c.runs]
     left = sum(run.unconverged for run in runs)
     if not left:
         return []

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import random
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -18,7 +19,9 @@ from ..scene.balancer import WeightBalancer
 from .decay import WINDOW, Decay, below, decay
 
 SETTLED = 0.01  # of the scale: residual unbalance that counts as balanced
-READINGS = 8  # about, in a revolution
+READINGS = 8  # about, in a revolution: enough to see when a residual falls below a limit for good
+CONFIDENCE = 0.95
+FEWEST_STARTS = 6  # all on one side of the median: 2/2^6 = 3 %, but 2/2^5 = 6 %
 
 
 @dataclass(frozen=True)
@@ -41,7 +44,7 @@ class SettlingRun:
 
     Attributes:
         seconds: until the residual stays below `SETTLED`; infinite where it did not.
-        spread: p at the end.
+        alignment: p at the end.
         decay: the linear end of the run against the slow root.
         unconverged, steps: communication steps whose loop left more than `LOOSE` of the force; of
             all.
@@ -49,7 +52,7 @@ class SettlingRun:
     """
 
     seconds: float
-    spread: float
+    alignment: float
     decay: Decay
     unconverged: int = 0
     steps: int = 0
@@ -128,10 +131,8 @@ def _readings(
     every = max(1, round(steps_per_rev(batch.scene) / READINGS))
     turn = math.tau / batch.scene.profile().speed(0.0)
     low_since = math.inf
-    ((step, count),) = schedule(batch.scene)
-    for number in range(1, count + 1):
-        units.step(step)
-        units.time = number * step
+    ((_, count),) = schedule(batch.scene)
+    for number, _ in enumerate(units.run(), start=1):
         if number % every and number < count:
             continue
         xi, eta, *angles = unit.get(group)
@@ -150,20 +151,24 @@ def settled_at(times: np.ndarray, residuals: np.ndarray) -> float:
     return math.inf if begin >= len(times) else float(times[begin])
 
 
-def median_interval(values: list[float]) -> tuple[float, float, float]:
+def refuse_few(starts: int) -> None:
+    """Raise SimulationError where the median of so many starts has no confidence interval."""
+    if starts < FEWEST_STARTS:
+        raise SimulationError(
+            f"{starts} starts are too few for a confidence interval: {FEWEST_STARTS} are needed"
+        )
+
+
+def median_interval(values: Sequence[float]) -> tuple[float, float, float]:
     """Median and its 95 % confidence interval from order statistics, whatever the distribution.
 
     Infinite values count as later than all others.
 
     Raises:
-        SimulationError: there are too few values for an interval, 6 are needed.
+        SimulationError: there are too few values for an interval.
     """
-    from scipy.stats import binom
+    from scipy.stats import quantile_test
 
-    n = len(values)
-    rank = int(binom.ppf(0.025, n, 0.5))
-    if rank < 1 or n < 6:
-        raise SimulationError(f"{n} starts are too few for a confidence interval: 6 are needed")
-    order = sorted(values)
-    middle = 0.5 * (order[(n - 1) // 2] + order[n // 2])
-    return middle, order[rank - 1], order[n - rank]
+    refuse_few(len(values))
+    interval = quantile_test(values).confidence_interval(CONFIDENCE)
+    return float(np.median(values)), float(interval.low), float(interval.high)

@@ -28,9 +28,9 @@ TWO_DECADES = 100.0  # the reference must be that much better than a point whose
 ASYMPTOTIC = 0.03  # an error above it says nothing of a method's order
 FEWEST_ROUNDS, MOST_ROUNDS = 2, 7
 TARGETS = (1e-3, 1e-5, 1e-7)
-SHARE = 1 / 90  # of the time given, that one run may take; what takes longer is left out by name
+SHARE = 1 / 90  # of the time given for one run, so that some thirty methods can take three turns
 SHARE_CUBIC = 1 / 45  # the same where small errors are to be had
-FINER = 1.5  # how much longer than the one before it a run takes, with smaller steps
+FINER = 1.5  # how much longer a run takes than the one before it: steps grow by 1.2 to 2
 LIBCOSIM_STEPS = (20, 40, 80, 160)
 
 

@@ -35,7 +35,7 @@ VERDICTS = ("silent", "said", "refused", "loop did not converge")
 
 
 @dataclass(frozen=True)
-class Judged:
+class VerdictSample:
     """One run: its real error (None if it had no end), the one it estimates, and the verdict."""
 
     scene: str
@@ -60,7 +60,7 @@ def spinning(name: str, spin: float, steps: int) -> Scene:
     return scene.replace({**changes, **free, **given, "run.revolutions": REVOLUTIONS})
 
 
-def judge(name: str, spin: float, steps: int) -> Judged:
+def judge(name: str, spin: float, steps: int) -> VerdictSample:
     """Run one of them to its end.
 
     Raises:
@@ -78,7 +78,7 @@ def judge(name: str, spin: float, steps: int) -> Judged:
             for _ in cosim.rows(recorder):
                 pass
         except SimulationError:
-            return Judged(name, spin, steps, None, watch.estimate, VERDICTS[3])
+            return VerdictSample(name, spin, steps, None, watch.estimate, VERDICTS[3])
         result = facts.result(recorder, cosim.facts(), 0.0)
     right, _ = reference(
         scene.assembly(),
@@ -92,10 +92,10 @@ def judge(name: str, spin: float, steps: int) -> Judged:
     error = deviation(result, {n: right.signal(n) for n in names})
     said = any(TOO_COARSE in event for event in result.events)
     verdict = "refused" if watch.refused else "said" if said else "silent"
-    return Judged(name, spin, steps, error, watch.estimate, verdict)
+    return VerdictSample(name, spin, steps, error, watch.estimate, verdict)
 
 
-def table(rows: Iterable[Judged]) -> str:
+def table(rows: Iterable[VerdictSample]) -> str:
     """How many runs of which real error got which verdict, as Markdown."""
     counted = Counter((_class(row.error), row.verdict) for row in rows)
     names = (*(label for _, label in CLASSES), "above 100 %", "no end")

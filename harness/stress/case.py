@@ -47,7 +47,7 @@ class Case:
     run: Callable[[], Outcome]
 
 
-def scene(
+def planar_scene(
     rotor: Mapping[str, Any],
     *balancers: Mapping[str, Any],
     speed: float = 3.0,

@@ -10,7 +10,7 @@ import numpy as np
 from ...models.reference.oscillator import forced_motion
 from ..master.cosimulation import CoSimulation, cosimulate
 from ..scene import load_scene
-from .case import ROTOR_AND_MOMENT, Case, Outcome, deviation, scene
+from .case import ROTOR_AND_MOMENT, Case, Outcome, deviation, planar_scene
 
 TURN = Fraction("6.283185307179586476925286766559005768394338798750211641949889")
 REVOLUTIONS = 10_000_000
@@ -38,7 +38,7 @@ def _long_run() -> Outcome:
     w = 100.0
     rotor = {"mass": mass, "stiffness": stiffness, "damping": damping, "unbalance": pull}
     step = float(1000.25 * TURN) / w
-    with CoSimulation(scene(rotor, speed=w)) as run:
+    with CoSimulation(planar_scene(rotor, speed=w)) as run:
         run.start(step=step)
         for _ in range(LONG_STEPS):
             run.step(step)

@@ -20,8 +20,8 @@ from .case import (
     against_closed_form,
     force_against_closed_form,
     linear_motion,
+    planar_scene,
     refusal,
-    scene,
     uneven,
 )
 
@@ -57,7 +57,7 @@ def _stiffness() -> list[Case]:
     for power in UNEVEN:
         rotor = uneven(power, 0.2, 1e-3)
         name = f"stiffness 1e2 and 1e{power} N/m in one rotor"
-        found.append(_closed(name, EXACT, partial(scene, rotor, speed=15.0, revolutions=20)))
+        found.append(_closed(name, EXACT, partial(planar_scene, rotor, speed=15.0, revolutions=20)))
     return found
 
 
@@ -65,7 +65,9 @@ def _damping() -> list[Case]:
     found = []
     for ratio in (0.0, 1e-6, 1e-3, 0.1, 1.0, 10.0, 1e2, 1e4):
         rotor = {"mass": 2.0, "stiffness": 200.0, "damping": 40.0 * ratio, "unbalance": 1e-3}
-        build = partial(scene, rotor, speed=25.0, revolutions=50, initial={"x": 1e-3, "vy": 1e-2})
+        build = partial(
+            planar_scene, rotor, speed=25.0, revolutions=50, initial={"x": 1e-3, "vy": 1e-2}
+        )
         found.append(_closed(f"damping ratio {ratio:g}", EXACT, build))
     return found
 
@@ -74,7 +76,7 @@ def _speeds() -> list[Case]:
     rotor = {"mass": 1.0, "stiffness": [90.0, 110.0], "damping": [1.0, 2.0], "unbalance": 1e-3}
     found = []
     for power in range(-3, 6):
-        build = partial(scene, rotor, speed=10.0**power, revolutions=10, initial={"y": 1e-3})
+        build = partial(planar_scene, rotor, speed=10.0**power, revolutions=10, initial={"y": 1e-3})
         found.append(_closed(f"speed 1e{power} rad/s, rotor alone", EXACT, build))
     return found
 
@@ -91,13 +93,13 @@ def _resonance() -> list[Case]:
         _closed(
             "exactly at a natural frequency, undamped, isotropic",
             EXACT,
-            partial(scene, both, speed=10.0, revolutions=200),
+            partial(planar_scene, both, speed=10.0, revolutions=200),
         ),
     ]
 
 
 def _grows(rotor: dict[str, object]) -> Outcome:
-    build = scene(rotor, speed=10.0, revolutions=200)
+    build = planar_scene(rotor, speed=10.0, revolutions=200)
     result = cosimulate(build, record=["rotor.x", "rotor.y"])
     # m x'' + k x = U w^2 cos(w t) with k = m w^2, from rest: x = (U w t/2 m) sin(w t)
     right = 1e-3 * 10.0 * result.time / 2.0 * np.sin(10.0 * result.time)
@@ -125,7 +127,7 @@ def _energy(steps: int) -> Outcome:
     rotor = {"mass": 1.0, "stiffness": [k_x, k_y], "unbalance": 0.0}
     names = [f"rotor.{name}" for name in ("x", "y", "vx", "vy")]
     result = cosimulate(
-        scene(rotor, speed=20.0, revolutions=10_000, initial=start, steps_per_rev=steps),
+        planar_scene(rotor, speed=20.0, revolutions=10_000, initial=start, steps_per_rev=steps),
         record=names,
     )
     x, y, vx, vy = (result[name] for name in names)
@@ -140,7 +142,7 @@ def _liquid() -> list[Case]:
         for excess, gap in ((1e-6, 0.5), (1e-3, 0.1), (1.0, 1e-2), (19.0, 1e-3), (9999.0, 1e-5)):
             way = "as force" if as_force else "as added mass"
             name = f"liquid mu = 1 + {excess:g}, gap {gap:g} of the radius, {way}"
-            build = partial(_liquid_scene, excess, gap, as_force)
+            build = partial(liquid_scene, excess, gap, as_force)
             if as_force and excess > MOST_AS_FORCE:
                 found.append(Case(name, NEARLY_ALL_FORCE, partial(_nearly_all_force, build)))
             elif as_force:
@@ -171,7 +173,7 @@ def _force(build: Callable[[], Scene]) -> Outcome:
     return force_against_closed_form(build())
 
 
-def _liquid_scene(excess: float, gap: float, as_force: bool, **coupling: Any) -> Scene:
+def liquid_scene(excess: float, gap: float, as_force: bool, **coupling: Any) -> Scene:
     """A rotor of 1 kg whose liquid adds `excess` kg, at a natural frequency of 10 rad/s."""
     radius, density = 0.1, 1000.0
     liquid = {
@@ -190,11 +192,11 @@ def _liquid_scene(excess: float, gap: float, as_force: bool, **coupling: Any) ->
         "internal_damping": 0.5 * total,
         "unbalance": 1e-6,
     }
-    return scene(rotor, liquid, speed=15.0, revolutions=20, **coupling)
+    return planar_scene(rotor, liquid, speed=15.0, revolutions=20, **coupling)
 
 
 def _at_the_limit(gain: float, works: bool) -> Outcome:
-    build = _liquid_scene(gain, 0.01, True, scheme="jacobi", order=0, steps_per_rev=400)
+    build = liquid_scene(gain, 0.01, True, scheme="jacobi", order=0, steps_per_rev=400)
     if works:
         return against_closed_form(build, 0.1)
     return refusal(lambda: cosimulate(build), "t = ", "liquid.F", "gain 1.02")
@@ -202,6 +204,8 @@ def _at_the_limit(gain: float, works: bool) -> Outcome:
 
 def _at_rest() -> Outcome:
     rotor = {"mass": 1.0, "stiffness": [100.0, 1e6], "damping": 1.0}
-    result = cosimulate(scene(rotor, speed=30.0, revolutions=100), record=["rotor.x", "rotor.y"])
+    result = cosimulate(
+        planar_scene(rotor, speed=30.0, revolutions=100), record=["rotor.x", "rotor.y"]
+    )
     moved = max(float(np.max(np.abs(result[name]))) for name in result.signals)
     return Outcome(f"moves {moved:g} m", moved == 0.0)

@@ -21,7 +21,7 @@ from .case import (
     against_monolith,
     error_against_monolith,
     left_to_the_master,
-    scene,
+    planar_scene,
     stated_error,
     uneven,
 )
@@ -51,13 +51,13 @@ def cases() -> list[Case]:
     ]
 
 
-def _two(changes: Mapping[str, Any]) -> Scene:
+def two_pendulums(changes: Mapping[str, Any]) -> Scene:
     """The two-pendulum scene over five revolutions, its coupling left to the master."""
     return left_to_the_master("two_balls", changes)
 
 
 def _coupled(name: str, changes: Mapping[str, Any], **options: Any) -> Case:
-    return Case(name, BOTH_WAYS, partial(_against, partial(_two, changes), options))
+    return Case(name, BOTH_WAYS, partial(_against, partial(two_pendulums, changes), options))
 
 
 def _against(build: Callable[[], Scene], options: Mapping[str, Any]) -> Outcome:
@@ -137,7 +137,7 @@ def _stiffness() -> list[Case]:
             "drag": 0.2,
             "angles": [0.3, 1.0],
         }
-        build = partial(scene, rotor, weights, speed=15.0, revolutions=5)
+        build = partial(planar_scene, rotor, weights, speed=15.0, revolutions=5)
         options = {"signals": ("rotor.x", *_MOMENT), "rtol": 1e-11}
         name = f"stiffness 1e2 and 1e{power} N/m with weights"
         found.append(Case(name, BOTH_WAYS, partial(_against, build, options)))
@@ -160,7 +160,7 @@ def _steps() -> list[Case]:
 
 def _with_steps(steps: int, allowed: float) -> Outcome:
     revolutions = 1 if steps > 1000 else 3
-    build = _two({"coupling.steps_per_rev": steps, "run.revolutions": revolutions})
+    build = two_pendulums({"coupling.steps_per_rev": steps, "run.revolutions": revolutions})
     error, own, result = error_against_monolith(build, ROTOR_AND_MOMENT, allowed)
     stated = stated_error(result)
     said = f" and said to be too coarse ({stated:.1g})" if stated else ""
@@ -181,7 +181,9 @@ def _starts() -> list[Case]:
 
 
 def _in_balance() -> Outcome:
-    build = _two({"rotor.unbalance": 0.0, "weights.angles": [0.0, math.pi], "run.revolutions": 50})
+    build = two_pendulums(
+        {"rotor.unbalance": 0.0, "weights.angles": [0.0, math.pi], "run.revolutions": 50}
+    )
     result = cosimulate(build, record=XY)
     moved = max(float(np.max(np.abs(result[name]))) for name in XY)
     return Outcome(f"moves {moved:.1e} m", moved < 1e-12)
@@ -204,7 +206,7 @@ def _unmoved() -> list[Case]:
 def _coasting(changes: Mapping[str, Any]) -> Outcome:
     start, rates = (0.3, 1.0), (2.0, -1.0)
     signals = [f"weights.weight[{k}].angle" for k in (1, 2)]
-    build = _two({**changes, "weights.speeds": list(rates), "rotor.unbalance": 0.0})
+    build = two_pendulums({**changes, "weights.speeds": list(rates), "rotor.unbalance": 0.0})
     result = cosimulate(build, record=signals)
     decay = 0.5  # d = b/(kappa m), 0.0125/0.025 1/s
     worst = 0.0
@@ -226,7 +228,7 @@ def _energy_integral() -> Outcome:
     k, m1, u, w = 1.0, 0.95, 0.0, SPEED
     names = [f"rotor.{n}" for n in ("x", "y", "vx", "vy", "angle")]
     names += [f"weights.weight[{j}].{n}" for j in (1, 2) for n in ("angle", "speed")]
-    build = _two(
+    build = two_pendulums(
         {
             "rotor.stiffness": k,
             "rotor.damping": 0.0,

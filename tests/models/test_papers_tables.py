@@ -3,7 +3,8 @@
 import pytest
 
 from autobalancer.harness import SceneError, load_scene
-from autobalancer.harness.checks.filimonikhina import _row, check_row, variant
+from autobalancer.harness.checks.filimonikhina import check_row, variant
+from autobalancer.harness.checks.filimonikhina import rows_of as compared
 from autobalancer.harness.scene.check import TableCheck
 from autobalancer.models.papers.dimensionless import Dimensionless
 from autobalancer.models.papers.tables import TABLE_1, TABLE_2
@@ -72,7 +73,7 @@ def test_an_interval_that_is_wrong_does_not_hold():
     from dataclasses import replace
 
     wrong = replace(TABLE_2[7], intervals=((9.60, 9.65),))
-    rows = list(_row(0, *variant(scene, wrong), wrong))
+    rows = list(compared(0, *variant(scene, wrong), wrong))
     (printed,) = [r for r in rows if "in the paper's interval" in r.quantity]
     assert not printed.holds
 

@@ -9,6 +9,7 @@ import pytest
 from autobalancer.harness import Scene, bundled_scenes, load_scene
 from autobalancer.harness.checks.registry import run_checks
 from autobalancer.harness.errors import SceneError
+from autobalancer.harness.scene.file import read
 from autobalancer.models.papers.window import LiquidWindow
 
 SCENES = [
@@ -20,10 +21,9 @@ SCENES = [
 
 def quick(name: str, **changes) -> Scene:
     """The scene with the check at fewer speeds."""
-    scene = load_scene(name)
-    scene = scene.replace(changes) if changes else scene
-    document = {**scene._document, "check": [{"kind": "liquid_window", "speeds": 3}]}
-    return Scene.from_document(document, label=name)
+    document = read(load_scene(name).path)
+    document["check"] = [{"kind": "liquid_window", "speeds": 3}]
+    return Scene.from_document(document, label=name).replace(changes)
 
 
 def row(rows, start: str):

@@ -146,10 +146,10 @@ def test_numbers_without_the_capacity_are_not_run_and_named():
     scene = load_scene("finite_weights").replace({"run.revolutions": 30})
     data = design(scene, unbalance=0.1, counts=[2, 3], starts=6)
     two, three = data.choices
-    assert not two.enough
+    assert not two.has_capacity
     assert two.runs == ()
     assert math.isnan(two.median)
-    assert three.enough
+    assert three.has_capacity
     assert len(three.runs) == 6
     assert any("not run: n = 2" in line for line in words(data))
 
@@ -190,11 +190,17 @@ def test_three_weights_at_the_largest_p_have_the_slow_direction_of_two_and_it_is
 
 def test_contradictions_need_intervals_that_do_not_touch():
     def choice(count, measure, low, high):
-        fields = {"enough": True, "count": count, "measure": measure, "low": low, "high": high}
+        fields = {
+            "has_capacity": True,
+            "count": count,
+            "measure": measure,
+            "low": low,
+            "high": high,
+        }
         return SimpleNamespace(**fields, median=0.5 * (low + high))
 
     choices = [choice(3, 3.0, 2.0, 3.0), choice(4, 2.0, 1.0, 1.9), choice(5, 1.0, 1.5, 2.5)]
-    data = SimpleNamespace(able=choices)
+    data = SimpleNamespace(with_capacity=choices)
     assert contradictions(data) == [(3, 4)]
     assert [c.count for c in rivals(data)] == [4, 5]
 
@@ -217,7 +223,7 @@ def test_two_weights_without_unbalance_are_named_not_failed():
     assert two.predicted == math.inf
     # what is left falls in the driven direction: nothing has to move along the other one
     assert two.median < 2.0
-    assert all(run.spread == pytest.approx(1.0, abs=0.01) for run in two.runs)
+    assert all(run.alignment == pytest.approx(1.0, abs=0.01) for run in two.runs)
     assert any("one diameter" in line for line in words(data))
 
 

@@ -13,11 +13,17 @@ from autobalancer.harness.cli import app
 from autobalancer.harness.errors import SimulationError
 from autobalancer.harness.master import resolution
 from autobalancer.harness.master.cosimulation import CoSimulation, cosimulate
-from autobalancer.harness.precision.verdicts import Judged, judge, spinning, table
+from autobalancer.harness.precision.verdicts import VerdictSample, judge, spinning, table
 from autobalancer.harness.schemes.startup import parts
-from autobalancer.harness.stress.case import Outcome, linear_motion, refusal, scene, stated_error
-from autobalancer.harness.stress.cases_rotor import _liquid_scene
-from autobalancer.harness.stress.cases_weights import _two
+from autobalancer.harness.stress.case import (
+    Outcome,
+    linear_motion,
+    planar_scene,
+    refusal,
+    stated_error,
+)
+from autobalancer.harness.stress.cases_rotor import liquid_scene
+from autobalancer.harness.stress.cases_weights import two_pendulums
 from autobalancer.harness.stress.run import all_cases, as_json, run_case, stress
 from autobalancer.models.monolith import reference
 from autobalancer.models.reference.oscillator import forced_motion
@@ -64,7 +70,7 @@ def test_every_kind_of_extreme_has_a_case():
 
 @pytest.mark.parametrize(("gain", "settles"), [(0.95, True), (0.99, True), (1.01, False)])
 def test_held_jacobi_with_the_liquid_as_force_diverges_just_above_gain_one(gain, settles):
-    build = _liquid_scene(gain, 0.01, True, scheme="jacobi", order=0, steps_per_rev=400)
+    build = liquid_scene(gain, 0.01, True, scheme="jacobi", order=0, steps_per_rev=400)
     build = build.replace({"run.revolutions": 3})
     with CoSimulation(build) as cosim:
         cosim.start()
@@ -82,7 +88,7 @@ def test_held_jacobi_repeats_an_error_by_the_root_of_the_gain_when_nobody_refuse
     """Force and acceleration are each one step late: once round the loop takes two steps."""
     growth = {}
     for gain in (0.98, 1.05):
-        build = _liquid_scene(gain, 0.01, True, scheme="jacobi", order=0, steps_per_rev=4000)
+        build = liquid_scene(gain, 0.01, True, scheme="jacobi", order=0, steps_per_rev=4000)
         with CoSimulation(build) as cosim:
             cosim.start()
             cosim.scheme.watch = lambda *_arguments: None  # let it diverge
@@ -98,7 +104,7 @@ def test_held_jacobi_repeats_an_error_by_the_root_of_the_gain_when_nobody_refuse
 
 def test_heavy_weights_part_from_their_neighbours_in_the_fifth_revolution():
     # why that stress case ends after four: no tolerance can be kept where errors grow fiftyfold
-    case = _two({"weights.mass": 9.5, "weights.drag": 4.75, "rotor.unbalance": 0.025})
+    case = two_pendulums({"weights.mass": 9.5, "weights.drag": 4.75, "rotor.unbalance": 0.025})
     first = case.balancer[0].angles[0]
     time = 2.0 * np.pi / 3.0 * np.linspace(0.0, 5.0, 51)
     moved = 1e-7
@@ -182,10 +188,10 @@ def test_explicit_schemes_are_judged_by_what_they_step_on(scheme):
 
 def test_every_judged_run_is_counted_once():
     rows = [
-        Judged("a", 1, 8, 5e-4, 1e-4, "silent"),
-        Judged("a", 2, 8, 0.5, 0.4, "refused"),
-        Judged("a", 3, 8, None, 0.4, "loop did not converge"),
-        Judged("a", 4, 8, 7.0, 0.2, "said"),
+        VerdictSample("a", 1, 8, 5e-4, 1e-4, "silent"),
+        VerdictSample("a", 2, 8, 0.5, 0.4, "refused"),
+        VerdictSample("a", 3, 8, None, 0.4, "loop did not converge"),
+        VerdictSample("a", 4, 8, 7.0, 0.2, "said"),
     ]
     lines = table(rows).splitlines()
     assert lines[2] == "| below 0.1 % | 1 | - | - | - |"
@@ -302,4 +308,4 @@ def test_command_exits_with_one_when_a_case_does_not_hold(tmp_path, monkeypatch)
 
 def test_zero_speed_is_no_scene():
     with pytest.raises(Exception, match="speed"):
-        scene({"mass": 1.0, "stiffness": 1.0}, speed=0.0)
+        planar_scene({"mass": 1.0, "stiffness": 1.0}, speed=0.0)
