@@ -12,6 +12,7 @@ import numpy as np
 
 from ..errors import SceneError
 from ..master.cosimulation import CoSimulation
+from ..master.recorder import Recorder
 from ..output.workers import Progress
 from ..scene import Scene
 from ..scene.balancer import WeightBalancer
@@ -29,11 +30,11 @@ def check_contact_order(
         SimulationError: a run cannot be completed.
     """
     scene = scene.replace(check.set)
-    found = [b for b in scene.balancer if isinstance(b, WeightBalancer)]
+    sets = [b for b in scene.balancer if isinstance(b, WeightBalancer)]
     coarsest = min(check.steps)
-    if len(found) == 1 and len(check.shift) not in (0, found[0].count):
+    if len(sets) == 1 and len(check.shift) not in (0, sets[0].count):
         raise SceneError(f"{scene.name}: check contact_order: shift: must have one number a weight")
-    if len(found) != 1 or any(n % coarsest for n in (*check.steps, check.reference)):
+    if len(sets) != 1 or any(n % coarsest for n in (*check.steps, check.reference)):
         raise SceneError(
             f"{scene.name}: check contact_order: needs one set of weights, and steps and reference "
             f"that are multiples of the smallest number of steps, {coarsest}"
@@ -48,20 +49,20 @@ def check_contact_order(
             f"{points:g}"
         )
     rows = Rows(scene.name, "contact_order")
-    exact = _motions(scene, found[0], check, check.reference)
+    exact = _motions(scene, sets[0], check, check.reference)
     largest = float(np.abs(exact[:, :, :2]).max())
     progress(0.5)
     errors = []
     for steps in check.steps:
-        off = np.abs(_motions(scene, found[0], check, steps) - exact).max(axis=1)
+        off = np.abs(_motions(scene, sets[0], check, steps) - exact).max(axis=1)
         errors.append([off[:, :2].max(axis=1).mean() / largest, off[:, 2:].max(axis=1).mean()])
     progress(1.0)
-    told = ", ".join(map(str, check.steps))
+    settings = ", ".join(map(str, check.steps))
     for name, column in zip(("rotor", "weights"), np.array(errors).T, strict=True):
         order = -float(np.polyfit(np.log(check.steps), np.log(column), 1)[0])
         label = ", ".join(f"{error:.1e}" for error in column)
         yield rows.number(
-            f"{check.case}: order, {name} (errors {label} at {told} steps a revolution)",
+            f"{check.case}: order, {name} (errors {label} at {settings} steps a revolution)",
             check.order,
             order,
             check.within,
@@ -81,18 +82,15 @@ def _motions(
     every = steps // min(check.steps)
     begin, shift = np.array(balls.angles), np.array(check.shift or [0.0] * balls.count)
     names = [f"weight[{k}].angle" for k in range(1, balls.count + 1)]
+    signals = ["rotor.x", "rotor.y", *(f"{balls.label}.{name}" for name in names)]
     runs = []
     with CoSimulation(fine) as units:
-        rotor = units.units["rotor"]
-        unit = units.units[balls.label]
-        place = rotor.group(["x", "y"])
-        angles = unit.group(names)
         for number in range(check.runs):
             start = begin + shift * (number / check.runs)
             units.start({balls.label: {f"{n}0": a for n, a in zip(names, start, strict=True)}})
-            points = []
-            for count, _ in enumerate(units.run(), start=1):
-                if count % every == 0:
-                    points.append([*rotor.get(place), *unit.get(angles)])
-            runs.append(points)
+            recorder = Recorder(units.units, signals)
+            for _ in units.rows(recorder):
+                pass
+            _, motion = recorder.columns()
+            runs.append(np.column_stack([motion[name] for name in signals])[every::every])
     return np.array(runs)

@@ -81,9 +81,8 @@ def check_all(
     reports = []
     for number, scene in enumerate(scenes):
         own = [row for i, (owner, _) in enumerate(flat) if owner == number for row in rows[i]]
-        units = tuple(dict.fromkeys(unit.file_name for unit in plan(scene).units))
         left = tuple(left_out(scene, ["all"]))
-        reports.append(SceneReport(scene.name, scene.title, tuple(own), units, left))
+        reports.append(SceneReport(scene.name, scene.title, tuple(own), plan(scene).files, left))
     return reports
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from pathlib import Path
 
+import numpy as np
 from matplotlib.figure import Figure
 from matplotlib.ticker import LogLocator, NullLocator
 
@@ -24,24 +25,18 @@ def plot_design(data: Design, path: Path) -> Path:
     above.plot(counts, [c.measure for c in data.choices], "o-", color="#1f5fa8")
     above.set_ylabel("(1 - p) m n, dimensionless,\nat the largest p")
     above.set_title(f"{data.title}\n{data.kind}, race {1e3 * data.race:.4g} mm", fontsize="medium")
-    seen = [c for c in data.choices if math.isfinite(c.predicted)]
-    below.plot(
-        [c.count for c in seen],
-        [c.predicted for c in seen],
-        "s--",
-        color="#1f5fa8",
-        mfc="white",
-        label="slow root at the largest p",
+    curves = (
+        ([c.predicted for c in data.choices], "s--", "#1f5fa8", "slow root at the largest p"),
+        (
+            [c.predicted_at_end for c in data.choices],
+            "d:",
+            "#2c7a4b",
+            "slow root where the runs ended: median",
+        ),
     )
-    there = [c for c in data.choices if math.isfinite(c.predicted_at_end)]
-    below.plot(
-        [c.count for c in there],
-        [c.predicted_at_end for c in there],
-        "d:",
-        color="#2c7a4b",
-        mfc="white",
-        label="slow root where the runs ended: median",
-    )
+    for times, style, colour, label in curves:
+        shown = [(n, time) for n, time in zip(counts, times, strict=True) if math.isfinite(time)]
+        below.plot(*np.array(shown).reshape(-1, 2).T, style, color=colour, mfc="white", label=label)
     settled = [c for c in data.choices if math.isfinite(c.median)]
     tops = [c.high if math.isfinite(c.high) else c.median for c in settled]
     below.errorbar(

@@ -90,6 +90,11 @@ class Plan:
     planes: Mapping[str, int]
     axes: tuple[str, str] = AXES["rotor"]
 
+    @property
+    def files(self) -> tuple[str, ...]:
+        """Names of the FMU files, each once."""
+        return tuple(dict.fromkeys(unit.file_name for unit in self.units))
+
     def of_kind(self, kind: Kind) -> list[Connection]:
         """Connections of one kind."""
         return [c for c in self.connections if c.kind == kind]

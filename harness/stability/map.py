@@ -14,7 +14,7 @@ from ...models.assembly import Assembly
 from ...models.criteria import Criterion
 from ...models.stability import growth_map
 from ..errors import SimulationError, UserError
-from ..output.files import write_whole
+from ..output.table import Sheet
 from ..output.workers import Progress, Workers, in_order
 from ..scene import Scene
 from .axis import SPEED, Axis
@@ -79,17 +79,16 @@ class StabilityMap:
             UserError: the file cannot be written.
         """
         measured = {(p.y, p.x): f"{p.growth:.10g}" for p in self.points}
-        with write_whole(path) as stream:
-            heads = (*self.labels, "growth rate [1/s]", "criterion", "cosim growth rate [1/s]")
-            stream.write(",".join(heads) + "\n")
-            for j, y in enumerate(self.y.values):
-                for i, x in enumerate(self.x.values):
-                    word = ""
-                    if self.criterion is not None:
-                        word = "stable" if self.criterion[j, i] < 0.0 else "unstable"
-                    cells = (f"{x:.10g}", f"{y:.10g}", f"{self.growth[j, i]:.10g}", word)
-                    stream.write(",".join((*cells, measured.get((j, i), ""))) + "\n")
-        return path
+        rows = []
+        for j, y in enumerate(self.y.values):
+            for i, x in enumerate(self.x.values):
+                word = ""
+                if self.criterion is not None:
+                    word = "stable" if self.criterion[j, i] < 0.0 else "unstable"
+                cells = (f"{x:.10g}", f"{y:.10g}", f"{self.growth[j, i]:.10g}", word)
+                rows.append((*cells, measured.get((j, i), "")))
+        heads = (*self.labels, "growth rate [1/s]", "criterion", "cosim growth rate [1/s]")
+        return Sheet(heads, rows).write_csv(path)
 
 
 def stability_map(

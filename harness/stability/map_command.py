@@ -57,8 +57,7 @@ def command(
     if cosim:
         from ..master.plan import plan
 
-        units = dict.fromkeys(unit.file_name for unit in plan(loaded).units)
-        say(f"FMUs loaded: {', '.join(units)}")
+        say(f"FMUs loaded: {', '.join(plan(loaded).files)}")
     if csv is not None:
         say(f"Points: {data.to_csv(csv)}")
     if output is not None:

@@ -15,7 +15,6 @@ from ..output.table import GOOD, Sheet
 from ..output.terminal import progress_bar, say, show
 
 if TYPE_CHECKING:
-    from ..scene import Scene
     from .boundaries import Speeds
 
 DEFAULT = "criterion,floquet,cosim"
@@ -39,6 +38,7 @@ def command(
     ] = None,
 ) -> None:
     """Find the speeds at which balancing begins or ends."""
+    from ..master.plan import plan
     from ..scene import load_scene
     from .boundaries import speeds
 
@@ -65,7 +65,7 @@ def command(
         if name.startswith("cosim"):
             say(f"{name}: {_looked(found, scan)}")
     co_simulated = any(name.startswith("cosim") for name in found.methods)
-    say(f"FMUs loaded: {_units(loaded) if co_simulated else 'none'}")
+    say(f"FMUs loaded: {', '.join(plan(loaded).files) if co_simulated else 'none'}")
     if json_file is not None:
         write_json(found.as_json(), json_file)
 
@@ -99,9 +99,3 @@ def _looked(found: Speeds, scan: int) -> str:
         return "looked on both sides of every speed of Floquet, between them and at the ends"
     width = (found.range[1] - found.range[0]) / scan
     return f"scanned by itself: bands narrower than {width:.3g} rad/s can be missed"
-
-
-def _units(scene: Scene) -> str:
-    from ..master.plan import plan
-
-    return ", ".join(dict.fromkeys(unit.file_name for unit in plan(scene).units))
