@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from ...models.linear.synchronous import Synchronous, synchronous
 from ..errors import SceneError, SimulationError
-from ..master.closing import Closing
+from ..master.fmu import Closing
 from ..master.names import station
 from ..scene import Scene
 from ..scene.balancing import Balancing

@@ -29,6 +29,7 @@ from ...models.stability import growth_rates
 from ..errors import UserError
 from ..output.workers import Progress, Workers, in_order
 from ..scene import Scene
+from .in_time import growth_in_run
 from .main_motion import MainMotion, NoMainMotion
 
 METHODS = ("criterion", "floquet", "cosim", "cosim-run")
@@ -230,8 +231,6 @@ class _Job:
 
 
 def _search(job: _Job, progress: Progress | None = None) -> tuple[list[Crossing], Side]:
-    from .in_time import growth_in_run
-
     with MainMotion(job.scene, steps=job.steps) as motion:
         in_run = functools.partial(growth_in_run, motion)
         growth = motion.growth if job.method == "cosim" else in_run

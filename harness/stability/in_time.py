@@ -10,6 +10,8 @@ from numpy.typing import NDArray
 
 from ...models.linear.balanced import golden_parts
 from ..errors import SimulationError
+from ..master.cosimulation import cosimulate
+from ..master.recorder import recorded
 from ..scene import Scene
 from .main_motion import MainMotion
 
@@ -111,9 +113,6 @@ def run_from_rest(scene: Scene, speed: float, revolutions: float) -> RunEnd:
     Raises:
         SimulationError: the run cannot be completed correctly.
     """
-    from ..master.cosimulation import cosimulate
-    from ..master.recorder import recorded
-
     scene = scene.replace({"operation.speed": speed, "run.revolutions": revolutions})
     plain = scene.replace({"run.record": None})
     result = cosimulate(scene, record=[n for n in recorded(plain) if "clearance" not in n])

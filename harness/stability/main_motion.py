@@ -26,8 +26,7 @@ from numpy.typing import NDArray
 
 from ...models.linear.balanced import restart_angles
 from ..errors import SimulationError
-from ..master.closing import Closing
-from ..master.fmu import Fmu, Variables
+from ..master.fmu import Closing, Fmu, Variables
 from ..scene import Scene
 from .revolution import RANK, Matrix, Revolution, Vector, derivative
 

@@ -16,8 +16,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import SimulationError
-from ..master.closing import Closing
 from ..master.cosimulation import CoSimulation
+from ..master.fmu import Closing
 from ..master.names import stations, weight
 from ..master.schedule import steps_per_rev
 from ..scene import Scene
