@@ -129,6 +129,7 @@ class Criterion:
         roots = [t for t, v in ((0.0, values[0]), (1.0, values[-1])) if v == 0.0]
         for i in range(len(nodes) - 1):
             if values[i] * values[i + 1] < 0.0:
+                # to the last digit of however small a root
                 roots.append(brentq(scaled, nodes[i], nodes[i + 1], xtol=1e-300, rtol=1e-15))
         return tuple(math.sqrt(low * low + span * t) for t in sorted(roots))
 

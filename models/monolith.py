@@ -155,7 +155,9 @@ def reference(
         ReferenceDisagreement: they differ by more than `bound`.
     """
     if methods is None:
-        turning = max(abs(profile.start), abs(profile.end), 1.0 / max(np.max(times), 1e-300))
+        turning = max(
+            abs(profile.start), abs(profile.end), 1.0 / max(np.max(times), np.finfo(float).tiny)
+        )
         turning = max([turning, *(abs(rate) for m in assembly.weights for rate in m.speeds)])
         stiff = Monolith(assembly, profile).fastest_mode > _STIFF_RATIO * turning
         methods = STIFF if stiff else NON_STIFF

@@ -121,7 +121,7 @@ def phi_functions(z: float, count: int) -> tuple[float, ...]:
     return tuple(reversed(phi))
 
 
-@lru_cache(maxsize=256)
+@lru_cache(maxsize=256)  # steps and substeps of a run: few lengths, which return each turn
 def quadrature(damping_rate: float, step: float) -> tuple[float, ...]:
     """Exact response of angle and rate over `step` to the rate and to g's value and derivatives."""
     phi = phi_functions(-damping_rate * step, 5)

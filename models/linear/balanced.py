@@ -17,6 +17,7 @@ from ..weights import Weights
 
 _BALANCED = 1e-12  # residual moment over the sum of all moments: rounding only
 _RANK = 1e-12  # singular values below this share of the largest one are rounding
+_UNDONE = 1e-10  # of the unbalance: a larger part left by least squares is out of the planes' reach
 _IN_LINE = 0.05  # of 1 - p: weights within some 0.2 rad of one diameter
 _FREE = 1e-6  # of the capacity: weights that undo more are packed together anyway
 _NEWTON = 60  # iterations: half of the starts need 14, one in a hundred more than 50
@@ -105,7 +106,7 @@ def _check_reach(assembly: Assembly, table: WeightTable) -> dict[int, complex]:
     needed, _, rank, _ = np.linalg.lstsq(share, target, rcond=_RANK)
     left = float(np.abs(share @ needed - target).max(initial=0.0))
     total = float(table.moment.sum())
-    if left > 1e-10 * size:
+    if left > _UNDONE * size:
         raise CannotBalance(
             f"an unbalance of {size:g} kg m cannot be undone in the planes that carry weights: "
             f"{left:g} kg m would be left whatever their moment",
@@ -147,6 +148,20 @@ def _newton(assembly: Assembly, table: WeightTable, angles: NDArray) -> NDArray 
         longest = float(np.abs(turn).max())
         angles = angles + turn * min(1.0, _LONGEST_TURN / longest if longest > 0.0 else 1.0)
     return None
+
+
+def _pairs_apart(table: WeightTable, moments: dict[int, complex], angles: NDArray) -> NDArray:
+    """Angles with all pairs of equal weights where they undo a plane's unbalance exactly.
+
+    A pair that has next to nothing to undo stands almost in line, where Newton's method creeps.
+    """
+    angles = angles.copy()
+    for plane, moment in moments.items():
+        on = np.flatnonzero(table.plane == plane)
+        if len(on) == 2 and table.moment[on[0]] == table.moment[on[1]]:
+            half = math.acos(min(1.0, abs(moment) / (2.0 * table.moment[on[0]])))
+            angles[on] = np.angle(moment) + np.array([-half, half])
+    return angles
 
 
 def _needlessly_in_line(table: WeightTable, moments: dict[int, complex], angles: NDArray) -> bool:
@@ -210,5 +225,8 @@ def balanced_angles(assembly: Assembly) -> NDArray[np.float64]:
         in_line = found if in_line is None else in_line
     if in_line is not None:
         return in_line
+    found = _newton(assembly, table, _pairs_apart(table, moments, start))
+    if found is not None:
+        return found
     size = float(np.abs(assembly.rotor.unbalance).max(initial=0.0))
     raise ArithmeticError(f"no balanced position found for an unbalance of {size:g} kg m")

@@ -44,6 +44,7 @@ def _radians(
 def _steps(radians: NDArray, refinement: float) -> NDArray[np.int_]:
     """Steps per half revolution, rounded up to a ladder with four rungs an octave."""
     wanted = np.clip(radians / _RADIANS, refinement * _FEWEST, MOST_STEPS)
+    # less a rounding, which must not climb a rung
     rungs = np.ceil(4.0 * np.log2(wanted) - 1e-9)
     return np.minimum(np.ceil(2.0 ** (rungs / 4.0) - 1e-9), MOST_STEPS).astype(int)
 

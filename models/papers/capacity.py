@@ -100,7 +100,7 @@ def best_ratio(kind: str, count: int) -> float:
             power / ratio - 2.0 / (1.0 - ratio) + count * slope_of_alpha / math.tan(count * alpha)
         )
 
-    full = full_ratio(count)
+    full = full_ratio(count)  # the slope falls from +infinity at 0 to -infinity there
     return float(brentq(slope, 1e-6 * full, full * (1.0 - 1e-9), xtol=1e-15))
 
 

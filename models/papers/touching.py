@@ -24,6 +24,8 @@ from ..contact.contact import group_factor
 from ..weights import Weights
 from .capacity import packed_alignment
 
+_TOUCHING = 1e-8  # rad: more than a record's rounding, less than any gap that matters
+
 
 class Packed(NamedTuple):
     """Weights that touch: how many, and the angle of their middle [rad]."""
@@ -32,7 +34,7 @@ class Packed(NamedTuple):
     middle: float
 
 
-def packed_groups(angles: Sequence[float], alpha: float, slack: float = 1e-8) -> list[Packed]:
+def packed_groups(angles: Sequence[float], alpha: float, slack: float = _TOUCHING) -> list[Packed]:
     """Who touches whom on the circle, in the order of the angles.
 
     Args:

@@ -17,6 +17,8 @@ from numpy.typing import ArrayLike, NDArray
 
 Motion = NDArray[np.complex128]
 
+_SERIES = 1e-4  # below it 1 + x^2/6 is sinh(x)/x to x^4/120, less than rounding
+
 
 def roots(mass: float, damping: float, stiffness: complex) -> tuple[complex, complex]:
     """Roots of m s^2 + c s + k, the slower one without cancellation."""
@@ -31,7 +33,7 @@ def _difference(a: complex, b: complex, t: NDArray[np.float64]) -> Motion:
     half = 0.5 * (a - b) * t
     near = np.abs(half) < 1.0
     safe = np.where(near, half, 0.0)
-    small = np.abs(safe) < 1e-4
+    small = np.abs(safe) < _SERIES
     divisor = np.where(small, 1.0, safe)
     ratio = np.where(small, 1.0 + safe**2 / 6.0, np.sinh(safe) / divisor)
     close = t * np.exp(0.5 * (a + b) * t) * ratio

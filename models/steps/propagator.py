@@ -43,7 +43,7 @@ def exponential(matrix: NDArray) -> NDArray:
     return result
 
 
-@lru_cache(maxsize=64)
+@lru_cache(maxsize=64)  # rotors and speeds of a run; a map's sweep passes through
 def generator(rotor: LinearRotor, speed: float, turning_force: bool = True) -> NDArray:
     """Matrix Z of the autonomous system (q, v, f_0..f_3, e)' = Z (q, v, f_0..f_3, e).
 

@@ -366,3 +366,12 @@ def test_a_map_solves_its_points_in_batches(monkeypatch):
     growth = growth_map([balls(drag=d) for d in drags], np.linspace(0.5, 9.0, 50))
     assert np.isfinite(growth).all()
     assert np.mean(batches) > 50.0
+
+
+@pytest.mark.parametrize("part", [0.0, 1e-12, 1e-9, 1e-7, 1e-5, 1.0 - 1e-12, 1.0])
+def test_two_weights_balance_however_little_or_much_they_have_to(part):
+    """They stand at acos(U/(2 m R)) on both sides of what is opposite to the unbalance."""
+    for angles in ([2.0, 4.0], [0.3, 0.3], [0.3, 1.0]):
+        assembly = balls(unbalance=0.02 * part, angles=angles)
+        left = residual_unbalance(assembly, balanced_angles(assembly))
+        assert abs(left[0]) < 2e-12 * 0.04
