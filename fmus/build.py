@@ -28,7 +28,7 @@ def build(
     unit: str,
     destination: Path | str,
     *,
-    backend: str = "python",
+    backend: str = "native",
     fmi: int = 2,
     platforms: Iterable[str] | None = None,
     name: str | None = None,
@@ -39,7 +39,7 @@ def build(
     Args:
         unit: RotorOnSupports | LiquidBalancer | BallBalancer.
         destination: folder (made when missing), or a file that ends in .fmu.
-        backend: "python" (slaves under pythonfmu) or "native" (libraries in C).
+        backend: "native" (libraries in C), or "python" (slaves under pythonfmu).
         fmi: 2 or 3; Python units are of FMI 2.0 only.
         platforms: of native units, default: all.
         name: model name and file name, default: that of the unit.
@@ -66,7 +66,7 @@ def build(
 def contents(
     unit: str,
     *,
-    backend: str = "python",
+    backend: str = "native",
     fmi: int = 2,
     platforms: Iterable[str] | None = None,
     name: str | None = None,
@@ -162,6 +162,21 @@ def content_id(path: Path | str) -> str:
         OSError: it cannot be read.
     """
     return digest(_opened(path)[0])
+
+
+def is_present_build(path: Path | str, unit: str, **options: Any) -> bool:
+    """Whether an FMU file is what `build` would write from the present sources, either backend.
+
+    Raises:
+        ValueError: the file is not an FMU.
+        OSError: it cannot be read.
+    """
+    files = _opened(path)[0]
+    present = digest(files)
+    if any(name.startswith("resources/") for name in files):
+        return present == identity(unit, backend="python", **options)
+    platforms = package.platforms_of(files)
+    return bool(platforms) and present == identity(unit, platforms=platforms, **options)
 
 
 def options_of(path: Path | str) -> dict[str, Any]:

@@ -1,7 +1,7 @@
 """Build backend (PEP 517, 660): setuptools, with the native libraries compiled before a wheel.
 
-The compiler, and what the declarations of the units import, are asked for only when the libraries
-were not made from the present sources.  Every other call is setuptools' own.
+The compiler is asked for only when the libraries were not made from the present sources.  Every
+other call is setuptools' own.
 """
 
 from __future__ import annotations
@@ -13,7 +13,6 @@ from types import ModuleType
 from setuptools import build_meta
 from setuptools.build_meta import *  # noqa: F403
 from setuptools.command.sdist import sdist
-from setuptools.compat.py310 import tomllib
 
 _ROOT = Path(__file__).resolve().parents[2]
 
@@ -23,9 +22,6 @@ _package.__path__ = [str(_ROOT)]
 sys.modules["autobalancer"] = _package
 
 from autobalancer.fmus.native import compile as native  # noqa: E402
-
-# what the units import: layout.h comes from their declarations
-_DECLARATIONS = ("numpy", "pythonfmu")
 
 
 def get_requires_for_build_wheel(config_settings=None) -> list[str]:
@@ -47,11 +43,7 @@ def build_editable(wheel_directory, config_settings=None, metadata_directory=Non
 
 
 def _needed() -> list[str]:
-    if not native.stale():
-        return []
-    project = tomllib.loads((_ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
-    declared = [line for line in project["dependencies"] if line.startswith(_DECLARATIONS)]
-    return [f"ziglang=={native.COMPILER}", *declared]
+    return [f"ziglang=={native.COMPILER}"] if native.stale() else []
 
 
 class Sources(sdist):

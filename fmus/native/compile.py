@@ -23,6 +23,8 @@ from dataclasses import dataclass
 from importlib.metadata import version
 from pathlib import Path
 
+from .layout import header
+
 COMPILER = "0.17.1"  # version of ziglang: part of the stamp, another writes other bytes
 
 SOURCES = Path(__file__).resolve().parent
@@ -93,7 +95,7 @@ def libraries(platforms: Iterable[str] = PLATFORMS) -> dict[str, Path]:
 
 
 def stale(platforms: Iterable[str] = PLATFORMS) -> bool:
-    """Whether `libraries` would have to generate or compile; imports no unit."""
+    """Whether `libraries` would have to generate or compile."""
     if not _current():
         return True
     current = stamp()
@@ -127,12 +129,8 @@ def generated(name: str) -> str:
 
 def generate() -> None:
     """Write layout.h, from the declarations of the units, and stamp.h."""
-    from .layout import header
-
-    declarations = _declarations()
     _write(GENERATED / "layout.h", header().encode())
     _write(GENERATED / "stamp.h", _STAMP.format(stamp()).encode())
-    _write(BINARIES / "declarations", declarations.encode())
 
 
 def compile(platforms: Iterable[str] = PLATFORMS) -> None:
@@ -239,20 +237,9 @@ def _made_from(platform: str) -> str | None:
 def _current() -> bool:
     """Whether layout.h and stamp.h belong to the present sources and declarations."""
     try:
-        return _text(BINARIES / "declarations") == _declarations() and _text(
-            GENERATED / "stamp.h"
-        ) == _STAMP.format(stamp())
+        return generated("layout.h") == header() and generated("stamp.h") == _STAMP.format(stamp())
     except FileNotFoundError:
         return False
-
-
-def _declarations() -> str:
-    """Hash of the Python sources that layout.h may come from."""
-    root = SOURCES.parent.parent
-    total = hashlib.sha256()
-    for path in sorted([*(root / "fmus").rglob("*.py"), *(root / "models").rglob("*.py")]):
-        total.update(f"{path.relative_to(root).as_posix()}\0{_text(path)}\0".encode())
-    return total.hexdigest()
 
 
 def _text(path: Path) -> str:

@@ -22,6 +22,7 @@ from .plan import find_or_build, plan, refuse_other_build
 from .recorder import Recorder, recorded
 from .resolution import Resolution
 from .result import Result
+from .runtime import runtime
 from .schedule import Drive, end_time, milestones, schedule, step_size
 from .schemes.protocol import Scheme, choose, refuse_loose_tolerance
 from .schemes.startup import substeps
@@ -50,7 +51,8 @@ class CoSimulation(Closing):
         refuse_loose_tolerance(scene)
         self.scene, self.profile = scene, scene.profile()
         self.plan = plan(scene)
-        self.paths = find_or_build(self.plan.units, fmus)
+        self.runtime = runtime(scene.coupling.units)
+        self.paths = find_or_build(self.plan.units, fmus, self.runtime.backend)
         with ExitStack() as stack:
             self.units = {
                 one.name: stack.enter_context(Fmu(path, one.name))

@@ -16,12 +16,14 @@ from pathlib import Path
 from typing import Any, Literal, NamedTuple
 
 import fmpy
+from fmpy import platform_tuple
 
-from ...fmus.build import build, content_id, identity, options_of
+from ...fmus.build import build, is_present_build, options_of
 from ..errors import UnitError
 from ..scene import Scene
 from ..scene.balancer import Balancer
 from .fmu import Fmu, measured_in
+from .runtime import Backend, runtime
 from .names import AXES, by_unit, components, plane, stations
 
 ROTOR = "rotor"
@@ -172,25 +174,29 @@ def _connections(balancer: Balancer, number: int, frame: str) -> Iterator[Connec
 
 
 @cache
-def _built() -> Path:
+def _built(backend: Backend) -> Path:
     """Directory of the FMUs built by this process, removed when it ends."""
     directory = Path(tempfile.mkdtemp(prefix="autobalancer-units-"))
     atexit.register(shutil.rmtree, directory, ignore_errors=True)
     return directory
 
 
-def find_or_build(units: Iterable[UnitPlan], fmus: Path | None = None) -> list[Path]:
-    """The FMU file of every unit: found in `fmus`, or built once a process.
+def find_or_build(
+    units: Iterable[UnitPlan], fmus: Path | None = None, backend: Backend = "native"
+) -> list[Path]:
+    """The FMU file of every unit: found in `fmus`, or built once a process, for this machine.
 
     Raises:
         UnitError: `fmus` is given and lacks a file.
+        NotCompiled: there is no native library for this machine; `runtime` tells beforehand.
     """
     if fmus is not None:
         return [_found(unit, fmus) for unit in units]
-    paths = [(unit, _built() / unit.file_name) for unit in units]
+    paths = [(unit, _built(backend) / unit.file_name) for unit in units]
+    platforms = [platform_tuple] if backend == "native" else None
     for unit, path in paths:
         if not path.exists():
-            build(unit.model, path, **unit.sizes)
+            build(unit.model, path, backend=backend, platforms=platforms, **unit.sizes)
     return [path for _, path in paths]
 
 
@@ -210,7 +216,7 @@ def signal_units(units: Iterable[UnitPlan], names: Iterable[str]) -> dict[str, s
     units = list(units)
     declared = {
         unit.name: measured_in(fmpy.read_model_description(str(path)))
-        for unit, path in zip(units, find_or_build(units), strict=True)
+        for unit, path in zip(units, find_or_build(units, None, runtime("native").backend), strict=True)
     }
     wanted = by_unit(names)
     return {f"{name}.{v}": declared[name][v] for name in wanted for v in wanted[name]}
@@ -221,7 +227,7 @@ def refuse_other_build(fmu: Fmu, unit: UnitPlan) -> None:
 
     An FMU of other sizes, or of older equations, would run along unseen.
     """
-    if content_id(fmu.path) == identity(unit.model, **unit.sizes):
+    if is_present_build(fmu.path, unit.model, **unit.sizes):
         return
     found = options_of(fmu.path)
     different = [

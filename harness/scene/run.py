@@ -69,6 +69,8 @@ class Coupling(Table):
     corrections: Annotated[Whole | None, Field(ge=0, le=100)] = None
     """Corrector passes of `iterated`; default: until the loop has converged, with `auto` as few as
     the loop gain asks for."""
+    units: Literal["native", "python"] = "native"
+    """Compiled units, or those that run Python: the reference, several times slower."""
 
     @model_validator(mode="before")
     @classmethod

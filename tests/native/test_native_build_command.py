@@ -43,6 +43,12 @@ def test_platforms_asked_for_are_the_only_ones(tmp_path):
     assert folders(tmp_path / "LiquidBalancer.fmu") == {"linux64", "win64"}
 
 
+def test_units_of_fmi_3_on_request(tmp_path):
+    outcome = invoke("--fmi", "3", "-o", tmp_path)
+    assert outcome.exit_code == 0, outcome.output
+    assert folders(tmp_path / "BallBalancer.fmu") == set(compiler.PLATFORMS)
+
+
 def test_python_units_on_request(tmp_path):
     outcome = invoke("--python", "-o", tmp_path)
     assert outcome.exit_code == 0, outcome.output
