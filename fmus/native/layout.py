@@ -73,7 +73,7 @@ def header() -> str:
         "/* Variables of every unit; written by layout.py from the declarations: do not edit.\n\n"
         "   In a name # stands for an index and @1, @2 for the axes of the coupling signals. */"
     ]
-    records, booleans = [], []
+    records = []
     for unit, kind, shaft, options in TABLES:
         title = "_".join(filter(None, (unit.lower(), kind, shaft)))
         blocks = _blocks(unit, options)
@@ -81,9 +81,8 @@ def header() -> str:
         parts.append(f"static const Declared {title}[] = {{\n    " + ",\n    ".join(rows) + "};")
         counts = ", ".join(f"{{{b.repeat}, {len(b.patterns)}}}" for b in blocks)
         parts.append(f"static const Block {title}_blocks[] = {{{counts}}};")
-        flags = [v.name for v in _layout(unit, **options).booleans]
-        starts = [str(int(v.start)) for v in _layout(unit, **options).booleans]
-        booleans = [f'{{"{name}", {start}}}' for name, start in zip(flags, starts, strict=True)]
+        flags = _layout(unit, frame="rotor", **options).booleans
+        booleans = [f'{{"{v.name}", {int(v.start)}}}' for v in flags]
         where = "0"
         if booleans:
             where = f"{title}_booleans"
@@ -106,7 +105,7 @@ def token(unit: str, options: dict[str, Any], stamp: str) -> str:
         stamp: of the C sources.
     """
     words = [unit, *(f"{key}={value}" for key, value in sorted(options.items()))]
-    return "/".join([*words, f"{digest(_unit(unit).configured(**options).layout)}-{stamp}"])
+    return "/".join([*words, f"{digest(_layout(unit, **options))}-{stamp}"])
 
 
 def digest(layout: Any) -> str:
@@ -137,20 +136,16 @@ def _group(variable: Any) -> str:
     ]
 
 
-def _unit(name: str) -> Any:
+def _layout(unit: str, **options: Any) -> Any:
     # imported when needed: the declarations come with the equations and their libraries
     from ..build import UNITS
 
-    return UNITS[name]
-
-
-def _layout(unit: str, frame: str = "rotor", **options: Any) -> Any:
-    return _unit(unit).configured(frame=frame, **options).layout
+    return UNITS[unit].configured(**options).layout
 
 
 def _blocks(unit: str, options: dict[str, Any]) -> list[_Block]:
     """Variables of a unit in order, those that repeat together in one block."""
-    turning, fixed = (_layout(unit, frame, **options).reals for frame in ("rotor", "fixed"))
+    turning, fixed = (_layout(unit, frame=frame, **options).reals for frame in ("rotor", "fixed"))
     patterns = [_without_axis(a.name, b.name) for a, b in zip(turning, fixed, strict=True)]
     blocks: list[_Block] = []
     i = 0
