@@ -6,14 +6,13 @@ import re
 import zipfile
 from collections.abc import Iterable, Sequence
 from functools import cache
-from importlib import import_module
 from importlib.metadata import PackageNotFoundError, version
-from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 from xml.etree import ElementTree
 
 from .catalogue import equations, sized_unit
+from .native.package import native_files, platforms_of
 from .unit import SizedUnit, alternatives
 from .xml import fmi2, fmi3
 from .xml.archive import digest, unzipped, write, zipped
@@ -53,6 +52,7 @@ def build(
     Raises:
         ValueError: an argument is not one of those allowed; the text names it.
         TypeError: no unit has such an option.
+        NotCompiled: a native library is not of the present sources, and there is no compiler.
         OSError: the file cannot be written; nothing is left behind.
     """
     content = contents(unit, backend=backend, fmi=fmi, platforms=platforms, name=name, **options)
@@ -111,10 +111,7 @@ def _python(unit: SizedUnit, identifier: str, files: dict[str, bytes]) -> dict[s
 def _native(
     unit: SizedUnit, identifier: str, fmi: int, platforms: Iterable[str] | None
 ) -> dict[str, bytes]:
-    """Files of a native FMU, all but its documentation: the place where `native` joins in."""
-    if find_spec(f"{__package__}.native") is None:
-        raise ValueError("backend = 'native': this installation has Python units only")
-    package = import_module(".native.package", __package__)
+    """Files of a native FMU, all but its documentation."""
 
     def describe(token: str, sources: Sequence[str]) -> bytes:
         can = Capabilities(
@@ -126,7 +123,7 @@ def _native(
         return _described(unit, identifier, fmi, token, can)
 
     chosen = {} if platforms is None else {"platforms": platforms}
-    return package.native_files(unit, identifier, describe, fmi=fmi, **chosen)
+    return native_files(unit, identifier, describe, fmi=fmi, **chosen)
 
 
 def _described(unit: SizedUnit, identifier: str, fmi: int, token: str, can: Capabilities) -> bytes:
@@ -175,7 +172,7 @@ def is_present_build(path: Path | str, unit: str, **options: Any) -> bool:
     present = digest(files)
     if any(name.startswith("resources/") for name in files):
         return present == identity(unit, backend="python", **options)
-    platforms = package.platforms_of(files)
+    platforms = platforms_of(files)
     return bool(platforms) and present == identity(unit, platforms=platforms, **options)
 
 

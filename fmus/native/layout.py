@@ -77,7 +77,7 @@ def header() -> str:
         "/* Variables of every unit; written by layout.py from the declarations: do not edit.\n\n"
         "   In a name # stands for an index and @1, @2 for the axes of the coupling signals. */"
     ]
-    records, booleans = [], []
+    records = []
     for unit, kind, shaft, options in TABLES:
         title = "_".join(filter(None, (unit.lower(), kind, shaft)))
         blocks = _blocks(unit, options)
@@ -85,9 +85,8 @@ def header() -> str:
         parts.append(f"static const Declared {title}[] = {{\n    " + ",\n    ".join(rows) + "};")
         counts = ", ".join(f"{{{b.repeat}, {len(b.patterns)}}}" for b in blocks)
         parts.append(f"static const Block {title}_blocks[] = {{{counts}}};")
-        flags = [v.name for v in _layout(unit, **options).booleans]
-        starts = [str(int(bool(v.start))) for v in _layout(unit, **options).booleans]
-        booleans = [f'{{"{name}", {start}}}' for name, start in zip(flags, starts, strict=True)]
+        flags = _layout(unit, frame="rotor", **options).booleans
+        booleans = [f'{{"{v.name}", {int(bool(v.start))}}}' for v in flags]
         where = "0"
         if booleans:
             where = f"{title}_booleans"
@@ -140,13 +139,13 @@ def _group(variable: Variable) -> str:
     ]
 
 
-def _layout(unit: str, frame: str = "rotor", **options: Any) -> Layout:
-    return sized_unit(unit, frame=frame, **options).layout
+def _layout(unit: str, **options: Any) -> Layout:
+    return sized_unit(unit, **options).layout
 
 
 def _blocks(unit: str, options: dict[str, Any]) -> list[_Block]:
     """Variables of a unit in order, those that repeat together in one block."""
-    turning, fixed = (_layout(unit, frame, **options).reals for frame in ("rotor", "fixed"))
+    turning, fixed = (_layout(unit, frame=frame, **options).reals for frame in ("rotor", "fixed"))
     patterns = [_without_axis(a.name, b.name) for a, b in zip(turning, fixed, strict=True)]
     blocks: list[_Block] = []
     i = 0

@@ -67,6 +67,13 @@ def _fmi2_folders(made: dict[str, bytes]) -> dict[str, bytes]:
     return folders
 
 
+def platforms_of(files: Iterable[str]) -> tuple[str, ...]:
+    """Platforms that an FMU of FMI 2.0 was written for, by the names of its files."""
+    folders = {name.split("/")[1] for name in files if name.startswith("binaries/")}
+    found = [name for name in PLATFORMS if _FMI2.get(name, name) in folders]
+    return tuple(found)
+
+
 def universal(libraries: Sequence[bytes]) -> bytes:
     """One macOS library of several, each for another processor: header, then each on its page."""
     header = struct.pack(">II", 0xCAFEBABE, len(libraries))

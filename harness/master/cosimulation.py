@@ -182,6 +182,7 @@ class CoSimulation(Closing):
         return Facts(
             scene=self.scene,
             files=tuple(path.name for path in dict.fromkeys(self.paths)),
+            note=self.runtime.note,
             messages=tuple(message for unit in units for message in unit.messages),
             calls={kind: sum(unit.calls[kind] for unit in units) for kind in kinds},
             passes=self.system.rotor.calls["step"],

@@ -20,6 +20,7 @@ class Facts:
     Attributes:
         scene: that was run.
         files: names of the FMUs loaded.
+        note: on the kind of the units, where it is not the one asked for.
         messages: what the units have logged.
         calls: number of FMI calls by kind.
         passes: steps of the rotor: corrector passes and rejected steps count.
@@ -32,6 +33,7 @@ class Facts:
 
     scene: Scene
     files: tuple[str, ...]
+    note: str
     messages: tuple[str, ...]
     calls: Mapping[str, int]
     passes: int
@@ -64,7 +66,7 @@ def result(recorder: Recorder, facts: Facts, seconds: float) -> Result:
 
 def events(facts: Facts) -> list[str]:
     """What a user must know about the run: validity and convergence."""
-    notes = list(facts.messages)
+    notes = [*filter(None, [facts.note]), *facts.messages]
     if facts.unconverged:
         notes.append(
             f"{facts.unconverged} of {facts.steps} steps left a residual above 1e-3 of the force "

@@ -23,8 +23,8 @@ from ..errors import UnitError
 from ..scene import Scene
 from ..scene.balancer import Balancer
 from .fmu import Fmu, measured_in
-from .runtime import Backend, runtime
 from .names import AXES, by_unit, components, plane, stations
+from .runtime import Backend, runtime
 
 ROTOR = "rotor"
 Kind = Literal["signal", "value", "mass"]
@@ -216,7 +216,9 @@ def signal_units(units: Iterable[UnitPlan], names: Iterable[str]) -> dict[str, s
     units = list(units)
     declared = {
         unit.name: measured_in(fmpy.read_model_description(str(path)))
-        for unit, path in zip(units, find_or_build(units, None, runtime("native").backend), strict=True)
+        for unit, path in zip(
+            units, find_or_build(units, None, runtime("native").backend), strict=True
+        )
     }
     wanted = by_unit(names)
     return {f"{name}.{v}": declared[name][v] for name in wanted for v in wanted[name]}

@@ -10,6 +10,7 @@ import fmpy
 import numpy as np
 import pytest
 from fmpy.fmi2 import FMU2Slave
+from fmpy.validation import validate_fmu
 
 CASES: list[tuple[str, dict[str, Any]]] = [
     ("LiquidBalancer", {}),
@@ -263,3 +264,8 @@ def test_fmpy_simulates_a_native_unit(fmus):
     bending = 2e-4 * speed**2 / math.hypot(stiffness - mass * speed**2, damping * speed)
     assert result["bending"][-1] == pytest.approx(bending, rel=1e-9)
     assert result["angle"][-1] == pytest.approx(speed * 2.0, rel=1e-12)
+
+
+@pytest.mark.parametrize("case", CASES, ids=ids)
+def test_a_checker_finds_nothing_in_a_native_unit(fmus, case):
+    assert validate_fmu(str(fmus.native(case[0], **case[1]))) == []
