@@ -1,0 +1,108 @@
+"""Many random scenes: counted by what came of them, the misses saved as scene files."""
+
+from __future__ import annotations
+
+import math
+from collections import Counter
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+import tomli_w
+
+from ..output.workers import spread
+from .draw import FAMILIES, draw
+from .judge import FACTOR, MISSES, OUTCOMES, SET_ASIDE, Verdict, judge
+
+
+@dataclass(frozen=True)
+class Study:
+    """How many scenes of each family, drawn with which seed, with which keys replaced."""
+
+    counts: Mapping[str, int]
+    seed: int = 1
+    changes: tuple[tuple[str, Any], ...] = ()
+
+    def __post_init__(self) -> None:
+        unknown = set(self.counts) - set(FAMILIES)
+        if unknown:
+            raise ValueError(f"family {sorted(unknown)}: must be one of {', '.join(FAMILIES)}")
+
+
+def verdicts(
+    study: Study, workers: int = 1, progress: Callable[[float], None] | None = None
+) -> list[Verdict]:
+    """Verdicts of all scenes, by family and number."""
+    items = [(family, n) for family, count in study.counts.items() for n in range(count)]
+    return spread(partial(_judged, study), items, workers, progress)
+
+
+def _judged(study: Study, item: tuple[str, int]) -> Verdict:
+    family, number = item
+    return judge(family, study.seed, number, dict(study.changes))
+
+
+def table(found: Sequence[Verdict]) -> str:
+    """Per cent of each outcome by family, as Markdown; scenes set aside are not counted."""
+    columns = [outcome for outcome in OUTCOMES if outcome not in SET_ASIDE]
+    lines = [
+        f"| family | scenes | {' | '.join(columns)} | set aside |",
+        "|---|" + "---:|" * (len(columns) + 2),
+    ]
+    families = list(dict.fromkeys(verdict.family for verdict in found))
+    for name in [*families, "all"]:
+        mine = Counter(v.outcome for v in found if name in (v.family, "all"))
+        aside = sum(mine[outcome] for outcome in SET_ASIDE)
+        total = sum(mine.values()) - aside
+        shares = [f"{100.0 * mine[c] / total:.1f}" if total else "-" for c in columns]
+        lines.append(f"| {name} | {total} | {' | '.join(shares)} | {aside} |")
+    return "\n".join(lines)
+
+
+def misses(found: Iterable[Verdict]) -> list[Verdict]:
+    """Runs that were wrong without saying so rightly, worst first."""
+    wrong = [v for v in found if v.outcome in MISSES]
+    return sorted(wrong, key=lambda v: -(v.error if v.error is not None else math.inf))
+
+
+def line(verdict: Verdict) -> str:
+    """One miss in words."""
+    if verdict.error is None:
+        return f"{verdict.family} {verdict.number}: {verdict.outcome}: {verdict.words.strip()}"
+    stated = f", states {verdict.stated:.2g}" if verdict.stated else ""
+    return (
+        f"{verdict.family} {verdict.number}: {verdict.outcome}: errs by {verdict.error:.2g} in "
+        f"{verdict.where}{stated} ({verdict.steps} steps)"
+    )
+
+
+def kept(found: Sequence[Verdict], tolerance: float) -> str:
+    """How well a tolerance that was asked for is kept, in words."""
+    ended = [v for v in found if v.error is not None and v.outcome not in SET_ASIDE]
+    beyond = [sum(v.error > times * tolerance for v in ended) for times in (FACTOR, 10, 100)]  # type: ignore[operator]
+    return (
+        f"Of {len(ended)} runs with a tolerance of {tolerance:g}, {beyond[0]} err by more than "
+        f"{FACTOR:g} times it, {beyond[1]} by more than 10 times, {beyond[2]} by more than 100"
+    )
+
+
+def save(study: Study, found: Iterable[Verdict], folder: Path) -> list[Path]:
+    """Scene files of the misses, with what came of each as a comment at the top.
+
+    Raises:
+        OSError: the folder cannot be written to.
+    """
+    folder.mkdir(parents=True, exist_ok=True)
+    paths = []
+    for verdict in misses(found):
+        document = {**draw(verdict.family, study.seed, verdict.number)}
+        for key, value in study.changes:
+            table_name, _, name = key.partition(".")
+            document[table_name] = {**document.get(table_name, {}), name: value}
+        path = folder / f"{verdict.outcome}-{verdict.family}-{study.seed}-{verdict.number}.toml"
+        comment = "\n".join(f"# {part}" for part in line(verdict).splitlines())
+        path.write_text(f"{comment}\n{tomli_w.dumps(document)}", encoding="utf-8")
+        paths.append(path)
+    return paths

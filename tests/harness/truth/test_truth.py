@@ -1,0 +1,93 @@
+"""The truth study: its scenes are valid and reproducible, its verdicts say what is so."""
+
+import math
+
+import numpy as np
+import pytest
+
+from autobalancer.harness import load_scene
+from autobalancer.harness.scene import Scene
+from autobalancer.harness.truth.draw import FAMILIES, draw
+from autobalancer.harness.truth.judge import Verdict, classify, deviations, growth, judge
+from autobalancer.harness.truth.study import Study, misses, save, table, verdicts
+from autobalancer.models.stability import growth_rates
+
+
+@pytest.mark.parametrize("family", FAMILIES)
+def test_drawn_scenes_are_valid_and_come_again(family):
+    for number in range(40):
+        scene = Scene.from_document(draw(family, 7, number))
+        assert draw(family, 7, number) == draw(family, 7, number)
+        assert scene.run.revolutions > 0.0
+    assert draw(family, 7, 0) != draw(family, 8, 0)
+
+
+@pytest.mark.parametrize(
+    ("error", "stated", "words", "tolerance", "outcome"),
+    [
+        (0.009, 0.0, "", None, "right"),
+        (2e-4, 0.0, "", 1e-4, "right"),
+        (4e-4, 0.0, "", 1e-4, "silent"),
+        (0.2, 0.1, "errs", None, "honest"),
+        (0.4, 0.1, "errs", None, "understated"),
+        (0.2, 0.0, "a note", None, "note"),
+        (0.04, 0.0, "", None, "silent"),
+        (0.06, 0.0, "", None, "gross"),
+        (float("nan"), 0.0, "", None, "gross"),
+    ],
+)
+def test_a_verdict_follows_from_error_and_words(error, stated, words, tolerance, outcome):
+    verdict = Verdict("planar", 0, "", error, "rotor.x", stated, words)
+    assert classify(verdict, tolerance) == outcome
+
+
+def test_a_disturbance_grows_at_the_rate_of_the_linearised_motion():
+    """From the balanced position where it is unstable (Filimonikhina 2017, weights at 120 deg)."""
+    balanced = [2.0 * math.pi / 3.0, 4.0 * math.pi / 3.0]
+    scene = load_scene("two_balls").replace({"weights.angles": balanced, "operation.speed": 6.0})
+    rate = float(growth_rates(scene.assembly(), [6.0])[0])
+    assert rate > 0.0
+    early, late = (growth(scene, np.linspace(0.0, end, 90)) for end in (40.0, 40.0 + 3.0 / rate))
+    assert math.log(late / early) == pytest.approx(3.0, rel=0.05)  # the mode turns
+
+
+def test_an_altered_motion_is_found_out(monkeypatch):
+    """A run whose rotor is moves twice as far is gross, and nothing else is."""
+    from autobalancer.harness.truth import judge as module
+
+    honest = judge("planar", 3, 4)
+    assert honest.outcome == "right"
+    run = module.cosimulate
+
+    def altered(scene):
+        result = run(scene)
+        result.signals["rotor.x"][:] *= 2.0
+        return result
+
+    monkeypatch.setattr(module, "cosimulate", altered)
+    assert judge("planar", 3, 4).outcome == "gross"
+
+
+def test_errors_are_relative_to_the_largest_of_their_kind(cosim):
+    result = cosim("two_balls", **{"run.revolutions": 2})
+    right = {name: result[name].copy() for name in ("rotor.x", "rotor.y")}
+    largest = max(np.abs(values).max() for values in right.values())
+    result.signals["rotor.y"][-1] += 0.01 * largest
+    errors = deviations(result, right)
+    assert errors["rotor.x"] == 0.0
+    assert errors["rotor.y"] == pytest.approx(0.01, rel=1e-6)
+
+
+def test_misses_are_saved_as_scenes_that_load(tmp_path):
+    study = Study({"planar": 1}, seed=5, changes=(("coupling.tolerance", 1e-4),))
+    found = [Verdict("planar", 0, "gross", 0.5, "rotor.x"), Verdict("planar", 0, "right", 0.0)]
+    (path,) = save(study, found, tmp_path)
+    scene = load_scene(path)
+    assert scene.coupling.tolerance == 1e-4
+    assert scene.title == "planar 5 0"
+
+
+def test_a_sample_is_right_or_says_so():
+    found = verdicts(Study({"planar": 6, "liquid": 2, "two_support": 2}, seed=11))
+    assert not [v for v in misses(found) if v.outcome in ("gross", "crashed")]
+    assert "| all | " in table(found)
