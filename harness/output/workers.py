@@ -109,7 +109,8 @@ def processes(workers: int) -> Iterator[Executor]:
             yield pool
         except BaseException:
             for process in context.started:
-                process.terminate()
+                if process.pid is not None:  # else it never began
+                    process.terminate()
             raise
         finally:
             pool.shutdown(cancel_futures=True)

@@ -12,7 +12,7 @@ from typing import Annotated
 import typer
 
 from ..errors import UserError
-from ..output.terminal import progress_bars, say
+from ..output.terminal import progress_bar, say
 from .draw import FAMILIES
 from .study import Study, kept, line, misses, save, table, verdicts
 
@@ -44,9 +44,8 @@ def command(
         study = Study(counts, seed, changes)
     except ValueError as error:
         raise UserError(str(error)) from None
-    with progress_bars() as bars:
-        task = bars.add_task("random scenes", total=1.0)
-        found = verdicts(study, workers, lambda done: bars.update(task, completed=done))
+    with progress_bar("random scenes") as progress:
+        found = verdicts(study, workers, progress)
     for verdict in misses(found):
         say(line(verdict))
     say("")

@@ -104,7 +104,7 @@ def _compared(scene: Scene, verdict: Verdict) -> Verdict:
         verdict,
         error=errors[where],
         where=where,
-        stated=getattr(result, "estimated_error", 0.0),
+        stated=result.estimated_error,
         words="; ".join(result.events),
     )
     outcome = classify(verdict, scene.coupling.tolerance)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections import Counter
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
@@ -12,7 +12,7 @@ from typing import Any
 
 import tomli_w
 
-from ..output.workers import spread
+from ..output.workers import Progress, Workers, in_order
 from .draw import FAMILIES, draw
 from .judge import FACTOR, MISSES, OUTCOMES, SET_ASIDE, Verdict, judge
 
@@ -31,12 +31,10 @@ class Study:
             raise ValueError(f"family {sorted(unknown)}: must be one of {', '.join(FAMILIES)}")
 
 
-def verdicts(
-    study: Study, workers: int = 1, progress: Callable[[float], None] | None = None
-) -> list[Verdict]:
+def verdicts(study: Study, workers: Workers = 1, progress: Progress | None = None) -> list[Verdict]:
     """Verdicts of all scenes, by family and number."""
     items = [(family, n) for family, count in study.counts.items() for n in range(count)]
-    return spread(partial(_judged, study), items, workers, progress)
+    return in_order(partial(_judged, study), items, workers, progress)
 
 
 def _judged(study: Study, item: tuple[str, int]) -> Verdict:
