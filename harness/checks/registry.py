@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import ExitStack
+from collections.abc import Callable, Generator, Iterator, Mapping, Sequence
+from contextlib import ExitStack, closing
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -90,9 +90,10 @@ def run_checks(scene: Scene, progress: Progress | None = None, workers: Workers 
         if progress:
             progress(sum(done) / len(parts))
 
-    for index, rows in run_parts(parts, workers, report):
-        assert not isinstance(rows, Failed)
-        outcomes[index] = rows
+    with closing(run_parts(parts, workers, report)) as ready:
+        for index, rows in ready:
+            assert not isinstance(rows, Failed)
+            outcomes[index] = rows
     return [row for index in range(len(parts)) for row in outcomes[index]]
 
 
@@ -101,8 +102,8 @@ def run_parts(
     workers: Workers,
     progress: Callable[[int, float], None],
     isolate: Kinds = (),
-) -> Iterator[tuple[int, list[Row] | Failed]]:
-    """Index and rows of every part, whichever is ready first.
+) -> Generator[tuple[int, list[Row] | Failed], None, None]:
+    """Index and rows of every part, whichever is ready first; to be closed (`closing`).
 
     Args:
         progress: called with a part's index and its finished fraction.
@@ -117,7 +118,8 @@ def run_parts(
                 workers = stack.enter_context(processes(workers))
         # across processes progress is told by every part, within this one also on the way
         items = [(parts[i], i, progress if workers == 1 else None) for i in alone]
-        for place, outcome in as_they_come(_rows_of, items, workers, isolate):
+        ready = stack.enter_context(closing(as_they_come(_rows_of, items, workers, isolate)))
+        for place, outcome in ready:
             index = alone[place]
             progress(index, 1.0)
             yield index, outcome

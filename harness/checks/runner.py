@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from contextlib import closing
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -75,9 +76,9 @@ def check_all(
 
     rows: dict[int, list[Row]] = {}
     work = [part for _, part in flat]
-    outcomes = run_parts(work, workers or cores(), report, (SimulationError,))
-    for index, outcome in outcomes:
-        rows[index] = _lost(work[index], outcome) if isinstance(outcome, Failed) else outcome
+    with closing(run_parts(work, workers or cores(), report, (SimulationError,))) as ready:
+        for index, outcome in ready:
+            rows[index] = _lost(work[index], outcome) if isinstance(outcome, Failed) else outcome
     reports = []
     for number, scene in enumerate(scenes):
         own = [row for i, (owner, _) in enumerate(flat) if owner == number for row in rows[i]]

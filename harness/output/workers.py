@@ -7,18 +7,22 @@ are ended at once, and their temporary files removed, when the work ends early.
 from __future__ import annotations
 
 import signal
+import sys
 import tempfile
-from collections.abc import Callable, Iterator, Sequence
+import threading
+from collections.abc import Callable, Generator, Iterator, Sequence
 from concurrent.futures import (
+    FIRST_COMPLETED,
     BrokenExecutor,
     Executor,
     Future,
     ProcessPoolExecutor,
-    as_completed,
+    wait,
 )
-from contextlib import contextmanager
+from contextlib import closing, contextmanager
 from dataclasses import dataclass
 from functools import partial
+from itertools import islice
 from multiprocessing.context import SpawnContext, SpawnProcess
 from typing import Any, Generic, TypeVar
 
@@ -30,6 +34,7 @@ Progress = Callable[[float], None]  # told the finished fraction
 ItemProgress = Callable[[str, float], None]  # told what was just done, and the finished fraction
 Workers = int | Executor  # so many processes, 1 being this one; or whoever does the work
 PREFIX = "autobalancer-workers-"  # of the folder that holds their temporary files
+AHEAD = 1000  # items given at a time to an executor of the caller's: enough for any cluster
 Kinds = tuple[type[Exception], ...]
 
 
@@ -46,8 +51,8 @@ def as_they_come(
     items: Sequence[Item],
     workers: Workers = 1,
     isolate: Kinds = (),
-) -> Iterator[tuple[int, Outcome | Failed[Item]]]:
-    """Index and outcome of every item, whichever is ready first.
+) -> Generator[tuple[int, Outcome | Failed[Item]], None, None]:
+    """Index and outcome of every item, whichever is ready first; to be closed (`closing`).
 
     Args:
         work: a function at the top of a module, so that other processes can import it.
@@ -64,15 +69,24 @@ def as_they_come(
                 yield index, _outcome(partial(work, item), item, isolate)
             return
         futures: dict[Future[Outcome], int] = {}
+        waiting = iter(range(len(items)))
+        # processes of our own have little in store, so that nothing needs to be taken back: a pool
+        # that is ended stumbles over what was cancelled
+        ours = executor if isinstance(executor, _Pool) else None
+        ahead = 2 * ours.width if ours else AHEAD
         try:
-            futures = {executor.submit(work, item): i for i, item in enumerate(items)}
-            for future in as_completed(futures):
-                index = futures[future]
-                yield index, _outcome(future.result, items[index], isolate)
+            for index in islice(waiting, ahead):
+                futures[executor.submit(work, items[index])] = index
+            while futures:
+                for future in wait(futures, return_when=FIRST_COMPLETED).done:
+                    done = futures.pop(future)
+                    for index in islice(waiting, 1):
+                        futures[executor.submit(work, items[index])] = index
+                    yield done, _outcome(future.result, items[done], isolate)
         except BrokenExecutor as error:
             raise SimulationError(f"a process that did the work was ended: {error}") from error
         finally:
-            for future in futures:
+            for future in () if ours else futures:
                 future.cancel()
 
 
@@ -84,10 +98,11 @@ def in_order(
 ) -> list[Outcome]:
     """Outcomes of `work` in the items' order; the first exception ends it, as `as_they_come`."""
     outcomes: dict[int, Any] = {}
-    for index, outcome in as_they_come(work, items, workers):
-        outcomes[index] = outcome
-        if progress:
-            progress(len(outcomes) / len(items))
+    with closing(as_they_come(work, items, workers)) as ready:
+        for index, outcome in ready:
+            outcomes[index] = outcome
+            if progress:
+                progress(len(outcomes) / len(items))
     return [outcomes[index] for index in range(len(items))]
 
 
@@ -103,8 +118,8 @@ def processes(workers: int) -> Iterator[Executor]:
     """So many processes, ended at once if the block is left by an exception."""
     context = _Context()
     folder = tempfile.TemporaryDirectory(prefix=PREFIX, ignore_cleanup_errors=True)
-    with folder as directory:
-        pool = ProcessPoolExecutor(workers, context, _begin, (directory,))
+    with _sigterm_ends(), folder as directory:
+        pool = _Pool(workers, context, directory)
         try:
             yield pool
         except BaseException:
@@ -113,7 +128,7 @@ def processes(workers: int) -> Iterator[Executor]:
                     process.terminate()
             raise
         finally:
-            pool.shutdown(cancel_futures=True)
+            pool.shutdown()
 
 
 @contextmanager
@@ -126,6 +141,28 @@ def _executor(workers: Workers, items: int) -> Iterator[Executor | None]:
     else:
         with processes(min(workers, items)) as executor:
             yield executor
+
+
+@contextmanager
+def _sigterm_ends() -> Iterator[None]:
+    """SIGTERM ends the block as an exception does, unless the program answers it in its own way."""
+    main = threading.current_thread() is threading.main_thread()
+    if not main or signal.getsignal(signal.SIGTERM) is not signal.SIG_DFL:
+        yield
+        return
+    signal.signal(signal.SIGTERM, lambda number, _frame: sys.exit(128 + number))
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGTERM, signal.SIG_DFL)
+
+
+class _Pool(ProcessPoolExecutor):
+    """Processes of our own, so many as its width."""
+
+    def __init__(self, width: int, context: _Context, directory: str) -> None:
+        super().__init__(width, context, _begin, (directory,))
+        self.width = width
 
 
 class _Context(SpawnContext):

@@ -6,6 +6,7 @@ import os
 import time
 import warnings
 from collections.abc import Sequence
+from contextlib import closing
 from dataclasses import asdict, dataclass
 from typing import Any
 
@@ -62,11 +63,12 @@ def stress(
     """
     names = list(all_cases() if names is None else names)
     rows: dict[int, StressRow] = {}
-    for index, row in as_they_come(run_case, names, workers or os.cpu_count() or 1):
-        assert isinstance(row, StressRow)
-        rows[index] = row
-        if progress:
-            progress(row.case, len(rows) / len(names))
+    with closing(as_they_come(run_case, names, workers or os.cpu_count() or 1)) as ready:
+        for index, row in ready:
+            assert isinstance(row, StressRow)
+            rows[index] = row
+            if progress:
+                progress(row.case, len(rows) / len(names))
     return [rows[index] for index in range(len(names))]
 
 

@@ -108,7 +108,13 @@ if __name__ == "__main__":
 """
 
 
-def test_ctrl_c_ends_all_processes_at_once_and_clears_their_files(tmp_path):
+@pytest.mark.parametrize(
+    ("number", "code", "said"),
+    [(signal.SIGINT, -signal.SIGINT, 1), (signal.SIGTERM, 128 + signal.SIGTERM, 0)],
+)
+def test_an_interrupt_ends_all_processes_at_once_and_clears_their_files(
+    tmp_path, number, code, said
+):
     script, begun = tmp_path / "script.py", tmp_path / "begun"
     begun.mkdir()
     script.write_text(SCRIPT.format(directory=str(begun)), encoding="utf-8")
@@ -118,9 +124,13 @@ def test_ctrl_c_ends_all_processes_at_once_and_clears_their_files(tmp_path):
     until = time.monotonic() + 60.0
     while len(os.listdir(begun)) < 2 and time.monotonic() < until:
         time.sleep(0.05)
-    os.killpg(group.pid, signal.SIGINT)  # a terminal tells every process of the group
+    if number == signal.SIGINT:
+        os.killpg(group.pid, number)  # as a terminal does: it tells every process of the group
+    else:
+        group.send_signal(number)
     _, errors = group.communicate(timeout=20.0)  # they would sleep for a minute
-    assert errors.count("KeyboardInterrupt") == 1  # the parent's own; none of a worker
+    assert group.returncode == code
+    assert errors.count("Traceback") == said  # the parent's own; none of a worker
     workers = [path for path in begun.iterdir() if path.read_text()]
     assert len(workers) == 2
     for path in workers:
