@@ -2,8 +2,8 @@
    fmus/slave.py.
 
    A unit adds its equations in `Equations`, in the order parameters, begin, step, outputs (and
-   observe for what is computed only when read).  Everything else is here; FMI's functions are thin
-   fronts over it.  An instance shares nothing with another, so that each may have its own thread. */
+   observe for what is computed only when read).  Everything else is here; FMI's functions are
+   thin fronts over it.  Instances share nothing, so that each may have a thread of its own. */
 #ifndef AUTOBALANCER_UNIT_H
 #define AUTOBALANCER_UNIT_H
 

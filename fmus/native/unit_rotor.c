@@ -168,7 +168,8 @@ static double largest_bending(const Rotor *own, const double *stations)
     int i;
     for (i = 0; i < rotor->deflections; i++) {
         double bending[2];
-        rotor_vectors_at(rotor->deflection + i * own->stations, 1, own->stations, stations, bending);
+        const double *row = rotor->deflection + i * own->stations;
+        rotor_vectors_at(row, 1, own->stations, stations, bending);
         largest = larger(largest, hypotenuse(bending[0], bending[1]));
     }
     return largest;

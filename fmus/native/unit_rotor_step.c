@@ -151,7 +151,8 @@ static int propagate_variable(Unit *unit, double step)
 {
     Rotor *own = unit->own;
     const int n = own->stations, p = own->planes;
-    const double speed = rotor_drive(unit)[0], spin_up = rotor_drive(unit)[1], angle = unit->memory[REST];
+    const double speed = rotor_drive(unit)[0], spin_up = rotor_drive(unit)[1];
+    const double angle = unit->memory[REST];
     const double *forces = rotor_drive(unit) + 2;
     double *planes = own->result + 4 * n;
     Failure failure;

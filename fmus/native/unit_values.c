@@ -146,7 +146,8 @@ Status unit_set_boolean(Unit *unit, unsigned reference, int value)
         return unit_report(unit, STATUS_ERROR, "setting failed");
     }
     if (unit->phase == RUNNING) {
-        text_put(unit_reason(unit), unit->layout.table->flags[reference - unit->first_boolean].name);
+        const Flag *flags = unit->layout.table->flags;
+        text_put(unit_reason(unit), flags[reference - unit->first_boolean].name);
         text_put(&unit->reason, ": fixed once initialisation has ended");
         return unit_report(unit, STATUS_ERROR, "setting failed");
     }

@@ -3,30 +3,8 @@
 #include <string.h>
 
 #include "elementary.h"
-#include "motion.h"
 #include "pulse.h"
-#include "reaction_change.h"
-#include "signals.h"
-#include "unit.h"
-
-enum { SIGNALS = 2 };
-
-/* Parameters, and inputs from the first of them on. */
-enum { MASS, TRACK_RADIUS, KAPPA, DRAG, WEIGHT_RADIUS, RESTITUTION, ROLLING };
-enum { OFFSET_XI = 7, OFFSET_ETA = 8 };
-enum { FIRST_ANGLE = 9 };
-enum { ANGLE = 8, SPEED = 9, ACCELERATION = 10 };
-enum { FORCE = 0, FORCE_SLOPE = 2, ADDED_MASS = 4 };
-
-typedef struct {
-    int count;
-    Track track;
-    int plain;            /* point weights on a centred track keep their shorter way */
-    int stop_at_contact;  /* whether a step ends behind the first collision */
-    double carried, sent; /* parts of the added mass: through the port, in the force [kg] */
-    Quadrature quadrature;
-    double *scratch;
-} Own;
+#include "unit_weights.h"
 
 /* Angles, speeds, contacts (N,) each, and impulse owed and pulse given as xi, eta each; plain
    weights use the first two. */
@@ -37,7 +15,7 @@ static size_t memory_size(const Layout *layout)
 
 static size_t own_size(void)
 {
-    return sizeof(Own);
+    return sizeof(Balls);
 }
 
 static void starts(const Layout *layout, double *real)
@@ -50,7 +28,7 @@ static void starts(const Layout *layout, double *real)
 
 static int allocate(Unit *unit)
 {
-    Own *own = unit->own;
+    Balls *own = unit->own;
     own->count = unit->layout.sizes.weights;
     own->scratch = unit_allocate(unit, track_scratch(own->count), sizeof(double));
     return !own->scratch;
@@ -82,7 +60,7 @@ static int refuse_size(Unit *unit, double size, double radius)
 
 static int parameters(Unit *unit)
 {
-    Own *own = unit->own;
+    Balls *own = unit->own;
     Track *track = &own->track;
     const double *real = unit->real;
     Failure failure;
@@ -111,7 +89,7 @@ static int parameters(Unit *unit)
 
 static int begin(Unit *unit)
 {
-    const Own *own = unit->own;
+    const Balls *own = unit->own;
     const size_t count = (size_t)own->count;
     double *angles = unit->memory;
     Failure failure;
@@ -124,8 +102,7 @@ static int begin(Unit *unit)
     return 0;
 }
 
-/* A vector and its slope seen in axes that turn with the rotor. */
-static void rotating(double angle, double speed, Complex *value, Complex *slope)
+void weights_rotating(double angle, double speed, Complex *value, Complex *slope)
 {
     const Complex turn = rect(1.0, -angle);
     /* slope - i w value */
@@ -138,7 +115,7 @@ static void rotating(double angle, double speed, Complex *value, Complex *slope)
 static int react(Unit *unit, Complex acceleration, Complex slope, double speed, double spin_up,
                  Complex *force, Complex *force_slope)
 {
-    const Own *own = unit->own;
+    const Balls *own = unit->own;
     const size_t count = (size_t)own->count;
     const double *angles = unit->memory, *pulse = unit->memory + 3 * count + 2;
     Failure failure;
@@ -163,14 +140,14 @@ static int react(Unit *unit, Complex acceleration, Complex slope, double speed, 
 static int put(Unit *unit, Complex acceleration, Complex slope, double angle, double speed,
                double spin_up)
 {
-    const Own *own = unit->own;
+    const Balls *own = unit->own;
     double *out = unit->real + unit->layout.computed.first;
     Complex force, force_slope;
     if (react(unit, acceleration, slope, speed, spin_up, &force, &force_slope)) {
         return 1;
     }
     if (unit->layout.sizes.fixed_frame) {
-        rotating(-angle, -speed, &force, &force_slope);
+        weights_rotating(-angle, -speed, &force, &force_slope);
     }
     out[FORCE] = force.re;
     out[FORCE + 1] = force.im;
@@ -183,7 +160,7 @@ static int put(Unit *unit, Complex acceleration, Complex slope, double angle, do
 /* One step of weights that may touch, stick or run off centre. */
 static int meet(Unit *unit, const Complex *cubic, double speed, double spin_up, double length)
 {
-    Own *own = unit->own;
+    Balls *own = unit->own;
     const size_t count = (size_t)own->count;
     double *angles = unit->memory, *impulses = unit->memory + 3 * count;
     Complex owed = complex_of(impulses[0], impulses[1]);
@@ -209,7 +186,7 @@ static int meet(Unit *unit, const Complex *cubic, double speed, double spin_up, 
 
 static int step(Unit *unit, double length)
 {
-    Own *own = unit->own;
+    Balls *own = unit->own;
     const double *in = unit->real + unit->layout.inputs.first;
     const int fixed = unit->layout.sizes.fixed_frame;
     const double speed = in[SPEED], spin_up = in[ACCELERATION];
@@ -221,8 +198,8 @@ static int step(Unit *unit, double length)
     if (fixed) {
         Complex start = cubic[0], start_slope = cubic[1];
         angle += length * (speed + 0.5 * spin_up * length);
-        rotating(angle, speed + spin_up * length, &end, &end_slope);
-        rotating(in[ANGLE], speed, &start, &start_slope);
+        weights_rotating(angle, speed + spin_up * length, &end, &end_slope);
+        weights_rotating(in[ANGLE], speed, &start, &start_slope);
         signal_hermite(start, start_slope, end, end_slope, length, cubic);
     }
     if (!own->plain) {
@@ -241,14 +218,13 @@ static int step(Unit *unit, double length)
     return put(unit, end, end_slope, angle, speed + spin_up * length, spin_up);
 }
 
-/* Acceleration and its slope now, in the rotor frame. */
-static void motion_now(const Unit *unit, Complex *acceleration, Complex *slope)
+void weights_motion_now(const Unit *unit, Complex *acceleration, Complex *slope)
 {
     const double *in = unit->real + unit->layout.inputs.first;
     *acceleration = complex_of(in[0], in[1]);
     *slope = complex_of(in[2], in[3]);
     if (unit->layout.sizes.fixed_frame) {
-        rotating(in[ANGLE], in[SPEED], acceleration, slope);
+        weights_rotating(in[ANGLE], in[SPEED], acceleration, slope);
     }
 }
 
@@ -256,13 +232,13 @@ static int outputs(Unit *unit)
 {
     const double *in = unit->real + unit->layout.inputs.first;
     Complex acceleration, slope;
-    motion_now(unit, &acceleration, &slope);
+    weights_motion_now(unit, &acceleration, &slope);
     return put(unit, acceleration, slope, in[ANGLE], in[SPEED], in[ACCELERATION]);
 }
 
 static void observe(Unit *unit)
 {
-    const Own *own = unit->own;
+    const Balls *own = unit->own;
     const size_t count = (size_t)own->count;
     const Complex moment = track_static_moment(&own->track, unit->memory);
     double *out = unit->real + unit->layout.observed.first;
@@ -278,69 +254,6 @@ static size_t signals(const Layout *layout, size_t *first)
     return SIGNALS;
 }
 
-/* -- derivatives ----------------------------------------------------------------------------- */
-
-static int directional(Unit *unit, const double *seed, double *change)
-{
-    const Own *own = unit->own;
-    const double *in = unit->real + unit->layout.inputs.first;
-    const double *out = unit->real + unit->layout.computed.first;
-    const double *angles = unit->memory, *speeds = angles + own->count;
-    const int fixed = unit->layout.sizes.fixed_frame;
-    Complex acceleration, slope, force, force_slope;
-    Instant by;
-    Failure failure;
-    memset(change, 0,
-           (unit->layout.computed.count + unit->layout.observed.count) * sizeof(double));
-    motion_now(unit, &acceleration, &slope);
-    by.acceleration = complex_of(seed[0], seed[1]);
-    by.slope = complex_of(seed[2], seed[3]);
-    by.rotor_speed = seed[SPEED];
-    if (fixed) {
-        /* (a' - i w a) e^{-i beta}: by a and a', by w, and by beta */
-        rotating(in[ANGLE], in[SPEED], &by.acceleration, &by.slope);
-        by.slope.re += seed[SPEED] * acceleration.im + seed[ANGLE] * slope.im;
-        by.slope.im -= seed[SPEED] * acceleration.re + seed[ANGLE] * slope.re;
-        by.acceleration.re += seed[ANGLE] * acceleration.im;
-        by.acceleration.im -= seed[ANGLE] * acceleration.re;
-    }
-    if (track_reaction_change(&own->track, angles, speeds, speeds + own->count, acceleration,
-                              slope, in[SPEED], in[ACCELERATION], &by, seed[ACCELERATION],
-                              &force, &force_slope, own->scratch, &failure)) {
-        return unit_failed(unit, &failure, angles, (size_t)own->count);
-    }
-    force = complex_difference(force, complex_scaled(own->sent, by.acceleration));
-    force_slope = complex_difference(force_slope, complex_scaled(own->sent, by.slope));
-    if (fixed) {
-        rotating(-in[ANGLE], -in[SPEED], &force, &force_slope);
-        /* (F' + i w F) e^{i beta} by w and by beta */
-        force_slope.re -= seed[SPEED] * out[FORCE + 1] + seed[ANGLE] * out[FORCE_SLOPE + 1];
-        force_slope.im += seed[SPEED] * out[FORCE] + seed[ANGLE] * out[FORCE_SLOPE];
-        force.re -= seed[ANGLE] * out[FORCE + 1];
-        force.im += seed[ANGLE] * out[FORCE];
-    }
-    change[FORCE] = force.re;
-    change[FORCE + 1] = force.im;
-    change[FORCE_SLOPE] = force_slope.re;
-    change[FORCE_SLOPE + 1] = force_slope.im;
-    return 0;
-}
-
-static int slope(Unit *unit, size_t reference, double *value)
-{
-    const size_t count = (size_t)((const Own *)unit->own)->count;
-    const size_t output = reference - unit->layout.observed.first;
-    *value = 0.0;
-    if (reference == unit->layout.computed.first + ADDED_MASS) {
-        return 0;
-    }
-    if (reference < unit->layout.observed.first || output >= count) {
-        return 1;
-    }
-    *value = unit->memory[count + output];
-    return 0;
-}
-
 const Equations WEIGHTS_EQUATIONS = {
     "BallBalancer", memory_size, own_size, starts,  allocate,    parameters, begin,
-    step,           outputs,     observe,  signals, directional, slope};
+    step,           outputs,     observe,  signals, weights_directional, weights_slope};
