@@ -4,16 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+from ...fmus.catalogue import CATALOGUE
 from ..scene import Scene
-
-BALANCERS = ("LiquidBalancer", "BallBalancer")
-EXPLICIT = ("jacobi", "gauss-seidel", "compensated")  # they take no corrector pass
+from .schemes.protocol import EXPLICIT
 
 
 def left_out(scene: Scene, recorded: Sequence[str]) -> list[str]:
     """In words; `recorded` are the signals of the record."""
-    present = {balancer.model for balancer in scene.balancer}
-    notes = [f"{model} (none in the scene)" for model in BALANCERS if model not in present]
+    present = {scene.rotor.model, *(balancer.model for balancer in scene.balancer)}
+    notes = [f"{model} (none in the scene)" for model in CATALOGUE if model not in present]
     exchanging = any(balancer.exchanges_force for balancer in scene.balancer)
     coupling, profile = scene.coupling, scene.profile()
     if not exchanging:

@@ -21,6 +21,7 @@ from .gauss_seidel import GaussSeidel
 from .iterated import Iterated
 from .jacobi import Jacobi
 
+EXPLICIT = (Jacobi.name, GaussSeidel.name, Compensated.name)  # these take no corrector pass
 WEAK_LOOP = 0.1  # one corrector pass then leaves 1 % of the prediction's error
 
 
@@ -101,11 +102,11 @@ def choose(
         gain: of the loop.
     """
     coupling = scene.coupling
-    if coupling.scheme == "jacobi":
+    if coupling.scheme == Jacobi.name:
         return Jacobi()
-    if coupling.scheme == "gauss-seidel" or not system.exchanges:
+    if coupling.scheme == GaussSeidel.name or not system.exchanges:
         return GaussSeidel()
-    if coupling.scheme == "compensated":
+    if coupling.scheme == Compensated.name:
         return Compensated(jacobian, response, step, scene.profile().speed)
     if coupling.tolerance is not None:
         return Adaptive(Iterated(jacobian, step), coupling.tolerance, gain)
@@ -120,7 +121,7 @@ def refuse_loose_tolerance(scene: Scene) -> None:
     coupling = scene.coupling
     if coupling.tolerance is None:
         return
-    if coupling.scheme in ("jacobi", "gauss-seidel", "compensated") or coupling.order != 3:
+    if coupling.scheme in EXPLICIT or coupling.order != 3:
         raise SceneError(
             f"{scene.name}: coupling.tolerance = {coupling.tolerance:g}: kept only by scheme "
             f'"iterated" or "auto" with order 3, not by "{coupling.scheme}" with order '

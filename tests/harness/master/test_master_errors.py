@@ -124,20 +124,28 @@ def test_another_unit_under_the_expected_name_is_refused(scene, fmus):
         cosimulate(scene, fmus=fmus)
 
 
-def of_older_equations(name: str, content: bytes) -> tuple[str, bytes]:
-    """A ball balancer that is content with half of its reaction, under an identity of its own."""
-    text = content.decode("utf-8", "surrogateescape")
-    if name == DESCRIPTION:
-        text = re.sub(r'guid="\{.{8}', 'guid="{00000000', text)
-    if name.endswith("fmus/weights.py") or name.endswith("fmus/weights/slave.py"):
-        assert "self.carried" in text
-        text = text.replace("force.real,", "0.5 * force.real,")
-    return name, text.encode("utf-8", "surrogateescape")
+def half_of_the_reaction(name: str, content: bytes) -> tuple[str, bytes]:
+    """A Python ball balancer of other equations."""
+    if name.endswith("fmus/weights/slave.py"):
+        assert b"force.real," in content
+        content = content.replace(b"force.real,", b"0.5 * force.real,")
+    return name, content
 
 
-def test_an_fmu_of_the_same_sizes_and_other_content_is_refused(scene, fmus, rewritten, tmp_path):
-    path = fmus / "BallBalancer.fmu"
-    rewritten(path, tmp_path / "older.fmu", of_older_equations).replace(path)
+def another_library(name: str, content: bytes) -> tuple[str, bytes]:
+    """A native ball balancer whose libraries are not those of its sources."""
+    return name, content + bytes(8) if name.startswith("binaries/") else content
+
+
+@pytest.mark.parametrize(
+    ("backend", "change"), [("python", half_of_the_reaction), ("native", another_library)]
+)
+def test_an_fmu_of_the_same_sizes_and_other_content_is_refused(
+    scene, fmus, rewritten, tmp_path, backend, change
+):
+    path = build("BallBalancer", fmus, weights=2, backend=backend)
+    assert cosimulate(scene, fmus=fmus, record=[]).steps > 0
+    rewritten(path, tmp_path / "other.fmu", change).replace(path)
     with pytest.raises(UnitError, match=r"BallBalancer\.fmu: .*its content is not what"):
         cosimulate(scene, fmus=fmus)
 
@@ -160,9 +168,9 @@ def failing_late(name: str, content: bytes) -> tuple[str, bytes]:
 def test_a_unit_that_fails_in_mid_run_is_named_with_time_and_reason(
     scene, fmus, rewritten, tmp_path, monkeypatch
 ):
-    late = rewritten(fmus / "BallBalancer.fmu", tmp_path / "late.fmu", failing_late)
-    files = [fmus / "RotorOnSupports.fmu", late]
-    monkeypatch.setattr(cosimulation, "find_or_build", lambda units, fmus: files)
+    whole = build("BallBalancer", fmus, weights=2, backend="python")
+    files = [fmus / "RotorOnSupports.fmu", rewritten(whole, tmp_path / "late.fmu", failing_late)]
+    monkeypatch.setattr(cosimulation, "find_or_build", lambda *_arguments: files)
     with pytest.raises(SimulationError) as error:
         cosimulate(scene)
     message = str(error.value)
