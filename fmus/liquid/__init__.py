@@ -2,10 +2,10 @@
 
 from typing import TYPE_CHECKING
 
-from ..lazy import loaded_from
+from ..lazy import lazy_names
 
 if TYPE_CHECKING:
     from .slave import LiquidBalancer
 
 __all__ = ["LiquidBalancer"]
-__getattr__ = loaded_from(__name__, {"LiquidBalancer": ".slave"})
+__getattr__, __dir__ = lazy_names(__name__, {"LiquidBalancer": ".slave"})

@@ -2,10 +2,10 @@
 
 from typing import TYPE_CHECKING
 
-from ..lazy import loaded_from
+from ..lazy import lazy_names
 
 if TYPE_CHECKING:
     from .slave import RotorOnSupports
 
 __all__ = ["RotorOnSupports"]
-__getattr__ = loaded_from(__name__, {"RotorOnSupports": ".slave"})
+__getattr__, __dir__ = lazy_names(__name__, {"RotorOnSupports": ".slave"})

@@ -14,7 +14,6 @@ from autobalancer.harness.errors import SimulationError
 from autobalancer.harness.master import resolution
 from autobalancer.harness.master.cosimulation import CoSimulation, cosimulate
 from autobalancer.harness.master.schemes.startup import doubling_steps
-from autobalancer.harness.precision.verdicts import VerdictSample, judge, spinning, table
 from autobalancer.harness.stress.case import (
     Outcome,
     linear_motion,
@@ -25,6 +24,7 @@ from autobalancer.harness.stress.case import (
 from autobalancer.harness.stress.cases_rotor import liquid_scene
 from autobalancer.harness.stress.cases_weights import two_pendulums
 from autobalancer.harness.stress.run import as_json, run_case, stress
+from autobalancer.harness.stress.verdicts import VerdictSample, judge, spinning, table
 from autobalancer.models.monolith import reference
 from autobalancer.models.reference.oscillator import forced_motion
 from autobalancer.models.weights import Weights, advance

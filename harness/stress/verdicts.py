@@ -1,6 +1,6 @@
 """How far the verdict on too coarse steps can be trusted: estimated against real errors.
 
-    python -m autobalancer.harness.precision.verdicts
+    python -m autobalancer.harness.stress.verdicts
 
 Weights that spin faster than the rotor, on several scenes at several steps, each run to its end
 whatever its verdict and compared with the monolith.
@@ -24,7 +24,7 @@ from ..master.resolution import REFUSED, SAID
 from ..output.table import Sheet
 from ..scene import Scene, load_scene
 from ..scene.balancer import WeightBalancer
-from ..stress.case import STATES, TOO_COARSE, deviation
+from .case import STATES, TOO_COARSE, deviation
 
 SCENES = ("two_balls", "drum", "grinder", "balls_and_liquid", "two_plane_rodrigues", "run_up")
 SPINS = (1, 2, 3, 5, 8, 12, 16, 20, 30, 50)  # of the weights, in the rotor's speed
