@@ -118,6 +118,7 @@ def _native(
             input_derivatives=True,
             output_derivatives=1,
             directional_derivatives=True,
+            early_return=unit.unit.returns_early,
             sources=tuple(sources),
         )
         return _described(unit, identifier, fmi, token, can)

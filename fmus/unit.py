@@ -78,6 +78,7 @@ class Unit:
         sizes: its build options.
         variables: all variables of a unit of these sizes, in the order parameters, inputs,
             outputs, observed outputs; raises ValueError where there is no unit of these sizes.
+        returns_early: whether a native step may end before the communication point asked for.
     """
 
     name: str
@@ -85,6 +86,7 @@ class Unit:
     summary: str
     sizes: type[Sizes]
     variables: Callable[[Any], list[Variable]]
+    returns_early: bool = False
 
     def sized(self, options: Mapping[str, Any] | None = None) -> SizedUnit:
         """The unit with options, those left out at their defaults.
