@@ -61,7 +61,7 @@ def _imported(sources, begin):
 
 @pytest.mark.parametrize("unit", CATALOGUE)
 def test_everything_inside_is_imported_at_once_and_under_its_own_name(unit):
-    files = contents(unit)
+    files = contents(unit, backend="python")
     sources = {p: d.decode() for p, d in files.items() if p.endswith(".py")}
     at_once, later = _imported(sources, f"fmus/{CATALOGUE[unit].folder}/slave.py")
     assert later <= at_once  # an import that comes later finds its module there already
@@ -91,7 +91,9 @@ assert unit.do_step(0.0, 1e-3)
 
 @pytest.mark.parametrize("unit", ["LiquidBalancer", "BallBalancer"])
 def test_balancers_run_on_the_bare_standard_library(unit, tmp_path):
-    folder = fmpy.extract(str(build(unit, tmp_path)), unzipdir=str(tmp_path / "unzipped"))
+    folder = fmpy.extract(
+        str(build(unit, tmp_path, backend="python")), unzipdir=str(tmp_path / "unzipped")
+    )
     command = [sys.executable, "-I", "-c", BARE, f"{folder}/resources", unit]
     subprocess.run(command, check=True)
     text = (Path(folder) / "documentation" / "externalDependencies.txt").read_text()
@@ -114,14 +116,14 @@ assert not loaded, loaded
 
 
 def test_older_and_newer_fmu_run_side_by_side(tmp_path, altered):
-    newer = build("LiquidBalancer", tmp_path / "new")
+    newer = build("LiquidBalancer", tmp_path / "new", backend="python")
     older = altered(
         "LiquidBalancer",
         "models/liquid.py",
         "self.density * math.pi * self.chamber_radius**2",
         "3.0 * self.density * math.pi * self.chamber_radius**2",
     )
-    assert content_id(older) != content_id(newer) == identity("LiquidBalancer")
+    assert content_id(older) != content_id(newer) == identity("LiquidBalancer", backend="python")
     assert options_of(older) == options_of(newer)
     for pair in ((older, newer), (newer, older)):
         script = SIDE_BY_SIDE if pair[0] == older else SIDE_BY_SIDE.replace("- 3.0", "- 1 / 3.0")
@@ -129,7 +131,7 @@ def test_older_and_newer_fmu_run_side_by_side(tmp_path, altered):
 
 
 def test_content_id_sees_a_change_that_left_the_guid_alone(tmp_path, rewritten):
-    path = build("LiquidBalancer", tmp_path)
+    path = build("LiquidBalancer", tmp_path, backend="python")
 
     def halve(name, data):
         return name, data.replace(b"-self.sent", b"-0.5 * self.sent")
@@ -158,7 +160,7 @@ def test_options_are_read_from_the_file_as_they_were_built(unit, options, tmp_pa
     ],
 )
 def test_sizes_are_data_beside_the_same_sources(unit, small, large):
-    one, other = contents(unit, **small), contents(unit, **large)
+    one, other = (contents(unit, backend="python", **o) for o in (small, large))
     assert one.keys() == other.keys()
     assert {name for name in one if one[name] != other[name]} == {
         "modelDescription.xml", "documentation/index.html", "resources/options.json",
@@ -167,7 +169,7 @@ def test_sizes_are_data_beside_the_same_sources(unit, small, large):
 
 def test_units_of_two_sizes_run_in_one_process_even_from_one_folder(fmu, host_of):
     """They share every module; what is in the folder when an instance is made is what counts."""
-    two, five = (host_of(fmu("BallBalancer", weights=k)) for k in (2, 5))
+    two, five = (host_of(fmu("BallBalancer", backend="python", weights=k)) for k in (2, 5))
     for host in (two, five):
         host.start()
         host.run(3)
@@ -216,8 +218,17 @@ def test_declarations_need_the_standard_library_alone():
         ("BallBalancer", {"name": "my unit"}, "name = 'my unit': must be letters"),
         ("BallBalancer", {"backend": "c"}, "backend = 'c': must be one of 'python', 'native'"),
         ("BallBalancer", {"fmi": 1}, "fmi = 1: must be one of 2, 3"),
-        ("BallBalancer", {"fmi": 3}, "fmi = 3: Python units are of FMI 2.0 only"),
-        ("BallBalancer", {"platforms": ["linux64"]}, "platforms: only native units"),
+        (
+            "BallBalancer",
+            {"fmi": 3, "backend": "python"},
+            "fmi = 3: Python units are of FMI 2.0 only",
+        ),
+        (
+            "BallBalancer",
+            {"platforms": ["x86_64-linux"], "backend": "python"},
+            "platforms: only native units",
+        ),
+        ("BallBalancer", {"platforms": ["amiga"]}, "platform = 'amiga': must be one of 'x86_64-"),
     ],
 )
 def test_wrong_arguments_are_named_and_write_nothing(unit, options, message, tmp_path):

@@ -169,15 +169,15 @@ def test_weights_that_touch_at_the_start_press_on_each_other_in_the_first_force(
     assert first_contacts(track, angles, [0.0, 0.0, 1.0]) == [1.0, 0.0, 0.0]
 
 
-def test_sixty_four_packed_weights_stay_packed_in_the_fmu(fmu, host_of):
+def test_sixty_four_packed_weights_stay_packed_in_the_fmu(fmu, host_of, backend):
     alpha = math.asin(0.02)
-    host = host_of(fmu("BallBalancer", weights=64))
+    host = host_of(fmu("BallBalancer", backend=backend, weights=64))
     values = {"mass": 1e-3, "track_radius": 0.5, "weight_radius": 0.01, "drag": 1e-3,
               "speed": SPEED, "a_xi": 5.0}  # fmt: skip
     # packed on the side to which they are driven: theta'' = -Im(a e^{-i theta})/(kappa R)
     values |= {f"weight[{k}].angle0": math.pi + alpha * (2 * k - 65) for k in range(1, 65)}
     host.start(**values)
-    shutil.rmtree(f"{host.slave.unzipDirectory}/resources")  # nothing is imported later
+    shutil.rmtree(f"{host.slave.unzipDirectory}/resources", True)  # nothing is read later
     host.run(300, step=5e-3)
     angles = [host[f"weight[{k}].angle"] for k in range(1, 65)]
     host.free()

@@ -103,13 +103,13 @@ def run(script, path, count):
 
 @pytest.mark.parametrize("unit", CATALOGUE)
 def test_thousands_of_instances_and_resets_leave_the_host_alive(unit, tmp_path):
-    done = run(CYCLES, build(unit, tmp_path), 1500)
+    done = run(CYCLES, build(unit, tmp_path, backend="python"), 1500)
     assert (done.returncode, done.stdout) == (0, "alive\n"), done.stderr
 
 
 @pytest.mark.parametrize("unit", CATALOGUE)
 def test_errors_are_logged_with_their_reason_and_leave_the_host_alive(unit, tmp_path):
-    done = run(ERRORS, build(unit, tmp_path), 300)
+    done = run(ERRORS, build(unit, tmp_path, backend="python"), 300)
     assert done.returncode == 0, done.stderr
     assert done.stdout.endswith("alive\n")
     first = {"LiquidBalancer": "chamber_radius = -1.0 m"}.get(unit, "mass = -1.0 kg")
@@ -151,7 +151,7 @@ print("alive")
 
 @pytest.mark.parametrize("unit", CATALOGUE)
 def test_unpacked_folder_may_vanish_while_the_unit_runs(unit, tmp_path):
-    done = run(VANISHED, build(unit, tmp_path), 1)
+    done = run(VANISHED, build(unit, tmp_path, backend="python"), 1)
     assert (done.returncode, done.stdout) == (0, "alive\n"), done.stderr
 
 
@@ -180,14 +180,14 @@ ctypes.CDLL = Recorded
 
 @pytest.mark.skipif(sys.platform != "linux", reason="the library's destructor is Linux only")
 def test_library_still_loaded_at_the_end_of_the_host_is_settled_and_no_other(tmp_path):
-    done = run(ENDING, build("LiquidBalancer", tmp_path), 1)
+    done = run(ENDING, build("LiquidBalancer", tmp_path, backend="python"), 1)
     assert done.returncode == 0, done.stderr
     assert done.stdout == "['binaries/linux64/LiquidBalancer.so']\n"
 
 
 @pytest.mark.skipif(not shutil.which("valgrind"), reason="needs valgrind")
 def test_library_does_not_touch_freed_memory_when_the_host_ends(tmp_path):
-    path = build("LiquidBalancer", tmp_path)
+    path = build("LiquidBalancer", tmp_path, backend="python")
     report = tmp_path / "valgrind.log"
     command = ["valgrind", "--error-limit=no", f"--log-file={report}"]
     command += [sys.executable, "-c", HOST + "slave.instantiate()\nstart()\nfree()", path, "1"]

@@ -7,6 +7,7 @@ import shutil
 import subprocess
 import zipfile
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 
 import fmpy
@@ -68,20 +69,7 @@ class Packager:
 
     def token(self, unit: str, **options: object) -> str:
         """GUID of a native unit."""
-        return token(unit, self.options(unit, **options), STAMP)
-
-    def options(self, unit: str, **options: object) -> dict[str, object]:
-        """All options of a unit, those not given as `build` has them."""
-        own = {"frame": "rotor"}
-        if unit == "BallBalancer":
-            own["weights"] = 2
-        if unit == "RotorOnSupports":
-            own |= {"kind": "planar", "stations": 1, "planes": 1}
-            if options.get("kind", "planar") != "planar":
-                own["unbalances"] = 1
-            if options.get("kind") == "flexible":
-                own["shaft"] = "uniform"
-        return own | options
+        return token(sized_unit(unit, **options), STAMP)
 
     def native(self, unit: str, **options: object) -> Path:
         """A native FMU for FMI 2.0."""
@@ -92,13 +80,13 @@ class Packager:
         return self._once("python", unit, options)
 
     def layout(self, unit: str, **options: object):
-        return sized_unit(unit, **self.options(unit, **options)).layout
+        return sized_unit(unit, **options).layout
 
     def _once(self, runtime: str, unit: str, options: dict) -> Path:
         key = (runtime, unit, *sorted(options.items()))
         if key not in self._built:
             folder = self.folder / f"{runtime}-{next(self._numbers)}"
-            made = self._native if runtime == "native" else build
+            made = self._native if runtime == "native" else partial(build, backend="python")
             self._built[key] = made(unit, folder, **options)
         return self._built[key]
 

@@ -198,7 +198,7 @@ class Orders:
         """An instance of a unit, not initialised."""
         self.layouts.append(sized_unit(unit, **options).layout)
         number = len(self.layouts) - 1
-        self.lines.append(f"new {number} {token(unit, options, stamp())}")
+        self.lines.append(f"new {number} {token(sized_unit(unit, **options), stamp())}")
         return number
 
     def set(self, unit: int, **values: float) -> None:

@@ -138,7 +138,7 @@ def test_a_platform_that_does_not_exist_is_refused(tmp_path):
     with pytest.raises(ValueError, match=r"'amiga': must be one of 'x86_64-linux'"):
         native("LiquidBalancer", tmp_path, platforms=["amiga"])
     with pytest.raises(ValueError, match=r"platforms.*native units"):
-        build("LiquidBalancer", tmp_path, platforms=["x86_64-linux"])
+        build("LiquidBalancer", tmp_path, backend="python", platforms=["x86_64-linux"])
     assert list(tmp_path.iterdir()) == []
 
 

@@ -256,7 +256,7 @@ def test_command_writes_what_is_asked_and_ends_with_the_cheapest_way(tmp_path, m
     scene.write_text(source.replace("revolutions = 20", "revolutions = 1"), encoding="utf-8")
     target = tmp_path / "rows.json"
     few = [*CUBIC, *HELD, Method("monolith LSODA", tolerance=1e-4)]
-    monkeypatch.setattr("autobalancer.harness.precision.all_methods", lambda _scene: few)
+    monkeypatch.setattr("autobalancer.harness.precision.measure.all_methods", lambda _scene: few)
     done = CliRunner().invoke(
         app, ["precision", str(scene), "--seconds", "10", "--json", str(target)]
     )
