@@ -16,6 +16,7 @@ from ...models.monolith import ReferenceDisagreement, reference, simulate
 from ...models.reference.coupled import Start
 from ..errors import SimulationError, UserError
 from ..master.cosimulation import cosimulate
+from ..master.resolution import SAID
 from ..master.result import Result
 from ..scene import Scene
 from .draw import draw
@@ -104,7 +105,7 @@ def _compared(scene: Scene, verdict: Verdict) -> Verdict:
         verdict,
         error=errors[where],
         where=where,
-        stated=result.estimated_error,
+        stated=result.estimated_error if result.estimated_error >= SAID else 0.0,
         words="; ".join(result.events),
     )
     outcome = classify(verdict, scene.coupling.tolerance)

@@ -52,7 +52,7 @@ def test_a_disturbance_grows_at_the_rate_of_the_linearised_motion():
 
 
 def test_an_altered_motion_is_found_out(monkeypatch):
-    """A run whose rotor is moves twice as far is gross, and nothing else is."""
+    """A run whose rotor moves twice as far is gross, and nothing else is."""
     from autobalancer.harness.truth import judge as module
 
     honest = judge("planar", 3, 4)
