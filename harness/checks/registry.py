@@ -19,6 +19,7 @@ from .largest_spread import check_largest_spread
 from .liquid_window import check_liquid_window
 from .ranking import check_ranking
 from .row import Row
+from .runtimes import check_runtimes
 from .slow_root import check_slow_root
 
 # (scene, check, progress) -> rows; with `SPLIT` also the options of one of its parts
@@ -29,6 +30,7 @@ CHECKS: dict[str, Callable[..., Iterator[Row]]] = {
     "capacity": check_capacity,
     "goncharov_table": check_sizes,
     "contact_order": check_contact_order,
+    "runtimes": check_runtimes,
 }
 # (scene, check, progress, workers) -> rows: they share their runs among the workers themselves
 SHARING: dict[str, Callable[..., Iterator[Row]]] = {

@@ -152,6 +152,14 @@ class ContactOrderCheck(Table):
         return self
 
 
+class RuntimesCheck(Table):
+    """Native units against the units in Python, to rounding."""
+
+    kind: Literal["runtimes"]
+    revolutions: Positive = 20.0
+    """Length of the two runs."""
+
+
 AnyCheck = Annotated[
     LiquidWindowCheck
     | CriticalSpeedsCheck
@@ -161,6 +169,7 @@ AnyCheck = Annotated[
     | RankingCheck
     | SlowRootCheck
     | LargestSpreadCheck
-    | ContactOrderCheck,
+    | ContactOrderCheck
+    | RuntimesCheck,
     Field(discriminator="kind"),
 ]

@@ -1,0 +1,41 @@
+"""Native units against the units that run Python: two programs of the same equations."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from ..master.cosimulation import cosimulate
+from ..master.runtime import runtime
+from ..output.workers import Progress
+from ..scene import Scene
+from ..scene.check import RuntimesCheck
+from .row import Row, Rows
+
+ROUNDING = 1e-12  # of a signal's range: sums in another order, over some ten thousand steps
+SOURCE = "the same scene on the units in Python"
+
+
+def check_runtimes(scene: Scene, check: RuntimesCheck, progress: Progress) -> Iterator[Row]:
+    """Every recorded signal of a run on native units, over its own range.
+
+    Raises:
+        SimulationError: a run cannot be completed.
+    """
+    rows = Rows(scene.name, check.kind)
+    quantity = f"native and Python units over {check.revolutions:g} revolutions"
+    served = runtime("native")
+    if served.backend != "native":
+        yield rows.statement(quantity, "compared", f"not compared: {served.note}", False, SOURCE)
+        return
+    short = scene.replace({"run.revolutions": check.revolutions})
+    native, python = (
+        cosimulate(short.replace({"coupling.units": u})) for u in ("native", "python")
+    )
+    worst = 0.0
+    for name, expected in python.signals.items():
+        size = float(np.ptp(expected)) or float(np.abs(expected).max()) or 1.0
+        worst = max(worst, float(np.abs(native[name] - expected).max()) / size)
+    label = f"{quantity}: worst of {len(python.signals)} signals, of its range"
+    yield rows.number(label, 0.0, worst, ROUNDING, SOURCE, 1.0)
