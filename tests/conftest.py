@@ -16,6 +16,12 @@ if TYPE_CHECKING:  # loaded where it is used: tests of the models alone need no 
     from autobalancer.harness.master.result import Result
 
 
+@pytest.fixture(autouse=True)
+def _no_narrow_terminal(monkeypatch):
+    """Tables as wide as in a pipe, whatever the terminal the tests run in."""
+    monkeypatch.delenv("COLUMNS", raising=False)
+
+
 @cache
 def _motion(name: str, changes: tuple, times: tuple[float, ...], signals: tuple[str, ...]):
     from autobalancer.harness import load_scene
