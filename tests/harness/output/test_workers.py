@@ -83,6 +83,13 @@ def test_after_a_failure_nothing_more_is_begun(tmp_path):
     assert len(os.listdir(tmp_path)) < 10
 
 
+def test_after_a_failure_an_executor_of_the_callers_begins_nothing_more_either(tmp_path):
+    items = [(str(tmp_path), number) for number in range(40)]
+    with ThreadPoolExecutor(1) as executor, pytest.raises(SimulationError, match="the first"):
+        in_order(note, items, executor)
+    assert len(os.listdir(tmp_path)) < 10
+
+
 def test_a_process_ended_from_outside_is_an_error_in_words():
     with pytest.raises(SimulationError, match="a process that did the work was ended"):
         in_order(end_process, [1, 2], 2)
