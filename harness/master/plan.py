@@ -182,16 +182,19 @@ def _built(backend: Backend) -> Path:
 
 
 def find_or_build(
-    units: Iterable[UnitPlan], fmus: Path | None = None, backend: Backend = "native"
+    units: Iterable[UnitPlan], fmus: Path | None = None, backend: Backend | None = None
 ) -> list[Path]:
     """The FMU file of every unit: found in `fmus`, or built once a process, for this machine.
 
+    Args:
+        backend: of those that are built; by default native ones where they can be had.
+
     Raises:
         UnitError: `fmus` is given and lacks a file.
-        NotCompiled: there is no native library for this machine; `runtime` tells beforehand.
     """
     if fmus is not None:
         return [_found(unit, fmus) for unit in units]
+    backend = backend or runtime("native").backend
     paths = [(unit, _built(backend) / unit.file_name) for unit in units]
     platforms = [platform_tuple] if backend == "native" else None
     for unit, path in paths:

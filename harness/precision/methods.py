@@ -13,6 +13,7 @@ from ...models.reference.coupled import Monolith, Start
 from ..errors import SimulationError
 from ..master.cosimulation import CoSimulation
 from ..master.recorder import Recorder
+from ..master.runtime import Backend
 from ..master.schedule import end_time
 from ..scene import Scene
 from .fixed_axes import FixedAxesRunner
@@ -22,6 +23,7 @@ from .runner import Array, Run, Runner
 EXPLICIT_STEPS = (10, 20, 40, 80, 160)
 ITERATED_STEPS = (8, 10, 14, 20, 28, 40, 80)
 COMPENSATED_STEPS = (8, 10, 12, 14, 20, 28, 32, 40, 80)
+PYTHON_STEPS = (20, 40)  # the same digits as native units, at another price
 TOLERANCES = (1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7)
 SOLVERS: dict[str, tuple[float, ...]] = {
     "RK45": tuple(10.0**-k for k in range(3, 10)),
@@ -43,6 +45,7 @@ class Method:
         steps_per_rev: communication steps a revolution.
         corrections: corrector passes; None with `iterated`: until the loop has converged.
         tolerance: of the tolerance-driven step, or SciPy's rtol.
+        units: "native", or "python" for those that run Python.
     """
 
     name: str
@@ -50,6 +53,7 @@ class Method:
     steps_per_rev: int | None = None
     corrections: int | None = None
     tolerance: float | None = None
+    units: Backend = "native"
 
     @property
     def family(self) -> str:
@@ -62,6 +66,8 @@ class Method:
             words.append(passes.get(self.corrections, f"{self.corrections} passes"))
         if self.name == "iterated" and self.tolerance is not None:
             words.append("tolerance")
+        if self.units == "python":
+            words.append("on Python units")
         return " ".join(words)
 
     @property
@@ -132,7 +138,8 @@ def coupling_methods(exchanges_force: bool) -> list[Method]:
     found += [Method("compensated", 3, n) for n in COMPENSATED_STEPS]
     found += [Method("iterated", o, n, 1) for o in (0, 1) for n in EXPLICIT_STEPS]
     found += [Method("iterated", 3, n, passes) for passes in (1, None) for n in ITERATED_STEPS]
-    return found + [Method("iterated", 3, tolerance=t) for t in TOLERANCES]
+    found += [Method("iterated", 3, tolerance=t) for t in TOLERANCES]
+    return found + [Method("compensated", 3, n, units="python") for n in PYTHON_STEPS]
 
 
 def monolith_methods() -> list[Method]:
@@ -147,6 +154,7 @@ def coupled_scene(scene: Scene, method: Method) -> Scene:
         "coupling.scheme": method.name,
         "coupling.order": 3 if method.order is None else method.order,
         "coupling.corrections": method.corrections,
+        "coupling.units": method.units,
     }
     step = {
         "coupling.steps_per_rev": method.steps_per_rev,
