@@ -42,6 +42,9 @@ class Commands(TyperGroup):
         except SimulationError as error:
             say(str(error), error=True)
             raise typer.Exit(1) from error
+        except (ArithmeticError, RecursionError) as error:
+            say(f"numbers too large or too small to compute with: {error}", error=True)
+            raise typer.Exit(1) from error
         except MemoryError as error:
             say("not enough memory for this", error=True)
             raise typer.Exit(1) from error

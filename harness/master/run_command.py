@@ -17,6 +17,9 @@ if TYPE_CHECKING:
     from .result import Result
 
 
+_LONGEST_SHOWN = 200  # characters of what was typed
+
+
 def command(
     scene: Annotated[str, options.SCENE],
     output: Annotated[
@@ -74,11 +77,15 @@ def parse_change(text: str) -> tuple[str, Any]:
     try:
         if not (key and equals and value):
             raise ValueError
-        return key, tomllib.loads(f"value = {value}")["value"]
-    except ValueError as error:
+        document = tomllib.loads(f"value = {value}")
+        if document.keys() != {"value"}:  # a line break, and an assignment after it
+            raise ValueError
+        return key, document["value"]
+    except (ValueError, RecursionError) as error:
+        shown = text if len(text) <= _LONGEST_SHOWN else f"{text[:_LONGEST_SHOWN]}..."
         raise UserError(
-            f"--set {text}: must be KEY=VALUE with a value as in a scene file, such as "
-            "rotor.unbalance=0.1 or 'coupling.scheme=\"jacobi\"'"
+            f"--set {' '.join(shown.splitlines())}: must be KEY=VALUE with one value as in "
+            "a scene file, such as rotor.unbalance=0.1 or 'coupling.scheme=\"jacobi\"'"
         ) from error
 
 

@@ -15,6 +15,7 @@ from ..output.terminal import progress_bar, ready_to_write, say
 if TYPE_CHECKING:
     from .map import StabilityMap
 
+_MOST_SAID = 10  # points without a growth rate
 AXIS = "PATH=LOW:HIGH:N[:log]"
 
 
@@ -70,7 +71,7 @@ def _say(data: StabilityMap) -> None:
     import numpy as np
 
     growth = data.growth
-    none = int(np.isnan(growth).sum())
+    none = int(np.isnan(growth).sum()) - len(data.failed)
     say(
         f"{growth.size} points: {int((growth <= 0.0).sum())} balanced, "
         f"{int((growth > 0.0).sum())} not, {none} where the weights cannot balance"
@@ -79,10 +80,12 @@ def _say(data: StabilityMap) -> None:
         say(f"criterion: does not apply: {data.no_criterion}")
     if data.points:
         say(f"{data.agreeing} of {len(data.points)} co-simulated points agree with Floquet")
-    for point in data.points:
+    for point in (*data.points, *data.failed[:_MOST_SAID]):
         if point.refusal:
             place = ", ".join(
                 f"{axis.path} = {axis.values[i]:.4g}"
                 for axis, i in ((data.x, point.x), (data.y, point.y))
             )
             say(f"no verdict at {place}: {point.refusal}", style="yellow")
+    if len(data.failed) > _MOST_SAID:
+        say(f"and at {len(data.failed) - _MOST_SAID} more", style="yellow")

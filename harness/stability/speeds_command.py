@@ -40,16 +40,19 @@ def command(
     """Find the speeds at which balancing begins or ends."""
     from ..master.plan import plan
     from ..scene import load_scene
-    from .boundaries import speeds
+    from .boundaries import METHODS, speeds
 
     if narrowest is not None and not narrowest > 0.0:
         raise UserError(f"--narrowest {narrowest:g} rad/s: must be positive")
+    names = [name.strip() for name in method.split(",") if name.strip()]
+    if not names:
+        raise UserError(f"--method {method!r}: name at least one of {', '.join(METHODS)}")
     loaded = load_scene(scene)
     with progress_bar(f"critical speeds of {loaded.name}") as progress:
         found = speeds(
             loaded,
             range_,
-            [name.strip() for name in method.split(",") if name.strip()],
+            names,
             narrowest=narrowest,
             scan=scan,
             workers=os.cpu_count() or 1,
