@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from ..errors import UserError
-from ..output import options
+from ..output import costs, options
 from ..output.table import Sheet
 from ..output.terminal import progress_bar, say, say_facts, show
 
@@ -30,6 +30,7 @@ def command(
     fmus: Annotated[
         Path | None, typer.Option(metavar="DIR", help="Use the FMUs there, build none.")
     ] = None,
+    at_most: Annotated[str, options.at_most()] = costs.DEFAULT,
 ) -> None:
     """Run a scene by co-simulation."""
     from .cosimulation import cosimulate
@@ -38,7 +39,9 @@ def command(
     if fmus is not None and not fmus.is_dir():
         raise UserError(f"{fmus}: is not a directory with FMUs")
     with progress_bar(f"running {loaded.name}") as progress:
-        result = cosimulate(loaded, fmus=fmus, progress=progress)
+        key = f"run.revolutions = {loaded.run.revolutions:g}"
+        limited = costs.within(at_most, key, progress)
+        result = cosimulate(loaded, fmus=fmus, progress=limited)
     show(summary(result))
     say_facts(result.units, result.left_out)
     say(

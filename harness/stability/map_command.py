@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from ..errors import UserError
-from ..output import options
+from ..output import costs, options
 from ..output.terminal import progress_bar, ready_to_write, say
 
 if TYPE_CHECKING:
@@ -30,6 +30,7 @@ def command(
     cosim: Annotated[
         int, typer.Option(min=0, metavar="K", help="Co-simulate K points of the map, too.")
     ] = 0,
+    at_most: Annotated[str, options.at_most()] = costs.DEFAULT,
 ) -> None:
     """Draw where balancing is stable over two parameters, by criterion, Floquet and the units."""
     from ..scene import load_scene
@@ -52,7 +53,7 @@ def command(
             *axes,
             cosim=cosim,
             workers=os.cpu_count() or 1,
-            progress=progress,
+            progress=costs.within(at_most, f"--x {x} --y {y} --cosim {cosim}", progress),
         )
     _say(data)
     if cosim:

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from ..errors import UserError
-from ..output import options
+from ..output import costs, options
 from ..output.files import write_json
 from ..output.table import GOOD, Sheet
 from ..output.terminal import progress_bar, say, show
@@ -36,6 +36,7 @@ def command(
         float | None,
         typer.Option(help="Width of a band Floquet must not miss [rad/s]; default: range/1000."),
     ] = None,
+    at_most: Annotated[str, options.at_most()] = costs.DEFAULT,
 ) -> None:
     """Find the speeds at which balancing begins or ends."""
     from ..master.plan import plan
@@ -48,6 +49,7 @@ def command(
     if not names:
         raise UserError(f"--method {method!r}: name at least one of {', '.join(METHODS)}")
     loaded = load_scene(scene)
+    low, high = range_
     with progress_bar(f"critical speeds of {loaded.name}") as progress:
         found = speeds(
             loaded,
@@ -56,7 +58,7 @@ def command(
             narrowest=narrowest,
             scan=scan,
             workers=os.cpu_count() or 1,
-            progress=progress,
+            progress=costs.within(at_most, f"--range {low:g} {high:g} --scan {scan}", progress),
         )
     show(table(found, loaded.heading))
     for name, side in found.lowest.items():
