@@ -2,11 +2,12 @@
 
 A command is a file in the folder of its feature with a function `command`; it is registered below.
 Wrong input ends with one message and exit code 2, a row that does not hold or a run that cannot be
-completed with exit code 1, Ctrl-C with 130.
+completed with exit code 1, Ctrl-C with 130, SIGTERM with 143.
 """
 
 from __future__ import annotations
 
+import errno
 import signal
 from typing import Any
 
@@ -19,6 +20,7 @@ from .design import command as design
 from .errors import SimulationError, UserError
 from .master import build_command as build
 from .master import run_command as run
+from .output.interrupts import Interrupted, interruptible, temporary_files
 from .output.terminal import say
 from .precision import command as precision
 from .rotor import command as rotor
@@ -32,16 +34,31 @@ class Commands(TyperGroup):
 
     def invoke(self, ctx: Any) -> Any:
         try:
-            return super().invoke(ctx)
+            with interruptible():
+                return super().invoke(ctx)
         except UserError as error:
             say(str(error), error=True)
             raise typer.Exit(2) from error
         except SimulationError as error:
             say(str(error), error=True)
             raise typer.Exit(1) from error
-        except KeyboardInterrupt as interrupt:
-            say("interrupted", error=True)
-            raise typer.Exit(128 + signal.SIGINT) from interrupt
+        except (ArithmeticError, RecursionError) as error:
+            say(f"numbers too large or too small to compute with: {error}", error=True)
+            raise typer.Exit(1) from error
+        except MemoryError as error:
+            say("not enough memory for this", error=True)
+            raise typer.Exit(1) from error
+        except OSError as error:
+            if error.errno == errno.EPIPE:  # nobody reads on: typer ends without a word
+                raise
+            place = f"{error.filename}: " if error.filename else ""
+            say(f"{place}{error.strerror or error}", error=True)
+            raise typer.Exit(2) from error
+        except (Interrupted, KeyboardInterrupt) as interrupt:
+            if not isinstance(interrupt, Interrupted):
+                interrupt = Interrupted(signal.SIGINT)
+            say(interrupt.words, error=True)
+            raise typer.Exit(interrupt.exit_code) from interrupt
 
 
 app = typer.Typer(
@@ -74,4 +91,5 @@ app.command("stress")(stress.command)
 
 def main() -> None:
     """Entry point of `autobalancer`."""
-    app()
+    with temporary_files():
+        app()

@@ -12,6 +12,7 @@ from ..output import options
 from ..output.files import write_json
 from ..output.table import Sheet
 from ..output.terminal import console, progress_bar, say, show
+from ..output.words import printable
 
 if TYPE_CHECKING:
     from .cycles import BalancingReport, Cycle, Technology
@@ -45,7 +46,7 @@ def command(
 def _print(result: BalancingReport) -> None:
     from rich.markup import escape
 
-    console().print(escape(result.title), style="bold")
+    console().print(escape(printable(result.title)), style="bold")
     shares = ", ".join(f"{share:.4g}" for share in result.at_supports)
     say(
         f"{result.grade} permits {result.permissible:.4g} kg m, {shares} kg m at the supports; "

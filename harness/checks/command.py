@@ -4,12 +4,15 @@ from __future__ import annotations
 
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
+from urllib.parse import quote
 
 import typer
 
+from ..errors import SimulationError
 from ..output import options
 from ..output.files import write_json, write_whole
 from ..output.terminal import directory_to_fill, progress_bars, say, say_facts, show
+from ..output.words import in_link, in_markdown
 
 if TYPE_CHECKING:
     from ..scene import Scene
@@ -56,16 +59,19 @@ def command(
 def _write_report(
     scenes: list[Scene], results: list[SceneReport], rows: list[Row], directory: Path
 ) -> None:
-    from .pictures import draw_pictures
+    from .pictures import draw_pictures, unique_names
     from .report import as_json, markdown
 
     text = markdown(rows)
     with progress_bars() as bars:
-        for scene, result in zip(scenes, results, strict=True):
+        for scene, result, name in zip(scenes, results, unique_names(scenes), strict=True):
             task = bars.add_task(f"drawing {scene.name}", total=None)
             if all(row.quantity != "run" for row in result.rows):
-                for picture in draw_pictures(scene, directory):
-                    text += f"\n![{scene.title}]({picture.name})\n"
+                try:
+                    for picture in draw_pictures(scene, directory, name):
+                        text += f"\n![{in_link(scene.title)}]({quote(picture.name)})\n"
+                except SimulationError as error:  # the rows stand all the same
+                    text += f"\nNo picture of {in_markdown(scene.heading)}: {error}\n"
             bars.remove_task(task)
     with write_whole(directory / "report.md") as stream:
         stream.write(text)

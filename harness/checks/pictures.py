@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -46,15 +47,30 @@ class WindowCurves:
     gap: float
 
 
-def draw_pictures(scene: Scene, directory: Path) -> list[Path]:
-    """One picture for every check that has one, in `directory`.
+def unique_names(scenes: Sequence[Scene]) -> list[str]:
+    """A name for the files of every scene: its own, numbered where others share it."""
+    taken: dict[str, list[Path | None]] = {}
+    names = []
+    for scene in scenes:
+        place = scene.path.resolve() if scene.path else None
+        places = taken.setdefault(scene.name, [])
+        if place not in places:
+            places.append(place)
+        number = places.index(place) + 1
+        names.append(scene.name if number == 1 else f"{scene.name}-{number}")
+    return names
+
+
+def draw_pictures(scene: Scene, directory: Path, name: str | None = None) -> list[Path]:
+    """One picture for every check that has one, in `directory`, called `name` or as the scene.
 
     Raises:
         UserError: a file cannot be written.
+        SimulationError: a run for it cannot be completed.
     """
     return [
         plot_liquid_window(
-            window_curves(scene, check), directory / f"{scene.name}_{check.kind}.png"
+            window_curves(scene, check), directory / f"{name or scene.name}_{check.kind}.png"
         )
         for check in scene.check
         if isinstance(check, LiquidWindowCheck)

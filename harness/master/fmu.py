@@ -1,7 +1,7 @@
 """One FMU instance behind arrays of its own, so that a call costs a C call and nothing else.
 
-fmpy loads the library and declares its functions; its wrappers build ctypes arrays at every call,
-so the functions are called directly here with buffers made once.
+`Library` loads the library and declares its functions, which are called directly here with buffers
+made once: fmpy's wrappers build ctypes arrays at every call.
 """
 
 from __future__ import annotations
@@ -20,6 +20,7 @@ from fmpy import fmi2
 from fmpy.model_description import ModelDescription
 
 from ..errors import SimulationError, UnitError
+from .library import Library
 from .names import readable
 
 if TYPE_CHECKING:
@@ -112,14 +113,10 @@ class Fmu(Closing):
         callbacks.allocateMemory = fmi2.defaultCallbacks.allocateMemory
         callbacks.freeMemory = fmi2.defaultCallbacks.freeMemory
         try:
-            self.fmu = fmi2.FMU2Slave(
-                guid=self.description.guid,
-                unzipDirectory=self._directory,
-                modelIdentifier=self.description.coSimulation.modelIdentifier,
-                instanceName=self.name,
-            )
-            self.fmu.instantiate(callbacks=callbacks, loggingOn=True)
-        except Exception as error:
+            self.fmu = Library(self._directory, self.description.coSimulation.modelIdentifier)
+            self._callbacks = callbacks  # kept alive for the C side
+            self.fmu.instantiate(self.name, self.description.guid, callbacks)
+        except (OSError, AttributeError) as error:
             raise UnitError(
                 f"{self.path}: cannot be instantiated: {self._reason(error)}"
             ) from error
@@ -268,5 +265,5 @@ class Fmu(Closing):
         """Free the instance and remove the extracted files."""
         if self._alive:
             self._alive = False
-            self.fmu.freeInstance()
+            self.fmu.free()
         shutil.rmtree(self._directory, ignore_errors=True)

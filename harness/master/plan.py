@@ -9,6 +9,7 @@ from __future__ import annotations
 import atexit
 import shutil
 import tempfile
+import threading
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from functools import cache
@@ -27,6 +28,7 @@ from .names import AXES, by_unit, components, plane, stations
 from .runtime import Backend, runtime
 
 ROTOR = "rotor"
+_BUILDING = threading.Lock()  # a unit is built once, however many threads want it
 Kind = Literal["signal", "value", "mass"]
 
 
@@ -195,11 +197,12 @@ def find_or_build(
     if fmus is not None:
         return [_found(unit, fmus) for unit in units]
     backend = backend or runtime("native").backend
-    paths = [(unit, _built(backend) / unit.file_name) for unit in units]
     platforms = [platform_tuple] if backend == "native" else None
-    for unit, path in paths:
-        if not path.exists():
-            build(unit.model, path, backend=backend, platforms=platforms, **unit.sizes)
+    with _BUILDING:
+        paths = [(unit, _built(backend) / unit.file_name) for unit in units]
+        for unit, path in paths:
+            if not path.exists():
+                build(unit.model, path, backend=backend, platforms=platforms, **unit.sizes)
     return [path for _, path in paths]
 
 

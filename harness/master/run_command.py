@@ -8,13 +8,16 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from ..errors import UserError
-from ..output import options
+from ..output import costs, options
 from ..output.table import Sheet
 from ..output.terminal import progress_bar, say, say_facts, show
 
 if TYPE_CHECKING:
     from ..scene import Scene
     from .result import Result
+
+
+_LONGEST_SHOWN = 200  # characters of what was typed
 
 
 def command(
@@ -27,6 +30,7 @@ def command(
     fmus: Annotated[
         Path | None, typer.Option(metavar="DIR", help="Use the FMUs there, build none.")
     ] = None,
+    at_most: Annotated[str, options.at_most()] = costs.DEFAULT,
 ) -> None:
     """Run a scene by co-simulation."""
     from .cosimulation import cosimulate
@@ -35,7 +39,9 @@ def command(
     if fmus is not None and not fmus.is_dir():
         raise UserError(f"{fmus}: is not a directory with FMUs")
     with progress_bar(f"running {loaded.name}") as progress:
-        result = cosimulate(loaded, fmus=fmus, progress=progress)
+        key = f"run.revolutions = {loaded.run.revolutions:g}"
+        limited = costs.within(at_most, key, progress)
+        result = cosimulate(loaded, fmus=fmus, progress=limited)
     show(summary(result))
     say_facts(result.units, result.left_out)
     say(
@@ -74,11 +80,15 @@ def parse_change(text: str) -> tuple[str, Any]:
     try:
         if not (key and equals and value):
             raise ValueError
-        return key, tomllib.loads(f"value = {value}")["value"]
-    except ValueError as error:
+        document = tomllib.loads(f"value = {value}")
+        if document.keys() != {"value"}:  # a line break, and an assignment after it
+            raise ValueError
+        return key, document["value"]
+    except (ValueError, RecursionError) as error:
+        shown = text if len(text) <= _LONGEST_SHOWN else f"{text[:_LONGEST_SHOWN]}..."
         raise UserError(
-            f"--set {text}: must be KEY=VALUE with a value as in a scene file, such as "
-            "rotor.unbalance=0.1 or 'coupling.scheme=\"jacobi\"'"
+            f"--set {' '.join(shown.splitlines())}: must be KEY=VALUE with one value as in "
+            "a scene file, such as rotor.unbalance=0.1 or 'coupling.scheme=\"jacobi\"'"
         ) from error
 
 

@@ -3,9 +3,12 @@
 from __future__ import annotations
 
 import contextlib
+import errno
 import json
 import math
 import os
+import re
+import sys
 import tempfile
 from collections.abc import Iterator
 from pathlib import Path
@@ -13,6 +16,9 @@ from typing import IO, Any
 
 from ..errors import UserError
 
+_DESCRIPTOR = re.compile(r"/dev/(?P<name>stdout|stderr)$|(?:/dev|/proc/self)/fd/(?P<number>\d+)$")
+_STANDARD = {"stdout": 1, "stderr": 2}
+_LONGEST_NAME = 255  # bytes, on every usual file system
 PICTURES = ("png", "svg", "pdf")
 
 
@@ -35,15 +41,18 @@ def write_whole(path: str | Path, mode: str = "w") -> Iterator[IO[Any]]:
     A device or pipe is written to as it is: moving a file there would replace it.
 
     Raises:
-        UserError: the directory is missing, not writable, or the disk is full; nothing is left.
+        UserError: the directory is missing, not writable, or the disk is full, or the file that is
+            there is write-protected; nothing is left.
     """
-    target = Path(os.path.realpath(path))  # a link stays a link
     text: dict[str, Any] = {} if "b" in mode else {"encoding": "utf-8", "newline": ""}
     try:
-        if target.exists() and not target.is_file():
-            with open(target, mode, **text) as stream:
+        straight = _straight(path)
+        if straight is not None:
+            with open(straight, mode, **text) as stream:
                 yield stream
             return
+        target = Path(os.path.realpath(path))  # a link stays a link
+        _refuse_protected(target)
         handle, temporary = tempfile.mkstemp(
             dir=target.parent, prefix=f".{target.name}-", suffix=target.suffix
         )
@@ -60,6 +69,51 @@ def write_whole(path: str | Path, mode: str = "w") -> Iterator[IO[Any]]:
             raise
     except OSError as error:
         raise UserError(f"{path}: cannot be written: {error.strerror or error}") from error
+
+
+def refuse_unwritable(path: Path) -> None:
+    """Refuse now what `write_whole` would refuse in the end: a file is begun there, and dropped.
+
+    Raises:
+        UserError: as `write_whole`.
+    """
+    try:
+        if path.is_dir():
+            raise IsADirectoryError(errno.EISDIR, "it is a directory")
+        if not path.parent.is_dir():
+            raise FileNotFoundError(errno.ENOENT, f"there is no directory {path.parent}")
+        if (path.exists() and not path.is_file()) or _DESCRIPTOR.match(str(path)):
+            return  # to open a pipe would have its reader begin
+        target = Path(os.path.realpath(path))
+        _refuse_protected(target)
+        with tempfile.TemporaryFile(dir=target.parent):
+            pass
+        if len(os.fsencode(f".{target.name}-12345678{target.suffix}")) > _LONGEST_NAME:
+            raise OSError(errno.ENAMETOOLONG, "its name is too long")
+    except (OSError, ValueError) as error:
+        reason = getattr(error, "strerror", None) or error
+        raise UserError(f"{path}: cannot be written: {reason}") from error
+
+
+def _refuse_protected(target: Path) -> None:
+    """A file whose owner took the right to write it is not replaced, whoever runs the program."""
+    if target.exists() and not (os.access(target, os.W_OK) and target.stat().st_mode & 0o222):
+        raise PermissionError(errno.EACCES, "it is write-protected")
+
+
+def _straight(path: str | Path) -> str | int | None:
+    """What to open where nothing is to be replaced: a device, a pipe, an open file; None else.
+
+    /dev/stdout may itself be a file: it is written on where it stands, not from its beginning.
+    """
+    open_file = _DESCRIPTOR.match(str(path))
+    if open_file:
+        number = _STANDARD.get(open_file["name"]) or int(open_file["number"])
+        for stream in (sys.stdout, sys.stderr):
+            if stream is not None:
+                stream.flush()
+        return os.dup(number)
+    return str(path) if os.path.exists(path) and not os.path.isfile(path) else None
 
 
 def _permissions(target: Path) -> int:

@@ -45,6 +45,11 @@ def markdown(what: str) -> Any:
     return output("", f"Also write {what}.", "--markdown")
 
 
+def at_most() -> Any:
+    """`--at-most TIME`."""
+    return typer.Option("--at-most", metavar="TIME", help="Refuse what takes longer: 30m, 2h, 1d.")
+
+
 def changes(example: str) -> Any:
     """`--set KEY=VALUE`, as often as wanted."""
     return typer.Option("--set", metavar="KEY=VALUE", help=f"Replace a value: {example}")

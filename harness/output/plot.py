@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from ..errors import UserError
 from .files import picture_format, write_whole
+from .words import printable
 
 Signal = NDArray[np.float64]
 Signals = Mapping[str, Signal]
@@ -29,6 +30,10 @@ def save(figure: Figure, path: Path) -> Path:
         UserError: the format is unknown, or the file cannot be written.
     """
     kind = picture_format(path)
+    for text in (figure._suptitle, *(axes.title for axes in figure.axes)):  # type: ignore[attr-defined]
+        if text is not None:
+            text.set_parse_math(False)  # a title's $ is a $
+            text.set_text(printable(text.get_text()))
     with write_whole(path, "wb") as stream:
         figure.savefig(stream, format=kind, dpi=150)
     return path

@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from .files import write_whole
+from .words import in_markdown, printable
 
 if TYPE_CHECKING:
     from rich.table import Table
@@ -54,7 +55,7 @@ class Sheet:
         from rich.table import Table
         from rich.text import Text
 
-        table = Table(title=escape(self.title) or None, title_justify="left")
+        table = Table(title=escape(printable(self.title)) or None, title_justify="left")
         for name, letter in zip(self.columns, self._align, strict=True):
             table.add_column(Text(name), justify=_JUSTIFY[letter], overflow="fold")  # type: ignore[arg-type]
         styles = [self.colours.get(name, {}) for name in self.columns]
@@ -62,7 +63,9 @@ class Sheet:
             if self.grouped and number and row[0]:
                 table.add_section()
             cells = zip(row, styles, strict=True)
-            table.add_row(*(Text(cell, style=style.get(cell, "")) for cell, style in cells))
+            table.add_row(
+                *(Text(printable(cell), style=style.get(cell, "")) for cell, style in cells)
+            )
         return table
 
     def markdown(self) -> str:
@@ -70,7 +73,7 @@ class Sheet:
         rule = "|".join(_RULES[letter] for letter in self._align)
         lines = [f"| {' | '.join(self.columns)} |", f"|{rule}|"]
         for row in self.rows:
-            cells = (str(cell).replace("|", "\\|") for cell in row)
+            cells = (in_markdown(str(cell)).replace("|", "\\|") for cell in row)
             lines.append(f"| {' | '.join(cells)} |")
         return "\n".join(lines)
 

@@ -10,6 +10,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from ..errors import UserError
+from .files import refuse_unwritable
+from .words import printable
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -25,7 +27,7 @@ def console(error: bool = False) -> Console:
     from rich.console import Console
 
     stream = sys.stderr if error else sys.stdout
-    limited = stream.isatty() or "COLUMNS" in os.environ
+    limited = (stream is not None and stream.isatty()) or "COLUMNS" in os.environ
     return Console(stderr=error, width=None if limited else PIPED_WIDTH, highlight=False)
 
 
@@ -62,7 +64,7 @@ def show(sheet: Sheet) -> None:
 
 def say(text: str, style: str = "", error: bool = False) -> None:
     """One line of plain text."""
-    console(error).print(text, style=style or None, markup=False, soft_wrap=True)
+    console(error).print(printable(text), style=style or None, markup=False, soft_wrap=True)
 
 
 def say_facts(units: Iterable[str], left_out: Iterable[str]) -> None:
@@ -75,24 +77,23 @@ def ready_to_write(path: Path | None) -> None:
     """Refuse a place that cannot be written to before long work begins.
 
     Raises:
-        UserError: the directory does not exist, or a directory stands in the file's place.
+        UserError: the directory does not exist or takes no files, a directory stands in the file's
+            place, or the file there is write-protected.
     """
-    if path is None:
-        return
-    if not path.parent.is_dir():
-        raise UserError(f"{path}: cannot be written: there is no directory {path.parent}")
-    if path.is_dir():
-        raise UserError(f"{path}: cannot be written: it is a directory")
+    if path is not None:
+        refuse_unwritable(path)
 
 
 def directory_to_fill(path: Path) -> Path:
     """Make a directory, with its parents.
 
     Raises:
-        UserError: it cannot be made.
+        UserError: it cannot be made, or takes no files.
     """
     try:
         path.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise UserError(f"{path}: cannot be made a directory: {error.strerror or error}") from error
+    except (OSError, ValueError) as error:
+        reason = getattr(error, "strerror", None) or error
+        raise UserError(f"{path}: cannot be made a directory: {reason}") from error
+    refuse_unwritable(path / "anything")
     return path

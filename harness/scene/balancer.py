@@ -16,6 +16,7 @@ from ...models.rotor import LinearRotor
 from ...models.weights import KAPPA, Weights
 from .feeds import Feeds, Start, fed
 from .quantities import (
+    Angle,
     Flag,
     NotNegative,
     Positive,
@@ -105,7 +106,7 @@ class WeightBalancer(Balancer):
     """Of the track's centre from the plane's, in the rotor."""
     track_offset_eta: Annotated[Real, Unit("m"), Feeds()] = 0.0
     """Of the track's centre from the plane's, in the rotor."""
-    angles: Annotated[tuple[Real, ...], Unit("rad"), Feeds("weight[{n}].angle0")] = ()
+    angles: Annotated[tuple[Angle, ...], Unit("rad"), Feeds("weight[{n}].angle0")] = ()
     """In the rotor, one a weight; default: evenly spread."""
     speeds: Annotated[tuple[Real, ...], Unit("rad/s"), Feeds("weight[{n}].speed0")] = ()
     """In the rotor, one a weight; default: 0."""

@@ -7,7 +7,7 @@ from typing import Annotated, Literal
 
 from pydantic import Field, field_validator
 
-from .quantities import NotNegative, Positive, Real, Table, Text, Unit, Whole
+from .quantities import Angle, NotNegative, Positive, Table, Text, Unit, Whole
 from .rotor import RotorTable
 
 _GRADE = re.compile(r"^G\s?(\d+(?:\.\d+)?)$")
@@ -27,7 +27,7 @@ class Balancing(Table):
     permissible in all."""
     technology: Literal["complex", "scalar", "both"] = "both"
     """Kind of the coefficients; both: one after the other."""
-    lag: Annotated[Real | None, Unit("rad")] = None
+    lag: Annotated[Angle | None, Unit("rad")] = None
     """The one phase that the scalar technology is calibrated to; default: that of the first support
     under the first plane's trial unbalance."""
     axis: Literal["x", "y"] = "x"

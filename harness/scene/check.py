@@ -6,7 +6,7 @@ from typing import Annotated, Any, Literal
 
 from pydantic import Field, field_validator, model_validator
 
-from .quantities import Positive, Real, Table, Text, Unit, Whole, refusal
+from .quantities import Angle, Positive, Table, Text, Unit, Whole, refusal
 from .run import FEWEST_STEPS
 
 SpeedRange = Annotated[tuple[Positive, Positive], Unit("rad/s")]
@@ -140,7 +140,7 @@ class ContactOrderCheck(Table):
     """Steps a revolution of the run that they are compared with: more than any of them."""
     runs: Annotated[Whole, Field(ge=1, le=1000)] = 1
     """Runs for every number of steps, from different starts."""
-    shift: Annotated[tuple[Real, ...], Unit("rad")] = ()
+    shift: Annotated[tuple[Angle, ...], Unit("rad")] = ()
     """How far each weight starts further on over all runs."""
 
     @model_validator(mode="after")

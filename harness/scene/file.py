@@ -16,6 +16,7 @@ else:
     import tomli as tomllib
 
 BUNDLED = Path(__file__).parent.with_name("scenes")
+MOST_LEVELS = 20  # of tables and lists within one another; a scene has five
 _POSITION = re.compile(r"^(?P<what>.*) \(at (?P<where>.*)\)$", re.DOTALL)
 
 
@@ -44,6 +45,28 @@ def find(source: str | Path) -> Path:
         f"{source}: no such file, and no bundled scene of that name"
         f"{did_you_mean(str(source), names)}; bundled: {', '.join(names)}"
     )
+
+
+def refuse_deep(document: Any, label: str) -> None:
+    """Refuse what is nested deeper than any scene.
+
+    Raises:
+        SceneError: so it is.
+    """
+    level = [document]
+    for _ in range(MOST_LEVELS):
+        level = [inner for outer in level for inner in _inside(outer)]
+    if level:
+        raise SceneError(
+            f"{label}: tables or lists more than {MOST_LEVELS} deep within one another: "
+            "no key of a scene is that deep"
+        )
+
+
+def _inside(value: Any) -> list[Any]:
+    if isinstance(value, dict):
+        return list(value.values())
+    return list(value) if isinstance(value, (list, tuple)) else []
 
 
 def read(path: Path) -> dict[str, Any]:

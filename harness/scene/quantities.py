@@ -6,8 +6,10 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Annotated, Any
 
-from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, WithJsonSchema
+from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Field, WithJsonSchema
 from pydantic_core import PydanticCustomError
+
+LARGEST_ANGLE = 1e9  # rad: doubles that large lie 1e-7 rad apart
 
 
 @dataclass(frozen=True)
@@ -51,8 +53,15 @@ def _pair_schema(**bounds: float) -> WithJsonSchema:
     return WithJsonSchema({"anyOf": [number, pair]})
 
 
+def _small_angle(value: float) -> float:
+    if abs(value) > LARGEST_ANGLE:
+        raise ValueError(f"must be between -{LARGEST_ANGLE:g} and {LARGEST_ANGLE:g}")
+    return value
+
+
 # strict: text and true/false are not numbers
 Real = Annotated[float, Field(strict=True, allow_inf_nan=False)]
+Angle = Annotated[Real, AfterValidator(_small_angle), Unit("rad")]
 Positive = Annotated[Real, Field(gt=0)]
 NotNegative = Annotated[Real, Field(ge=0)]
 Whole = Annotated[int, Field(strict=True)]

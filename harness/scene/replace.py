@@ -10,6 +10,7 @@ from typing import Any
 from pydantic import BaseModel
 
 from ..errors import SceneError
+from .file import MOST_LEVELS
 from .messages import choose_table, did_you_mean, keys_of, tables_in
 
 # giving one of these takes the other's place
@@ -43,6 +44,8 @@ def replaced(
     document = copy.deepcopy(document)
     for path, value in changes.items():
         first, *rest = path.split(".")
+        if len(rest) > MOST_LEVELS:
+            raise SceneError(f"'{path[:57]}...': unknown; no path has {len(rest) + 1} parts")
         if first not in tables:
             raise SceneError(
                 f"{path!r}: unknown{did_you_mean(first, list(tables))}; begins with one of: "

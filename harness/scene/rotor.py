@@ -17,6 +17,7 @@ from pydantic import Field, field_validator, model_validator
 from ...models.rotor import LinearRotor
 from .feeds import Feeds, Start, fed
 from .quantities import (
+    Angle,
     NotNegative,
     NotNegativePair,
     Positive,
@@ -37,7 +38,7 @@ class Unbalance(Table):
     """Place along the axis, from support 1."""
     amount: Annotated[NotNegative, Unit("kg m"), Feeds()]
     """Static moment, mass times eccentricity."""
-    angle: Annotated[Real, Unit("rad"), Feeds()] = 0.0
+    angle: Annotated[Angle, Feeds()] = 0.0
     """Direction in the rotor."""
 
 
@@ -152,7 +153,7 @@ class PlanarRotor(RotorTable):
     """Of the shaft, turns with it."""
     unbalance: Annotated[NotNegative, Unit("kg m"), Feeds()] = 0.0
     """Static moment, mass times eccentricity."""
-    unbalance_angle: Annotated[Real, Unit("rad"), Feeds()] = 0.0
+    unbalance_angle: Annotated[Angle, Feeds()] = 0.0
     """Direction in the rotor."""
 
     stations: ClassVar[tuple[float, ...]] = (0.0,)

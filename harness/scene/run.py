@@ -4,14 +4,15 @@ from __future__ import annotations
 
 from typing import Annotated, Any, Literal
 
-from pydantic import BeforeValidator, Field, model_validator
+from pydantic import AfterValidator, BeforeValidator, Field, model_validator
 
 from ...models.assembly import SpeedProfile
-from .quantities import NotNegative, Positive, Real, Table, Text, Unit, Whole, refusal
+from .quantities import Angle, NotNegative, Positive, Real, Table, Text, Unit, Whole, refusal
 
 DEFAULT_STEPS = 40  # a revolution: 1e-6 on the two-ball scene with cubic signals
 FEWEST_STEPS = 4  # fewer do not resolve one revolution
 LOOSEST_TOLERANCE = 0.1
+FEWEST_REVOLUTIONS = 1e-9  # a step's square must stay a number
 
 
 class RunUp(Table):
@@ -104,7 +105,7 @@ class Initial(Table):
     """Velocity of every station along x."""
     vy: Annotated[Real, Unit("m/s")] = 0.0
     """Velocity of every station along y."""
-    angle: Annotated[Real, Unit("rad")] = 0.0
+    angle: Angle = 0.0
     """Angle of the rotor."""
 
     def items(self) -> list[tuple[str, float]]:
@@ -112,10 +113,16 @@ class Initial(Table):
         return list(self.model_dump().items())
 
 
+def _enough(revolutions: float) -> float:
+    if revolutions < FEWEST_REVOLUTIONS:
+        raise ValueError(f"must be {FEWEST_REVOLUTIONS:g} or more")
+    return revolutions
+
+
 class Run(Table):
     """How long, from where, and what is recorded."""
 
-    revolutions: Positive = 20.0
+    revolutions: Annotated[Positive, AfterValidator(_enough)] = 20.0
     """Length of the run."""
     record: tuple[Text, ...] | None = None
     """Signals, as `unit.variable`; `[]` records nothing; default: the rotor's `x` and `y`, angles

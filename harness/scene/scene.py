@@ -20,7 +20,7 @@ from ..errors import SceneError
 from .balancer import AnyBalancer
 from .balancing import Balancing
 from .check import AnyCheck
-from .file import bundled_scenes, find, read
+from .file import bundled_scenes, find, read, refuse_deep
 from .messages import Place, problems, show, statement
 from .quantities import Flag, Table, Text
 from .replace import replaced
@@ -74,6 +74,7 @@ class Scene(Table):
         Raises:
             SceneError: one line for every problem there is.
         """
+        refuse_deep(document, label)
         return cls._of(copy.deepcopy(dict(document)), path, label)
 
     @classmethod
@@ -136,6 +137,7 @@ class Scene(Table):
         Raises:
             SceneError: a path is unknown (says what is possible), or a value is wrong.
         """
+        refuse_deep(dict(changes), self._label)
         labels = {balancer.label: i for i, balancer in enumerate(self.balancer)}
         tables: dict[str, type[Table]] = {name: type(getattr(self, name)) for name in TABLES}
         if self.balancing is not None:

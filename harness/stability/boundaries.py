@@ -35,6 +35,7 @@ from .main_motion import MainMotion, NoMainMotion
 METHODS = ("criterion", "floquet", "cosim", "cosim-run")
 DEFAULT_METHODS = METHODS[:3]
 TOLERANCE = 1e-6  # relative, of a co-simulated boundary
+MOST_SPEEDS = 100_000  # of one scan: more is a slip of the keyboard
 SCAN = 60  # intervals of a co-simulated scan, unless other methods say where to look
 NEAR = 2e-3  # relative distance from a guess at which the co-simulation is asked: it errs by less
 _PARTS = 8  # of a scan, so that progress is seen
@@ -134,6 +135,14 @@ def speeds(
     for method in wanted:
         if method not in METHODS:
             raise UserError(f"method {method!r}: must be one of {', '.join(METHODS)}")
+    width = (high - low) / MOST_SPEEDS
+    if narrowest is not None and narrowest < width:
+        raise UserError(
+            f"narrowest = {narrowest:g} rad/s: asks for {(high - low) / narrowest:.3g} speeds from "
+            f"{low:g} to {high:g} rad/s; must be {width:.3g} rad/s or more: at most {MOST_SPEEDS}"
+        )
+    if scan > MOST_SPEEDS:
+        raise UserError(f"scan = {scan}: must be at most {MOST_SPEEDS} intervals")
     result = Speeds(scene.name, (low, high))
     if "criterion" in wanted:
         _by_criterion(scene, result)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -20,6 +20,7 @@ from ..scene import Scene
 from .axis import SPEED, Axis
 from .main_motion import MainMotion
 
+_Reasons = dict[tuple[int, int], str]  # by place on the slow and the fast axis
 _ROWS = 8  # values of the slower axis a batch, so that progress is seen
 _PLASTIC = 1.324717957244746  # its powers spread points evenly over a square
 
@@ -52,6 +53,7 @@ class StabilityMap:
             largest value; None where it does not apply.
         no_criterion: why not.
         points: co-simulated.
+        failed: of the grid, without a growth rate because its equations cannot be solved.
     """
 
     title: str
@@ -62,6 +64,7 @@ class StabilityMap:
     criterion: NDArray[np.float64] | None
     no_criterion: str = ""
     points: tuple[Point, ...] = field(default=())
+    failed: tuple[Point, ...] = field(default=())
 
     @property
     def agreeing(self) -> int:
@@ -113,6 +116,9 @@ def stability_map(
     """
     if x.path == y.path:
         raise UserError(f"{x.path}: both axes are the same")
+    for axis in (x, y):
+        if axis.path == SPEED and not axis.values[0] > 0.0:
+            raise UserError(f"speed = {axis.values[0]:g} rad/s: must be greater than 0")
     share = 1.0 if not cosim else 0.5
 
     def report(done: float) -> None:
@@ -141,7 +147,17 @@ def stability_map(
         criterion if applies else None,
         "" if applies else _why_no_criterion(scene),
         tuple(points),
+        _failed(jobs, [part[2] for part in parts]),
     )
+
+
+def _failed(jobs: Sequence[_Job], reasons: Sequence[_Reasons]) -> tuple[Point, ...]:
+    points = []
+    for number, (job, found) in enumerate(zip(jobs, reasons, strict=True)):
+        for (slow, fast), reason in found.items():
+            place = (number * _ROWS + slow, fast)
+            points.append(Point(*(place if job.transposed else place[::-1]), math.nan, reason))
+    return tuple(points)
 
 
 @dataclass(frozen=True)
@@ -167,23 +183,46 @@ def _jobs(scene: Scene, x: Axis, y: Axis) -> Iterator[_Job]:
         yield _Job(scene, slow.path, values, fast, transposed)
 
 
-def _strip(job: _Job) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Growth rates and the criterion, (values, fast values) each."""
+def _strip(job: _Job) -> tuple[NDArray[np.float64], NDArray[np.float64], _Reasons]:
+    """Growth rates and the criterion, (values, fast values) each, and why some are missing."""
     growth, criterion = [], []
+    reasons: _Reasons = {}
     if job.fast.path == SPEED:
         assemblies = [job.scene.replace({job.slow: v}).assembly() for v in job.values]
-        growth = list(growth_map(assemblies, job.fast.values))
+        rates, reasons = _rates(assemblies, job.fast.values)
+        growth = list(rates)
         criterion = [_criterion(a, job.fast.values) for a in assemblies]
     else:
-        for value in job.values:
+        for number, value in enumerate(job.values):
             scenes = [
                 job.scene.replace({job.slow: value, job.fast.path: v}) for v in job.fast.values
             ]
             speed = np.array([scenes[0].profile().end])
             assemblies = [scene.assembly() for scene in scenes]
-            growth.append(growth_map(assemblies, speed)[:, 0])
+            rates, missing = _rates(assemblies, speed)
+            growth.append(rates[:, 0])
+            reasons |= {(number, fast): reason for (fast, _), reason in missing.items()}
             criterion.append(np.concatenate([_criterion(a, speed) for a in assemblies]))
-    return np.array(growth), np.array(criterion)
+    return np.array(growth), np.array(criterion), reasons
+
+
+def _rates(
+    assemblies: Sequence[Assembly], speeds: NDArray[np.float64]
+) -> tuple[NDArray[np.float64], _Reasons]:
+    """Growth rates (assemblies, speeds); a point that cannot be solved is NaN, with its reason."""
+    try:
+        return growth_map(assemblies, speeds), {}
+    except (ValueError, ArithmeticError):  # of NumPy's own LinAlgError is one
+        pass
+    growth = np.full((len(assemblies), len(speeds)), np.nan)
+    reasons: _Reasons = {}
+    for i, assembly in enumerate(assemblies):
+        for j in range(len(speeds)):
+            try:
+                growth[i, j] = growth_map([assembly], speeds[j : j + 1])[0, 0]
+            except (ValueError, ArithmeticError) as error:
+                reasons[i, j] = str(error)
+    return growth, reasons
 
 
 def _criterion(assembly: Assembly, speeds: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -9,12 +9,13 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from ..errors import UserError
-from ..output import options
+from ..output import costs, options
 from ..output.terminal import progress_bar, ready_to_write, say
 
 if TYPE_CHECKING:
     from .map import StabilityMap
 
+_MOST_SAID = 10  # points without a growth rate
 AXIS = "PATH=LOW:HIGH:N[:log]"
 
 
@@ -29,6 +30,7 @@ def command(
     cosim: Annotated[
         int, typer.Option(min=0, metavar="K", help="Co-simulate K points of the map, too.")
     ] = 0,
+    at_most: Annotated[str, options.at_most()] = costs.DEFAULT,
 ) -> None:
     """Draw where balancing is stable over two parameters, by criterion, Floquet and the units."""
     from ..scene import load_scene
@@ -51,7 +53,7 @@ def command(
             *axes,
             cosim=cosim,
             workers=os.cpu_count() or 1,
-            progress=progress,
+            progress=costs.within(at_most, f"--x {x} --y {y} --cosim {cosim}", progress),
         )
     _say(data)
     if cosim:
@@ -70,7 +72,7 @@ def _say(data: StabilityMap) -> None:
     import numpy as np
 
     growth = data.growth
-    none = int(np.isnan(growth).sum())
+    none = int(np.isnan(growth).sum()) - len(data.failed)
     say(
         f"{growth.size} points: {int((growth <= 0.0).sum())} balanced, "
         f"{int((growth > 0.0).sum())} not, {none} where the weights cannot balance"
@@ -79,10 +81,12 @@ def _say(data: StabilityMap) -> None:
         say(f"criterion: does not apply: {data.no_criterion}")
     if data.points:
         say(f"{data.agreeing} of {len(data.points)} co-simulated points agree with Floquet")
-    for point in data.points:
+    for point in (*data.points, *data.failed[:_MOST_SAID]):
         if point.refusal:
             place = ", ".join(
                 f"{axis.path} = {axis.values[i]:.4g}"
                 for axis, i in ((data.x, point.x), (data.y, point.y))
             )
             say(f"no verdict at {place}: {point.refusal}", style="yellow")
+    if len(data.failed) > _MOST_SAID:
+        say(f"and at {len(data.failed) - _MOST_SAID} more", style="yellow")

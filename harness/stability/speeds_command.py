@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from ..errors import UserError
-from ..output import options
+from ..output import costs, options
 from ..output.files import write_json
 from ..output.table import GOOD, Sheet
 from ..output.terminal import progress_bar, say, show
@@ -36,24 +36,29 @@ def command(
         float | None,
         typer.Option(help="Width of a band Floquet must not miss [rad/s]; default: range/1000."),
     ] = None,
+    at_most: Annotated[str, options.at_most()] = costs.DEFAULT,
 ) -> None:
     """Find the speeds at which balancing begins or ends."""
     from ..master.plan import plan
     from ..scene import load_scene
-    from .boundaries import speeds
+    from .boundaries import METHODS, speeds
 
     if narrowest is not None and not narrowest > 0.0:
         raise UserError(f"--narrowest {narrowest:g} rad/s: must be positive")
+    names = [name.strip() for name in method.split(",") if name.strip()]
+    if not names:
+        raise UserError(f"--method {method!r}: name at least one of {', '.join(METHODS)}")
     loaded = load_scene(scene)
+    low, high = range_
     with progress_bar(f"critical speeds of {loaded.name}") as progress:
         found = speeds(
             loaded,
             range_,
-            [name.strip() for name in method.split(",") if name.strip()],
+            names,
             narrowest=narrowest,
             scan=scan,
             workers=os.cpu_count() or 1,
-            progress=progress,
+            progress=costs.within(at_most, f"--range {low:g} {high:g} --scan {scan}", progress),
         )
     show(table(found, loaded.heading))
     for name, side in found.lowest.items():

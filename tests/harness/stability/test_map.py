@@ -183,3 +183,44 @@ def test_command_refuses_an_unknown_picture_before_the_work(tmp_path):
         "-o", tmp_path / "map.bmp",
     )  # fmt: skip
     assert outcome.exit_code == 2
+
+
+def test_a_map_from_speed_zero_is_refused_in_words():
+    with pytest.raises(UserError, match="speed = 0 rad/s: must be greater than 0"):
+        stability_map(
+            load_scene("two_balls"),
+            Axis.parse("speed=0:10:3"),
+            Axis.parse("weights.drag=1:2:2"),
+        )
+
+
+@pytest.mark.parametrize("axes", [("speed", "weights.drag"), ("weights.drag", "rotor.mass")])
+def test_a_point_that_cannot_be_solved_costs_itself_alone(monkeypatch, axes):
+    from autobalancer.harness.stability import map as module
+
+    solve, scene = module.growth_map, load_scene("two_balls")
+    spans = {
+        "speed": "speed=5:11:3",
+        "weights.drag": "weights.drag=0.01:0.1:4:log",
+        "rotor.mass": "rotor.mass=0.5:1.5:3",
+    }
+    x, y = (Axis.parse(spans[name]) for name in axes)
+    whole = stability_map(scene, x, y)
+    at = {x.path: 1, y.path: 2}
+    unwanted = scene.replace({axis.path: axis.values[at[axis.path]] for axis in (x, y)})
+
+    def fails(assemblies, speeds):
+        for assembly in assemblies:
+            same = assembly.balancers == unwanted.assembly().balancers
+            mass = (assembly.rotor.mass == unwanted.assembly().rotor.mass).all()
+            if same and mass and unwanted.profile().end in speeds:
+                raise np.linalg.LinAlgError("Eigenvalues did not converge")
+        return solve(assemblies, speeds)
+
+    monkeypatch.setattr(module, "growth_map", fails)
+    data = stability_map(scene, x, y)
+    assert [(p.x, p.y, p.refusal) for p in data.failed] == [(1, 2, "Eigenvalues did not converge")]
+    others = np.ones_like(data.growth, bool)
+    others[2, 1] = False
+    assert np.isnan(data.growth[2, 1])
+    assert np.array_equal(data.growth[others], whole.growth[others])

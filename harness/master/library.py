@@ -1,0 +1,117 @@
+"""The shared library of an unpacked FMU, loaded without a trace in the process.
+
+fmpy's own loading changes the process's working folder for a moment, which every other thread sees;
+here the library is loaded by its full path.  Making and freeing instances takes turns: units that
+run Python put their folder on the interpreter's path while they are made.
+"""
+
+from __future__ import annotations
+
+import ctypes
+import sys
+import threading
+from ctypes import POINTER, byref, c_char, c_char_p, c_double, c_int, c_size_t, c_uint, c_void_p
+from pathlib import Path
+from typing import Any
+
+import fmpy
+from fmpy import fmi2
+
+_TURN = threading.RLock()
+_RESOURCES_OF_PYTHONFMU = "slavemodule.txt"  # it is pythonfmu's loader that reads this one
+_REALS = (c_void_p, POINTER(c_uint), c_size_t, POINTER(c_double))
+_BOOLEANS = (c_void_p, POINTER(c_uint), c_size_t, POINTER(c_int))
+_STATE = (c_void_p, POINTER(c_void_p))
+_BYTES = (c_void_p, c_void_p, POINTER(c_char), c_size_t)
+_FUNCTIONS: dict[str, tuple[Any, ...]] = {
+    "fmi2SetupExperiment": (c_void_p, c_int, c_double, c_double, c_int, c_double),
+    "fmi2EnterInitializationMode": (c_void_p,),
+    "fmi2ExitInitializationMode": (c_void_p,),
+    "fmi2Reset": (c_void_p,),
+    "fmi2GetReal": _REALS,
+    "fmi2SetReal": _REALS,
+    "fmi2SetBoolean": _BOOLEANS,
+    "fmi2DoStep": (c_void_p, c_double, c_double, c_int),
+    "fmi2GetFMUstate": _STATE,
+    "fmi2SetFMUstate": (c_void_p, c_void_p),
+    "fmi2FreeFMUstate": _STATE,
+    "fmi2SerializedFMUstateSize": (c_void_p, c_void_p, POINTER(c_size_t)),
+    "fmi2SerializeFMUstate": _BYTES,
+}
+
+
+class Library:
+    """One instance in the library of an FMI 2.0 co-simulation FMU.
+
+    Args:
+        directory: where the FMU is unpacked.
+        identifier: its model identifier.
+
+    Attributes:
+        dll: the library, the functions that a master calls declared.
+        component: the instance, once it is made.
+
+    Raises:
+        OSError: there is no library for this machine, or it cannot be loaded.
+        AttributeError: it lacks a function of the standard.
+    """
+
+    def __init__(self, directory: str, identifier: str) -> None:
+        self._directory = Path(directory).resolve()
+        binaries = self._directory / "binaries" / fmpy.platform
+        path = binaries / f"{identifier}{fmpy.sharedLibraryExtension}"
+        if not path.is_file():
+            raise OSError(f"Cannot find shared library {path}.")
+        self.component: c_void_p | None = None
+        with _TURN:
+            self.dll = ctypes.CDLL(str(path))
+            try:
+                for name, types in _FUNCTIONS.items():
+                    function = getattr(self.dll, name)
+                    function.argtypes, function.restype = types, c_int
+            except AttributeError:
+                fmpy.freeLibrary(self.dll._handle)
+                raise
+
+    def instantiate(self, name: str, guid: str, callbacks: fmi2.fmi2CallbackFunctions) -> None:
+        """Make the instance; `callbacks` must outlive it.
+
+        Raises:
+            OSError: the unit refuses; what it logged says why.
+        """
+        make = self.dll.fmi2Instantiate
+        make.argtypes = (c_char_p, c_int, c_char_p, c_char_p, c_void_p, c_int, c_int)
+        make.restype = c_void_p
+        with _TURN:
+            made = make(
+                name.encode(),
+                fmi2.fmi2CoSimulation,
+                guid.encode(),
+                self._resources().encode("utf-8", "surrogateescape"),
+                byref(callbacks),
+                0,
+                1,
+            )
+        if made is None:
+            fmpy.freeLibrary(self.dll._handle)
+            raise OSError("Failed to instantiate model")
+        self.component = c_void_p(made)
+
+    def _resources(self) -> str:
+        """Where the FMU's resources are, as a URI.
+
+        pythonfmu's loader takes what follows file:// for a path as it stands, whatever RFC 3986
+        says of spaces and letters beyond ASCII.
+        """
+        resources = self._directory / "resources"
+        if sys.platform != "win32" and (resources / _RESOURCES_OF_PYTHONFMU).is_file():
+            return f"file://{resources}"
+        return resources.as_uri()
+
+    def free(self) -> None:
+        """Free the instance and unload the library."""
+        free = self.dll.fmi2FreeInstance
+        free.argtypes, free.restype = (c_void_p,), None
+        with _TURN:
+            free(self.component)
+            fmpy.freeLibrary(self.dll._handle)

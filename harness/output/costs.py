@@ -1,0 +1,73 @@
+"""What work will cost, told from its first steps, and refused where that is more than is wanted."""
+
+from __future__ import annotations
+
+import re
+import time
+from collections.abc import Callable
+
+from ..errors import UserError
+
+DEFAULT = "1h"
+MEASURED = 2.0  # s of work from which the rest is told: enough for three digits of its rate
+LATEST = 0.1  # of the limit: later too much is done to be dropped
+_SECONDS = {"s": 1.0, "m": 60.0, "h": 3600.0, "d": 86400.0, "": 1.0}
+_TIME = re.compile(r"(?P<number>\d+(?:\.\d*)?|\.\d+)\s*(?P<unit>[smhd]?)")
+
+
+def seconds_of(text: str) -> float:
+    """Seconds of a time such as 90s, 30m, 2h or 1d.
+
+    Raises:
+        UserError: it is none.
+    """
+    found = _TIME.fullmatch(text.strip())
+    if not found or float(found["number"]) <= 0.0:
+        raise UserError(f"--at-most {text!r}: must be a time such as 90s, 30m, 2h or 1d")
+    return float(found["number"]) * _SECONDS[found["unit"]]
+
+
+def in_words(seconds: float) -> str:
+    """A time in the unit that suits it."""
+    for unit, size in (("d", 86400.0), ("h", 3600.0), ("m", 60.0)):
+        if seconds >= 2.0 * size:
+            return f"{seconds / size:.3g} {unit}"
+    return f"{seconds:.3g} s"
+
+
+def within(
+    at_most: str,
+    key: str,
+    progress: Callable[[float], None],
+    clock: Callable[[], float] = time.perf_counter,
+) -> Callable[[float], None]:
+    """`progress`, ended as soon as the work is seen to take longer than `at_most`.
+
+    The rate is measured from the first report on, so that loading does not count.
+
+    Args:
+        key: and its value, which make the work so long.
+
+    Raises:
+        UserError: at once, `at_most` is no time; later, the work would take too long.
+    """
+    limit = seconds_of(at_most)
+    measured = min(MEASURED, 0.5 * limit)
+    first: tuple[float, float] | None = None
+
+    def report(done: float) -> None:
+        nonlocal first
+        now = clock()
+        if first is None:
+            first = now, done
+        elapsed, part = now - first[0], done - first[1]
+        if measured <= elapsed <= max(LATEST * limit, 5.0 * measured):
+            total = elapsed / part if part > 0.0 else float("inf")
+            if total > limit:
+                raise UserError(
+                    f"{key}: would take about {in_words(total)}, more than --at-most {at_most}; "
+                    f"in {in_words(elapsed)} {part:.2g} of it was done"
+                )
+        progress(done)
+
+    return report

@@ -1,0 +1,27 @@
+"""Text of a user's, such as a title, made harmless where it is shown."""
+
+from __future__ import annotations
+
+import re
+
+# also what turns the direction of writing, and bytes of a file's name that are no UTF-8
+_CONTROL = re.compile(
+    r"[\x00-\x08\x0b-\x1f\x7f-\x9f\u200e\u200f\u202a-\u202e\u2066-\u2069\ud800-\udfff]"
+)
+_TAG = re.compile(r"<(?=[A-Za-z/!?])")  # what CommonMark takes for HTML
+_LINK = re.compile(r"([\[\]])")
+
+
+def printable(text: str) -> str:
+    """With control characters written out: a terminal would obey them."""
+    return _CONTROL.sub(lambda found: ascii(found[0])[1:-1], text)
+
+
+def in_markdown(text: str) -> str:
+    """On one line, with no HTML in it."""
+    return _TAG.sub("&lt;", printable(" ".join(text.split("\n"))))
+
+
+def in_link(text: str) -> str:
+    """As the words of a link or of a picture."""
+    return _LINK.sub(r"\\\1", in_markdown(text))

@@ -1,0 +1,80 @@
+"""Where and beside what units run: threads, the process's folder, and names of folders."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+import threading
+from concurrent.futures import ThreadPoolExecutor
+
+import numpy as np
+import pytest
+
+from autobalancer.harness import cosimulate, load_scene
+
+SHORT = {"run.revolutions": 3}
+
+
+def signals(name: str) -> dict[str, np.ndarray]:
+    return cosimulate(load_scene(name).replace(SHORT)).signals
+
+
+def test_eight_threads_run_to_the_last_bit_as_one_after_another():
+    names = ["two_balls", "liquid_disc", "balls_and_liquid", "drum"] * 4
+    alone = {name: signals(name) for name in set(names)}
+    with ThreadPoolExecutor(8) as threads:
+        beside = list(threads.map(signals, names))
+    for name, found in zip(names, beside, strict=True):
+        assert found.keys() == alone[name].keys()
+        assert all((found[k] == alone[name][k]).all() for k in found), name
+
+
+def test_the_folder_of_the_process_stays_while_units_are_loaded(monkeypatch):
+    def change(path):
+        raise AssertionError(f"changes the folder of every thread to {path}")
+
+    monkeypatch.setattr(os, "chdir", change)
+    signals("two_balls")
+
+
+def test_threads_may_use_units_that_run_python():
+    scene = load_scene("two_balls").replace({**SHORT, "coupling.units": "python"})
+    alone = cosimulate(scene).signals
+    together = threading.Barrier(4)
+
+    def run(_number: int) -> dict[str, np.ndarray]:
+        together.wait()
+        return cosimulate(scene).signals
+
+    with ThreadPoolExecutor(4) as threads:
+        for found in threads.map(run, range(4)):
+            assert all((found[k] == alone[k]).all() for k in alone)
+
+
+RUN = """
+from autobalancer.harness import cosimulate, load_scene
+scene = load_scene("two_balls").replace({{"run.revolutions": 1, "coupling.units": {units!r}}})
+print(repr(cosimulate(scene)["rotor.x"][-1]))
+"""
+
+
+@pytest.mark.parametrize("units", ["native", "python"])
+@pytest.mark.parametrize("folder", ["ü (1)+b", "it's [1]", "100% %41", 'a#b?c"d;e&f'])
+def test_any_name_of_the_temporary_folder_will_do(tmp_path, folder, units):
+    odd = tmp_path / folder
+    odd.mkdir()
+    done = subprocess.run(
+        [sys.executable, "-c", RUN.format(units=units)],
+        env={**os.environ, "TMPDIR": str(odd)},
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert done.returncode == 0, done.stderr
+    scene = load_scene("two_balls").replace({"run.revolutions": 1, "coupling.units": units})
+    assert (
+        float(done.stdout.replace("np.float64", "").strip("()\n"))
+        == cosimulate(scene)["rotor.x"][-1]
+    )
+    assert os.listdir(odd) == []

@@ -1,0 +1,61 @@
+"""Work without end is refused after its first steps, with number and key."""
+
+from __future__ import annotations
+
+import time
+
+import pytest
+from typer.testing import CliRunner
+
+from autobalancer.harness.cli import app
+from autobalancer.harness.errors import UserError
+from autobalancer.harness.output.costs import seconds_of, within
+
+
+def test_a_run_of_1e12_revolutions_is_refused_within_seconds():
+    begun = time.perf_counter()
+    setting = ["--set", "run.revolutions=1e12", "--set", "run.record=[]"]
+    outcome = CliRunner().invoke(app, ["run", "two_balls", *setting])
+    assert outcome.exit_code == 2, outcome.output
+    assert "run.revolutions = 1e+12: would take about" in outcome.stderr
+    assert "more than --at-most 1h" in outcome.stderr
+    assert len(outcome.stderr.splitlines()) == 1
+    assert time.perf_counter() - begun < 30.0
+
+
+def watched(at_most: str, times: list[float]) -> list[float]:
+    """Reports that came through while every one finished a thousandth."""
+    told: list[float] = []
+    ticks = iter(times)
+    report = within(at_most, "key = 1", told.append, lambda: next(ticks))
+    for number in range(len(times)):
+        report(number / 1000)
+    return told
+
+
+def test_work_is_refused_by_its_rate_and_allowed_by_a_higher_limit():
+    every_ten_seconds = [100.0 + 10.0 * n for n in range(30)]  # 10 000 s in all
+    with pytest.raises(
+        UserError, match=r"key = 1: would take about 2\.78 h, more than --at-most 1h"
+    ):
+        watched("1h", every_ten_seconds)
+    assert len(watched("3h", every_ten_seconds)) == 30
+
+
+def test_what_is_nearly_done_is_not_dropped():
+    # the rate falls when a fifth of the limit has passed
+    slowing = [0.0, 1.0, 2.0, 3.0, 800.0, 1600.0]
+    assert len(watched("1h", slowing)) == 6
+
+
+@pytest.mark.parametrize(
+    ("text", "seconds"), [("90", 90), ("90s", 90), ("1.5h", 5400), ("2 d", 172800)]
+)
+def test_times_are_read(text, seconds):
+    assert seconds_of(text) == seconds
+
+
+@pytest.mark.parametrize("text", ["", "h", "-1h", "0", "nan", "1e3", "2 weeks"])
+def test_what_is_no_time_is_refused(text):
+    with pytest.raises(UserError, match="must be a time such as"):
+        seconds_of(text)

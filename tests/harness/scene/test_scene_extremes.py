@@ -1,0 +1,48 @@
+"""Values and paths that no scene needs are refused in words."""
+
+from __future__ import annotations
+
+import pytest
+
+from autobalancer.harness import load_scene
+from autobalancer.harness.errors import SceneError, UserError
+from autobalancer.harness.master.run_command import parse_change
+from autobalancer.harness.scene import Scene
+
+SCENE = load_scene("two_balls")
+
+
+@pytest.mark.parametrize(
+    ("changes", "words"),
+    [
+        ({"run.revolutions": 1e-200}, "must be 1e-09 or more"),
+        ({"run.initial.angle": 1e14}, r"must be between -1e\+09 and 1e\+09"),
+        ({"weights.angles": [-1e14, 0.0]}, r"must be between -1e\+09 and 1e\+09"),
+        ({"rotor." + ".".join(["a"] * 900): 1}, "no path has 901 parts"),
+    ],
+)
+def test_an_extreme_value_or_path_is_refused(changes, words):
+    with pytest.raises(SceneError, match=words):
+        SCENE.replace(changes)
+
+
+def test_a_document_deeper_than_any_scene_is_refused():
+    deep: dict = {}
+    inner = deep
+    for _ in range(900):
+        inner["rotor"] = {}
+        inner = inner["rotor"]
+    with pytest.raises(SceneError, match="more than 20 deep"):
+        Scene.from_document(deep)
+    with pytest.raises(SceneError, match="more than 20 deep"):
+        SCENE.replace({"run.record": deep})
+
+
+@pytest.mark.parametrize(
+    "text", ["run.revolutions=1\nrotor.mass=3", "a=" + "[" * 900 + "]" * 900, "a", "=", "a="]
+)
+def test_an_assignment_that_is_not_one_value_is_refused_on_one_line(text):
+    with pytest.raises(UserError, match="must be KEY=VALUE") as caught:
+        parse_change(text)
+    assert "\n" not in str(caught.value)
+    assert len(str(caught.value)) < 400
