@@ -10,7 +10,7 @@ from __future__ import annotations
 import shutil
 import zipfile
 from collections.abc import Sequence
-from ctypes import byref, c_double, c_int, c_size_t, c_uint, c_void_p, create_string_buffer
+from ctypes import Array, byref, c_double, c_int, c_size_t, c_uint, c_void_p, create_string_buffer
 from pathlib import Path
 from tempfile import mkdtemp
 from typing import TYPE_CHECKING
@@ -59,7 +59,7 @@ class Variables:
         self.names = tuple(names)
         self.size = len(references)
         self.references = (c_uint * self.size)(*references)
-        self.buffer = source.buffer if source else (c_double * self.size)()
+        self.buffer: Array[c_double] = source.buffer if source else (c_double * self.size)()
         self.bytes = memoryview(self.buffer).cast("B")
         self.call = component, self.references, c_size_t(self.size), self.buffer
         self.vectors = np.ctypeslib.as_array(self.buffer)[: self.size // 2 * 2].view(complex)

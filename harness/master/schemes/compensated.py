@@ -52,14 +52,14 @@ class Compensated(Explicit):
         super().__init__()
         inverse = QuasiNewton(jacobian, step).inverse
         self._solution, self._solved_step = np.vstack([inverse, response @ inverse]), step
-        # of forces, and of forces and accelerations: value, slope times step
+        # value, and slope times step: of forces, and of forces followed by accelerations
         self._gaps = np.zeros((len(self._solution.T) // 4, 2), complex)
         self._found = np.zeros((len(self._solution) // 4, 2), complex)
         self._gap_parts, self._found_parts = (
             pairs.reshape(-1).view(float) for pairs in (self._gaps, self._found)
         )
         self._speed = speed
-        self._missed: list[Knot] = []  # of forces, then accelerations: value, slope times step
+        self._missed: list[list[complex]] = []  # pairs as found
         self._missed_step = 0.0
 
     @classmethod
@@ -100,7 +100,9 @@ class Compensated(Explicit):
             step,
         )
 
-    def _solve(self, assumed: Sequence[Knot], answers: Sequence[Knot], step: float) -> list[Knot]:
+    def _solve(
+        self, assumed: Sequence[Knot], answers: Sequence[Knot], step: float
+    ) -> list[list[complex]]:
         """Forces and accelerations that would have agreed, less those assumed and answered."""
         if step != self._solved_step:
             self._solution = rescaled(self._solution, step / self._solved_step)
@@ -113,7 +115,7 @@ class Compensated(Explicit):
 
 
 def _made_good(
-    signals: Sequence[Cubic], missed: Sequence[Knot], rows: Sequence[Knot]
+    signals: Sequence[Cubic], missed: Sequence[Sequence[complex]], rows: Sequence[Knot]
 ) -> list[Cubic]:
     """Signals over the step with what was missed in the past one added, `carried` on."""
     (a, b), (c, d), (e, f), (g, h) = rows
