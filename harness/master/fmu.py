@@ -1,7 +1,8 @@
 """One FMU instance behind arrays of its own, so that a call costs a C call and nothing else.
 
-`Library` loads the library and declares its functions, which are called directly here with buffers
-made once: fmpy's wrappers build ctypes arrays at every call.
+`Library` loads the library and declares its functions.  fmpy's wrappers build ctypes arrays at every
+call, and declared types are converted at every call: half of what a call costs.  So the functions of
+a step are taken undeclared, and called with C values made once.
 """
 
 from __future__ import annotations
@@ -9,7 +10,7 @@ from __future__ import annotations
 import shutil
 import zipfile
 from collections.abc import Sequence
-from ctypes import byref, c_double, c_int, c_size_t, c_uint, c_void_p, create_string_buffer
+from ctypes import Array, byref, c_double, c_int, c_size_t, c_uint, c_void_p, create_string_buffer
 from pathlib import Path
 from tempfile import mkdtemp
 from typing import TYPE_CHECKING
@@ -42,16 +43,26 @@ class Variables:
     """Some Real variables of a unit that are read or written in one call.
 
     Attributes:
+        call: arguments of that call, as C values.
         vectors: the buffer as complex numbers, where the variables are pairs of components.
+        bytes: the buffer as bytes.
     """
 
-    __slots__ = ("buffer", "names", "references", "size", "vectors")
+    __slots__ = ("buffer", "bytes", "call", "names", "references", "size", "vectors")
 
-    def __init__(self, names: Sequence[str], references: Sequence[int]) -> None:
+    def __init__(
+        self,
+        component: c_void_p,
+        names: Sequence[str],
+        references: Sequence[int],
+        source: Variables | None = None,
+    ) -> None:
         self.names = tuple(names)
         self.size = len(references)
         self.references = (c_uint * self.size)(*references)
-        self.buffer = (c_double * self.size)()
+        self.buffer: Array[c_double] = source.buffer if source else (c_double * self.size)()
+        self.bytes = memoryview(self.buffer).cast("B")
+        self.call = component, self.references, c_size_t(self.size), self.buffer
         self.vectors = np.ctypeslib.as_array(self.buffer)[: self.size // 2 * 2].view(complex)
 
 
@@ -123,9 +134,13 @@ class Fmu(Closing):
         self._alive = True
         dll = self.fmu.dll
         self._component = self.fmu.component
-        self._get, self._set = dll.fmi2GetReal, dll.fmi2SetReal
-        self._step, self._save = dll.fmi2DoStep, dll.fmi2GetFMUstate
-        self._restore, self._free = dll.fmi2SetFMUstate, dll.fmi2FreeFMUstate
+        # by index: functions of their own, without the types that are declared
+        self._get, self._set, self._step = (
+            dll[f"fmi2{name}"] for name in ("GetReal", "SetReal", "DoStep")
+        )
+        self._begin, self._length, self._final = c_double(), c_double(), c_int(1)
+        self._save, self._restore = dll.fmi2GetFMUstate, dll.fmi2SetFMUstate
+        self._free = dll.fmi2FreeFMUstate
 
     def _log(self, _environment, _instance, status, _category, message) -> None:
         text = message.decode("utf-8", "replace") if message else ""
@@ -143,8 +158,12 @@ class Fmu(Closing):
                 f"({_STATUS[min(status, 5)]}): {reason}"
             )
 
-    def group(self, names: Sequence[str]) -> Variables:
+    def group(self, names: Sequence[str], source: Variables | None = None) -> Variables:
         """Real variables to be read or written together.
+
+        Args:
+            source: as many variables, mostly of another unit, whose buffer serves these as well:
+                what was fetched there is sent here without a copy.
 
         Raises:
             UnitError: the FMU has no such variable (built for another scene or version).
@@ -156,7 +175,8 @@ class Fmu(Closing):
                 f"needs; the FMU is of a different build (model {self.description.modelName}, "
                 f"{self.description.generationDateAndTime}): build it for this scene"
             )
-        return Variables(names, [self.variables[name].valueReference for name in names])
+        references = [self.variables[name].valueReference for name in names]
+        return Variables(self._component, names, references, source)
 
     def reference(self, name: str) -> int:
         """Value reference of a variable.
@@ -168,41 +188,44 @@ class Fmu(Closing):
 
     def get(self, group: Variables) -> list[float]:
         """Values of the group's variables."""
-        self._read(group)
+        self.fetch(group)
         return group.buffer[:]
 
     def get_vectors(self, group: Variables) -> list[complex]:
         """Values of a group of pairs, x + i y each."""
-        self._read(group)
+        self.fetch(group)
         return group.vectors.tolist()
 
-    def _read(self, group: Variables) -> None:
+    def fetch(self, group: Variables) -> None:
+        """Read the group's variables into its buffer."""
         self.calls["get"] += 1
-        status = self._get(self._component, group.references, group.size, group.buffer)
+        status = self._get(*group.call)
         if status > _WARNING:
             self._check(status, f"reading {', '.join(group.names[:4])}")
 
     def set(self, group: Variables, values: Sequence[float]) -> None:
         """Write the group's variables."""
         group.buffer[:] = values  # type: ignore[call-overload]  # any sequence will do
-        self._write(group)
+        self.send(group)
 
     def set_vectors(self, group: Variables, vectors: Sequence[complex]) -> None:
         """Write a group of pairs, x + i y each."""
         group.vectors[:] = vectors
-        self._write(group)
+        self.send(group)
 
-    def _write(self, group: Variables) -> None:
+    def send(self, group: Variables) -> None:
+        """Write what the group's buffer holds."""
         self.calls["set"] += 1
-        status = self._set(self._component, group.references, group.size, group.buffer)
+        status = self._set(*group.call)
         if status > _WARNING:
             self._check(status, f"setting {', '.join(group.names[:4])}")
 
     def step(self, time: float, step: float) -> None:
         """Advance by `step` [s] from `time` [s]."""
         self.calls["step"] += 1
-        self.time = time
-        status = self._step(self._component, time, step, 1)
+        self.time = self._begin.value = time
+        self._length.value = step
+        status = self._step(self._component, self._begin, self._length, self._final)
         if status > _WARNING:
             self._check(status, f"a step of {step:g} s")
 

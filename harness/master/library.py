@@ -62,7 +62,7 @@ class Library:
         path = binaries / f"{identifier}{fmpy.sharedLibraryExtension}"
         if not path.is_file():
             raise OSError(f"Cannot find shared library {path}.")
-        self.component: c_void_p | None = None
+        self.component = c_void_p()
         with _TURN:
             self.dll = ctypes.CDLL(str(path))
             try:

@@ -62,7 +62,8 @@ class Recorder:
         """Record the present values."""
         self.rows.append(time)
         for unit, group in self.groups:
-            self.rows.extend(unit.get(group))
+            unit.fetch(group)
+            self.rows.frombytes(group.bytes)
 
     def columns(self) -> tuple[Signal, dict[str, Signal]]:
         """Times [s], and every signal by name."""

@@ -53,10 +53,8 @@ def extrapolated(start: Knot, past: Cubic, past_step: float, order: int) -> Cubi
 def end_of(cubic: Cubic, step: float) -> Knot:
     """Value and slope of a cubic at the end of its step."""
     f, d, d2, d3 = cubic
-    return (
-        f + step * (d + step * (d2 / 2.0 + step * d3 / 6.0)),
-        d + step * (d2 + step * d3 / 2.0),
-    )
+    half, third = 0.5 * step, step / 3.0
+    return f + step * (d + half * (d2 + third * d3)), d + step * (d2 + half * d3)
 
 
 @dataclass(slots=True)
@@ -81,7 +79,9 @@ class SignalState:
         value = end[0]
         self.prediction_error = 0.0
         if self.last_step == step:
-            self.prediction_error = abs(value - end_of(self.last, step + step)[0])
+            f, d, d2, d3 = self.last
+            led = f + 2.0 * step * (d + step * (d2 + 2.0 / 3.0 * step * d3))
+            self.prediction_error = abs(value - led)
         modulus = abs(value)
         if modulus > self.largest:
             self.largest = modulus

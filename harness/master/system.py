@@ -24,7 +24,8 @@ class Exchange:
 
     Attributes:
         plane: index into the planes that exchange force.
-        place: variables of its plane's place, of the rotor and its own, where it follows that.
+        place: variables of its plane's place, of the rotor and its own over one buffer, where it
+            follows that.
     """
 
     unit: Fmu
@@ -67,6 +68,8 @@ class System:
             names, key=lambda name: self.rotor.reference(components(name, plan.axes)[0])
         )
         self._forces = self.rotor.group(signals(planes, order, plan.axes))
+        # the values of all planes, then the slopes of all planes: of each plane a column
+        self._force_rows = self._forces.vectors.reshape(order + 1, len(planes)).T
         felt = [names[force] for force in planes]
         self._accelerations = self.rotor.group(signals(felt, slopes, plan.axes))
         self.acceleration_names = [f"{ROTOR}.{name}" for name in felt]
@@ -80,6 +83,7 @@ class System:
             )
             for name, force in pushed.items()
         ]
+        self._alone = [e.plane for e in self.exchanges] == list(range(len(planes)))
         self.forces = [SignalState() for _ in self.exchanges]
         self.force_names = [f"{exchange.unit.name}.F" for exchange in self.exchanges]
         self.watched: list[tuple[Fmu, Variables, Variables]] = []
@@ -99,7 +103,7 @@ class System:
         for name in dict.fromkeys(c.target.unit for c in values):
             mine = [c for c in values if c.target.unit == name]
             unit, source = self.units[name], self.rotor.group([c.source.variable for c in mine])
-            target = unit.group([c.target.variable for c in mine])
+            target = unit.group([c.target.variable for c in mine], source)
             if name in exchanging:
                 exchanging[name].place = source, target
             else:
@@ -108,7 +112,8 @@ class System:
     def follow(self, time: float, step: float) -> None:
         """Step the balancers that exchange no force, once the others have finished the step."""
         for unit, source, target in self.watched:
-            unit.set(target, self.rotor.get(source))
+            self.rotor.fetch(source)
+            unit.send(target)
             unit.step(time, step)
 
     def rotor_pass(self, forces: Sequence[Cubic], time: float, step: float) -> list[Knot]:
@@ -124,37 +129,50 @@ class System:
         """Step every exchanging balancer under its plane's acceleration; their forces."""
         forces = []
         for exchange in self.exchanges:
-            unit = exchange.unit
-            unit.set_vectors(exchange.inputs, accelerations[exchange.plane][: self.order + 1])
+            unit, cubic = exchange.unit, accelerations[exchange.plane]
+            unit.set_vectors(exchange.inputs, cubic if self.order == 3 else self._used(cubic))
             if exchange.place:
                 source, target = exchange.place
-                unit.set(target, self.rotor.get(source))
+                self.rotor.fetch(source)
+                unit.send(target)
             unit.step(time, step)
-            forces.append(_knots(unit.get_vectors(exchange.outputs), 1)[0])
+            forces += self._knots(unit.get_vectors(exchange.outputs))
         return forces
 
     def answer(self, accelerations: Sequence[Cubic]) -> list[Knot]:
         """Forces of balancers in initialisation mode under accelerations of the planes."""
         for exchange in self.exchanges:
-            cubic = accelerations[exchange.plane][: self.order + 1]
-            exchange.unit.set_vectors(exchange.inputs, cubic)
-        return [_knots(e.unit.get_vectors(e.outputs), 1)[0] for e in self.exchanges]
+            exchange.unit.set_vectors(exchange.inputs, self._used(accelerations[exchange.plane]))
+        return [knot for e in self.exchanges for knot in self._knots(e.unit.get_vectors(e.outputs))]
 
     def set_forces(self, forces: Sequence[Cubic]) -> None:
         """Write the sum of the forces on every plane that exchanges force."""
-        width, used = len(self.accelerations), self.order + 1
-        if len(forces) == 1:
-            self.rotor.set_vectors(self._forces, forces[0][:used])
-            return
-        vectors = [0j] * (width * used)
-        for exchange, cubic in zip(self.exchanges, forces, strict=True):
-            for k in range(used):
-                vectors[exchange.plane + k * width] += cubic[k]
-        self.rotor.set_vectors(self._forces, vectors)
+        rows = self._force_rows
+        if self._alone:
+            for plane, cubic in enumerate(forces):
+                rows[plane] = cubic if self.order == 3 else self._used(cubic)
+        else:
+            rows[:] = 0.0
+            for exchange, cubic in zip(self.exchanges, forces, strict=True):
+                rows[exchange.plane] += self._used(cubic)
+        self.rotor.send(self._forces)
 
     def read_accelerations(self) -> list[Knot]:
         """Acceleration and slope of every plane that exchanges force."""
-        return _knots(self.rotor.get_vectors(self._accelerations), len(self.accelerations))
+        return self._knots(self.rotor.get_vectors(self._accelerations))
+
+    def _used(self, cubic: Cubic) -> Sequence[complex]:
+        """What of a cubic the units are told."""
+        return cubic[: self.order + 1]
+
+    def _knots(self, vectors: Sequence[complex]) -> list[Knot]:
+        """Signals' ends, from all their values and then, where they are exchanged, all slopes."""
+        if not self.order:
+            return [(value, 0j) for value in vectors]
+        if len(vectors) == 2:
+            return [(vectors[0], vectors[1])]
+        count = len(vectors) // 2
+        return list(zip(vectors[:count], vectors[count:], strict=True))
 
     def present(self) -> dict[Port, complex]:
         """Present values of the coupling signals by their source."""
@@ -247,9 +265,3 @@ class SavedStates:
     def __exit__(self, *_exception: object) -> None:
         for unit, state in zip(self._units, self._states, strict=False):  # saving may have failed
             unit.free(state)
-
-
-def _knots(vectors: Sequence[complex], count: int) -> list[Knot]:
-    """Values, then slopes if there are any, of `count` signals."""
-    slopes = vectors[count:] or [0j] * count
-    return list(zip(vectors[:count], slopes, strict=True))

@@ -20,8 +20,8 @@ from functools import lru_cache
 
 import numpy as np
 
-from ..loop import QuasiNewton, Vector, applied, pack, rescaled
-from ..signals import Cubic, Knot, end_of, joined, predicted
+from ..loop import QuasiNewton, rescaled
+from ..signals import Cubic, Knot, end_of, hermite, joined, predicted
 from ..system import System
 from .explicit import Explicit
 
@@ -52,8 +52,14 @@ class Compensated(Explicit):
         super().__init__()
         inverse = QuasiNewton(jacobian, step).inverse
         self._solution, self._solved_step = np.vstack([inverse, response @ inverse]), step
+        # value, and slope times step: of forces, and of forces followed by accelerations
+        self._gaps = np.zeros((len(self._solution.T) // 4, 2), complex)
+        self._found = np.zeros((len(self._solution) // 4, 2), complex)
+        self._gap_parts, self._found_parts = (
+            pairs.reshape(-1).view(float) for pairs in (self._gaps, self._found)
+        )
         self._speed = speed
-        self._missed: list[complex] = []  # of forces, then accelerations: value, slope times step
+        self._missed: list[list[complex]] = []  # pairs as found
         self._missed_step = 0.0
 
     @classmethod
@@ -65,23 +71,26 @@ class Compensated(Explicit):
         """One step; what was missed before a jump of the drive says nothing after it."""
         if jump:
             self._missed = []
-        assumed = predicted(system.forces, 3)
-        sent, count = assumed, 2 * len(assumed)
-        if self._missed:
-            turn = self._speed(time) * self._missed_step
-            sent = _made_good(assumed, self._missed[:count], turn, self._missed_step, step)
+        missed, past = self._missed, self._missed_step
+        sent = assumed = predicted(system.forces, 3)
+        if missed:
+            rows = carried(self._speed(time) * past, past, step)
+            sent = _made_good(assumed, missed[: len(assumed)], rows)
         felt = system.rotor_pass(sent, time, step)
-        motion = [cubic for cubic, _ in joined(system.accelerations, felt, step)]
-        if self._missed:
-            motion = _made_good(motion, self._missed[count:], 0.0, self._missed_step, step)
+        motion = [
+            hermite(state.now, end, step)
+            for state, end in zip(system.accelerations, felt, strict=True)
+        ]
+        if missed:
+            motion = _made_good(motion, missed[len(assumed) :], carried(0.0, past, step))
         answers = system.balancer_pass(motion, time, step)
-        self.detect_divergence(system, assumed, answers, time, step)
-
         ends = [end_of(cubic, step) for cubic in assumed]
+        self.detect_divergence(system, ends, answers, time, step)
+
         missed = self._solve(ends, answers, step)
         right = [
-            (value + missed[2 * k], slope + missed[2 * k + 1] / step)
-            for k, (value, slope) in enumerate([*ends, *felt])
+            (value + v, slope + w / step)
+            for (value, slope), (v, w) in zip(ends + felt, missed, strict=True)
         ]
         self._missed, self._missed_step = ([] if jump else missed), step
         system.accept(
@@ -91,36 +100,38 @@ class Compensated(Explicit):
             step,
         )
 
-    def _solve(self, assumed: Sequence[Knot], answers: Sequence[Knot], step: float) -> Vector:
+    def _solve(
+        self, assumed: Sequence[Knot], answers: Sequence[Knot], step: float
+    ) -> list[list[complex]]:
         """Forces and accelerations that would have agreed, less those assumed and answered."""
         if step != self._solved_step:
             self._solution = rescaled(self._solution, step / self._solved_step)
             self._solved_step = step
-        gaps = [(f - g, d - e) for (f, d), (g, e) in zip(answers, assumed, strict=True)]
-        return applied(self._solution, pack(gaps, step))
+        gaps = self._gaps
+        for k, ((f, d), (g, e)) in enumerate(zip(answers, assumed, strict=True)):
+            gaps[k] = f - g, (d - e) * step
+        self._solution.dot(self._gap_parts, self._found_parts)
+        return self._found.tolist()
 
 
 def _made_good(
-    signals: Sequence[Cubic], missed: Sequence[complex], turn: float, past: float, step: float
+    signals: Sequence[Cubic], missed: Sequence[Sequence[complex]], rows: Sequence[Knot]
 ) -> list[Cubic]:
-    """Signals over the step with what was missed in the past one added."""
-    (a, b), (c, d), (e, f), (g, h) = carried(turn, past, step)
-    found = []
-    for k, (s0, s1, s2, s3) in enumerate(signals):
-        value, slope = missed[2 * k], missed[2 * k + 1]
-        found.append(
-            (
-                s0 + a * value + b * slope,
-                s1 + c * value + d * slope,
-                s2 + e * value + f * slope,
-                s3 + g * value + h * slope,
-            )
+    """Signals over the step with what was missed in the past one added, `carried` on."""
+    (a, b), (c, d), (e, f), (g, h) = rows
+    return [
+        (
+            s0 + a * value + b * slope,
+            s1 + c * value + d * slope,
+            s2 + e * value + f * slope,
+            s3 + g * value + h * slope,
         )
-    return found
+        for (s0, s1, s2, s3), (value, slope) in zip(signals, missed, strict=True)
+    ]
 
 
 @lru_cache(maxsize=64)
-def carried(turn: float, past: float, step: float) -> tuple[tuple[complex, complex], ...]:
+def carried(turn: float, past: float, step: float) -> tuple[Knot, ...]:
     """Cubic over a step that gives a free mass what it missed in the step before.
 
     Missed was the cubic that starts from nothing and ends with a value and a slope; the one found

@@ -13,7 +13,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from ...errors import SimulationError
-from ..signals import Cubic, Knot, end_of
+from ..signals import Knot
 from ..system import System
 
 # value and slope at t = 2 of the cubic through values and slopes at t = 0 (BEFORE) and 1 (NOW)
@@ -77,7 +77,7 @@ class Explicit:
     def detect_divergence(
         self,
         system: System,
-        assumed: Sequence[Cubic],
+        assumed: Sequence[Knot],
         answers: Sequence[Knot],
         time: float,
         step: float,
@@ -88,12 +88,14 @@ class Explicit:
             SimulationError: the coupling diverges.
         """
         worst, name = 0.0, ""
-        for cubic, (value, _), force in zip(assumed, answers, system.force_names, strict=True):
-            missed = abs(value - end_of(cubic, step)[0])
+        for (expected, _), (value, _), force in zip(
+            assumed, answers, system.force_names, strict=True
+        ):
+            missed, modulus = abs(value - expected), abs(value)
             if not missed <= worst:
                 worst, name = missed, force
-            if abs(value) > self.largest:
-                self.largest = abs(value)
+            if modulus > self.largest:
+                self.largest = modulus
         if worst <= MISSED * self.largest:
             self._calm += 1
             if self._calm >= CALM:

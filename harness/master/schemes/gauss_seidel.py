@@ -13,7 +13,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from ..signals import interpolated, joined, predicted
+from ..signals import end_of, interpolated, joined, predicted
 from ..system import System
 from .explicit import Explicit
 
@@ -41,7 +41,8 @@ class GaussSeidel(Explicit):
             for state, end in zip(system.accelerations, felt, strict=True)
         ]
         answers = system.balancer_pass(accelerations, time, step)
-        self.detect_divergence(system, forces, answers, time, step)
+        assumed = [end_of(cubic, step) for cubic in forces]
+        self.detect_divergence(system, assumed, answers, time, step)
         # the next extrapolation starts from what the balancers really did
         system.accept(
             list(zip(accelerations, felt, strict=True)),

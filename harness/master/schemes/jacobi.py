@@ -7,7 +7,7 @@ cubic signals below 1/169 = (1/13)^2, since force and acceleration are both extr
 
 from __future__ import annotations
 
-from ..signals import joined, predicted
+from ..signals import end_of, joined, predicted
 from ..system import System
 from .explicit import Explicit
 
@@ -24,7 +24,8 @@ class Jacobi(Explicit):
         accelerations = predicted(system.accelerations, system.order)
         felt = system.rotor_pass(forces, time, step)
         answers = system.balancer_pass(accelerations, time, step)
-        self.detect_divergence(system, forces, answers, time, step)
+        assumed = [end_of(cubic, step) for cubic in forces]
+        self.detect_divergence(system, assumed, answers, time, step)
         system.accept(
             joined(system.accelerations, felt, step),
             joined(system.forces, answers, step),

@@ -11,7 +11,7 @@ Where the rotor's acceleration jumps, the units' outputs are still those before 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 
 from ..schedule import Drive
 from ..system import System
@@ -25,30 +25,47 @@ KINK = 1e-6  # of a step: it errs by less than 1e-7, and rounding does not yet s
 
 def substeps(
     system: System, scheme: Scheme, drive: Drive, time: float, step: float
-) -> Iterator[tuple[float, float]]:
+) -> Iterable[tuple[float, float]]:
     """Begin and length of every step to be taken for one communication step [s]; mostly itself.
 
     The units are told of the drive on the way, and brought over its jumps.
     """
-    parts = [step]
     if system.has_no_past and not scheme.chooses_steps:
-        parts = doubling_steps(system, step, scheme.startup_halvings)
-    begin = time
+        return _divided(system, scheme, drive, time, step)
+    if drive.jumps(time):
+        return _across(system, scheme, time, step)
+    return ((time, step),)
+
+
+def _divided(
+    system: System, scheme: Scheme, drive: Drive, time: float, step: float
+) -> Iterator[tuple[float, float]]:
+    """Parts of a step without a past, those at a jump of the drive brought over it."""
+    parts, begin = doubling_steps(system, step, scheme.startup_halvings), time
     for part in parts:
-        pieces = [part]
         if drive.jumps(begin):
-            negligible = KINK * part
-            scheme.cross_jump(system, begin, negligible)
-            system.drop_past()
-            begin += negligible
-            pieces = [part - negligible]
-            if scheme.startup_halvings:
-                pieces = doubling_steps(system, pieces[0], scheme.startup_halvings)
-        for piece in pieces:
-            yield begin, piece
-            begin += piece
+            yield from _across(system, scheme, begin, part)
+        else:
+            yield begin, part
+        begin += part
     if len(parts) > 1:
         scheme.after_start(system, begin, step)
+
+
+def _across(
+    system: System, scheme: Scheme, begin: float, step: float
+) -> Iterator[tuple[float, float]]:
+    """What is left of a step that begins with a jump of the drive, divided if need be."""
+    negligible = KINK * step
+    scheme.cross_jump(system, begin, negligible)
+    system.drop_past()
+    begin += negligible
+    pieces = [step - negligible]
+    if scheme.startup_halvings:
+        pieces = doubling_steps(system, pieces[0], scheme.startup_halvings)
+    for piece in pieces:
+        yield begin, piece
+        begin += piece
 
 
 def doubling_steps(system: System, step: float, halvings: int = 0) -> list[float]:
