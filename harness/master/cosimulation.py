@@ -23,6 +23,7 @@ from .recorder import Recorder, recorded
 from .resolution import Resolution
 from .result import Result
 from .runtime import runtime
+from .scales import ROUNDING, largest_force
 from .schedule import Drive, end_time, milestones, schedule, step_size
 from .schemes.protocol import Scheme, choose, refuse_loose_tolerance
 from .schemes.startup import substeps
@@ -99,9 +100,10 @@ class CoSimulation(Closing):
         system, response = self.system, np.zeros((0, 0))
         if self.scene.coupling.scheme == "compensated":
             response = rotor_response(system, step)
-        jacobian = consistent_start(system, step)
+        rounding = ROUNDING * largest_force(self.scene)
+        jacobian = consistent_start(system, step, rounding)
         self.gain = loop_gain(jacobian)
-        scheme = choose(self.scene, system, jacobian, response, step, self.gain)
+        scheme = choose(self.scene, system, jacobian, response, step, self.gain, rounding)
         self.amplification = scheme.amplification(value_eigenvalues(jacobian), system.order)
         return scheme
 
