@@ -93,7 +93,7 @@ class CoSimulation(Closing):
         share = self.scheme.miss_per_error if self.system.order == 3 else 0.0
         # an exchange that is unstable at any step is no matter of resolution
         judged = share and self.amplification <= 1.0 and self.system.exchanges
-        self.resolution = Resolution(self.scene, self.system, share) if judged else None
+        self.resolution = Resolution(self.scene, self.system, share, self.gain) if judged else None
 
     def _prepare(self, step: float) -> Scheme:
         """Bring the units to a consistent start, and make the scheme for this loop."""

@@ -2,6 +2,7 @@
 
 import pytest
 
+from autobalancer.harness.errors import SimulationError
 from autobalancer.harness.master.cosimulation import cosimulate
 from autobalancer.harness.scene import Scene
 from autobalancer.harness.truth.judge import deviations, motion
@@ -108,3 +109,28 @@ def test_a_tolerance_on_a_perfectly_balanced_rotor_ends():
     result = cosimulate(scene, record=["rotor.x", "rotor.y"])
     assert result.steps < 10_000
     assert max(abs(result["rotor.x"])) < 1e-12
+
+
+def test_heavy_liquid_as_a_force_on_a_lightly_damped_rotor_is_not_wrong_in_silence():
+    """Errors of the force push the rotor alone, a thirteenth of the loaded mass, all the time."""
+    liquid = {
+        "kind": "liquid",
+        "chamber_radius": 0.1,
+        "float_radius": 0.09,
+        "height": 0.4,
+        "density": 1000.0,
+        "inertia_as_force": True,
+    }
+    rotor = {"mass": 1.0, "stiffness": 1.0e6, "damping": 5.0, "unbalance": 0.001}
+    scene = Scene.from_document(
+        {
+            "rotor": {"kind": "planar", **rotor},
+            "balancer": [liquid],
+            "operation": {"speed": 50.0},
+            "run": {"revolutions": 20.0},
+        }
+    )
+    with pytest.raises(SimulationError, match="use more steps_per_rev"):
+        cosimulate(scene)
+    result = cosimulate(scene.replace({"coupling.steps_per_rev": 400}))
+    assert max(deviations(result, motion(scene, result)).values()) < 0.01
