@@ -28,6 +28,7 @@ from ...models.rotor import LinearRotor
 from ...models.weights import Weights
 from ..errors import SimulationError
 from ..scene import Scene
+from .scales import largest_force
 from .schemes.protocol import WEAK_LOOP
 from .signals import MISS_PER_ERROR, SignalState
 from .system import System
@@ -38,6 +39,9 @@ UNRESOLVED = 0.05  # of a signal's largest value: error of a cubic that no longe
 PERSISTENT = 20  # such steps in all: a transient that dies sooner is left to the estimate
 NOISE = 1e-9  # of what all weights together can pull: below it a signal is cancellation
 LOST_PREDICTION = MISS_PER_ERROR * UNRESOLVED  # of a signal's largest value: then it is lost
+BEYOND = 10.0  # times the largest force of the scene: what a resonance makes in three revolutions
+GROWTH = 2.0  # in a step: no resolved motion grows so fast
+RUNAWAY = 4  # such steps in a row
 _TURN = 2.0 * math.pi
 
 
@@ -107,6 +111,7 @@ class Resolution:
         for plane in self._planes:
             plane.state.largest = max(least / self._mass, abs(plane.state.now[0]))
         self._pushed, self._step, self._blind = 0.0, 0.0, True
+        self._most, self._grown = BEYOND * largest_force(scene), 0
         self.estimate, self.unresolved = 0.0, 0
 
     def check(self, time: float, step: float) -> None:
@@ -147,6 +152,7 @@ class Resolution:
                 self._refuse(time, f"what the cubics miss of {cause} {moved}")
         if lost:
             self._count(time, *lost)
+        self._stop_runaway(time)
 
     def _change(self, step: float) -> None:
         """Take over another length of the steps [s]."""
@@ -156,6 +162,20 @@ class Resolution:
         self._new = 1.0 - math.exp(-step * self._pace)
         # m/N: a force that lasts longer than 1/pace moves the rotor no further
         self._moved = self._answered * min(step, 1.0 / self._pace) / (self._mass * self._pace)
+
+    def _stop_runaway(self, time: float) -> None:
+        """Refuse steps that repeat their own error: it grows along with all it is compared with."""
+        self._grown = 1 + self._grown if any(map(self._grows, self._forces)) else 0
+        if self._grown >= RUNAWAY:
+            self._refuse(
+                time,
+                f"{self._forces[0][1]} is beyond all that the scene can make of it and has grown "
+                f"{GROWTH:g}-fold or more in each of the last {RUNAWAY} steps",
+            )
+
+    def _grows(self, force: tuple[SignalState, str]) -> bool:
+        state, _ = force
+        return abs(state.now[0]) > max(self._most, GROWTH * abs(state.last[0]))
 
     def _count(self, time: float, state: SignalState, name: str) -> None:
         self.unresolved += 1

@@ -134,3 +134,34 @@ def test_heavy_liquid_as_a_force_on_a_lightly_damped_rotor_is_not_wrong_in_silen
         cosimulate(scene)
     result = cosimulate(scene.replace({"coupling.steps_per_rev": 400}))
     assert max(deviations(result, motion(scene, result)).values()) < 0.01
+
+
+def test_a_loop_that_repeats_its_own_error_is_refused():
+    """The estimate is relative to the motion, and that was all error, 1e24 times too large."""
+    rotor = {
+        "kind": "planar",
+        "mass": 61.98,
+        "stiffness": [4.779e9, 2.547e10],
+        "damping": [76160.0, 0.0],
+        "unbalance": 0.1154,
+    }
+    liquid = {
+        "kind": "liquid",
+        "chamber_radius": 0.25,
+        "float_radius": 0.2072,
+        "height": 0.9157,
+        "density": 1000.0,
+        "inertia_as_force": True,
+    }
+    scene = Scene.from_document(
+        {
+            "rotor": rotor,
+            "balancer": [liquid],
+            "operation": {"speed": 489.7},
+            "run": {"revolutions": 0.4745},
+        }
+    )
+    with pytest.raises(SimulationError, match=r"has grown 2-fold .* use more steps_per_rev"):
+        cosimulate(scene)
+    result = cosimulate(scene.replace({"coupling.steps_per_rev": 1000}))
+    assert max(deviations(result, motion(scene, result)).values()) < 0.01
