@@ -28,6 +28,8 @@ enum {
     /* OverflowError and LinAlgError of the rotor's matrices */
     FAILURE_MATRICES,          /* the rotor's matrices are not finite */
     FAILURE_SINGULAR,          /* a matrix is singular */
+    /* ArithmeticError of the rotor */
+    FAILURE_FAST_VIBRATION,    /* value: step, error; where: parts of the step */
     /* ArithmeticError of the weights */
     FAILURE_ANGLES,            /* the weights' angles are not finite */
     FAILURE_SUBSTEPS,          /* value: substeps, step, acceleration, largest rate */

@@ -128,6 +128,13 @@ void failure_words(Text *text, const Failure *failure, const double *values, siz
     case FAILURE_SINGULAR:
         text_put(text, "Singular matrix");
         break;
+    case FAILURE_FAST_VIBRATION:
+        put_rounded(text, "the rotor vibrates too fast for a step of ", value[0], 6,
+                    " s at changing speed: ");
+        text_integer(text, (unsigned long)failure->where);
+        put_rounded(text, " parts of it still err by ", value[1], 6,
+                    " m; use smaller communication steps");
+        break;
     case FAILURE_ANGLES:
         text_put(text, "the weights' angles ");
         text_list(text, values, count);

@@ -26,7 +26,7 @@ size_t variable_speed_scratch(int stations, int planes, int axes);
 int variable_speed_step(const LinearRotor *rotor, int turning_force, double *memory,
                         double *scratch, VariableSpeedStep *made, Failure *failure);
 
-/* State (q, v) one `step` [s] later, in place.
+/* State (q, v) one `step` [s] later, in place, displacements to a share of 1e-10.
 
    state: (2 dof) elements, complex for an isotropic rotor, else q (x..., y...), v (x..., y...).
    forces: (4, p) complex forces on the planes in the rotor frame (fixed axes when turning_force is
@@ -34,6 +34,11 @@ int variable_speed_step(const LinearRotor *rotor, int turning_force, double *mem
 int variable_speed_advance(const VariableSpeedStep *method, double *state, const double *forces,
                            double angle, double speed, double angular_acceleration, double step,
                            double *scratch, Failure *failure);
+
+/* The same in `count` equal parts of which nothing is asked. */
+int variable_speed_parts(const VariableSpeedStep *method, double *state, const double *forces,
+                         double angle, double speed, double angular_acceleration, double step,
+                         int count, double *scratch, Failure *failure);
 
 /* Acceleration and jerk of the planes in fixed axes, (axes p) elements, at time t into the step, to
    which `state` belongs; the other arguments belong to the start of the step. */

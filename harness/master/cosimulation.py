@@ -23,6 +23,7 @@ from .recorder import Recorder, recorded
 from .resolution import Resolution
 from .result import Result
 from .runtime import runtime
+from .scales import ROUNDING, largest_force
 from .schedule import Drive, end_time, milestones, schedule, step_size
 from .schemes.protocol import Scheme, choose, refuse_loose_tolerance
 from .schemes.startup import substeps
@@ -92,16 +93,17 @@ class CoSimulation(Closing):
         share = self.scheme.miss_per_error if self.system.order == 3 else 0.0
         # an exchange that is unstable at any step is no matter of resolution
         judged = share and self.amplification <= 1.0 and self.system.exchanges
-        self.resolution = Resolution(self.scene, self.system, share) if judged else None
+        self.resolution = Resolution(self.scene, self.system, share, self.gain) if judged else None
 
     def _prepare(self, step: float) -> Scheme:
         """Bring the units to a consistent start, and make the scheme for this loop."""
         system, response = self.system, np.zeros((0, 0))
         if self.scene.coupling.scheme == "compensated":
             response = rotor_response(system, step)
-        jacobian = consistent_start(system, step)
+        rounding = ROUNDING * largest_force(self.scene)
+        jacobian = consistent_start(system, step, rounding)
         self.gain = loop_gain(jacobian)
-        scheme = choose(self.scene, system, jacobian, response, step, self.gain)
+        scheme = choose(self.scene, system, jacobian, response, step, self.gain, rounding)
         self.amplification = scheme.amplification(value_eigenvalues(jacobian), system.order)
         return scheme
 

@@ -135,8 +135,12 @@ def rotor_response(system: System, step: float) -> np.ndarray:
     return found
 
 
-def consistent_start(system: System, step: float) -> np.ndarray:
+def consistent_start(system: System, step: float, rounding: float = 0.0) -> np.ndarray:
     """Bring forces and accelerations of units in initialisation mode into agreement.
+
+    Args:
+        step: communication step to come [s].
+        rounding: of the forces [N]: where they cancel, nothing larger can be made of them.
 
     Returns:
         dG/du at the start, (4 c, 4 c) for c connections; its spectral radius is the loop gain.
@@ -167,7 +171,7 @@ def consistent_start(system: System, step: float) -> np.ndarray:
         u = [a + b for a, b in zip(u, newton.correction(residual), strict=True)]
         g_u = respond(u)
         residual = difference(g_u, u)
-        if size(residual) <= tolerance * max(size(u), size(g_u)):
+        if size(residual) <= max(tolerance * max(size(u), size(g_u)), rounding):
             break
     else:
         raise SimulationError(

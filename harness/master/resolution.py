@@ -12,7 +12,8 @@ what an explicit scheme steps on.  What such errors do to the motion is estimate
   with 1 rad.
 
 Errors are added without their signs, since a weight that turns with a signal makes a steady push
-of it, and forgotten over a revolution.  The larger of the two sums is the estimated error.  A
+of it, and forgotten over a revolution, or as slowly as the rotor's vibrations decay where the loop
+between force and acceleration is strong.  The larger of the two sums is the estimated error.  A
 signal that is not resolved at all makes estimates meaningless: such steps are counted.
 """
 
@@ -23,9 +24,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ...models.rotor import LinearRotor
 from ...models.weights import Weights
 from ..errors import SimulationError
 from ..scene import Scene
+from .scales import largest_force
+from .schemes.protocol import WEAK_LOOP
 from .signals import MISS_PER_ERROR, SignalState
 from .system import System
 
@@ -35,6 +39,9 @@ UNRESOLVED = 0.05  # of a signal's largest value: error of a cubic that no longe
 PERSISTENT = 20  # such steps in all: a transient that dies sooner is left to the estimate
 NOISE = 1e-9  # of what all weights together can pull: below it a signal is cancellation
 LOST_PREDICTION = MISS_PER_ERROR * UNRESOLVED  # of a signal's largest value: then it is lost
+BEYOND = 10.0  # times the largest force of the scene: what a resonance makes in three revolutions
+GROWTH = 2.0  # in a step: no resolved motion grows so fast
+RUNAWAY = 4  # such steps in a row
 _TURN = 2.0 * math.pi
 
 
@@ -63,6 +70,7 @@ class Resolution:
         scene: what the errors move, and how far it moves.
         system: the coupled units.
         miss_per_error: of the scheme.
+        gain: of the loop: a force in place of added mass pushes a rotor that much lighter.
 
     Attributes:
         estimate: largest estimated error so far, relative to the motion.
@@ -73,8 +81,10 @@ class Resolution:
     strict = True
     refused = False
 
-    def __init__(self, scene: Scene, system: System, miss_per_error: float) -> None:
-        self._miss_per_error = miss_per_error
+    def __init__(
+        self, scene: Scene, system: System, miss_per_error: float, gain: float = 0.0
+    ) -> None:
+        self._miss_per_error, self._answered = miss_per_error, 1.0 + gain
         assembly, profile, start = scene.assembly(), scene.profile(), scene.run.initial
         rotor = assembly.loaded_rotor
         self._speed = max(profile.start, profile.end)
@@ -82,6 +92,9 @@ class Resolution:
         soft = min(_slowest(rotor.mass, k) for k in (rotor.stiffness_x, rotor.stiffness_y))
         self._pace = max(self._speed, soft)
         self._mass = float(rotor.mass.sum())
+        # a strong loop goes on pushing a rotor that hardly damps
+        slowest = _slowest_decay(rotor, self._speed) if gain > WEAK_LOOP else math.inf
+        self._forgotten = min(self._pace / _TURN, slowest)
         pull = (assembly.capacity + float(np.abs(rotor.unbalance).sum())) * self._speed**2
         out = math.hypot(start.x, start.y) + math.hypot(start.vx, start.vy) / self._pace
         self._reach = pull / (self._mass * self._pace**2) + out  # m: how far the rotor moves
@@ -98,6 +111,7 @@ class Resolution:
         for plane in self._planes:
             plane.state.largest = max(least / self._mass, abs(plane.state.now[0]))
         self._pushed, self._step, self._blind = 0.0, 0.0, True
+        self._most, self._grown = BEYOND * largest_force(scene), 0
         self.estimate, self.unresolved = 0.0, 0
 
     def check(self, time: float, step: float) -> None:
@@ -138,15 +152,30 @@ class Resolution:
                 self._refuse(time, f"what the cubics miss of {cause} {moved}")
         if lost:
             self._count(time, *lost)
+        self._stop_runaway(time)
 
     def _change(self, step: float) -> None:
         """Take over another length of the steps [s]."""
         self._step, self._blind = step, True
-        self._kept = math.exp(-step * self._pace / _TURN)
+        self._kept = math.exp(-step * self._forgotten)
         self._kept_turning = math.exp(-step * self._speed / _TURN)
         self._new = 1.0 - math.exp(-step * self._pace)
         # m/N: a force that lasts longer than 1/pace moves the rotor no further
-        self._moved = min(step, 1.0 / self._pace) / (self._mass * self._pace)
+        self._moved = self._answered * min(step, 1.0 / self._pace) / (self._mass * self._pace)
+
+    def _stop_runaway(self, time: float) -> None:
+        """Refuse steps that repeat their own error: it grows along with all it is compared with."""
+        self._grown = 1 + self._grown if any(map(self._grows, self._forces)) else 0
+        if self._grown >= RUNAWAY:
+            self._refuse(
+                time,
+                f"{self._forces[0][1]} is beyond all that the scene can make of it and has grown "
+                f"{GROWTH:g}-fold or more in each of the last {RUNAWAY} steps",
+            )
+
+    def _grows(self, force: tuple[SignalState, str]) -> bool:
+        state, _ = force
+        return abs(state.now[0]) > max(self._most, GROWTH * abs(state.last[0]))
 
     def _count(self, time: float, state: SignalState, name: str) -> None:
         self.unresolved += 1
@@ -172,6 +201,15 @@ def _slowest(mass: np.ndarray, stiffness: np.ndarray) -> float:
     """Lowest natural frequency along an axis [rad/s]."""
     squares = np.linalg.eigvals(np.linalg.solve(mass, stiffness)).real
     return math.sqrt(max(0.0, float(squares.min())))
+
+
+def _slowest_decay(rotor: LinearRotor, speed: float) -> float:
+    """Rate at which the rotor's longest-lived vibration decays [1/s]; 0 for one that grows."""
+    mass, damping, stiffness = rotor.coefficients(speed)
+    dof = len(mass)
+    still = np.linalg.solve(mass, np.hstack([-stiffness, -damping]))
+    system = np.vstack([np.eye(dof, 2 * dof, dof), still])
+    return max(0.0, -float(np.linalg.eigvals(system).real.max()))
 
 
 def _turned(scene: Scene, system: System, plane: int, speed: float) -> float:

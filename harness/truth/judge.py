@@ -96,7 +96,7 @@ def _compared(scene: Scene, verdict: Verdict) -> Verdict:
         )
     verdict = replace(verdict, steps=result.steps, seconds=clock.process_time() - begun)
     try:
-        right = _motion(scene, result)
+        right = motion(scene, result)
     except ReferenceDisagreement as error:
         return replace(verdict, outcome="unknown", words=str(error))
     errors = deviations(result, right)
@@ -149,7 +149,12 @@ def _alike(name: str, kind: str, base: str) -> bool:
     return end in (".x", ".y") if kind in (".x", ".y") else end.startswith(kind)
 
 
-def _motion(scene: Scene, result: Result) -> dict[str, NDArray]:
+def motion(scene: Scene, result: Result) -> dict[str, NDArray]:
+    """What the result's signals should be, by an independent integration.
+
+    Raises:
+        ReferenceDisagreement: two integrations of the reference differ.
+    """
     names = [n for n in result.signals if not n.endswith((".angle", ".clearance"))]
     right, _ = reference(
         scene.assembly(),

@@ -42,25 +42,30 @@ def slope(rotor: LinearRotor, spin_up: float, t: float, y: np.ndarray) -> list[f
     return [v_x, v_y, f_x / m, f_y / m]
 
 
-def run(rotor: LinearRotor, state: np.ndarray, spin_up: float, t: float, steps: int) -> np.ndarray:
-    """State (x, y, vx, vy) after `steps` steps."""
+def run(
+    rotor: LinearRotor, state: np.ndarray, spin_up: float, t: float, steps: int, parts: int = 0
+) -> np.ndarray:
+    """State (x, y, vx, vy) after `steps` steps, each of `parts` parts or of as many as it needs."""
     stepper, h = VariableSpeedStep(rotor), t / steps
     y = state[[0, 2]] + 1j * state[[1, 3]] if rotor.isotropic else state
     for k in range(steps):
         s = k * h
         angle = ANGLE + SPEED * s + spin_up * s * s / 2
-        y = stepper.advance(y, shifted(s), angle, SPEED + spin_up * s, spin_up, h)
+        drive = (shifted(s), angle, SPEED + spin_up * s, spin_up, h)
+        y = stepper.parts(y, *drive, parts) if parts else stepper.advance(y, *drive)
     return np.array([y[0].real, y[0].imag, y[1].real, y[1].imag]) if rotor.isotropic else y
 
 
 @pytest.mark.parametrize("isotropic", [True, False])
 @pytest.mark.parametrize("spin_up", [1.5, -4.0])
-def test_the_step_has_order_5_and_every_term_of_dubovik_5(isotropic: bool, spin_up: float) -> None:
+def test_its_parts_have_order_5_and_every_term_of_dubovik_5(
+    isotropic: bool, spin_up: float
+) -> None:
     rotor, state, t = rotor_of(isotropic=isotropic), np.array([0.1, -0.2, 0.3, 0.1]), 0.4
     expected = solve_ivp(
         lambda s, y: slope(rotor, spin_up, s, y), (0, t), state, "DOP853", rtol=1e-13, atol=1e-15
     ).y[:, -1]
-    errors = [np.abs(run(rotor, state, spin_up, t, n) - expected).max() for n in (4, 8, 16)]
+    errors = [np.abs(run(rotor, state, spin_up, t, 2, n) - expected).max() for n in (2, 4, 8)]
     orders = np.log2(np.divide(errors[:-1], errors[1:]))
     assert_allclose(orders, 5.0, atol=0.15)
     assert errors[-1] < 1e-8
@@ -114,3 +119,19 @@ def test_a_stiff_support_sets_no_step_limit() -> None:
     force = 0.25 * (w**2 * np.sin(beta) - 1.5 * np.cos(beta))
     force += (shifted(2.0)[0, 0] * np.exp(1j * beta)).imag
     assert_allclose(found[1], force / 1e14, rtol=1e-4)
+
+
+def test_a_free_vibration_faster_than_the_step_lives_on() -> None:
+    """Undamped at 60 rad a step: an L-stable step alone would end it at once."""
+    rotor = LinearRotor.planar(1.0, [1e6, 2e6], [0.0, 0.0], 0.0, 1e-3)
+    state, spin_up, t = np.array([1e-3, -2e-3, 0.0, 0.0]), 10.0, 0.12
+    expected = solve_ivp(
+        lambda s, y: slope(rotor, spin_up, s, y), (0, t), state, "DOP853", rtol=1e-12, atol=1e-15
+    ).y[:, -1]
+    assert_allclose(run(rotor, state, spin_up, t, 2)[:2], expected[:2], rtol=0, atol=1e-11)
+
+
+def test_a_vibration_too_fast_for_its_parts_is_refused() -> None:
+    rotor = LinearRotor.planar(1.0, [1e14, 1e14], [0.0, 1.0], 0.0, 1e-3)
+    with pytest.raises(ArithmeticError, match="use smaller communication steps"):
+        run(rotor, np.array([1e-3, 0.0, 0.0, 0.0]), 10.0, 1.0, 4)

@@ -36,6 +36,7 @@ class Adaptive:
         tolerance: allowed error of the coupling signals, relative to the largest so far.
         gain: of the loop; where force and reaction nearly cancel, an error of the force is that
             much larger in the motion that is left.
+        mass: of the loaded rotor [kg], which forces that are rounding can accelerate.
     """
 
     name = "iterated"
@@ -43,13 +44,16 @@ class Adaptive:
     startup_halvings = 0
     miss_per_error = 0.0  # its errors are held below the tolerance
 
-    def __init__(self, iterated: Iterated, tolerance: float, gain: float = 0.0) -> None:
+    def __init__(
+        self, iterated: Iterated, tolerance: float, gain: float = 0.0, mass: float = math.inf
+    ) -> None:
         self.iterated, self.tolerance = iterated, tolerance
         self._cancelled = max(1.0, gain)
         iterated.tolerance = RESIDUAL_SHARE * tolerance
         self.rung: float = 10 * RUNGS  # start short: nothing is known of the signals yet
         self.rejected = 0
-        self._largest_motion = 0.0
+        iterated.largest = iterated.rounding / iterated.tolerance
+        self._largest_motion = iterated.largest / mass
 
     def cross_jump(self, system: System, time: float, step: float) -> None:
         """One step of given length, where nothing of the past can be used."""

@@ -56,6 +56,7 @@ class Iterated:
         order: of the exchanged signals; slopes take part in the iteration only if it is 3.
         corrections: corrector passes of every step, or None to go on until converged.
         tolerance: residual, relative to the largest force so far, that counts as converged.
+        rounding: of forces that cancel [N]; no smaller residual is asked for.
     """
 
     name = "iterated"
@@ -71,6 +72,7 @@ class Iterated:
         order: int = 3,
         corrections: int | None = None,
         tolerance: float = CONVERGED,
+        rounding: float = 0.0,
     ) -> None:
         self.tolerance = max(tolerance, ROUNDING * loop_gain(jacobian))
         self.with_slopes = order == 3
@@ -79,7 +81,8 @@ class Iterated:
             jacobian = np.where(np.outer(values, values), jacobian, 0.0)
         self.newton = QuasiNewton(jacobian, step)
         self.corrections = corrections
-        self.largest = 0.0
+        self.rounding = rounding
+        self.largest = rounding / (self.tolerance if corrections is None else LOOSE)
 
     def step(self, system: System, time: float, step: float, longest: float) -> tuple[float, float]:
         """One step, and the residual it leaves of the forces over the largest so far."""

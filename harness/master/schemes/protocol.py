@@ -94,12 +94,14 @@ def choose(
     response: np.ndarray,
     step: float,
     gain: float,
+    rounding: float = 0.0,
 ) -> Scheme:
     """The scene's scheme; `auto` iterates, and no more than the loop gain asks for.
 
     Args:
         jacobian, response: from `loop.consistent_start` and `loop.rotor_response` with `step` [s].
         gain: of the loop.
+        rounding: of forces that cancel [N].
     """
     coupling = scene.coupling
     if coupling.scheme == Jacobi.name:
@@ -109,11 +111,13 @@ def choose(
     if coupling.scheme == Compensated.name:
         return Compensated(jacobian, response, step, scene.profile().speed)
     if coupling.tolerance is not None:
-        return Adaptive(Iterated(jacobian, step), coupling.tolerance, gain)
+        mass = float(scene.assembly().loaded_rotor.mass.sum())
+        iterated = Iterated(jacobian, step, rounding=rounding)
+        return Adaptive(iterated, coupling.tolerance, gain, mass)
     corrections = coupling.corrections
     if corrections is None and coupling.scheme == "auto" and gain <= WEAK_LOOP:
         corrections = 1
-    return Iterated(jacobian, step, system.order, corrections)
+    return Iterated(jacobian, step, system.order, corrections, rounding=rounding)
 
 
 def refuse_loose_tolerance(scene: Scene) -> None:

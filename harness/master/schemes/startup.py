@@ -76,7 +76,7 @@ def doubling_steps(system: System, step: float, halvings: int = 0) -> list[float
     """
     if system.order == 0 or not system.exchanges:
         return [step]
-    largest = max(abs(force.now[0]) for force in system.forces)
+    largest = max(max(abs(force.now[0]), force.largest) for force in system.forces)
     change = step * max(abs(force.now[1]) for force in system.forces)
     if change > STEEP * largest > 0.0:
         steep = math.ceil(math.log2(change / (FIRST * largest)))

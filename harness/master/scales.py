@@ -1,0 +1,40 @@
+"""How large forces can be in a scene: what is left far below that is rounding, or cancellation."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from ...models.weights import Weights
+from ..scene import Scene
+
+ROUNDING = 1e-14  # of the largest force there can be: what a unit's sums leave of cancelling parts
+
+
+def largest_force(scene: Scene) -> float:
+    """What the balancers can pull at most [N], by the weights, the unbalance and the start values.
+
+    Weights that turn pull by their own motion; every balancer also answers the rotor's
+    acceleration, which the same pull, the unbalance and displaced supports give it.
+    """
+    assembly, profile, start = scene.assembly(), scene.profile(), scene.run.initial
+    rotor = assembly.rotor
+    speed, spin_up = max(profile.start, profile.end), abs(profile.acceleration(0.0))
+    own = carried = 0.0
+    for mounted in assembly.balancers:
+        device = mounted.device
+        carried += device.added_mass
+        if isinstance(device, Weights):
+            rate = speed + max(map(abs, mounted.speeds), default=0.0)
+            own += device.point_capacity * (rate * rate + spin_up)
+    pushed = float(np.abs(rotor.unbalance).sum()) * (speed * speed + spin_up)
+    out, motion = math.hypot(start.x, start.y), math.hypot(start.vx, start.vy)
+    pushed += out * _largest_row(rotor.stiffness_x, rotor.stiffness_y)
+    pushed += motion * _largest_row(rotor.damping_x, rotor.damping_y)
+    return own + carried * (own + pushed) / float(rotor.mass.sum())
+
+
+def _largest_row(*matrices: np.ndarray) -> float:
+    """Largest force on a station where all move alike by one."""
+    return max(float(np.abs(matrix.sum(axis=1)).max()) for matrix in matrices)
