@@ -16,6 +16,27 @@ if TYPE_CHECKING:  # loaded where it is used: tests of the models alone need no 
     from autobalancer.harness.master.result import Result
 
 
+SLOW = (  # folders and files that take most of the time: `-m "not slow"` leaves them out
+    "fmus/test_host", "fmus/test_rotor", "harness/checks", "harness/design",
+    "harness/master/test_master",
+    "harness/master/test_schemes", "harness/output", "harness/precision", "harness/rotor",
+    "harness/stability", "harness/stress", "harness/test_cli", "harness/test_fuzz", "harness/truth",
+    "models/test_contact", "models/test_finite_elements", "models/test_monolith",
+    "models/test_papers_tables", "models/test_stability", "native/test_native_build",
+    "native/test_native_core_bits", "native/test_native_units_host",
+    "native/test_native_units_scenes", "test_readme",
+)  # fmt: skip
+
+
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """Mark what is slow."""
+    here = Path(__file__).parent
+    inside = [item for item in items if item.path.is_relative_to(here)]
+    for item in inside:
+        if item.path.relative_to(here).as_posix().startswith(SLOW):
+            item.add_marker(pytest.mark.slow)
+
+
 @pytest.fixture(autouse=True)
 def _no_narrow_terminal(monkeypatch):
     """Tables as wide as in a pipe, whatever the terminal the tests run in."""

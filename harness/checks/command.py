@@ -29,13 +29,17 @@ def command(
     report: Annotated[
         Path | None, typer.Option(metavar="DIR", help="Also write table and pictures there.")
     ] = None,
+    python: Annotated[bool, options.python()] = False,
 ) -> None:
     """Check scenes against theory; exit code 1 if a row does not hold."""
+    from ..master.run_command import ON_PYTHON
     from ..scene import load_scene
     from .report import as_json, tables, verdict
     from .runner import check_all, checked_scenes
 
     loaded = [load_scene(name) for name in scenes] if scenes else checked_scenes()
+    if python:
+        loaded = [scene.replace(ON_PYTHON) for scene in loaded]
     if report is not None:
         directory_to_fill(report)
     with progress_bars() as bars:

@@ -1,8 +1,8 @@
 """One FMU instance behind arrays of its own, so that a call costs a C call and nothing else.
 
-`Library` loads the library and declares its functions.  fmpy's wrappers build ctypes arrays at every
-call, and declared types are converted at every call: half of what a call costs.  So the functions of
-a step are taken undeclared, and called with C values made once.
+`Library` loads the library and declares its functions.  fmpy's wrappers build ctypes arrays at
+every call, and declared types are converted at every call: half of what a call costs.  So the
+functions of a step are taken undeclared, and called with C values made once.
 """
 
 from __future__ import annotations

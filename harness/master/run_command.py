@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from .result import Result
 
 
+ON_PYTHON = {"coupling.units": "python"}  # what --python changes in a scene
 _LONGEST_SHOWN = 200  # characters of what was typed
 
 
@@ -30,12 +31,15 @@ def command(
     fmus: Annotated[
         Path | None, typer.Option(metavar="DIR", help="Use the FMUs there, build none.")
     ] = None,
+    python: Annotated[bool, options.python()] = False,
     at_most: Annotated[str, options.at_most()] = costs.DEFAULT,
 ) -> None:
     """Run a scene by co-simulation."""
     from .cosimulation import cosimulate
 
     loaded = changed_scene(scene, changes)
+    if python:
+        loaded = loaded.replace(ON_PYTHON)
     if fmus is not None and not fmus.is_dir():
         raise UserError(f"{fmus}: is not a directory with FMUs")
     with progress_bar(f"running {loaded.name}") as progress:

@@ -45,6 +45,11 @@ def markdown(what: str) -> Any:
     return output("", f"Also write {what}.", "--markdown")
 
 
+def python() -> Any:
+    """`--python`."""
+    return typer.Option("--python", help="Couple the units that run Python, not native ones.")
+
+
 def at_most() -> Any:
     """`--at-most TIME`."""
     return typer.Option("--at-most", metavar="TIME", help="Refuse what takes longer: 30m, 2h, 1d.")
