@@ -111,7 +111,8 @@ def test_the_same_motion_to_1e_12_of_a_signals_range(fmus, packaging, case, seed
         moved = motion(packaging, fmus.python(unit, **options), layout, seed, nearby)
         still = motion(packaging, fmus.python(unit, **options), layout, seed, calm)
         allowed = np.maximum(allowed, 30.0 * np.abs(moved - still).max(axis=0))
-        assert np.all(allowed < 1e-10 * size)
+        # hundreds of parts of a step at changing speed each add the rounding of a solution
+        assert np.all(allowed < 1e-9 * size)
     assert np.all(np.abs(found - expected).max(axis=0) <= allowed)
 
 
