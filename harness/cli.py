@@ -8,7 +8,10 @@ completed with exit code 1, Ctrl-C with 130, SIGTERM with 143.
 from __future__ import annotations
 
 import errno
+import os
 import signal
+import sys
+from contextlib import suppress
 from typing import Any
 
 import typer
@@ -92,4 +95,18 @@ app.command("stress")(stress.command)
 def main() -> None:
     """Entry point of `autobalancer`."""
     with temporary_files():
-        app()
+        try:
+            app()
+        finally:
+            _flush()
+
+
+def _flush() -> None:
+    """Have what was said written now; where nobody takes it the interpreter must not try again."""
+    try:
+        if sys.stdout is not None:
+            sys.stdout.flush()
+    except (OSError, ValueError):
+        with suppress(OSError, ValueError):
+            os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        raise SystemExit(1) from None

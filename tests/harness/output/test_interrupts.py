@@ -28,7 +28,9 @@ LONG = {
 
 @pytest.mark.parametrize("command", LONG)
 @pytest.mark.parametrize(("number", "word"), [("SIGINT", "interrupted"), ("SIGTERM", "terminated")])
-def test_a_command_ends_at_once_with_one_word_and_leaves_no_folder(tmp_path, command, number, word):
+def test_a_command_ends_at_once_with_one_word_and_leaves_no_folder(
+    tmp_path, answering, command, number, word
+):
     folder = tmp_path / "temporary"
     folder.mkdir()
     code = getattr(signal, number)
@@ -40,13 +42,19 @@ def test_a_command_ends_at_once_with_one_word_and_leaves_no_folder(tmp_path, com
         stderr=subprocess.PIPE,
         text=True,
         start_new_session=True,
+        preexec_fn=answering,
     )
-    until = time.monotonic() + 60.0
-    while not os.listdir(folder) and time.monotonic() < until:
-        time.sleep(0.05)
-    time.sleep(1.0)  # well into the work
-    os.killpg(group.pid, code)  # as a terminal does: it tells every process of the group
-    _, errors = group.communicate(timeout=20.0)
+    try:
+        until = time.monotonic() + 60.0
+        while not os.listdir(folder) and time.monotonic() < until:
+            time.sleep(0.05)
+        time.sleep(1.0)  # well into the work
+        os.killpg(group.pid, code)  # as a terminal does: it tells every process of the group
+        _, errors = group.communicate(timeout=60.0)
+    finally:
+        if group.poll() is None:
+            os.killpg(group.pid, signal.SIGKILL)
+            group.wait()
     assert group.returncode == 128 + code
     assert errors.strip() == word
     assert os.listdir(folder) == []

@@ -120,14 +120,15 @@ if __name__ == "__main__":
     [(signal.SIGINT, -signal.SIGINT, 1), (signal.SIGTERM, 128 + signal.SIGTERM, 0)],
 )
 def test_an_interrupt_ends_all_processes_at_once_and_clears_their_files(
-    tmp_path, number, code, said
+    tmp_path, answering, number, code, said
 ):
     script, begun = tmp_path / "script.py", tmp_path / "begun"
     begun.mkdir()
     script.write_text(SCRIPT.format(directory=str(begun)), encoding="utf-8")
     group = subprocess.Popen(
-        [sys.executable, script], stderr=subprocess.PIPE, text=True, start_new_session=True
-    )
+        [sys.executable, script], stderr=subprocess.PIPE, text=True, start_new_session=True,
+        preexec_fn=answering,
+    )  # fmt: skip
     until = time.monotonic() + 60.0
     while len(os.listdir(begun)) < 2 and time.monotonic() < until:
         time.sleep(0.05)
@@ -135,7 +136,7 @@ def test_an_interrupt_ends_all_processes_at_once_and_clears_their_files(
         os.killpg(group.pid, number)  # as a terminal does: it tells every process of the group
     else:
         group.send_signal(number)
-    _, errors = group.communicate(timeout=20.0)  # they would sleep for a minute
+    _, errors = group.communicate(timeout=40.0)  # they would sleep for a minute
     assert group.returncode == code
     assert errors.count("Traceback") == said  # the parent's own; none of a worker
     workers = [path for path in begun.iterdir() if path.read_text()]
