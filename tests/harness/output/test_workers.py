@@ -107,7 +107,9 @@ from autobalancer.harness.output.workers import in_order
 
 def work(directory):
     made = tempfile.mkdtemp()
-    (pathlib.Path(directory) / str(os.getpid())).write_text(made)
+    note = pathlib.Path(made) / "note"
+    note.write_text(made)
+    note.rename(pathlib.Path(directory) / str(os.getpid()))
     time.sleep(60)
 
 if __name__ == "__main__":
