@@ -40,7 +40,7 @@ class Adaptive:
     """
 
     name = "iterated"
-    chooses_steps = rolls_back = True
+    chooses_steps = True
     startup_halvings = 0
     miss_per_error = 0.0  # its errors are held below the tolerance
 

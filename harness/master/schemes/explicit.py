@@ -30,7 +30,7 @@ class Explicit:
     """No rollback; forces are assumed for a step and answered at its end."""
 
     name = "explicit"
-    chooses_steps = rolls_back = False
+    chooses_steps = False
     startup_halvings = 0
     miss_per_error = 4.0  # the prediction itself is stepped on: its miss over its mean error
     extrapolations = 1  # that a force passes through on its way round the loop

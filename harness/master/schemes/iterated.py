@@ -61,7 +61,6 @@ class Iterated:
 
     name = "iterated"
     chooses_steps = False
-    rolls_back = True
     startup_halvings = 0
     miss_per_error = MISS_PER_ERROR
 

@@ -31,7 +31,6 @@ class Scheme(Protocol):
     Attributes:
         name: as scenes call it.
         chooses_steps: whether it picks the length of its steps.
-        rolls_back: whether it saves states and steps again.
         startup_halvings: of a step that has no past to extrapolate.
         miss_per_error: by how much a prediction misses a step's end, over what the step errs itself
             on average; 0: no error is to be estimated from it.
@@ -41,8 +40,6 @@ class Scheme(Protocol):
     def name(self) -> str: ...
     @property
     def chooses_steps(self) -> bool: ...
-    @property
-    def rolls_back(self) -> bool: ...
     @property
     def startup_halvings(self) -> int: ...
     @property
