@@ -19,9 +19,9 @@ from ..output.workers import Progress, Workers, in_order
 from ..scene import Scene
 from .axis import SPEED, Axis
 from .main_motion import MainMotion
+from .map_store import ROWS, open_map
 
-_Reasons = dict[tuple[int, int], str]  # by place on the slow and the fast axis
-_ROWS = 8  # values of the slower axis a batch, so that progress is seen
+_Strip = tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.object_]]
 _PLASTIC = 1.324717957244746  # its powers spread points evenly over a square
 
 
@@ -102,6 +102,7 @@ def stability_map(
     cosim: int = 0,
     workers: Workers = 1,
     progress: Progress | None = None,
+    store: Path | None = None,
 ) -> StabilityMap:
     """Growth rates by Floquet over two parameters, and by co-simulation at some points.
 
@@ -110,9 +111,11 @@ def stability_map(
         workers: processes, or an executor; a script that asks for more than one needs
             `if __name__ == "__main__":`.
         progress: called with the finished fraction.
+        store: keeps every outcome as it comes; what it holds already is not computed again.
 
     Raises:
-        UserError: a path is unknown, a value on an axis is wrong, or both axes are the same.
+        UserError: a path is unknown, a value on an axis is wrong, both axes are the same, or the
+            store is another map's.
     """
     if x.path == y.path:
         raise UserError(f"{x.path}: both axes are the same")
@@ -126,17 +129,16 @@ def stability_map(
             progress(done)
 
     jobs = list(_jobs(scene, x, y))
-    parts = in_order(_strip, jobs, workers, lambda done: report(share * done))
-    growth = np.vstack([part[0] for part in parts])
-    criterion = np.vstack([part[1] for part in parts])
+    places = grid_points(cosim, len(x.values), len(y.values))
+    kept = {} if store is None else open_map(store, scene, x, y, jobs[0].transposed, places)
+    parts = in_order(_strip, jobs, workers, lambda done: report(share * done), kept.get("strip"))
+    growth, criterion, why_not = (np.vstack(arrays) for arrays in zip(*parts, strict=True))
     if jobs[0].transposed:
-        growth, criterion = growth.T, criterion.T
-    points: list[Point] = []
-    if cosim:
-        places = grid_points(cosim, len(x.values), len(y.values))
-        work = [(scene, {x.path: x.values[i], y.path: y.values[j]}) for i, j in places]
-        rates = in_order(_measure, work, workers, lambda done: report(0.5 + 0.5 * done))
-        points = [Point(*place, *rate) for place, rate in zip(places, rates, strict=True)]
+        growth, criterion, why_not = growth.T, criterion.T, why_not.T
+    work = [(scene, {x.path: x.values[i], y.path: y.values[j]}) for i, j in places]
+    rates = in_order(
+        _measure, work, workers, lambda done: report(0.5 + 0.5 * done), kept.get("point")
+    )
     applies = bool(np.isfinite(criterion).any())
     return StabilityMap(
         scene.heading,
@@ -146,18 +148,12 @@ def stability_map(
         growth,
         criterion if applies else None,
         "" if applies else _why_no_criterion(scene),
-        tuple(points),
-        _failed(jobs, [part[2] for part in parts]),
+        tuple(Point(*place, *rate) for place, rate in zip(places, rates, strict=True)),
+        tuple(
+            Point(int(i), int(j), math.nan, str(why_not[j, i]))
+            for j, i in np.argwhere(why_not != "")
+        ),
     )
-
-
-def _failed(jobs: Sequence[_Job], reasons: Sequence[_Reasons]) -> tuple[Point, ...]:
-    points = []
-    for number, (job, found) in enumerate(zip(jobs, reasons, strict=True)):
-        for (slow, fast), reason in found.items():
-            place = (number * _ROWS + slow, fast)
-            points.append(Point(*(place if job.transposed else place[::-1]), math.nan, reason))
-    return tuple(points)
 
 
 @dataclass(frozen=True)
@@ -178,51 +174,46 @@ class _Job:
 def _jobs(scene: Scene, x: Axis, y: Axis) -> Iterator[_Job]:
     transposed = y.path == SPEED
     slow, fast = (x, y) if transposed else (y, x)
-    for start in range(0, len(slow.values), _ROWS):
-        values = tuple(slow.values[start : start + _ROWS].tolist())
+    for start in range(0, len(slow.values), ROWS):
+        values = tuple(slow.values[start : start + ROWS].tolist())
         yield _Job(scene, slow.path, values, fast, transposed)
 
 
-def _strip(job: _Job) -> tuple[NDArray[np.float64], NDArray[np.float64], _Reasons]:
-    """Growth rates and the criterion, (values, fast values) each, and why some are missing."""
-    growth, criterion = [], []
-    reasons: _Reasons = {}
+def _strip(job: _Job) -> _Strip:
+    """Growth rates, the criterion, and why there is no rate, (values, fast values) each."""
     if job.fast.path == SPEED:
         assemblies = [job.scene.replace({job.slow: v}).assembly() for v in job.values]
-        rates, reasons = _rates(assemblies, job.fast.values)
-        growth = list(rates)
-        criterion = [_criterion(a, job.fast.values) for a in assemblies]
-    else:
-        for number, value in enumerate(job.values):
-            scenes = [
-                job.scene.replace({job.slow: value, job.fast.path: v}) for v in job.fast.values
-            ]
-            speed = np.array([scenes[0].profile().end])
-            assemblies = [scene.assembly() for scene in scenes]
-            rates, missing = _rates(assemblies, speed)
-            growth.append(rates[:, 0])
-            reasons |= {(number, fast): reason for (fast, _), reason in missing.items()}
-            criterion.append(np.concatenate([_criterion(a, speed) for a in assemblies]))
-    return np.array(growth), np.array(criterion), reasons
+        rates, why_not = _rates(assemblies, job.fast.values)
+        return rates, np.array([_criterion(a, job.fast.values) for a in assemblies]), why_not
+    rows = []
+    for value in job.values:
+        scenes = [job.scene.replace({job.slow: value, job.fast.path: v}) for v in job.fast.values]
+        speed = np.array([scenes[0].profile().end])
+        assemblies = [scene.assembly() for scene in scenes]
+        rates, why_not = _rates(assemblies, speed)
+        criterion = np.concatenate([_criterion(a, speed) for a in assemblies])
+        rows.append((rates[:, 0], criterion, why_not[:, 0]))
+    growth, criterion, why_not = (np.array(row) for row in zip(*rows, strict=True))
+    return growth, criterion, why_not
 
 
 def _rates(
     assemblies: Sequence[Assembly], speeds: NDArray[np.float64]
-) -> tuple[NDArray[np.float64], _Reasons]:
+) -> tuple[NDArray[np.float64], NDArray[np.object_]]:
     """Growth rates (assemblies, speeds); a point that cannot be solved is NaN, with its reason."""
+    why_not = np.full((len(assemblies), len(speeds)), "", dtype=object)
     try:
-        return growth_map(assemblies, speeds), {}
+        return growth_map(assemblies, speeds), why_not
     except (ValueError, ArithmeticError):  # of NumPy's own LinAlgError is one
         pass
-    growth = np.full((len(assemblies), len(speeds)), np.nan)
-    reasons: _Reasons = {}
+    growth = np.full(why_not.shape, np.nan)
     for i, assembly in enumerate(assemblies):
         for j in range(len(speeds)):
             try:
                 growth[i, j] = growth_map([assembly], speeds[j : j + 1])[0, 0]
             except (ValueError, ArithmeticError) as error:
-                reasons[i, j] = str(error)
-    return growth, reasons
+                why_not[i, j] = str(error)
+    return growth, why_not
 
 
 def _criterion(assembly: Assembly, speeds: NDArray[np.float64]) -> NDArray[np.float64]:
