@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from ...models.rotor import LinearRotor
 from ...models.steps.propagator import step_matrix
-from ...models.steps.variable_speed import VariableSpeedStep
+from ...models.steps.variable_speed import Drive, VariableSpeedStep
 from ..python.slave import Slave
 from ..variables import ORDERS
 from .angle import total, turned
@@ -100,11 +100,11 @@ class RotorOnSupports(Slave):
         speed, spin_up = inputs[p : p + 2]
         method = _variable(self.rotor, tuple(inputs[:p]), self.turning)
         forces = np.array(inputs[p + 2 :]).view(complex).reshape(ORDERS, p)
-        drive = (forces, self.memory[1], speed, spin_up)
+        drive = Drive(forces, self.memory[1], speed, spin_up)
         state = _to_axes(np.array(self.memory[3:]), method.axes, 2)
         if step:
-            state = method.advance(state, *drive, step)
-        acceleration, jerk = method.plane_motion(state, *drive, step)
+            state = method.advance(state, drive, step)
+        acceleration, jerk = method.plane_motion(state, drive, step)
         planes = np.concatenate([acceleration, jerk])
         return _from_axes(state, method.axes, 2), _from_axes(planes, method.axes, 2)
 
