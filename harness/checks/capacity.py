@@ -75,7 +75,7 @@ def check_capacity(scene: Scene, check: CapacityCheck, progress: Progress) -> It
             turn = packed_turn(response, limit / unbalance)
             packed = np.array(packed_angles(weights, balls.weight_radius, turn))
             found = np.array([result[name][-1] for name in angles])
-            yield rows.worst(
+            yield rows.number(
                 f"unbalance {part:.3g} S: packed angles [rad]",
                 packed,
                 packed + np.array(_nearest(found, packed)),
