@@ -125,8 +125,8 @@ def run_parts(
             outcomes[alone[place]] = outcome
         for i in sharing:
             share = partial(_rows_of, workers=workers)
-            ((_, outcome),) = as_they_come(share, [(parts[i], partial(report, i))], 1, isolate)
-            outcomes[i] = outcome
+            ((_, shared),) = as_they_come(share, [(parts[i], partial(report, i))], 1, isolate)
+            outcomes[i] = shared
     return [
         _lost(part, found) if isinstance(found, Failed) else found
         for part, (_, found) in zip(parts, sorted(outcomes.items()), strict=True)

@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ...models.monolith import integrate, trajectory
-from ...models.reference.coupled import Monolith, Start
+from ...models.reference.coupled import Monolith
 from ..errors import SimulationError
 from ..master.cosimulation import CoSimulation
 from ..master.recorder import Recorder
@@ -106,7 +106,7 @@ class MonolithRunner:
     def __init__(
         self, scene: Scene, names: Sequence[str], method: str, rtol: float, time: Array
     ) -> None:
-        start = Start(**dict(scene.run.initial.items()))
+        start = scene.run.initial.motion()
         self._system = Monolith(scene.assembly(), scene.profile(), start.angle)
         self._start, self._method, self._rtol = start, method, rtol
         self._names, self._time = list(names), time
