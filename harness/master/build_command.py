@@ -40,8 +40,8 @@ def command(
 ) -> None:
     """Build the three units as FMUs, or exactly those that a scene needs."""
     wanted, left_out = _wanted(scene)
-    form = {"fmi": fmi, "arrays": arrays, "platforms": platform}
-    form["backend"] = "python" if python else "native"
+    backend = "python" if python else "native"
+    form = {"backend": backend, "fmi": fmi, "arrays": arrays, "platforms": platform}
     directory_to_fill(output)
     rows = []
     with progress_bars() as bars:
