@@ -9,7 +9,6 @@ from collections.abc import Iterator
 import numpy as np
 
 from ...models.papers import capacity as theory
-from ...models.papers.positions import packed_angles
 from ...models.papers.settling import plane_response
 from ...models.weights import Weights
 from ..errors import SceneError
@@ -73,7 +72,7 @@ def check_capacity(scene: Scene, check: CapacityCheck, progress: Progress) -> It
         )
         if unbalance > limit:
             turn = packed_turn(response, limit / unbalance)
-            packed = np.array(packed_angles(weights, balls.weight_radius, turn))
+            packed = np.array(theory.packed_angles(weights, balls.weight_radius, turn))
             found = np.array([result[name][-1] for name in angles])
             yield rows.worst(
                 f"unbalance {part:.3g} S: packed angles [rad]",

@@ -27,6 +27,7 @@ from .names import readable
 if TYPE_CHECKING:
     from typing_extensions import Self
 
+SIGNALS_WAIT = True  # no exception may cross a unit: see output/interrupts.py
 _WARNING = fmi2.fmi2Warning
 _STATUS = ("OK", "Warning", "Discard", "Error", "Fatal", "Pending")
 
