@@ -17,6 +17,7 @@ from .critical_speeds import check_critical_speeds
 from .filimonikhina import check_row, table_rows
 from .largest_spread import check_largest_spread
 from .liquid_window import check_liquid_window
+from .measured_error import check_measured_error
 from .ranking import check_ranking
 from .row import Row, Rows
 from .runtimes import check_runtimes
@@ -31,6 +32,7 @@ CHECKS: dict[str, Callable[..., Iterator[Row]]] = {
     "goncharov_table": check_sizes,
     "contact_order": check_contact_order,
     "runtimes": check_runtimes,
+    "measured_error": check_measured_error,
 }
 # (scene, check, progress, workers) -> rows: they share their runs among the workers themselves
 SHARING: dict[str, Callable[..., Iterator[Row]]] = {

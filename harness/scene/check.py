@@ -153,6 +153,14 @@ class RuntimesCheck(Table):
     """Length of the two runs."""
 
 
+class MeasuredErrorCheck(Table):
+    """Errors of the scene's own run, measured by a finer one; every scene's with `--verify`."""
+
+    kind: Literal["measured_error"]
+    at_most: Positive = 0.01
+    """Of a signal's range."""
+
+
 AnyCheck = Annotated[
     LiquidWindowCheck
     | CriticalSpeedsCheck
@@ -163,6 +171,7 @@ AnyCheck = Annotated[
     | SlowRootCheck
     | LargestSpreadCheck
     | ContactOrderCheck
-    | RuntimesCheck,
+    | RuntimesCheck
+    | MeasuredErrorCheck,
     Field(discriminator="kind"),
 ]
