@@ -3,25 +3,28 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import product
 from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ...models.assembly import Assembly
-from ...models.criteria import Criterion
 from ...models.stability import growth_map
 from ..errors import SimulationError, UserError
 from ..output.table import Sheet
 from ..output.workers import Progress, Workers, in_order
 from ..scene import Scene
 from .axis import SPEED, Axis
+from .boundaries import criterion_of
 from .main_motion import MainMotion
-from .map_store import ROWS, open_map
+from .map_store import open_map
 
-_Strip = tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.object_]]
+Vector = NDArray[np.float64]
+Reasons = NDArray[np.object_]  # why points have no growth rate; empty where they have
+_ROWS = 8  # values of the slow axis solved together; more would hide the progress
 _PLASTIC = 1.324717957244746  # its powers spread points evenly over a square
 
 
@@ -63,8 +66,8 @@ class StabilityMap:
     growth: NDArray[np.float64]
     criterion: NDArray[np.float64] | None
     no_criterion: str = ""
-    points: tuple[Point, ...] = field(default=())
-    failed: tuple[Point, ...] = field(default=())
+    points: tuple[Point, ...] = ()
+    failed: tuple[Point, ...] = ()
 
     @property
     def agreeing(self) -> int:
@@ -83,13 +86,12 @@ class StabilityMap:
         """
         measured = {(p.y, p.x): f"{p.growth:.10g}" for p in self.points}
         rows = []
-        for j, y in enumerate(self.y.values):
-            for i, x in enumerate(self.x.values):
-                word = ""
-                if self.criterion is not None:
-                    word = "stable" if self.criterion[j, i] < 0.0 else "unstable"
-                cells = (f"{x:.10g}", f"{y:.10g}", f"{self.growth[j, i]:.10g}", word)
-                rows.append((*cells, measured.get((j, i), "")))
+        for (j, i), growth in np.ndenumerate(self.growth):
+            numbers = (f"{n:.10g}" for n in (self.x.values[i], self.y.values[j], growth))
+            word = ""
+            if self.criterion is not None:
+                word = "stable" if self.criterion[j, i] < 0.0 else "unstable"
+            rows.append((*numbers, word, measured.get((j, i), "")))
         heads = (*self.labels, "growth rate [1/s]", "criterion", "cosim growth rate [1/s]")
         return Sheet(heads, rows).write_csv(path)
 
@@ -122,23 +124,24 @@ def stability_map(
     for axis in (x, y):
         if axis.path == SPEED and not axis.values[0] > 0.0:
             raise UserError(f"speed = {axis.values[0]:g} rad/s: must be greater than 0")
+    report = progress or (lambda done: None)
     share = 1.0 if not cosim else 0.5
-
-    def report(done: float) -> None:
-        if progress:
-            progress(done)
-
-    jobs = list(_jobs(scene, x, y))
+    transposed = y.path == SPEED  # a strip runs along the speed if that takes part
+    slow, fast = (x, y) if transposed else (y, x)
+    rows = _ROWS if fast.path == SPEED else 1
+    starts = range(0, len(slow.values), rows)
+    jobs = [(scene, slow.path, slow.values[i : i + rows].tolist(), fast) for i in starts]
     places = grid_points(cosim, len(x.values), len(y.values))
-    kept = {} if store is None else open_map(store, scene, x, y, jobs[0].transposed, places)
-    parts = in_order(_strip, jobs, workers, lambda done: report(share * done), kept.get("strip"))
-    growth, criterion, why_not = (np.vstack(arrays) for arrays in zip(*parts, strict=True))
-    if jobs[0].transposed:
+    kept = {} if store is None else open_map(store, scene, x, y, rows, places)
+    strips = in_order(_strip, jobs, workers, lambda done: report(share * done), kept.get("strip"))
+    growth, criterion, why_not = (np.concatenate(arrays) for arrays in zip(*strips, strict=True))
+    if transposed:
         growth, criterion, why_not = growth.T, criterion.T, why_not.T
     work = [(scene, {x.path: x.values[i], y.path: y.values[j]}) for i, j in places]
     rates = in_order(
         _measure, work, workers, lambda done: report(0.5 + 0.5 * done), kept.get("point")
     )
+    failed = np.argwhere(why_not != "").tolist()
     applies = bool(np.isfinite(criterion).any())
     return StabilityMap(
         scene.heading,
@@ -149,78 +152,43 @@ def stability_map(
         criterion if applies else None,
         "" if applies else _why_no_criterion(scene),
         tuple(Point(*place, *rate) for place, rate in zip(places, rates, strict=True)),
-        tuple(
-            Point(int(i), int(j), math.nan, str(why_not[j, i]))
-            for j, i in np.argwhere(why_not != "")
-        ),
+        tuple(Point(i, j, math.nan, str(why_not[j, i])) for j, i in failed),
     )
 
 
-@dataclass(frozen=True)
-class _Job:
-    """Some values of the slow axis, with all of the fast one; the speed is fast if it takes part.
-
-    Attributes:
-        transposed: the slow axis is x.
-    """
-
-    scene: Scene
-    slow: str
-    values: tuple[float, ...]
-    fast: Axis
-    transposed: bool
-
-
-def _jobs(scene: Scene, x: Axis, y: Axis) -> Iterator[_Job]:
-    transposed = y.path == SPEED
-    slow, fast = (x, y) if transposed else (y, x)
-    for start in range(0, len(slow.values), ROWS):
-        values = tuple(slow.values[start : start + ROWS].tolist())
-        yield _Job(scene, slow.path, values, fast, transposed)
+def _strip(job: tuple[Scene, str, list[float], Axis]) -> tuple[Vector, Vector, Reasons]:
+    """Growth rates, the criterion and reasons, (values of the slow axis, all of the fast one)."""
+    scene, slow, values, fast = job
+    along = fast.path == SPEED
+    others = [{}] if along else [{fast.path: value} for value in fast.values]
+    scenes = [scene.replace({slow: v, **other}) for v, other in product(values, others)]
+    assemblies = [s.assembly() for s in scenes]
+    speeds = fast.values if along else np.array([scenes[0].profile().end])
+    growth, why_not = _rates(assemblies, speeds)
+    criterion = np.concatenate([_criterion(a, speeds) for a in assemblies])
+    shape = len(values), len(fast.values)
+    return growth.reshape(shape), criterion.reshape(shape), why_not.reshape(shape)
 
 
-def _strip(job: _Job) -> _Strip:
-    """Growth rates, the criterion, and why there is no rate, (values, fast values) each."""
-    if job.fast.path == SPEED:
-        assemblies = [job.scene.replace({job.slow: v}).assembly() for v in job.values]
-        rates, why_not = _rates(assemblies, job.fast.values)
-        return rates, np.array([_criterion(a, job.fast.values) for a in assemblies]), why_not
-    rows = []
-    for value in job.values:
-        scenes = [job.scene.replace({job.slow: value, job.fast.path: v}) for v in job.fast.values]
-        speed = np.array([scenes[0].profile().end])
-        assemblies = [scene.assembly() for scene in scenes]
-        rates, why_not = _rates(assemblies, speed)
-        criterion = np.concatenate([_criterion(a, speed) for a in assemblies])
-        rows.append((rates[:, 0], criterion, why_not[:, 0]))
-    growth, criterion, why_not = (np.array(row) for row in zip(*rows, strict=True))
-    return growth, criterion, why_not
-
-
-def _rates(
-    assemblies: Sequence[Assembly], speeds: NDArray[np.float64]
-) -> tuple[NDArray[np.float64], NDArray[np.object_]]:
-    """Growth rates (assemblies, speeds); a point that cannot be solved is NaN, with its reason."""
+def _rates(assemblies: Sequence[Assembly], speeds: Vector) -> tuple[Vector, Reasons]:
+    """Growth rates (assemblies, speeds); what cannot be solved is NaN, and why."""
     why_not = np.full((len(assemblies), len(speeds)), "", dtype=object)
     try:
         return growth_map(assemblies, speeds), why_not
     except (ValueError, ArithmeticError):  # of NumPy's own LinAlgError is one
         pass
-    growth = np.full(why_not.shape, np.nan)
-    for i, assembly in enumerate(assemblies):
-        for j in range(len(speeds)):
-            try:
-                growth[i, j] = growth_map([assembly], speeds[j : j + 1])[0, 0]
-            except (ValueError, ArithmeticError) as error:
-                why_not[i, j] = str(error)
+    growth = np.full(why_not.shape, math.nan)
+    for i, j in np.ndindex(why_not.shape):
+        try:
+            growth[i, j] = growth_map([assemblies[i]], speeds[j : j + 1])[0, 0]
+        except (ValueError, ArithmeticError) as error:
+            why_not[i, j] = str(error)
     return growth, why_not
 
 
-def _criterion(assembly: Assembly, speeds: NDArray[np.float64]) -> NDArray[np.float64]:
+def _criterion(assembly: Assembly, speeds: Vector) -> Vector:
     try:
-        if not assembly.weights:
-            raise ValueError
-        criterion = Criterion.of(assembly)
+        criterion = criterion_of(assembly)
     except ValueError:
         return np.full(len(speeds), np.nan)
     scale = (criterion.w_x * criterion.w_y) ** 3 + speeds**6
@@ -228,11 +196,8 @@ def _criterion(assembly: Assembly, speeds: NDArray[np.float64]) -> NDArray[np.fl
 
 
 def _why_no_criterion(scene: Scene) -> str:
-    assembly = scene.assembly()
-    if not assembly.weights:
-        return "the criterion is for weights, and the scene has none"
     try:
-        Criterion.of(assembly)
+        criterion_of(scene.assembly())
     except ValueError as error:
         return str(error)
     return "no point of the map has one"

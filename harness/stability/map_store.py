@@ -10,28 +10,26 @@ import tomli_w
 
 from ..output.store import Part, Variable, open_store
 from ..scene import Scene
-from .axis import Axis
-
-ROWS = 8  # values of the slower axis a batch, so that progress is seen
+from .axis import SPEED, Axis
 
 
 def open_map(
-    path: Path, scene: Scene, x: Axis, y: Axis, transposed: bool, places: Sequence[tuple[int, int]]
+    path: Path, scene: Scene, x: Axis, y: Axis, rows: int, places: Sequence[tuple[int, int]]
 ) -> dict[str, Part]:
     """Parts `strip` and `point` of the store of a map at that place, begun or gone on with.
 
     Args:
-        transposed: strips follow each other along x.
+        rows: values of the slow axis in a strip; it is x where y is the speed.
         places: of the points to be co-simulated, on both axes.
 
     Raises:
         UserError: the store is another map's, or none.
     """
-    grid = ("y", "x"), (len(y.values), len(x.values)), "x" if transposed else "y"
+    grid = ("y", "x"), (len(y.values), len(x.values)), "x" if y.path == SPEED else "y"
     strips = {
-        "growth": Variable(*grid, chunk=ROWS, meaning="largest growth rate [1/s]"),
-        "criterion": Variable(*grid, chunk=ROWS, meaning="negative: balanced by the criterion"),
-        "why_not": Variable(*grid, "str", ROWS, "why there is no growth rate"),
+        "growth": Variable(*grid, chunk=rows, meaning="largest growth rate [1/s]"),
+        "criterion": Variable(*grid, chunk=rows, meaning="negative: balanced by the criterion"),
+        "why_not": Variable(*grid, "str", rows, "why there is no growth rate"),
     }
     points = {
         "cosim_growth": Variable(
@@ -41,7 +39,7 @@ def open_map(
             ("point",), (len(places),), "point", "str", meaning="why there is none"
         ),
     }
-    columns, rows = np.array(places, dtype=int).reshape(-1, 2).T
+    i, j = np.array(places, dtype=int).reshape(-1, 2).T
     along = {"x": ("x", x.values), "y": ("y", y.values)}
     made_for = {
         "content": "stability map",
@@ -51,7 +49,7 @@ def open_map(
     }
     parts = {"strip": strips, "point": points} if places else {"strip": strips}
     if places:
-        along |= {"point_x": ("point", x.values[columns]), "point_y": ("point", y.values[rows])}
+        along |= {"point_x": ("point", x.values[i]), "point_y": ("point", y.values[j])}
     return open_store(path, made_for, parts, along)
 
 

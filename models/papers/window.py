@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 
 from ..assembly import Assembly
 from ..liquid import Liquid
+from ..ranges import demand_all
 
 
 @dataclass(frozen=True)
@@ -43,14 +44,8 @@ class LiquidWindow:
     liquid: Liquid
 
     def __post_init__(self) -> None:
-        for name in ("rotor_mass", "stiffness"):
-            value = getattr(self, name)
-            if not (math.isfinite(value) and value > 0.0):
-                raise ValueError(f"{name} = {value!r}: must be a positive finite number")
-        for name in ("external_damping", "internal_damping", "unbalance"):
-            value = getattr(self, name)
-            if not (math.isfinite(value) and value >= 0.0):
-                raise ValueError(f"{name} = {value!r}: must be a finite number, 0 or more")
+        demand_all(self, "rotor_mass stiffness")
+        demand_all(self, "external_damping internal_damping unbalance", least=0.0)
 
     @classmethod
     def of(cls, assembly: Assembly) -> LiquidWindow:
@@ -104,11 +99,6 @@ class LiquidWindow:
     def empty(self) -> bool:
         """True when no speed is in the window: (1 + chi/p)^2 <= 2 mu / (1 + mu)."""
         return self.upper is not None and self.upper <= self.lower
-
-    @property
-    def needed_external_damping(self) -> float:
-        """chi above which the window is open [N s/m]: p (sqrt(2 mu / (1 + mu)) - 1)."""
-        return self.internal_damping * (math.sqrt(2.0 * self.mu / (1.0 + self.mu)) - 1.0)
 
     def _response(self, speed: float | NDArray, mass: float) -> Any:
         return self.stiffness - mass * speed * speed + 1j * self.external_damping * speed
