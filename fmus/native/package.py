@@ -6,9 +6,7 @@ import struct
 from collections.abc import Callable, Iterable, Sequence
 from xml.etree.ElementTree import Element, SubElement, indent, tostring
 
-from ..unit import SizedUnit
 from .compile import PLATFORMS, generated, libraries, sources, stamp
-from .layout import token
 
 # FMI 2.0.5, 2.3: names of its own for x86, else those of FMI 3.0
 _FMI2 = {"x86_64-linux": "linux64", "x86_64-windows": "win64", "x86_64-darwin": "darwin64"}
@@ -17,7 +15,7 @@ _PAGE = 14  # of arm64, as a power of two
 
 
 def native_files(
-    unit: SizedUnit,
+    identify: Callable[[str], str],
     identifier: str,
     describe: Callable[[str, Sequence[str]], bytes],
     *,
@@ -27,7 +25,7 @@ def native_files(
     """Files of a native FMU by their names in it, all but the documentation.
 
     Args:
-        unit: with its sizes.
+        identify: the token, from the stamp of the sources.
         identifier: model identifier.
         describe: writes modelDescription.xml; called with the token (GUID or instantiation token)
             and the names of the C files in sources/.
@@ -47,7 +45,7 @@ def native_files(
     compiled = sorted(name for name in texts if name.endswith(".c"))
     if fmi == 3:
         files["sources/buildDescription.xml"] = _build_description(identifier, compiled)
-    files["modelDescription.xml"] = describe(token(unit, stamp()), compiled)
+    files["modelDescription.xml"] = describe(identify(stamp()), compiled)
     return files
 
 

@@ -52,10 +52,11 @@ typedef struct {
     int fixed_frame; /* signals along fixed axes */
 } Sizes;
 
-/* A Real's declaration and its indices, from 1. */
+/* A Real's declaration and its indices, from 1; in a composite also the part it belongs to. */
 typedef struct {
     const Declared *declared;
     int index, second;
+    const char *owner; /* or NULL */
 } Variable;
 
 /* Value references first..first + count - 1. */

@@ -9,6 +9,9 @@ from pathlib import Path
 
 import pytest
 
+from autobalancer.harness import load_scene
+from autobalancer.harness.master.one_file import composition
+
 HOST = Path(__file__).with_name("host")
 UNITS = [
     ("RotorOnSupports", {"planes": 2}),
@@ -17,6 +20,7 @@ UNITS = [
     ("LiquidBalancer", {}),
     ("BallBalancer", {"weights": 3}),
 ]
+COMPOSITES = ["two_balls", "balls_and_liquid", "goncharov_balls", "finite_weights"]
 
 
 def compiled(folder: Path, *flags: str, counting: str = "counting.c") -> Path:
@@ -28,7 +32,7 @@ def compiled(folder: Path, *flags: str, counting: str = "counting.c") -> Path:
     return host
 
 
-def words(fmus) -> list[str]:
+def words(fmus, packaging) -> list[str]:
     """The units for the host: token and ranges of value references."""
     found: list[str] = []
     for unit, options in UNITS:
@@ -37,6 +41,12 @@ def words(fmus) -> list[str]:
         numbers = [inputs.start, inputs.stop - inputs.start]
         numbers += [computed.start, observed.stop - computed.start]
         found += [fmus.token(unit, **options), *map(str, numbers)]
+    for name in COMPOSITES:
+        made = composition(load_scene(name))
+        layout = made.described("Composite").layout
+        numbers = [layout.inputs.start, layout.inputs.stop - layout.inputs.start]
+        numbers += [layout.computed.start, layout.observed.stop - layout.computed.start]
+        found += [made.token(packaging.STAMP), *map(str, numbers)]
     return found
 
 
@@ -45,22 +55,22 @@ def run(command: list[str], **environment: str) -> subprocess.CompletedProcess:
 
 
 @pytest.mark.parametrize("folder", ["plain", "Jörg (1) + [x] 'y' %s#"])
-def test_a_plain_host_finds_nothing_wrong(fmus, tmp_path, folder):
+def test_a_plain_host_finds_nothing_wrong(fmus, packaging, tmp_path, folder):
     place = tmp_path / folder
     place.mkdir()
     library = shutil.copy(fmus.library, place)
-    done = run([str(compiled(tmp_path)), str(library), *words(fmus)])
+    done = run([str(compiled(tmp_path)), str(library), *words(fmus, packaging)])
     assert (done.returncode, done.stderr) == (0, "")
-    assert done.stdout == f"{len(UNITS)} units, 0 failures\n"
+    assert done.stdout == f"{len(UNITS) + len(COMPOSITES)} units, 0 failures\n"
 
 
 def test_sanitizers_find_nothing_either(fmus, packaging, tmp_path):
     flags = ["-fsanitize=address,undefined", "-fno-sanitize-recover=all", "-g"]
     library = packaging.compile_units(tmp_path / "sanitized", *flags)
     host = compiled(tmp_path, *flags, counting="not_counting.c")
-    done = run([str(host), str(library), *words(fmus)], ASAN_OPTIONS="detect_leaks=1")
+    done = run([str(host), str(library), *words(fmus, packaging)], ASAN_OPTIONS="detect_leaks=1")
     assert (done.returncode, done.stderr) == (0, "")
-    assert done.stdout == f"{len(UNITS)} units, 0 failures\n"
+    assert done.stdout == f"{len(UNITS) + len(COMPOSITES)} units, 0 failures\n"
 
 
 def test_the_library_has_no_state_of_its_own(fmus):

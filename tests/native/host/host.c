@@ -17,7 +17,7 @@
 #include "../../../fmus/native/fmi2.h"
 #include "../../../fmus/native/fmi3.h"
 
-enum { MOST = 512, STEPS = 20, THREADS = 4, INSTANCES = 50, REPEATED = 1000, RANDOM_CALLS = 4000 };
+enum { MOST = 512, TOKEN = 8192, STEPS = 20, THREADS = 4, INSTANCES = 50, REPEATED = 1000, RANDOM_CALLS = 4000 };
 
 /* Memory that was asked for so far; in counting.c. */
 unsigned long allocations(void);
@@ -393,7 +393,7 @@ static void calls_in_any_order(const Kind *kind)
 static void wrong_identity(const Kind *kind)
 {
     const char *const names[] = {"%s%n%s%n", "", "J\303\266rg [1] (a+b) 'x'", NULL};
-    char token[256];
+    char token[TOKEN];
     size_t k;
     for (k = 0; k < strlen(kind->token); k++) {
         fmi2Component c;
