@@ -72,41 +72,6 @@ class Criterion:
         return x * y * (x + y) + w * (x * self.b_y**2 + y * self.b_x**2)
 
     @property
-    def coefficients(self) -> tuple[float, float, float, float]:
-        """(c0, c1, c2, c3) of P = c0 W^3 + c1 W^2 + c2 W + c3, W = w^2 (30), (31)."""
-        x, y, b_x, b_y = self.w_x**2, self.w_y**2, self.b_x**2, self.b_y**2
-        return (
-            -2.0,
-            3.0 * (x + y) - b_x - b_y,
-            -((x + y) ** 2 + 2.0 * x * y - (x * b_y + y * b_x)),
-            x * y * (x + y),
-        )
-
-    @property
-    def discriminant(self) -> float:
-        """Of the cubic, over (w_x w_y)^6 (32): positive when it has three different real roots."""
-        scale = self.w_x * self.w_y
-        c0, c1, c2, c3 = (c / scale**k for k, c in enumerate(self.coefficients))
-        return (
-            -4.0 * c1**3 * c3
-            + c1**2 * c2**2
-            - 4.0 * c0 * c2**3
-            + 18.0 * c0 * c1 * c2 * c3
-            - 27.0 * c0**2 * c3**2
-        )
-
-    @property
-    def positive_roots(self) -> int:
-        """Number of critical speeds by (32), (33): three or one.
-
-        With equal stiffness it is one (22).  (33) beyond (32) reads: coefficients of alternating
-        signs; three real roots are then all positive.
-        """
-        _, c1, c2, _ = self.coefficients
-        three = self.w_x != self.w_y and self.discriminant > 0.0 and c1 > 0.0 and c2 < 0.0
-        return 3 if three else 1
-
-    @property
     def critical_speeds(self) -> tuple[float, ...]:
         """Positive roots of P(w) [rad/s], ascending; each lies between w_x and w_y (29)."""
         (low, b_low), (high, b_high) = sorted(((self.w_x, self.b_x), (self.w_y, self.b_y)))
@@ -141,29 +106,3 @@ class Criterion:
             Crossing(speed, "unstable" if len(speeds) == 3 and i == 1 else "stable")
             for i, speed in enumerate(speeds)
         ]
-
-    @property
-    def small_damping(self) -> tuple[float | None, float | None, float | None]:
-        """Approximation (28) of the three roots for b << |w_y - w_x| [rad/s], softer axis first.
-
-        None where the formula has no real value, or with equal stiffness.
-        """
-        (low, b_low), (high, b_high) = sorted(((self.w_x, self.b_x), (self.w_y, self.b_y)))
-        span = (high - low) * (high + low)
-        if span == 0.0:
-            return None, None, None
-        squares = (
-            low**2 * (1.0 + b_low**2 / span),
-            0.5 * (low**2 + high**2) * (1.0 + (b_high**2 - b_low**2) / span),
-            high**2 * (1.0 - b_high**2 / span),
-        )
-        first, second, third = (math.sqrt(s) if s > 0.0 else None for s in squares)
-        return first, second, third
-
-    @property
-    def large_damping(self) -> float | None:
-        """Approximation (35) of the only root for large damping [rad/s]; None without damping."""
-        total = self.b_x**2 + self.b_y**2
-        if total == 0.0:
-            return None
-        return math.sqrt(((self.w_x * self.b_y) ** 2 + (self.w_y * self.b_x) ** 2) / total)

@@ -56,7 +56,7 @@ def multipliers(
         refinement: factor on the number of steps of the Floquet map.
 
     Returns:
-        (b, size), size = 4 n + 2 K for n stations and K weights.  The last `neutral_count` columns
+        (b, size), size = 4 n + 2 K for n stations and K weights.  The last columns
         are the neutral turns of three and more weights, exactly 1 by structure; before them stand
         the free decays e^{-d T} of their rates; the columns before these decide.  Motions that turn
         more than about 500 times in a revolution show as 0 (`floquet.MOST_STEPS`): their growth is
@@ -75,15 +75,6 @@ def multipliers(
         active = one_turn_multipliers([system], which, w, refinement)
     decays = np.exp(-system.free_decay * period)
     return np.hstack([active, decays, np.ones((len(w), system.neutral))])
-
-
-def neutral_count(assembly: Assembly) -> int:
-    """Number of multipliers that are exactly 1 and no instability.
-
-    Turns of weights that leave every balanced moment unchanged: N - 2 for N >= 3 weights in a
-    plane, N - 1 when all of them stand on one line.
-    """
-    return linearise(assembly).neutral
 
 
 def growth_rates(
@@ -123,9 +114,3 @@ def growth_map(
         growth = active_growth(systems, which, np.tile(w, len(systems)), refinement)
         result[rows] = growth.reshape(len(systems), len(w))
     return result
-
-
-def is_stable(assembly: Assembly, speeds: ArrayLike) -> NDArray[np.bool_]:
-    """True (b,) where every deviation but the neutral turns decays, by more than rounding."""
-    w = _speeds(speeds)
-    return growth_rates(assembly, w) * (2.0 * math.pi / w) < -MARGIN

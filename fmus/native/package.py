@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import struct
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from xml.etree.ElementTree import Element, SubElement, indent, tostring
 
 from .compile import PLATFORMS, generated, libraries, sources, stamp
@@ -65,11 +65,19 @@ def _fmi2_folders(made: dict[str, bytes]) -> dict[str, bytes]:
     return folders
 
 
-def platforms_of(files: Iterable[str]) -> tuple[str, ...]:
-    """Platforms that an FMU of FMI 2.0 was written for, by the names of its files."""
-    folders = {name.split("/")[1] for name in files if name.startswith("binaries/")}
-    found = [name for name in PLATFORMS if _FMI2.get(name, name) in folders]
-    return tuple(found)
+def platforms_of(files: Mapping[str, bytes]) -> tuple[str, ...]:
+    """Platforms that an FMU of FMI 2.0 was written for, by its files."""
+    made = {n.split("/")[1]: data for n, data in files.items() if n.startswith("binaries/")}
+    return tuple(name for name in PLATFORMS if _is_there(name, made))
+
+
+def _is_there(platform: str, made: Mapping[str, bytes]) -> bool:
+    """Whether a folder holds a platform's library, and not that of arm64 standing in for it."""
+    folder = _FMI2.get(platform, platform)
+    arm = platform.replace("x86_64", "aarch64")
+    if folder == platform or folder not in made or arm not in made:
+        return folder in made
+    return made[folder] != _fmi2_folders({arm: made[arm]})[folder]
 
 
 def universal(libraries: Sequence[bytes]) -> bytes:

@@ -6,6 +6,9 @@ are ended at once, and their temporary files removed, when the work ends early.
 
 from __future__ import annotations
 
+import multiprocessing
+import os
+import shutil
 import signal
 import sys
 import tempfile
@@ -185,3 +188,13 @@ def _begin(directory: str) -> None:
     """In a new process: the one that started it answers Ctrl-C, and clears its files away."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     tempfile.tempdir = directory
+    threading.Thread(target=_follow, args=(directory,), daemon=True).start()
+
+
+def _follow(directory: str) -> None:
+    """End with the process that started this one, should it be killed: its pool would not tell."""
+    parent = multiprocessing.parent_process()
+    assert parent is not None
+    parent.join()
+    shutil.rmtree(directory, ignore_errors=True)
+    os._exit(1)

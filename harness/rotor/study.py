@@ -7,7 +7,6 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
@@ -140,7 +139,7 @@ def campbell_of(scene: Scene, low: float, high: float) -> tuple[Campbell, Array]
     return found, _within(critical_speeds(rotor), low, high)
 
 
-def response_of(scene: Scene, low: float, high: float, fmus: Path | None = None) -> Response:
+def response_of(scene: Scene, low: float, high: float) -> Response:
     """Unbalance response by the equations, and by the unit at some speeds.
 
     Raises:
@@ -155,7 +154,7 @@ def response_of(scene: Scene, low: float, high: float, fmus: Path | None = None)
         curve = [influence(rotor, float(w), each) @ rotor.unbalance for w in speeds]
     except ValueError as error:
         raise UserError(str(error)) from error
-    with Revolution(scene.without_balancers(), fmus=fmus) as units:
+    with Revolution(scene.without_balancers()) as units:
         measured = [_steady(units, float(w))[0] for w in points]
     return Response(
         title=scene.heading,
@@ -179,24 +178,24 @@ def _steady(units: Revolution, speed: float) -> tuple[NDArray[np.complexfloating
     return amplitude.reshape(2, n), table[:, 1:].reshape(-1, 2, n)
 
 
-def orbits_of(scene: Scene, fmus: Path | None = None) -> Orbits:
+def orbits_of(scene: Scene) -> Orbits:
     """Orbits at the operating speed: of the rotor alone, and at the end of the scene's run."""
     speed = scene.profile().end
     names = station_names(scene)
-    with Revolution(scene.without_balancers(), steps=ORBIT_STEPS, fmus=fmus) as units:
+    with Revolution(scene.without_balancers(), steps=ORBIT_STEPS) as units:
         alone = _steady(units, speed)[1]
     alone = np.concatenate([alone, alone[:1]])
     run = np.empty((0, 2, len(names)))
     if scene.balancer:
         outputs = [f"rotor.{name}" for name in _outputs(len(names))]
-        result = cosimulate(scene, record=outputs, fmus=fmus)
+        result = cosimulate(scene, record=outputs)
         period = 2.0 * math.pi / speed
         late = result.time >= result.time[-1] - LAST_REVOLUTIONS * period * (1.0 + 1e-9)
         run = np.stack([result[name][late] for name in outputs], axis=1).reshape(-1, 2, len(names))
     return Orbits(scene.heading, speed, names, alone, run, LAST_REVOLUTIONS)
 
 
-def run_up_of(scene: Scene, low: float, high: float, fmus: Path | None = None) -> RunUp:
+def run_up_of(scene: Scene, low: float, high: float) -> RunUp:
     """A linear run-up through the range, with and without the balancers, from rest."""
     seconds = 2.0 * (2.0 * math.pi * RUN_UP_REVOLUTIONS) / (low + high)
     rising = scene.replace(
@@ -209,7 +208,7 @@ def run_up_of(scene: Scene, low: float, high: float, fmus: Path | None = None) -
     outputs = [f"rotor.{name}" for name in _outputs(len(names))]
     swings = []
     for variant in [rising, rising.without_balancers()] if scene.balancer else [rising]:
-        result = cosimulate(variant, record=outputs, fmus=fmus)
+        result = cosimulate(variant, record=outputs)
         motion = np.array([result[name] for name in outputs]).reshape(2, len(names), -1)
         swings.append(np.hypot(motion[0], motion[1]).T)
         speeds = np.array([rising.profile().speed(t) for t in result.time])

@@ -22,6 +22,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import brentq
 
+from ...models.assembly import Assembly
 from ...models.criteria import Criterion
 from ...models.linear.balanced import CannotBalance
 from ...models.linear.boundaries import Crossing, balancing_boundaries
@@ -130,7 +131,8 @@ def speeds(
         SimulationError: a co-simulation cannot be completed correctly.
     """
     low, high = range
-    _refuse_range(low, high)
+    if not 0.0 < low < high < math.inf:
+        raise UserError(f"range {low:g} to {high:g} rad/s: must be positive and rising")
     wanted = list(dict.fromkeys(methods))
     for method in wanted:
         if method not in METHODS:
@@ -156,27 +158,29 @@ def speeds(
     return result
 
 
-def _refuse_range(low: float, high: float) -> None:
-    if not 0.0 < low < high < math.inf:
-        raise UserError(f"range {low:g} to {high:g} rad/s: must be positive and rising")
-
-
 def _side(growth: float) -> Side:
     return "unstable" if growth > 0.0 else "stable"
 
 
+def criterion_of(assembly: Assembly) -> Criterion:
+    """The criterion of a scene's assembly.
+
+    Raises:
+        ValueError: it does not apply; the message says why.
+    """
+    if not assembly.weights:
+        raise ValueError("the criterion is for weights, and the scene has none")
+    return Criterion.of(assembly)
+
+
 def _by_criterion(scene: Scene, result: Speeds) -> None:
-    assembly = scene.assembly()
     low, high = result.range
     try:
-        if not assembly.weights:
-            raise ValueError("the criterion is for weights, and the scene has none")
-        criterion = Criterion.of(assembly)
+        criterion = criterion_of(scene.assembly())
     except ValueError as error:
         result.refused["criterion"] = str(error)
         return
-    inside = [c for c in criterion.crossings if low <= c.speed <= high]
-    result.methods["criterion"] = tuple(inside)
+    result.methods["criterion"] = tuple(c for c in criterion.crossings if low <= c.speed <= high)
     result.lowest["criterion"] = _side(float(criterion.value(low)))
 
 
@@ -216,14 +220,12 @@ def _by_units(
 ) -> None:
     parts = 1 if workers == 1 else min(_PARTS, max(1, (len(nodes) - 1) // 2))
     cuts = np.linspace(0, len(nodes) - 1, parts + 1).astype(int)
-    jobs = [
-        _Job(scene, method, tuple(map(float, nodes[a : b + 1])), steps) for a, b in pairwise(cuts)
-    ]
+    spans = [nodes[a : b + 1].tolist() for a, b in pairwise(cuts)]
+    # within this process progress is told by every speed, across processes by every part
+    inner, outer = (progress, None) if workers == 1 else (None, progress)
+    work = functools.partial(_search, scene, method, steps, inner)
     try:
-        # within this process progress is told by every speed, across processes by every part
-        inner = progress if workers == 1 else None
-        work = functools.partial(_search, progress=inner) if inner else _search
-        found = in_order(work, jobs, workers, None if inner else progress)
+        found = in_order(work, spans, workers, outer)
     except NoMainMotion as error:
         result.refused[method] = str(error)
         return
@@ -231,19 +233,12 @@ def _by_units(
     result.lowest[method] = found[0][1]
 
 
-@dataclass(frozen=True)
-class _Job:
-    scene: Scene
-    method: str
-    nodes: tuple[float, ...]
-    steps: int | None
-
-
-def _search(job: _Job, progress: Progress | None = None) -> tuple[list[Crossing], Side]:
-    with MainMotion(job.scene, steps=job.steps) as motion:
+def _search(
+    scene: Scene, method: str, steps: int | None, progress: Progress | None, nodes: list[float]
+) -> tuple[list[Crossing], Side]:
+    with MainMotion(scene, steps=steps) as motion:
         in_run = functools.partial(growth_in_run, motion)
-        growth = motion.growth if job.method == "cosim" else in_run
-        return crossings(growth, job.nodes, progress)
+        return crossings(motion.growth if method == "cosim" else in_run, nodes, progress)
 
 
 def crossings(
@@ -253,14 +248,13 @@ def crossings(
 ) -> tuple[list[Crossing], Side]:
     """Changes of sign of a measured growth rate between neighbouring speeds, and the first sign."""
     known = functools.cache(growth)
-    values = []
+    sides = []
     for number, speed in enumerate(nodes, start=1):
-        values.append(known(speed))
+        sides.append(_side(known(speed)))
         if progress:
             progress(number / len(nodes))
     found = []
-    unstable = np.array(values) > 0.0
-    for i in np.flatnonzero(unstable[1:] != unstable[:-1]).tolist():
-        speed = brentq(known, nodes[i], nodes[i + 1], xtol=TOLERANCE * nodes[i])
-        found.append(Crossing(float(speed), _side(values[i + 1])))
-    return found, _side(values[0])
+    for (left, before), (right, after) in pairwise(zip(nodes, sides, strict=True)):
+        if before != after:
+            found.append(Crossing(float(brentq(known, left, right, xtol=TOLERANCE * left)), after))
+    return found, sides[0]

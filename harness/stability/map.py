@@ -3,25 +3,27 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import product
 from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ...models.assembly import Assembly
-from ...models.criteria import Criterion
 from ...models.stability import growth_map
 from ..errors import SimulationError, UserError
 from ..output.table import Sheet
 from ..output.workers import Progress, Workers, in_order
 from ..scene import Scene
 from .axis import SPEED, Axis
+from .boundaries import criterion_of
 from .main_motion import MainMotion
 
-_Reasons = dict[tuple[int, int], str]  # by place on the slow and the fast axis
-_ROWS = 8  # values of the slower axis a batch, so that progress is seen
+Vector = NDArray[np.float64]
+Reasons = list[tuple[int, str]]  # why points of a strip have no growth rate, by their places
+_ROWS = 8  # values of the slow axis solved together; more would hide the progress
 _PLASTIC = 1.324717957244746  # its powers spread points evenly over a square
 
 
@@ -63,8 +65,8 @@ class StabilityMap:
     growth: NDArray[np.float64]
     criterion: NDArray[np.float64] | None
     no_criterion: str = ""
-    points: tuple[Point, ...] = field(default=())
-    failed: tuple[Point, ...] = field(default=())
+    points: tuple[Point, ...] = ()
+    failed: tuple[Point, ...] = ()
 
     @property
     def agreeing(self) -> int:
@@ -83,13 +85,12 @@ class StabilityMap:
         """
         measured = {(p.y, p.x): f"{p.growth:.10g}" for p in self.points}
         rows = []
-        for j, y in enumerate(self.y.values):
-            for i, x in enumerate(self.x.values):
-                word = ""
-                if self.criterion is not None:
-                    word = "stable" if self.criterion[j, i] < 0.0 else "unstable"
-                cells = (f"{x:.10g}", f"{y:.10g}", f"{self.growth[j, i]:.10g}", word)
-                rows.append((*cells, measured.get((j, i), "")))
+        for (j, i), growth in np.ndenumerate(self.growth):
+            numbers = (f"{n:.10g}" for n in (self.x.values[i], self.y.values[j], growth))
+            word = ""
+            if self.criterion is not None:
+                word = "stable" if self.criterion[j, i] < 0.0 else "unstable"
+            rows.append((*numbers, word, measured.get((j, i), "")))
         heads = (*self.labels, "growth rate [1/s]", "criterion", "cosim growth rate [1/s]")
         return Sheet(heads, rows).write_csv(path)
 
@@ -119,18 +120,21 @@ def stability_map(
     for axis in (x, y):
         if axis.path == SPEED and not axis.values[0] > 0.0:
             raise UserError(f"speed = {axis.values[0]:g} rad/s: must be greater than 0")
+    report = progress or (lambda done: None)
     share = 1.0 if not cosim else 0.5
-
-    def report(done: float) -> None:
-        if progress:
-            progress(done)
-
-    jobs = list(_jobs(scene, x, y))
-    parts = in_order(_strip, jobs, workers, lambda done: report(share * done))
-    growth = np.vstack([part[0] for part in parts])
-    criterion = np.vstack([part[1] for part in parts])
-    if jobs[0].transposed:
-        growth, criterion = growth.T, criterion.T
+    transposed = y.path == SPEED  # a strip runs along the speed if that takes part
+    slow, fast = (x, y) if transposed else (y, x)
+    rows = _ROWS if fast.path == SPEED else 1
+    starts = range(0, len(slow.values), rows)
+    jobs = [(scene, slow.path, slow.values[i : i + rows].tolist(), fast) for i in starts]
+    strips = in_order(_strip, jobs, workers, lambda done: report(share * done))
+    shape = len(slow.values), len(fast.values)
+    growth, criterion = (np.concatenate([s[k] for s in strips]).reshape(shape) for k in (0, 1))
+    missing = [
+        (divmod(start * shape[1] + place, shape[1]), why)
+        for start, (_, _, reasons) in zip(starts, strips, strict=True)
+        for place, why in reasons
+    ]
     points: list[Point] = []
     if cosim:
         places = grid_points(cosim, len(x.values), len(y.values))
@@ -143,93 +147,45 @@ def stability_map(
         x,
         y,
         (x.label(scene), y.label(scene)),
-        growth,
-        criterion if applies else None,
+        growth.T if transposed else growth,
+        (criterion.T if transposed else criterion) if applies else None,
         "" if applies else _why_no_criterion(scene),
         tuple(points),
-        _failed(jobs, [part[2] for part in parts]),
+        tuple(Point(*(at if transposed else at[::-1]), math.nan, why) for at, why in missing),
     )
 
 
-def _failed(jobs: Sequence[_Job], reasons: Sequence[_Reasons]) -> tuple[Point, ...]:
-    points = []
-    for number, (job, found) in enumerate(zip(jobs, reasons, strict=True)):
-        for (slow, fast), reason in found.items():
-            place = (number * _ROWS + slow, fast)
-            points.append(Point(*(place if job.transposed else place[::-1]), math.nan, reason))
-    return tuple(points)
+def _strip(job: tuple[Scene, str, list[float], Axis]) -> tuple[Vector, Vector, Reasons]:
+    """Growth rates and the criterion at some values of the slow axis and all of the fast one."""
+    scene, slow, values, fast = job
+    along = fast.path == SPEED
+    others = [{}] if along else [{fast.path: value} for value in fast.values]
+    scenes = [scene.replace({slow: v, **other}) for v, other in product(values, others)]
+    assemblies = [s.assembly() for s in scenes]
+    speeds = fast.values if along else np.array([scenes[0].profile().end])
+    growth, reasons = _rates(assemblies, speeds)
+    return growth, np.concatenate([_criterion(a, speeds) for a in assemblies]), reasons
 
 
-@dataclass(frozen=True)
-class _Job:
-    """Some values of the slow axis, with all of the fast one; the speed is fast if it takes part.
-
-    Attributes:
-        transposed: the slow axis is x.
-    """
-
-    scene: Scene
-    slow: str
-    values: tuple[float, ...]
-    fast: Axis
-    transposed: bool
-
-
-def _jobs(scene: Scene, x: Axis, y: Axis) -> Iterator[_Job]:
-    transposed = y.path == SPEED
-    slow, fast = (x, y) if transposed else (y, x)
-    for start in range(0, len(slow.values), _ROWS):
-        values = tuple(slow.values[start : start + _ROWS].tolist())
-        yield _Job(scene, slow.path, values, fast, transposed)
-
-
-def _strip(job: _Job) -> tuple[NDArray[np.float64], NDArray[np.float64], _Reasons]:
-    """Growth rates and the criterion, (values, fast values) each, and why some are missing."""
-    growth, criterion = [], []
-    reasons: _Reasons = {}
-    if job.fast.path == SPEED:
-        assemblies = [job.scene.replace({job.slow: v}).assembly() for v in job.values]
-        rates, reasons = _rates(assemblies, job.fast.values)
-        growth = list(rates)
-        criterion = [_criterion(a, job.fast.values) for a in assemblies]
-    else:
-        for number, value in enumerate(job.values):
-            scenes = [
-                job.scene.replace({job.slow: value, job.fast.path: v}) for v in job.fast.values
-            ]
-            speed = np.array([scenes[0].profile().end])
-            assemblies = [scene.assembly() for scene in scenes]
-            rates, missing = _rates(assemblies, speed)
-            growth.append(rates[:, 0])
-            reasons |= {(number, fast): reason for (fast, _), reason in missing.items()}
-            criterion.append(np.concatenate([_criterion(a, speed) for a in assemblies]))
-    return np.array(growth), np.array(criterion), reasons
-
-
-def _rates(
-    assemblies: Sequence[Assembly], speeds: NDArray[np.float64]
-) -> tuple[NDArray[np.float64], _Reasons]:
-    """Growth rates (assemblies, speeds); a point that cannot be solved is NaN, with its reason."""
+def _rates(assemblies: Sequence[Assembly], speeds: Vector) -> tuple[Vector, Reasons]:
+    """Growth rates of all pairs, assembly by assembly; what cannot be solved is NaN, and why."""
     try:
-        return growth_map(assemblies, speeds), {}
+        return growth_map(assemblies, speeds).ravel(), []
     except (ValueError, ArithmeticError):  # of NumPy's own LinAlgError is one
         pass
-    growth = np.full((len(assemblies), len(speeds)), np.nan)
-    reasons: _Reasons = {}
-    for i, assembly in enumerate(assemblies):
-        for j in range(len(speeds)):
-            try:
-                growth[i, j] = growth_map([assembly], speeds[j : j + 1])[0, 0]
-            except (ValueError, ArithmeticError) as error:
-                reasons[i, j] = str(error)
-    return growth, reasons
+    growth, reasons = [], []
+    for number, (assembly, speed) in enumerate(product(assemblies, speeds)):
+        try:
+            growth.append(growth_map([assembly], [speed])[0, 0])
+        except (ValueError, ArithmeticError) as error:
+            growth.append(math.nan)
+            reasons.append((number, str(error)))
+    return np.array(growth), reasons
 
 
-def _criterion(assembly: Assembly, speeds: NDArray[np.float64]) -> NDArray[np.float64]:
+def _criterion(assembly: Assembly, speeds: Vector) -> Vector:
     try:
-        if not assembly.weights:
-            raise ValueError
-        criterion = Criterion.of(assembly)
+        criterion = criterion_of(assembly)
     except ValueError:
         return np.full(len(speeds), np.nan)
     scale = (criterion.w_x * criterion.w_y) ** 3 + speeds**6
@@ -237,11 +193,8 @@ def _criterion(assembly: Assembly, speeds: NDArray[np.float64]) -> NDArray[np.fl
 
 
 def _why_no_criterion(scene: Scene) -> str:
-    assembly = scene.assembly()
-    if not assembly.weights:
-        return "the criterion is for weights, and the scene has none"
     try:
-        Criterion.of(assembly)
+        criterion_of(scene.assembly())
     except ValueError as error:
         return str(error)
     return "no point of the map has one"

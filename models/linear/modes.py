@@ -44,11 +44,6 @@ class Modes:
         return np.abs(self.eigenvalues)
 
     @property
-    def damped_frequencies(self) -> NDArray[np.float64]:
-        """Im lambda (m,) [rad/s], 0 for an overdamped motion."""
-        return self.eigenvalues.imag
-
-    @property
     def damping_ratios(self) -> NDArray[np.float64]:
         """-Re lambda/|lambda| (m,), negative when unstable, 0 where lambda = 0."""
         size = np.abs(self.eigenvalues)

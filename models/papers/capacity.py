@@ -62,15 +62,6 @@ def capacity(mass: float, track: float, radius: float, count: int) -> float:
     return mass * track * packed_sine(count, alpha)
 
 
-def device_capacity(
-    kind: str, race: float, ratio: float, count: int, density: float, height: float | None = None
-) -> float:
-    """Capacity (7) from the race's radius R [m], rho = r/R, density [kg/m^3], height [m]."""
-    radius = ratio * race
-    mass = weight_mass(kind, radius, density, height)
-    return capacity(mass, race - radius, radius, count)
-
-
 def capacity_shape(kind: str, ratio: float, count: int) -> float:
     """s(rho) (9): capacity over 4 pi/3 density R^4 (balls), pi density height R^3 (rollers).
 
@@ -104,12 +95,6 @@ def best_ratio(kind: str, count: int) -> float:
     return float(brentq(slope, 1e-6 * full, full * (1.0 - 1e-9), xtol=1e-15))
 
 
-def half_filled_ratio(count: int) -> float:
-    """rho at which n weights fill half the race, alpha = pi/(2n) (11)."""
-    sine = math.sin(math.pi / (2 * count))
-    return sine / (1.0 + sine)
-
-
 def full_ratio(count: int) -> float:
     """rho at which n >= 2 weights fill the whole race, 1/(1 + csc(pi/n))."""
     if count < 2:
@@ -117,28 +102,9 @@ def full_ratio(count: int) -> float:
     return 1.0 / (1.0 + 1.0 / math.sin(math.pi / count))
 
 
-def best_count(ratio: float) -> int:
-    """Number of weights of the largest capacity at a given rho: pi/(2 alpha), rounded (8).
-
-    sin(n alpha) is symmetric about that value, so rounding does find the maximum.
-    """
-    sine = ratio / (1.0 - ratio)
-    return 1 if sine >= 1.0 else max(1, round(math.pi / (2.0 * math.asin(sine))))
-
-
 def filled_sector(ratio: float, count: int) -> float:
     """Angle 2 n alpha of the race that n weights occupy [rad]."""
     return 2.0 * count * math.asin(ratio / (1.0 - ratio))
-
-
-def hemisphere_capacity(race: float, density: float) -> float:
-    """pi R^4 gamma/4: a hemisphere in a spherical race, the limit of balls [kg m]."""
-    return math.pi * race**4 * density / 4.0
-
-
-def half_cylinder_capacity(race: float, height: float, density: float) -> float:
-    """2 R^3 h gamma/3: half a cylinder in a cylindrical race, the limit of rollers [kg m]."""
-    return 2.0 / 3.0 * race**3 * height * density
 
 
 def packed_alignment(count: int, alpha: float) -> float:
@@ -156,11 +122,6 @@ def largest_alignment(count: int, alpha: float) -> float:
         return packed_sine(count, alpha) / count
     # n = 2 gives 1 at every alpha, also at alpha = pi/2 where (10) is 0/0
     return 1.0 if count == 2 else 2.0 * math.sin(count * alpha) / (count * math.sin(2.0 * alpha))
-
-
-def settling_measure(alignment: float, mass: float, count: int) -> float:
-    """a = (1 - p) m n (3) [kg]: the larger, the faster the slowest motion settles."""
-    return (1.0 - alignment) * mass * count
 
 
 def settling_shape(kind: str, ratio: float, count: int) -> float:
@@ -193,6 +154,16 @@ def residual_unbalance(weights: Weights, radius: float, unbalance: float) -> flo
     limit = capacity(weights.mass, weights.track_radius, radius, weights.count)
     excess = unbalance - limit
     return abs(excess) if weights.count == 1 else max(0.0, excess)
+
+
+def packed_angles(weights: Weights, radius: float, heavy: float = 0.0) -> list[float]:
+    """Angles of the packed group opposite to an unbalance at angle `heavy` [rad].
+
+    Where the weights stand when the unbalance is at least their capacity.
+    """
+    count = weights.count
+    alpha = half_angle(radius, weights.track_radius) if count > 1 else 0.0
+    return [heavy + math.pi + alpha * (2 * k - count + 1) for k in range(count)]
 
 
 def _filled_sine(ratio: float, count: int) -> float:

@@ -7,8 +7,6 @@ number.  Superposition gives A = K D (6); trial runs give K (20), (22) and its i
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-
 import numpy as np
 from numpy.typing import NDArray
 
@@ -46,39 +44,6 @@ def influence(rotor: LinearRotor, speed: float, planes: NDArray | None = None) -
             f"speed = {speed!r} rad/s: a critical speed of an undamped rotor, no bounded response"
         ) from None
     return both.reshape(2, rotor.stations, -1)
-
-
-def inverse_dynamic_stiffness(
-    mass: float,
-    inertia: float,
-    span: float,
-    stiffness: Sequence[float],
-    damping: Sequence[float],
-    speed: float,
-) -> Complex:
-    """[L]^-1 (2, 2) [m/N] of the symmetric rigid rotor in one axis, Polushkin 2016 (13), (14).
-
-    Args:
-        mass, inertia, span: m [kg], I [kg m^2], l [m]; the centre of mass is in the middle.
-        stiffness, damping: (k1, k2) [N/m] and (c1, c2) [N s/m].
-        speed: w [rad/s].
-    """
-    own = speed**2 * (mass / 4.0 + inertia / span**2)
-    cross = speed**2 * (mass / 4.0 - inertia / span**2)
-    first = stiffness[0] - own + 1j * speed * damping[0]
-    second = stiffness[1] - own + 1j * speed * damping[1]
-    determinant = first * second - cross**2
-    return np.array([[second, cross], [cross, first]]) / determinant
-
-
-def left_plane(inverse: Complex, span: float, speed: float, distance: float) -> Complex:
-    """(15): {K_11, K_21} of a plane at `distance` A from the left support, (2,) [1/kg]."""
-    return speed**2 / span * (inverse @ np.array([span - distance, distance]))
-
-
-def right_plane(inverse: Complex, span: float, speed: float, distance: float) -> Complex:
-    """(17): {K_12, K_22} of a plane at `distance` C from the right support, (2,) [1/kg]."""
-    return speed**2 / span * (inverse @ np.array([distance, span - distance]))
 
 
 def from_trial_runs(first_run: NDArray, trial_runs: NDArray, trial_unbalances: NDArray) -> Complex:
@@ -135,22 +100,3 @@ def residual_map(true: NDArray, used: NDArray) -> Complex:
     coefficients `used` converges, and how fast; zero for the true ones.
     """
     return np.eye(np.shape(true)[1]) - np.linalg.pinv(used) @ np.asarray(true, complex)
-
-
-def balancing_cycles(
-    true: NDArray, used: NDArray, unbalance: NDArray, allowed: float, most: int = 50
-) -> list[Complex]:
-    """Unbalances (p,) found at each run, the last one the control run within `allowed` [kg m].
-
-    The number of entries is the paper's number of balancing cycles.  When `most` runs do not
-    suffice the last entry is still above `allowed`.
-
-    Args:
-        true, used: (s, p) coefficients of the machine, and those its operator works with [1/kg].
-        unbalance: (p,) complex unbalances at the start [kg m].
-        allowed: largest modulus that may remain in any plane [kg m].
-    """
-    runs = [np.asarray(unbalance, complex)]
-    while np.abs(runs[-1]).max() > allowed and len(runs) < most:
-        runs.append(runs[-1] - unbalance_from_response(used, np.asarray(true) @ runs[-1]))
-    return runs

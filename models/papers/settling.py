@@ -15,7 +15,7 @@ the rotor Im Y = 0, and the slower of lambda^2 + d lambda = (n m/(2 kappa)) mu i
     lambda = -(d - sqrt(d^2 - (1 - p) m n b_cr^2))/2,     b_cr^2 = -2 Re Y/kappa,
 
 for a disc b_cr^2 = 2 w^4/(kappa (M w^2 - k)), which tends to 2 w^2/(kappa M) at high speed.  With
-damping (1) is an approximation, and `slow_roots` is the quasi-static answer.
+damping (1) is an approximation.
 """
 
 from __future__ import annotations
@@ -24,7 +24,6 @@ import cmath
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ..rotor import LinearRotor
 from ..weights import Weights
@@ -84,22 +83,6 @@ def slow_root(
     if root.real == 0.0:
         return -0.5 * (d - root)
     return -0.5 * stiffness / (d + root)  # -(d - root)/2 without its cancellation
-
-
-def slow_roots(weights: Weights, alignment: float, response: complex) -> NDArray[np.complex128]:
-    """All four quasi-static roots, slowest (largest real part) first [1/s].
-
-    Args:
-        weights: n, m, kappa and the drag.
-        alignment: p of the main motion.
-        response: Y, `plane_response`; its imaginary part is the rotor's damping.
-    """
-    turn = cmath.sqrt((alignment * abs(response)) ** 2 - response.imag**2)
-    share = weights.count * weights.mass / (2.0 * weights.kappa)
-    found: list[complex] = []
-    for mu in (response.real + turn, response.real - turn):
-        found.extend(np.roots([1.0, weights.damping_rate, -share * mu]))
-    return np.array(sorted(found, key=lambda root: -root.real), np.complex128)
 
 
 def settling_time(root: complex, fall: float = 0.01) -> float:

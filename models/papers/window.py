@@ -105,11 +105,6 @@ class LiquidWindow:
         """True when no speed is in the window: (1 + chi/p)^2 <= 2 mu / (1 + mu)."""
         return self.upper is not None and self.upper <= self.lower
 
-    @property
-    def needed_external_damping(self) -> float:
-        """chi above which the window is open [N s/m]: p (sqrt(2 mu / (1 + mu)) - 1)."""
-        return self.internal_damping * (math.sqrt(2.0 * self.mu / (1.0 + self.mu)) - 1.0)
-
     def _response(self, speed: float | NDArray, mass: float) -> Any:
         return self.stiffness - mass * speed * speed + 1j * self.external_damping * speed
 

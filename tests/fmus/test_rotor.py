@@ -18,10 +18,11 @@ from autobalancer.harness.scene import Scene
 from autobalancer.harness.stability.revolution import Revolution
 from autobalancer.models.linear.balanced import balanced_angles
 from autobalancer.models.linear.boundaries import balancing_boundaries
+from autobalancer.models.linear.linearised import linearise
 from autobalancer.models.linear.modes import critical_speeds as rotor_critical_speeds
 from autobalancer.models.monolith import reference
 from autobalancer.models.rotor import LinearRotor
-from autobalancer.models.stability import growth_rates, neutral_count
+from autobalancer.models.stability import growth_rates
 
 NEW_SCENES = ("three_mass_shaft", "drum", "grinder", "two_plane_rodrigues")
 
@@ -364,7 +365,7 @@ def balanced_state(units, scene):
 def growth(units, scene, speed, state):
     """Largest growth rate by the units, the neutral turns of three and more weights apart."""
     values = units.multipliers(speed, state)
-    neutral = np.argsort(np.abs(values - 1.0))[: neutral_count(scene.assembly())]
+    neutral = np.argsort(np.abs(values - 1.0))[: linearise(scene.assembly()).neutral]
     return math.log(np.abs(np.delete(values, neutral)).max())
 
 

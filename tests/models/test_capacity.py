@@ -8,41 +8,41 @@ import math
 import numpy as np
 import pytest
 
+from autobalancer.models.contact.spacing import least_distance
 from autobalancer.models.papers.capacity import (
-    best_count,
     best_ratio,
     capacity,
     capacity_shape,
-    device_capacity,
     fastest_count,
     filled_sector,
     full_ratio,
     half_angle,
-    half_cylinder_capacity,
-    half_filled_ratio,
-    hemisphere_capacity,
     largest_alignment,
     packed_alignment,
+    packed_angles,
     residual_unbalance,
-    settling_measure,
     settling_shape,
     weight_mass,
-)
-from autobalancer.models.papers.positions import (
-    completed_angles,
-    fan_angles,
-    least_distance,
-    packed_angles,
 )
 from autobalancer.models.papers.settling import (
     critical_drag_factor,
     plane_response,
     settling_time,
     slow_root,
-    slow_roots,
 )
 from autobalancer.models.rotor import LinearRotor
 from autobalancer.models.weights import Weights, alignment
+from tests.papers import (
+    best_count,
+    completed_angles,
+    device_capacity,
+    fan_angles,
+    half_cylinder_capacity,
+    half_filled_ratio,
+    hemisphere_capacity,
+    settling_measure,
+    slow_roots,
+)
 
 # Table 1 and the longer digits checked for physics.md: n, rho, sector [degrees], s
 BALLS = [

@@ -27,7 +27,7 @@ from autobalancer.models.contact.contact import (
 from autobalancer.models.contact.motion import advance, reaction
 from autobalancer.models.contact.pulse import discharge, hat_half
 from autobalancer.models.contact.track import Track
-from autobalancer.models.papers.positions import packed_angles
+from autobalancer.models.papers.capacity import packed_angles
 from autobalancer.models.rotor import LinearRotor
 from autobalancer.models.steps.propagator import generator
 from autobalancer.models.weights import Weights

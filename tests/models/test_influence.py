@@ -7,18 +7,15 @@ import pytest
 
 from autobalancer.models.linear.modes import critical_speeds
 from autobalancer.models.papers.influence import (
-    balancing_cycles,
     from_trial_runs,
     influence,
-    inverse_dynamic_stiffness,
-    left_plane,
     residual_map,
-    right_plane,
     scalar_coefficients,
     unbalance_from_response,
 )
 from autobalancer.models.rotor import LinearRotor
 from autobalancer.models.rotor_kinds import line_rows
+from tests.papers import balancing_cycles, inverse_dynamic_stiffness, left_plane, right_plane
 
 MASS, INERTIA, SPAN, LEFT, RIGHT = 12.0, 0.7, 0.8, 0.15, 0.1
 STIFFNESS = ((2e5, 6e5), (3e5, 4e5))

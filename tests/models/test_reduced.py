@@ -7,9 +7,9 @@ import pytest
 
 from autobalancer.models.assembly import Assembly, Mounted
 from autobalancer.models.linear.linearised import linearise
-from autobalancer.models.linear.reduced import reduced_eigenvalues, second_harmonic
 from autobalancer.models.rotor import LinearRotor
 from autobalancer.models.weights import Weights, alignment
+from tests.models.filimonikhin_reduced import reduced_eigenvalues, second_harmonic
 
 EQUAL = ((1.0, 1.0), (1.0, 1.0))
 PAIR = (2 * np.pi / 3, 4 * np.pi / 3)  # two weights that balance one weight's moment

@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 import autobalancer.models as models
-from autobalancer.models.references import citations, references
+from tests.models.bibliography import citations, references
 
 ROOT = Path(models.__file__).resolve().parents[1]
 TEXTS = [

@@ -16,13 +16,13 @@ from autobalancer.models.linear.floquet import exponents
 from autobalancer.models.linear.linearised import linearise
 from autobalancer.models.monolith import simulate
 from autobalancer.models.papers.capacity import largest_alignment
-from autobalancer.models.papers.positions import completed_angles
 from autobalancer.models.papers.settling import critical_drag_factor, slow_root
 from autobalancer.models.papers.touching import Packed, joint_alignment, merged, packed_groups
 from autobalancer.models.rotor import LinearRotor
 from autobalancer.models.weights import Weights, alignment
 from autobalancer.models.weights import advance as point_advance
 from autobalancer.models.weights import reaction as point_reaction
+from tests.papers import completed_angles
 
 ALPHA = 0.25
 SPEED = 30.0

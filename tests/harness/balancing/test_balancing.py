@@ -16,13 +16,8 @@ from autobalancer.harness.cli import app
 from autobalancer.harness.scene import Scene
 from autobalancer.harness.stability.revolution import Revolution
 from autobalancer.models.linear.synchronous import synchronous
-from autobalancer.models.papers.influence import (
-    balancing_cycles,
-    inverse_dynamic_stiffness,
-    left_plane,
-    residual_map,
-    right_plane,
-)
+from autobalancer.models.papers.influence import residual_map
+from tests.papers import balancing_cycles, inverse_dynamic_stiffness, left_plane, right_plane
 
 STIFFNESS, DAMPING = ((3e4, 2e5), (3.4e4, 1e5)), ((250.0, 300.0), (200.0, 150.0))
 MASS, INERTIA, SPAN, LEFT, RIGHT = 14.0, 1.9, 1.1, 0.08, -0.05

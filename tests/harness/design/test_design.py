@@ -36,8 +36,9 @@ from autobalancer.harness.scene.check import (
     SizesCheck,
     SlowRootCheck,
 )
-from autobalancer.models.papers.positions import fan_angles, least_distance
+from autobalancer.models.contact.spacing import least_distance
 from autobalancer.models.weights import alignment
+from tests.papers import fan_angles
 
 
 def test_random_starts_never_overlap_and_reach_the_whole_circle():

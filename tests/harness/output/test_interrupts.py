@@ -6,6 +6,7 @@ import os
 import signal
 import subprocess
 import sys
+import textwrap
 import time
 
 import pytest
@@ -26,12 +27,7 @@ LONG = {
 }
 
 
-LOST = pytest.mark.xfail(reason="now and then a signal within a Python unit is lost", strict=False)
-
-
-@pytest.mark.parametrize(
-    "command", [pytest.param(c, marks=LOST if c == "python" else ()) for c in LONG]
-)
+@pytest.mark.parametrize("command", LONG)
 @pytest.mark.parametrize(("number", "word"), [("SIGINT", "interrupted"), ("SIGTERM", "terminated")])
 def test_a_command_ends_at_once_with_one_word_and_leaves_no_folder(
     tmp_path, answering, command, number, word
@@ -64,3 +60,81 @@ def test_a_command_ends_at_once_with_one_word_and_leaves_no_folder(
     assert errors.strip() == word
     assert os.listdir(folder) == []
     assert sorted(os.listdir(tmp_path)) == ["temporary"]
+
+
+BEGIN = """
+import os, signal, sys, time
+from autobalancer.harness.output import interrupts
+def told(number=signal.SIGTERM):
+    os.kill(os.getpid(), number)
+"""
+BETWEEN = {
+    "swallowed by C code that calls Python": """
+        import ctypes
+        call = ctypes.CFUNCTYPE(None)(told)
+        with interrupts.interruptible():
+            call()
+            time.sleep(30.0)
+    """,
+    "raised only when nothing is at work that must not see it": """
+        marked = {"SIGNALS_WAIT": True, "told": told, "time": time}
+        exec("def work():\\n try:\\n  told()\\n  time.sleep(0.2)\\n"
+             " except BaseException:\\n  print('seen')", marked)
+        with interrupts.interruptible():
+            marked["work"]()
+            time.sleep(30.0)
+    """,
+    "sent twice at once, as `timeout` does": """
+        with interrupts.interruptible():
+            try:
+                told()
+            finally:
+                told()
+                print("cleared up")
+    """,
+}
+BY_FORCE = {
+    "a second one": """
+        with interrupts.temporary_files(), interrupts.interruptible():
+            try:
+                told()
+            finally:
+                time.sleep(interrupts._TWICE + 0.1)
+                told()
+                time.sleep(30.0)
+    """,
+    "C code that never comes back": """
+        import ctypes, threading
+        interrupts._GRACE = 0.3
+        lock, mutex = ctypes.CDLL(None).pthread_mutex_lock, ctypes.create_string_buffer(64)
+        with interrupts.temporary_files(), interrupts.interruptible():
+            threading.Timer(0.3, told).start()
+            lock(mutex), lock(mutex)
+    """,
+}
+
+
+def _python(script: str, folder) -> subprocess.CompletedProcess[str]:
+    return subprocess.run(
+        [sys.executable, "-c", BEGIN + textwrap.dedent(script)],
+        env={**os.environ, "TMPDIR": str(folder)},
+        capture_output=True,
+        text=True,
+        timeout=20.0,
+    )
+
+
+@pytest.mark.parametrize("case", BETWEEN)
+def test_a_signal_is_never_lost_and_raised_once(tmp_path, case):
+    ended = _python(BETWEEN[case], tmp_path)
+    assert "seen" not in ended.stdout
+    assert "Interrupted: 15" in ended.stderr.splitlines()[-1]
+    assert ended.stderr.count("Traceback") == 1
+    assert ("cleared up" in ended.stdout) == ("twice" in case)
+
+
+@pytest.mark.parametrize("case", BY_FORCE)
+def test_a_process_that_does_not_end_in_order_is_ended_and_leaves_no_folder(tmp_path, case):
+    ended = _python(BY_FORCE[case], tmp_path)
+    assert (ended.returncode, ended.stderr) == (143, "terminated\n")
+    assert os.listdir(tmp_path) == []

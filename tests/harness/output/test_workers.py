@@ -117,9 +117,20 @@ if __name__ == "__main__":
 """
 
 
+def _alive(process: str) -> bool:
+    try:
+        return "\nState:\tZ" not in Path(f"/proc/{process}/status").read_text()
+    except OSError:
+        return False
+
+
 @pytest.mark.parametrize(
     ("number", "code", "said"),
-    [(signal.SIGINT, -signal.SIGINT, 1), (signal.SIGTERM, 128 + signal.SIGTERM, 0)],
+    [
+        (signal.SIGINT, -signal.SIGINT, 1),
+        (signal.SIGTERM, 128 + signal.SIGTERM, 0),
+        (signal.SIGKILL, -signal.SIGKILL, 0),
+    ],
 )
 def test_an_interrupt_ends_all_processes_at_once_and_clears_their_files(
     tmp_path, answering, number, code, said
@@ -144,5 +155,5 @@ def test_an_interrupt_ends_all_processes_at_once_and_clears_their_files(
     workers = [path for path in begun.iterdir() if path.read_text()]
     assert len(workers) == 2
     for path in workers:
-        assert not os.path.exists(f"/proc/{path.name}")
+        assert not _alive(path.name)
         assert not os.path.exists(path.read_text())

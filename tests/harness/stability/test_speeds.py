@@ -16,8 +16,9 @@ from autobalancer.harness.stability.main_motion import MainMotion, NoMainMotion
 from autobalancer.harness.stability.revolution import Revolution
 from autobalancer.models.linear.balanced import balanced_angles, residual_unbalance
 from autobalancer.models.linear.boundaries import Crossing
+from autobalancer.models.linear.linearised import linearise
 from autobalancer.models.papers.window import LiquidWindow
-from autobalancer.models.stability import growth_rates, multipliers, neutral_count
+from autobalancer.models.stability import growth_rates, multipliers
 
 MANY = {  # N weights of the same total mass, next to positions that are not on one line
     3: [0.3, 1.9, 4.2],
@@ -82,7 +83,7 @@ def test_multipliers_of_the_units_are_those_of_floquet():
 def test_turns_that_change_no_moment_are_left_out_by_structure(count):
     scene = weights(count)
     with MainMotion(scene) as motion:
-        assert motion.neutral.shape[1] == count - 2 == neutral_count(scene.assembly())
+        assert motion.neutral.shape[1] == count - 2 == linearise(scene.assembly()).neutral
         angles = [i for i, s in enumerate(motion.units.states) if s.output.endswith("].angle")]
         found, state = motion.multipliers(3.0), motion.state[angles]
     balanced = scene.replace({"weights.angles": state.tolist()}).assembly()

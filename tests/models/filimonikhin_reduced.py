@@ -25,10 +25,10 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import block_diag
 
-from ..assembly import Assembly
-from ..rotor import LinearRotor
-from ..weights import Weights
-from .balanced import balanced_angles
+from autobalancer.models.assembly import Assembly
+from autobalancer.models.linear.balanced import balanced_angles
+from autobalancer.models.rotor import LinearRotor
+from autobalancer.models.weights import Weights
 
 
 def second_harmonic(angles: Sequence[float] | NDArray) -> complex:
