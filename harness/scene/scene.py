@@ -151,8 +151,7 @@ class Scene(Table):
 
     def without_balancers(self) -> Scene:
         """The bare rotor, with nothing to check."""
-        document = {k: v for k, v in self._document.items() if k not in {"balancer", "check"}}
-        return Scene._of(document, self._path, self._label)
+        return self.without(*(balancer.label for balancer in self.balancer))
 
     def with_check(self, table: Mapping[str, Any]) -> Scene:
         """The scene with one more [[check]].
@@ -167,7 +166,7 @@ class Scene(Table):
     def without(self, *names: str) -> Scene:
         """The scene less the balancers of these names, with nothing to check."""
         document = {k: v for k, v in self._document.items() if k != "check"}
-        kept = zip(self.balancer, self._document["balancer"], strict=True)
+        kept = zip(self.balancer, document.get("balancer", ()), strict=True)
         document["balancer"] = [table for balancer, table in kept if balancer.label not in names]
         return Scene._of(document, self._path, self._label)
 
