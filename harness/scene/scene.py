@@ -103,6 +103,11 @@ class Scene(Table):
         return self._path.stem if self._path else self._label
 
     @property
+    def document(self) -> dict[str, Any]:
+        """What the scene was made from, as a TOML file would say it."""
+        return copy.deepcopy(self._document)
+
+    @property
     def heading(self) -> str:
         """What tables and pictures call the scene: its title, else its name."""
         return self.title or self.name
