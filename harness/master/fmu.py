@@ -45,26 +45,28 @@ class Variables:
 
     Attributes:
         call: arguments of that call, as C values.
-        vectors: the buffer as complex numbers, where the variables are pairs of components.
+        reals: the buffer as an array.
+        vectors: the same as complex numbers, where the variables are pairs of components.
         bytes: the buffer as bytes.
     """
 
-    __slots__ = ("buffer", "bytes", "call", "names", "references", "size", "vectors")
+    __slots__ = ("buffer", "bytes", "call", "names", "reals", "references", "size", "vectors")
 
     def __init__(
         self,
         component: c_void_p,
         names: Sequence[str],
         references: Sequence[int],
-        source: Variables | None = None,
+        memory: np.ndarray | None = None,
     ) -> None:
         self.names = tuple(names)
         self.size = len(references)
         self.references = (c_uint * self.size)(*references)
-        self.buffer: Array[c_double] = source.buffer if source else (c_double * self.size)()
+        self.reals = np.zeros(self.size) if memory is None else memory.reshape(-1).view(float)
+        self.buffer: Array[c_double] = (c_double * self.size).from_buffer(self.reals.data)
         self.bytes = memoryview(self.buffer).cast("B")
         self.call = component, self.references, c_size_t(self.size), self.buffer
-        self.vectors = np.ctypeslib.as_array(self.buffer)[: self.size // 2 * 2].view(complex)
+        self.vectors = self.reals[: self.size // 2 * 2].view(complex)
 
 
 class Closing:
@@ -159,12 +161,12 @@ class Fmu(Closing):
                 f"({_STATUS[min(status, 5)]}): {reason}"
             )
 
-    def group(self, names: Sequence[str], source: Variables | None = None) -> Variables:
+    def group(self, names: Sequence[str], memory: np.ndarray | None = None) -> Variables:
         """Real variables to be read or written together.
 
         Args:
-            source: as many variables, mostly of another unit, whose buffer serves these as well:
-                what was fetched there is sent here without a copy.
+            memory: array that serves as their buffer, contiguous and of as many reals, such as that
+                of another unit's variables: what was fetched there is sent here without a copy.
 
         Raises:
             UnitError: the FMU has no such variable (built for another scene or version).
@@ -177,7 +179,7 @@ class Fmu(Closing):
                 f"{self.description.generationDateAndTime}): build it for this scene"
             )
         references = [self.variables[name].valueReference for name in names]
-        return Variables(self._component, names, references, source)
+        return Variables(self._component, names, references, memory)
 
     def reference(self, name: str) -> int:
         """Value reference of a variable.
@@ -229,6 +231,24 @@ class Fmu(Closing):
         status = self._step(self._component, self._begin, self._length, self._final)
         if status > _WARNING:
             self._check(status, f"a step of {step:g} s")
+
+    def exchange(self, inputs: Variables, outputs: Variables, time: float, step: float) -> None:
+        """`send`, `step` and `fetch` in one."""
+        calls = self.calls
+        calls["set"] += 1
+        calls["step"] += 1
+        calls["get"] += 1
+        self.time = self._begin.value = time
+        self._length.value = step
+        status = self._set(*inputs.call)
+        if status > _WARNING:
+            self._check(status, f"setting {', '.join(inputs.names[:4])}")
+        status = self._step(self._component, self._begin, self._length, self._final)
+        if status > _WARNING:
+            self._check(status, f"a step of {step:g} s")
+        status = self._get(*outputs.call)
+        if status > _WARNING:
+            self._check(status, f"reading {', '.join(outputs.names[:4])}")
 
     def save(self) -> c_void_p:
         """A copy of the complete state; give it back with `free`."""

@@ -76,16 +76,24 @@ class SignalState:
 
     def move(self, cubic: Cubic, end: Knot, step: float) -> None:
         """Accept the signal of a finished step."""
-        value = end[0]
-        self.prediction_error = 0.0
+        missed = 0.0
         if self.last_step == step:
-            f, d, d2, d3 = self.last
-            led = f + 2.0 * step * (d + step * (d2 + 2.0 / 3.0 * step * d3))
-            self.prediction_error = abs(value - led)
-        modulus = abs(value)
+            missed = abs(end[0] - led_to(self.last, step))
+        self.arrive(cubic, end, step, missed)
+
+    def arrive(self, cubic: Cubic, end: Knot, step: float, missed: float) -> None:
+        """`move`, where it is known by how much the cubic of the step before missed the end."""
+        modulus = abs(end[0])
         if modulus > self.largest:
             self.largest = modulus
+        self.prediction_error = missed
         self.now, self.last, self.last_step = end, cubic, step
+
+
+def led_to(cubic: Cubic, step: float) -> complex:
+    """Value of a cubic at the end of the step after its own, both as long [s]."""
+    f, d, d2, d3 = cubic
+    return f + 2.0 * step * (d + step * (d2 + 2.0 / 3.0 * step * d3))
 
 
 def predicted(signals: Sequence[SignalState], order: int) -> list[Cubic]:

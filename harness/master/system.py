@@ -11,6 +11,8 @@ from collections.abc import Mapping, Sequence
 from ctypes import c_void_p
 from dataclasses import dataclass
 
+import numpy as np
+
 from ..errors import SimulationError
 from .fmu import Fmu, Variables
 from .names import components, signals
@@ -47,6 +49,9 @@ class System:
     Attributes:
         exchanges: balancers that exchange force, in order; `forces` and `force_names` are theirs.
         accelerations: of every plane that exchanges force; `acceleration_names` as well.
+        pushed: what the rotor is told as reals, (order + 1, planes, 2): forces and derivatives.
+        felt: what it answers, (2, planes, 2) with slopes: accelerations and their slopes.
+        told, answers: the same of the balancers, (exchanges, order + 1, 2), (exchanges, 2, 2).
         masses: added mass handed to the rotor at the start, by its input [kg].
         has_no_past: no step has been taken since the start or the last jump of the drive.
     """
@@ -60,28 +65,37 @@ class System:
         self.masses: dict[str, float] = {}
         slopes = 0 if order == 0 else 1
         exchanged = plan.of_kind("signal")
-        told = {c.target.unit: c.source.variable for c in exchanged if c.source.unit == ROTOR}
+        followed = {c.target.unit: c.source.variable for c in exchanged if c.source.unit == ROTOR}
         pushed = {c.source.unit: c.target.variable for c in exchanged if c.target.unit == ROTOR}
-        names = {pushed[unit]: told[unit] for unit in pushed}  # force and acceleration of a plane
+        names = {
+            pushed[unit]: followed[unit] for unit in pushed
+        }  # force and acceleration of a plane
         # in the order in which the rotor declares them they are one slice
         planes = sorted(
             names, key=lambda name: self.rotor.reference(components(name, plan.axes)[0])
         )
         self._forces = self.rotor.group(signals(planes, order, plan.axes))
         # the values of all planes, then the slopes of all planes: of each plane a column
+        self.pushed = self._forces.reals
         self._force_rows = self._forces.vectors.reshape(order + 1, len(planes)).T
         felt = [names[force] for force in planes]
         self._accelerations = self.rotor.group(signals(felt, slopes, plan.axes))
+        self.felt = self._accelerations.reals
         self.acceleration_names = [f"{ROTOR}.{name}" for name in felt]
         self.accelerations = [SignalState() for _ in planes]
+        told = np.zeros((len(pushed), 2 * (order + 1)))
+        answers = np.zeros((len(pushed), 2 * (slopes + 1)))
+        self.told, self.answers = told.reshape(-1), answers.reshape(-1)
         self.exchanges = [
             Exchange(
                 units[name],
                 planes.index(force),
-                units[name].group(signals(["a"], order, plan.axes)),
-                units[name].group(signals(["F"], slopes, plan.axes)),
+                units[name].group(signals(["a"], order, plan.axes), its_told),
+                units[name].group(signals(["F"], slopes, plan.axes), its_answers),
             )
-            for name, force in pushed.items()
+            for (name, force), its_told, its_answers in zip(
+                pushed.items(), told, answers, strict=True
+            )
         ]
         self._alone = [e.plane for e in self.exchanges] == list(range(len(planes)))
         self.forces = [SignalState() for _ in self.exchanges]
@@ -103,7 +117,7 @@ class System:
         for name in dict.fromkeys(c.target.unit for c in values):
             mine = [c for c in values if c.target.unit == name]
             unit, source = self.units[name], self.rotor.group([c.source.variable for c in mine])
-            target = unit.group([c.target.variable for c in mine], source)
+            target = unit.group([c.target.variable for c in mine], source.reals)
             if name in exchanging:
                 exchanging[name].place = source, target
             else:
@@ -121,23 +135,30 @@ class System:
         if not self.exchanges:
             self.rotor.step(time, step)
             return []
-        self.set_forces(forces)
-        self.rotor.step(time, step)
-        return self.read_accelerations()
+        self._sum_forces(forces)
+        self.step_rotor(time, step)
+        return self._knots(self._accelerations.vectors.tolist())
+
+    def step_rotor(self, time: float, step: float) -> None:
+        """Step the rotor as it is `pushed`; `felt` is what it answers."""
+        self.rotor.exchange(self._forces, self._accelerations, time, step)
 
     def balancer_pass(self, accelerations: Sequence[Cubic], time: float, step: float) -> list[Knot]:
         """Step every exchanging balancer under its plane's acceleration; their forces."""
-        forces = []
         for exchange in self.exchanges:
-            unit, cubic = exchange.unit, accelerations[exchange.plane]
-            unit.set_vectors(exchange.inputs, cubic if self.order == 3 else self._used(cubic))
+            cubic = accelerations[exchange.plane]
+            exchange.inputs.vectors[:] = cubic if self.order == 3 else self._used(cubic)
+        self.step_balancers(time, step)
+        return [knot for e in self.exchanges for knot in self._knots(e.outputs.vectors.tolist())]
+
+    def step_balancers(self, time: float, step: float) -> None:
+        """Step every exchanging balancer as it is `told`; `answers` are what they answer."""
+        for exchange in self.exchanges:
             if exchange.place:
                 source, target = exchange.place
                 self.rotor.fetch(source)
-                unit.send(target)
-            unit.step(time, step)
-            forces += self._knots(unit.get_vectors(exchange.outputs))
-        return forces
+                exchange.unit.send(target)
+            exchange.unit.exchange(exchange.inputs, exchange.outputs, time, step)
 
     def answer(self, accelerations: Sequence[Cubic]) -> list[Knot]:
         """Forces of balancers in initialisation mode under accelerations of the planes."""
@@ -147,6 +168,10 @@ class System:
 
     def set_forces(self, forces: Sequence[Cubic]) -> None:
         """Write the sum of the forces on every plane that exchanges force."""
+        self._sum_forces(forces)
+        self.rotor.send(self._forces)
+
+    def _sum_forces(self, forces: Sequence[Cubic]) -> None:
         rows = self._force_rows
         if self._alone:
             for plane, cubic in enumerate(forces):
@@ -155,7 +180,6 @@ class System:
             rows[:] = 0.0
             for exchange, cubic in zip(self.exchanges, forces, strict=True):
                 rows[exchange.plane] += self._used(cubic)
-        self.rotor.send(self._forces)
 
     def read_accelerations(self) -> list[Knot]:
         """Acceleration and slope of every plane that exchanges force."""
@@ -210,15 +234,24 @@ class System:
         Raises:
             SimulationError: a signal is not finite.
         """
-        self.has_no_past = False
         for state, (cubic, end) in zip(self.accelerations, accelerations, strict=True):
             state.move(cubic, end, step)
-        for number, (cubic, end) in enumerate(forces):
-            self.forces[number].move(cubic, end, step)
-            if not isfinite(end[0]):
+        for state, (cubic, end) in zip(self.forces, forces, strict=True):
+            state.move(cubic, end, step)
+        self.accepted(time + step)
+
+    def accepted(self, time: float) -> None:
+        """The signals have moved on to a time [s].
+
+        Raises:
+            SimulationError: a force is not finite.
+        """
+        self.has_no_past = False
+        for force, name in zip(self.forces, self.force_names, strict=True):
+            if not isfinite(force.now[0]):
                 raise SimulationError(
-                    f"{self.force_names[number]} is not finite at t = {time + step:g} s: the "
-                    'coupling diverged; use scheme = "iterated" or smaller steps'
+                    f"{name} is not finite at t = {time:g} s: the coupling diverged; "
+                    'use scheme = "iterated" or smaller steps'
                 )
 
     def drop_past(self) -> None:

@@ -13,7 +13,6 @@ from numpy.typing import NDArray
 
 from ...models.assembly import Assembly
 from ...models.monolith import ReferenceDisagreement, reference, simulate
-from ...models.reference.coupled import Start
 from ..errors import SimulationError, UserError
 from ..master.cosimulation import cosimulate
 from ..master.names import kin
@@ -222,7 +221,7 @@ def referred(scene: Scene, result: Result) -> tuple[dict[str, NDArray], float]:
         scene.assembly(),
         scene.profile(),
         result.time,
-        initial=Start(**dict(scene.run.initial.items())),
+        initial=scene.run.initial.motion(),
         rtol=RTOL,
         bound=REFERENCE_BOUND,
         signals=[n for n in names if n.endswith((".x", ".y"))],
@@ -232,7 +231,7 @@ def referred(scene: Scene, result: Result) -> tuple[dict[str, NDArray], float]:
 
 def growth(scene: Scene, times: NDArray) -> float:
     """How many times as large a small turn of every first weight is at most by the end."""
-    start, profile = Start(**dict(scene.run.initial.items())), scene.profile()
+    start, profile = scene.run.initial.motion(), scene.profile()
     ends = []
     for turn in (0.0, DISTURBANCE):
         assembly = _turned(scene.assembly(), turn)

@@ -13,7 +13,6 @@ from collections.abc import Sequence
 import numpy as np
 
 from ...errors import SimulationError
-from ..signals import Knot
 from ..system import System
 
 # value and slope at t = 2 of the cubic through values and slopes at t = 0 (BEFORE) and 1 (NOW)
@@ -77,21 +76,19 @@ class Explicit:
     def detect_divergence(
         self,
         system: System,
-        assumed: Sequence[Knot],
-        answers: Sequence[Knot],
+        gaps: Sequence[complex],
+        answers: Sequence[complex],
         time: float,
         step: float,
     ) -> None:
-        """Compare the forces at the end of a step with those assumed for it.
+        """Judge the forces at the end of a step, and how far they are from those assumed for it.
 
         Raises:
             SimulationError: the coupling diverges.
         """
         worst, name = 0.0, ""
-        for (expected, _), (value, _), force in zip(
-            assumed, answers, system.force_names, strict=True
-        ):
-            missed, modulus = abs(value - expected), abs(value)
+        for gap, answer, force in zip(gaps, answers, system.force_names, strict=True):
+            missed, modulus = abs(gap), abs(answer)
             if not missed <= worst:
                 worst, name = missed, force
             if modulus > self.largest:

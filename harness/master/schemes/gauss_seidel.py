@@ -41,8 +41,9 @@ class GaussSeidel(Explicit):
             for state, end in zip(system.accelerations, felt, strict=True)
         ]
         answers = system.balancer_pass(accelerations, time, step)
-        assumed = [end_of(cubic, step) for cubic in forces]
-        self.detect_divergence(system, assumed, answers, time, step)
+        ends = [value for value, _ in answers]
+        gaps = [end - end_of(cubic, step)[0] for end, cubic in zip(ends, forces, strict=True)]
+        self.detect_divergence(system, gaps, ends, time, step)
         # the next extrapolation starts from what the balancers really did
         system.accept(
             list(zip(accelerations, felt, strict=True)),

@@ -24,8 +24,9 @@ class Jacobi(Explicit):
         accelerations = predicted(system.accelerations, system.order)
         felt = system.rotor_pass(forces, time, step)
         answers = system.balancer_pass(accelerations, time, step)
-        assumed = [end_of(cubic, step) for cubic in forces]
-        self.detect_divergence(system, assumed, answers, time, step)
+        ends = [value for value, _ in answers]
+        gaps = [end - end_of(cubic, step)[0] for end, cubic in zip(ends, forces, strict=True)]
+        self.detect_divergence(system, gaps, ends, time, step)
         system.accept(
             joined(system.accelerations, felt, step),
             joined(system.forces, answers, step),

@@ -42,10 +42,10 @@ def test_a_measured_value_that_is_not_a_number_does_not_hold():
 
 
 def test_worst_point_of_a_curve_is_the_one_that_is_not_a_number():
-    row = ROWS.worst("curve", [1.0, 2.0, 0.0], [1.5, math.nan, 0.0], 1.0, "paper")
+    row = ROWS.number("curve", [1.0, 2.0, 0.0], [1.5, math.nan, 0.0], 1.0, "paper")
     assert row.expected == 2.0
     assert not row.holds
-    assert ROWS.worst("curve", [1.0, 2.0, 0.0], [1.5, 2.0, 0.0], 1.0, "paper").error == 0.5
+    assert ROWS.number("curve", [1.0, 2.0, 0.0], [1.5, 2.0, 0.0], 1.0, "paper").error == 0.5
 
 
 def test_json_has_words_where_it_has_no_numbers(tmp_path):

@@ -8,7 +8,8 @@ import pytest
 from autobalancer.harness import SceneError, SimulationError, bundled_scenes, cosimulate, load_scene
 from autobalancer.harness.master.cosimulation import CoSimulation
 from autobalancer.harness.master.schedule import step_size
-from autobalancer.harness.master.schemes.compensated import Compensated, carried
+from autobalancer.harness.master.schemes.compensated import Compensated
+from autobalancer.harness.master.schemes.compensated_maps import carried
 from autobalancer.harness.master.schemes.explicit import BEFORE, NOW
 from autobalancer.harness.master.schemes.gauss_seidel import GaussSeidel
 from autobalancer.harness.master.schemes.jacobi import Jacobi
