@@ -29,6 +29,7 @@ def build(
     *,
     backend: str = "native",
     fmi: int = 2,
+    arrays: bool = False,
     platforms: Iterable[str] | None = None,
     name: str | None = None,
     **options: Any,
@@ -40,6 +41,8 @@ def build(
         destination: folder (made when missing), or a file that ends in .fmu.
         backend: "native" (libraries in C), or "python" (slaves under pythonfmu).
         fmi: 2 or 3; Python units are of FMI 2.0 only.
+        arrays: of FMI 3.0, whether `weight[1].angle`, `weight[2].angle` ... are one array
+            `weight.angle`; most tools connect scalars more easily.
         platforms: of native units, default: all.
         name: model name and file name, default: that of the unit.
         options: frame ("rotor", or "fixed" for signals along fixed axes); of a rotor kind,
@@ -55,7 +58,15 @@ def build(
         NotCompiled: a native library is not of the present sources, and there is no compiler.
         OSError: the file cannot be written; nothing is left behind.
     """
-    content = contents(unit, backend=backend, fmi=fmi, platforms=platforms, name=name, **options)
+    content = contents(
+        unit,
+        backend=backend,
+        fmi=fmi,
+        arrays=arrays,
+        platforms=platforms,
+        name=name,
+        **options,
+    )
     target = Path(destination)
     if target.suffix != ".fmu" or target.is_dir():
         target = target / f"{name or unit}.fmu"
@@ -68,6 +79,7 @@ def contents(
     *,
     backend: str = "native",
     fmi: int = 2,
+    arrays: bool = False,
     platforms: Iterable[str] | None = None,
     name: str | None = None,
     **options: Any,
@@ -83,12 +95,14 @@ def contents(
         raise ValueError(f"fmi = {fmi!r}: must be one of {alternatives(_DESCRIBED_BY)}")
     if backend not in ("python", "native"):
         raise ValueError(f"backend = {backend!r}: must be one of 'python', 'native'")
+    if arrays and fmi != 3:
+        raise ValueError(f"arrays = {arrays!r}: only FMI 3.0 has them; build with fmi = 3")
     files = {
-        "documentation/index.html": html(sized, identifier, equations(sized.unit)),
+        "documentation/index.html": html(sized, identifier, equations(sized.unit), arrays=arrays),
         "documentation/licenses/license.txt": LICENCE.encode(),
     }
     if backend == "native":
-        return {**files, **_native(sized, identifier, fmi, platforms)}
+        return {**files, **_native(sized, identifier, fmi, arrays, platforms)}
     if fmi != 2:
         raise ValueError(f"fmi = {fmi!r}: Python units are of FMI 2.0 only; build native ones")
     if platforms is not None:
@@ -109,7 +123,7 @@ def _python(unit: SizedUnit, identifier: str, files: dict[str, bytes]) -> dict[s
 
 
 def _native(
-    unit: SizedUnit, identifier: str, fmi: int, platforms: Iterable[str] | None
+    unit: SizedUnit, identifier: str, fmi: int, arrays: bool, platforms: Iterable[str] | None
 ) -> dict[str, bytes]:
     """Files of a native FMU, all but its documentation."""
 
@@ -119,12 +133,13 @@ def _native(
             output_derivatives=1,
             directional_derivatives=True,
             early_return=unit.unit.returns_early,
+            arrays=arrays,
             sources=tuple(sources),
         )
         return _described(unit, identifier, fmi, token, can)
 
     chosen = {} if platforms is None else {"platforms": platforms}
-    return native_files(unit, identifier, describe, fmi=fmi, **chosen)
+    return native_files(unit, identifier, describe, fmi=fmi, arrays=arrays, **chosen)
 
 
 def _described(unit: SizedUnit, identifier: str, fmi: int, token: str, can: Capabilities) -> bytes:

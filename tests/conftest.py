@@ -47,10 +47,9 @@ def _no_narrow_terminal(monkeypatch):
 def _motion(name: str, changes: tuple, times: tuple[float, ...], signals: tuple[str, ...]):
     from autobalancer.harness import load_scene
     from autobalancer.models.monolith import reference
-    from autobalancer.models.reference.coupled import Start
 
     scene = load_scene(name).replace(dict(changes))
-    start = Start(**dict(scene.run.initial.items()))
+    start = scene.run.initial.motion()
     motion, own_error = reference(scene.assembly(), scene.profile(), times, initial=start)
     assert own_error < 1e-8, own_error
     return {signal: motion.signal(signal) for signal in signals}

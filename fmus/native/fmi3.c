@@ -1,7 +1,7 @@
 /* FMI 3.0 for co-simulation: a thin front over unit.h.
 
    Value references are unique over all types: the Reals as in FMI 2.0, then the Booleans, then the
-   independent variable, time. */
+   independent variable, time.  In a unit with arrays that of a first element stands for its row. */
 #include "fmi3.h"
 
 #include "elementary.h"
@@ -143,17 +143,30 @@ static Status values_allowed(fmi3Instance instance, const char *function, int ph
     return status;
 }
 
+/* As front_allowed, for as many values as elements; these are number `which` of the unit's. */
+static Status reals_allowed(fmi3Instance instance, const char *function, int phases,
+                            const fmi3ValueReference vr[], size_t count, const void *values,
+                            size_t value_count, int which)
+{
+    const Status status = front_allowed(instance, function, phases, count, vr, values);
+    return status ? status
+                  : unit_elements(front_unit(instance), function, vr, count, value_count,
+                                  front_unit(instance)->elements + which);
+}
+
 EXPORT fmi3Status fmi3GetFloat64(fmi3Instance instance, const fmi3ValueReference vr[],
                                  size_t count, fmi3Float64 values[], size_t value_count)
 {
     Status status =
-        values_allowed(instance, "fmi3GetFloat64", ANY_PHASE, vr, count, values, value_count);
+        reals_allowed(instance, "fmi3GetFloat64", ANY_PHASE, vr, count, values, value_count, 0);
     Unit *unit;
     size_t from = 0, k;
     if (status) {
         return (fmi3Status)status;
     }
     unit = front_unit(instance);
+    vr = unit->elements[0].at;
+    count = unit->elements[0].count;
     /* hosts read time together with others: what stands between is read at once */
     for (k = 0; k <= count && !status; k++) {
         if (k == count || vr[k] == time_reference(unit)) {
@@ -170,10 +183,14 @@ EXPORT fmi3Status fmi3GetFloat64(fmi3Instance instance, const fmi3ValueReference
 EXPORT fmi3Status fmi3SetFloat64(fmi3Instance instance, const fmi3ValueReference vr[],
                                  size_t count, const fmi3Float64 values[], size_t value_count)
 {
-    const Status status = values_allowed(instance, "fmi3SetFloat64", SETTABLE_PHASES, vr, count,
-                                         values, value_count);
-    return (fmi3Status)(status ? status
-                               : unit_set_reals(front_unit(instance), vr, count, values));
+    const Status status = reals_allowed(instance, "fmi3SetFloat64", SETTABLE_PHASES, vr, count,
+                                        values, value_count, 0);
+    const Elements *reals;
+    if (status) {
+        return (fmi3Status)status;
+    }
+    reals = front_unit(instance)->elements;
+    return (fmi3Status)unit_set_reals(front_unit(instance), reals->at, reals->count, values);
 }
 
 EXPORT fmi3Status fmi3GetBoolean(fmi3Instance instance, const fmi3ValueReference vr[],
@@ -248,15 +265,20 @@ EXPORT fmi3Status fmi3GetDirectionalDerivative(fmi3Instance instance,
                                                size_t change_count)
 {
     const char *function = "fmi3GetDirectionalDerivative";
-    Status status = values_allowed(instance, function, INITIALISING | RUNNING, unknowns,
-                                   unknown_count, change, change_count);
+    const Elements *outputs, *inputs;
+    Status status = reals_allowed(instance, function, INITIALISING | RUNNING, unknowns,
+                                  unknown_count, change, change_count, 0);
     if (!status) {
-        status = values_allowed(instance, function, INITIALISING | RUNNING, knowns, known_count,
-                                seed, seed_count);
+        status = reals_allowed(instance, function, INITIALISING | RUNNING, knowns, known_count,
+                               seed, seed_count, 1);
     }
-    return (fmi3Status)(status ? status
-                               : unit_directional(front_unit(instance), unknowns, unknown_count,
-                                                  knowns, known_count, seed, change));
+    if (status) {
+        return (fmi3Status)status;
+    }
+    outputs = front_unit(instance)->elements;
+    inputs = outputs + 1;
+    return (fmi3Status)unit_directional(front_unit(instance), outputs->at, outputs->count,
+                                        inputs->at, inputs->count, seed, change);
 }
 
 EXPORT fmi3Status fmi3GetOutputDerivatives(fmi3Instance instance, const fmi3ValueReference vr[],
@@ -264,14 +286,25 @@ EXPORT fmi3Status fmi3GetOutputDerivatives(fmi3Instance instance, const fmi3Valu
                                            fmi3Float64 values[], size_t value_count)
 {
     const char *function = "fmi3GetOutputDerivatives";
-    Status status = values_allowed(instance, function, AFTER_INSTANTIATION, vr, count, values,
-                                   value_count);
+    const Elements *reals;
+    size_t done = 0, end = 0, k;
+    Status status = reals_allowed(instance, function, AFTER_INSTANTIATION, vr, count, values,
+                                  value_count, 0);
     if (!status) {
         status = front_allowed(instance, function, AFTER_INSTANTIATION, count, vr, orders);
     }
-    return (fmi3Status)(status ? status
-                               : unit_get_derivatives(front_unit(instance), vr, count, orders,
-                                                      values));
+    if (status) {
+        return (fmi3Status)status;
+    }
+    reals = front_unit(instance)->elements;
+    for (k = 0; k < count && !status; k++) {
+        end += unit_element_count(front_unit(instance), vr[k]);
+        for (; done < end && !status; done++) {
+            status = unit_get_derivatives(front_unit(instance), reals->at + done, 1, orders + k,
+                                          values + done);
+        }
+    }
+    return (fmi3Status)status;
 }
 
 EXPORT fmi3Status fmi3DoStep(fmi3Instance instance, fmi3Float64 time, fmi3Float64 step,

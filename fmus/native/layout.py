@@ -24,6 +24,7 @@ _REPEATS = {
     _PLANES: "SIZE_PLANES",
     _UNBALANCES: "SIZE_UNBALANCES",
     _WEIGHTS: "SIZE_WEIGHTS",
+    2: "SIZE_TWO",
 }
 _ROTOR = {"planes": _PLANES, "stations": _STATIONS, "unbalances": _UNBALANCES}
 
@@ -48,7 +49,7 @@ _COMPUTED = "compliance["
 # starts that depend on index or size: C computes them
 _STARTS_IN_C = (
     "station[#].z",
-    "support[2].position",
+    "support[#].position",
     "plane[#].position",
     "unbalance[#].position",
     "unbalance[#].amount",
@@ -100,14 +101,16 @@ def header() -> str:
     return "\n\n".join(parts) + "\n"
 
 
-def token(unit: SizedUnit, stamp: str) -> str:
+def token(unit: SizedUnit, stamp: str, *, arrays: bool = False) -> str:
     """Identity of a native unit: GUID in FMI 2.0, instantiation token in FMI 3.0.
 
     Args:
         unit: with its sizes.
         stamp: of the C sources.
+        arrays: whether variables that differ in an index alone are arrays (FMI 3.0).
     """
-    words = [unit.name, *(f"{key}={value}" for key, value in unit.options.items())]
+    words = [unit.name, *["arrays=true"] * arrays]
+    words += [f"{key}={value}" for key, value in unit.options.items()]
     return "/".join([*words, f"{digest(unit.layout)}-{stamp}"])
 
 
@@ -155,12 +158,12 @@ def _blocks(unit: str, options: dict[str, Any]) -> list[_Block]:
         found = turning[i : i + size]
         if len(_INDEX.findall(patterns[i])) == 2:
             block = _Block("SIZE_TRIANGLE", [_shared(patterns[i])], [list(found)])
-        elif repeats > 2:
+        elif repeats > 1:
             shown = [_shared(pattern) for pattern in patterns[i : i + length]]
             block = _Block(
                 _REPEATS[repeats], shown, [list(found[k::length]) for k in range(length)]
             )
-        else:  # what there are always one or two of
+        else:
             block = _Block("SIZE_ONE", patterns[i : i + size], [[v] for v in found])
             if blocks and blocks[-1].repeat == "SIZE_ONE":
                 blocks[-1].patterns += block.patterns
@@ -194,7 +197,7 @@ def _repetition(patterns: Sequence[str], i: int) -> tuple[int, int]:
         if not same or numbers != {str(repeats + 1)}:
             break
         repeats += 1
-    if repeats == 0 or (repeats > 2 and repeats not in _REPEATS):
+    if repeats != 1 and repeats not in _REPEATS:
         raise ValueError(f"{patterns[i]}: C cannot repeat a block of {repeats}")
     return length, repeats
 

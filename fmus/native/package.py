@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import struct
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from xml.etree.ElementTree import Element, SubElement, indent, tostring
 
 from ..unit import SizedUnit
@@ -23,6 +23,7 @@ def native_files(
     *,
     platforms: Iterable[str] = PLATFORMS,
     fmi: int = 2,
+    arrays: bool = False,
 ) -> dict[str, bytes]:
     """Files of a native FMU by their names in it, all but the documentation.
 
@@ -33,6 +34,7 @@ def native_files(
             and the names of the C files in sources/.
         platforms: names out of PLATFORMS.
         fmi: version, 2 | 3.
+        arrays: whether variables that differ in an index alone are arrays (FMI 3.0).
 
     Raises:
         ValueError, NotCompiled: as `libraries`.
@@ -47,7 +49,7 @@ def native_files(
     compiled = sorted(name for name in texts if name.endswith(".c"))
     if fmi == 3:
         files["sources/buildDescription.xml"] = _build_description(identifier, compiled)
-    files["modelDescription.xml"] = describe(token(unit, stamp()), compiled)
+    files["modelDescription.xml"] = describe(token(unit, stamp(), arrays=arrays), compiled)
     return files
 
 
@@ -67,11 +69,19 @@ def _fmi2_folders(made: dict[str, bytes]) -> dict[str, bytes]:
     return folders
 
 
-def platforms_of(files: Iterable[str]) -> tuple[str, ...]:
-    """Platforms that an FMU of FMI 2.0 was written for, by the names of its files."""
-    folders = {name.split("/")[1] for name in files if name.startswith("binaries/")}
-    found = [name for name in PLATFORMS if _FMI2.get(name, name) in folders]
-    return tuple(found)
+def platforms_of(files: Mapping[str, bytes]) -> tuple[str, ...]:
+    """Platforms that an FMU of FMI 2.0 was written for, by its files."""
+    made = {n.split("/")[1]: data for n, data in files.items() if n.startswith("binaries/")}
+    return tuple(name for name in PLATFORMS if _is_there(name, made))
+
+
+def _is_there(platform: str, made: Mapping[str, bytes]) -> bool:
+    """Whether a folder holds a platform's library, and not that of arm64 standing in for it."""
+    folder = _FMI2.get(platform, platform)
+    arm = platform.replace("x86_64", "aarch64")
+    if folder == platform or folder not in made or arm not in made:
+        return folder in made
+    return made[folder] != _fmi2_folders({arm: made[arm]})[folder]
 
 
 def universal(libraries: Sequence[bytes]) -> bytes:

@@ -82,7 +82,8 @@ static int build(Unit *unit, const char *name, const char *token)
         unit->kept = unit_allocate(unit, unit->layout.computed.count, sizeof(double));
         unit->own = unit_allocate(unit, 1, unit->equations->own_size());
         if (unit->name && unit->boolean && unit->memory && unit->before && unit->seed &&
-            unit->change && unit->kept && unit->own && !unit->equations->allocate(unit)) {
+            unit->change && unit->kept && unit->own && !unit->equations->allocate(unit) &&
+            !unit_allocate_elements(unit)) {
             memcpy(unit->name, name, text_length(name) + 1);
             return 0;
         }

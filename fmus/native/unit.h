@@ -25,6 +25,14 @@ enum { INSTANTIATED = 1, INITIALISING = 2, RUNNING = 4, TERMINATED = 8 };
 
 typedef struct Unit Unit;
 
+/* Value references of single Reals, `own` where they had to be written out. */
+typedef struct {
+    const unsigned *at;
+    size_t count;
+    unsigned *own;
+    size_t room;
+} Elements;
+
 /* What a unit supplies.  Functions that return int return 0, or 1 with unit->reason written. */
 typedef struct {
     const char *name;
@@ -71,6 +79,7 @@ struct Unit {
     double *seed;   /* direction of the inputs, */
     double *change; /* change of the outputs, */
     double *kept;   /* and the computed outputs while it is found */
+    Elements elements[2]; /* those of a call's value references */
     double time;    /* communication point reached [s] */
     double made;    /* length of the last step, less than asked where it ended early [s] */
     double stop;    /* infinite when not defined [s] */
@@ -113,6 +122,14 @@ Status unit_refuse(Unit *unit, const char *function, const char *why);
 
 /* -- values ---------------------------------------------------------------------------------- */
 
+/* How many Reals a value reference stands for: an array's elements, or one. */
+size_t unit_element_count(const Unit *unit, unsigned reference);
+/* Memory for the elements of arrays, so that calls need none; 0, or 1 when there is none. */
+int unit_allocate_elements(Unit *unit);
+/* The Reals that value references stand for: those of an array's first element for all of it.  Refused
+   unless there are as many values as elements. */
+Status unit_elements(Unit *unit, const char *function, const unsigned *references, size_t count,
+                     size_t value_count, Elements *elements);
 Status unit_get_reals(Unit *unit, const unsigned *references, size_t count, double *values);
 Status unit_set_reals(Unit *unit, const unsigned *references, size_t count, const double *values);
 /* One Boolean, 0 or 1. */

@@ -51,7 +51,7 @@ static void flexible_starts(const Layout *layout, double *real)
     for (j = 0; j < n; j++) {
         real[z + 2 * (size_t)j] = SPACING * j;
     }
-    real[layout_index(layout, "support[2].position", 1)] = SPACING * (n - 1);
+    real[layout_index(layout, "support[#].position", 2)] = SPACING * (n - 1);
     for (j = 0; j < layout->sizes.planes; j++) {
         real[layout_index(layout, "plane[#].position", 1) + (size_t)j] =
             SPACING * ((j + n / 2) % n);

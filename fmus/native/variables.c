@@ -22,6 +22,8 @@ static size_t repeats(int repeat, const Sizes *sizes)
 {
     const size_t free = (size_t)(sizes->stations - 2);
     switch (repeat) {
+    case SIZE_TWO:
+        return 2;
     case SIZE_STATIONS:
         return (size_t)sizes->stations;
     case SIZE_PLANES:
@@ -87,6 +89,8 @@ Layout layout_in(Variable *reals, const Table *table, const Sizes *sizes)
                 reals[at].declared = declared + k;
                 reals[at].index = index;
                 reals[at].second = second;
+                reals[at].members = triangle ? 1 : (int)times;
+                reals[at].stride = block->count;
                 at++;
             }
             /* the upper triangle of the stations that are no supports, row by row */

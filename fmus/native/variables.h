@@ -11,7 +11,7 @@
 #include "text.h"
 
 /* How often a block of variables stands there. */
-enum { SIZE_ONE, SIZE_STATIONS, SIZE_PLANES, SIZE_UNBALANCES, SIZE_WEIGHTS, SIZE_TRIANGLE };
+enum { SIZE_ONE, SIZE_TWO, SIZE_STATIONS, SIZE_PLANES, SIZE_UNBALANCES, SIZE_WEIGHTS, SIZE_TRIANGLE };
 
 enum { HAS_MINIMUM = 1, ABOVE_MINIMUM = 2, START_VARIES = 4 };
 
@@ -50,12 +50,15 @@ typedef struct {
 typedef struct {
     int stations, planes, unbalances, weights;
     int fixed_frame; /* signals along fixed axes */
+    int arrays;      /* rows of Reals are arrays, in FMI 3.0 */
 } Sizes;
 
-/* A Real's declaration and its indices, from 1. */
+/* A Real's declaration, its indices, from 1, and the row of those that differ in `index` alone: how
+   many they are, and how far their value references are apart. */
 typedef struct {
     const Declared *declared;
     int index, second;
+    int members, stride;
 } Variable;
 
 /* Value references first..first + count - 1. */

@@ -28,6 +28,7 @@ class Capabilities:
         directional_derivatives: whether it gives them.
         early_return: whether a step may end early (FMI 3.0).
         sources: names of the C files in `sources/` that make the library (FMI 2.0).
+        arrays: whether variables that differ in an index alone are arrays (FMI 3.0).
     """
 
     input_derivatives: bool = False
@@ -35,6 +36,7 @@ class Capabilities:
     directional_derivatives: bool = False
     early_return: bool = False
     sources: tuple[str, ...] = ()
+    arrays: bool = False
 
 
 def header(unit: SizedUnit, name: str, release: str) -> dict[str, str]:
@@ -78,10 +80,11 @@ def value(variable: Variable, references: Mapping[str, str]) -> dict[str, str]:
 
 def unknown(variable: Variable, references: Mapping[str, str], initially: bool) -> dict[str, str]:
     """Every dependency of an output, none left to a tool's guess."""
-    known = {*variable.depends, *(variable.begins if initially else ())}
+    names = {*variable.depends, *(variable.begins if initially else ())}
+    known = {references[name] for name in names}
     kind = "dependent" if initially else variable.kind
     return {
-        "dependencies": " ".join(sorted((references[name] for name in known), key=int)),
+        "dependencies": " ".join(sorted(known, key=int)),
         "dependenciesKind": " ".join([kind] * len(known)),
     }
 

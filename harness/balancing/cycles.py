@@ -12,9 +12,8 @@ planes is moved to the supports by the lever before it is compared.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
-from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
@@ -26,6 +25,7 @@ from ...models.papers.influence import (
     scalar_coefficients,
     unbalance_from_response,
 )
+from ..output.workers import Progress
 from ..scene import Scene
 from ..scene.balancing import Balancing
 from ..scene.rotor import RotorTable
@@ -33,8 +33,6 @@ from .machine import Complex, Machine
 
 TRIAL = 10.0  # times what is permissible: seen clearly, and as harmless as the unbalance itself
 SHARE_INBOARD, SHARE_OVERHUNG = (0.3, 0.7), (0.3, 1.3)  # ISO 21940-11, of U_per at a support
-
-Progress = Callable[[float], None]
 
 
 @dataclass(frozen=True, eq=False)
@@ -131,21 +129,18 @@ class Truth:
     unbalance: Complex
 
 
-def balance(
-    scene: Scene, *, progress: Progress | None = None, fmus: Path | None = None
-) -> BalancingReport:
+def balance(scene: Scene, *, progress: Progress | None = None) -> BalancingReport:
     """Balance the rotor of a scene on the virtual machine.
 
     Args:
         progress: called with the finished fraction.
-        fmus: directory of ready-made FMUs.
 
     Raises:
         SceneError: the scene has no table [balancing].
         SimulationError: the rotor does not run steadily.
     """
     report = progress or (lambda done: None)
-    with Machine(scene, fmus) as machine:
+    with Machine(scene) as machine:
         setup = machine.setup
         levers = support_levers(scene, machine.planes)
         total, shares = permissible(scene, setup)
@@ -201,24 +196,20 @@ def _cycles(
     """Correct and run again until what is found is permissible."""
     mounted = np.zeros(len(machine.planes), complex)
     cycles: list[Cycle] = []
-    reading, meets, note = first, False, ""
+    reading, meets = first, False
     try:
-        while True:
+        while not meets and len(cycles) < machine.setup.most_cycles:
+            if cycles:
+                mounted = mounted - cycles[-1].found
+                reading = machine.measure(mounted)
             found = unbalance_from_response(used, reading.amplitude)
             actual = truth.unbalance + mounted
-            cycle = Cycle(
-                mounted, reading, found, np.abs(levers @ found), actual, np.abs(levers @ actual)
-            )
-            cycles.append(cycle)
-            meets = bool(np.all(cycle.at_supports <= allowed))
-            if meets or len(cycles) == machine.setup.most_cycles:
-                break
-            mounted = mounted - found
-            reading = machine.measure(mounted)
+            sizes = [np.abs(levers @ unbalance) for unbalance in (found, actual)]
+            cycles.append(Cycle(mounted, reading, found, sizes[0], actual, sizes[1]))
+            meets = bool(np.all(sizes[0] <= allowed))
+        note = "" if meets else f"grade not met after {len(cycles)} cycles"
     except ValueError as error:
         note = str(error)
-    if not meets and not note:
-        note = f"grade not met after {len(cycles)} cycles"
     actually_met = meets and bool(np.all(cycles[-1].actual_at_supports <= allowed))
     if meets and not actually_met:
         note = "the control run is deceived: the actual unbalance is above what is permissible"

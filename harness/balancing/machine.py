@@ -8,7 +8,6 @@ whole revolutions, as the instrument of a machine does.
 from __future__ import annotations
 
 import cmath
-from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
@@ -33,14 +32,13 @@ class Machine(Closing):
 
     Args:
         scene: with a table [balancing].
-        fmus: directory of ready-made FMUs.
 
     Raises:
         SceneError: the scene has no table [balancing].
         SimulationError: the rotor is not stable at this speed.
     """
 
-    def __init__(self, scene: Scene, fmus: Path | None = None) -> None:
+    def __init__(self, scene: Scene) -> None:
         if scene.balancing is None:
             raise SceneError(
                 f"{scene.path or scene.name}: has no table [balancing]; it needs at least "
@@ -53,7 +51,7 @@ class Machine(Closing):
         bare = scene.without_balancers().replace(self._room.changes)
         self.noise = np.random.default_rng(self.setup.seed)
         self.runs = 0
-        self.revolution = Revolution(bare, fmus=fmus)
+        self.revolution = Revolution(bare)
         count = len(scene.rotor.stations)
         supports = [station(j, count) + self.setup.axis for j in scene.rotor.supports]
         self._watched = ["angle", *supports]

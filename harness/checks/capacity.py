@@ -10,13 +10,12 @@ import numpy as np
 
 from ...models.papers import capacity as theory
 from ...models.papers.settling import plane_response
-from ...models.weights import Weights
+from ..design.scenes import capacity_of, only_finite_weights
 from ..errors import SceneError
 from ..master.cosimulation import cosimulate
 from ..master.result import Result
 from ..output.workers import Progress
 from ..scene import Scene
-from ..scene.balancer import WeightBalancer
 from ..scene.check import CapacityCheck, SizesCheck
 from .row import Row, Rows
 
@@ -50,11 +49,13 @@ def check_capacity(scene: Scene, check: CapacityCheck, progress: Progress) -> It
         SceneError: the scene is not a planar isotropic rotor at constant speed with one set of
             weights of finite size.
     """
-    balls = _only_weights(scene)
-    weights = balls.build().device
-    assert isinstance(weights, Weights)
-    assert balls.weight_radius is not None
-    limit = theory.capacity(balls.mass, balls.track_radius, balls.weight_radius, balls.count)
+    balls = only_finite_weights(scene)
+    if balls is None or balls.weight_radius is None:
+        raise SceneError(
+            f"{scene.name}: check capacity: needs a planar rotor with equal stiffness and damping "
+            "in x and y at constant speed, and one set of weights with weight_radius"
+        )
+    weights, limit = balls.device, capacity_of(balls)
     speed = scene.profile().speed(0.0)
     response = plane_response(scene.assembly().loaded_rotor, speed)
     rows = Rows(scene.name, check.kind)
@@ -74,7 +75,7 @@ def check_capacity(scene: Scene, check: CapacityCheck, progress: Progress) -> It
             turn = packed_turn(response, limit / unbalance)
             packed = np.array(theory.packed_angles(weights, balls.weight_radius, turn))
             found = np.array([result[name][-1] for name in angles])
-            yield rows.worst(
+            yield rows.number(
                 f"unbalance {part:.3g} S: packed angles [rad]",
                 packed,
                 packed + np.array(_nearest(found, packed)),
@@ -111,18 +112,6 @@ def _nearest(found: np.ndarray, packed: np.ndarray) -> list[float]:
     """For each packed place, how far on the circle its nearest weight stands [rad]."""
     apart = (found[None, :] - packed[:, None] + math.pi) % math.tau - math.pi
     return [float(row[np.argmin(np.abs(row))]) for row in apart]
-
-
-def _only_weights(scene: Scene) -> WeightBalancer:
-    found = [b for b in scene.balancer if isinstance(b, WeightBalancer) and b.weight_radius]
-    profile = scene.profile()
-    fits = scene.rotor.kind == "planar" and scene.assembly().rotor.isotropic
-    if not fits or len(found) != 1 or len(scene.balancer) != 1 or profile.start != profile.end:
-        raise SceneError(
-            f"{scene.name}: check capacity: needs a planar rotor with equal stiffness and damping "
-            "in x and y at constant speed, and one set of weights with weight_radius"
-        )
-    return found[0]
 
 
 def check_sizes(scene: Scene, check: SizesCheck, progress: Progress) -> Iterator[Row]:

@@ -29,6 +29,9 @@ def command(
     report: Annotated[
         Path | None, typer.Option(metavar="DIR", help="Also write table and pictures there.")
     ] = None,
+    verify: Annotated[
+        bool, typer.Option("--verify", help="Also measure the errors of each scene's own run.")
+    ] = False,
     python: Annotated[bool, options.python()] = False,
 ) -> None:
     """Check scenes against theory; exit code 1 if a row does not hold."""
@@ -40,6 +43,8 @@ def command(
     loaded = [load_scene(name) for name in scenes] if scenes else checked_scenes()
     if python:
         loaded = [scene.replace(ON_PYTHON) for scene in loaded]
+    if verify:
+        loaded = [scene.with_check({"kind": "measured_error"}) for scene in loaded]
     if report is not None:
         directory_to_fill(report)
     with progress_bars() as bars:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import replace
 
 import numpy as np
 
@@ -52,21 +51,21 @@ def variant(scene: Scene, row: TableRow) -> tuple[Scene, float]:
     Raises:
         SceneError: the scene is not a planar rotor with one set of two pendulums.
     """
+    base = scene.assembly()
     try:
-        _, w_x = Dimensionless.of(scene.assembly())
+        _, w_x = Dimensionless.of(base)
     except ValueError as error:
         raise SceneError(f"{scene.name}: check filimonikhina_table: {error}") from error
-    base = scene.assembly()
+    given = base.weights[0].device
+    assert isinstance(given, Weights)
     total = float(base.loaded_rotor.mass[0, 0])
-    mounted = base.weights[0]
-    assert isinstance(mounted.device, Weights)
-    wanted = Dimensionless.of_row(row).assembly(total, w_x, mounted.device.track_radius)
-    rotor, weights = wanted.rotor, wanted.weights[0]
-    assert isinstance(weights.device, Weights)
-    if mounted.device.count != weights.device.count or mounted.device.kappa != 1.0:
+    wanted = Dimensionless.of_row(row).assembly(total, w_x, given.track_radius)
+    rotor, weights = wanted.rotor, wanted.weights[0].device
+    assert isinstance(weights, Weights)
+    if given.count != weights.count or given.kappa != 1.0:
         raise SceneError(
             f"{scene.name}: check filimonikhina_table: the tables are of two pendulums, the scene "
-            f"has {mounted.device.count} weights with kappa = {mounted.device.kappa:g}"
+            f"has {given.count} weights with kappa = {given.kappa:g}"
         )
     changes = {
         "rotor.mass": rotor.mass[0, 0],
@@ -74,8 +73,8 @@ def variant(scene: Scene, row: TableRow) -> tuple[Scene, float]:
         "rotor.damping": [rotor.damping_x[0, 0], rotor.damping_y[0, 0]],
         "rotor.unbalance": abs(rotor.unbalance[0]),
         "rotor.unbalance_angle": 0.0,
-        f"{mounted.name}.mass": weights.device.mass,
-        f"{mounted.name}.drag": weights.device.drag,
+        f"{base.weights[0].name}.mass": weights.mass,
+        f"{base.weights[0].name}.drag": weights.drag,
     }
     return scene.replace({key: np.asarray(value).tolist() for key, value in changes.items()}), w_x
 
@@ -89,7 +88,7 @@ def rows_of(index: int, scene: Scene, w_x: float, row: TableRow) -> Iterator[Row
     label += "): "
     source = f"Filimonikhina 2017, Table {row.table}"
     roots = np.array(Criterion.of(scene.assembly()).critical_speeds) / w_x
-    yield rows.worst(
+    yield rows.number(
         f"{label}criterion, {len(roots)} roots", np.array(row.criterion), roots, PRINTED, source
     )
     low, high = RANGE[0] * w_x, RANGE[1] * w_x
@@ -100,16 +99,14 @@ def rows_of(index: int, scene: Scene, w_x: float, row: TableRow) -> Iterator[Row
         nearest = min(exact, key=lambda n: max(begin - n, n - end))
         outside = max(begin - nearest, nearest - end, 0.0)
         limit = OUTSIDE[row.table]
-        yield replace(
-            rows.statement(
-                f"{label}n{k + 1} by Floquet in the paper's interval",
-                f"{begin:g} to {end:g}",
-                f"{nearest:.6g}",
-                outside <= limit,
-                source,
-            ),
-            error=outside,
-            tolerance=limit,
+        yield rows.statement(
+            f"{label}n{k + 1} by Floquet in the paper's interval",
+            f"{begin:g} to {end:g}",
+            f"{nearest:.6g}",
+            outside <= limit,
+            source,
+            outside,
+            limit,
         )
     yield from speed_rows(rows, found, label, w_x)
     yield from _beyond(rows, scene, w_x, label, found, len(row.intervals))

@@ -6,10 +6,9 @@ import math
 from collections.abc import Iterator
 
 from ...models.papers import capacity as theory
-from ...models.papers.settling import critical_drag_factor, settling_time, slow_root
+from ...models.papers.settling import settling_time, slow_root
 from ...models.papers.touching import facing_measure
-from ...models.weights import Weights
-from ..design.scenes import sized, weights_of
+from ..design.scenes import drag_limit, sized, weights_of
 from ..design.settling import SETTLED, Batch, SettlingRun, run_batch
 from ..output.workers import Progress, Workers, in_order
 from ..scene import Scene
@@ -54,12 +53,8 @@ def check_largest_spread(
 
 def _row(scene: Scene, first: SettlingRun, second: SettlingRun, rows: Rows) -> Row:
     """The slower way against the slow root with contact."""
-    balls = weights_of(scene)
-    device = balls.build().device
-    assert isinstance(device, Weights)
-    rotor, speed = scene.assembly().loaded_rotor, scene.profile().speed(0.0)
-    limit = critical_drag_factor(rotor, speed, device.kappa)
-    alpha = balls.half_angle
+    balls, limit = weights_of(scene), drag_limit(scene)
+    device, alpha = balls.device, balls.half_angle
     number, p = facing_measure(balls.count, alpha)
     times = sorted((first.seconds, second.seconds))
     free = settling_time(slow_root(device, theory.largest_alignment(balls.count, alpha), limit))

@@ -157,7 +157,7 @@ def _bending(
 ) -> Iterator[Row]:
     span = f"at {len(speeds)} speeds, {speeds[0]:.4g} to {speeds[-1]:.4g} rad/s"
     expected = np.asarray(window.bending(speeds))
-    yield rows.worst(
+    yield rows.number(
         f"steady bending {span} [m]",
         expected,
         np.abs(motion),
@@ -167,7 +167,7 @@ def _bending(
     # an angle is compared on the circle, so that -pi and pi are neighbours
     phase = np.asarray(window.phase(speeds))
     measured = phase + np.angle(motion * np.exp(-1j * phase))
-    yield rows.worst(
+    yield rows.number(
         f"phase {span} [rad]", phase, measured, PHASE_TOLERANCE, "Dubovik 2006 (6)", scale=1.0
     )
 
@@ -177,7 +177,7 @@ def _growth(rows: Rows, growth: Measured, window: LiquidWindow, upper: float) ->
     expected = np.array([window.roots(speed)[0].real for speed in speeds])
     measured = np.array([growth(speed) for speed in speeds])
     fractions = ", ".join(f"{f:g}" for f in GROWTH_SPEEDS)
-    return rows.worst(
+    return rows.number(
         f"growth rate at {fractions} w^* [1/s]",
         expected,
         measured,

@@ -101,7 +101,7 @@ def _halved(check: RankingCheck, data: Design, rows: Rows, workers: Workers) -> 
             "settling with half the step", "alike", told, False, "the same starts"
         )
     measured, expected = np.array(pairs).T
-    return rows.worst(
+    return rows.number(
         f"settling time and that with half the step, worst of {len(pairs)} starts [s]",
         expected,
         measured,

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-import os
-from collections.abc import Callable, Generator, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import ExitStack, closing
 from dataclasses import dataclass, field
+from functools import partial
 from typing import Any
 
 from ..output.workers import Failed, Kinds, Progress, Workers, as_they_come, processes
@@ -17,8 +17,9 @@ from .critical_speeds import check_critical_speeds
 from .filimonikhina import check_row, table_rows
 from .largest_spread import check_largest_spread
 from .liquid_window import check_liquid_window
+from .measured_error import check_measured_error
 from .ranking import check_ranking
-from .row import Row
+from .row import Row, Rows
 from .runtimes import check_runtimes
 from .slow_root import check_slow_root
 
@@ -31,6 +32,7 @@ CHECKS: dict[str, Callable[..., Iterator[Row]]] = {
     "goncharov_table": check_sizes,
     "contact_order": check_contact_order,
     "runtimes": check_runtimes,
+    "measured_error": check_measured_error,
 }
 # (scene, check, progress, workers) -> rows: they share their runs among the workers themselves
 SHARING: dict[str, Callable[..., Iterator[Row]]] = {
@@ -83,62 +85,61 @@ def run_checks(scene: Scene, progress: Progress | None = None, workers: Workers 
         UserError: a check does not fit the scene.
         SimulationError: a run cannot be completed correctly.
     """
-    parts = parts_of(scene)
-    done = [0.0] * len(parts)
-    outcomes: dict[int, list[Row]] = {}
 
-    def report(index: int, fraction: float) -> None:
-        done[index] = fraction
+    def report(_index: int, done: list[float]) -> None:
         if progress:
-            progress(sum(done) / len(parts))
+            progress(sum(done) / len(done))
 
-    with closing(run_parts(parts, workers, report)) as ready:
-        for index, rows in ready:
-            assert not isinstance(rows, Failed)
-            outcomes[index] = rows
-    return [row for index in range(len(parts)) for row in outcomes[index]]
+    return [row for rows in run_parts(parts_of(scene), workers, report) for row in rows]
 
 
 def run_parts(
     parts: Sequence[Part],
     workers: Workers,
-    progress: Callable[[int, float], None],
+    progress: Callable[[int, list[float]], None],
     isolate: Kinds = (),
-) -> Generator[tuple[int, list[Row] | Failed], None, None]:
-    """Index and rows of every part, whichever is ready first; to be closed (`closing`).
+) -> list[list[Row]]:
+    """Rows of every part, in order.
 
     Args:
-        progress: called with a part's index and its finished fraction.
-        isolate: exceptions that cost their part alone.
+        progress: called with the index of a part that moved on, and the finished fractions of all.
+        isolate: exceptions that cost their part alone, whose one row says why.
     """
     alone = [index for index, part in enumerate(parts) if not part.sharing]
     sharing = [index for index, part in enumerate(parts) if part.sharing]
+    done = [0.0] * len(parts)
+    outcomes: dict[int, list[Row] | Failed[Any]] = {}
+
+    def report(index: int, fraction: float) -> None:
+        done[index] = fraction
+        progress(index, done)
+
     with ExitStack() as stack:
         if isinstance(workers, int):
             workers = workers if sharing else min(workers, len(alone))
             if workers > 1:
                 workers = stack.enter_context(processes(workers))
         # across processes progress is told by every part, within this one also on the way
-        items = [(parts[i], i, progress if workers == 1 else None) for i in alone]
+        items = [(parts[i], partial(report, i) if workers == 1 else None) for i in alone]
         ready = stack.enter_context(closing(as_they_come(_rows_of, items, workers, isolate)))
         for place, outcome in ready:
-            index = alone[place]
-            progress(index, 1.0)
-            yield index, outcome
-        for index in sharing:
-
-            def share(part: Part, index: int = index) -> list[Row]:
-                return part.rows(lambda fraction: progress(index, fraction), workers)
-
-            for _, shared in as_they_come(share, [parts[index]], 1, isolate):
-                yield index, shared
-
-
-def _rows_of(item: tuple[Part, int, Callable[[int, float], None] | None]) -> list[Row]:
-    part, index, progress = item
-    return part.rows(lambda fraction: progress(index, fraction) if progress else None)
+            report(alone[place], 1.0)
+            outcomes[alone[place]] = outcome
+        for i in sharing:
+            share = partial(_rows_of, workers=workers)
+            ((_, shared),) = as_they_come(share, [(parts[i], partial(report, i))], 1, isolate)
+            outcomes[i] = shared
+    return [
+        _lost(part, found) if isinstance(found, Failed) else found
+        for part, (_, found) in zip(parts, sorted(outcomes.items()), strict=True)
+    ]
 
 
-def cores() -> int:
-    """As many processes as can run at once."""
-    return os.cpu_count() or 1
+def _rows_of(item: tuple[Part, Progress | None], workers: Workers = 1) -> list[Row]:
+    part, progress = item
+    return part.rows(progress or (lambda _fraction: None), workers)
+
+
+def _lost(part: Part, failed: Failed[Any]) -> list[Row]:
+    rows = Rows(part.scene.name, part.check.kind)
+    return [rows.statement("run", "completed", str(failed.error), False, "")]

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -42,24 +42,9 @@ class Rows:
 
     scene: str
     check: str
-    begun: float = 0.0
-
-    def __post_init__(self) -> None:
-        self.begun = time.perf_counter()
+    begun: float = field(default_factory=time.perf_counter)
 
     def number(
-        self,
-        quantity: str,
-        expected: float,
-        measured: float,
-        tolerance: float,
-        source: str,
-        scale: float | None = None,
-    ) -> Row:
-        """Two numbers, by the rule of `worst`."""
-        return self.worst(quantity, [expected], [measured], tolerance, source, scale)
-
-    def worst(
         self,
         quantity: str,
         expected: ArrayLike,
@@ -68,37 +53,23 @@ class Rows:
         source: str,
         scale: ArrayLike | None = None,
     ) -> Row:
-        """The point of a curve where measured and expected differ most.
+        """Two numbers, or the point of a curve where measured and expected differ most.
 
         Holds if |measured - expected| <= tolerance * scale there; NaN differs most and never holds.
 
         Args:
-            expected, measured: (k,) values.
+            expected, measured: one number each, or (k,) values.
             scale: (k,) or one number; by default |expected|, and 1 where nothing is expected.
         """
-        expected, measured = np.asarray(expected, float), np.asarray(measured, float)
+        expected, measured = np.atleast_1d(expected).astype(float), np.atleast_1d(measured)
         size = np.abs(expected) if scale is None else np.asarray(scale, float)
         with np.errstate(invalid="ignore"):  # infinity less infinity is NaN, which does not hold
             errors = np.abs(measured - expected) / np.where(size > 0.0, size, 1.0)
         worst = int(np.argmax(np.where(np.isnan(errors), np.inf, errors)))
-        error = float(errors[worst])
-        return self._row(
-            quantity,
-            float(expected[worst]),
-            float(measured[worst]),
-            error <= tolerance,
-            source,
-            error,
-            tolerance,
-        )
+        error, numbers = float(errors[worst]), (float(expected[worst]), float(measured[worst]))
+        return self.statement(quantity, *numbers, error <= tolerance, source, error, tolerance)
 
     def statement(
-        self, quantity: str, expected: str, measured: str, holds: bool, source: str
-    ) -> Row:
-        """A finding in words."""
-        return self._row(quantity, expected, measured, holds, source)
-
-    def _row(
         self,
         quantity: str,
         expected: Value,
@@ -108,17 +79,8 @@ class Rows:
         error: float | None = None,
         tolerance: float | None = None,
     ) -> Row:
+        """A finding whose verdict is known, mostly one in words."""
         now = time.perf_counter()
         seconds, self.begun = now - self.begun, now
-        return Row(
-            self.scene,
-            self.check,
-            quantity,
-            expected,
-            measured,
-            error,
-            tolerance,
-            bool(holds),
-            seconds,
-            source,
-        )
+        verdict = (error, tolerance, bool(holds), seconds, source)
+        return Row(self.scene, self.check, quantity, expected, measured, *verdict)

@@ -2,18 +2,19 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Sequence
-from contextlib import closing
 from dataclasses import dataclass
+from itertools import chain, islice
 from pathlib import Path
 
 from ..errors import SceneError, SimulationError
 from ..master.left_out import left_out
 from ..master.plan import plan
-from ..output.workers import Failed, ItemProgress, Progress, Workers
+from ..output.workers import ItemProgress, Progress, Workers
 from ..scene import Scene, bundled_scenes, load_scene
-from .registry import Part, cores, parts_of, run_checks, run_parts
-from .row import Row, Rows
+from .registry import parts_of, run_checks, run_parts
+from .row import Row
 
 
 @dataclass(frozen=True)
@@ -64,32 +65,22 @@ def check_all(
     for scene in scenes:
         _refuse_unchecked(scene)
     parts = [parts_of(scene) for scene in scenes]
-    flat = [(number, part) for number, some in enumerate(parts) for part in some]
-    done = [0.0] * len(flat)
+    owners = [number for number, some in enumerate(parts) for _ in some]
 
-    def report(index: int, fraction: float) -> None:
-        done[index] = fraction
-        number = flat[index][0]
+    def report(index: int, done: list[float]) -> None:
         if progress:
-            shares = [one for one, (owner, _) in zip(done, flat, strict=True) if owner == number]
+            number = owners[index]
+            shares = [one for one, owner in zip(done, owners, strict=True) if owner == number]
             progress(scenes[number].name, sum(shares) / len(shares))
 
-    rows: dict[int, list[Row]] = {}
-    work = [part for _, part in flat]
-    with closing(run_parts(work, workers or cores(), report, (SimulationError,))) as ready:
-        for index, outcome in ready:
-            rows[index] = _lost(work[index], outcome) if isinstance(outcome, Failed) else outcome
+    cores = os.cpu_count() or 1
+    ready = iter(run_parts(list(chain(*parts)), workers or cores, report, (SimulationError,)))
     reports = []
-    for number, scene in enumerate(scenes):
-        own = [row for i, (owner, _) in enumerate(flat) if owner == number for row in rows[i]]
+    for scene, some in zip(scenes, parts, strict=True):
+        rows = tuple(chain(*islice(ready, len(some))))
         left = tuple(left_out(scene, ["all"]))
-        reports.append(SceneReport(scene.name, scene.title, tuple(own), plan(scene).files, left))
+        reports.append(SceneReport(scene.name, scene.title, rows, plan(scene).files, left))
     return reports
-
-
-def _lost(part: Part, failed: Failed) -> list[Row]:
-    rows = Rows(part.scene.name, part.check.kind)
-    return [rows.statement("run", "completed", str(failed.error), False, "")]
 
 
 def _refuse_unchecked(scene: Scene) -> None:

@@ -9,11 +9,19 @@ from dataclasses import dataclass
 import numpy as np
 
 from ...models.papers import capacity as theory
-from ...models.papers.settling import critical_drag_factor, settling_time, slow_root
-from ...models.weights import Weights
+from ...models.papers.settling import settling_time, slow_root
 from ..output.workers import Progress, Workers, in_order
 from ..scene import Scene
-from .scenes import STEEL, batches, capacity_of, race_of, sized, unbalance_of, weights_of
+from .scenes import (
+    STEEL,
+    batches,
+    capacity_of,
+    drag_limit,
+    race_of,
+    sized,
+    unbalance_of,
+    weights_of,
+)
 from .settling import SETTLED, SettlingRun, median_interval, refuse_few, run_batch
 
 
@@ -130,13 +138,8 @@ def design(
 
 def _choice(scene: Scene, unbalance: float, runs: list[SettlingRun]) -> Choice:
     balls = weights_of(scene)
-    device = balls.build().device
-    assert isinstance(device, Weights)
-    radius = balls.weight_radius or 0.0
-    alpha = balls.half_angle
+    radius, alpha = balls.weight_radius or 0.0, balls.half_angle
     largest = theory.largest_alignment(balls.count, alpha)
-    rotor, speed = scene.assembly().loaded_rotor, scene.profile().speed(0.0)
-    root = slow_root(device, largest, critical_drag_factor(rotor, speed, device.kappa))
     limit = capacity_of(balls)
     times = [run.seconds for run in runs]
     return Choice(
@@ -147,8 +150,8 @@ def _choice(scene: Scene, unbalance: float, runs: list[SettlingRun]) -> Choice:
         limit,
         theory.packed_alignment(balls.count, alpha),
         largest,
-        theory.settling_shape(balls.kind, radius / (balls.track_radius + radius), balls.count),
-        settling_time(root, SETTLED),
+        theory.settling_shape(balls.kind, radius / race_of(balls), balls.count),
+        settling_time(slow_root(balls.device, largest, drag_limit(scene)), SETTLED),
         limit >= unbalance,
         *(median_interval(times) if runs else (math.nan,) * 3),
         tuple(runs),

@@ -9,6 +9,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from ..master.schemes.iterated import LOOSE
+
 if TYPE_CHECKING:
     from .choices import Choice, Design
     from .decay import Decay
@@ -24,10 +26,8 @@ def words(data: Design) -> list[str]:
             "space or a denser material."
         ]
     lines = [*_recommendation(data), *_ranking(data)]
-    short = [str(c.count) for c in data.choices if not c.has_capacity]
-    if short:
-        names = ", ".join(short)
-        lines.append(f"Too little capacity for {data.unbalance:.4g} kg m, not run: n = {names}.")
+    if short := ", ".join(str(c.count) for c in data.choices if not c.has_capacity):
+        lines.append(f"Too little capacity for {data.unbalance:.4g} kg m, not run: n = {short}.")
     return [*lines, *_decays(data), *_steps(data), *_diameters(data)]
 
 
@@ -40,10 +40,8 @@ def _recommendation(data: Design) -> list[str]:
         f"balance up to {fastest.capacity:.4g} kg m and settle in {fastest.median:.3g} s "
         f"(median, 95 % confidence {fastest.low:.3g} to {fastest.high:.3g} s)."
     ]
-    others = [c for c in rivals(data) if c is not fastest]
-    if others:
-        names = ", ".join(str(c.count) for c in others)
-        lines.append(f"The confidence intervals do not tell it apart from {names}.")
+    if others := ", ".join(str(c.count) for c in rivals(data) if c is not fastest):
+        lines.append(f"The confidence intervals do not tell it apart from {others}.")
     return lines
 
 
@@ -87,30 +85,26 @@ def order(choices: list[Choice]) -> str:
 def _ranking(data: Design) -> list[str]:
     if all(math.isinf(c.median) for c in data.with_capacity):
         return []
-    told = contradicted(data)
+    verdict = "No confidence intervals contradict the measure."
+    if pairs := contradicted(data):
+        verdict = f"Confidence intervals that do not touch contradict the measure: {pairs}."
     return [
         f"Fastest first: {order(by_measure(data))} by Goncharov's measure at the largest p, "
-        f"{order(by_median(data))} by the medians. "
-        + (
-            f"Confidence intervals that do not touch contradict the measure: {told}."
-            if told
-            else "No confidence intervals contradict the measure."
-        )
+        f"{order(by_median(data))} by the medians. {verdict}"
     ]
 
 
 def _decays(data: Design) -> list[str]:
-    found = [run.decay for c in data.with_capacity for run in c.runs]
-    chosen = [one for one in found if one.dominant]
-    told = excluded(found)
-    line = f"Slow root dominant at the end of {len(chosen)} of {len(found)} runs"
-    if told:
-        line += f" (not compared: {told})"
-    parts = [
-        f"{name} {middle:.2%} (median), {worst:.2%} (worst)"
-        for name, (middle, worst) in (deviations(chosen) if chosen else {}).items()
-    ]
-    return [f"{line}: {'; '.join(parts)}." if parts else f"{line}."]
+    decays = [run.decay for c in data.with_capacity for run in c.runs]
+    chosen = [one for one in decays if one.dominant]
+    line = f"Slow root dominant at the end of {len(chosen)} of {len(decays)} runs"
+    if reasons := excluded(decays):
+        line += f" (not compared: {reasons})"
+    if chosen:
+        off = deviations(chosen).items()
+        parts = [f"{name} {mid:.2%} (median), {worst:.2%} (worst)" for name, (mid, worst) in off]
+        line += f": {'; '.join(parts)}"
+    return [f"{line}."]
 
 
 def excluded(decays: Sequence[Decay]) -> str:
@@ -126,11 +120,8 @@ def deviations(decays: Sequence[Decay]) -> dict[str, tuple[float, float]]:
         "fitted rate off the slow root (1)": [d.fitted / d.root for d in decays],
         "exact eigenvalue off the slow root (1)": [d.exact / d.root for d in decays],
     }
-    found = {}
-    for name, ratios in pairs.items():
-        off = np.abs(np.array(ratios) - 1.0)
-        found[name] = float(np.median(off)), float(off.max())
-    return found
+    off = {name: np.abs(np.array(ratios) - 1.0) for name, ratios in pairs.items()}
+    return {name: (float(np.median(each)), float(each.max())) for name, each in off.items()}
 
 
 def _steps(data: Design) -> list[str]:
@@ -140,7 +131,7 @@ def _steps(data: Design) -> list[str]:
         return []
     return [
         f"{left} of {sum(run.steps for run in runs)} communication steps, at contacts that "
-        "open or close, left a residual above 1e-3 of the force."
+        f"open or close, left a residual above {LOOSE:g} of the force."
     ]
 
 

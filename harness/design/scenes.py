@@ -10,13 +10,11 @@ from ...models.papers.settling import critical_drag_factor
 from ..errors import SceneError
 from ..scene import Scene
 from ..scene.balancer import WeightBalancer
-from .settling import Batch, random_start
+from .settling import Batch, Start, random_start
 
 STEEL = 7800.0  # kg/m^3
 BATCH = 10  # starts that share one loading of the units
 SEED = 1
-
-Start = tuple[float, ...]  # angles of the weights [rad]
 
 
 def sized(
@@ -27,24 +25,26 @@ def sized(
     width: float | None = None,
     density: float = STEEL,
 ) -> dict[int, Scene]:
-    """The scene with every number of weights in turn; arguments and errors as `design`."""
+    """The scene with every number of weights in turn; arguments and errors as `design`.
+
+    The weights have the radius of largest capacity that the space allows; the drag keeps its ratio
+    to the mass.
+    """
     balls = weights_of(scene)
     race = race_of(balls) if race is None else race
     width = 2.0 * (balls.weight_radius or 0.0) if width is None else width
-    return {n: variant(scene, n, unbalance, race, width, density) for n in counts}
+    return {n: _variant(scene, balls, n, unbalance, race, width, density) for n in counts}
 
 
-def variant(
-    scene: Scene, count: int, unbalance: float, race: float, width: float, density: float
+def _variant(
+    scene: Scene,
+    balls: WeightBalancer,
+    count: int,
+    unbalance: float,
+    race: float,
+    width: float,
+    density: float,
 ) -> Scene:
-    """The scene with n weights of the radius of largest capacity that its space allows.
-
-    The drag keeps its ratio to the mass.
-
-    Raises:
-        SceneError: the scene's rotor or balancer is not one that the theory covers.
-    """
-    balls = weights_of(scene)
     ratio = theory.best_ratio(balls.kind, count)
     if balls.kind == "balls":
         ratio = min(ratio, 0.5 * width / race)
@@ -60,7 +60,7 @@ def variant(
         "angles": list(random_start(count, alpha, random.Random(0))),
         "speeds": [0.0] * count,
     }
-    named: dict[str, object] = {f"{balls.label}.{key}": value for key, value in changes.items()}
+    named = {f"{balls.label}.{key}": value for key, value in changes.items()}
     return scene.replace({"rotor.unbalance": unbalance, **named})
 
 
@@ -104,22 +104,35 @@ def weights_of(scene: Scene) -> WeightBalancer:
     Raises:
         SceneError: it is not.
     """
-    profile, found = scene.profile(), scene.balancer
-    fits = scene.rotor.kind == "planar" and scene.assembly().rotor.isotropic
-    one = found[0] if len(found) == 1 else None
-    if (
-        not fits
-        or not isinstance(one, WeightBalancer)
-        or one.kind == "pendulums"
-        or not one.weight_radius
-        or profile.start != profile.end
-    ):
+    one = only_finite_weights(scene)
+    if one is None or one.kind == "pendulums":
         raise SceneError(
             f"{scene.name}: design: needs a planar rotor with equal stiffness and damping in x and "
             "y at constant speed, and one set of balls or rollers with weight_radius"
         )
     try:
-        critical_drag_factor(scene.assembly().loaded_rotor, profile.speed(0.0))
+        drag_limit(scene)
     except ValueError as error:
         raise SceneError(f"{scene.name}: design: {error}") from error
     return one
+
+
+def only_finite_weights(scene: Scene) -> WeightBalancer | None:
+    """The one set of weights of finite size on a planar isotropic rotor at constant speed."""
+    profile = scene.profile()
+    fits = scene.rotor.kind == "planar" and scene.assembly().rotor.isotropic
+    if not fits or profile.start != profile.end or len(scene.balancer) != 1:
+        return None
+    one = scene.balancer[0]
+    return one if isinstance(one, WeightBalancer) and one.weight_radius else None
+
+
+def drag_limit(scene: Scene) -> float:
+    """`critical_drag_factor` of the scene's weights on its rotor.
+
+    Raises:
+        ValueError: there is none at this speed.
+    """
+    (weights,), speed = scene.balancer, scene.profile().speed(0.0)
+    assert isinstance(weights, WeightBalancer)
+    return critical_drag_factor(scene.assembly().loaded_rotor, speed, weights.kappa)

@@ -18,6 +18,8 @@ from ..scene import Scene
 from ..scene.balancer import WeightBalancer
 from .decay import WINDOW, Decay, below, decay
 
+Start = tuple[float, ...]  # angles of the weights [rad]
+
 SETTLED = 0.01  # of the scale: residual unbalance that counts as balanced
 READINGS = 8  # about, in a revolution: enough to see when a residual falls below a limit for good
 CONFIDENCE = 0.95
@@ -34,7 +36,7 @@ class Batch:
     """
 
     scene: Scene
-    starts: tuple[tuple[float, ...], ...]
+    starts: tuple[Start, ...]
     scale: float
 
 
@@ -64,7 +66,7 @@ class SettlingRun:
         return settling_time(self.decay.root, SETTLED)
 
 
-def random_start(count: int, alpha: float, rng: random.Random) -> tuple[float, ...]:
+def random_start(count: int, alpha: float, rng: random.Random) -> Start:
     """Angles of weights that do not overlap, uniform among all such positions [rad].
 
     Args:
@@ -76,7 +78,7 @@ def random_start(count: int, alpha: float, rng: random.Random) -> tuple[float, .
     return tuple(begin + cut + 2.0 * alpha * k for k, cut in enumerate([0.0, *cuts]))
 
 
-def facing_start(count: int, alpha: float, rng: random.Random) -> tuple[float, ...]:
+def facing_start(count: int, alpha: float, rng: random.Random) -> Start:
     """Angles of two groups that face each other, from packed to evenly spread: p large [rad].
 
     Args:
@@ -102,9 +104,7 @@ def run_batch(batch: Batch) -> list[SettlingRun]:
         return [_run(units, batch, balls, start) for start in batch.starts]
 
 
-def _run(
-    units: CoSimulation, batch: Batch, balls: WeightBalancer, start: tuple[float, ...]
-) -> SettlingRun:
+def _run(units: CoSimulation, batch: Batch, balls: WeightBalancer, start: Start) -> SettlingRun:
     angles = {f"weight[{k}].angle0": angle for k, angle in enumerate(start, start=1)}
     units.start({balls.label: angles})
     times, residuals, places = _readings(units, batch, balls)

@@ -22,6 +22,10 @@ def command(
         Path, typer.Option("--output", "-o", metavar="DIR", help="Where the FMUs go.")
     ] = Path(),
     fmi: Annotated[int, typer.Option("--fmi", metavar="2|3", help="Version of FMI.")] = 2,
+    arrays: Annotated[
+        bool,
+        typer.Option("--arrays", help="Weights, planes and stations as arrays, in FMI 3.0."),
+    ] = False,
     platform: Annotated[
         list[str] | None,
         typer.Option(
@@ -36,12 +40,13 @@ def command(
 ) -> None:
     """Build the three units as FMUs, or exactly those that a scene needs."""
     wanted, left_out = _wanted(scene)
-    backend = {"backend": "python" if python else "native", "fmi": fmi, "platforms": platform}
+    backend = "python" if python else "native"
+    form = {"backend": backend, "fmi": fmi, "arrays": arrays, "platforms": platform}
     directory_to_fill(output)
     rows = []
     with progress_bars() as bars:
         for name, (unit, options) in bars.track(wanted.items(), description="building"):
-            path = _build(unit, output / name, {**options, **backend})
+            path = _build(unit, output / name, {**options, **form})
             shown = ", ".join(f"{key} = {value}" for key, value in options.items()) or "-"
             rows.append([str(path), unit, shown, f"{path.stat().st_size / 1000:.0f}"])
     show(Sheet(("file", "unit", "options", "kB"), rows, "lllr", "Units built"))

@@ -211,6 +211,7 @@ def cosimulate(
     record: Iterable[str] | None = None,
     fmus: Path | None = None,
     progress: Progress | None = None,
+    verify: bool = False,
 ) -> Result:
     """Run a scene and return what it recorded.
 
@@ -219,6 +220,7 @@ def cosimulate(
         record: signals such as `rotor.x`; by default the scene's, an empty list records nothing.
         fmus: directory of ready-made FMUs instead of building them.
         progress: called with the finished fraction now and then.
+        verify: run once more, finer, and measure the error of every signal (`Result.error`).
 
     Raises:
         UserError: the scene or an FMU is wrong.
@@ -227,6 +229,17 @@ def cosimulate(
     if not isinstance(scene, Scene):
         scene = load_scene(scene)
     names = list(recorded(scene) if record is None else record)
+    if verify:
+        from .verify import verified  # it steps co-simulations itself
+
+        return verified(scene, names, fmus, progress)
+    return run_once(scene, names, fmus, progress)
+
+
+def run_once(
+    scene: Scene, names: list[str], fmus: Path | None, progress: Progress | None
+) -> Result:
+    """One run, recording `names`, see `cosimulate`."""
     with CoSimulation(scene, fmus=fmus) as cosim:
         recorder = Recorder(cosim.units, names)
         begun = clock.perf_counter()

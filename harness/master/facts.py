@@ -11,6 +11,7 @@ from .left_out import left_out
 from .recorder import Recorder
 from .resolution import SAID
 from .result import Result
+from .schemes.iterated import LOOSE
 
 
 @dataclass(frozen=True)
@@ -69,8 +70,8 @@ def events(facts: Facts) -> list[str]:
     notes = [*filter(None, [facts.note]), *facts.messages]
     if facts.unconverged:
         notes.append(
-            f"{facts.unconverged} of {facts.steps} steps left a residual above 1e-3 of the force "
-            f"(worst {facts.worst_residual:.2g}): use smaller steps or more corrections"
+            f"{facts.unconverged} of {facts.steps} steps left a residual above {LOOSE:g} of the "
+            f"force (worst {facts.worst_residual:.2g}): use smaller steps or more corrections"
         )
     if facts.estimated_error >= SAID:
         notes.append(

@@ -6,6 +6,7 @@ import re
 from collections.abc import Iterable, Sequence
 
 AXES = {"rotor": ("xi", "eta"), "fixed": ("x", "y")}  # of coupling signals, by the units' frame
+_AXIS = re.compile(r"(^v?|_)(x|y|xi|eta)$")  # x, vx, a_x, F_xi: one part of a vector
 _POWER = re.compile(r"(?<=[a-z])(\d+)")
 
 
@@ -43,6 +44,17 @@ def signals(names: Sequence[str], order: int, axes: Sequence[str] = AXES["rotor"
     orders = [values, [f"der({name})" for name in values]]
     orders += [[f"der({name},{k})" for name in values] for k in range(2, order + 1)]
     return [name for group in orders[: order + 1] for name in group]
+
+
+def kin(name: str, names: Iterable[str]) -> list[str]:
+    """Those of `names` that one scale measures: x and y of a place, both parts of a vector."""
+    owner, _, what = name.rpartition(".")
+    kind = _AXIS.sub("", what)
+    return [
+        other
+        for other in names
+        if (parts := other.rpartition("."))[0] == owner and _AXIS.sub("", parts[2]) == kind
+    ]
 
 
 def by_unit(names: Iterable[str]) -> dict[str, list[str]]:

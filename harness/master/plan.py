@@ -133,7 +133,7 @@ def plan(scene: Scene, frame: str = "rotor") -> Plan:
     planes = scene.rotor.unit_planes([balancer.at for balancer in scene.balancer])
     start = {
         f"{'' if name == 'angle' else prefix}{name}0": value
-        for name, value in scene.run.initial.items()
+        for name, value in scene.run.initial
         for prefix in stations(len(scene.rotor.stations))
     }
     rotor = UnitPlan(

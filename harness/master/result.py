@@ -5,6 +5,7 @@ from __future__ import annotations
 import csv
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -12,6 +13,9 @@ from numpy.typing import ArrayLike, NDArray
 from ..errors import UserError
 from ..output.files import write_whole
 from ..scene.messages import did_you_mean
+
+if TYPE_CHECKING:
+    from .verify import Verification
 
 Signal = NDArray[np.float64]
 
@@ -41,6 +45,7 @@ class Result:
         estimated_error: of the motion, relative to itself, where steps are too long for the
             signals; 0 where nothing is estimated.
         signal_units: what each signal is measured in.
+        verification: what a second, finer run says of this one; None without `verify`.
     """
 
     scene_title: str
@@ -56,6 +61,12 @@ class Result:
     unconverged: int = 0
     estimated_error: float = 0.0
     signal_units: dict[str, str] = field(default_factory=dict)
+    verification: Verification | None = None
+
+    @property
+    def error(self) -> dict[str, float] | None:
+        """Measured error of every signal in its unit; None for a run without `verify`."""
+        return self.verification.error if self.verification else None
 
     def __getitem__(self, name: str) -> Signal:
         """Signal by name, (T,).

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import asdict, astuple
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -9,12 +10,14 @@ import typer
 
 from ..errors import UserError
 from ..output import costs, options
+from ..output.files import write_json
 from ..output.table import Sheet
 from ..output.terminal import progress_bar, say, say_facts, show
 
 if TYPE_CHECKING:
     from ..scene import Scene
     from .result import Result
+    from .verify import Verification
 
 
 ON_PYTHON = {"coupling.units": "python"}  # what --python changes in a scene
@@ -31,6 +34,10 @@ def command(
     fmus: Annotated[
         Path | None, typer.Option(metavar="DIR", help="Use the FMUs there, build none.")
     ] = None,
+    verify: Annotated[
+        bool, typer.Option("--verify", help="Run again, finer, and measure the signals' errors.")
+    ] = False,
+    json_file: Annotated[Path | None, options.json("facts, signals and errors")] = None,
     python: Annotated[bool, options.python()] = False,
     at_most: Annotated[str, options.at_most()] = costs.DEFAULT,
 ) -> None:
@@ -45,17 +52,24 @@ def command(
     with progress_bar(f"running {loaded.name}") as progress:
         key = f"run.revolutions = {loaded.run.revolutions:g}"
         limited = costs.within(at_most, key, progress)
-        result = cosimulate(loaded, fmus=fmus, progress=limited)
+        result = cosimulate(loaded, fmus=fmus, progress=limited, verify=verify)
     show(summary(result))
+    if result.verification is not None and result.verification.parting is not None:
+        show(statistics(result.verification))
     say_facts(result.units, result.left_out)
     say(
         f"{result.steps} steps, {result.passes} passes, {sum(result.calls.values())} FMI calls in "
         f"{result.seconds:.3f} s"
     )
+    if result.verification is not None:
+        found = result.verification
+        say(f"Errors measured by a second run: {found.finer}, {found.seconds:.3f} s")
     for event in result.events:
         say(f"NOTE: {event}", style="bold yellow", error=True)
     if output is not None:
         say(f"Signals: {result.to_csv(output)}")
+    if json_file is not None:
+        write_json(as_json(result), json_file)
     if plot is not None:
         say(f"Picture: {result.plot(plot)}")
 
@@ -97,11 +111,58 @@ def parse_change(text: str) -> tuple[str, Any]:
 
 
 def summary(result: Result) -> Sheet:
-    """Smallest, largest and last value of every signal."""
-    rows = []
+    """Smallest, largest and last value of every signal, and its error where that was measured."""
+    rows, found = [], result.verification
     for name, values in {"time": result.time, **result.signals}.items():
         unit = "s" if name == "time" else result.signal_units.get(name, "")
         numbers = (values.min(), values.max(), values[-1])
-        rows.append([name, unit, *(f"{number:.6g}" for number in numbers)])
-    columns = ("signal", "unit", "smallest", "largest", "at the end")
-    return Sheet(columns, rows, "llrrr", result.scene_title or "run")
+        errors = ["-", "-"]
+        if found is not None and name in found.error:
+            errors = [f"{found.error[name]:.2g}", f"{found.relative[name]:.2g}"]
+        rows.append([name, unit, *(f"{n:.6g}" for n in numbers), *(errors if found else [])])
+    columns = ["signal", "unit", "smallest", "largest", "at the end"]
+    columns += ["error", "of range"] if found else []
+    align = "ll" + "r" * (len(columns) - 2)
+    return Sheet(columns, rows, align, result.scene_title or "run")
+
+
+def statistics(found: Verification) -> Sheet:
+    """Mean, rms and extreme of every signal in both runs."""
+    rows = [
+        [name, *(f"{a:.4g} | {b:.4g}" for a, b in zip(astuple(one), astuple(other), strict=True))]
+        for name, (one, other) in found.statistics.items()
+    ]
+    title = "this run | the finer one"
+    return Sheet(("signal", "mean", "rms", "extreme"), rows, "lrrr", title)
+
+
+def as_json(result: Result) -> dict[str, Any]:
+    """The facts of a run and every signal's values and errors, for `--json`."""
+    signals: dict[str, Any] = {}
+    found = result.verification
+    for name, values in result.signals.items():
+        signals[name] = {
+            "unit": result.signal_units.get(name, ""),
+            "smallest": values.min(),
+            "largest": values.max(),
+            "last": values[-1],
+        }
+        if found is not None:
+            one, other = (asdict(s) for s in found.statistics[name])
+            signals[name] |= {"error": found.error[name], "relative_error": found.relative[name]}
+            signals[name] |= {"statistics": one, "finer_statistics": other}
+    document = {
+        "title": result.scene_title,
+        "time": result.time[-1],
+        "steps": result.steps,
+        "passes": result.passes,
+        "seconds": result.seconds,
+        "units": result.units,
+        "left_out": result.left_out,
+        "events": result.events,
+        "signals": signals,
+    }
+    if found is not None:
+        parting = asdict(found.parting) if found.parting else None
+        document["verification"] = {"finer": found.finer, "parting": parting}
+    return document

@@ -12,7 +12,7 @@ from ..output.files import write_json, write_whole
 from ..output.terminal import progress_bar, say, show
 
 if TYPE_CHECKING:
-    from .measure import Precision
+    from .measure import Point, Precision
     from .time_shares import Split
 
 PROFILED_STEPS = 20  # a revolution, or the scene's first measured step
@@ -38,65 +38,47 @@ def command(
 ) -> None:
     """Measure what each digit costs: every scheme, order and step, and SciPy's methods."""
     from ..scene import load_scene
+    from . import report
     from .measure import precision
-    from .report import (
-        as_json,
-        cheapest_words,
-        comparison_words,
-        machine,
-        markdown,
-        reference_words,
-        split_table,
-        table,
-        write_csv,
-    )
 
     loaded = load_scene(scene)
     with progress_bar(f"measuring {loaded.name}") as move:
         found = precision(loaded, seconds=seconds, progress=lambda what, done: move(done, what))
         move(1.0, "where the time goes")
         splits = _splits(found)
-    show(table(found))
-    show(split_table(splits))
-    say(reference_words(found))
-    say(machine())
+    show(report.table(found))
+    show(report.split_table(splits))
+    say(report.reference_words(found))
+    say(report.machine())
     if csv_file is not None:
-        write_csv(found, csv_file)
+        report.write_csv(found, csv_file)
     if json_file is not None:
-        write_json(as_json(found), json_file)
+        write_json(report.as_json(found), json_file)
     if markdown_file is not None:
         with write_whole(markdown_file) as stream:
-            stream.write(markdown(found, splits))
+            stream.write(report.markdown(found, splits))
     if output is not None:
         from .plot import plot_precision
 
         say(f"Picture: {plot_precision(found, output)}")
-    if words := comparison_words(found):
+    if words := report.comparison_words(found):
         say(words, style="bold")
-    say(cheapest_words(found), style="bold")
+    say(report.cheapest_words(found), style="bold")
 
 
 def _splits(found: Precision) -> list[Split]:
     """One coupling of every family that ran."""
-    from .methods import ALONG_FIXED_AXES
+    from .methods import ALONG_FIXED_AXES, LIBCOSIM
     from .time_shares import split_time
 
-    chosen = {}
+    chosen: dict[str, Point] = {}
     for point in found.points:
         method = point.method
-        other = method.name.startswith("monolith") or method.name in (
-            ALONG_FIXED_AXES,
-            "libcosimpy",
-        )
-        if other or not point.counts:
-            continue
-        usual = PROFILED_STEPS, PROFILED_TOLERANCE
-        if method.family not in chosen or (
-            method.steps_per_rev == usual[0] or method.tolerance == usual[1]
-        ):
-            chosen[method.family] = method
-    slow = {point.method: (point.seconds or 0.0) > SLOW for point in found.points}
+        usual = method.steps_per_rev == PROFILED_STEPS or method.tolerance == PROFILED_TOLERANCE
+        ours = not method.in_one_piece and method.name not in (ALONG_FIXED_AXES, LIBCOSIM)
+        if ours and point.counts and (usual or method.family not in chosen):
+            chosen[method.family] = point
     return [
-        split_time(found.scene, method, found.signals, 1 if slow[method] else 3)
-        for method in chosen.values()
+        split_time(found.scene, p.method, found.signals, 1 if (p.seconds or 0.0) > SLOW else 3)
+        for p in chosen.values()
     ]

@@ -20,7 +20,7 @@ from ..master.recorder import recorded
 from ..output.workers import ItemProgress
 from ..scene import Scene
 from ..scene.balancer import LiquidBalancer
-from .methods import Method, coupling_methods, failure, monolith_methods, ready
+from .methods import LIBCOSIM, Method, coupling_methods, monolith_methods, ready
 from .reference import right_motion, signal_ranges
 from .runner import Run, Runner
 
@@ -86,7 +86,7 @@ class Precision:
             for point in self.points
             if point.error is not None
             and point.error <= error
-            and (coupled is None or coupled != point.method.name.startswith("monolith"))
+            and (coupled is None or coupled != point.method.in_one_piece)
         ]
         return min(good, key=lambda point: point.seconds or math.inf, default=None)
 
@@ -128,7 +128,7 @@ def all_methods(scene: Scene) -> list[Method]:
     exchanges = any(not isinstance(b, LiquidBalancer) or b.inertia_as_force for b in scene.balancer)
     found = coupling_methods(exchanges)
     if exchanges:
-        found += [Method("libcosimpy", 0, n) for n in LIBCOSIM_STEPS]
+        found += [Method(LIBCOSIM, 0, n) for n in LIBCOSIM_STEPS]
     return found + monolith_methods()
 
 
@@ -150,22 +150,17 @@ class _Bench:
         slowest: dict[str, float] = {}
         for number, method in enumerate(methods):
             self._progress(f"{method.family}, {method.setting}", 0.5 * number / len(methods))
-            before, share = slowest.get(method.family, 0.0), SHARE
-            if method.order not in (0, 1):
-                share = SHARE_CUBIC
-            limit = share * self._seconds
-            if FINER * before > limit:
+            limit = self._seconds * (SHARE if method.order in (0, 1) else SHARE_CUBIC)
+            if FINER * slowest.get(method.family, 0.0) > limit:
                 self.status[method] = f"left out: takes more than {limit:.2g} s a run (--seconds)"
                 continue
             try:
                 self._ready[method] = ready(self._scene, method, self._names)
-            except SimulationError as error:
+                run = self._ready[method].run()
+            except (SimulationError, ArithmeticError) as error:
                 self.status[method] = f"failed: {error}"
-                continue
-            run, reason = failure(self._ready[method].run)
-            if run is None:
-                self.status[method] = f"failed: {reason}"
-                self._ready.pop(method).close()
+                if method in self._ready:
+                    self._ready.pop(method).close()
                 continue
             slowest[method.family] = run.seconds
             self.first[method], self.status[method] = run, run.note or "ok"

@@ -7,8 +7,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 from ...models.monolith import integrate, trajectory
-from ...models.reference.coupled import Monolith, Start
-from ..errors import SimulationError
+from ...models.reference.coupled import Monolith
 from ..master.cosimulation import CoSimulation
 from ..master.recorder import Recorder
 from ..master.runtime import Backend
@@ -30,6 +29,11 @@ SOLVERS: dict[str, tuple[float, ...]] = {
     "Radau": tuple(10.0**-k for k in range(3, 9)),
 }
 ALONG_FIXED_AXES = "jacobi along fixed axes"  # what most tools do with most units
+LIBCOSIM = "libcosimpy"
+HELD: dict[str, Callable[[Scene, Sequence[str]], Runner]] = {
+    ALONG_FIXED_AXES: FixedAxesRunner,
+    LIBCOSIM: LibcosimRunner,
+}
 
 
 @dataclass(frozen=True)
@@ -55,16 +59,22 @@ class Method:
     units: Backend = "native"
 
     @property
+    def in_one_piece(self) -> bool:
+        """Whether nothing is coupled: SciPy integrates the whole."""
+        return self.name.startswith("monolith ")
+
+    @property
     def family(self) -> str:
         """The method without its step or tolerance, in words."""
         words = [self.name]
         if self.order is not None:
             words.append({0: "held", 1: "linear", 3: "cubic"}[self.order])
-        if self.name == "iterated" and self.tolerance is None:
+        if self.name == "iterated":
             passes = {None: "until converged", 1: "1 pass"}
-            words.append(passes.get(self.corrections, f"{self.corrections} passes"))
-        if self.name == "iterated" and self.tolerance is not None:
-            words.append("tolerance" if self.fewest is None else "tolerance, steps of any length")
+            counted = passes.get(self.corrections, f"{self.corrections} passes")
+            words.append(counted if self.tolerance is None else "tolerance")
+            if self.fewest is not None:
+                words.append("and steps of any length")
         if self.units == "python":
             words.append("on Python units")
         return " ".join(words)
@@ -106,7 +116,7 @@ class MonolithRunner:
     """
 
     def __init__(self, scene: Scene, names: Sequence[str], method: str, rtol: float) -> None:
-        start = Start(**dict(scene.run.initial.items()))
+        start = scene.run.initial.motion()
         self._system = Monolith(scene.assembly(), scene.profile(), start.angle)
         self._start, self._method, self._rtol = start, method, rtol
         self._names, self._end = list(names), end_time(scene)
@@ -153,21 +163,16 @@ def monolith_methods() -> list[Method]:
 
 def coupled_scene(scene: Scene, method: Method) -> Scene:
     """The scene under a method's coupling."""
-    keys = "steps_per_rev", "tolerance", "fewest_steps_per_rev"
-    plain = dict.fromkeys(f"coupling.{key}" for key in keys)
-    scheme = {
-        "coupling.scheme": method.name,
-        "coupling.order": 3 if method.order is None else method.order,
-        "coupling.corrections": method.corrections,
-        "coupling.units": method.units,
+    keys = {
+        "scheme": method.name,
+        "order": 3 if method.order is None else method.order,
+        "corrections": method.corrections,
+        "units": method.units,
+        "steps_per_rev": method.steps_per_rev,
+        "tolerance": method.tolerance,
+        "fewest_steps_per_rev": method.fewest,
     }
-    step = {
-        "coupling.steps_per_rev": method.steps_per_rev,
-        "coupling.tolerance": method.tolerance,
-        "coupling.fewest_steps_per_rev": method.fewest,
-    }
-    given = {key: value for key, value in step.items() if value is not None}
-    return scene.replace({**plain, **scheme, **given})
+    return scene.replace({f"coupling.{key}": value for key, value in keys.items()})
 
 
 def ready(scene: Scene, method: Method, names: Sequence[str]) -> Runner:
@@ -177,20 +182,10 @@ def ready(scene: Scene, method: Method, names: Sequence[str]) -> Runner:
         UserError: an FMU cannot be loaded.
         SimulationError: this method cannot run this scene at all; the message says why.
     """
-    if method.name.startswith("monolith "):
+    if method.in_one_piece:
         assert method.tolerance is not None
         solver = method.name.removeprefix("monolith ")
         return MonolithRunner(scene, names, solver, method.tolerance)
-    if method.name == ALONG_FIXED_AXES:
-        return FixedAxesRunner(coupled_scene(scene, replace(method, name="jacobi")), names)
-    if method.name == "libcosimpy":
-        return LibcosimRunner(coupled_scene(scene, replace(method, name="jacobi")), names)
+    if method.name in HELD:
+        return HELD[method.name](coupled_scene(scene, replace(method, name="jacobi")), names)
     return CoSimulationRunner(coupled_scene(scene, method), names)
-
-
-def failure(run: Callable[[], Run]) -> tuple[Run | None, str]:
-    """A run, or the reason why there is none."""
-    try:
-        return run(), ""
-    except (SimulationError, ArithmeticError) as error:
-        return None, str(error)

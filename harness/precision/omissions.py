@@ -23,6 +23,7 @@ from tempfile import TemporaryDirectory
 from ..master.cosimulation import CoSimulation
 from ..master.facts import result
 from ..master.recorder import Recorder, recorded
+from ..output.table import Sheet
 from ..scene import Scene, load_scene
 from .report import machine
 
@@ -194,27 +195,20 @@ def _child(what: str, kind: str) -> None:
     prepared.cosim.close()
 
 
-def line(omission: Omission, full: Cost, lean: Cost) -> str:
-    """A row of the table, in Markdown."""
-    return (
-        f"| {omission.what} | `{omission.scene}` | {full.calls:.1f} | {lean.calls:.1f} | "
-        f"{full.seconds / lean.seconds:.2f} | {(full.memory - lean.memory) / 1e6:.2f} | "
-        f"{full.modules - lean.modules} |"
-    )
-
-
-HEAD = (
-    "| left out | scene | FMI calls a step with | without | time with/without | MB less | "
-    "modules less |\n|---|---|---:|---:|---:|---:|---:|"
-)
+def row(omission: Omission, full: Cost, lean: Cost) -> list[str]:
+    """The cells of an omission."""
+    calls = (f"{full.calls:.1f}", f"{lean.calls:.1f}")
+    ratio, less = full.seconds / lean.seconds, (full.memory - lean.memory) / 1e6
+    numbers = (f"{ratio:.2f}", f"{less:.2f}", str(full.modules - lean.modules))
+    return [omission.what, f"`{omission.scene}`", *calls, *numbers]
 
 
 def main() -> None:
     """Print the table."""
-    print(HEAD)
-    for omission in omissions():
-        print(line(omission, *measure(omission)), flush=True)
-    print(f"\n{machine()}")
+    costs = ("time with/without", "MB less", "modules less")
+    columns = ("left out", "scene", "FMI calls a step with", "without", *costs)
+    rows = [row(omission, *measure(omission)) for omission in omissions()]
+    print(f"{Sheet(columns, rows, 'llrrrrr').markdown()}\n\n{machine()}")
 
 
 if __name__ == "__main__":

@@ -63,7 +63,7 @@ def plot_precision(found: Precision, path: Path) -> Path:
 
 def _draw(axes: Any, found: Precision, family: str, points: Sequence[Point]) -> None:
     method = points[0].method
-    whole = method.name.startswith("monolith")
+    whole = method.in_one_piece
     stepped = method.tolerance is not None and not whole
     colour = _TOLERANCE if stepped else _COLOURS.get(method.name, "tab:purple")
     order = found.orders.get(family)

@@ -8,7 +8,6 @@ from collections.abc import Sequence
 import numpy as np
 
 from ...models.monolith import ReferenceDisagreement, reference
-from ...models.reference.coupled import Start
 from ...models.reference.trajectory import Trajectory
 from ..errors import SimulationError
 from ..master.names import weight
@@ -43,7 +42,7 @@ def right_motion(
             scene.assembly(),
             scene.profile(),
             every,
-            initial=Start(**dict(scene.run.initial.items())),
+            initial=scene.run.initial.motion(),
             rtol=RTOL,
             bound=BOUND,
             signals=[n for n in states if not n.startswith("rotor.angle")] or None,

@@ -23,18 +23,8 @@ PACKAGES = ("numpy", "scipy", "fmpy", "pythonfmu")
 
 def row(point: Point) -> dict[str, Any]:
     """One point with the keys of the JSON document."""
-    method = point.method
-    return {
-        "scene": point.scene,
-        "method": method.name,
-        "order": method.order,
-        "steps_per_rev": method.steps_per_rev,
-        "corrections": method.corrections,
-        "tolerance": method.tolerance,
-        "error": point.error,
-        "seconds": point.seconds,
-        "status": point.status,
-    }
+    values = {**vars(point.method), **vars(point), "method": point.method.name}
+    return {key: values[key] for key in KEYS}
 
 
 def as_json(found: Precision) -> dict[str, Any]:
@@ -54,23 +44,17 @@ def write_csv(found: Precision, path: Path) -> None:
 
 def table(found: Precision) -> Sheet:
     """Every point, families apart."""
-    rows = []
-    last = None
+    rows: list[list[str]] = []
+    families: set[str] = set()
     for point in _without_repeats(found.points):
         family, order = point.method.family, found.orders.get(point.method.family)
-        first = family != last
-        rows.append(
-            [
-                family if first else "",
-                point.method.setting,
-                _number(point.error),
-                _number(point.at_end),
-                "-" if point.seconds is None else f"{1e3 * point.seconds:.1f}",
-                "" if not first else "-" if order is None else f"{order:.1f}",
-                point.status,
-            ]
-        )
-        last = family
+        head = ["", ""]
+        if family not in families:
+            head = [family, "-" if order is None else f"{order:.1f}"]
+        families.add(family)
+        errors = (_number(point.error), _number(point.at_end))
+        time = "-" if point.seconds is None else f"{1e3 * point.seconds:.1f}"
+        rows.append([head[0], point.method.setting, *errors, time, head[1], point.status])
     columns = ("method", "step or tolerance", "error", "at the end", "ms", "order", "status")
     title = f"Error against run time: {found.scene.name}"
     return Sheet(columns, rows, "llrrrrl", title, grouped=True)
@@ -81,10 +65,9 @@ def _without_repeats(points: Sequence[Point]) -> Iterable[Point]:
     said: set[tuple[str, str]] = set()
     for point in points:
         key = (point.method.family, point.status)
-        if not point.counts and key in said:
-            continue
+        if point.counts or key not in said:
+            yield point
         said.add(key)
-        yield point
 
 
 def _number(value: float | None) -> str:
@@ -99,13 +82,9 @@ def split_table(splits: Sequence[Split]) -> Sheet:
 
 
 def _shares(split: Split) -> list[str]:
-    parts = (split.rotor, split.balancers, split.master)
-    return [
-        str(split.steps),
-        str(split.calls),
-        f"{1e6 * split.total / split.steps:.0f}",
-        *(f"{part / split.total:.0%}" for part in parts),
-    ]
+    parts = [f"{s / split.total:.0%}" for s in (split.rotor, split.balancers, split.master)]
+    each = f"{1e6 * split.total / split.steps:.0f}"
+    return [str(split.steps), str(split.calls), each, *parts]
 
 
 def reference_words(found: Precision) -> str:

@@ -7,7 +7,6 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
@@ -140,7 +139,7 @@ def campbell_of(scene: Scene, low: float, high: float) -> tuple[Campbell, Array]
     return found, _within(critical_speeds(rotor), low, high)
 
 
-def response_of(scene: Scene, low: float, high: float, fmus: Path | None = None) -> Response:
+def response_of(scene: Scene, low: float, high: float) -> Response:
     """Unbalance response by the equations, and by the unit at some speeds.
 
     Raises:
@@ -155,7 +154,7 @@ def response_of(scene: Scene, low: float, high: float, fmus: Path | None = None)
         curve = [influence(rotor, float(w), each) @ rotor.unbalance for w in speeds]
     except ValueError as error:
         raise UserError(str(error)) from error
-    with Revolution(scene.without_balancers(), fmus=fmus) as units:
+    with Revolution(scene.without_balancers()) as units:
         measured = [_steady(units, float(w))[0] for w in points]
     return Response(
         title=scene.heading,
@@ -179,24 +178,31 @@ def _steady(units: Revolution, speed: float) -> tuple[NDArray[np.complexfloating
     return amplitude.reshape(2, n), table[:, 1:].reshape(-1, 2, n)
 
 
-def orbits_of(scene: Scene, fmus: Path | None = None) -> Orbits:
+def orbits_of(scene: Scene) -> Orbits:
     """Orbits at the operating speed: of the rotor alone, and at the end of the scene's run."""
     speed = scene.profile().end
     names = station_names(scene)
-    with Revolution(scene.without_balancers(), steps=ORBIT_STEPS, fmus=fmus) as units:
+    with Revolution(scene.without_balancers(), steps=ORBIT_STEPS) as units:
         alone = _steady(units, speed)[1]
     alone = np.concatenate([alone, alone[:1]])
     run = np.empty((0, 2, len(names)))
     if scene.balancer:
-        outputs = [f"rotor.{name}" for name in _outputs(len(names))]
-        result = cosimulate(scene, record=outputs, fmus=fmus)
+        time, motion = _run(scene)
         period = 2.0 * math.pi / speed
-        late = result.time >= result.time[-1] - LAST_REVOLUTIONS * period * (1.0 + 1e-9)
-        run = np.stack([result[name][late] for name in outputs], axis=1).reshape(-1, 2, len(names))
+        run = motion[time >= time[-1] - LAST_REVOLUTIONS * period * (1.0 + 1e-9)]
     return Orbits(scene.heading, speed, names, alone, run, LAST_REVOLUTIONS)
 
 
-def run_up_of(scene: Scene, low: float, high: float, fmus: Path | None = None) -> RunUp:
+def _run(scene: Scene) -> tuple[Array, Array]:
+    """Times (m,) of a run and the stations' motion (m, 2, n), x and y."""
+    count = len(scene.rotor.stations)
+    outputs = [f"rotor.{name}" for name in _outputs(count)]
+    result = cosimulate(scene, record=outputs)
+    motion = np.stack([result[name] for name in outputs], axis=1)
+    return result.time, motion.reshape(-1, 2, count)
+
+
+def run_up_of(scene: Scene, low: float, high: float) -> RunUp:
     """A linear run-up through the range, with and without the balancers, from rest."""
     seconds = 2.0 * (2.0 * math.pi * RUN_UP_REVOLUTIONS) / (low + high)
     rising = scene.replace(
@@ -206,16 +212,14 @@ def run_up_of(scene: Scene, low: float, high: float, fmus: Path | None = None) -
         }
     )
     names = station_names(scene)
-    outputs = [f"rotor.{name}" for name in _outputs(len(names))]
-    swings = []
-    for variant in [rising, rising.without_balancers()] if scene.balancer else [rising]:
-        result = cosimulate(variant, record=outputs, fmus=fmus)
-        motion = np.array([result[name] for name in outputs]).reshape(2, len(names), -1)
-        swings.append(np.hypot(motion[0], motion[1]).T)
-        speeds = np.array([rising.profile().speed(t) for t in result.time])
-    alone = swings[1] if len(swings) > 1 else np.empty((0, len(names)))
+    time, motion = _run(rising)
+    speeds = np.array([rising.profile().speed(t) for t in time])
+    alone = np.empty((0, 2, len(names)))
+    if scene.balancer:
+        alone = _run(rising.without_balancers())[1]
+    run, alone = (np.hypot(both[:, 0], both[:, 1]) for both in (motion, alone))
     critical = _within(critical_speeds(scene.assembly().rotor), low, high)
-    return RunUp(scene.heading, names, seconds, speeds, swings[0], alone, critical)
+    return RunUp(scene.heading, names, seconds, speeds, run, alone, critical)
 
 
 def _within(values: Array, low: float, high: float) -> Array:

@@ -191,10 +191,14 @@ class WeightBalancer(Balancer):
             )
         return values
 
+    @property
+    def device(self) -> Weights:
+        """The weights, for the models."""
+        return Weights(self.count, self.mass, self.track_radius, self.drag, self.kappa)
+
     def build(self) -> Mounted:
         """The weights on their plane."""
-        device = Weights(self.count, self.mass, self.track_radius, self.drag, self.kappa)
-        return Mounted(self.label, device, self.at - 1, self.angles, self.speeds)
+        return Mounted(self.label, self.device, self.at - 1, self.angles, self.speeds)
 
 
 class LiquidBalancer(Balancer):

@@ -4,16 +4,14 @@ from __future__ import annotations
 
 from typing import Annotated, Any, Literal
 
-from pydantic import Field, field_validator, model_validator
+from pydantic import AfterValidator, Field, model_validator
 
 from .quantities import Angle, Positive, Table, Text, Unit, Whole, refusal
 from .run import FEWEST_STEPS
 
-SpeedRange = Annotated[tuple[Positive, Positive], Unit("rad/s")]
 
-
-def _rising(value: tuple[float, float] | None) -> tuple[float, float] | None:
-    if value is not None and value[0] >= value[1]:
+def _rising(value: tuple[float, float]) -> tuple[float, float]:
+    if value[0] >= value[1]:
         raise ValueError("must be [low, high] with low less than high")
     return value
 
@@ -38,14 +36,12 @@ class CriticalSpeedsCheck(Table):
     """What the rows call it."""
     set: dict[str, Any] = Field(default_factory=dict)
     """Values replaced in the scene, as by `Scene.replace`: `{"weights.drag" = 0.1}`."""
-    range: SpeedRange
+    range: Annotated[tuple[Positive, Positive], AfterValidator(_rising), Unit("rad/s")]
     """Lowest and highest speed at which boundaries are looked for."""
     growth_runs: Annotated[tuple[Positive, ...], Unit("rad/s")] = ()
     """Speeds at which the growth rate is also fitted to a run in time."""
     runs_from_rest: Annotated[tuple[Positive, ...], Unit("rad/s")] = ()
     """Speeds at which a run from rest must end as predicted."""
-
-    _range_rises = field_validator("range")(_rising)
 
 
 class TableCheck(Table):
@@ -72,45 +68,42 @@ class SizesCheck(Table):
     kind: Literal["goncharov_table"]
 
 
-class RankingCheck(Table):
-    """Which number of balls or rollers settles first: Goncharov 2017, Fig. 7, co-simulated."""
+class NumbersCheck(Table):
+    """Several numbers of weights in one space."""
 
-    kind: Literal["goncharov_ranking"]
-    starts: Annotated[Whole, Field(ge=6, le=100_000)] = 200
-    """Random starts for every number of weights."""
     most: Annotated[Whole, Field(ge=2, le=64)] = 8
     """Numbers of weights from 2 to this one."""
     width: Annotated[Positive | None, Unit("m")] = None
     """Space along the axis: height of rollers, largest diameter of balls; default: the weights'
     diameter."""
+
+
+class RankingCheck(NumbersCheck):
+    """Which number of balls or rollers settles first: Goncharov 2017, Fig. 7, co-simulated."""
+
+    kind: Literal["goncharov_ranking"]
+    starts: Annotated[Whole, Field(ge=6, le=100_000)] = 200
+    """Random starts for every number of weights."""
     halved: Annotated[Whole, Field(ge=1, le=1000)] = 4
     """Starts of every number that are repeated with steps of half the length."""
 
 
-class SlowRootCheck(Table):
+class SlowRootCheck(NumbersCheck):
     """Decay of runs against the slow root, Goncharov 2017 (1), and the exact spectrum."""
 
     kind: Literal["slow_root"]
     starts: Annotated[Whole, Field(ge=1, le=100_000)] = 20
     """Random starts for every number of weights, two groups that face each other."""
-    most: Annotated[Whole, Field(ge=2, le=64)] = 8
-    """Numbers of weights from 2 to this one."""
-    width: Annotated[Positive | None, Unit("m")] = None
-    """Space along the axis, as for `goncharov_ranking`; default: the weights' diameter."""
     unbalance: Annotated[Positive | None, Unit("kg m")] = None
     """Instead of the rotor's; default: the scene's."""
     revolutions: Positive | None = None
     """Length of a run; default: the scene's."""
 
 
-class LargestSpreadCheck(Table):
+class LargestSpreadCheck(NumbersCheck):
     """Settling from the positions of largest p, Goncharov 2017 (10), (13), where weights touch."""
 
     kind: Literal["largest_spread"]
-    most: Annotated[Whole, Field(ge=2, le=64)] = 8
-    """Numbers of weights from 2 to this one."""
-    width: Annotated[Positive | None, Unit("m")] = None
-    """Space along the axis, as for `goncharov_ranking`; default: the weights' diameter."""
     step: Annotated[Positive, Field(le=0.1)] = 0.001
     """Change of the unbalance, either way, in capacities S."""
     revolutions: Positive | None = None
@@ -160,6 +153,14 @@ class RuntimesCheck(Table):
     """Length of the two runs."""
 
 
+class MeasuredErrorCheck(Table):
+    """Errors of the scene's own run, measured by a finer one; every scene's with `--verify`."""
+
+    kind: Literal["measured_error"]
+    at_most: Positive = 0.01
+    """Of a signal's range."""
+
+
 AnyCheck = Annotated[
     LiquidWindowCheck
     | CriticalSpeedsCheck
@@ -170,6 +171,7 @@ AnyCheck = Annotated[
     | SlowRootCheck
     | LargestSpreadCheck
     | ContactOrderCheck
-    | RuntimesCheck,
+    | RuntimesCheck
+    | MeasuredErrorCheck,
     Field(discriminator="kind"),
 ]

@@ -9,7 +9,7 @@ from typing import Any, Literal, get_args, get_origin
 
 from pydantic import BaseModel, ValidationError
 
-from .quantities import unit_of
+from .quantities import fields_of, unit_of
 
 Location = tuple[str | int, ...]
 
@@ -67,18 +67,6 @@ def choose_table(candidates: Sequence[type[BaseModel]], value: Any) -> type[Base
     return next((table for table in candidates if kind in kinds_of(table)), None)
 
 
-def _field_named(table: type[BaseModel], key: str) -> str | None:
-    for name, field in table.model_fields.items():
-        if key == (field.alias or name):
-            return name
-    return None
-
-
-def keys_of(table: type[BaseModel]) -> list[str]:
-    """Keys that a table takes, as written in the file."""
-    return [field.alias or name for name, field in table.model_fields.items()]
-
-
 def locate(location: Location, document: Any, root: type[BaseModel]) -> Place:
     """Follow pydantic's location through the document as the user wrote it."""
     key, value, unit = "", document, ""
@@ -97,10 +85,9 @@ def locate(location: Location, document: Any, root: type[BaseModel]) -> Place:
         table = choose_table(candidates, value)
         key += f".{part}" if key else part
         value = inside.get(part)
-        name = _field_named(table, part) if table else None
-        if table is not None and name is not None:
-            unit = unit_of(table, name)
-            candidates = tables_in(table.model_fields[name].annotation)
+        if table is not None and part in (fields := fields_of(table)):
+            unit = unit_of(fields[part])
+            candidates = tables_in(fields[part].annotation)
     return Place(key, value, unit, table)
 
 
@@ -134,7 +121,7 @@ def quoted(words: Sequence[str]) -> str:
 
 def _unknown_key(location: Location, document: Any, root: type[BaseModel]) -> str:
     place = locate(location, document, root)
-    known = keys_of(place.table) if place.table else []
+    known = list(fields_of(place.table)) if place.table else []
     name = str(location[-1])
     return f"{place.key}: unknown key{did_you_mean(name, known)}; allowed: {', '.join(known)}"
 
@@ -157,8 +144,8 @@ def statement(place: Place, words: str) -> str:
     """'key = value unit: words'."""
     if place.value is None:
         return f"{place.key}: {words}"
-    numbers = place.value[0] if isinstance(place.value, (list, tuple)) and place.value else None
-    measured = place.value if numbers is None else numbers
+    is_list = isinstance(place.value, (list, tuple)) and place.value
+    measured = place.value[0] if is_list else place.value
     is_number = isinstance(measured, (int, float)) and not isinstance(measured, bool)
     unit = f" {place.unit}" if place.unit and is_number else ""
     return f"{place.key} = {show(place.value)}{unit}: {words}"

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import Annotated, Any
 
 from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Field, WithJsonSchema
+from pydantic.fields import FieldInfo
 from pydantic_core import PydanticCustomError
 
 LARGEST_ANGLE = 1e9  # rad: doubles that large lie 1e-7 rad apart
@@ -30,12 +31,14 @@ def refusal(key: str, words: str) -> PydanticCustomError:
     return PydanticCustomError("refusal", "{words}", {"key": key, "words": words})
 
 
-def unit_of(table: type[BaseModel], field: str) -> str:
-    """Unit symbol of a table's field, empty for text, counts and ratios."""
-    for item in table.model_fields[field].metadata:
-        if isinstance(item, Unit):
-            return item.symbol
-    return ""
+def fields_of(table: type[BaseModel]) -> dict[str, FieldInfo]:
+    """A table's fields by their keys as written in the file."""
+    return {field.alias or name: field for name, field in table.model_fields.items()}
+
+
+def unit_of(field: FieldInfo) -> str:
+    """Unit symbol of a field, empty for text, counts and ratios."""
+    return next((item.symbol for item in field.metadata if isinstance(item, Unit)), "")
 
 
 def _pair(value: Any) -> Any:

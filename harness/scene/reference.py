@@ -69,7 +69,7 @@ def _rows(table: type[BaseModel], names: Any, before: str = "") -> Iterator[str]
             value = field.get_default(call_default_factory=True)
             default = "required" if field.is_required() else _default(value)
         allowed = _allowed(schema["properties"][key], schema.get("$defs", {}))
-        cells = (f"`{before}{key}`", unit_of(table, name), default.rstrip("."), allowed)
+        cells = (f"`{before}{key}`", unit_of(field), default.rstrip("."), allowed)
         yield f"| {' | '.join(cells)} | {meaning.rstrip('.')} |".replace("|  |", "| |")
         for inner in tables_in(field.annotation) if table is not Scene else ():
             many = "[n]" if allowed.startswith("list") else ""

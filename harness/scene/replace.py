@@ -11,7 +11,8 @@ from pydantic import BaseModel
 
 from ..errors import SceneError
 from .file import MOST_LEVELS
-from .messages import choose_table, did_you_mean, keys_of, tables_in
+from .messages import choose_table, did_you_mean, tables_in
+from .quantities import fields_of
 
 # giving one of these takes the others' place
 _ALTERNATIVES = {
@@ -63,11 +64,12 @@ def _put(holder: Document, table: TableType, path: str, rest: list[str], value: 
     """Follow `rest` down from a table of the document and set the value there."""
     parts = [_PART.match(part) for part in rest]
     if not parts:
-        raise SceneError(f"{path!r}: name a key of it: {', '.join(keys_of(table))}")
+        raise SceneError(f"{path!r}: name a key of it: {', '.join(fields_of(table))}")
     inner: TableType | None = table
     for depth, part in enumerate(parts):
-        if part is None or (inner is not None and part["key"] not in keys_of(inner)):
-            known = keys_of(inner) if inner else []
+        fields = fields_of(inner) if inner else {}
+        if part is None or (inner is not None and part["key"] not in fields):
+            known = list(fields)
             raise SceneError(
                 f"{path!r}: unknown{did_you_mean(rest[depth], known)}; "
                 f"{'.'.join(path.split('.')[: depth + 1])} has: {', '.join(known) or 'no keys'}"
@@ -86,7 +88,8 @@ def _put(holder: Document, table: TableType, path: str, rest: list[str], value: 
             below = below[number - 1]
         if not isinstance(below, dict):
             raise SceneError(f"{path!r}: {part[0]} has no keys of its own")
-        inner = _inner(inner, part["key"], below)
+        field = fields.get(part["key"])
+        inner = choose_table(tables_in(field.annotation), below) if field else None
         holder = below
 
 
@@ -95,13 +98,6 @@ def _plain(value: Any) -> Any:
     if hasattr(value, "tolist"):
         return value.tolist()
     return list(value) if isinstance(value, tuple) else value
-
-
-def _inner(table: TableType | None, key: str, value: Any) -> TableType | None:
-    if table is None:
-        return None
-    fields = {field.alias or name: field for name, field in table.model_fields.items()}
-    return choose_table(tables_in(fields[key].annotation), value)
 
 
 def _assign(target: Document, key: str, indices: str, value: Any, path: str) -> None:

@@ -106,8 +106,13 @@ class RotorTable(Table):
         return tuple(range(1, self.plane_count + 1)) or (1,)
 
     def sizes(self, planes: Sequence[int]) -> dict[str, Any]:
-        """What the unit is built for; `planes` from `unit_planes`."""
-        return {}
+        """What the unit is built for, with at least one unbalance; `planes` from `unit_planes`."""
+        return {
+            "kind": self.kind,
+            "stations": len(self.stations),
+            "planes": len(planes),
+            "unbalances": len(self.unbalances) or 1,
+        }
 
     def start(self, planes: Sequence[int]) -> Start:
         """Parameters of the unit."""
@@ -116,26 +121,26 @@ class RotorTable(Table):
     def with_corrections(self, planes: Sequence[int]) -> Corrections:
         """Room for corrections in these planes: unbalances of nothing beside the rotor's own."""
         table = [unbalance.model_dump() for unbalance in self.unbalances]
-        first = len(table) + 1
         table += [{"position": self.planes[p - 1], "amount": 0.0, "angle": 0.0} for p in planes]
-        names = [
-            (f"unbalance[{k}].amount", f"unbalance[{k}].angle")
-            for k in range(first, first + len(planes))
-        ]
+        numbers = range(len(self.unbalances) + 1, len(table) + 1)
+        names = [(f"unbalance[{k}].amount", f"unbalance[{k}].angle") for k in numbers]
         return Corrections({"rotor.unbalances": table}, [0j] * len(planes), names)
 
-    def _triples(self) -> list[tuple[float, float, float]]:
-        return [(u.position, u.amount, u.angle) for u in self.unbalances]
+    def _arguments(self) -> dict[str, Any]:
+        """What a constructor of `LinearRotor` takes: the table's keys, unbalances as triples."""
+        values = {key: value for key, value in self if key != "kind"}
+        if "unbalances" in values:
+            triples = [(u.position, u.amount, u.angle) for u in self.unbalances]
+            values["unbalances"] = triples
+        return values
 
     def _plane_start(self, planes: Sequence[int]) -> Start:
         """Positions of the unit's planes, and its unbalances: at least one of each."""
         places = self.planes or (0.0,)
         nothing = () if self.unbalances else (Unbalance(position=self.stations[0], amount=0.0),)
-        values: Start = {
-            f"plane[{i}].position": places[plane - 1] for i, plane in enumerate(planes, start=1)
-        }
-        for k, unbalance in enumerate(nothing, start=1):
-            values |= fed(unbalance, f"unbalance[{k}].")
+        values: Start = {f"plane[{i + 1}].position": places[p - 1] for i, p in enumerate(planes)}
+        for unbalance in nothing:
+            values |= fed(unbalance, "unbalance[1].")
         return values
 
 
@@ -166,16 +171,13 @@ class PlanarRotor(RotorTable):
         present = cmath.rect(self.unbalance, self.unbalance_angle)
         return Corrections({}, [present], [("unbalance", "unbalance_angle")])
 
+    def sizes(self, planes: Sequence[int]) -> dict[str, Any]:
+        """What the unit is built for: nothing is to be chosen."""
+        return {}
+
     def build(self) -> LinearRotor:
         """The rotor's matrices."""
-        return LinearRotor.planar(
-            mass=self.mass,
-            stiffness=self.stiffness,
-            damping=self.damping,
-            internal_damping=self.internal_damping,
-            unbalance=self.unbalance,
-            unbalance_angle=self.unbalance_angle,
-        )
+        return LinearRotor.planar(**self._arguments())
 
 
 class TwoSupportRotor(RotorTable):
@@ -227,32 +229,13 @@ class TwoSupportRotor(RotorTable):
         """Place of the centre of mass [m]."""
         return self.span / 2.0 if self.com is None else self.com
 
-    def sizes(self, planes: Sequence[int]) -> dict[str, Any]:
-        """What the unit is built for; it has at least one unbalance."""
-        return {
-            "kind": self.kind,
-            "stations": 2,
-            "planes": len(planes),
-            "unbalances": len(self.unbalances) or 1,
-        }
-
     def start(self, planes: Sequence[int]) -> Start:
         """Parameters of the unit."""
         return {**fed(self), "com": self.centre, **self._plane_start(planes)}
 
     def build(self) -> LinearRotor:
         """The rotor's matrices."""
-        return LinearRotor.two_support(
-            mass=self.mass,
-            inertia=self.inertia,
-            polar_inertia=self.polar_inertia,
-            span=self.span,
-            com=self.centre,
-            stiffness=self.stiffness,
-            damping=self.damping,
-            planes=self.planes,
-            unbalances=self._triples(),
-        )
+        return LinearRotor.two_support(**{**self._arguments(), "com": self.centre})
 
 
 class FlexibleRotor(RotorTable):
@@ -300,8 +283,7 @@ class FlexibleRotor(RotorTable):
         if (self.compliance is None) == (self.bending_stiffness is None):
             raise refusal("compliance", "give either bending_stiffness (N m^2) or compliance (m/N)")
         size = count - 2
-        delta = self.compliance
-        if delta is not None and [len(row) for row in delta] != [size] * size:
+        if self.compliance is not None and [len(r) for r in self.compliance] != [size] * size:
             raise refusal(
                 "compliance", f"must be {size} rows of {size}, the stations without supports"
             )
@@ -327,14 +309,9 @@ class FlexibleRotor(RotorTable):
         return tuple(sorted(set(used))) or (1,)
 
     def sizes(self, planes: Sequence[int]) -> dict[str, Any]:
-        """What the unit is built for; it has at least one unbalance."""
-        return {
-            "kind": self.kind,
-            "stations": len(self.stations),
-            "planes": len(planes),
-            "unbalances": len(self.unbalances) or 1,
-            "shaft": "uniform" if self.compliance is None else "compliance",
-        }
+        """What the unit is built for, the way its shaft is described included."""
+        shaft = "uniform" if self.compliance is None else "compliance"
+        return {**super().sizes(planes), "shaft": shaft}
 
     def start(self, planes: Sequence[int]) -> Start:
         """Parameters of the unit; a compliance that is not quite symmetric is made so."""
@@ -349,20 +326,7 @@ class FlexibleRotor(RotorTable):
 
     def build(self) -> LinearRotor:
         """The rotor's matrices."""
-        return LinearRotor.flexible(
-            stations=self.stations,
-            masses=self.masses,
-            supports=self.supports,
-            support_stiffness=self.support_stiffness,
-            support_damping=self.support_damping,
-            bending_stiffness=self.bending_stiffness,
-            compliance=self.compliance,
-            internal_damping=self.internal_damping,
-            unbalances=self._triples(),
-        )
+        return LinearRotor.flexible(**self._arguments())
 
 
-Rotor = Annotated[
-    PlanarRotor | TwoSupportRotor | FlexibleRotor,
-    Field(discriminator="kind"),
-]
+Rotor = Annotated[PlanarRotor | TwoSupportRotor | FlexibleRotor, Field(discriminator="kind")]

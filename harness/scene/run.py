@@ -7,6 +7,7 @@ from typing import Annotated, Any, Literal
 from pydantic import AfterValidator, BeforeValidator, Field, model_validator
 
 from ...models.assembly import SpeedProfile
+from ...models.reference.coupled import Start
 from .quantities import Angle, NotNegative, Positive, Real, Table, Text, Unit, Whole, refusal
 
 DEFAULT_STEPS = 40  # a revolution: 1e-6 on the two-ball scene with cubic signals
@@ -79,9 +80,8 @@ class Coupling(Table):
     @model_validator(mode="before")
     @classmethod
     def _default_steps(cls, values: Any) -> Any:
-        if not isinstance(values, dict) or values.get("tolerance") is not None:
-            return values
-        if values.get("steps_per_rev") is not None:
+        keys = ("tolerance", "steps_per_rev")
+        if not isinstance(values, dict) or any(values.get(key) is not None for key in keys):
             return values
         return {**values, "steps_per_rev": DEFAULT_STEPS}
 
@@ -113,9 +113,9 @@ class Initial(Table):
     angle: Angle = 0.0
     """Angle of the rotor."""
 
-    def items(self) -> list[tuple[str, float]]:
-        """Names and values."""
-        return list(self.model_dump().items())
+    def motion(self) -> Start:
+        """The same for the models."""
+        return Start(**self.model_dump())
 
 
 def _enough(revolutions: float) -> float:

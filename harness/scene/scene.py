@@ -154,6 +154,16 @@ class Scene(Table):
         document = {k: v for k, v in self._document.items() if k not in {"balancer", "check"}}
         return Scene._of(document, self._path, self._label)
 
+    def with_check(self, table: Mapping[str, Any]) -> Scene:
+        """The scene with one more [[check]].
+
+        Raises:
+            SceneError: the table is wrong.
+        """
+        document = copy.deepcopy(self._document)
+        document["check"] = [*document.get("check", []), dict(table)]
+        return Scene._of(document, self._path, self._label)
+
     def without(self, *names: str) -> Scene:
         """The scene less the balancers of these names, with nothing to check."""
         document = {k: v for k, v in self._document.items() if k != "check"}

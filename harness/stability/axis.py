@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from ..errors import UserError
 from ..scene import Scene
-from ..scene.quantities import unit_of
+from ..scene.quantities import fields_of, unit_of
 
 SPEED = "operation.speed"
 MOST_POINTS = 2000  # along one axis: a slip of the keyboard
@@ -63,8 +63,7 @@ class Axis:
         holder = next((b for b in scene.balancer if b.label == first), None)
         holder = holder or getattr(scene, first, None)
         key = re.sub(r"\[\d+\]", "", rest)
-        unit = ""
-        if holder is not None and key in type(holder).model_fields:
-            unit = unit_of(type(holder), key)
+        field = fields_of(type(holder)).get(key) if holder else None
+        unit = unit_of(field) if field else ""
         name = "speed" if self.path == SPEED else self.path
         return f"{name} [{unit}]" if unit else name

@@ -11,7 +11,6 @@ from numpy.typing import NDArray
 from ...models.linear.balanced import golden_parts
 from ..errors import SimulationError
 from ..master.cosimulation import cosimulate
-from ..master.recorder import recorded
 from ..scene import Scene
 from .main_motion import MainMotion
 
@@ -77,14 +76,12 @@ class RunEnd:
         revolutions: length of the run.
         residual: largest unbalance left at any station in the last tenth of the run [kg m].
         share: residual over the unbalance at the start of the run, weights included.
-        amplitude: largest displacement of any station then, 0-peak [m].
     """
 
     speed: float
     revolutions: float
     residual: float
     share: float
-    amplitude: float
 
     @property
     def balanced(self) -> bool:
@@ -114,20 +111,12 @@ def run_from_rest(scene: Scene, speed: float, revolutions: float) -> RunEnd:
         SimulationError: the run cannot be completed correctly.
     """
     scene = scene.replace({"operation.speed": speed, "run.revolutions": revolutions})
-    plain = scene.replace({"run.record": None})
-    result = cosimulate(scene, record=[n for n in recorded(plain) if "clearance" not in n])
-    rotor = scene.assembly().rotor
+    rotor, weights = scene.assembly().rotor, scene.assembly().weights
+    moments = [[f"{w.name}.moment_{axis}" for axis in ("xi", "eta")] for w in weights]
+    result = cosimulate(scene, record=[name for pair in moments for name in pair])
     unbalance = np.tile(rotor.unbalance, (len(result.time), 1)).astype(complex)
-    for mounted in scene.assembly().weights:
-        xi, eta = (result[f"{mounted.name}.moment_{axis}"] for axis in ("xi", "eta"))
-        unbalance += (xi + 1j * eta)[:, None] * rotor.planes[mounted.plane]
+    for mounted, (xi, eta) in zip(weights, moments, strict=True):
+        unbalance += (result[xi] + 1j * result[eta])[:, None] * rotor.planes[mounted.plane]
     size = np.abs(unbalance).max(axis=1)
-    swings = [
-        np.hypot(result[name], result[f"{name[:-1]}y"])
-        for name in result.signals
-        if name.startswith("rotor.") and name.endswith("x")
-    ]
-    late = slice(-(len(result.time) // LATE), None)
-    residual = float(size[late].max())
-    amplitude = float(max(swing[late].max() for swing in swings))
-    return RunEnd(speed, revolutions, residual, residual / float(size[0]), amplitude)
+    residual = float(size[-(len(result.time) // LATE) :].max())
+    return RunEnd(speed, revolutions, residual, residual / float(size[0]))

@@ -18,7 +18,6 @@ from __future__ import annotations
 import math
 import sys
 from collections.abc import Callable
-from pathlib import Path
 from typing import TypeVar
 
 import numpy as np
@@ -52,7 +51,6 @@ class MainMotion(Closing):
     Args:
         scene: the weights' angles are the first guess of the balanced ones.
         steps: communication steps a revolution; by default the scene's.
-        fmus: directory of ready-made FMUs.
 
     Attributes:
         state: (n,) states of the units in the main motion.
@@ -62,8 +60,8 @@ class MainMotion(Closing):
         NoMainMotion: no balanced position of the weights was found.
     """
 
-    def __init__(self, scene: Scene, *, steps: int | None = None, fmus: Path | None = None) -> None:
-        self.units = Revolution(scene, steps=steps, fmus=fmus)
+    def __init__(self, scene: Scene, *, steps: int | None = None) -> None:
+        self.units = Revolution(scene, steps=steps)
         try:
             self._speed = abs(scene.profile().end)  # any will do for what follows
             self._angles = [

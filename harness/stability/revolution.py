@@ -10,7 +10,6 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
@@ -85,18 +84,17 @@ class Revolution(Closing):
     Args:
         scene: its start values are the first guess of the main motion.
         steps: communication steps a revolution; by default the scene's.
-        fmus: directory of ready-made FMUs.
 
     Attributes:
         rotor: parameters that every start gives the rotor on top of the scene's.
     """
 
-    def __init__(self, scene: Scene, *, steps: int | None = None, fmus: Path | None = None) -> None:
+    def __init__(self, scene: Scene, *, steps: int | None = None) -> None:
         # the map is that of a constant speed, and every start must meet the same points
         constant = {"operation.speed": scene.profile().end, "coupling.tolerance": None}
         self.scene = scene = scene.replace(constant)
         self.steps = steps or steps_per_rev(scene)
-        self.cosim = CoSimulation(scene, fmus=fmus, watch=False)
+        self.cosim = CoSimulation(scene, watch=False)
         self.states = states(scene)
         self.rotor: dict[str, float] = {}
         self._drives = [one.name for one in self.cosim.plan.units if one.driven]

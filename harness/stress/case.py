@@ -11,7 +11,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...models.monolith import reference
-from ...models.reference.coupled import Start
 from ...models.reference.oscillator import forced_motion
 from ..errors import SimulationError
 from ..master.cosimulation import cosimulate
@@ -188,7 +187,7 @@ def error_against_monolith(
         build.assembly(),
         build.profile(),
         result.time,
-        initial=Start(**dict(build.run.initial.items())),
+        initial=build.run.initial.motion(),
         signals=[name for name in signals if name.rpartition(".")[2] in STATES],
         bound=REFERENCE_SHARE * allowed,
         **options,

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from functools import partial
 from typing import Any
 
@@ -26,76 +26,48 @@ from .case import (
 )
 
 EXACT = 1e-8  # of the range: steps are exact, what is left is rounding in the steps' matrices
-
-
 MOST_AS_FORCE = 100.0  # added mass per rotor's own that 40 steps a revolution can carry as force
 NEARLY_ALL_FORCE = (
     f"40 steps a revolution refused: time, gain; at 100 error below {LEFT_ALONE:g} of the range"
 )
 
 
-def cases() -> list[Case]:
+def cases() -> Iterator[Case]:
     """Stiffness, damping, speed, resonance, endless undamped motion, liquid."""
-    return [
-        *_stiffness(),
-        *_damping(),
-        *_speeds(),
-        *_resonance(),
-        *_undamped(),
-        *_liquid(),
-        Case("zero unbalance, rotor at rest", "stays at rest exactly", _at_rest),
-    ]
-
-
-def _closed(name: str, allowed: float, build: Callable[[], Scene]) -> Case:
-    expected = f"error below {allowed:g} of the range (closed form)"
-    return Case(name, expected, lambda: against_closed_form(build(), allowed))
-
-
-def _stiffness() -> list[Case]:
-    found = []
     for power in UNEVEN:
-        rotor = uneven(power, 0.2, 1e-3)
-        name = f"stiffness 1e2 and 1e{power} N/m in one rotor"
-        found.append(_closed(name, EXACT, partial(planar_scene, rotor, speed=15.0, revolutions=20)))
-    return found
-
-
-def _damping() -> list[Case]:
-    found = []
+        build = partial(planar_scene, uneven(power, 0.2, 1e-3), speed=15.0, revolutions=20)
+        yield _closed(f"stiffness 1e2 and 1e{power} N/m in one rotor", build)
+    start = {"x": 1e-3, "vy": 1e-2}
+    rotor: dict[str, Any]
     for ratio in (0.0, 1e-6, 1e-3, 0.1, 1.0, 10.0, 1e2, 1e4):
         rotor = {"mass": 2.0, "stiffness": 200.0, "damping": 40.0 * ratio, "unbalance": 1e-3}
-        build = partial(
-            planar_scene, rotor, speed=25.0, revolutions=50, initial={"x": 1e-3, "vy": 1e-2}
-        )
-        found.append(_closed(f"damping ratio {ratio:g}", EXACT, build))
-    return found
-
-
-def _speeds() -> list[Case]:
+        build = partial(planar_scene, rotor, speed=25.0, revolutions=50, initial=start)
+        yield _closed(f"damping ratio {ratio:g}", build)
     rotor = {"mass": 1.0, "stiffness": [90.0, 110.0], "damping": [1.0, 2.0], "unbalance": 1e-3}
-    found = []
     for power in range(-3, 6):
         build = partial(planar_scene, rotor, speed=10.0**power, revolutions=10, initial={"y": 1e-3})
-        found.append(_closed(f"speed 1e{power} rad/s, rotor alone", EXACT, build))
-    return found
-
-
-def _resonance() -> list[Case]:
+        yield _closed(f"speed 1e{power} rad/s, rotor alone", build)
     rotor = {"mass": 1.0, "stiffness": [100.0, 225.0], "unbalance": 1e-3}
-    both = {"mass": 1.0, "stiffness": 100.0, "unbalance": 1e-3}
-    return [
-        Case(
-            "exactly at a natural frequency, undamped",
-            "grows as U w t/(2 m), error below 1e-08 of the range",
-            partial(_grows, rotor),
-        ),
-        _closed(
-            "exactly at a natural frequency, undamped, isotropic",
-            EXACT,
-            partial(planar_scene, both, speed=10.0, revolutions=200),
-        ),
-    ]
+    yield Case(
+        "exactly at a natural frequency, undamped",
+        "grows as U w t/(2 m), error below 1e-08 of the range",
+        partial(_grows, rotor),
+    )
+    build = partial(planar_scene, {**rotor, "stiffness": 100.0}, speed=10.0, revolutions=200)
+    yield _closed("exactly at a natural frequency, undamped, isotropic", build)
+    for steps in (4, 10):
+        yield Case(
+            f"no damping over 10,000 revolutions, {steps} steps a revolution",
+            "energy of the free vibration drifts by less than 1e-08",
+            partial(_energy, steps),
+        )
+    yield from _liquid()
+    yield Case("zero unbalance, rotor at rest", "stays at rest exactly", _at_rest)
+
+
+def _closed(name: str, build: Callable[[], Scene]) -> Case:
+    expected = f"error below {EXACT:g} of the range (closed form)"
+    return Case(name, expected, lambda: against_closed_form(build(), EXACT))
 
 
 def _grows(rotor: dict[str, object]) -> Outcome:
@@ -109,17 +81,6 @@ def _grows(rotor: dict[str, object]) -> Outcome:
     return Outcome(
         f"x = {result['rotor.x'].max():.4g} m at most, error {error:.1e}", error <= EXACT
     )
-
-
-def _undamped() -> list[Case]:
-    return [
-        Case(
-            f"no damping over 10,000 revolutions, {steps} steps a revolution",
-            "energy of the free vibration drifts by less than 1e-08",
-            partial(_energy, steps),
-        )
-        for steps in (4, 10)
-    ]
 
 
 def _energy(steps: int) -> Outcome:
@@ -136,29 +97,24 @@ def _energy(steps: int) -> Outcome:
     return Outcome(f"drift {drift:.1e} over {result.steps} steps", drift <= EXACT)
 
 
-def _liquid() -> list[Case]:
-    found = []
+def _liquid() -> Iterator[Case]:
     for as_force in (False, True):
         for excess, gap in ((1e-6, 0.5), (1e-3, 0.1), (1.0, 1e-2), (19.0, 1e-3), (9999.0, 1e-5)):
             way = "as force" if as_force else "as added mass"
             name = f"liquid mu = 1 + {excess:g}, gap {gap:g} of the radius, {way}"
             build = partial(liquid_scene, excess, gap, as_force)
             if as_force and excess > MOST_AS_FORCE:
-                found.append(Case(name, NEARLY_ALL_FORCE, partial(_nearly_all_force, build)))
+                yield Case(name, NEARLY_ALL_FORCE, partial(_nearly_all_force, build))
             elif as_force:
-                found.append(Case(name, BOTH_WAYS, partial(_force, build)))
+                yield Case(name, BOTH_WAYS, partial(_force, build))
             else:
-                found.append(_closed(name, EXACT, build))
+                yield _closed(name, build)
     for gain, works in ((0.98, True), (1.02, False)):
-        what = "settles, error below 0.1 of the range" if works else "refused: time, signal, gain"
-        found.append(
-            Case(
-                f"Jacobi with the liquid's inertia as force, loop gain {gain:g}",
-                what,
-                partial(_at_the_limit, gain, works),
-            )
+        yield Case(
+            f"Jacobi with the liquid's inertia as force, loop gain {gain:g}",
+            "settles, error below 0.1 of the range" if works else "refused: time, signal, gain",
+            partial(_at_the_limit, gain, works),
         )
-    return found
 
 
 def _nearly_all_force(build: Callable[[], Scene]) -> Outcome:

@@ -2,27 +2,29 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from functools import partial
 from typing import Any
 
-from ..scene import Scene
 from .case import BOTH_WAYS, Case, Outcome, against_monolith, left_to_the_master
+
+
+def _places(stations: Iterable[int]) -> tuple[str, ...]:
+    return tuple(f"rotor.station[{j}].{axis}" for j in stations for axis in "xy")
+
 
 # what a stiff support all but holds has no range, its weights neither: the rest is compared
 _MOVING = {
-    "supports of the shaft a thousand times as stiff": tuple(
-        f"rotor.station[{j}].{axis}" for j in (1, 2, 3) for axis in "xy"
-    ),
+    "supports of the shaft a thousand times as stiff": _places((1, 2, 3)),
     "one support of the shaft 1e10 times as stiff as the other": (
-        *(f"rotor.station[{j}].{axis}" for j in (1, 2) for axis in "xy"),
+        *_places((1, 2)),
         *(f"left.moment_{axis}" for axis in ("xi", "eta")),
     ),
 }
 _MOMENTS = tuple(f"{name}.moment_{axis}" for name in ("left", "right") for axis in ("xi", "eta"))
 
 
-def cases() -> list[Case]:
+def cases() -> Iterator[Case]:
     """Stiffness of shaft and supports, spinning tops, heavy weights, speeds far above and below."""
     shaft: dict[str, dict[str, Any]] = {
         "shaft a thousand times as stiff": {"rotor.compliance": [[0.5e-3]]},
@@ -50,21 +52,13 @@ def cases() -> list[Case]:
         "rigid rotor with both planes outside its supports": {"rotor.planes": [-6.0, 12.0]},
         "rigid rotor at a thousand times its speed": {"operation.speed": 4000.0},
     }
-    return [_case(name, "three_mass_shaft", changes) for name, changes in shaft.items()] + [
-        _case(name, "two_plane_rodrigues", changes) for name, changes in rigid.items()
-    ]
-
-
-def _case(name: str, scene: str, changes: Mapping[str, Any]) -> Case:
-    return Case(name, BOTH_WAYS, partial(_against, scene, changes, _MOVING.get(name)))
+    for scene, extremes in (("three_mass_shaft", shaft), ("two_plane_rodrigues", rigid)):
+        for name, changes in extremes.items():
+            run = partial(_against, scene, changes, _MOVING.get(name))
+            yield Case(name, BOTH_WAYS, run)
 
 
 def _against(name: str, changes: Mapping[str, Any], moving: tuple[str, ...] | None) -> Outcome:
     build = left_to_the_master(name, changes)
-    signals = moving or (*_places(build), *_MOMENTS)
-    return against_monolith(build, signals=signals, rtol=1e-11)
-
-
-def _places(build: Scene) -> tuple[str, ...]:
-    stations = build.rotor.build().stations
-    return tuple(f"rotor.station[{j}].{axis}" for j in range(1, stations + 1) for axis in "xy")
+    places = _places(range(1, len(build.rotor.stations) + 1))
+    return against_monolith(build, signals=moving or (*places, *_MOMENTS), rtol=1e-11)

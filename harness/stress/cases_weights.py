@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from functools import partial
 from typing import Any
 
@@ -31,24 +31,46 @@ MASS, SPEED, RADIUS = 0.025, 3.0, 1.0  # of the two-pendulum scene: kg, rad/s, m
 JACOBI_DRIFT = 1e-5  # of the energy integral over 1,000 revolutions at 40 steps each
 
 
-def cases() -> list[Case]:
+def cases() -> Iterator[Case]:
     """Drag, mass, number, speed, stiffness, steps, starts, run-up, and rotors that do not move."""
-    return [
-        *_drags(),
-        *_masses(),
-        *_numbers(),
-        *_speeds(),
-        *_stiffness(),
-        *_steps(),
-        *_starts(),
-        *_unmoved(),
-        Case("run-up through both critical speeds", BOTH_WAYS, _run_up),
-        Case(
-            "no damping and no drag with weights over 1,000 revolutions",
-            f"energy integral in the rotor frame drifts by less than {JACOBI_DRIFT:g}",
-            _energy_integral,
-        ),
-    ]
+    for factor in (0.0, 1e-6, 1e-3, 1.0, 1e1, 1e2, 1e3, 1e4, 1e6, 1e8):
+        # angles that drag all but fixes have no range; x and y tell whether the force is right
+        options = {"signals": XY, "rtol": 1e-10} if factor >= 1e2 else {}
+        drag = {"weights.drag": factor * MASS * SPEED}
+        yield _coupled(f"drag {factor:g} m w", drag, **options)
+    for ratio in (1e-9, 1e-6, 1e-3, 0.1, 1.0, 10.0):
+        parts = {"weights.mass": 0.95 * ratio, "weights.drag": 0.475 * ratio}
+        # neighbouring motions part fiftyfold in the fifth revolution, and errors with them
+        short = {"run.revolutions": 4} if ratio > 1.0 else {}
+        name = f"weights of {ratio:g} of the rotor's mass"
+        yield _coupled(name, {**parts, "rotor.unbalance": 0.025, **short})
+    for count in (1, 64):
+        changes = {
+            "weights.count": count,
+            "weights.mass": 0.05 / count,
+            "weights.drag": 0.025 / count,
+            "weights.angles": [0.3 + 5.0 * k / count for k in range(count)],
+        }
+        yield _coupled(f"{count} weight{'s' * (count > 1)}", changes)
+    yield from _speeds()
+    yield from _stiffness()
+    for steps, allowed in ((4, 0.2), (10, 1e-3), (100, 1e-6), (1000, 1e-8), (10_000, 1e-8)):
+        told = " and told it is too coarse" if steps < 10 else ""
+        expected = f"error below {allowed:g} of the range{told}"
+        yield Case(f"{steps} steps a revolution", expected, partial(_with_steps, steps, allowed))
+    yield from _starts()
+    for what, change in (
+        ("1e12 kg", {"rotor.mass": 1e12}),
+        ("1e14 N/m", {"rotor.stiffness": 1e14, "rotor.damping": 1e7}),
+    ):
+        expected = "weights coast as nu e^{-d t}, error below 1e-08"
+        yield Case(f"balancer on a rotor of {what}", expected, partial(_coasting, change))
+    yield Case("run-up through both critical speeds", BOTH_WAYS, _run_up)
+    yield Case(
+        "no damping and no drag with weights over 1,000 revolutions",
+        f"energy integral in the rotor frame drifts by less than {JACOBI_DRIFT:g}",
+        _energy_integral,
+    )
 
 
 def two_pendulums(changes: Mapping[str, Any]) -> Scene:
@@ -57,54 +79,10 @@ def two_pendulums(changes: Mapping[str, Any]) -> Scene:
 
 
 def _coupled(name: str, changes: Mapping[str, Any], **options: Any) -> Case:
-    return Case(name, BOTH_WAYS, partial(_against, partial(two_pendulums, changes), options))
+    return Case(name, BOTH_WAYS, lambda: against_monolith(two_pendulums(changes), **options))
 
 
-def _against(build: Callable[[], Scene], options: Mapping[str, Any]) -> Outcome:
-    return against_monolith(build(), **options)
-
-
-def _drags() -> list[Case]:
-    found = []
-    for factor in (0.0, 1e-6, 1e-3, 1.0, 1e1, 1e2, 1e3, 1e4, 1e6, 1e8):
-        # angles that drag all but fixes have no range; x and y tell whether the force is right
-        options = {"signals": XY, "rtol": 1e-10} if factor >= 1e2 else {}
-        name = f"drag {factor:g} m w"
-        found.append(_coupled(name, {"weights.drag": factor * MASS * SPEED}, **options))
-    return found
-
-
-def _masses() -> list[Case]:
-    found = []
-    for ratio in (1e-9, 1e-6, 1e-3, 0.1, 1.0, 10.0):
-        changes = {
-            "weights.mass": 0.95 * ratio,
-            "weights.drag": 0.475 * ratio,
-            "rotor.unbalance": 0.025,
-        }
-        if ratio > 1.0:
-            # neighbouring motions part fiftyfold in the fifth revolution, and errors with them
-            changes["run.revolutions"] = 4
-        found.append(_coupled(f"weights of {ratio:g} of the rotor's mass", changes))
-    return found
-
-
-def _numbers() -> list[Case]:
-    found = []
-    for count in (1, 64):
-        angles = [0.3 + 5.0 * k / count for k in range(count)]
-        changes = {
-            "weights.count": count,
-            "weights.mass": 0.05 / count,
-            "weights.drag": 0.025 / count,
-            "weights.angles": angles,
-        }
-        found.append(_coupled(f"{count} weight{'s' * (count > 1)}", changes))
-    return found
-
-
-def _speeds() -> list[Case]:
-    found = []
+def _speeds() -> Iterator[Case]:
     for power in (-3, -1, 0, 1, 3, 5):
         speed = 10.0**power
         scale = speed / SPEED  # everything turns and swings that much faster
@@ -114,48 +92,33 @@ def _speeds() -> list[Case]:
             "rotor.damping": [0.5 * scale, scale],
             "weights.drag": 0.0125 * scale,
         }
-        found.append(_coupled(f"speed 1e{power} rad/s with weights", changes))
+        yield _coupled(f"speed 1e{power} rad/s with weights", changes)
     for factor in (0.1, 10.0, 100.0):
-        name = f"speed {factor:g} times the scene's"
-        found.append(_coupled(name, {"operation.speed": factor * SPEED}))
+        yield _coupled(f"speed {factor:g} times the scene's", {"operation.speed": factor * SPEED})
     # the pendulums all but rest there: their range is what is left of decayed motion
     slow = {"operation.speed": 0.01 * SPEED}
-    found.append(_coupled("speed 0.01 times the scene's, x and y", slow, signals=XY))
-    return found
+    yield _coupled("speed 0.01 times the scene's, x and y", slow, signals=XY)
 
 
-def _stiffness() -> list[Case]:
-    found = []
+def _stiffness() -> Iterator[Case]:
+    weights = {
+        "name": "weights",
+        "kind": "pendulums",
+        "count": 2,
+        "mass": 0.02,
+        "track_radius": 0.1,
+        "drag": 0.2,
+        "angles": [0.3, 1.0],
+    }
+    signals = ("rotor.x", "weights.moment_xi", "weights.moment_eta")
     for power in UNEVEN:
         rotor = uneven(power, 2.0, 2e-3)
-        weights = {
-            "name": "weights",
-            "kind": "pendulums",
-            "count": 2,
-            "mass": 0.02,
-            "track_radius": 0.1,
-            "drag": 0.2,
-            "angles": [0.3, 1.0],
-        }
-        build = partial(planar_scene, rotor, weights, speed=15.0, revolutions=5)
-        options = {"signals": ("rotor.x", *_MOMENT), "rtol": 1e-11}
         name = f"stiffness 1e2 and 1e{power} N/m with weights"
-        found.append(Case(name, BOTH_WAYS, partial(_against, build, options)))
-    return found
+        yield Case(name, BOTH_WAYS, partial(_planar, rotor, weights, signals))
 
 
-_MOMENT = ("weights.moment_xi", "weights.moment_eta")
-
-
-def _steps() -> list[Case]:
-    found = []
-    for steps, allowed in ((4, 0.2), (10, 1e-3), (100, 1e-6), (1000, 1e-8), (10_000, 1e-8)):
-        expected = f"error below {allowed:g} of the range" + " and told it is too coarse" * (
-            steps < 10
-        )
-        run = partial(_with_steps, steps, allowed)
-        found.append(Case(f"{steps} steps a revolution", expected, run))
-    return found
+def _planar(rotor: Mapping, weights: Mapping, signals: Sequence[str]) -> Outcome:
+    return against_monolith(planar_scene(rotor, weights, speed=15.0), signals, rtol=1e-11)
 
 
 def _with_steps(steps: int, allowed: float) -> Outcome:
@@ -169,15 +132,14 @@ def _with_steps(steps: int, allowed: float) -> Outcome:
     return Outcome(text, error <= allowed and told)
 
 
-def _starts() -> list[Case]:
+def _starts() -> Iterator[Case]:
     far = {"run.initial": {"x": 2.0, "y": -1.2, "vx": 4.0, "vy": 1.6}}
     spinning = {"weights.speeds": [-20.0 * SPEED, 15.0 * SPEED], "run.revolutions": 3}
-    return [
-        _coupled("rotor released a hundred times as far out as it will run", far),
-        _coupled("weights that spin twenty times as fast as the rotor", spinning),
-        _coupled("zero unbalance, weights anywhere", {"rotor.unbalance": 0.0}),
-        Case("zero unbalance, weights evenly spread", "stays at rest, below 1e-12 m", _in_balance),
-    ]
+    yield _coupled("rotor released a hundred times as far out as it will run", far)
+    yield _coupled("weights that spin twenty times as fast as the rotor", spinning)
+    yield _coupled("zero unbalance, weights anywhere", {"rotor.unbalance": 0.0})
+    still = "stays at rest, below 1e-12 m"
+    yield Case("zero unbalance, weights evenly spread", still, _in_balance)
 
 
 def _in_balance() -> Outcome:
@@ -187,20 +149,6 @@ def _in_balance() -> Outcome:
     result = cosimulate(build, record=XY)
     moved = max(float(np.max(np.abs(result[name]))) for name in XY)
     return Outcome(f"moves {moved:.1e} m", moved < 1e-12)
-
-
-def _unmoved() -> list[Case]:
-    return [
-        Case(
-            f"balancer on a rotor of {what}",
-            "weights coast as nu e^{-d t}, error below 1e-08",
-            partial(_coasting, change),
-        )
-        for what, change in (
-            ("1e12 kg", {"rotor.mass": 1e12}),
-            ("1e14 N/m", {"rotor.stiffness": 1e14, "rotor.damping": 1e7}),
-        )
-    ]
 
 
 def _coasting(changes: Mapping[str, Any]) -> Outcome:

@@ -15,6 +15,8 @@ from ..output.workers import ItemProgress, Workers, as_they_come
 from . import cases_angles, cases_rotor, cases_shafts, cases_weights
 from .case import Case, Outcome
 
+COLUMNS = ("case", "expected", "outcome", "s")
+
 
 @dataclass(frozen=True)
 class StressRow:
@@ -79,22 +81,12 @@ def as_json(rows: Sequence[StressRow]) -> dict[str, Any]:
 
 def table(rows: Sequence[StressRow]) -> Sheet:
     """The rows for the terminal."""
-    return Sheet(
-        ("case", "expected", "outcome", "s", "holds"),
-        [
-            (
-                row.case,
-                row.expected,
-                row.outcome,
-                f"{row.seconds:.1f}",
-                "yes" if row.holds else "NO",
-            )
-            for row in rows
-        ],
-        "lllrl",
-        "Stiff and extreme cases",
-        {"holds": {"yes": GOOD, "NO": BAD}},
-    )
+    cells = [
+        (r.case, r.expected, r.outcome, f"{r.seconds:.1f}", "yes" if r.holds else "NO")
+        for r in rows
+    ]
+    colours = {"holds": {"yes": GOOD, "NO": BAD}}
+    return Sheet((*COLUMNS, "holds"), cells, "lllrl", "Stiff and extreme cases", colours)
 
 
 def markdown(rows: Sequence[StressRow]) -> str:
@@ -103,4 +95,4 @@ def markdown(rows: Sequence[StressRow]) -> str:
     for row in rows:
         verdict = row.outcome if row.holds else f"**does not hold:** {row.outcome}"
         cells.append((row.case, row.expected, verdict, f"{row.seconds:.1f}"))
-    return Sheet(("case", "expected", "outcome", "s"), cells).markdown() + "\n"
+    return Sheet(COLUMNS, cells).markdown() + "\n"

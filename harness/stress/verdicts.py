@@ -15,7 +15,6 @@ from dataclasses import dataclass
 from itertools import product
 
 from ...models.monolith import ReferenceDisagreement, reference
-from ...models.reference.coupled import Start
 from ..errors import SimulationError
 from ..master import facts
 from ..master.cosimulation import CoSimulation
@@ -84,7 +83,7 @@ def judge(name: str, spin: float, steps: int) -> VerdictSample:
         scene.assembly(),
         scene.profile(),
         result.time,
-        initial=Start(**dict(scene.run.initial.items())),
+        initial=scene.run.initial.motion(),
         rtol=1e-10,
         bound=1e-2,
         signals=[n for n in names if n.rpartition(".")[2] in STATES],

@@ -13,7 +13,6 @@ from numpy.typing import NDArray
 
 from ...models.assembly import Assembly
 from ...models.monolith import ReferenceDisagreement, reference, simulate
-from ...models.reference.coupled import Start
 from ..errors import SimulationError, UserError
 from ..master.cosimulation import cosimulate
 from ..master.resolution import SAID
@@ -160,7 +159,7 @@ def motion(scene: Scene, result: Result) -> dict[str, NDArray]:
         scene.assembly(),
         scene.profile(),
         result.time,
-        initial=Start(**dict(scene.run.initial.items())),
+        initial=scene.run.initial.motion(),
         rtol=RTOL,
         bound=REFERENCE_BOUND,
         signals=[n for n in names if n.endswith((".x", ".y"))],
@@ -170,7 +169,7 @@ def motion(scene: Scene, result: Result) -> dict[str, NDArray]:
 
 def growth(scene: Scene, times: NDArray) -> float:
     """How many times as large a small turn of every first weight is at most by the end."""
-    start, profile = Start(**dict(scene.run.initial.items())), scene.profile()
+    start, profile = scene.run.initial.motion(), scene.profile()
     ends = []
     for turn in (0.0, DISTURBANCE):
         assembly = _turned(scene.assembly(), turn)

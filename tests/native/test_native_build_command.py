@@ -6,6 +6,7 @@ import zipfile
 from pathlib import Path
 
 import pytest
+from fmpy import read_model_description
 from typer.testing import CliRunner
 
 from autobalancer.fmus.native import compile as compiler
@@ -49,6 +50,15 @@ def test_units_of_fmi_3_on_request(tmp_path):
     assert folders(tmp_path / "BallBalancer.fmu") == set(compiler.PLATFORMS)
 
 
+def test_weights_and_planes_are_arrays_on_request(tmp_path):
+    outcome = invoke("two_balls", "--fmi", "3", "--arrays", "-o", tmp_path)
+    assert outcome.exit_code == 0, outcome.output
+    balls = read_model_description(str(next(tmp_path.glob("[!R]*.fmu"))))
+    shapes = {v.name: v.shape for v in balls.modelVariables if v.shape}
+    assert shapes["weight.angle"] == (2,)
+    assert "spread" not in shapes
+
+
 def test_python_units_on_request(tmp_path):
     outcome = invoke("--python", "-o", tmp_path)
     assert outcome.exit_code == 0, outcome.output
@@ -63,6 +73,7 @@ def test_python_units_on_request(tmp_path):
         (["--fmi", "4"], "fmi = 4: must be one of"),
         (["--python", "--platform", "x86_64-linux"], "native units"),
         (["--python", "--fmi", "3"], "fmi = 3"),
+        (["--arrays"], "only FMI 3.0 has them"),
     ],
 )
 def test_what_cannot_be_built_is_refused_and_nothing_is_left(tmp_path, arguments, message):

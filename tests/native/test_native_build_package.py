@@ -19,9 +19,9 @@ import pytest
 from fmpy.build import build_platform_binary
 from fmpy.validation import validate_fmu
 
-from autobalancer.fmus.build import build, content_id, contents, identity
+from autobalancer.fmus.build import build, content_id, contents, identity, is_present_build
 from autobalancer.fmus.native.compile import PLATFORMS, SOURCES, libraries, stamp
-from autobalancer.fmus.native.package import universal
+from autobalancer.fmus.native.package import platforms_of, universal
 
 pytest.importorskip("ziglang", reason="no compiler: ziglang is not installed")
 
@@ -132,6 +132,24 @@ def test_fmi_3_folders_are_named_as_the_platforms_are_and_the_build_is_described
 def test_chosen_platforms_and_no_other(platforms, folders, tmp_path):
     path = native("LiquidBalancer", tmp_path, platforms=platforms)
     assert {name.split("/")[1] for name in _names(path, "binaries/")} == folders
+
+
+@pytest.mark.parametrize(
+    "platforms",
+    [
+        ("aarch64-linux",),
+        ("aarch64-darwin",),
+        ("x86_64-darwin",),
+        ("x86_64-linux", "aarch64-linux"),
+        ("x86_64-windows", "aarch64-darwin"),
+        tuple(PLATFORMS),
+    ],
+)
+def test_platforms_of_a_unit_are_told_by_its_files(platforms, tmp_path):
+    path = native("LiquidBalancer", tmp_path, platforms=platforms)
+    assert set(platforms_of(contents("LiquidBalancer", platforms=platforms))) == set(platforms)
+    assert is_present_build(path, "LiquidBalancer")
+    assert not is_present_build(path, "LiquidBalancer", frame="fixed")
 
 
 def test_a_platform_that_does_not_exist_is_refused(tmp_path):

@@ -9,6 +9,8 @@ from pathlib import Path
 
 import pytest
 
+from autobalancer.fmus.xml.arrays import arrays
+
 HOST = Path(__file__).with_name("host")
 UNITS = [
     ("RotorOnSupports", {"planes": 2}),
@@ -29,7 +31,7 @@ def compiled(folder: Path, *flags: str, counting: str = "counting.c") -> Path:
 
 
 def words(fmus) -> list[str]:
-    """The units for the host: token and ranges of value references."""
+    """The units for the host: tokens, ranges of value references, and what arrays stand for."""
     found: list[str] = []
     for unit, options in UNITS:
         layout = fmus.layout(unit, **options)
@@ -37,6 +39,10 @@ def words(fmus) -> list[str]:
         numbers = [inputs.start, inputs.stop - inputs.start]
         numbers += [computed.start, observed.stop - computed.start]
         found += [fmus.token(unit, **options), *map(str, numbers)]
+        rows = [[layout.index[v.name] for v in row] for row in arrays(layout) if not row[0].boolean]
+        strides = [(row[-1] - row[0]) // max(len(row) - 1, 1) for row in rows]
+        found.append(fmus.token(unit, arrays=True, **options))
+        found.append("".join(f"{r[0]}:{len(r)}:{s}," for r, s in zip(rows, strides, strict=True)))
     return found
 
 

@@ -2,23 +2,30 @@
 
 from __future__ import annotations
 
+import itertools
+import math
 import os
 from typing import Any
 
 import numpy as np
 import pytest
 
-from autobalancer.harness import Scene, bundled_scenes, cosimulate, load_scene
+from autobalancer.harness import Result, Scene, bundled_scenes, cosimulate, load_scene
 from autobalancer.harness.errors import SimulationError, UserError
 from autobalancer.harness.scene.file import find, read
 
 # AUTOBALANCER_RANDOM_SCENES=300 draws as many
 RANDOM_SCENES = int(os.environ.get("AUTOBALANCER_RANDOM_SCENES", "20"))
+SENSITIVE = 216  # pendulums that turn over: a rounding grows three thousand times
 PLACES = ("position", "stations", "at", "supports", "count", "kind", "compliance", "steps_per_rev")
 
 
 def compared(scene: Scene) -> None:
-    """Run a scene on both kinds of units: the same signals, or the same reason for the end."""
+    """Run a scene on both kinds of units: the same signals, or the same reason for the end.
+
+    Signals agree to 1e-12 of their range.  A motion that amplifies roundings may differ by twice
+    what one rounding more or less in its masses does to the run on Python units.
+    """
     results = []
     for runtime in ("python", "native"):
         try:
@@ -30,14 +37,39 @@ def compared(scene: Scene) -> None:
         assert found == expected
         return
     assert np.array_equal(found.time, expected.time)
-    for signal in expected.signals:
-        size = max(np.ptp(expected[signal]), 1e-3 * np.abs(expected[signal]).max())
-        assert np.abs(found[signal] - expected[signal]).max() <= 1e-12 * size, signal
+    away = differences(found, expected)
+    if max(away.values()) > 1e-12:
+        rounding = roundings(scene, expected)
+        assert {name: d for name, d in away.items() if d > max(1e-12, 2 * rounding[name])} == {}
+
+
+def roundings(scene: Scene, expected: Result) -> dict[str, float]:
+    """What one rounding more or less in every mass does to the run on Python units."""
+    paths = ["rotor.masses" if hasattr(scene.rotor, "masses") else "rotor.mass"]
+    paths += [f"{b.name}.{'mass' if hasattr(b, 'mass') else 'density'}" for b in scene.balancer]
+    parts = [scene.rotor, *scene.balancer]
+    values = [getattr(part, path.split(".")[1]) for part, path in zip(parts, paths, strict=True)]
+    found = []
+    for ends in itertools.product((-math.inf, math.inf), repeat=len(paths)):
+        changed = [
+            np.nextafter(value, end).tolist() for value, end in zip(values, ends, strict=True)
+        ]
+        python = {"coupling.units": "python", **dict(zip(paths, changed, strict=True))}
+        found.append(differences(cosimulate(scene.replace(python)), expected))
+    return {name: max(one[name] for one in found) for name in expected.signals}
+
+
+def differences(one: Result, other: Result) -> dict[str, float]:
+    """Largest difference of each signal, in parts of its range."""
+    return {
+        name: np.abs(one[name] - values).max() / max(np.ptp(values), 1e-3 * np.abs(values).max())
+        for name, values in other.signals.items()
+    }
 
 
 @pytest.mark.parametrize("name", bundled_scenes())
 def test_a_scene_moves_alike_on_native_and_python_units(name):
-    """To 1e-12 of each signal's range over 20 revolutions, collisions and sticking included."""
+    """Over 20 revolutions, collisions and sticking included."""
     compared(load_scene(name).replace({"run.revolutions": 20}))
 
 
@@ -70,6 +102,6 @@ def random_scene(seed: int) -> Scene:
             continue  # what does not fit together, such as weights too large for their track
 
 
-@pytest.mark.parametrize("seed", range(RANDOM_SCENES))
+@pytest.mark.parametrize("seed", sorted({*range(RANDOM_SCENES), SENSITIVE}))
 def test_random_scenes_move_alike(seed):
     compared(random_scene(seed))

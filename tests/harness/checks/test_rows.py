@@ -8,6 +8,7 @@ import math
 import numpy as np
 import pytest
 
+from autobalancer.harness import check, cosimulate, load_scene
 from autobalancer.harness.checks.report import as_json, markdown, verdict
 from autobalancer.harness.checks.row import Row, Rows
 from autobalancer.harness.checks.sign_change import sign_change
@@ -41,10 +42,10 @@ def test_a_measured_value_that_is_not_a_number_does_not_hold():
 
 
 def test_worst_point_of_a_curve_is_the_one_that_is_not_a_number():
-    row = ROWS.worst("curve", [1.0, 2.0, 0.0], [1.5, math.nan, 0.0], 1.0, "paper")
+    row = ROWS.number("curve", [1.0, 2.0, 0.0], [1.5, math.nan, 0.0], 1.0, "paper")
     assert row.expected == 2.0
     assert not row.holds
-    assert ROWS.worst("curve", [1.0, 2.0, 0.0], [1.5, 2.0, 0.0], 1.0, "paper").error == 0.5
+    assert ROWS.number("curve", [1.0, 2.0, 0.0], [1.5, 2.0, 0.0], 1.0, "paper").error == 0.5
 
 
 def test_json_has_words_where_it_has_no_numbers(tmp_path):
@@ -84,3 +85,12 @@ def test_a_function_without_a_sign_changes_none(function):
 
 def test_a_product_that_underflows_still_changes_its_sign():
     assert np.isclose(sign_change(lambda w: 1e-200 * (w - 1.01), 1.0, "root"), 1.01)
+
+
+@pytest.mark.parametrize(("steps", "holds"), [(40, True), (4, False)])
+def test_a_scene_can_ask_for_its_own_error(steps, holds):
+    scene = load_scene("two_balls").replace({"coupling.order": 1, "coupling.steps_per_rev": steps})
+    (row,) = check(scene.with_check({"kind": "measured_error"}))
+    assert row.holds is holds
+    assert row.error == max(cosimulate(scene, verify=True).verification.relative.values())
+    assert f"{6 * steps} steps a revolution" in row.source

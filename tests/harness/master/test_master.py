@@ -261,16 +261,16 @@ def test_held_and_linear_signals_set_no_derivatives_they_do_not_use(
     monkeypatch, order, forces, accelerations
 ):
     written: dict[str, set] = {}
-    plain = Fmu.send
+    plain = Fmu.exchange
 
-    def spy(unit, group):
-        written.setdefault(unit.name, set()).update(group.names)
-        plain(unit, group)
+    def spy(unit, inputs, *rest):
+        written.setdefault(unit.name, set()).update(inputs.names)
+        plain(unit, inputs, *rest)
 
     scene = load_scene("two_balls").replace({"coupling.order": order, "run.revolutions": 1})
     with CoSimulation(scene) as cosim:
         cosim.start()
-        monkeypatch.setattr(Fmu, "send", spy)
+        monkeypatch.setattr(Fmu, "exchange", spy)
         cosim.step(0.05)
     assert {name.replace("plane[1].", "") for name in written["rotor"]} == set(forces.split())
     assert written["weights"] == set(accelerations.split())

@@ -117,7 +117,7 @@ def test_replace_leaves_the_original_alone():
 
 def test_replace_reaches_tables_that_the_file_leaves_out():
     scene = load_scene("two_balls").replace({"run.initial.vx": 0.5})
-    assert dict(scene.run.initial.items()) == {"x": 0, "y": 0, "vx": 0.5, "vy": 0, "angle": 0}
+    assert dict(scene.run.initial) == {"x": 0, "y": 0, "vx": 0.5, "vy": 0, "angle": 0}
 
 
 def test_speed_and_run_up_take_each_other_s_place():

@@ -3,8 +3,8 @@
 import pytest
 
 from autobalancer.harness.scene import Scene
-from autobalancer.harness.scene.messages import keys_of, tables_in
-from autobalancer.harness.scene.quantities import unit_of
+from autobalancer.harness.scene.messages import tables_in
+from autobalancer.harness.scene.quantities import fields_of, unit_of
 from autobalancer.harness.scene.reference import BEGIN, README, main, meanings, reference, replaced
 
 
@@ -38,11 +38,12 @@ def test_a_stale_readme_is_said_and_written_anew(tmp_path, monkeypatch, capsys):
 @pytest.mark.parametrize("table", tables(), ids=lambda table: table.__name__)
 def test_every_key_stands_there_with_its_unit_and_meaning(table):
     text, said = reference(), meanings(table)
-    keys = dict(zip(table.model_fields, keys_of(table), strict=True))
     nested = {name for name, field in Scene.model_fields.items() if tables_in(field.annotation)}
-    for name in set(keys) - {"kind"} - (nested if table is Scene else set()):
-        unit = unit_of(table, name)
-        row = f"{keys[name]}` | {unit} |" if unit else f"{keys[name]}` | |"
+    for name, (key, field) in zip(table.model_fields, fields_of(table).items(), strict=True):
+        if name == "kind" or (table is Scene and name in nested):
+            continue
+        unit = unit_of(field)
+        row = f"{key}` | {unit} |" if unit else f"{key}` | |"
         assert row in text, f"{table.__name__}.{name}"
         assert said[name]
 

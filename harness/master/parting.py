@@ -1,0 +1,67 @@
+"""Runs of one scene that lose each other, and what can still be compared of them.
+
+Where neighbouring motions part exponentially no method knows the end, and each run is one sample of
+it: the rate is said, and mean, rms and extreme are what two runs have in common.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+FEWEST_POINTS = 8  # to fit a rate to
+POWER_LAW = 3.0  # errors that gather grow with time to this power at most: 2 for a phase's drift
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Statistics:
+    """Of a signal over the run, in its unit, each point counted for the time it stands for."""
+
+    mean: float
+    rms: float
+    extreme: float
+
+    @classmethod
+    def of(cls, time: Array, values: Array) -> Statistics:
+        """Of values (T,) at times (T,)."""
+        weights = np.gradient(time) / np.gradient(time).sum() if len(time) > 1 else np.ones(1)
+        rms = math.sqrt(float(weights @ values**2))
+        return cls(float(weights @ values), rms, float(np.abs(values).max()))
+
+
+@dataclass(frozen=True)
+class Parting:
+    """Two runs that lose each other exponentially.
+
+    Attributes:
+        rate: of their difference, per revolution, e-folds.
+        revolution: from which they differ by a tenth of a signal's range.
+    """
+
+    rate: float
+    revolution: float
+
+
+def parted(revolutions: Array, apart: Array, size: Array, lost: int) -> Parting | None:
+    """Whether runs have lost each other exponentially: faster than errors gather.
+
+    Motion that grows takes its error along: what counts is their ratio.
+
+    Args:
+        revolutions: (T,) done at each point.
+        apart, size: (T,) difference of a signal, and its size.
+        lost: index of the point where they differ by `PARTED`.
+    """
+    begin, half = np.searchsorted(revolutions, np.array([0.1, 0.5]) * revolutions[lost])
+    if lost - half < FEWEST_POINTS:
+        return None
+    grown, most = np.maximum.accumulate(apart), np.maximum.accumulate(size)
+    ratio, turned = (grown / most)[begin : lost + 1], revolutions[begin : lost + 1]
+    if not ratio[0] > 0.0 or ratio[-1] < 2.0**POWER_LAW * ratio[half - begin]:
+        return None
+    slope = np.polynomial.Polynomial.fit(turned, np.log(ratio), 1).convert().coef[1]
+    return Parting(float(slope), float(revolutions[lost]))
