@@ -19,7 +19,7 @@ from .run import UNCORRECTED
 _ALTERNATIVES = {
     "operation.speed": ("run_up",),
     "operation.run_up": ("speed",),
-    "coupling.steps_per_rev": ("tolerance",),
+    "coupling.steps_per_rev": ("tolerance", "fewest_steps_per_rev"),
     "coupling.tolerance": ("steps_per_rev", "corrections"),
 }
 _PART = re.compile(r"(?P<key>[A-Za-z_][A-Za-z0-9_-]*)(?P<indices>(?:\[\d+\])*)$")
