@@ -83,6 +83,9 @@ static struct {
     fmi3Status (*derive)(fmi3Instance, const fmi3ValueReference *, size_t,
                          const fmi3ValueReference *, size_t, const fmi3Float64 *, size_t,
                          fmi3Float64 *, size_t);
+    fmi3Status (*adjoint)(fmi3Instance, const fmi3ValueReference *, size_t,
+                          const fmi3ValueReference *, size_t, const fmi3Float64 *, size_t,
+                          fmi3Float64 *, size_t);
     fmi3Status (*get_slopes)(fmi3Instance, const fmi3ValueReference *, size_t, const fmi3Int32 *,
                              fmi3Float64 *, size_t);
 } three;
@@ -184,6 +187,7 @@ static void load(void *library)
     bind(library, "fmi3SetFMUState", &three.restore);
     bind(library, "fmi3FreeFMUState", &three.forget);
     bind(library, "fmi3GetDirectionalDerivative", &three.derive);
+    bind(library, "fmi3GetAdjointDerivative", &three.adjoint);
     bind(library, "fmi3GetOutputDerivatives", &three.get_slopes);
 }
 
@@ -600,7 +604,7 @@ static void arrays_in_any_order(const Kind *kind)
         for (i = 0; i < 8; i++) {
             orders[i] = (int)drawn(3);
         }
-        switch (drawn(9)) {
+        switch (drawn(10)) {
         case 0: status = three.enter(c, 0, 0.0, 0.0, 0, 0.0); break;
         case 1: status = three.leave(c); break;
         case 2: status = three.get(c, references, count, others, elements); break;
@@ -611,7 +615,11 @@ static void arrays_in_any_order(const Kind *kind)
             status = three.derive(c, references, count, knowns, known_count, values, seeds, others,
                                   elements);
             break;
-        case 7: status = three.get_slopes(c, references, count, orders, others, elements); break;
+        case 7:
+            status = three.adjoint(c, references, count, knowns, known_count, values, elements,
+                                   others, seeds);
+            break;
+        case 8: status = three.get_slopes(c, references, count, orders, others, elements); break;
         default:
             status = three.step(c, time, 1e-3, 1, &event, &end, &early, &time);
         }
