@@ -15,6 +15,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from ..catalogue import sized_unit
+from ..composite.variables import COMPOSITE
 from ..unit import SizedUnit
 from ..variables import Layout, Variable
 
@@ -41,6 +42,7 @@ TABLES: tuple[tuple[str, str, str, dict[str, Any]], ...] = (
     ),
     ("LiquidBalancer", "", "", {}),
     ("BallBalancer", "", "", {"weights": _WEIGHTS}),
+    ("Composite", "", "", {"planes": _PLANES}),
 )
 
 _INDEX = re.compile(r"(?<=[\[,])\d+(?=[\],])")
@@ -114,10 +116,10 @@ def token(unit: SizedUnit, stamp: str, *, arrays: bool = False) -> str:
     return "/".join([*words, f"{digest(unit.layout)}-{stamp}"])
 
 
-def digest(layout: Layout) -> str:
-    """Sixteen hexadecimal digits of all names, units, start values and limits: FNV-1a."""
+def digest(layout: Layout, text: str = "") -> str:
+    """FNV-1a of all names, units, start values and limits, and of a text: 16 hexadecimal digits."""
     total = _FNV_START
-    for byte in "".join(_described(layout)).encode("ascii"):
+    for byte in "".join([*_described(layout), text]).encode("ascii"):
         total = (total ^ byte) * _FNV_PRIME & 0xFFFFFFFFFFFFFFFF
     return f"{total:016x}"
 
@@ -125,14 +127,15 @@ def digest(layout: Layout) -> str:
 def _described(layout: Layout) -> Iterator[str]:
     """A line a variable, as variables.c writes it."""
     for v in layout.reals:
-        start = "~" if v.name.startswith(_COMPUTED) else _bits(v.start or 0.0)
-        low = "-" if v.minimum is None else _bits(v.minimum) + "+" * v.above
+        start = "~" if _COMPUTED in v.name else bits(v.start or 0.0)
+        low = "-" if v.minimum is None else bits(v.minimum) + "+" * v.above
         yield f"{_group(v)} {v.name} {v.unit} {start} {low}\n"
     for v in layout.booleans:
         yield f"b {v.name} {int(bool(v.start))}\n"
 
 
-def _bits(value: float) -> str:
+def bits(value: float) -> str:
+    """The sixteen hexadecimal digits of a double."""
     return struct.pack(">d", value).hex()
 
 
@@ -143,7 +146,9 @@ def _group(variable: Variable) -> str:
 
 
 def _layout(unit: str, **options: Any) -> Layout:
-    return sized_unit(unit, **options).layout
+    return (
+        COMPOSITE.sized(options) if unit == COMPOSITE.name else sized_unit(unit, **options)
+    ).layout
 
 
 def _blocks(unit: str, options: dict[str, Any]) -> list[_Block]:

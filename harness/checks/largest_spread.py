@@ -23,12 +23,7 @@ SOURCE = "Goncharov 2017 (1), (10), (13)"
 def check_largest_spread(
     scene: Scene, check: LargestSpreadCheck, progress: Progress, workers: Workers = 1
 ) -> Iterator[Row]:
-    """The slower of both ways in which the unbalance changes a little, for every number.
-
-    Raises:
-        SceneError: the scene is not one for `design`.
-        SimulationError: a run cannot be completed.
-    """
+    """The slower of both ways in which the unbalance changes a little, for every number."""
     rows = Rows(scene.name, "largest_spread")
     if check.revolutions is not None:
         scene = scene.replace({"run.revolutions": check.revolutions})

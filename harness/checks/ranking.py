@@ -27,12 +27,7 @@ SOURCE = "Goncharov 2017, 5.4.3, Fig. 7"
 def check_ranking(
     scene: Scene, check: RankingCheck, progress: Progress, workers: Workers = 1
 ) -> Iterator[Row]:
-    """The fastest number, the order, decay rates, and what the communication step leaves.
-
-    Raises:
-        SceneError: the scene is not one for `design`.
-        SimulationError: a run cannot be completed.
-    """
+    """The fastest number, the order, decay rates, and what the communication step leaves."""
     counts = range(2, check.most + 1)
     rows = Rows(scene.name, "goncharov_ranking")
     share = 1.0 - 2.0 * check.halved / (check.starts + 2.0 * check.halved)

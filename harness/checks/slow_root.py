@@ -20,12 +20,7 @@ SOURCE = "Goncharov 2017 (1)"
 def check_slow_root(
     scene: Scene, check: SlowRootCheck, progress: Progress, workers: Workers = 1
 ) -> Iterator[Row]:
-    """Fitted rates of runs from two groups face to face, where p is large and (1) decides.
-
-    Raises:
-        SceneError: the scene is not one for `design`.
-        SimulationError: a run cannot be completed.
-    """
+    """Fitted rates of runs from two groups face to face, where p is large and (1) decides."""
     rows = Rows(scene.name, "slow_root")
     amount = check.unbalance
     if amount is None:

@@ -14,12 +14,12 @@ from .file import MOST_LEVELS
 from .messages import choose_table, did_you_mean, tables_in
 from .quantities import fields_of
 
-# giving one of these takes the other's place
+# giving one of these takes the others' place
 _ALTERNATIVES = {
-    "operation.speed": "run_up",
-    "operation.run_up": "speed",
-    "coupling.steps_per_rev": "tolerance",
-    "coupling.tolerance": "steps_per_rev",
+    "operation.speed": ["run_up"],
+    "operation.run_up": ["speed"],
+    "coupling.steps_per_rev": ["tolerance", "fewest_steps_per_rev"],
+    "coupling.tolerance": ["steps_per_rev"],
 }
 _PART = re.compile(r"(?P<key>[A-Za-z_][A-Za-z0-9_-]*)(?P<indices>(?:\[\d+\])*)$")
 
@@ -76,7 +76,8 @@ def _put(holder: Document, table: TableType, path: str, rest: list[str], value: 
             )
         if depth == len(parts) - 1:
             if value is not None:
-                holder.pop(_ALTERNATIVES.get(path, ""), None)
+                for other in _ALTERNATIVES.get(path, []):
+                    holder.pop(other, None)
             _assign(holder, part["key"], part["indices"], value, path)
             return
         below = holder.setdefault(part["key"], {})

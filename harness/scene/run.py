@@ -12,6 +12,7 @@ from .quantities import Angle, NotNegative, Positive, Real, Table, Text, Unit, W
 
 DEFAULT_STEPS = 40  # a revolution: 1e-6 on the two-ball scene with cubic signals
 FEWEST_STEPS = 4  # fewer do not resolve one revolution
+FEWEST_CHOSEN = 8  # steps a revolution with a tolerance: fewer would not show one in a record
 LOOSEST_TOLERANCE = 0.1
 FEWEST_REVOLUTIONS = 1e-9  # a step's square must stay a number
 
@@ -66,6 +67,8 @@ class Coupling(Table):
     """Relative error a step may make, which chooses the steps; this or `steps_per_rev`."""
     steps_per_rev: Annotated[Whole | None, Field(ge=FEWEST_STEPS, le=1_000_000)] = None
     """Communication steps in the fastest revolution; default: 40 without a tolerance."""
+    fewest_steps_per_rev: Annotated[Whole | None, Field(ge=1, le=1_000_000)] = None
+    """With a tolerance: steps in the fastest revolution where longer ones would do; default: 8."""
     order: Annotated[Literal[0, 1, 3], BeforeValidator(_whole_choice)] = 3
     """Of the signals over a step: 0 held, 1 linear, 3 cubic Hermite."""
     corrections: Annotated[Whole | None, Field(ge=0, le=100)] = None
@@ -89,6 +92,8 @@ class Coupling(Table):
                 "steps_per_rev",
                 f"give either steps_per_rev or tolerance = {self.tolerance:g}, not both",
             )
+        if self.fewest_steps_per_rev is not None and self.tolerance is None:
+            raise refusal("fewest_steps_per_rev", "needs a tolerance, which chooses the steps")
         if self.order != 3 and self.scheme == "compensated":
             raise refusal("order", 'must be 3 with scheme = "compensated", which exchanges slopes')
         return self

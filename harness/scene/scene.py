@@ -103,6 +103,11 @@ class Scene(Table):
         return self._path.stem if self._path else self._label
 
     @property
+    def document(self) -> dict[str, Any]:
+        """What the scene was made from, as a TOML file would say it."""
+        return copy.deepcopy(self._document)
+
+    @property
     def heading(self) -> str:
         """What tables and pictures call the scene: its title, else its name."""
         return self.title or self.name
@@ -151,8 +156,7 @@ class Scene(Table):
 
     def without_balancers(self) -> Scene:
         """The bare rotor, with nothing to check."""
-        document = {k: v for k, v in self._document.items() if k not in {"balancer", "check"}}
-        return Scene._of(document, self._path, self._label)
+        return self.without(*(balancer.label for balancer in self.balancer))
 
     def with_check(self, table: Mapping[str, Any]) -> Scene:
         """The scene with one more [[check]].
@@ -167,7 +171,7 @@ class Scene(Table):
     def without(self, *names: str) -> Scene:
         """The scene less the balancers of these names, with nothing to check."""
         document = {k: v for k, v in self._document.items() if k != "check"}
-        kept = zip(self.balancer, self._document["balancer"], strict=True)
+        kept = zip(self.balancer, document.get("balancer", ()), strict=True)
         document["balancer"] = [table for balancer, table in kept if balancer.label not in names]
         return Scene._of(document, self._path, self._label)
 

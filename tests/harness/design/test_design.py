@@ -10,7 +10,6 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 from scipy.optimize import brentq
-from typer.testing import CliRunner
 
 from autobalancer.harness import load_scene
 from autobalancer.harness.checks.capacity import check_capacity, check_sizes, packed_turn
@@ -18,7 +17,6 @@ from autobalancer.harness.checks.contact_order import check_contact_order
 from autobalancer.harness.checks.largest_spread import check_largest_spread
 from autobalancer.harness.checks.ranking import check_ranking
 from autobalancer.harness.checks.slow_root import check_slow_root
-from autobalancer.harness.cli import app
 from autobalancer.harness.design.choices import design
 from autobalancer.harness.design.decay import decay
 from autobalancer.harness.design.recommendation import contradictions, rivals, words
@@ -228,7 +226,7 @@ def test_two_weights_without_unbalance_are_named_not_failed():
     assert any("one diameter" in line for line in words(data))
 
 
-def test_design_command_shows_a_table_words_and_a_picture(tmp_path, monkeypatch):
+def test_design_command_shows_a_table_words_and_a_picture(invoke, tmp_path, monkeypatch):
     monkeypatch.setenv("COLUMNS", "200")
     scene = tmp_path / "short.toml"
     text = load_scene("finite_weights").path.read_text()
@@ -236,15 +234,15 @@ def test_design_command_shows_a_table_words_and_a_picture(tmp_path, monkeypatch)
     scene.write_text(short.replace("steps_per_rev = 40", "steps_per_rev = 20"))
     picture = tmp_path / "design.png"
     arguments = ["design", str(scene), "--starts", "6", "--most", "3", "-o", str(picture)]
-    result = CliRunner().invoke(app, arguments)
+    result = invoke(*arguments)
     assert result.exit_code == 0, result.output
     assert "p largest" in result.output
     assert "balls of radius" in result.output
     # two balls have not the capacity and are not run
     assert "FMUs loaded: RotorOnSupports.fmu, BallBalancer-weights-3.fmu\n" in result.output
     assert picture.stat().st_size > 10_000
-    short = CliRunner().invoke(app, [*arguments, "--unbalance", "5"])
+    short = invoke(*arguments, "--unbalance", "5")
     assert "No number of balls in this space" in short.output
     assert "FMUs loaded: none" in short.output
-    refused = CliRunner().invoke(app, ["design", "two_balls"])
+    refused = invoke("design", "two_balls")
     assert refused.exit_code == 2
