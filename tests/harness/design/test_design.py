@@ -5,6 +5,7 @@ from __future__ import annotations
 import cmath
 import math
 import random
+from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
@@ -190,6 +191,24 @@ def test_three_weights_at_the_largest_p_have_the_slow_direction_of_two_and_it_is
     assert four.holds
     assert four.expected == pytest.approx(2.0 * 5.95, rel=0.05)  # half of a, nearly twice the time
     assert best.measured == "4"
+
+
+def test_three_weights_are_warned_of_their_critical_case_where_it_is_near():
+    """Two that touch hold m (R - r) 2 cos(alpha), and the third takes one m (R - r) of it."""
+    scene = load_scene("finite_weights").replace({"run.revolutions": 5})
+    data = design(scene, unbalance=0.06, counts=[3], starts=6)
+    (three,) = data.choices
+    balls = three.scene.balancer[0]
+    arm = balls.mass * balls.track_radius
+    critical = arm * (2.0 * math.cos(math.asin(balls.weight_radius / balls.track_radius)) - 1.0)
+    lines = {
+        share: [x for x in words(replace(data, unbalance=share * critical)) if "critical" in x]
+        for share in (0.8, 0.95, 1.1, 2.0)
+    }
+    assert lines[0.8] == []  # no unbalance up to this one meets it
+    assert all(f"at {critical:.4g} kg m" in line for share in (0.95, 2.0) for line in lines[share])
+    near = {share for share, found in lines.items() if any("WARNING" in x for x in found)}
+    assert near == {0.95, 1.1}
 
 
 def test_contradictions_need_intervals_that_do_not_touch():
