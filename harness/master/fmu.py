@@ -250,10 +250,18 @@ class Fmu(Closing):
         if status > _WARNING:
             self._check(status, f"reading {', '.join(outputs.names[:4])}")
 
-    def save(self) -> c_void_p:
-        """A copy of the complete state; give it back with `free`."""
+    def save(self, state: c_void_p | None = None) -> c_void_p:
+        """A copy of the complete state; give it back with `free`.
+
+        Args:
+            state: an earlier copy of this unit's, which is written over.
+        """
         self.calls["save"] += 1
-        state = c_void_p()
+        if state is None:
+            state = c_void_p()
+        elif self.fmu.runs_python:  # pythonfmu makes a new copy and loses the one that is handed in
+            self.free(state)
+            state.value = None
         status = self._save(self._component, byref(state))
         if status > _WARNING:
             self._check(status, "saving the state")
