@@ -22,11 +22,7 @@ def moment(largest: float) -> tuple[float, str]:
 
 
 def plot_corrections(result: BalancingReport, path: Path) -> Path:
-    """One polar diagram a plane: the mounted correction after every cycle, and where it had to go.
-
-    Raises:
-        UserError: the file cannot be written.
-    """
+    """One polar diagram a plane: what was mounted after every cycle, and where it had to go."""
     count = len(result.planes)
     # a technology that diverges would shrink all else to a point
     shown = [t for t in result.technologies if t.meets] or list(result.technologies)

@@ -1,0 +1,45 @@
+"""The coupled units of a scene as one FMU."""
+
+from __future__ import annotations
+
+from ...fmus.composite.composition import Composition, Part
+from ..errors import SceneError
+from ..scene import Scene
+from .plan import ROTOR, plan
+
+
+def composition(scene: Scene) -> Composition:
+    """What a scene's composite FMU is made from.
+
+    Raises:
+        SceneError: the scene is coupled in a way that a composite does not have.
+    """
+    coupling, profile = scene.coupling, scene.profile()
+    if coupling.order != 3:
+        raise SceneError(f"{scene.name}: coupling.order = {coupling.order}: one file has order 3")
+    found = plan(scene)
+    exchanging = {c.source.unit for c in found.of_kind("signal")}
+    following = {c.target.unit for c in found.of_kind("value")}
+    start = {
+        "coupling.tolerance": coupling.tolerance or 0.0,
+        "coupling.steps_per_rev": float(coupling.steps_per_rev or 0),
+        "coupling.top_speed": max(profile.start, profile.end),
+        "speed": profile.speed(0.0),
+        "acceleration": profile.acceleration(0.0),
+    }
+    parts = [
+        Part(
+            unit.name,
+            unit.model,
+            unit.sizes,
+            unit.start,
+            0 if unit.name == ROTOR else found.planes[unit.name],
+            unit.name in exchanging and unit.name != ROTOR,
+            unit.name in following,
+        )
+        for unit in found.units
+    ]
+    try:
+        return Composition(tuple(parts), coupling.scheme, coupling.corrections, start)
+    except ValueError as error:
+        raise SceneError(f"{scene.name}: one file: {error}") from None
