@@ -47,10 +47,9 @@ class Variables:
         call: arguments of that call, as C values.
         reals: the buffer as an array.
         vectors: the same as complex numbers, where the variables are pairs of components.
-        bytes: the buffer as bytes.
     """
 
-    __slots__ = ("buffer", "bytes", "call", "names", "reals", "references", "size", "vectors")
+    __slots__ = ("buffer", "call", "names", "reals", "references", "size", "vectors")
 
     def __init__(
         self,
@@ -64,7 +63,6 @@ class Variables:
         self.references = (c_uint * self.size)(*references)
         self.reals = np.zeros(self.size) if memory is None else memory.reshape(-1).view(float)
         self.buffer: Array[c_double] = (c_double * self.size).from_buffer(self.reals.data)
-        self.bytes = memoryview(self.buffer).cast("B")
         self.call = component, self.references, c_size_t(self.size), self.buffer
         self.vectors = self.reals[: self.size // 2 * 2].view(complex)
 
