@@ -63,6 +63,7 @@ class CoSimulation(Closing):
                 for one in self.plan.units:
                     refuse_other_build(self.units[one.name], one)
             self.system = System(self.plan, self.units, scene.coupling.order, watch)
+            stack.callback(self.system.free_states)
             self._stack = stack.pop_all()
         self.gain = self.amplification = 0.0
         self.time = 0.0
