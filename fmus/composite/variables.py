@@ -90,11 +90,11 @@ def variables(parts: Iterable[tuple[str, SizedUnit]], planes: int) -> list[Varia
 
 def _of_part(name: str, variable: Variable) -> Variable:
     """A variable under the name of its part; outputs wait until they are read."""
-    derivative = variable.derivative_of
+    der = "der(" * variable.name.startswith("der(")
     return replace(
         variable,
-        name=f"{name}.{variable.name}",
-        derivative_of=f"{name}.{derivative}" if derivative else "",
+        name=f"{der}{name}.{variable.name.removeprefix(der)}",
+        derivative_of=variable.derivative_of and f"{name}.{variable.derivative_of}",
         depends=(),
         begins=(),
         observed=variable.causality == "output",

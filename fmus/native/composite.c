@@ -38,12 +38,13 @@ static size_t signal_doubles(size_t count)
 
 size_t composite_memory(Composite *c, double *memory)
 {
-    enum { BLOCKS = 9 };
+    enum { BLOCKS = 10 };
     const size_t e = (size_t)c->exchanges, p = (size_t)c->planes;
     const size_t outer = 2 * (size_t)c->parts->unit->layout.sizes.planes;
     const size_t counts[BLOCKS] = {
         sizeof(Course) / sizeof(double), outer, signal_doubles(e), signal_doubles(p),
-        16 * e * (e + p), 4 * (e + p), c->state_count, c->state_count, c->state_count};
+        16 * e * (e + p), 4 * (e + p), p * sizeof(Swung) / sizeof(double), c->state_count,
+        c->state_count, c->state_count};
     size_t at[BLOCKS], total = 0, state;
     int k;
     for (k = 0; k < BLOCKS; k++) {
@@ -67,9 +68,10 @@ size_t composite_memory(Composite *c, double *memory)
         c->accelerations = (Signal *)(memory + at[3]);
         c->solution = memory + at[4];
         c->missed = (Knot *)(memory + at[5]);
-        c->at_begin = memory + at[6];
-        c->at_end = memory + at[7];
-        c->states = memory + at[8];
+        c->swung = (Swung *)(memory + at[6]);
+        c->at_begin = memory + at[7];
+        c->at_end = memory + at[8];
+        c->states = memory + at[9];
     }
     return total;
 }
@@ -79,6 +81,7 @@ static int allocate(Unit *unit)
     Composite *c = unit->own;
     const size_t e = (size_t)c->exchanges, p = (size_t)c->planes, cubic = SIGNAL_ORDERS;
     const size_t n = 4 * (e + p), square = 16 * e * e;
+    const size_t stations = (size_t)c->parts->unit->layout.sizes.stations;
     double **vectors[] = {&c->u, &c->g_u, &c->moved, &c->answered, &c->residual, &c->du, &c->old};
     size_t k;
     int missing = 0;
@@ -95,8 +98,10 @@ static int allocate(Unit *unit)
     c->square = unit_allocate(unit, square, sizeof(double));
     c->wide = unit_allocate(unit, 16 * e * p, sizeof(double));
     c->work = unit_allocate(unit, 2 * square, sizeof(double));
+    c->masses = unit_allocate(unit, 2 * (size_t)c->parts->unit->layout.sizes.planes, sizeof(double));
+    c->decay = unit_allocate(unit, 32 * stations * stations, sizeof(double));
     return missing || !c->assumed || !c->sent || !c->felt || !c->ends || !c->answers ||
-           !c->square || !c->wide || !c->work;
+           !c->square || !c->wide || !c->work || !c->decay || !c->masses;
 }
 
 /* -- the start ------------------------------------------------------------------------------- */
@@ -215,6 +220,7 @@ static int start(Unit *unit)
         return 1;
     }
     begin_scheme(unit, step);
+    resolution_begin(unit);
     course->started = 1.0;
     return 0;
 }
@@ -281,11 +287,12 @@ static int advance(Unit *unit)
     if ((c->scheme == SCHEME_COMPENSATED && c->exchanges
              ? compensated_step(unit, step, jump)
              : jump ? iterated_cross(unit, step) : iterated_step(unit, step)) ||
+        (c->exchanges && !jump && (resolution_check(unit, step) || iterated_judge(unit))) ||
         composite_follow(unit, step)) {
         return 1;
     }
     course->time += step;
-    course->steps += 1.0;
+    course->steps += jump ? 0.0 : 1.0;
     return startup_taken(unit);
 }
 

@@ -82,10 +82,11 @@ static double attempt(Unit *unit, double step, int passes)
 }
 
 /* 0, or 1 with the reason where what is left of the forces cannot be tolerated. */
-static int judge(Unit *unit, double residual)
+int iterated_judge(Unit *unit)
 {
     const Composite *c = unit->own;
     Course *course = c->course;
+    const double residual = course->residual;
     const int converges = course->corrections < 0.0;
     Text *reason;
     if (!(residual > (converges ? course->tolerance : LOOSE))) {
@@ -110,12 +111,11 @@ static int judge(Unit *unit, double residual)
 int iterated_step(Unit *unit, double step)
 {
     Composite *c = unit->own;
-    const Course *course = c->course;
+    Course *course = c->course;
     /* a first step has no past to be predicted from and would cost an order */
     const int all = course->corrections < 0.0 || (course->no_past > 0.0 && course->corrections > 0.0);
-    const double residual = attempt(unit, step, all ? MAX_PASSES : (int)course->corrections + 1);
-    return residual < 0.0 || composite_accept(unit, c->ends, c->answers, step) ||
-           judge(unit, residual);
+    course->residual = attempt(unit, step, all ? MAX_PASSES : (int)course->corrections + 1);
+    return course->residual < 0.0 || composite_accept(unit, c->ends, c->answers, step);
 }
 
 int iterated_cross(Unit *unit, double step)

@@ -2,6 +2,11 @@
 
 from __future__ import annotations
 
+import re
+from collections.abc import Iterable
+from pathlib import Path
+
+from ...fmus.composite.build import build_composite
 from ...fmus.composite.composition import Composition, Part
 from ..errors import SceneError
 from ..scene import Scene
@@ -43,3 +48,16 @@ def composition(scene: Scene) -> Composition:
         return Composition(tuple(parts), coupling.scheme, coupling.corrections, start)
     except ValueError as error:
         raise SceneError(f"{scene.name}: one file: {error}") from None
+
+
+def build_one_file(
+    scene: Scene, path: Path, fmi: int = 2, platforms: Iterable[str] | None = None
+) -> Path:
+    """Build a scene's composite FMU; its model is named after the scene.
+
+    Raises:
+        SceneError: as `composition`.
+        ValueError, NotCompiled, OSError: as `build_composite`.
+    """
+    name = re.sub(r"^(?=\d)|\W", "_", scene.name, flags=re.ASCII)
+    return build_composite(composition(scene), path, name=name, fmi=fmi, platforms=platforms)
