@@ -13,6 +13,10 @@ from dataclasses import dataclass
 from itertools import chain
 
 ORDERS = 4  # an input signal is a cubic: value and derivatives of order 1 to 3
+_SIGNALS = {  # units of value and derivatives
+    "acceleration": ("m/s2", "m/s3", "m/s4", "m/s5"),
+    "force": ("N", "N/s", "N/s2", "N/s3"),
+}
 
 
 @dataclass(frozen=True)
@@ -80,18 +84,9 @@ class Variable:
         return f"{self.name} = {value!r}{'' if self.unit == '1' else ' ' + self.unit}"
 
 
-def parameter(
-    name: str,
-    start: float | bool,
-    unit: str,
-    description: str,
-    *,
-    minimum: float | None = None,
-    above: bool = False,
-    **more,
-) -> Variable:
+def parameter(name: str, start: float | bool, unit: str, description: str, **more) -> Variable:
     """A parameter, free until initialisation ends."""
-    return Variable(name, "parameter", unit, start, description, "fixed", minimum, above, **more)
+    return Variable(name, "parameter", unit, start, description, "fixed", **more)
 
 
 def plain_input(name: str, start: float, unit: str, description: str, **more) -> Variable:
@@ -104,34 +99,54 @@ def derivative(name: str, order: int) -> str:
     return (name, f"der({name})", f"der({name},{order})")[min(order, 2)]
 
 
-def signal_inputs(names: Sequence[str], units: Sequence[str], description: str) -> list[Variable]:
-    """Cubic input signals, all values first, then all first derivatives, and so on.
+def signal_inputs(names: Sequence[str], quantity: str, description: str) -> list[Variable]:
+    """Cubic input signals, acceleration | force: all values, then all first derivatives, and so on.
 
     A master that holds its signals sets the leading part of this group only.
     """
+    texts = [description] + [f"{description}, derivative of order {k}" for k in range(1, ORDERS)]
     return [
-        Variable(
+        plain_input(
             derivative(name, order),
-            "input",
-            units[order],
             0.0,
-            f"{description}{f', derivative of order {order}' if order else ''}"
-            " at the start of the step",
+            unit,
+            f"{texts[order]} at the start of the step",
             derivative_of=derivative(name, order - 1) if order else "",
         )
-        for order in range(ORDERS)
+        for order, unit in enumerate(_SIGNALS[quantity])
         for name in names
     ]
-
-
-def signal_names(names: Sequence[str], orders: int) -> tuple[str, ...]:
-    """Names of the values and derivatives below `orders`."""
-    return tuple(derivative(name, order) for order in range(orders) for name in names)
 
 
 def output(name: str, unit: str, description: str, **more) -> Variable:
     """An output."""
     return Variable(name, "output", unit, None, description, **more)
+
+
+def signal_outputs(
+    names: Sequence[str],
+    quantity: str,
+    description: str,
+    depends: Sequence[tuple[str, ...]],
+    slopes_depend: Sequence[tuple[str, ...]],
+    **more,
+) -> list[Variable]:
+    """Output signals, then the exact slope of each; what they depend on in the order of `names`."""
+    values = [
+        output(name, _SIGNALS[quantity][0], description, depends=inputs, **more)
+        for name, inputs in zip(names, depends, strict=True)
+    ]
+    slopes = [
+        output(f"der({name})", _SIGNALS[quantity][1], f"Exact slope of {name}", depends=inputs,
+               derivative_of=name, **more)
+        for name, inputs in zip(names, slopes_depend, strict=True)
+    ]  # fmt: skip
+    return values + slopes
+
+
+def observed(name: str, unit: str, description: str, begins: tuple[str, ...], **more) -> Variable:
+    """An output for people and records, computed when it is read."""
+    return output(name, unit, description, begins=begins, observed=True, **more)
 
 
 class Layout:

@@ -16,6 +16,7 @@ from scipy.optimize import brentq
 
 from .assembly import Assembly
 from .linear.boundaries import Crossing
+from .ranges import demand_all
 
 
 @dataclass(frozen=True)
@@ -36,14 +37,8 @@ class Criterion:
     b_y: float = 0.0
 
     def __post_init__(self) -> None:
-        for name in ("w_x", "w_y"):
-            value = getattr(self, name)
-            if not (math.isfinite(value) and value > 0.0):
-                raise ValueError(f"{name} = {value!r} rad/s: must be a positive finite number")
-        for name in ("b_x", "b_y"):
-            value = getattr(self, name)
-            if not (math.isfinite(value) and value >= 0.0):
-                raise ValueError(f"{name} = {value!r} 1/s: must be a finite number, 0 or more")
+        demand_all(self, "w_x w_y", "rad/s")
+        demand_all(self, "b_x b_y", "1/s", least=0.0)
 
     @classmethod
     def of(cls, assembly: Assembly) -> Criterion:

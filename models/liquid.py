@@ -9,6 +9,8 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
+from .ranges import demand_all
+
 
 @dataclass(frozen=True)
 class Liquid:
@@ -24,10 +26,7 @@ class Liquid:
     density: float
 
     def __post_init__(self) -> None:
-        for name in ("chamber_radius", "float_radius", "height", "density"):
-            value = getattr(self, name)
-            if not (math.isfinite(value) and value > 0.0):
-                raise ValueError(f"{name} = {value!r}: must be a positive finite number")
+        demand_all(self, "chamber_radius float_radius height density")
         if self.float_radius >= self.chamber_radius:
             raise ValueError(
                 f"float_radius = {self.float_radius!r} m: must be smaller than "

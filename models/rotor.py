@@ -19,7 +19,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from .rotor_kinds import flexible_matrices, two_support_matrices
+from . import rotor_kinds
 
 Matrix = NDArray[np.float64]
 
@@ -87,88 +87,8 @@ class LinearRotor:
             deflection=cell(1.0),
         )
 
-    @classmethod
-    def two_support(
-        cls,
-        *,
-        mass: float,
-        inertia: float,
-        span: float,
-        stiffness: Sequence[Sequence[float]],
-        damping: Sequence[Sequence[float]] = ((0.0, 0.0), (0.0, 0.0)),
-        polar_inertia: float = 0.0,
-        com: float | None = None,
-        planes: Sequence[float] = (),
-        unbalances: Sequence[tuple[float, float, float]] = (),
-    ) -> LinearRotor:
-        """Rigid rotor, q = displacement at its two supports: Polushkin 2016 (8), (9).
-
-        The run-up torque is taken to act along the tilted axis: the polar inertia then leaves no
-        term with w'.
-
-        Args:
-            mass, inertia, polar_inertia: m [kg], transverse It about the centre of mass and polar
-                Ip [kg m^2]; the paper has Ip = 0.
-            span, com: between the supports, and centre of mass from support 1 (default: the middle;
-                it may lie outside) [m].
-            stiffness, damping: ((k1x, k1y), (k2x, k2y)) [N/m, N s/m].
-            planes: correction planes' distances from support 1, overhung ones too [m].
-            unbalances: (position from support 1 [m], amount [kg m], angle in the rotor [rad]).
-
-        Raises:
-            ValueError: a value is not finite or out of its range.
-        """
-        return cls(
-            **two_support_matrices(
-                mass, inertia, polar_inertia, span, com, stiffness, damping, planes, unbalances
-            )
-        )
-
-    @classmethod
-    def flexible(
-        cls,
-        *,
-        stations: Sequence[float],
-        masses: Sequence[float],
-        supports: Sequence[int],
-        support_stiffness: Sequence[Sequence[float]],
-        support_damping: Sequence[Sequence[float]] = ((0.0, 0.0), (0.0, 0.0)),
-        bending_stiffness: float | None = None,
-        compliance: Sequence[Sequence[float]] | None = None,
-        internal_damping: float = 0.0,
-        unbalances: Sequence[tuple[float, float, float]] = (),
-    ) -> LinearRotor:
-        """Discs on a massless shaft, q = their displacements: Filimonikhin 2011 (1).
-
-        Every disc is a correction plane.  The shaft's material is viscous (Dubovik's p = c * its
-        viscosity / E), so C_i is proportional to the shaft's stiffness, supports left out.
-
-        Args:
-            stations, masses: (n,) places [m], ascending, and discs [kg], each positive.
-            supports: two different stations, from 1, in any order; discs may overhang.
-            support_stiffness, support_damping: ((x, y), (x, y)) in that order [N/m, N s/m].
-            bending_stiffness: E I of a uniform shaft [N m^2], or else
-            compliance: (n-2, n-2) of the shaft simply supported there, without supports [m/N].
-            internal_damping: p [N s/m] that belongs to c = 1/(largest delta_jj), what a disc would
-                feel where the shaft is softest; with one disc it is Dubovik's p.
-            unbalances: (a disc's place [m], amount [kg m], angle in the rotor [rad]).
-
-        Raises:
-            ValueError: a value is not finite or out of its range, or the shaft is not elastic.
-        """
-        return cls(
-            **flexible_matrices(
-                stations,
-                masses,
-                supports,
-                support_stiffness,
-                support_damping,
-                bending_stiffness,
-                compliance,
-                internal_damping,
-                unbalances,
-            )
-        )
+    two_support = classmethod(rotor_kinds.two_support)
+    flexible = classmethod(rotor_kinds.flexible)
 
     @property
     def stations(self) -> int:
@@ -187,6 +107,12 @@ class LinearRotor:
             np.array_equal(self.stiffness_x, self.stiffness_y)
             and np.array_equal(self.damping_x, self.damping_y)
         )
+
+    @property
+    def unbalance_columns(self) -> NDArray:
+        """u by the turning unit vector: complex (n, 1) if isotropic, else (2n, 2) for x and y."""
+        u = self.unbalance[:, None]
+        return u if self.isotropic else np.block([[u.real, -u.imag], [u.imag, u.real]])
 
     def with_added_mass(self, added_mass: ArrayLike) -> LinearRotor:
         """The same rotor carrying `added_mass` [kg] (p,) rigidly at its planes."""

@@ -1,4 +1,4 @@
-"""Matrices of the rigid rotor on two supports and of the flexible shaft with n discs.
+"""`LinearRotor` of the rigid rotor on two supports and of the flexible shaft with n discs.
 
 Polushkin 2016 (8), (9) for the rigid rotor, with polar inertia and any centre of mass added;
 Filimonikhin 2011 (1) for the shaft, with the shaft's compliance inverted to a stiffness.
@@ -8,32 +8,54 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
+from .ranges import demand
 from .shaft import Matrix, beam_compliance, bending_rows, given_compliance, shaft_stiffness
 
-Matrices = dict[str, NDArray]
+if TYPE_CHECKING:
+    from .rotor import LinearRotor
+
 Unbalance = tuple[float, float, float]
 
 _SAME_PLACE = 1e-9  # of the shaft's length: an unbalance this near to a disc sits on it
 
 
-def two_support_matrices(
+def two_support(
+    cls: type[LinearRotor],
+    *,
     mass: float,
     inertia: float,
-    polar_inertia: float,
     span: float,
-    com: float | None,
     stiffness: Sequence[Sequence[float]],
-    damping: Sequence[Sequence[float]],
-    planes: Sequence[float],
-    unbalances: Sequence[Unbalance],
-) -> Matrices:
-    """Fields of `LinearRotor` for `LinearRotor.two_support`, whose arguments they are."""
+    damping: Sequence[Sequence[float]] = ((0.0, 0.0), (0.0, 0.0)),
+    polar_inertia: float = 0.0,
+    com: float | None = None,
+    planes: Sequence[float] = (),
+    unbalances: Sequence[tuple[float, float, float]] = (),
+) -> LinearRotor:
+    """Rigid rotor, q = displacement at its two supports: Polushkin 2016 (8), (9).
+
+    The run-up torque is taken to act along the tilted axis: the polar inertia then leaves no
+    term with w'.
+
+    Args:
+        mass, inertia, polar_inertia: m [kg], transverse It about the centre of mass and polar
+            Ip [kg m^2]; the paper has Ip = 0.
+        span, com: between the supports, and centre of mass from support 1 (default: the middle;
+            it may lie outside) [m].
+        stiffness, damping: ((k1x, k1y), (k2x, k2y)) [N/m, N s/m].
+        planes: correction planes' distances from support 1, overhung ones too [m].
+        unbalances: (position from support 1 [m], amount [kg m], angle in the rotor [rad]).
+
+    Raises:
+        ValueError: a value is not finite or out of its range.
+    """
     for name, value in (("mass", mass), ("inertia", inertia), ("span", span)):
-        _positive(name, value)
+        demand(name, value)
     centre = span / 2.0 if com is None else _finite("com", com)
     if not 0.0 <= _finite("polar_inertia", polar_inertia) <= 2.0 * inertia:
         raise ValueError(
@@ -45,32 +67,51 @@ def two_support_matrices(
     at_centre = line_rows([centre], span)
     positions = [_finite("planes", a) for a in planes]
     u = _unbalances(unbalances)
-    return {
-        "mass": mass * at_centre.T @ at_centre + inertia * tilt.T @ tilt,
-        "damping_x": np.diag(c[:, 0]),
-        "damping_y": np.diag(c[:, 1]),
-        "stiffness_x": np.diag(k[:, 0]),
-        "stiffness_y": np.diag(k[:, 1]),
-        "internal_damping": np.zeros((2, 2)),
-        "gyroscopic": polar_inertia * tilt.T @ tilt,
-        "planes": line_rows(positions, span),
-        "unbalance": line_rows([z for z, _ in u], span).T @ np.array([m for _, m in u], complex),
-        "deflection": np.zeros((1, 2)),
-    }
+    return cls(
+        mass=mass * at_centre.T @ at_centre + inertia * tilt.T @ tilt,
+        damping_x=np.diag(c[:, 0]),
+        damping_y=np.diag(c[:, 1]),
+        stiffness_x=np.diag(k[:, 0]),
+        stiffness_y=np.diag(k[:, 1]),
+        internal_damping=np.zeros((2, 2)),
+        gyroscopic=polar_inertia * tilt.T @ tilt,
+        planes=line_rows(positions, span),
+        unbalance=line_rows([z for z, _ in u], span).T @ np.array([m for _, m in u], complex),
+        deflection=np.zeros((1, 2)),
+    )
 
 
-def flexible_matrices(
+def flexible(
+    cls: type[LinearRotor],
+    *,
     stations: Sequence[float],
     masses: Sequence[float],
     supports: Sequence[int],
     support_stiffness: Sequence[Sequence[float]],
-    support_damping: Sequence[Sequence[float]],
-    bending_stiffness: float | None,
-    compliance: Sequence[Sequence[float]] | None,
-    internal_damping: float,
-    unbalances: Sequence[Unbalance],
-) -> Matrices:
-    """Fields of `LinearRotor` for `LinearRotor.flexible`, whose arguments they are."""
+    support_damping: Sequence[Sequence[float]] = ((0.0, 0.0), (0.0, 0.0)),
+    bending_stiffness: float | None = None,
+    compliance: Sequence[Sequence[float]] | None = None,
+    internal_damping: float = 0.0,
+    unbalances: Sequence[tuple[float, float, float]] = (),
+) -> LinearRotor:
+    """Discs on a massless shaft, q = their displacements: Filimonikhin 2011 (1).
+
+    Every disc is a correction plane.  The shaft's material is viscous (Dubovik's p = c * its
+    viscosity / E), so C_i is proportional to the shaft's stiffness, supports left out.
+
+    Args:
+        stations, masses: (n,) places [m], ascending, and discs [kg], each positive.
+        supports: two different stations, from 1, in any order; discs may overhang.
+        support_stiffness, support_damping: ((x, y), (x, y)) in that order [N/m, N s/m].
+        bending_stiffness: E I of a uniform shaft [N m^2], or else
+        compliance: (n-2, n-2) of the shaft simply supported there, without supports [m/N].
+        internal_damping: p [N s/m] that belongs to c = 1/(largest delta_jj), what a disc would
+            feel where the shaft is softest; with one disc it is Dubovik's p.
+        unbalances: (a disc's place [m], amount [kg m], angle in the rotor [rad]).
+
+    Raises:
+        ValueError: a value is not finite or out of its range, or the shaft is not elastic.
+    """
     z, m = _discs(stations, masses)
     ends = _support_indices(supports, len(z))
     if _finite("internal_damping", internal_damping) < 0.0:
@@ -89,18 +130,18 @@ def flexible_matrices(
     retardation = internal_damping * max(delta.diagonal(), default=0.0)
     if internal_damping and not len(rows):
         raise ValueError("internal_damping: a shaft with discs at its supports only cannot bend")
-    return {
-        "mass": np.diag(m),
-        "damping_x": _at(ends, c[:, 0], len(z)),
-        "damping_y": _at(ends, c[:, 1], len(z)),
-        "stiffness_x": shaft + _at(ends, k[:, 0], len(z)),
-        "stiffness_y": shaft + _at(ends, k[:, 1], len(z)),
-        "internal_damping": retardation * shaft,
-        "gyroscopic": np.zeros_like(shaft),
-        "planes": np.eye(len(z)),
-        "unbalance": _disc_unbalance(z, unbalances),
-        "deflection": rows if len(rows) else np.zeros((1, len(z))),
-    }
+    return cls(
+        mass=np.diag(m),
+        damping_x=_at(ends, c[:, 0], len(z)),
+        damping_y=_at(ends, c[:, 1], len(z)),
+        stiffness_x=shaft + _at(ends, k[:, 0], len(z)),
+        stiffness_y=shaft + _at(ends, k[:, 1], len(z)),
+        internal_damping=retardation * shaft,
+        gyroscopic=np.zeros_like(shaft),
+        planes=np.eye(len(z)),
+        unbalance=_disc_unbalance(z, unbalances),
+        deflection=rows if len(rows) else np.zeros((1, len(z))),
+    )
 
 
 def line_rows(positions: Sequence[float], span: float) -> Matrix:
@@ -178,12 +219,4 @@ def _per_support(name: str, values: Sequence[Sequence[float]], smallest: float |
 
 
 def _finite(name: str, value: float) -> float:
-    if not math.isfinite(value):
-        raise ValueError(f"{name} = {value!r}: must be a finite number")
-    return float(value)
-
-
-def _positive(name: str, value: float) -> float:
-    if not (math.isfinite(value) and value > 0.0):
-        raise ValueError(f"{name} = {value!r}: must be a positive finite number")
-    return float(value)
+    return float(demand(name, value, least=-math.inf))

@@ -6,11 +6,12 @@ T q = delta F, so the shaft pulls on all discs with the stiffness T^T delta^-1 T
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 
 import numpy as np
 from numpy.typing import NDArray
+
+from .ranges import demand
 
 Matrix = NDArray[np.float64]
 
@@ -44,10 +45,7 @@ def beam_compliance(
     Raises:
         ValueError: `bending_stiffness` E I [N m^2] is not a positive finite number.
     """
-    if not (math.isfinite(bending_stiffness) and bending_stiffness > 0.0):
-        raise ValueError(
-            f"bending_stiffness = {bending_stiffness!r} N m^2: must be a positive finite number"
-        )
+    demand("bending_stiffness", bending_stiffness, "N m^2")
     z = np.asarray(z, float)
     rows = bending_rows(z, supports)
     delta = rows @ np.abs(z[:, None] - z) ** 3 @ rows.T / (12.0 * bending_stiffness)

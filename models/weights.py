@@ -19,6 +19,7 @@ from dataclasses import dataclass
 from functools import cached_property, lru_cache
 
 from .cubic import at, hermite
+from .ranges import demand, demand_all
 
 KAPPA = {"balls": 7.0 / 5.0, "rollers": 3.0 / 2.0, "pendulums": 1.0}
 
@@ -53,14 +54,9 @@ class Weights:
     def __post_init__(self) -> None:
         if self.count < 1:
             raise ValueError(f"count = {self.count!r}: must be at least 1")
-        for name in ("mass", "track_radius"):
-            value = getattr(self, name)
-            if not (math.isfinite(value) and value > 0.0):
-                raise ValueError(f"{name} = {value!r}: must be a positive finite number")
-        if not (math.isfinite(self.drag) and self.drag >= 0.0):
-            raise ValueError(f"drag = {self.drag!r}: must be a finite number, 0 or more")
-        if not (math.isfinite(self.kappa) and self.kappa >= 1.0):
-            raise ValueError(f"kappa = {self.kappa!r}: must be a finite number, 1 or more")
+        demand_all(self, "mass track_radius")
+        demand("drag", self.drag, least=0.0)
+        demand("kappa", self.kappa, least=1.0)
 
     @property
     def added_mass(self) -> float:
@@ -230,6 +226,29 @@ def fastest_rate(
     return max(map(abs, speeds)) + math.sqrt(-strongest * lever) + gained, strongest
 
 
+def substeps(
+    weights: Weights,
+    speeds: Sequence[float],
+    signal: Sequence[complex],
+    angular_acceleration: float,
+    step: float,
+    left: float,
+    most: int,
+) -> int:
+    """Substeps in what is `left` of a step, below `most`; all else as `advance`."""
+    lever, damping_rate = weights.lever, weights.damping_rate
+    fastest, strongest = fastest_rate(
+        speeds, signal, lever, angular_acceleration, damping_rate, step
+    )
+    turns = left * fastest / TURN_PER_SUBSTEP
+    if not turns < most:
+        raise ArithmeticError(
+            f"the weights would need {turns:.3g} substeps in {left:g} s: acceleration "
+            f"{strongest:g} m/s^2, rate {max(map(abs, speeds)):g} rad/s"
+        )
+    return 1 + int(turns)
+
+
 def advance(
     weights: Weights,
     angles: Sequence[float],
@@ -253,10 +272,6 @@ def advance(
     Raises:
         ArithmeticError: the input is not finite, or asks for more than a million substeps.
     """
-    lever, damping_rate = weights.lever, weights.damping_rate
-    fastest, strongest = fastest_rate(
-        speeds, signal, lever, angular_acceleration, damping_rate, step
-    )
     if not math.isfinite(sum(angles)):
         raise ArithmeticError(f"the weights' angles {list(angles)} are not finite")
     if max(map(abs, angles)) > _FAR:
@@ -265,28 +280,18 @@ def advance(
         near = [angle - turned for angle, turned in zip(angles, behind, strict=True)]
         moved, rates = advance(weights, near, speeds, signal, angular_acceleration, step)
         return [angle + turned for angle, turned in zip(moved, behind, strict=True)], rates
-    turns = step * fastest / TURN_PER_SUBSTEP
-    if not turns < _MAX_SUBSTEPS:
-        raise ArithmeticError(
-            f"the weights would need {turns:.3g} substeps in {step:g} s: acceleration "
-            f"{strongest:g} m/s^2, rate {max(map(abs, speeds)):g} rad/s"
-        )
-    count = 1 + int(turns)
+    count = substeps(weights, speeds, signal, angular_acceleration, step, step, _MAX_SUBSTEPS)
     h = step / count
+    lever, damping_rate = weights.lever, weights.damping_rate
     new_angles, new_speeds = list(angles), list(speeds)
     start = signal[0], signal[1]
     for j in range(1, count + 1):
         end = at(signal, j * h)
+        ends = (*start, *end)
         for k in range(len(new_angles)):
             new_angles[k], new_speeds[k] = substep(
-                new_angles[k],
-                new_speeds[k],
-                (*start, *end),
-                lever,
-                angular_acceleration,
-                damping_rate,
-                h,
-            )
+                new_angles[k], new_speeds[k], ends, lever, angular_acceleration, damping_rate, h
+            )  # fmt: skip
         start = end
     return new_angles, new_speeds
 

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+from ...models.cubic import at
 from ...models.liquid import Liquid
-from ..python.signals import at, orders
+from ..python.signals import orders
 from ..python.slave import Slave
 from .variables import LIQUID
 

@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 from ..unit import Sizes, Unit
-from ..variables import Variable, output, parameter, plain_input, signal_inputs, signal_names
+from ..variables import Variable, output, parameter, plain_input, signal_inputs, signal_outputs
 
-_MOTION = ("m/s2", "m/s3", "m/s4", "m/s5")
 _LIQUID = ("chamber_radius", "height", "density")
 
 
@@ -13,7 +12,6 @@ def variables(sizes: Sizes) -> list[Variable]:
     """Parameters, the chamber's acceleration, the force on the rotor."""
     a = [f"a_{axis}" for axis in sizes.axes]
     force = [f"F_{axis}" for axis in sizes.axes]
-    slope = signal_names(a, 2)[2:]
     begins = (*_LIQUID, "inertia_as_force")
     place = "Displacement of the chamber's centre, for the clearance"
     return [
@@ -22,24 +20,12 @@ def variables(sizes: Sizes) -> list[Variable]:
         parameter("height", 0.02, "m", "Height h of the chamber", minimum=0.0, above=True),
         parameter("density", 1000.0, "kg/m3", "Of the liquid", minimum=0.0, above=True),
         parameter("inertia_as_force", False, "", "True: r m2 acts in F and added_mass is zero"),
-        *signal_inputs(a, _MOTION, "Acceleration of the chamber's centre"),
+        *signal_inputs(a, "acceleration", "Acceleration of the chamber's centre"),
         plain_input("x", 0.0, "m", place, quantity="Displacement"),
         plain_input("y", 0.0, "m", place, quantity="Displacement"),
-        *(
-            output(f, "N", "Force on the rotor", depends=(a[i],), begins=begins, kind="fixed")
-            for i, f in enumerate(force)
-        ),
-        *(
-            output(
-                f"der({f})",
-                "N/s",
-                f"Exact slope of {f}",
-                depends=(slope[i],),
-                begins=begins,
-                kind="fixed",
-                derivative_of=f,
-            )
-            for i, f in enumerate(force)
+        *signal_outputs(
+            force, "force", "Force on the rotor", [(name,) for name in a],
+            [(f"der({name})",) for name in a], begins=begins, kind="fixed",
         ),
         output("added_mass", "kg", "Mass r m2 to be carried by the rotor", begins=begins),
         output("liquid_mass", "kg", "Mass m2 of the liquid", begins=(*_LIQUID, "float_radius")),
@@ -51,7 +37,7 @@ def variables(sizes: Sizes) -> list[Variable]:
             begins=("chamber_radius", "float_radius"),
             quantity="Displacement",
         ),
-    ]
+    ]  # fmt: skip
 
 
 LIQUID = Unit(

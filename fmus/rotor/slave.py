@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from ...models.rotor import LinearRotor
 from ...models.steps.propagator import step_matrix
-from ...models.steps.variable_speed import VariableSpeedStep
+from ...models.steps.variable_speed import Drive, VariableSpeedStep
 from ..python.slave import Slave
 from ..variables import ORDERS
 from .angle import total, turned
@@ -100,13 +100,13 @@ class RotorOnSupports(Slave):
         speed, spin_up = inputs[p : p + 2]
         method = _variable(self.rotor, tuple(inputs[:p]), self.turning)
         forces = np.array(inputs[p + 2 :]).view(complex).reshape(ORDERS, p)
-        drive = (forces, self.memory[1], speed, spin_up)
-        state = _to_axes(np.array(self.memory[3:]), method.axes, 2)
+        drive = Drive(forces, self.memory[1], speed, spin_up)
+        state = _to_axes(np.array(self.memory[3:]), method.axes)
         if step:
-            state = method.advance(state, *drive, step)
-        acceleration, jerk = method.plane_motion(state, *drive, step)
+            state = method.advance(state, drive, step)
+        acceleration, jerk = method.plane_motion(state, drive, step)
         planes = np.concatenate([acceleration, jerk])
-        return _from_axes(state, method.axes, 2), _from_axes(planes, method.axes, 2)
+        return _from_axes(state, method.axes), _from_axes(planes, method.axes)
 
     def _put(self, planes: list[float], angle: float, speed: float) -> None:
         """Computed outputs from acceleration and jerk of the planes in fixed axes."""
@@ -169,15 +169,15 @@ def _alternating(blocks: list[int]) -> list[int]:
     return order
 
 
-def _to_axes(pairs: NDArray, axes: int, blocks: int) -> NDArray:
-    """Complex numbers, or (x..., y...) a block, from x and y alternating."""
+def _to_axes(pairs: NDArray, axes: int) -> NDArray:
+    """Complex numbers, or (x..., y...) a half, from x and y alternating."""
     if axes == 1:
         return pairs.view(complex)
-    return pairs.reshape(blocks, -1, 2).transpose(0, 2, 1).ravel()
+    return pairs.reshape(2, -1, 2).transpose(0, 2, 1).ravel()
 
 
-def _from_axes(values: NDArray, axes: int, blocks: int) -> list[float]:
+def _from_axes(values: NDArray, axes: int) -> list[float]:
     """The inverse of `_to_axes`."""
     if axes == 1:
         return np.ascontiguousarray(values).view(float).tolist()
-    return values.reshape(blocks, 2, -1).transpose(0, 2, 1).ravel().tolist()
+    return values.reshape(2, 2, -1).transpose(0, 2, 1).ravel().tolist()

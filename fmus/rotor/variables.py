@@ -5,10 +5,8 @@ from __future__ import annotations
 import re
 
 from ..unit import Unit
-from ..variables import Variable, output, parameter, plain_input, signal_inputs, signal_names
+from ..variables import Variable, observed, parameter, plain_input, signal_inputs, signal_outputs
 from .parameters import PARAMETERS, RotorSizes
-
-_FORCE = ("N", "N/s", "N/s2", "N/s3")
 
 
 def station(j: int, stations: int) -> str:
@@ -19,75 +17,47 @@ def station(j: int, stations: int) -> str:
 def variables(sizes: RotorSizes) -> list[Variable]:
     """Parameters of the kind, motion at the start, drive, forces on the planes and their answer."""
     stations, planes, axes = sizes.stations, sizes.planes, sizes.axes
-    own = PARAMETERS[sizes.kind](sizes)
+    of_kind = PARAMETERS[sizes.kind](sizes)
     forces = [f"plane[{i}].F_{axis}" for i in range(1, planes + 1) for axis in axes]
     carried = [f"plane[{i}].added_mass" for i in range(1, planes + 1)]
-    parameters = [*own, *_initial(stations)]
+    parameters = [*of_kind, *_initial(stations)]
     names = tuple(v.name for v in parameters)
     drive = (*carried, "speed", "acceleration")
-    # whether a force along one axis bears on the slope along the other
+    accelerations = [f"plane[{i}].a_{axis}" for i in range(1, planes + 1) for axis in axes]
+    # the mass is the same along both axes: a force acts along its own axis at once, along the
+    # other one in the slope only, through gyroscopic or (in the rotor) anisotropic damping
+    along = [forces[axis::2] for axis in range(2)]
     crossed = sizes.kind == "two_support" or sizes.frame == "rotor"
+    at_once = [(*drive, *own) for own in along]
+    in_slope = [
+        (*drive, *(forces if crossed else own), *(f"der({name})" for name in own)) for own in along
+    ]
     text = "Mass of the balancers on this plane that the rotor carries; it keeps it over a step"
     return [
         *parameters,
         *(plain_input(name, 0.0, "kg", text, minimum=0.0) for name in carried),
         plain_input("speed", 300.0, "rad/s", "At the start of the step"),
         plain_input("acceleration", 0.0, "rad/s2", "Angular, over the step"),
-        *signal_inputs(forces, _FORCE, "Force on the plane"),
-        *_planes(axes, planes, forces, drive, names, crossed),
-        *_observed(stations, planes, own),
-    ]
+        *signal_inputs(forces, "force", "Force on the plane"),
+        *signal_outputs(
+            accelerations, "acceleration", "Acceleration of the plane", at_once * planes,
+            in_slope * planes, begins=names,
+        ),
+        *_observed(stations, planes, of_kind),
+    ]  # fmt: skip
 
 
 def _initial(stations: int) -> list[Variable]:
-    initial = [parameter("angle0", 0.0, "rad", "Angle of the rotor at the start")]
-    for what, unit, text in (("", "m", "Displacement"), ("v", "m/s", "Velocity")):
-        initial += [
-            parameter(
-                f"{station(j, stations)}{what}{axis}0",
-                0.0,
-                unit,
-                f"{text} at the start",
-                quantity=text,
-            )
+    return [
+        parameter("angle0", 0.0, "rad", "Angle of the rotor at the start"),
+        *(
+            parameter(f"{station(j, stations)}{what}{axis}0", 0.0, unit, f"{text} at the start",
+                      quantity=text)
+            for what, unit, text in (("", "m", "Displacement"), ("v", "m/s", "Velocity"))
             for j in range(1, stations + 1)
             for axis in "xy"
-        ]
-    return initial
-
-
-def _planes(
-    axes: tuple[str, str],
-    planes: int,
-    forces: list[str],
-    drive: tuple[str, ...],
-    begins: tuple[str, ...],
-    crossed: bool,
-) -> list[Variable]:
-    """Accelerations of the planes and their slopes."""
-    accelerations = [f"plane[{i}].a_{axis}" for i in range(1, planes + 1) for axis in axes]
-    text = "Acceleration of the plane"
-    # the mass is the same along both axes: a force acts along its own axis at once, along the
-    # other one in the slope only, through gyroscopic or (in the rotor) anisotropic damping
-    own = {a: tuple(forces[k % 2 :: 2]) for k, a in enumerate(accelerations)}
-    return [
-        *(output(a, "m/s2", text, depends=(*drive, *own[a]), begins=begins) for a in accelerations),
-        *(
-            output(
-                f"der({a})",
-                "m/s3",
-                f"Exact slope of {a}",
-                depends=(
-                    *drive,
-                    *(forces if crossed else own[a]),
-                    *signal_names(own[a], 2)[planes:],
-                ),
-                begins=begins,
-                derivative_of=a,
-            )
-            for a in accelerations
         ),
-    ]
+    ]  # fmt: skip
 
 
 def _observed(stations: int, planes: int, own: list[Variable]) -> list[Variable]:
@@ -98,33 +68,22 @@ def _observed(stations: int, planes: int, own: list[Variable]) -> list[Variable]
     placed = any(v.name == "plane[1].position" for v in own)
     places = [f"{station(j, stations)}{axis}" for j in range(1, stations + 1) for axis in "xy"]
     starts = tuple(f"{place}0" for place in places)
-    observed = [output("angle", "rad", "Angle turned", begins=("angle0",), observed=True)]
-    observed += [_displacement(place, "Displacement", (f"{place}0",)) for place in places]
+    found = [observed("angle", "rad", "Angle turned", ("angle0",))]
+    found += [_displacement(place, "Displacement", (f"{place}0",)) for place in places]
     for place in places:
-        prefix, axis = place[:-1], place[-1]
-        observed.append(
-            output(
-                f"{prefix}v{axis}",
-                "m/s",
-                "Velocity",
-                begins=(f"{prefix}v{axis}0",),
-                derivative_of=place,
-                observed=True,
-            )
-        )
+        speed = f"{place[:-1]}v{place[-1]}"
+        found.append(observed(speed, "m/s", "Velocity", (f"{speed}0",), derivative_of=place))
     for i in range(1, planes + 1):
         for axis in "xy":
             begins = tuple(start for start in starts if start.endswith(f"{axis}0"))
             begins += (*shaft, f"plane[{i}].position") if placed else ()
-            observed.append(
-                _displacement(f"plane[{i}].{axis}", "Displacement of the plane", begins)
-            )
+            found.append(_displacement(f"plane[{i}].{axis}", "Displacement of the plane", begins))
     begins = (*starts, *(shaft if supports else ()), *supports)
-    return [*observed, _displacement("bending", "Largest bending of the shaft", begins)]
+    return [*found, _displacement("bending", "Largest bending of the shaft", begins)]
 
 
 def _displacement(name: str, description: str, begins: tuple[str, ...]) -> Variable:
-    return output(name, "m", description, begins=begins, observed=True, quantity="Displacement")
+    return observed(name, "m", description, begins, quantity="Displacement")
 
 
 ROTOR = Unit(

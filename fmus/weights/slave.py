@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import cmath
-from collections.abc import Sequence
 
 from ...models.contact import motion
 from ...models.contact.pulse import discharge
 from ...models.contact.track import Track
-from ...models.weights import Weights, advance, alignment, reaction
-from ..python.signals import at, hermite, orders
+from ...models.cubic import at, hermite
+from ...models.weights import Weights, alignment
+from ..python.signals import orders
 from ..python.slave import Slave
 from .variables import BALLS, WeightSizes
 
@@ -43,7 +43,7 @@ class BallBalancer(Slave):
         self.track = Track(
             self.model, size, given["restitution"], given["rolling_resistance"], offset
         )
-        # one weight meets nobody: point weights on a centred track keep their shorter way
+        # one weight meets nobody
         self.plain = not (self.track.eventful or self.track.offset)
         self.carried = 0.0 if self.flag("inertia_as_force") else self.model.added_mass
         self.sent = self.model.added_mass - self.carried
@@ -52,8 +52,7 @@ class BallBalancer(Slave):
         start = self.layout.index["weight[1].angle0"]
         self.memory = self.real[start : start + 2 * self.sizes.weights]
         if not self.plain:  # contacts, and impulse owed and pulse given as xi, eta each
-            angles, speeds = self.memory[: self.sizes.weights], self.memory[self.sizes.weights :]
-            self.memory += motion.first_contacts(self.track, angles, speeds) + [0.0] * 4
+            self.memory += motion.first_contacts(self.track, *self._state()[:2]) + [0.0] * 4
 
     def step(self, step: float) -> None:
         *signal, angle, speed, spin_up = self.real[self.layout.inputs]
@@ -64,15 +63,16 @@ class BallBalancer(Slave):
         if self.sizes.frame == "fixed":
             angle_end += step * (speed + 0.5 * spin_up * step)
             end, end_slope = _rotating(end, end_slope, angle_end, speed_end)
-            cubic = hermite(*_rotating(*cubic[:2], angle, speed), end, end_slope, step)
-        count = self.sizes.weights
-        if self.plain:
-            angles, speeds = advance(
-                self.model, self.memory[:count], self.memory[count:], cubic, spin_up, step
-            )
-            self.memory = angles + speeds
-        else:
-            self._meet(cubic, speed, spin_up, step)
+            start = _rotating(*cubic[:2], angle, speed)
+            cubic = (*start, *hermite(*start, end, end_slope, step))
+        moved = motion.advance(self.track, *self._state(), cubic, speed, spin_up, step)
+        memory = [*moved.angles, *moved.speeds, *moved.contacts]
+        if not self.plain:
+            owed, pulse = complex(*self.memory[-4:-2]), complex(*self.memory[-2:])
+            turn = step * (speed + 0.5 * spin_up * step)
+            owed, pulse = discharge(owed, pulse, moved.impulse, turn, step)
+            memory += [owed.real, owed.imag, pulse.real, pulse.imag]
+        self.memory = memory
         self._put(end, end_slope, angle_end, speed_end, spin_up)
 
     def outputs(self) -> None:
@@ -83,50 +83,25 @@ class BallBalancer(Slave):
         self._put(acceleration, slope, angle, speed, spin_up)
 
     def observe(self) -> None:
-        angles = self.memory[: self.sizes.weights]
+        angles, speeds, _ = self._state()
         moment = motion.static_moment(self.track, angles)
-        state = self.memory[: 2 * self.sizes.weights]
-        self.real[self.layout.observed] = [*state, moment.real, moment.imag, alignment(angles)]
+        others = moment.real, moment.imag, alignment(angles)
+        self.real[self.layout.observed] = [*angles, *speeds, *others]
 
-    def _meet(self, cubic: Sequence[complex], speed: float, spin_up: float, step: float) -> None:
-        """One step of weights that may touch, stick or run off centre."""
+    def _state(self) -> tuple[list[float], list[float], list[float]]:
+        """Angles, speeds and contacts of the weights; no contacts where there can be none."""
         n, memory = self.sizes.weights, self.memory
-        state = memory[:n], memory[n : 2 * n], memory[2 * n : 3 * n]
-        moved = motion.advance(self.track, *state, cubic, speed, spin_up, step)
-        owed, pulse = complex(*memory[-4:-2]), complex(*memory[-2:])
-        turn = step * (speed + 0.5 * spin_up * step)
-        owed, pulse = discharge(owed, pulse, moved.impulse, turn, step)
-        impulses = [owed.real, owed.imag, pulse.real, pulse.imag]
-        self.memory = [*moved.angles, *moved.speeds, *moved.contacts, *impulses]
+        return memory[:n], memory[n : 2 * n], memory[2 * n : 3 * n]
 
     def _put(
         self, acceleration: complex, slope: complex, angle: float, speed: float, spin_up: float
     ) -> None:
         """Computed outputs; acceleration and slope in the rotor frame."""
-        count = self.sizes.weights
-        memory = self.memory
-        if self.plain:
-            force, force_slope = reaction(
-                self.model,
-                memory[:count],
-                memory[count:],
-                acceleration,
-                slope,
-                speed,
-                spin_up,
-            )
-        else:
-            force, force_slope = motion.reaction(
-                self.track,
-                memory[:count],
-                memory[count : 2 * count],
-                memory[2 * count : 3 * count],
-                acceleration,
-                slope,
-                speed,
-                spin_up,
-            )
-            force += complex(*memory[-2:])
+        force, force_slope = motion.reaction(
+            self.track, *self._state(), acceleration, slope, speed, spin_up
+        )
+        if not self.plain:
+            force += complex(*self.memory[-2:])
         if self.sent:
             force -= self.sent * acceleration
             force_slope -= self.sent * slope

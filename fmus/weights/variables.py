@@ -6,17 +6,23 @@ import math
 from dataclasses import dataclass
 
 from ..unit import Sizes, Unit, count
-from ..variables import Variable, output, parameter, plain_input, signal_inputs, signal_names
-
-_MOTION = ("m/s2", "m/s3", "m/s4", "m/s5")
-_OPTIONS = (
-    "weight_radius",
-    "restitution",
-    "rolling_resistance",
-    "track_offset_xi",
-    "track_offset_eta",
+from ..variables import (
+    Variable,
+    observed,
+    output,
+    parameter,
+    plain_input,
+    signal_inputs,
+    signal_outputs,
 )
-_FORCE = ("mass", "track_radius", "kappa", "drag", *_OPTIONS, "inertia_as_force")
+
+_DRIVE = ("angle", "speed", "acceleration")
+_CARRIED = ("mass", "inertia_as_force")
+_FORCE = (
+    "mass", "track_radius", "kappa", "drag", "weight_radius", "restitution", "rolling_resistance",
+    "track_offset_xi", "track_offset_eta", "inertia_as_force",
+)  # fmt: skip
+_START = "in the rotor at the start"
 
 
 @dataclass(frozen=True)
@@ -39,48 +45,23 @@ def variables(sizes: WeightSizes) -> list[Variable]:
     speeds = tuple(f"weight[{k}].speed0" for k in numbers)
     begins = (*_FORCE, *angles, *speeds)
     # seen in the rotor's axes the force does not depend on the rotor's angle
-    turning = ("speed",) if sizes.frame == "rotor" else ("angle", "speed")
-    values, slopes = signal_names(a, 1), signal_names(a, 2)
+    drive = ("speed", "acceleration") if sizes.frame == "rotor" else _DRIVE
+    values, slopes = (*a, *drive), (*a, *(f"der({name})" for name in a), *drive)
     return [
         *_parameters(),
         *(
-            parameter(
-                angle, 2 * math.pi * k / sizes.weights, "rad", "Angle in the rotor at the start"
-            )
-            for k, angle in enumerate(angles)
+            parameter(name, 2 * math.pi * k / sizes.weights, "rad", f"Angle {_START}")
+            for k, name in enumerate(angles)
         ),
-        *(parameter(speed, 0.0, "rad/s", "Speed in the rotor at the start") for speed in speeds),
-        *signal_inputs(a, _MOTION, "Acceleration of the track's centre"),
+        *(parameter(name, 0.0, "rad/s", f"Speed {_START}") for name in speeds),
+        *signal_inputs(a, "acceleration", "Acceleration of the track's centre"),
         plain_input("angle", 0.0, "rad", "Angle of the rotor at the start of the step"),
         plain_input("speed", 300.0, "rad/s", "Of the rotor, at the start of the step"),
         plain_input("acceleration", 0.0, "rad/s2", "Angular, of the rotor, over the step"),
-        *(
-            output(
-                f,
-                "N",
-                "Force on the rotor",
-                depends=(*values, *turning, "acceleration"),
-                begins=begins,
-            )
-            for f in force
+        *signal_outputs(
+            force, "force", "Force on the rotor", [values] * 2, [slopes] * 2, begins=begins
         ),
-        *(
-            output(
-                f"der({f})",
-                "N/s",
-                f"Exact slope of {f}",
-                depends=(*slopes, *turning, "acceleration"),
-                begins=begins,
-                derivative_of=f,
-            )
-            for f in force
-        ),
-        output(
-            "added_mass",
-            "kg",
-            "Mass N m to be carried by the rotor",
-            begins=("mass", "inertia_as_force"),
-        ),
+        output("added_mass", "kg", "Mass N m to be carried by the rotor", begins=_CARRIED),
         *_observed(angles, speeds),
     ]
 
@@ -106,29 +87,21 @@ def _parameters() -> list[Variable]:
 
 def _observed(angles: tuple[str, ...], speeds: tuple[str, ...]) -> list[Variable]:
     """Outputs for people and records, computed when they are read."""
-    observed = [
+    moment = "Sum of m (e + R e^{i theta}), in the rotor"
+    spread = "|sum of e^{2 i theta}|/N: 0 evenly spread, 1 in line"
+    return [
+        *(observed(angle[:-1], "rad", "Angle in the rotor", (angle,)) for angle in angles),
         *(
-            output(angle[:-1], "rad", "Angle in the rotor", begins=(angle,), observed=True)
-            for angle in angles
-        ),
-        *(
-            output(
-                speed[:-1],
-                "rad/s",
-                "Speed in the rotor",
-                begins=(speed,),
-                derivative_of=angle[:-1],
-                observed=True,
-            )
+            observed(speed[:-1], "rad/s", "Speed in the rotor", (speed,), derivative_of=angle[:-1])
             for angle, speed in zip(angles, speeds, strict=True)
         ),
-    ]
-    for axis in ("xi", "eta"):
-        moment = ("mass", "track_radius", f"track_offset_{axis}", *angles)
-        text = "Sum of m (e + R e^{i theta}), in the rotor"
-        observed.append(output(f"moment_{axis}", "kg.m", text, begins=moment, observed=True))
-    text = "|sum of e^{2 i theta}|/N: 0 evenly spread, 1 in line"
-    return [*observed, output("spread", "1", text, begins=angles, observed=True)]
+        *(
+            observed(f"moment_{axis}", "kg.m", moment,
+                     ("mass", "track_radius", f"track_offset_{axis}", *angles))
+            for axis in ("xi", "eta")
+        ),
+        observed("spread", "1", spread, angles),
+    ]  # fmt: skip
 
 
 BALLS = Unit(

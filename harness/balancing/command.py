@@ -60,28 +60,18 @@ def _print(result: BalancingReport) -> None:
 
 
 def _coefficients(result: BalancingReport) -> Sheet:
+    from numpy import ndenumerate
+
+    measured = ("measured [1/kg]", "phase", "uncertainty")
+    columns = ("support", "plane", *measured, "equations [1/kg]", "difference")
     rows = []
-    for i, measured in enumerate(result.measured):
-        for j, value in enumerate(measured):
-            exact = result.analytic[i, j]
-            rows.append(
-                [
-                    str(i + 1),
-                    str(result.planes[j]),
-                    f"{abs(value):.6g}",
-                    _degrees(value),
-                    f"{result.uncertainty[i, j]:.1e}",
-                    f"{abs(exact):.6g}",
-                    f"{abs(value - exact) / abs(exact):.1e}",
-                ]
-            )
-    return Sheet(
-        ("support", "plane", "measured [1/kg]", "phase", "uncertainty", "equations [1/kg]",
-         "difference"),
-        rows,
-        "llrrrrr",
-        "Influence coefficients, amplitude 0-peak per unbalance (20), (22)",
-    )  # fmt: skip
+    for (i, j), value in ndenumerate(result.measured):
+        exact, spread = result.analytic[i, j], result.uncertainty[i, j]
+        found = (f"{abs(value):.6g}", _degrees(value), f"{spread:.1e}")
+        other = (f"{abs(exact):.6g}", f"{abs(value - exact) / abs(exact):.1e}")
+        rows.append((str(i + 1), str(result.planes[j]), *found, *other))
+    title = "Influence coefficients, amplitude 0-peak per unbalance (20), (22)"
+    return Sheet(columns, rows, "llrrrrr", title)
 
 
 def _cycles(result: BalancingReport, technology: Technology) -> Sheet:
@@ -104,15 +94,9 @@ def _cycles(result: BalancingReport, technology: Technology) -> Sheet:
 
 def _row(result: BalancingReport, cycle: Cycle) -> list[str]:
     actual = (cycle.actual_at_supports / result.at_supports).max()
-    return [
-        *(f"{abs(a):.3g} at {_degrees(a)}" for a in cycle.reading.amplitude),
-        *(f"{abs(d):.3g} at {_degrees(d)}" for d in cycle.found),
-        *(
-            f"{part:.1%}"
-            for part in (cycle.at_supports / result.at_supports)
-        ),
-        f"{actual:.1%}",
-    ]  # fmt: skip
+    vectors = (*cycle.reading.amplitude, *cycle.found)
+    shares = (*cycle.at_supports / result.at_supports, actual)
+    return [*(f"{abs(v):.3g} at {_degrees(v)}" for v in vectors), *(f"{s:.1%}" for s in shares)]
 
 
 def _verdict(technology: Technology) -> str:
@@ -130,20 +114,20 @@ def _degrees(value: complex) -> str:
 
 
 def as_json(scene: str, result: BalancingReport) -> dict[str, Any]:
-    """Everything found, complex numbers as [real, imaginary], SI units."""
+    """Everything found, SI units; for `write_json`."""
     return {
         "scene": scene,
         "grade": result.grade,
         "speed": result.speed,
         "permissible": result.permissible,
-        "permissible_at_supports": result.at_supports.tolist(),
+        "permissible_at_supports": result.at_supports,
         "trial_unbalance": result.trial,
-        "planes": list(result.planes),
+        "planes": result.planes,
         "runs": result.runs,
         "coefficients": {
-            "measured": _pairs(result.measured),
-            "uncertainty": result.uncertainty.tolist(),
-            "analytic": _pairs(result.analytic),
+            "measured": result.measured,
+            "uncertainty": result.uncertainty,
+            "analytic": result.analytic,
             "difference": result.difference,
         },
         "technologies": [
@@ -153,7 +137,7 @@ def as_json(scene: str, result: BalancingReport) -> dict[str, Any]:
                 "meets": t.meets,
                 "actually_meets": t.actually_met,
                 "note": t.note,
-                "coefficients": _pairs(t.coefficients),
+                "coefficients": t.coefficients,
                 "runs": [_run(c) for c in t.cycles],
             }
             for t in result.technologies
@@ -163,19 +147,11 @@ def as_json(scene: str, result: BalancingReport) -> dict[str, Any]:
 
 def _run(cycle: Cycle) -> dict[str, Any]:
     return {
-        "mounted": _pairs(cycle.mounted),
-        "amplitude": _pairs(cycle.reading.amplitude),
-        "uncertainty": cycle.reading.uncertainty.tolist(),
-        "found": _pairs(cycle.found),
-        "found_at_supports": cycle.at_supports.tolist(),
-        "actual": _pairs(cycle.actual),
-        "actual_at_supports": cycle.actual_at_supports.tolist(),
+        "mounted": cycle.mounted,
+        "amplitude": cycle.reading.amplitude,
+        "uncertainty": cycle.reading.uncertainty,
+        "found": cycle.found,
+        "found_at_supports": cycle.at_supports,
+        "actual": cycle.actual,
+        "actual_at_supports": cycle.actual_at_supports,
     }
-
-
-def _pairs(values: Any) -> Any:
-    """A complex array as nested lists of [real, imaginary]."""
-    from numpy import asarray, stack
-
-    array = asarray(values)
-    return stack([array.real, array.imag], axis=-1).tolist()

@@ -196,24 +196,20 @@ def _cycles(
     """Correct and run again until what is found is permissible."""
     mounted = np.zeros(len(machine.planes), complex)
     cycles: list[Cycle] = []
-    reading, meets, note = first, False, ""
+    reading, meets = first, False
     try:
-        while True:
+        while not meets and len(cycles) < machine.setup.most_cycles:
+            if cycles:
+                mounted = mounted - cycles[-1].found
+                reading = machine.measure(mounted)
             found = unbalance_from_response(used, reading.amplitude)
             actual = truth.unbalance + mounted
-            cycle = Cycle(
-                mounted, reading, found, np.abs(levers @ found), actual, np.abs(levers @ actual)
-            )
-            cycles.append(cycle)
-            meets = bool(np.all(cycle.at_supports <= allowed))
-            if meets or len(cycles) == machine.setup.most_cycles:
-                break
-            mounted = mounted - found
-            reading = machine.measure(mounted)
+            sizes = [np.abs(levers @ unbalance) for unbalance in (found, actual)]
+            cycles.append(Cycle(mounted, reading, found, sizes[0], actual, sizes[1]))
+            meets = bool(np.all(sizes[0] <= allowed))
+        note = "" if meets else f"grade not met after {len(cycles)} cycles"
     except ValueError as error:
         note = str(error)
-    if not meets and not note:
-        note = f"grade not met after {len(cycles)} cycles"
     actually_met = meets and bool(np.all(cycles[-1].actual_at_supports <= allowed))
     if meets and not actually_met:
         note = "the control run is deceived: the actual unbalance is above what is permissible"

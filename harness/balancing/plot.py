@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from matplotlib.figure import Figure
 
-from ..output.plot import save
+from ..output.plot import readable, save
 from .cycles import BalancingReport, Technology
 
 _COLOURS = {"complex": "tab:blue", "scalar": "tab:orange"}
@@ -18,18 +18,11 @@ _PREFIXES = ((1.0, "kg m"), (1e-3, "g m"), (1e-6, "g mm"), (1e-9, "mg mm"))
 
 def moment(largest: float) -> tuple[float, str]:
     """Factor and unit in which a static moment reads well."""
-    for size, unit in _PREFIXES:
-        if largest >= size or size == _PREFIXES[-1][0]:
-            return 1.0 / size, unit
-    raise AssertionError("unreachable")
+    return readable(largest, _PREFIXES)
 
 
 def plot_corrections(result: BalancingReport, path: Path) -> Path:
-    """One polar diagram a plane: the mounted correction after every cycle, and where it had to go.
-
-    Raises:
-        UserError: the file cannot be written.
-    """
+    """One polar diagram a plane: what was mounted after every cycle, and where it had to go."""
     count = len(result.planes)
     # a technology that diverges would shrink all else to a point
     shown = [t for t in result.technologies if t.meets] or list(result.technologies)

@@ -14,11 +14,7 @@ from .choices import Design
 
 
 def plot_design(data: Design, path: Path) -> Path:
-    """Functions (15), (16) over n above, predicted and co-simulated settling times below.
-
-    Raises:
-        UserError: the format is unknown, or the file cannot be written.
-    """
+    """Functions (15), (16) over n above, predicted and co-simulated settling times below."""
     figure = Figure(figsize=(7.0, 6.4), layout="constrained")
     above, below = figure.subplots(2, 1, sharex=True)
     counts = [c.count for c in data.choices]

@@ -126,9 +126,12 @@ def _permissions(target: Path) -> int:
 
 
 def plain(value: Any) -> Any:
-    """Numbers that JSON has no word for as text; NumPy scalars as Python's."""
-    if hasattr(value, "item"):
-        value = value.item()
+    """Numbers that JSON has no word for as text, complex ones as [real, imaginary]; NumPy's as
+    Python's."""
+    if hasattr(value, "tolist"):
+        value = value.tolist()
+    if isinstance(value, complex):
+        value = [value.real, value.imag]
     if isinstance(value, float) and not math.isfinite(value):
         return str(value)
     if isinstance(value, dict):

@@ -10,6 +10,7 @@ import typer
 from .files import picture_format
 from .terminal import ready_to_write
 
+STORE = ".zarr"
 SCENE = typer.Argument(help="Scene file, or the name of a bundled scene.")
 
 
@@ -33,6 +34,35 @@ def output(kind: str, help: str, *names: str) -> Any:
 def picture(help: str, *names: str) -> Any:
     """A picture to draw."""
     return typer.Option(*names, metavar="FILE.png", help=help, callback=_drawable)
+
+
+def _drawable_or_store(paths: list[Path] | None) -> list[Path] | None:
+    for path in paths or ():
+        if path.suffix == STORE:
+            from .store import refuse_store
+
+            refuse_store(path)
+        else:
+            _drawable(path)
+    return paths
+
+
+def pictures_or_store() -> Any:
+    """Pictures to draw, and a store of everything they are drawn from."""
+    return typer.Option(
+        *("--output", "-o"),
+        metavar="FILE",
+        help="Picture (png, svg, pdf); or FILE.zarr, which keeps every point as it comes: the same "
+        "command goes on where it was ended. Can be given several times.",
+        callback=_drawable_or_store,
+    )
+
+
+def cluster() -> Any:
+    """`--cluster ADDRESS`."""
+    return typer.Option(
+        "--cluster", metavar="ADDRESS", help="Work on this Dask cluster, or `local`: one made here."
+    )
 
 
 def json(what: str) -> Any:

@@ -1,11 +1,11 @@
-"""What pictures share, and the time history of signals.
+"""What pictures share, and the time history of signals; every picture is written by `save`.
 
 Figures are made without pyplot, so that neither a display nor a global state is touched.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -20,7 +20,7 @@ from .words import printable
 Signal = NDArray[np.float64]
 Signals = Mapping[str, Signal]
 _MOST_LINES = 12  # in one panel; more cannot be told apart
-_PREFIXES = ((1.0, ""), (1e-3, "m"), (1e-6, "µ"), (1e-9, "n"))
+_PREFIXES = ((1.0, "m"), (1e-3, "mm"), (1e-6, "µm"), (1e-9, "nm"))
 
 
 def save(figure: Figure, path: Path) -> Path:
@@ -41,10 +41,13 @@ def save(figure: Figure, path: Path) -> Path:
 
 def metres(largest: float) -> tuple[float, str]:
     """Factor and unit in which a length reads well."""
-    for size, prefix in _PREFIXES:
-        if largest >= size or size == _PREFIXES[-1][0]:
-            return 1.0 / size, f"{prefix}m"
-    raise AssertionError("unreachable")
+    return readable(largest, _PREFIXES)
+
+
+def readable(largest: float, units: Sequence[tuple[float, str]]) -> tuple[float, str]:
+    """Factor and name of the first of falling units that a value reaches, or of the last."""
+    size, unit = next((each for each in units if largest >= each[0]), units[-1])
+    return 1.0 / size, unit
 
 
 def _panels(units: Mapping[str, str]) -> dict[str, list[str]]:

@@ -27,7 +27,7 @@ from dataclasses import dataclass
 from functools import partial
 from itertools import islice
 from multiprocessing.context import SpawnContext, SpawnProcess
-from typing import Any, Generic, TypeVar
+from typing import Any, Generic, Protocol, TypeVar
 
 from ..errors import SimulationError
 
@@ -47,6 +47,15 @@ class Failed(Generic[Item]):
 
     item: Item
     error: Exception
+
+
+class Kept(Protocol[Outcome]):
+    """Outcomes by the items' numbers: a dictionary, or a part of a store that lasts."""
+
+    def __len__(self) -> int: ...
+    def __contains__(self, item: object, /) -> bool: ...
+    def __getitem__(self, item: int, /) -> Outcome: ...
+    def __setitem__(self, item: int, outcome: Outcome, /) -> None: ...
 
 
 def as_they_come(
@@ -98,12 +107,20 @@ def in_order(
     items: Sequence[Item],
     workers: Workers = 1,
     progress: Progress | None = None,
+    kept: Kept[Outcome] | None = None,
 ) -> list[Outcome]:
-    """Outcomes of `work` in the items' order; the first exception ends it, as `as_they_come`."""
-    outcomes: dict[int, Any] = {}
-    with closing(as_they_come(work, items, workers)) as ready:
-        for index, outcome in ready:
-            outcomes[index] = outcome
+    """Outcomes of `work` in the items' order; the first exception ends it, as `as_they_come`.
+
+    Args:
+        kept: outcomes there already, which are not worked for again; the others come to them.
+    """
+    outcomes: Kept[Any] = {} if kept is None else kept
+    left = [index for index in range(len(items)) if index not in outcomes]
+    if progress and len(left) < len(items):
+        progress(len(outcomes) / len(items))
+    with closing(as_they_come(work, [items[index] for index in left], workers)) as ready:
+        for number, outcome in ready:
+            outcomes[left[number]] = outcome
             if progress:
                 progress(len(outcomes) / len(items))
     return [outcomes[index] for index in range(len(items))]

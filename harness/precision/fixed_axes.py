@@ -20,7 +20,7 @@ from ..master.plan import ROTOR, Plan, Port, find_or_build, plan
 from ..master.recorder import Recorder
 from ..master.schedule import milestones, schedule
 from ..scene import Scene
-from .runner import Run
+from .runner import Run, shown_at_start
 
 
 @dataclass
@@ -126,10 +126,7 @@ def _member(plan: Plan, unit: Fmu) -> Member:
 def _at_the_start(plan: Plan, turning: CoSimulation) -> dict[Port, float]:
     """Every output at the start, from the same units turning with the rotor."""
     turn = cmath.rect(1.0, turning.scene.run.initial.angle)
-    first: dict[Port, float] = {}
-    for port, value in turning.system.present().items():
-        along = value * turn
-        first.update(zip(plan.variables(port, "signal"), (along.real, along.imag), strict=True))
+    first = shown_at_start(plan, turning, turn)
     for connection in plan.of_kind("value"):
         source = connection.source
         first[source] = turning.read(source.unit, [source.variable])[0]

@@ -32,11 +32,7 @@ _TOLERANCE = "tab:green"
 
 
 def plot_precision(found: Precision, path: Path) -> Path:
-    """Draw a measured scene.
-
-    Raises:
-        UserError: the file cannot be written.
-    """
+    """Draw a measured scene."""
     figure = Figure(figsize=(10.5, 6.4), layout="constrained")
     axes = figure.subplots()
     families: dict[str, list[Point]] = {}

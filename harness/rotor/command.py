@@ -62,19 +62,16 @@ def command(
 
 
 def _draw(kind: str, scene: Scene, low: float, high: float, path: Path) -> None:
-    from . import plot as pictures
-    from . import plot_motion as rotor_motion
-    from . import study as rotor_study
+    from . import plot, plot_motion, study
 
     if kind == "campbell":
-        data, critical = rotor_study.campbell_of(scene, low, high)
-        pictures.plot_campbell(data, critical, scene.heading, path)
+        plot.plot_campbell(*study.campbell_of(scene, low, high), scene.heading, path)
     elif kind == "response":
-        pictures.plot_response(rotor_study.response_of(scene, low, high), path)
+        plot.plot_response(study.response_of(scene, low, high), path)
     elif kind == "orbit":
-        rotor_motion.plot_orbits(rotor_study.orbits_of(scene), path)
+        plot_motion.plot_orbits(study.orbits_of(scene), path)
     else:
-        rotor_motion.plot_run_up(rotor_study.run_up_of(scene, low, high), path)
+        plot_motion.plot_run_up(study.run_up_of(scene, low, high), path)
 
 
 def modes_table(scene: Scene, found: Modes) -> Sheet:
@@ -82,9 +79,9 @@ def modes_table(scene: Scene, found: Modes) -> Sheet:
     modes = zip(found.natural_frequencies, found.damping_ratios, found.directions, strict=True)
     rows = []
     for number, (frequency, damping, direction) in enumerate(modes, start=1):
-        shown = direction if damping >= 0.0 else f"{direction}, UNSTABLE"
-        hertz = frequency / math.tau
-        rows.append([str(number), f"{frequency:.6g}", f"{hertz:.5g}", f"{damping:.4g}", shown])
+        numbers = (f"{frequency:.6g}", f"{frequency / math.tau:.5g}", f"{damping:.4g}")
+        whirl = direction if damping >= 0.0 else f"{direction}, UNSTABLE"
+        rows.append([str(number), *numbers, whirl])
     columns = ("mode", "frequency [rad/s]", "[Hz]", "damping ratio [1]", "whirl")
     title = f"{scene.heading}: rotor alone at {found.speed:g} rad/s"
     return Sheet(columns, rows, "rrrrl", title)
@@ -108,27 +105,18 @@ def critical_facts(scene: Scene) -> dict[str, Any]:
 
 
 def as_json(scene: Scene, found: Modes, facts: dict[str, Any]) -> dict[str, Any]:
-    """Modes and critical speeds, SI units."""
+    """Modes and critical speeds, SI units; for `write_json`."""
+    columns = {
+        "frequency": found.natural_frequencies,
+        "damping_ratio": found.damping_ratios,
+        "growth_rate": found.eigenvalues.real,
+        "whirl": found.whirl,
+        "direction": found.directions,
+    }
     return {
         "scene": scene.name,
         "speed": found.speed,
         "critical_speeds": facts["alone"],
         "critical_speeds_loaded": facts["loaded"],
-        "modes": [
-            {
-                "frequency": float(frequency),
-                "damping_ratio": float(damping),
-                "growth_rate": float(value.real),
-                "whirl": float(whirl),
-                "direction": direction,
-            }
-            for value, frequency, damping, whirl, direction in zip(
-                found.eigenvalues,
-                found.natural_frequencies,
-                found.damping_ratios,
-                found.whirl,
-                found.directions,
-                strict=True,
-            )
-        ],
+        "modes": [dict(zip(columns, m, strict=True)) for m in zip(*columns.values(), strict=True)],
     }

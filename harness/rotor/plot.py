@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -13,7 +12,7 @@ from numpy.typing import NDArray
 
 from ...models.linear.modes import Campbell
 from ..output.plot import metres, save
-from .study import Response
+from .study import Array, Response
 
 COLOURS = ("tab:blue", "tab:orange", "tab:green", "tab:purple", "tab:brown", "tab:pink")
 CRITICAL = "tab:red"
@@ -21,12 +20,8 @@ _LINES = {"forward": "-", "backward": "--", "planar": ":"}  # senses of whirl
 _STRAIGHT = 1e-6  # |whirl| below it is no whirl, as in the modes
 
 
-def plot_campbell(data: Campbell, critical: NDArray[np.float64], title: str, path: Path) -> Path:
-    """Natural frequencies and damping ratios against speed, forward and backward whirl.
-
-    Raises:
-        UserError: the file cannot be written.
-    """
+def plot_campbell(data: Campbell, critical: Array, title: str, path: Path) -> Path:
+    """Natural frequencies and damping ratios against speed, forward and backward whirl."""
     figure = Figure(figsize=(9.0, 8.0), layout="constrained")
     above, below = figure.subplots(2, 1, sharex=True, height_ratios=(2, 1))
     frequency = np.abs(data.eigenvalues)
@@ -57,19 +52,13 @@ def plot_campbell(data: Campbell, critical: NDArray[np.float64], title: str, pat
     return save(figure, path)
 
 
-def _top(frequency: NDArray[np.float64], speeds: NDArray[np.float64]) -> float:
+def _top(frequency: Array, speeds: Array) -> float:
     """Where the frequency axis ends: modes far above the speeds would press the rest together."""
     low = frequency[frequency <= 1.3 * speeds[-1]]
     return 1.08 * max(float(speeds[-1]), float(low.max(initial=0.0)))
 
 
-def _by_whirl(
-    axes: Any,
-    x: NDArray[np.float64],
-    y: NDArray[np.float64],
-    whirl: NDArray[np.float64],
-    colour: str,
-) -> None:
+def _by_whirl(axes: Any, x: Array, y: Array, whirl: Array, colour: str) -> None:
     """One mode, its line telling the sense of its whirl at each speed."""
     sense = np.where(np.abs(whirl) < _STRAIGHT, 0, np.sign(whirl))
     for value, line in zip((1, -1, 0), _LINES.values(), strict=True):
@@ -81,26 +70,15 @@ def _by_whirl(
 
 
 def _campbell_legend(axes: Any) -> None:
-    handles = [
-        *(
-            Line2D([], [], color="black", ls=line, label=f"{name} motion")
-            for name, line in _LINES.items()
-        ),
-        Line2D([], [], color="gray", lw=1.0, label="frequency = speed"),
-        Line2D(
-            [], [], color=CRITICAL, ls="", marker="o", mfc="none", mew=1.8,
-            label="critical speed, undamped",
-        ),
-    ]  # fmt: skip
-    axes.legend(handles=handles, loc="upper left", fontsize="small")
+    lines = [Line2D([], [], color="black", ls=ls, label=f"{n} motion") for n, ls in _LINES.items()]
+    lines.append(Line2D([], [], color="gray", lw=1.0, label="frequency = speed"))
+    ring = Line2D([], [], color=CRITICAL, ls="", marker="o", mfc="none", mew=1.8)
+    ring.set_label("critical speed, undamped")
+    axes.legend(handles=[*lines, ring], loc="upper left", fontsize="small")
 
 
 def plot_response(data: Response, path: Path) -> Path:
-    """Amplitude and phase of every station against speed, x and y side by side.
-
-    Raises:
-        UserError: the file cannot be written.
-    """
+    """Amplitude and phase of every station against speed, x and y side by side."""
     alike = np.allclose(data.amplitude[:, 1], -1j * data.amplitude[:, 0], rtol=1e-9, atol=0.0)
     axes_shown = (0,) if alike else (0, 1)
     figure = Figure(figsize=(7.5 * len(axes_shown), 8.0), layout="constrained")
@@ -112,7 +90,7 @@ def plot_response(data: Response, path: Path) -> Path:
         above, below = grid[:, column]
         _response_lines(above, below, data, along, factor)
         for axes in (above, below):
-            _mark_critical(axes, data.critical)
+            mark_critical(axes, data.critical, "critical speeds")
             axes.grid(which="both", alpha=0.25)
         name = "x and y alike, y a quarter turn later" if alike else f"along {'xy'[along]}"
         above.set_title(name)
@@ -140,17 +118,14 @@ def _response_lines(above: Any, below: Any, data: Response, along: int, factor: 
         below.plot(data.points, np.degrees(np.angle(points)), "o", ms=4, color=colour)
 
 
-def _unbroken(
-    speeds: NDArray[np.float64], curve: NDArray[np.complexfloating]
-) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+def _unbroken(speeds: Array, curve: NDArray[np.complexfloating]) -> tuple[Array, Array]:
     """Phase in degrees without the lines that jumps from -180 to 180 would draw."""
     phase = np.degrees(np.angle(curve))
     jumps = np.flatnonzero(np.abs(np.diff(phase)) > 180.0) + 1
     return np.insert(speeds, jumps, np.nan), np.insert(phase, jumps, np.nan)
 
 
-def _mark_critical(axes: Any, critical: Sequence[float] | NDArray[np.float64]) -> None:
+def mark_critical(axes: Any, critical: Array, label: str) -> None:
+    """A line at every critical speed, the first one labelled."""
     for number, speed in enumerate(critical):
-        axes.axvline(
-            speed, color=CRITICAL, ls="--", lw=0.9, label="critical speeds" if not number else None
-        )
+        axes.axvline(speed, color=CRITICAL, ls="--", lw=0.9, label=None if number else label)

@@ -9,7 +9,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from ..output.plot import metres, save
-from .plot import COLOURS, CRITICAL
+from .plot import COLOURS, mark_critical
 from .study import Orbits, RunUp
 
 ALONE, RUN = "tab:gray", "tab:blue"
@@ -17,11 +17,7 @@ _ACROSS = 3  # panels in a row
 
 
 def plot_orbits(data: Orbits, path: Path) -> Path:
-    """Orbit of every station, one panel each: steady without balancers, and at a run's end with.
-
-    Raises:
-        UserError: the file cannot be written.
-    """
+    """Orbit of every station, one panel each: steady without balancers, and at a run's end with."""
     count = len(data.stations)
     columns = min(count, _ACROSS)
     rows = -(-count // columns)
@@ -37,10 +33,9 @@ def plot_orbits(data: Orbits, path: Path) -> Path:
             peaks.append(_orbit(axes, data.run[:, :, j] * factor, RUN, label))
         reach = 1.1 * max(peaks)
         axes.set(xlim=(-reach, reach), ylim=(-reach, reach), aspect="equal")
+        axes.set(xlabel=f"x [{unit}]", ylabel=f"y [{unit}]")
         shown = ", ".join(f"{peak:.3g}" for peak in peaks)
         axes.set_title(f"{name}: 0-peak {shown} {unit}", fontsize="medium")
-        axes.set_xlabel(f"x [{unit}]")
-        axes.set_ylabel(f"y [{unit}]")
         axes.grid(alpha=0.3)
     figure.legend(
         *grid[0].get_legend_handles_labels(), loc="outside lower center", ncols=2, fontsize="small"
@@ -63,11 +58,7 @@ def _orbit(axes: Any, orbit: Any, colour: str, label: str) -> float:
 
 
 def plot_run_up(data: RunUp, path: Path) -> Path:
-    """Displacement of every station while the speed rises, with and without balancers.
-
-    Raises:
-        UserError: the file cannot be written.
-    """
+    """Displacement of every station while the speed rises, with and without balancers."""
     parts = [("with balancers", data.run), ("without balancers", data.alone)]
     if not len(data.alone):
         parts = [("without balancers", data.run)]
@@ -81,9 +72,7 @@ def plot_run_up(data: RunUp, path: Path) -> Path:
                 data.speeds, part[:, j] * factor, color=COLOURS[j % len(COLOURS)], lw=0.8,
                 label=f"{station}, largest {peak:.3g} {unit}",
             )  # fmt: skip
-        for number, speed in enumerate(data.critical):
-            label = None if number else "critical speeds of the rotor alone"
-            axes.axvline(speed, color=CRITICAL, ls="--", lw=0.9, label=label)
+        mark_critical(axes, data.critical, "critical speeds of the rotor alone")
         axes.set_title(name, fontsize="medium")
         axes.set_ylabel(f"displacement $\\sqrt{{x^2 + y^2}}$, 0-peak [{unit}]")
         axes.grid(alpha=0.3)

@@ -187,12 +187,19 @@ def orbits_of(scene: Scene) -> Orbits:
     alone = np.concatenate([alone, alone[:1]])
     run = np.empty((0, 2, len(names)))
     if scene.balancer:
-        outputs = [f"rotor.{name}" for name in _outputs(len(names))]
-        result = cosimulate(scene, record=outputs)
+        time, motion = _run(scene)
         period = 2.0 * math.pi / speed
-        late = result.time >= result.time[-1] - LAST_REVOLUTIONS * period * (1.0 + 1e-9)
-        run = np.stack([result[name][late] for name in outputs], axis=1).reshape(-1, 2, len(names))
+        run = motion[time >= time[-1] - LAST_REVOLUTIONS * period * (1.0 + 1e-9)]
     return Orbits(scene.heading, speed, names, alone, run, LAST_REVOLUTIONS)
+
+
+def _run(scene: Scene) -> tuple[Array, Array]:
+    """Times (m,) of a run and the stations' motion (m, 2, n), x and y."""
+    count = len(scene.rotor.stations)
+    outputs = [f"rotor.{name}" for name in _outputs(count)]
+    result = cosimulate(scene, record=outputs)
+    motion = np.stack([result[name] for name in outputs], axis=1)
+    return result.time, motion.reshape(-1, 2, count)
 
 
 def run_up_of(scene: Scene, low: float, high: float) -> RunUp:
@@ -205,16 +212,14 @@ def run_up_of(scene: Scene, low: float, high: float) -> RunUp:
         }
     )
     names = station_names(scene)
-    outputs = [f"rotor.{name}" for name in _outputs(len(names))]
-    swings = []
-    for variant in [rising, rising.without_balancers()] if scene.balancer else [rising]:
-        result = cosimulate(variant, record=outputs)
-        motion = np.array([result[name] for name in outputs]).reshape(2, len(names), -1)
-        swings.append(np.hypot(motion[0], motion[1]).T)
-        speeds = np.array([rising.profile().speed(t) for t in result.time])
-    alone = swings[1] if len(swings) > 1 else np.empty((0, len(names)))
+    time, motion = _run(rising)
+    speeds = np.array([rising.profile().speed(t) for t in time])
+    alone = np.empty((0, 2, len(names)))
+    if scene.balancer:
+        alone = _run(rising.without_balancers())[1]
+    run, alone = (np.hypot(both[:, 0], both[:, 1]) for both in (motion, alone))
     critical = _within(critical_speeds(scene.assembly().rotor), low, high)
-    return RunUp(scene.heading, names, seconds, speeds, swings[0], alone, critical)
+    return RunUp(scene.heading, names, seconds, speeds, run, alone, critical)
 
 
 def _within(values: Array, low: float, high: float) -> Array:

@@ -103,6 +103,11 @@ class Scene(Table):
         return self._path.stem if self._path else self._label
 
     @property
+    def document(self) -> dict[str, Any]:
+        """What the scene was made from, as a TOML file would say it."""
+        return copy.deepcopy(self._document)
+
+    @property
     def heading(self) -> str:
         """What tables and pictures call the scene: its title, else its name."""
         return self.title or self.name
@@ -132,7 +137,8 @@ class Scene(Table):
 
         Paths begin with rotor, operation, coupling, run, or a balancer's name; elements of lists
         count from 1 ("rotor.stiffness[2]").  None takes a key out, back to its default.  Speed and
-        run_up, steps_per_rev and tolerance take each other's place.
+        run_up, steps_per_rev and tolerance take each other's place; a tolerance, or a scheme that
+        takes one pass, takes that of corrections.  Two of them given at once are refused.
 
         Raises:
             SceneError: a path is unknown (says what is possible), or a value is wrong.
@@ -151,8 +157,7 @@ class Scene(Table):
 
     def without_balancers(self) -> Scene:
         """The bare rotor, with nothing to check."""
-        document = {k: v for k, v in self._document.items() if k not in {"balancer", "check"}}
-        return Scene._of(document, self._path, self._label)
+        return self.without(*(balancer.label for balancer in self.balancer))
 
     def with_check(self, table: Mapping[str, Any]) -> Scene:
         """The scene with one more [[check]].
@@ -167,7 +172,7 @@ class Scene(Table):
     def without(self, *names: str) -> Scene:
         """The scene less the balancers of these names, with nothing to check."""
         document = {k: v for k, v in self._document.items() if k != "check"}
-        kept = zip(self.balancer, self._document["balancer"], strict=True)
+        kept = zip(self.balancer, document.get("balancer", ()), strict=True)
         document["balancer"] = [table for balancer, table in kept if balancer.label not in names]
         return Scene._of(document, self._path, self._label)
 

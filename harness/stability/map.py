@@ -20,9 +20,10 @@ from ..scene import Scene
 from .axis import SPEED, Axis
 from .boundaries import criterion_of
 from .main_motion import MainMotion
+from .map_store import open_map
 
 Vector = NDArray[np.float64]
-Reasons = list[tuple[int, str]]  # why points of a strip have no growth rate, by their places
+Reasons = NDArray[np.object_]  # why points have no growth rate; empty where they have
 _ROWS = 8  # values of the slow axis solved together; more would hide the progress
 _PLASTIC = 1.324717957244746  # its powers spread points evenly over a square
 
@@ -103,6 +104,7 @@ def stability_map(
     cosim: int = 0,
     workers: Workers = 1,
     progress: Progress | None = None,
+    store: Path | None = None,
 ) -> StabilityMap:
     """Growth rates by Floquet over two parameters, and by co-simulation at some points.
 
@@ -111,9 +113,11 @@ def stability_map(
         workers: processes, or an executor; a script that asks for more than one needs
             `if __name__ == "__main__":`.
         progress: called with the finished fraction.
+        store: keeps every outcome as it comes; what it holds already is not computed again.
 
     Raises:
-        UserError: a path is unknown, a value on an axis is wrong, or both axes are the same.
+        UserError: a path is unknown, a value on an axis is wrong, both axes are the same, or the
+            store is another map's.
     """
     if x.path == y.path:
         raise UserError(f"{x.path}: both axes are the same")
@@ -127,60 +131,59 @@ def stability_map(
     rows = _ROWS if fast.path == SPEED else 1
     starts = range(0, len(slow.values), rows)
     jobs = [(scene, slow.path, slow.values[i : i + rows].tolist(), fast) for i in starts]
-    strips = in_order(_strip, jobs, workers, lambda done: report(share * done))
-    shape = len(slow.values), len(fast.values)
-    growth, criterion = (np.concatenate([s[k] for s in strips]).reshape(shape) for k in (0, 1))
-    missing = [
-        (divmod(start * shape[1] + place, shape[1]), why)
-        for start, (_, _, reasons) in zip(starts, strips, strict=True)
-        for place, why in reasons
-    ]
-    points: list[Point] = []
-    if cosim:
-        places = grid_points(cosim, len(x.values), len(y.values))
-        work = [(scene, {x.path: x.values[i], y.path: y.values[j]}) for i, j in places]
-        rates = in_order(_measure, work, workers, lambda done: report(0.5 + 0.5 * done))
-        points = [Point(*place, *rate) for place, rate in zip(places, rates, strict=True)]
+    places = grid_points(cosim, len(x.values), len(y.values))
+    kept = {} if store is None else open_map(store, scene, x, y, rows, places)
+    strips = in_order(_strip, jobs, workers, lambda done: report(share * done), kept.get("strip"))
+    growth, criterion, why_not = (np.concatenate(arrays) for arrays in zip(*strips, strict=True))
+    if transposed:
+        growth, criterion, why_not = growth.T, criterion.T, why_not.T
+    work = [(scene, {x.path: x.values[i], y.path: y.values[j]}) for i, j in places]
+    rates = in_order(
+        _measure, work, workers, lambda done: report(0.5 + 0.5 * done), kept.get("point")
+    )
+    failed = np.argwhere(why_not != "").tolist()
     applies = bool(np.isfinite(criterion).any())
     return StabilityMap(
         scene.heading,
         x,
         y,
         (x.label(scene), y.label(scene)),
-        growth.T if transposed else growth,
-        (criterion.T if transposed else criterion) if applies else None,
+        growth,
+        criterion if applies else None,
         "" if applies else _why_no_criterion(scene),
-        tuple(points),
-        tuple(Point(*(at if transposed else at[::-1]), math.nan, why) for at, why in missing),
+        tuple(Point(*place, *rate) for place, rate in zip(places, rates, strict=True)),
+        tuple(Point(i, j, math.nan, str(why_not[j, i])) for j, i in failed),
     )
 
 
 def _strip(job: tuple[Scene, str, list[float], Axis]) -> tuple[Vector, Vector, Reasons]:
-    """Growth rates and the criterion at some values of the slow axis and all of the fast one."""
+    """Growth rates, the criterion and reasons, (values of the slow axis, all of the fast one)."""
     scene, slow, values, fast = job
     along = fast.path == SPEED
     others = [{}] if along else [{fast.path: value} for value in fast.values]
     scenes = [scene.replace({slow: v, **other}) for v, other in product(values, others)]
     assemblies = [s.assembly() for s in scenes]
     speeds = fast.values if along else np.array([scenes[0].profile().end])
-    growth, reasons = _rates(assemblies, speeds)
-    return growth, np.concatenate([_criterion(a, speeds) for a in assemblies]), reasons
+    growth, why_not = _rates(assemblies, speeds)
+    criterion = np.concatenate([_criterion(a, speeds) for a in assemblies])
+    shape = len(values), len(fast.values)
+    return growth.reshape(shape), criterion.reshape(shape), why_not.reshape(shape)
 
 
 def _rates(assemblies: Sequence[Assembly], speeds: Vector) -> tuple[Vector, Reasons]:
-    """Growth rates of all pairs, assembly by assembly; what cannot be solved is NaN, and why."""
+    """Growth rates (assemblies, speeds); what cannot be solved is NaN, and why."""
+    why_not = np.full((len(assemblies), len(speeds)), "", dtype=object)
     try:
-        return growth_map(assemblies, speeds).ravel(), []
+        return growth_map(assemblies, speeds), why_not
     except (ValueError, ArithmeticError):  # of NumPy's own LinAlgError is one
         pass
-    growth, reasons = [], []
-    for number, (assembly, speed) in enumerate(product(assemblies, speeds)):
+    growth = np.full(why_not.shape, math.nan)
+    for i, j in np.ndindex(why_not.shape):
         try:
-            growth.append(growth_map([assembly], [speed])[0, 0])
+            growth[i, j] = growth_map([assemblies[i]], speeds[j : j + 1])[0, 0]
         except (ValueError, ArithmeticError) as error:
-            growth.append(math.nan)
-            reasons.append((number, str(error)))
-    return np.array(growth), reasons
+            why_not[i, j] = str(error)
+    return growth, why_not
 
 
 def _criterion(assembly: Assembly, speeds: Vector) -> Vector:

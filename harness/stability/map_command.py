@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -23,23 +22,27 @@ def command(
     scene: Annotated[str, options.SCENE],
     x: Annotated[str, typer.Option(metavar=AXIS, help="Such as speed=0.5:12:100 (rad/s).")],
     y: Annotated[str, typer.Option(metavar=AXIS, help="Such as weights.drag=1e-4:1:100:log.")],
-    output: Annotated[
-        Path | None, options.picture("Picture (png, svg, pdf).", "--output", "-o")
-    ] = None,
+    output: Annotated[list[Path] | None, options.pictures_or_store()] = None,
     csv: Annotated[Path | None, options.output(".csv", "Every point.")] = None,
     cosim: Annotated[
         int, typer.Option(min=0, metavar="K", help="Co-simulate K points of the map, too.")
     ] = 0,
+    cluster: Annotated[str | None, options.cluster()] = None,
     at_most: Annotated[str, options.at_most()] = costs.DEFAULT,
 ) -> None:
     """Draw where balancing is stable over two parameters, by criterion, Floquet and the units."""
+    from ..output.cluster import who_works
     from ..scene import load_scene
     from .axis import Axis
     from .map import stability_map
 
-    if output is None and csv is None:
-        output = Path("map.png")
-        ready_to_write(output)
+    stores = [path for path in output or () if path.suffix == options.STORE]
+    if len(stores) > 1:
+        raise UserError(f"{stores[1]}: one store is enough")
+    pictures = [path for path in output or () if path not in stores]
+    if not output and csv is None:
+        pictures = [Path("map.png")]
+        ready_to_write(pictures[0])
     axes = []
     for option, text in (("--x", x), ("--y", y)):
         try:
@@ -47,13 +50,14 @@ def command(
         except UserError as error:
             raise UserError(f"{option} {error}") from error
     loaded = load_scene(scene)
-    with progress_bar(f"mapping {loaded.name}") as progress:
+    with progress_bar(f"mapping {loaded.name}") as progress, who_works(cluster) as workers:
         data = stability_map(
             loaded,
             *axes,
             cosim=cosim,
-            workers=os.cpu_count() or 1,
+            workers=workers,
             progress=costs.within(at_most, f"--x {x} --y {y} --cosim {cosim}", progress),
+            store=stores[0] if stores else None,
         )
     _say(data)
     if cosim:
@@ -62,10 +66,13 @@ def command(
         say(f"FMUs loaded: {', '.join(plan(loaded).files)}")
     if csv is not None:
         say(f"Points: {data.to_csv(csv)}")
-    if output is not None:
+    for store in stores:
+        say(f"Store: {store}")
+    if pictures:
         from .plot import plot_map
 
-        say(f"Picture: {plot_map(data, output)}")
+        for picture in pictures:
+            say(f"Picture: {plot_map(data, picture)}")
 
 
 def _say(data: StabilityMap) -> None:

@@ -20,11 +20,7 @@ DECADES = 3.0  # of growth rates told apart on either side of zero
 
 
 def plot_map(data: StabilityMap, path: Path) -> Path:
-    """Blue where deviations decay, red where they grow.
-
-    Raises:
-        UserError: the format is unknown, or the file cannot be written.
-    """
+    """Blue where deviations decay, red where they grow."""
     figure = Figure(figsize=(8.6, 5.6), layout="constrained")
     axes = figure.subplots()
     x, y = data.x.values, data.y.values

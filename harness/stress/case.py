@@ -183,17 +183,28 @@ def error_against_monolith(
         options: of `models.monolith.reference`.
     """
     result = cosimulate(build, record=signals)
+    error, own = against_reference(build, result, bound=REFERENCE_SHARE * allowed, **options)
+    return error, own, result
+
+
+def against_reference(scene: Scene, result: Result, **options: Any) -> tuple[float, float]:
+    """Error of a scene's run in all that was recorded, and the reference's own.
+
+    Args:
+        options: of `models.monolith.reference`.
+
+    Raises:
+        ReferenceDisagreement: nobody knows what is right.
+    """
     right, own = reference(
-        build.assembly(),
-        build.profile(),
+        scene.assembly(),
+        scene.profile(),
         result.time,
-        initial=build.run.initial.motion(),
-        signals=[name for name in signals if name.rpartition(".")[2] in STATES],
-        bound=REFERENCE_SHARE * allowed,
+        initial=scene.run.initial.motion(),
+        signals=[name for name in result.signals if name.rpartition(".")[2] in STATES],
         **options,
     )
-    error = deviation(result, {name: right.signal(name) for name in signals})
-    return error, own, result
+    return deviation(result, {name: right.signal(name) for name in result.signals}), own
 
 
 def against_monolith(

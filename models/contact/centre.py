@@ -13,12 +13,13 @@ class Instant(NamedTuple):
 
     Attributes:
         acceleration, slope: of the track's centre, rotor frame [m/s^2, m/s^3].
-        rotor_speed: w [rad/s].
+        rotor_speed, angular_acceleration: w and w' [rad/s, rad/s^2].
     """
 
     acceleration: complex
     slope: complex
     rotor_speed: float
+    angular_acceleration: float
 
 
 class CentreMotion(NamedTuple):
@@ -38,7 +39,7 @@ class CentreMotion(NamedTuple):
 def instant(motion: CentreMotion, time: float) -> Instant:
     """What drives the weights `time` after the start of the step [s]."""
     speed = motion.rotor_speed + motion.angular_acceleration * time
-    return Instant(*at(motion.signal, time), speed)
+    return Instant(*at(motion.signal, time), speed, motion.angular_acceleration)
 
 
 def turned(motion: CentreMotion, time: float) -> float:

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import cmath
 import math
+from itertools import accumulate
 from typing import NamedTuple
 
 from .centre import CentreMotion, Instant, instant
@@ -66,14 +67,14 @@ def event_value(event: EventFunction, time: float) -> float:
     weights = functions.weights
     groups, later = weights.groups, instant(functions.motion, functions.begin + time)
     if event.kind == BREAKS_AWAY:
-        return _hold(weights, i, later, functions.motion.angular_acceleration)
-    middle, rate = _after(functions, i, later, time)
+        return _hold(weights, i, later)
+    middle, rate = moved(weights, i, functions.now, later, time)
     if event.kind == COMES_TO_REST:
         return groups.sign[i] * rate
     if event.kind == PULLED_OPEN:
         return _pressure(functions, i, middle, rate, later)[0]
     j = (i + 1) % groups.count
-    following, _ = _after(functions, j, later, time)
+    following, _ = moved(weights, j, functions.now, later, time)
     return event.start + (following - middle - (groups.middle[j] - groups.middle[i]))
 
 
@@ -102,11 +103,6 @@ def find_event_function(
     if kind == COMES_TO_REST:
         return _comes_to_rest(functions, i, later, length) if groups.sign[i] else None
     return _breaks_away(functions, i, later, length) if groups.resting[i] else None
-
-
-def _after(functions: EventFunctions, i: int, later: Instant, time: float) -> tuple[float, float]:
-    acceleration = functions.motion.angular_acceleration
-    return moved(functions.weights, i, functions.now, later, acceleration, time)
 
 
 def _gap_closes(functions: EventFunctions, i: int, length: float) -> EventFunction | None:
@@ -150,14 +146,14 @@ def _comes_to_rest(
     functions: EventFunctions, i: int, later: Instant, length: float
 ) -> EventFunction | None:
     weights, groups = functions.weights, functions.weights.groups
-    acceleration, sign = functions.motion.angular_acceleration, groups.sign[i]
+    sign = groups.sign[i]
     middle, rate = groups.middle[i], groups.angle_rate[i]
     end_middle, end_rate = groups.end_middle[i], groups.end_rate[i]
     event = EventFunction(functions, COMES_TO_REST, i, -1, sign * rate, length)
     if sign * end_rate < 0.0:
         return event
-    start, _ = group_acceleration(weights, i, middle, rate, functions.now, acceleration)
-    final, _ = group_acceleration(weights, i, end_middle, end_rate, later, acceleration)
+    start, _ = group_acceleration(weights, i, middle, rate, functions.now)
+    final, _ = group_acceleration(weights, i, end_middle, end_rate, later)
     if sign * start < 0.0 < sign * final:
         least = lowest(sign * rate, sign * start, sign * end_rate, sign * final, length)
         return _dips(event, least)
@@ -167,17 +163,16 @@ def _comes_to_rest(
 def _breaks_away(
     functions: EventFunctions, i: int, later: Instant, length: float
 ) -> EventFunction | None:
-    weights, acceleration = functions.weights, functions.motion.angular_acceleration
-    if _hold(weights, i, later, acceleration) >= 0.0:
+    if _hold(functions.weights, i, later) >= 0.0:
         return None
-    start = _hold(weights, i, functions.now, acceleration)
+    start = _hold(functions.weights, i, functions.now)
     return EventFunction(functions, BREAKS_AWAY, i, -1, start, length)
 
 
-def _slack(weights: WeightsInOrder, i: int, now: Instant, angular_acceleration: float) -> float:
+def _slack(weights: WeightsInOrder, i: int, now: Instant) -> float:
     """Rounding of drives; never less than what `find_groups` leaves together."""
     lever = weights.track.weights.lever
-    drive = abs(lever * now.acceleration) + abs(angular_acceleration)
+    drive = abs(lever * now.acceleration) + abs(now.angular_acceleration)
     return PULL * weights.groups.size[i] * drive
 
 
@@ -190,24 +185,17 @@ def _pressure(
     if groups.resting[i]:
         return 1.0, 0
     a = now.acceleration
-    least, where = math.inf, 0
     centrifugal = track.weights.track_radius * (now.rotor_speed + angle_rate) ** 2
     if not groups.sign[i] or abs(a) < centrifugal:
         lever = complex(track.weights.lever, groups.sign[i] * track.grip)
         pull = lever * a * cmath.rect(1.0, -middle)
-        for j, factor in enumerate(pressure_factors(size, track.alpha)):
-            pressure = (pull * factor).imag
-            if pressure < least:
-                least, where = pressure, j
+        pressures = [(pull * factor).imag for factor in pressure_factors(size, track.alpha)]
     else:
-        drives, pressure = weights.drives, 0.0
         _fill_sliding_drives(weights, i, middle, centrifugal, a)
-        mean = sum(drives[:size]) / size
-        for j in range(size - 1):
-            pressure += drives[j] - mean
-            if pressure < least:
-                least, where = pressure, j
-    return least + _slack(weights, i, now, functions.motion.angular_acceleration), where
+        mean = sum(weights.drives[:size]) / size
+        pressures = list(accumulate(drive - mean for drive in weights.drives[: size - 1]))
+    least = min(pressures)
+    return least + _slack(weights, i, now), pressures.index(least)
 
 
 def _fill_sliding_drives(
@@ -221,15 +209,15 @@ def _fill_sliding_drives(
         weights.drives[k] = track.weights.lever * z.imag - grip * abs(centrifugal - z.real)
 
 
-def _hold(weights: WeightsInOrder, i: int, now: Instant, angular_acceleration: float) -> float:
+def _hold(weights: WeightsInOrder, i: int, now: Instant) -> float:
     """What resistance has left to hold a resting group or a part of it; negative: it moves.
 
     A part moves when it can push all that is before it, so the ends of the group decide.
     """
     groups, drives, limits = weights.groups, weights.drives, weights.limits
     size = groups.size[i]
-    fill_drives(weights, groups.first[i], size, now, angular_acceleration)
-    slack = _slack(weights, i, now, angular_acceleration)
+    fill_drives(weights, groups.first[i], size, now)
+    slack = _slack(weights, i, now)
     if weights.track.full:
         return sum(limits) - abs(sum(drives)) + slack
     least = math.inf

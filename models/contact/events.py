@@ -10,7 +10,7 @@ from __future__ import annotations
 import cmath
 from dataclasses import dataclass
 
-from ..weights import TURN_PER_SUBSTEP, fastest_rate
+from ..weights import substeps
 from .centre import CentreMotion, Instant, instant, turned
 from .event_functions import (
     COMES_TO_REST,
@@ -59,7 +59,11 @@ def run(stepper: EventStepper, step: float) -> None:
         _settle(stepper, -1)
     for _ in range(_MOST_PARTS):
         left = step - stepper.time
-        count = _substeps(stepper, left, step)
+        # as `weights.advance`, so that weights that meet nothing move in its substeps
+        count = substeps(
+            stepper.weights.track.weights, stepper.weights.angle_rate, stepper.motion.signal,
+            stepper.motion.angular_acceleration, step, left, _MOST_PARTS,
+        )  # fmt: skip
         _part(stepper, step if count == 1 else stepper.time + left / count)
         if stepper.time >= step:
             return
@@ -69,27 +73,11 @@ def run(stepper: EventStepper, step: float) -> None:
     )
 
 
-def _substeps(stepper: EventStepper, left: float, step: float) -> int:
-    # as `weights.advance`, so that weights that meet nothing move in its substeps
-    motion, rates = stepper.motion, stepper.weights.angle_rate
-    points = stepper.weights.track.weights
-    fastest, strongest = fastest_rate(
-        rates, motion.signal, points.lever, motion.angular_acceleration, points.damping_rate, step
-    )
-    turns = left * fastest / TURN_PER_SUBSTEP
-    if not turns < _MOST_PARTS:
-        raise ArithmeticError(
-            f"the weights would need {turns:.3g} substeps in {left:g} s: acceleration "
-            f"{strongest:g} m/s^2, rate {max(map(abs, rates)):g} rad/s"
-        )
-    return 1 + int(turns)
-
-
 def _part(stepper: EventStepper, until: float) -> None:
     """Move to the first event before `until`, or there."""
     weights, motion, begin = stepper.weights, stepper.motion, stepper.time
     now, later, length = instant(motion, begin), instant(motion, until), until - begin
-    find_groups(weights, now, motion.angular_acceleration)
+    find_groups(weights, now)
     functions = EventFunctions(weights, motion, begin, now)
     width = _LOCATED * length
     _move_groups(functions, later, length)
@@ -116,12 +104,10 @@ def _part(stepper: EventStepper, until: float) -> None:
 
 def _move_groups(functions: EventFunctions, later: Instant, length: float) -> None:
     """Set where the groups are, and how fast, after `length`."""
-    weights, acceleration = functions.weights, functions.motion.angular_acceleration
-    groups = weights.groups
+    weights, groups = functions.weights, functions.weights.groups
     for i in range(groups.count):
-        groups.end_middle[i], groups.end_rate[i] = moved(
-            weights, i, functions.now, later, acceleration, length
-        )
+        end = moved(weights, i, functions.now, later, length)
+        groups.end_middle[i], groups.end_rate[i] = end
 
 
 def _earliest(
@@ -160,6 +146,5 @@ def _happen(stepper: EventStepper, event: EventFunction) -> None:
 
 def _settle(stepper: EventStepper, closed: int) -> None:
     motion, time = stepper.motion, stepper.time
-    now = instant(motion, time)
-    blow = settle(stepper.weights, now, motion.angular_acceleration, closed)
+    blow = settle(stepper.weights, instant(motion, time), closed)
     stepper.impulse += blow * cmath.rect(1.0, turned(motion, time))

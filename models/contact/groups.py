@@ -18,9 +18,7 @@ from .ring import WeightsInOrder, find_chains
 PULL = 1e-12  # of the largest drive: tension that is rounding
 
 
-def fill_drives(
-    weights: WeightsInOrder, first: int, size: int, now: Instant, angular_acceleration: float
-) -> None:
+def fill_drives(weights: WeightsInOrder, first: int, size: int, now: Instant) -> None:
     """Set `drives` and `limits`: accelerations g of a run of weights, limits f of those at rest."""
     track, drives, limits = weights.track, weights.drives, weights.limits
     lever, grip, radius = track.weights.lever, track.grip, track.weights.track_radius
@@ -29,7 +27,7 @@ def fill_drives(
         k = (first + j) % weights.count
         z = now.acceleration * cmath.rect(1.0, -weights.angle[k])
         rate = weights.angle_rate[k]
-        g, f = lever * z.imag - angular_acceleration - damping_rate * rate, 0.0
+        g, f = lever * z.imag - now.angular_acceleration - damping_rate * rate, 0.0
         if grip:
             f = grip * abs(radius * (now.rotor_speed + rate) ** 2 - z.real)
             if rate:
@@ -37,11 +35,11 @@ def fill_drives(
         drives[j], limits[j] = g, f
 
 
-def find_groups(weights: WeightsInOrder, now: Instant, angular_acceleration: float) -> None:
+def find_groups(weights: WeightsInOrder, now: Instant) -> None:
     """Set `groups`: who moves together now; contacts that are pulled open are dropped."""
     track, chains, pools = weights.track, weights.chains, weights.pools
     lever, grip = track.weights.lever, track.grip
-    slack = PULL * (abs(lever * now.acceleration) + abs(angular_acceleration))
+    slack = PULL * (abs(lever * now.acceleration) + abs(now.angular_acceleration))
     weights.groups.count = 0
     find_chains(weights, weights.joined)
     for i in range(chains.count):
@@ -49,7 +47,7 @@ def find_groups(weights: WeightsInOrder, now: Instant, angular_acceleration: flo
         if size == 1 and not grip:
             _append_group(weights, first, 1, 0.0)
             continue
-        fill_drives(weights, first, size, now, angular_acceleration)
+        fill_drives(weights, first, size, now)
         length = size
         if track.full:  # a closed ring cannot open
             weights.drives[0], weights.limits[0] = sum(weights.drives), sum(weights.limits)
@@ -100,65 +98,48 @@ def group_lever(weights: WeightsInOrder, i: int) -> float:
 
 
 def moved(
-    weights: WeightsInOrder,
-    i: int,
-    now: Instant,
-    later: Instant,
-    angular_acceleration: float,
-    step: float,
+    weights: WeightsInOrder, i: int, now: Instant, later: Instant, step: float
 ) -> tuple[float, float]:
     """Middle and rate of group i after `step` [rad, rad/s]."""
     groups = weights.groups
     middle, rate = groups.middle[i], groups.angle_rate[i]
     if groups.resting[i]:
         return middle, 0.0
-    ends = (now.acceleration, now.slope, later.acceleration, later.slope)
     if groups.sign[i]:
-        return sliding_substep(
-            _sliding(weights, i), middle, rate, ends, now.rotor_speed, angular_acceleration, step,
-            weights.sides,
-        )  # fmt: skip
+        return sliding_substep(_sliding(weights, i), middle, rate, now, later, step, weights.sides)
+    ends = (now.acceleration, now.slope, later.acceleration, later.slope)
     lever, damping_rate = group_lever(weights, i), weights.track.weights.damping_rate
-    return substep(middle, rate, ends, lever, angular_acceleration, damping_rate, step)
+    return substep(middle, rate, ends, lever, now.angular_acceleration, damping_rate, step)
 
 
 def group_acceleration(
-    weights: WeightsInOrder,
-    i: int,
-    middle: float,
-    angle_rate: float,
-    now: Instant,
-    angular_acceleration: float,
+    weights: WeightsInOrder, i: int, middle: float, angle_rate: float, now: Instant
 ) -> tuple[float, float]:
     """Angle acceleration of group i at `middle` and its time derivative [rad/s^2, rad/s^3]."""
     groups, damping_rate = weights.groups, weights.track.weights.damping_rate
-    a, slope, speed = now
     if groups.resting[i]:
         return 0.0, 0.0
     if groups.sign[i]:
         group, sides = _sliding(weights, i), weights.sides
-        side_count = find_sides(group, a, middle, angle_rate, speed, sides)
-        drive, drive_slope = sliding_drive(
-            group, a, slope, middle, angle_rate, speed, angular_acceleration, sides, side_count
-        )
+        side_count = find_sides(group, now, middle, angle_rate, sides)
+        drive, drive_slope = sliding_drive(group, now, middle, angle_rate, sides, side_count)
     else:
-        drive, drive_slope = along_track(a, slope, middle, angle_rate, group_lever(weights, i))
-        drive -= angular_acceleration
+        lever = group_lever(weights, i)
+        drive, drive_slope = along_track(now.acceleration, now.slope, middle, angle_rate, lever)
+        drive -= now.angular_acceleration
     acceleration = drive - damping_rate * angle_rate
     return acceleration, drive_slope - damping_rate * acceleration
 
 
-def ring_reaction(
-    weights: WeightsInOrder, now: Instant, angular_acceleration: float
-) -> tuple[complex, complex]:
+def ring_reaction(weights: WeightsInOrder, now: Instant) -> tuple[complex, complex]:
     """As `weights.reaction`: a group counts as its factor times one weight at its middle."""
-    speed = now.rotor_speed
+    speed, angular_acceleration = now.rotor_speed, now.angular_acceleration
     groups, alpha = weights.groups, weights.track.alpha
-    find_groups(weights, now, angular_acceleration)
+    find_groups(weights, now)
     moment = first = second = third = 0j
     for i in range(groups.count):
         nu, middle = groups.angle_rate[i], groups.middle[i]
-        theta_2, theta_3 = group_acceleration(weights, i, middle, nu, now, angular_acceleration)
+        theta_2, theta_3 = group_acceleration(weights, i, middle, nu, now)
         size = groups.size[i]
         unit = cmath.rect(size * group_factor(size, alpha), middle)
         moment += unit

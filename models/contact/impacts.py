@@ -26,9 +26,7 @@ def approaching(weights: WeightsInOrder) -> bool:
     return False
 
 
-def settle(
-    weights: WeightsInOrder, now: Instant, angular_acceleration: float, closed: int = -1
-) -> complex:
+def settle(weights: WeightsInOrder, now: Instant, closed: int = -1) -> complex:
     """Let all weights that touch collide, and set who stays in contact.
 
     Args:
@@ -47,7 +45,7 @@ def settle(
         if size > 1:
             rates = [weights.angle_rate[(first + j) % n] for j in range(size)]
             collide(rates, size, weights.track.restitution, weights.pools)
-            _capture(weights, first, rates, now, angular_acceleration)
+            _capture(weights, first, rates, now)
     changes = [rate - old for rate, old in zip(weights.angle_rate, before, strict=True)]
     moment = weights.track.weights.moment
     blow = strike(moment, weights.angle, changes) if any(changes) else 0j
@@ -55,13 +53,7 @@ def settle(
     return blow
 
 
-def _capture(
-    weights: WeightsInOrder,
-    first: int,
-    rates: list[float],
-    now: Instant,
-    angular_acceleration: float,
-) -> None:
+def _capture(weights: WeightsInOrder, first: int, rates: list[float], now: Instant) -> None:
     """Set rates and contacts of a chain; too low bounces are taken for contact."""
     n, size = weights.count, len(rates)
     accelerations = [0.0] * size
@@ -70,7 +62,7 @@ def _capture(
             weights.angle_rate[(first + j) % n] = rates[j]
         for j in range(size - 1):
             weights.joined[(first + j) % n] = rates[j + 1] == rates[j]
-        _fill_accelerations(weights, first, accelerations, now, angular_acceleration)
+        _fill_accelerations(weights, first, accelerations, now)
         low = _lowest_bounce(rates, accelerations)
         if low < 0:
             return
@@ -87,18 +79,14 @@ def _lowest_bounce(rates: list[float], accelerations: list[float]) -> int:
 
 
 def _fill_accelerations(
-    weights: WeightsInOrder,
-    first: int,
-    accelerations: list[float],
-    now: Instant,
-    angular_acceleration: float,
+    weights: WeightsInOrder, first: int, accelerations: list[float], now: Instant
 ) -> None:
     """Accelerations of a chain's weights with the contacts that are set."""
     n, size, begin = weights.count, len(accelerations), 0
     for j in range(size):
         if j == size - 1 or not weights.joined[(first + j) % n]:
             length = j + 1 - begin
-            fill_drives(weights, (first + begin) % n, length, now, angular_acceleration)
+            fill_drives(weights, (first + begin) % n, length, now)
             pool(weights.pools, weights.drives, weights.limits, length, 0.0)
             expand(weights.pools, accelerations, begin)
             begin = j + 1

@@ -118,8 +118,8 @@ def reaction(
         slope -= 2.0 * rotor_speed * angular_acceleration * offset
     if track.eventful:
         weights = put_in_order(track, angles, speeds, contacts)
-        now = Instant(acceleration, slope, rotor_speed)
-        force, force_slope = ring_reaction(weights, now, angular_acceleration)
+        now = Instant(acceleration, slope, rotor_speed, angular_acceleration)
+        force, force_slope = ring_reaction(weights, now)
     else:
         force, force_slope = points.reaction(
             track.weights, angles, speeds, acceleration, slope, rotor_speed, angular_acceleration

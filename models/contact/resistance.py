@@ -24,6 +24,7 @@ from typing import NamedTuple
 
 from ..cubic import hermite
 from ..weights import MAX_ITERATIONS, converged, quadrature
+from .centre import Instant
 from .contact import group_factor
 
 
@@ -47,29 +48,22 @@ class SlidingGroup(NamedTuple):
 
 
 def find_sides(
-    group: SlidingGroup,
-    acceleration: complex,
-    angle: float,
-    angle_rate: float,
-    rotor_speed: float,
-    sides: list[float],
+    group: SlidingGroup, now: Instant, angle: float, angle_rate: float, sides: list[float]
 ) -> int:
     """Which wall of the race carries each weight: 1.0 outer, -1.0 inner.
 
     Args:
-        acceleration: of the track's centre, rotor frame [m/s^2].
         angle, angle_rate: of the group's middle [rad, rad/s].
         sides: (size,) is set.
 
     Returns:
         Number of sides set; 0: all are the outer one.
     """
-    turning = rotor_speed + angle_rate
-    centrifugal = group.radius * turning**2
-    if abs(acceleration) < centrifugal:
+    centrifugal = group.radius * (now.rotor_speed + angle_rate) ** 2
+    if abs(now.acceleration) < centrifugal:
         return 0
     for k in range(group.size):
-        load = (acceleration * cmath.rect(1.0, -angle - _turn(group, k))).real
+        load = (now.acceleration * cmath.rect(1.0, -angle - _turn(group, k))).real
         sides[k] = 1.0 if centrifugal >= load else -1.0
     return group.size
 
@@ -81,23 +75,19 @@ def _turn(group: SlidingGroup, k: int) -> float:
 
 def sliding_drive(
     group: SlidingGroup,
-    acceleration: complex,
-    slope: complex,
+    now: Instant,
     angle: float,
     angle_rate: float,
-    rotor_speed: float,
-    angular_acceleration: float,
     sides: list[float],
     side_count: int,
 ) -> tuple[float, float]:
     """Mean of g - grip |n| over the group, and its time derivative along the motion.
 
     Args:
-        acceleration, slope: of the track's centre, rotor frame [m/s^2, m/s^3].
         angle, angle_rate: of the group's middle [rad, rad/s].
-        rotor_speed, angular_acceleration: w and w' [rad/s, rad/s^2].
         sides, side_count: as `find_sides` sets and returns them.
     """
+    acceleration, slope, rotor_speed, angular_acceleration = now
     turning = rotor_speed + angle_rate
     centrifugal = group.radius * turning * turning
     middle = cmath.rect(1.0, -angle)
@@ -124,39 +114,33 @@ def sliding_substep(
     group: SlidingGroup,
     angle: float,
     angle_rate: float,
-    ends: tuple[complex, complex, complex, complex],
-    rotor_speed: float,
-    angular_acceleration: float,
+    now: Instant,
+    later: Instant,
     step: float,
     sides: list[float],
 ) -> tuple[float, float]:
     """Angle and rate after `step`; order 4 as `weights.substep`, of which it is the twin.
 
     Args:
-        ends: acceleration of the track's centre and its slope at the start, and at the end.
-        rotor_speed: at the start [rad/s].
+        now, later: start and end of the step.
         sides: (size,) scratch.
 
     Raises:
         ArithmeticError: the implicit equations did not converge.
     """
-    a0, da0, a1, da1 = ends
     e, s0, s1, s2, s3, t, t0, t1, t2, t3 = quadrature(group.damping_rate, step)
-    side_count = find_sides(group, a0, angle, angle_rate, rotor_speed, sides)
-    g0, g1 = sliding_drive(
-        group, a0, da0, angle, angle_rate, rotor_speed, angular_acceleration, sides, side_count
-    )
+    side_count = find_sides(group, now, angle, angle_rate, sides)
+    g0, g1 = sliding_drive(group, now, angle, angle_rate, sides, side_count)
     free_rate = e * angle_rate + s0 * g0 + s1 * g1
     free_angle = angle + t * angle_rate + t0 * g0 + t1 * g1
     new_angle, new_rate = free_angle, free_rate
-    end_speed = rotor_speed + angular_acceleration * step
+    end_speed = now.rotor_speed + now.angular_acceleration * step
+    later = later._replace(rotor_speed=end_speed)
     # kept during the iteration, which a load that changes sides in it would not let converge
-    side_count = find_sides(group, a1, free_angle, free_rate, end_speed, sides)
+    side_count = find_sides(group, later, free_angle, free_rate, sides)
     change = 0.0
     for _ in range(MAX_ITERATIONS):
-        end, slope = sliding_drive(
-            group, a1, da1, new_angle, new_rate, end_speed, angular_acceleration, sides, side_count
-        )
+        end, slope = sliding_drive(group, later, new_angle, new_rate, sides, side_count)
         g2, g3 = hermite(g0, g1, end, slope, step)
         last_angle, last_rate, last_change = new_angle, new_rate, change
         new_rate = free_rate + s2 * g2 + s3 * g3
@@ -166,5 +150,6 @@ def sliding_substep(
             return new_angle, new_rate
     raise ArithmeticError(
         f"the sliding weights' step of {step:g} s did not converge (angle {angle:g} rad, "
-        f"rate {angle_rate:g} rad/s, acceleration {abs(a0):g} m/s^2): use smaller steps"
+        f"rate {angle_rate:g} rad/s, acceleration {abs(now.acceleration):g} m/s^2): "
+        "use smaller steps"
     )

@@ -7,6 +7,7 @@ import math
 from dataclasses import dataclass
 from functools import cached_property
 
+from ..ranges import demand_all
 from ..weights import Weights
 from .spacing import fits, half_angle, largest_radius
 
@@ -35,10 +36,7 @@ class Track:
     offset: complex = 0j
 
     def __post_init__(self) -> None:
-        for name in ("weight_radius", "rolling_resistance"):
-            value = getattr(self, name)
-            if not (math.isfinite(value) and value >= 0.0):
-                raise ValueError(f"{name} = {value!r}: must be a finite number, 0 or more")
+        demand_all(self, "weight_radius rolling_resistance", least=0.0)
         if not 0.0 <= self.restitution <= 1.0:
             raise ValueError(f"restitution = {self.restitution!r}: must be within 0 to 1")
         if not cmath.isfinite(self.offset):

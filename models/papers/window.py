@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 
 from ..assembly import Assembly
 from ..liquid import Liquid
+from ..ranges import demand_all
 
 
 @dataclass(frozen=True)
@@ -43,14 +44,8 @@ class LiquidWindow:
     liquid: Liquid
 
     def __post_init__(self) -> None:
-        for name in ("rotor_mass", "stiffness"):
-            value = getattr(self, name)
-            if not (math.isfinite(value) and value > 0.0):
-                raise ValueError(f"{name} = {value!r}: must be a positive finite number")
-        for name in ("external_damping", "internal_damping", "unbalance"):
-            value = getattr(self, name)
-            if not (math.isfinite(value) and value >= 0.0):
-                raise ValueError(f"{name} = {value!r}: must be a finite number, 0 or more")
+        demand_all(self, "rotor_mass stiffness")
+        demand_all(self, "external_damping internal_damping unbalance", least=0.0)
 
     @classmethod
     def of(cls, assembly: Assembly) -> LiquidWindow:

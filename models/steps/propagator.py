@@ -53,14 +53,7 @@ def generator(rotor: LinearRotor, speed: float, turning_force: bool = True) -> N
     """
     mass, damping, stiffness = rotor.coefficients(speed)
     axes = 1 if rotor.isotropic else 2
-    if axes == 1:
-        turning = np.array([[1j * speed]])
-        unbalance = rotor.unbalance[:, None]
-    else:
-        turning = speed * np.array([[0.0, -1.0], [1.0, 0.0]])
-        u = rotor.unbalance
-        x, y = u.real[:, None], u.imag[:, None]
-        unbalance = np.block([[x, -y], [y, x]])
+    turning = speed * np.array([[1j]] if axes == 1 else [[0.0, -1.0], [1.0, 0.0]])
     dof = axes * rotor.stations
     forces = axes * rotor.plane_count
     size = 2 * dof + ORDERS * forces + axes
@@ -69,7 +62,7 @@ def generator(rotor: LinearRotor, speed: float, turning_force: bool = True) -> N
     z[:dof, v] = np.eye(dof)
     right = np.hstack([-stiffness, -damping, np.kron(np.eye(axes), rotor.planes.T)])
     z[v, : 2 * dof + forces] = np.linalg.solve(mass, right)
-    z[v, e:] = np.linalg.solve(mass, speed**2 * unbalance)
+    z[v, e:] = np.linalg.solve(mass, speed**2 * rotor.unbalance_columns)
     for k in range(ORDERS):
         row = slice(f + k * forces, f + (k + 1) * forces)
         if turning_force:

@@ -16,6 +16,8 @@ short for the motion at hand.
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -27,6 +29,22 @@ NODES, COEFFICIENTS = radau(STAGES)
 ACCURACY = 1e-10  # of the largest displacement, a step: ten thousand of them stay below 1e-6
 HALVINGS = 12  # 4096 parts resolve a mode 4000 times as fast as a rotor of 40 steps a revolution
 _HALVED = 2.0**5 - 1.0  # halved parts differ from whole ones by so many of their own errors
+
+
+class Drive(NamedTuple):
+    """What moves the rotor over a step.
+
+    Attributes:
+        forces: (4, p) complex forces on the planes in the rotor frame at the start and their
+            derivatives; in fixed axes when `turning_force` is False.
+        angle, speed: of the rotor at the start [rad, rad/s].
+        angular_acceleration: over the step [rad/s^2].
+    """
+
+    forces: NDArray
+    angle: float
+    speed: float
+    angular_acceleration: float
 
 
 class VariableSpeedStep:
@@ -45,21 +63,14 @@ class VariableSpeedStep:
         )
         self._planes = np.kron(np.eye(self.axes), rotor.planes)
         self._force = inverse @ self._planes.T
-        u = rotor.unbalance
-        if self.axes == 1:
-            self._unbalance = inverse @ u[:, None]
-        else:
-            self._unbalance = inverse @ np.block(
-                [[u.real[:, None], -u.imag[:, None]], [u.imag[:, None], u.real[:, None]]]
-            )
+        self._unbalance = inverse @ rotor.unbalance_columns
 
     def _axes_of(self, value: NDArray) -> NDArray:
         return value if self.axes == 1 else np.concatenate([value.real, value.imag])
 
-    def _drive(
-        self, forces: NDArray, angle: float, speed: float, angular_acceleration: float, t: float
-    ) -> tuple[NDArray, NDArray, float]:
+    def _drive(self, drive: Drive, t: float) -> tuple[NDArray, NDArray, float]:
         """Acceleration by unbalance and plane forces at time t, its derivative, and the speed."""
+        forces, angle, speed, angular_acceleration = drive
         w = speed + angular_acceleration * t
         turn = np.exp(1j * (angle + speed * t + 0.5 * angular_acceleration * t * t))
         value = forces[0] + t * (forces[1] + t * (forces[2] / 2 + t * forces[3] / 6))
@@ -68,38 +79,27 @@ class VariableSpeedStep:
         pull_slope = np.array([3.0 * w * angular_acceleration + 1j * w**3]) * turn
         if self.turning_force:
             value, slope = value * turn, (slope + 1j * w * value) * turn
-        drive = self._force @ self._axes_of(value) + self._unbalance @ self._axes_of(pull)
-        pull_slope = self._axes_of(pull_slope)
-        drive_slope = self._force @ self._axes_of(slope) + self._unbalance @ pull_slope
-        return drive, drive_slope, w
+        push, push_slope = (
+            self._force @ self._axes_of(force) + self._unbalance @ self._axes_of(unbalance)
+            for force, unbalance in ((value, pull), (slope, pull_slope))
+        )
+        return push, push_slope, w
 
-    def advance(
-        self,
-        state: NDArray,
-        forces: NDArray,
-        angle: float,
-        speed: float,
-        angular_acceleration: float,
-        step: float,
-    ) -> NDArray:
+    def advance(self, state: NDArray, drive: Drive, step: float) -> NDArray:
         """State (q, v) one `step` [s] later, displacements to `ACCURACY`.
 
         Args:
             state: (2 dof,) displacements and velocities, complex for an isotropic rotor.
-            forces: (4, p) complex forces on the planes in the rotor frame and their derivatives;
-                in fixed axes when `turning_force` is False.
-            angle, speed, angular_acceleration: of the rotor at the start [rad, rad/s, rad/s^2].
 
         Raises:
             ArithmeticError: the motion is too fast for 2^`HALVINGS` parts of the step.
         """
-        drive = (forces, angle, speed, angular_acceleration)
-        push, _, w = self._drive(*drive, 0.0)
+        push, _, w = self._drive(drive, 0.0)
         acceleration = _largest((self._still + w * self._per_speed) @ state + push)
         before, rate = _largest(state[: self.dof]), _largest(state[self.dof :])
-        whole = self.parts(state, *drive, step, 1)
+        whole = self.parts(state, drive, step, 1)
         for halving in range(1, HALVINGS + 1):
-            halved = self.parts(state, *drive, step, 2**halving)
+            halved = self.parts(state, drive, step, 2**halving)
             error = _largest((halved - whole)[: self.dof]) / _HALVED
             reach, part = max(before, _largest(halved[: self.dof])), step / 2**halving
             passed = part * max(rate, part * acceleration)
@@ -112,73 +112,41 @@ class VariableSpeedStep:
             f"{2**HALVINGS} parts of it still err by {error:.6g} m; use smaller communication steps"
         )
 
-    def parts(
-        self,
-        state: NDArray,
-        forces: NDArray,
-        angle: float,
-        speed: float,
-        angular_acceleration: float,
-        step: float,
-        count: int,
-    ) -> NDArray:
+    def parts(self, state: NDArray, drive: Drive, step: float, count: int) -> NDArray:
         """As `advance`, in `count` equal parts of which nothing is asked."""
         part = step / count
         for number in range(count):
-            drive = (forces, angle, speed, angular_acceleration)
-            state = self._part(state, *drive, number * part, part)
+            state = self._part(state, drive, number * part, part)
         return state
 
-    def _part(
-        self,
-        state: NDArray,
-        forces: NDArray,
-        angle: float,
-        speed: float,
-        angular_acceleration: float,
-        begin: float,
-        step: float,
-    ) -> NDArray:
+    def _part(self, state: NDArray, drive: Drive, begin: float, step: float) -> NDArray:
         """State one `step` later than at the time `begin` into the cubic forces."""
         dof, size = self.dof, 2 * self.dof
         system = np.eye(STAGES * size, dtype=self._still.dtype)
         right = np.empty(STAGES * size, dtype=self._still.dtype)
         for i, node in enumerate(NODES):
-            t = begin + node * step
-            drive, _, w = self._drive(forces, angle, speed, angular_acceleration, t)
+            push, _, w = self._drive(drive, begin + node * step)
             matrix = np.zeros((size, size), dtype=self._still.dtype)
             matrix[:dof, dof:] = np.eye(dof)
             matrix[dof:] = self._still + w * self._per_speed
             rows = slice(i * size, (i + 1) * size)
             right[rows] = matrix @ state
-            right[rows][dof:] += drive
+            right[rows][dof:] += push
             for j in range(STAGES):
                 system[rows, j * size : (j + 1) * size] -= step * COEFFICIENTS[i, j] * matrix
         stages = np.linalg.solve(system, right).reshape(STAGES, size)
         return state + step * (COEFFICIENTS[-1] @ stages)
 
-    def plane_motion(
-        self,
-        state: NDArray,
-        forces: NDArray,
-        angle: float,
-        speed: float,
-        angular_acceleration: float,
-        t: float = 0.0,
-    ) -> tuple[NDArray, NDArray]:
+    def plane_motion(self, state: NDArray, drive: Drive, t: float = 0.0) -> tuple[NDArray, NDArray]:
         """Acceleration and jerk of the planes in fixed axes, (axes p,), at time t into the step.
 
-        `state` belongs to that time; the other arguments to the start of the step.
+        `state` belongs to that time.
         """
-        drive, drive_slope, w = self._drive(forces, angle, speed, angular_acceleration, t)
+        push, push_slope, w = self._drive(drive, t)
         matrix = self._still + w * self._per_speed
-        velocity = state[self.dof :]
-        acceleration = matrix @ state + drive
-        jerk = (
-            matrix @ np.concatenate([velocity, acceleration])
-            + angular_acceleration * (self._per_speed @ state)
-            + drive_slope
-        )
+        acceleration = matrix @ state + push
+        jerk = matrix @ np.concatenate([state[self.dof :], acceleration])
+        jerk = jerk + drive.angular_acceleration * (self._per_speed @ state) + push_slope
         return self._planes @ acceleration, self._planes @ jerk
 
 

@@ -103,8 +103,8 @@ def test_without_options_the_state_and_the_way_are_those_of_point_weights(monkey
     def refuse(*_args):
         raise AssertionError("the way with events was taken")
 
-    monkeypatch.setattr("autobalancer.models.contact.motion.advance", refuse)
-    monkeypatch.setattr("autobalancer.models.contact.motion.reaction", refuse)
+    monkeypatch.setattr("autobalancer.models.contact.motion.run", refuse)
+    monkeypatch.setattr("autobalancer.models.contact.motion.ring_reaction", refuse)
     names = COMMON.keys() - {"mass", "track_radius", "kappa", "drag", "speed"}
     unit = started(**dict.fromkeys(names, 0.0))
     pulled(unit, 0)

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from autobalancer.models.contact.centre import shifted
+from autobalancer.models.contact.centre import Instant, shifted
 from autobalancer.models.contact.contact import group_factor
 from autobalancer.models.contact.motion import advance, reaction, static_moment
 from autobalancer.models.contact.resistance import SlidingGroup, find_sides, sliding_drive
@@ -168,8 +168,9 @@ def test_a_row_of_resting_weights_holds_until_one_end_can_move():
 def drive_of(group, a, slope, angle, rate, speed, spin_up):
     """Drive of a sliding group with the sides of the race that carry it then."""
     sides = [0.0] * group.size
-    side_count = find_sides(group, a, angle, rate, speed, sides)
-    return sliding_drive(group, a, slope, angle, rate, speed, spin_up, sides, side_count)
+    now = Instant(a, slope, speed, spin_up)
+    side_count = find_sides(group, now, angle, rate, sides)
+    return sliding_drive(group, now, angle, rate, sides, side_count)
 
 
 def test_a_sliding_group_feels_the_mean_of_its_weights_also_when_loads_change_sides():

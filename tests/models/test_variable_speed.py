@@ -9,7 +9,7 @@ from scipy.integrate import solve_ivp
 
 from autobalancer.models.rotor import LinearRotor
 from autobalancer.models.steps.propagator import step_matrix
-from autobalancer.models.steps.variable_speed import VariableSpeedStep
+from autobalancer.models.steps.variable_speed import Drive, VariableSpeedStep
 
 FORCE = np.array([[0.3 + 0.1j], [-0.2 + 0.4j], [0.5 - 0.1j], [0.2 + 1.0j]])
 ANGLE, SPEED = 0.7, 2.0
@@ -51,8 +51,8 @@ def run(
     for k in range(steps):
         s = k * h
         angle = ANGLE + SPEED * s + spin_up * s * s / 2
-        drive = (shifted(s), angle, SPEED + spin_up * s, spin_up, h)
-        y = stepper.parts(y, *drive, parts) if parts else stepper.advance(y, *drive)
+        drive = Drive(shifted(s), angle, SPEED + spin_up * s, spin_up)
+        y = stepper.parts(y, drive, h, parts) if parts else stepper.advance(y, drive, h)
     return np.array([y[0].real, y[0].imag, y[1].real, y[1].imag]) if rotor.isotropic else y
 
 
@@ -101,7 +101,7 @@ def test_plane_motion_gives_acceleration_and_its_exact_slope(isotropic: bool) ->
     jerk = (np.array(later) - np.array(earlier))[2:] / (2 * d)
     y = state[[0, 2]] + 1j * state[[1, 3]] if isotropic else state
     stepper = VariableSpeedStep(rotor)
-    found = stepper.plane_motion(y, FORCE, ANGLE, SPEED, spin_up)
+    found = stepper.plane_motion(y, Drive(FORCE, ANGLE, SPEED, spin_up))
     if isotropic:
         found = tuple(np.array([value[0].real, value[0].imag]) for value in found)
     assert_allclose(found[0], here[2:], rtol=1e-13)

@@ -12,7 +12,7 @@ import pytest
 
 from autobalancer.models.rotor import LinearRotor
 from autobalancer.models.steps.propagator import exponential, step_matrix
-from autobalancer.models.steps.variable_speed import VariableSpeedStep
+from autobalancer.models.steps.variable_speed import Drive, VariableSpeedStep
 
 KINDS = ("planar", "two_support", "flexible")
 FIELDS = [
@@ -291,19 +291,19 @@ def _variable(draw, rotor, turning):
     core.demand("variable_speed_step", byref(rotor), int(turning), memory, scratch, byref(made))
     kept = memory, scratch
 
-    def advance(state, forces, *rest, parts=None):
+    def advance(state, drive, step, parts=None):
         state = state.copy()
-        name, rest = "variable_speed_advance", [*rest]
+        name, rest = "variable_speed_advance", [*drive[1:], step]
         if parts is not None:
             name = "variable_speed_parts"
             rest.append(parts)
-        core.demand(name, byref(made), state, forces, *rest, kept[1])
+        core.demand(name, byref(made), state, drive.forces, *rest, kept[1])
         return state
 
-    def plane_motion(state, forces, *rest):
+    def plane_motion(state, drive, t):
         acceleration, jerk = (np.empty(axes * rotor.plane_count, state.dtype) for _ in range(2))
         core(
-            "variable_speed_plane_motion", byref(made), state, forces, *rest, acceleration, jerk,
+            "variable_speed_plane_motion", byref(made), state, *drive, t, acceleration, jerk,
             scratch,
         )  # fmt: skip
         return acceleration, jerk
@@ -320,9 +320,9 @@ def _variable_case(draw, turning):
     if draw.isotropic:
         state = state + 1j * random.normal(size=state.shape)
     forces = random.normal(size=(4, draw.planes)) + 1j * random.normal(size=(4, draw.planes))
-    drive = [random.uniform(-9, 9), random.uniform(0, 900), random.uniform(-500, 500)]
+    drive = random.uniform(-9, 9), random.uniform(0, 900), random.uniform(-500, 500)
     step = float(_log(random, 1e-7, 1e-2))
-    return python, method, _variable(draw, loaded, turning), (state, forces, *drive), step
+    return python, method, _variable(draw, loaded, turning), (state, Drive(forces, *drive)), step
 
 
 @pytest.mark.parametrize("turning", [True, False])
@@ -348,7 +348,7 @@ def _exact_step(rotor, case, step):
     M z'' + C z' + K z = S^T F e^{i beta} + u (w^2 - i w') e^{i beta}, z = x + i y; with two axes
     real and imaginary part of the right-hand side are those of x and y.
     """
-    state, forces, angle, speed, spin_up = case
+    state, (forces, angle, speed, spin_up) = case
     real = mpmath.mpf
     exact = np.vectorize(mpmath.mpmathify, otypes=[object])
     root = mpmath.sqrt(6)
@@ -409,5 +409,5 @@ def test_a_step_of_a_long_shaft_at_varying_speed_is_that_of_python(drawn):
     method = VariableSpeedStep(draw.python)
     advance, _ = _variable(draw, draw.core.rotor_of(draw.python), True)
     state = draw.random.normal(size=2 * method.dof)
-    case = state, np.ones((4, 3), complex), 0.3, 100.0, 50.0, 1e-3
+    case = state, Drive(np.ones((4, 3), complex), 0.3, 100.0, 50.0), 1e-3
     assert _largest_difference(advance(*case), method.advance(*case)) < 1e-12

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import itertools
+import math
 import os
 from typing import Any
 
@@ -21,8 +23,8 @@ PLACES = ("position", "stations", "at", "supports", "count", "kind", "compliance
 def compared(scene: Scene) -> None:
     """Run a scene on both kinds of units: the same signals, or the same reason for the end.
 
-    Signals agree to 1e-12 of their range.  A motion that amplifies roundings may differ by four
-    times what one more rounding, in the mass of the rotor, does to the Python units' own run.
+    Signals agree to 1e-12 of their range.  A motion that amplifies roundings may differ by twice
+    what one rounding more or less in its masses does to the run on Python units.
     """
     results = []
     for runtime in ("python", "native"):
@@ -37,11 +39,24 @@ def compared(scene: Scene) -> None:
     assert np.array_equal(found.time, expected.time)
     away = differences(found, expected)
     if max(away.values()) > 1e-12:
-        mass = "masses" if hasattr(scene.rotor, "masses") else "mass"
-        heavier = np.nextafter(getattr(scene.rotor, mass), np.inf).tolist()
-        replaced = {"coupling.units": "python", f"rotor.{mass}": heavier}
-        rounding = differences(cosimulate(scene.replace(replaced)), expected)
-        assert {name: d for name, d in away.items() if d > max(1e-12, 4 * rounding[name])} == {}
+        rounding = roundings(scene, expected)
+        assert {name: d for name, d in away.items() if d > max(1e-12, 2 * rounding[name])} == {}
+
+
+def roundings(scene: Scene, expected: Result) -> dict[str, float]:
+    """What one rounding more or less in every mass does to the run on Python units."""
+    paths = ["rotor.masses" if hasattr(scene.rotor, "masses") else "rotor.mass"]
+    paths += [f"{b.name}.{'mass' if hasattr(b, 'mass') else 'density'}" for b in scene.balancer]
+    parts = [scene.rotor, *scene.balancer]
+    values = [getattr(part, path.split(".")[1]) for part, path in zip(parts, paths, strict=True)]
+    found = []
+    for ends in itertools.product((-math.inf, math.inf), repeat=len(paths)):
+        changed = [
+            np.nextafter(value, end).tolist() for value, end in zip(values, ends, strict=True)
+        ]
+        python = {"coupling.units": "python", **dict(zip(paths, changed, strict=True))}
+        found.append(differences(cosimulate(scene.replace(python)), expected))
+    return {name: max(one[name] for one in found) for name in expected.signals}
 
 
 def differences(one: Result, other: Result) -> dict[str, float]:

@@ -5,12 +5,12 @@ from __future__ import annotations
 import cmath
 import math
 import random
+from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
 from scipy.optimize import brentq
-from typer.testing import CliRunner
 
 from autobalancer.harness import load_scene
 from autobalancer.harness.checks.capacity import check_capacity, check_sizes, packed_turn
@@ -18,7 +18,6 @@ from autobalancer.harness.checks.contact_order import check_contact_order
 from autobalancer.harness.checks.largest_spread import check_largest_spread
 from autobalancer.harness.checks.ranking import check_ranking
 from autobalancer.harness.checks.slow_root import check_slow_root
-from autobalancer.harness.cli import app
 from autobalancer.harness.design.choices import design
 from autobalancer.harness.design.decay import decay
 from autobalancer.harness.design.recommendation import contradictions, rivals, words
@@ -189,6 +188,24 @@ def test_three_weights_at_the_largest_p_have_the_slow_direction_of_two_and_it_is
     assert best.measured == "4"
 
 
+def test_three_weights_are_warned_of_their_critical_case_where_it_is_near():
+    """Two that touch hold m (R - r) 2 cos(alpha), and the third takes one m (R - r) of it."""
+    scene = load_scene("finite_weights").replace({"run.revolutions": 5})
+    data = design(scene, unbalance=0.06, counts=[3], starts=6)
+    (three,) = data.choices
+    balls = three.scene.balancer[0]
+    arm = balls.mass * balls.track_radius
+    critical = arm * (2.0 * math.cos(math.asin(balls.weight_radius / balls.track_radius)) - 1.0)
+    lines = {
+        share: [x for x in words(replace(data, unbalance=share * critical)) if "critical" in x]
+        for share in (0.8, 0.95, 1.1, 2.0)
+    }
+    assert lines[0.8] == []  # no unbalance up to this one meets it
+    assert all(f"at {critical:.4g} kg m" in line for share in (0.95, 2.0) for line in lines[share])
+    near = {share for share, found in lines.items() if any("WARNING" in x for x in found)}
+    assert near == {0.95, 1.1}
+
+
 def test_contradictions_need_intervals_that_do_not_touch():
     def choice(count, measure, low, high):
         fields = {
@@ -228,7 +245,7 @@ def test_two_weights_without_unbalance_are_named_not_failed():
     assert any("one diameter" in line for line in words(data))
 
 
-def test_design_command_shows_a_table_words_and_a_picture(tmp_path, monkeypatch):
+def test_design_command_shows_a_table_words_and_a_picture(invoke, tmp_path, monkeypatch):
     monkeypatch.setenv("COLUMNS", "200")
     scene = tmp_path / "short.toml"
     text = load_scene("finite_weights").path.read_text()
@@ -236,15 +253,15 @@ def test_design_command_shows_a_table_words_and_a_picture(tmp_path, monkeypatch)
     scene.write_text(short.replace("steps_per_rev = 40", "steps_per_rev = 20"))
     picture = tmp_path / "design.png"
     arguments = ["design", str(scene), "--starts", "6", "--most", "3", "-o", str(picture)]
-    result = CliRunner().invoke(app, arguments)
+    result = invoke(*arguments)
     assert result.exit_code == 0, result.output
     assert "p largest" in result.output
     assert "balls of radius" in result.output
     # two balls have not the capacity and are not run
     assert "FMUs loaded: RotorOnSupports.fmu, BallBalancer-weights-3.fmu\n" in result.output
     assert picture.stat().st_size > 10_000
-    short = CliRunner().invoke(app, [*arguments, "--unbalance", "5"])
+    short = invoke(*arguments, "--unbalance", "5")
     assert "No number of balls in this space" in short.output
     assert "FMUs loaded: none" in short.output
-    refused = CliRunner().invoke(app, ["design", "two_balls"])
+    refused = invoke("design", "two_balls")
     assert refused.exit_code == 2

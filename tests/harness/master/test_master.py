@@ -98,6 +98,17 @@ def test_tolerance_is_kept_through_a_run_up(against, tolerance):
     assert 8.0 in result.time, "the end of the ramp is a communication point"
 
 
+def test_a_run_that_comes_to_rest_keeps_its_tolerance_in_fewer_steps_than_eight_a_revolution(
+    against,
+):
+    runs = against("balls_and_liquid", {"run.revolutions": 100})
+    tolerance = {"tolerance": 1e-3, "steps_per_rev": None}
+    result = runs.run({**tolerance, "fewest_steps_per_rev": 1})
+    assert runs.of_range(result) <= 1e-3
+    assert result.steps < 400
+    assert runs.run(tolerance).steps >= 800
+
+
 def test_a_tighter_tolerance_costs_order_4_steps():
     scene = load_scene("two_balls").replace({"run.revolutions": 10})
     steps = [
@@ -250,16 +261,16 @@ def test_held_and_linear_signals_set_no_derivatives_they_do_not_use(
     monkeypatch, order, forces, accelerations
 ):
     written: dict[str, set] = {}
-    plain = Fmu.send
+    plain = Fmu.exchange
 
-    def spy(unit, group):
-        written.setdefault(unit.name, set()).update(group.names)
-        plain(unit, group)
+    def spy(unit, inputs, *rest):
+        written.setdefault(unit.name, set()).update(inputs.names)
+        plain(unit, inputs, *rest)
 
     scene = load_scene("two_balls").replace({"coupling.order": order, "run.revolutions": 1})
     with CoSimulation(scene) as cosim:
         cosim.start()
-        monkeypatch.setattr(Fmu, "send", spy)
+        monkeypatch.setattr(Fmu, "exchange", spy)
         cosim.step(0.05)
     assert {name.replace("plane[1].", "") for name in written["rotor"]} == set(forces.split())
     assert written["weights"] == set(accelerations.split())

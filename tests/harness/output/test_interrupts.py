@@ -21,6 +21,10 @@ LONG = {
         *["map", "filimonikhina", "--x", "speed=0.5:12:1500"],
         *["--y", "weights.drag=1e-4:1:1500:log", "-o", "map.png"],
     ],
+    "cluster": [
+        *["map", "filimonikhina", "--x", "speed=0.5:12:200", "--y", "weights.drag=1e-4:1:200:log"],
+        *["--cosim", "20000", "--cluster", "local", "-o", "map.png"],
+    ],
     "stress": ["stress"],
     "precision": ["precision", "two_balls"],
     "check": ["check"],

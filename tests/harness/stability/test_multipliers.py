@@ -12,7 +12,7 @@ from autobalancer.harness.master.cosimulation import CoSimulation
 from autobalancer.harness.master.schedule import step_size
 from autobalancer.harness.stability.revolution import Revolution
 from autobalancer.models.papers.window import LiquidWindow
-from autobalancer.models.stability import multipliers
+from tests.floquet import multipliers
 
 BALANCED = [2.0 * math.pi / 3.0, 4.0 * math.pi / 3.0]
 

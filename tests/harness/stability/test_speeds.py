@@ -5,20 +5,19 @@ import math
 
 import numpy as np
 import pytest
-from typer.testing import CliRunner
 
 from autobalancer.harness import SimulationError, UserError, load_scene, speeds
 from autobalancer.harness.checks.registry import run_checks
-from autobalancer.harness.cli import app
 from autobalancer.harness.stability.boundaries import Speeds, crossings, nodes_around
 from autobalancer.harness.stability.in_time import growth_in_run, needed_revolutions, run_from_rest
 from autobalancer.harness.stability.main_motion import MainMotion, NoMainMotion
 from autobalancer.harness.stability.revolution import Revolution
-from autobalancer.models.linear.balanced import balanced_angles, residual_unbalance
+from autobalancer.models.linear.balanced import WeightTable, balanced_angles, residual_unbalance
 from autobalancer.models.linear.boundaries import Crossing
 from autobalancer.models.linear.linearised import linearise
 from autobalancer.models.papers.window import LiquidWindow
-from autobalancer.models.stability import growth_rates, multipliers
+from autobalancer.models.stability import growth_rates
+from tests.floquet import multipliers
 
 MANY = {  # N weights of the same total mass, next to positions that are not on one line
     3: [0.3, 1.9, 4.2],
@@ -36,10 +35,6 @@ def weights(count: int):
             "weights.angles": MANY[count],
         }
     )
-
-
-def invoke(*arguments: object):
-    return CliRunner().invoke(app, [str(a) for a in arguments])
 
 
 # -- main motion and multipliers ------------------------------------------------------------------
@@ -66,7 +61,9 @@ def test_units_rest_where_no_unbalance_is_left(name):
         )
     assembly = scene.assembly()
     given = sum(m.device.point_capacity for m in assembly.weights)
-    assert np.abs(residual_unbalance(assembly, angles)).max() < 1e-9 * given
+    assert (
+        np.abs(residual_unbalance(assembly, WeightTable.of(assembly), angles)).max() < 1e-9 * given
+    )
     assert not rest.any()
 
 
@@ -289,7 +286,7 @@ def test_an_unknown_method_is_refused():
 # -- command --------------------------------------------------------------------------------------
 
 
-def test_command_prints_and_writes_the_speeds(tmp_path, monkeypatch):
+def test_command_prints_and_writes_the_speeds(invoke, tmp_path, monkeypatch):
     monkeypatch.setattr("os.cpu_count", lambda: 1)
     target = tmp_path / "speeds.json"
     outcome = invoke(
@@ -307,7 +304,7 @@ def test_command_prints_and_writes_the_speeds(tmp_path, monkeypatch):
         assert crossing["speed"] == pytest.approx(5.045, abs=0.006)
 
 
-def test_command_in_two_processes_finds_the_same(tmp_path, monkeypatch):
+def test_command_in_two_processes_finds_the_same(invoke, tmp_path, monkeypatch):
     monkeypatch.setattr("os.cpu_count", lambda: 2)
     target = tmp_path / "speeds.json"
     outcome = invoke(
@@ -319,7 +316,7 @@ def test_command_in_two_processes_finds_the_same(tmp_path, monkeypatch):
     assert crossing["speed"] == pytest.approx(5.04992967, rel=1e-6)
 
 
-def test_command_refuses_an_empty_range_with_exit_code_2():
+def test_command_refuses_an_empty_range_with_exit_code_2(invoke):
     outcome = invoke("speeds", "filimonikhina", "--range", 5, 4)
     assert outcome.exit_code == 2
     assert "range 5 to 4 rad/s" in outcome.output

@@ -1,0 +1,58 @@
+"""Who does the work: processes of this machine, or a Dask cluster."""
+
+from __future__ import annotations
+
+import logging
+import os
+import tempfile
+from collections.abc import Iterator
+from contextlib import ExitStack, contextmanager
+
+from ..errors import UserError
+from .store import EXTRA
+from .workers import Workers
+
+LOCAL = "local"
+_IN_PEACE = "import signal; signal.signal(signal.SIGINT, signal.SIG_IGN)"  # this process answers
+_PATIENCE = 10.0  # s for a scheduler to answer
+
+
+@contextmanager
+def who_works(cluster: str | None) -> Iterator[Workers]:
+    """As many processes as there are cores; on request the executor of a Dask cluster.
+
+    Args:
+        cluster: address of its scheduler such as `tcp://10.0.0.1:8786`, or `local` for one that is
+            begun here and ended with the block.
+
+    Raises:
+        UserError: Dask is not installed, or no scheduler answers there.
+    """
+    cores = os.cpu_count() or 1
+    if cluster is None:
+        yield cores
+        return
+    try:
+        from distributed import Client, LocalCluster
+    except ImportError:
+        raise UserError(f"--cluster {cluster}: needs Dask: {EXTRA}") from None
+    with ExitStack() as stack:
+        if cluster == LOCAL:
+            address: str | LocalCluster = stack.enter_context(
+                LocalCluster(
+                    n_workers=cores,
+                    threads_per_worker=1,
+                    dashboard_address=None,
+                    silence_logs=logging.CRITICAL,
+                    local_directory=tempfile.gettempdir(),
+                    env={"TMPDIR": tempfile.gettempdir()},
+                    preload=_IN_PEACE,
+                )
+            )
+        else:
+            address = cluster
+        try:
+            client = stack.enter_context(Client(address, timeout=_PATIENCE))
+        except (OSError, ValueError) as error:
+            raise UserError(f"--cluster {cluster}: no scheduler answers: {error}") from error
+        yield client.get_executor()

@@ -1,0 +1,59 @@
+"""The store of a map: every point as it comes, along the axes' values, for xarray to open."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+
+import numpy as np
+import tomli_w
+
+from ..output.store import Part, Variable, open_store
+from ..scene import Scene
+from .axis import SPEED, Axis
+
+
+def open_map(
+    path: Path, scene: Scene, x: Axis, y: Axis, rows: int, places: Sequence[tuple[int, int]]
+) -> dict[str, Part]:
+    """Parts `strip` and `point` of the store of a map at that place, begun or gone on with.
+
+    Args:
+        rows: values of the slow axis in a strip; it is x where y is the speed.
+        places: of the points to be co-simulated, on both axes.
+
+    Raises:
+        UserError: the store is another map's, or none.
+    """
+    grid = ("y", "x"), (len(y.values), len(x.values)), "x" if y.path == SPEED else "y"
+    strips = {
+        "growth": Variable(*grid, chunk=rows, meaning="largest growth rate [1/s]"),
+        "criterion": Variable(*grid, chunk=rows, meaning="negative: balanced by the criterion"),
+        "why_not": Variable(*grid, "str", rows, "why there is no growth rate"),
+    }
+    points = {
+        "cosim_growth": Variable(
+            ("point",), (len(places),), "point", meaning="largest growth rate, co-simulated [1/s]"
+        ),
+        "cosim_why_not": Variable(
+            ("point",), (len(places),), "point", "str", meaning="why there is none"
+        ),
+    }
+    i, j = np.array(places, dtype=int).reshape(-1, 2).T
+    along = {"x": ("x", x.values), "y": ("y", y.values)}
+    made_for = {
+        "content": "stability map",
+        "scene": tomli_w.dumps(scene.document),
+        **{f"{name} axis": _words(axis) for name, axis in (("x", x), ("y", y))},
+        "number of co-simulated points": str(len(places)),
+    }
+    parts = {"strip": strips, "point": points} if places else {"strip": strips}
+    if places:
+        along |= {"point_x": ("point", x.values[i]), "point_y": ("point", y.values[j])}
+    return open_store(path, made_for, parts, along)
+
+
+def _words(axis: Axis) -> str:
+    low, high = axis.values[[0, -1]].tolist()
+    spaced = ", logarithmic" if axis.log else ""
+    return f"{axis.path} = {low!r} to {high!r}, {len(axis.values)} values{spaced}"

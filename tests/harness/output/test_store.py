@@ -1,0 +1,118 @@
+"""A store lasts: what it holds is not worked for again, and what is foreign is refused in words."""
+
+from __future__ import annotations
+
+import math
+import warnings
+
+import numpy as np
+import pytest
+from typer.testing import CliRunner
+
+from autobalancer.harness import UserError, load_scene
+from autobalancer.harness.cli import app
+from autobalancer.harness.output import store as store_module
+from autobalancer.harness.output.store import Variable, open_store
+from autobalancer.harness.output.workers import in_order
+from autobalancer.harness.stability.axis import Axis
+from autobalancer.harness.stability.map import stability_map
+
+pytest.importorskip("zarr")
+ITEMS = [0.5, 1.5, -1.0]
+PARTS = {
+    "number": {
+        "root": Variable(("number",), (3,), "number", meaning="square root [m]"),
+        "why_not": Variable(("number",), (3,), "number", "str", meaning="why there is none"),
+    }
+}
+begun: list[float] = []
+
+
+def root(number: float) -> tuple[float, str]:
+    begun.append(number)
+    return (math.sqrt(number), "") if number >= 0.0 else (math.nan, "négative\n")
+
+
+def roots(path, made_for="roots"):
+    begun.clear()
+    parts = open_store(path, {"content": made_for}, PARTS, {"number": ("number", ITEMS)})
+    return in_order(root, ITEMS, kept=parts["number"])
+
+
+def test_outcomes_come_back_and_nothing_is_worked_for_twice(tmp_path):
+    first = roots(tmp_path / "a.zarr")
+    assert begun == ITEMS
+    (tmp_path / "a.zarr/number_done/c/1").unlink()  # as if killed before it was finished
+    again = roots(tmp_path / "a.zarr")
+    assert begun == ITEMS[1:2]
+    assert str(again) == str(first)
+    assert first[2][1] == "négative\n"
+
+
+def test_xarray_opens_a_store_without_a_warning(tmp_path):
+    xarray = pytest.importorskip("xarray")
+    roots(tmp_path / "a.zarr")
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        data = xarray.open_zarr(tmp_path / "a.zarr")
+    np.testing.assert_array_equal(data["root"].sel(number=1.5), math.sqrt(1.5))
+    assert data["root"].attrs["long_name"] == "square root [m]"
+
+
+def test_a_store_of_something_else_is_refused(tmp_path, monkeypatch):
+    roots(tmp_path / "a.zarr")
+    with pytest.raises(UserError, match="made for another content: 'roots' there, 'logs' now"):
+        roots(tmp_path / "a.zarr", "logs")
+    monkeypatch.setattr(store_module, "_program", lambda: "autobalancer 0")
+    with pytest.raises(UserError, match="made for another program"):
+        roots(tmp_path / "a.zarr")
+
+
+@pytest.mark.parametrize("damage", ["empty", "no number", "not JSON"])
+def test_what_is_no_store_is_refused(tmp_path, damage):
+    path = tmp_path / "a.zarr"
+    if damage == "empty":
+        path.mkdir()
+    else:
+        roots(path)
+        (path / "root" / "zarr.json").write_text({"no number": "{}", "not JSON": "{"}[damage])
+    with pytest.raises(UserError, match="no store that can be gone on with"):
+        roots(path)
+
+
+@pytest.mark.parametrize("speed_is", ["x", "y", "neither"])
+def test_a_map_from_its_store_is_the_map(tmp_path, speed_is):
+    scene = load_scene("filimonikhina")
+    speed, drag = Axis.parse("speed=1.5:9:11"), Axis.parse("weights.drag=1e-3:1e-1:10:log")
+    stiffness = Axis.parse("rotor.stiffness[2]=30:60:9")
+    x, y = {"x": (speed, drag), "y": (drag, speed), "neither": (stiffness, drag)}[speed_is]
+    maps = [stability_map(scene, x, y)]
+    maps += [stability_map(scene, x, y, store=tmp_path / "a.zarr") for _ in range(2)]
+    for one in maps[1:]:
+        np.testing.assert_array_equal(one.growth, maps[0].growth)
+        np.testing.assert_array_equal(one.criterion, maps[0].criterion)
+        assert one.failed == maps[0].failed == ()
+
+
+def test_points_without_a_rate_keep_their_reasons(tmp_path, monkeypatch):
+    def fails(assemblies, speeds):
+        raise ValueError(f"not at {speeds[0]:g}")
+
+    monkeypatch.setattr("autobalancer.harness.stability.map.growth_map", fails)
+    scene, axes = load_scene("filimonikhina"), (Axis.parse("speed=1:2:2"),)
+    axes += (Axis.parse("weights.drag=1:2:2"),)
+    maps = [stability_map(scene, *axes, store=tmp_path / "a.zarr") for _ in range(2)]
+    assert [p.refusal for p in maps[0].failed] == ["not at 1", "not at 2"] * 2
+    assert str(maps[1].failed) == str(maps[0].failed)
+
+
+def test_the_command_says_whose_store_it_is_and_where_one_cannot_be(tmp_path):
+    command = ["map", "filimonikhina", "--y", "weights.drag=1e-3:1:3:log", "--x"]
+    path = str(tmp_path / "a.zarr")
+    done = CliRunner().invoke(app, [*command, "speed=2:3:2", "-o", path])
+    assert (done.exit_code, f"Store: {path}" in done.output) == (0, True)
+    refused = CliRunner().invoke(app, [*command, "speed=2:4:2", "-o", path])
+    assert refused.exit_code == 2
+    assert "'operation.speed = 2.0 to 3.0, 2 values' there" in " ".join(refused.output.split())
+    nowhere = CliRunner().invoke(app, [*command, "speed=2:3:2", "-o", "/nowhere/a.zarr"])
+    assert (nowhere.exit_code, "cannot be written" in nowhere.output) == (2, True)

@@ -1,0 +1,88 @@
+"""A map killed at any moment: gone on with, it is byte for byte that of an undisturbed run.
+
+python tests/harness/stability/test_map_killed.py [KILLS]    2,000 points, all co-simulated
+"""
+
+from __future__ import annotations
+
+import filecmp
+import os
+import random
+import shutil
+import subprocess
+import sys
+import tempfile
+import time
+from pathlib import Path
+
+import pytest
+
+CODE = "from autobalancer.harness.cli import main; main()"
+GRID = ["--x", "speed=0.5:12:50", "--y", "weights.drag=1e-4:1:40:log"]
+
+
+def begin(store: Path, cosim: int) -> subprocess.Popen[str]:
+    wanted = [*GRID, "--cosim", str(cosim), "-o", str(store)]
+    return subprocess.Popen(
+        [sys.executable, "-c", CODE, "map", "filimonikhina", *wanted],
+        env={**os.environ, "TMPDIR": str(store.parent)},
+        stdout=subprocess.PIPE,
+        stderr=subprocess.STDOUT,
+        text=True,
+    )
+
+
+def files(store: Path) -> dict[str, Path]:
+    return {str(p.relative_to(store)): p for p in store.rglob("*") if p.is_file()}
+
+
+def worked_on(store: Path) -> dict[str, int]:
+    """When the chunks of finished points were written [ns]."""
+    done = {p.name for p in (store / "point_done" / "c").glob("*")}
+    chunks = (store / "cosim_growth" / "c").glob("*")
+    return {p.name: p.stat().st_mtime_ns for p in chunks if p.name in done}
+
+
+def same(one: Path, other: Path) -> bool:
+    theirs, ours = files(one), files(other)
+    return theirs.keys() == ours.keys() and all(
+        filecmp.cmp(theirs[name], ours[name], shallow=False) for name in ours
+    )
+
+
+def killed(folder: Path, cosim: int, kills: int, seed: int) -> int:
+    """How many maps `kills` ends at random moments took; all of them right."""
+    draw, maps = random.Random(seed), 0
+    undisturbed, store = folder / "undisturbed.zarr", folder / "killed.zarr"
+    begun = time.monotonic()
+    said, _ = begin(undisturbed, cosim).communicate()
+    alone = time.monotonic() - begun
+    assert "co-simulated points agree" in said, said
+    while kills or store.exists():
+        before = worked_on(store)
+        run = begin(store, cosim)
+        try:
+            run.communicate(timeout=draw.uniform(0.2, 0.6 * alone) if kills else None)
+        except subprocess.TimeoutExpired:
+            run.kill()
+            run.communicate()  # also waits for the workers, which hold its output
+            kills -= 1
+        after = worked_on(store)
+        assert {name: after[name] for name in before} == before  # nothing was done twice
+        if run.returncode == 0:
+            assert same(undisturbed, store)
+            shutil.rmtree(store)
+            maps += 1
+    return maps
+
+
+@pytest.mark.slow
+def test_a_killed_map_goes_on_to_the_same_bytes_and_does_nothing_twice(tmp_path):
+    pytest.importorskip("zarr")
+    assert killed(tmp_path, cosim=10, kills=2, seed=1) >= 1
+
+
+if __name__ == "__main__":
+    times = int(sys.argv[1]) if sys.argv[1:] else 50
+    with tempfile.TemporaryDirectory() as folder:
+        print(f"{times} kills: {killed(Path(folder), 2000, times, 1)} maps, all the same bytes")
