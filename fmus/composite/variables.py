@@ -38,6 +38,14 @@ def own_variables(sizes: CompositeSizes) -> list[Variable]:
             minimum=0.0,
         ),
         parameter(
+            "coupling.fewest_steps_per_rev",
+            8.0,
+            "1",
+            "Steps in the fastest revolution, at least, with a tolerance",
+            minimum=0.0,
+            above=True,
+        ),
+        parameter(
             "coupling.top_speed",
             0.0,
             "rad/s",

@@ -63,6 +63,7 @@ typedef struct {
     double missed_step;        /* length of the step before [s], 0 when it missed nothing */
     double largest_before, lost, calm; /* of a diverging loop */
     double steps, unconverged, error;
+    double allowed, rung, largest_motion; /* tolerance, 0 for fixed steps; step as 2^(-rung/4) */
     /* what the resolution is judged by; see resolution.py for what these are */
     double top, mass, pace, reach, most, pushed, judged_step, blind, kept, kept_turning, renewed;
     double moved, grown, unresolved;
@@ -90,7 +91,7 @@ typedef struct {
     int *rotor_planes;     /* (planes,) which they are of the rotor's */
     Scheme scheme;
     int corrections; /* as given */
-    size_t tolerance, steps_per_rev, top_speed; /* value references of the coupling's parameters, */
+    size_t tolerance, steps_per_rev, fewest, top_speed; /* value references of the coupling's parameters, */
     size_t drive, outer;                        /* of speed and forces from outside, */
     size_t results;                             /* and of the coupling's outputs */
     /* in the unit's memory */
@@ -191,13 +192,20 @@ void resolution_begin(Unit *unit);
 /* Look at the step just finished; 1 with the reason where steps are too long for the signals. */
 int resolution_check(Unit *unit, double step);
 
-/* -- composite_iterated.c, composite_compensated.c: twins of harness/master/schemes ----------- */
+/* -- composite_iterated.c, _compensated.c, _adaptive.c: twins of harness/master/schemes ------- */
 
 void iterated_begin(Composite *c);
 int iterated_step(Unit *unit, double step);
 /* 1 with the reason where what the step left of the forces cannot be tolerated. */
 int iterated_judge(Unit *unit);
 int iterated_cross(Unit *unit, double step);
+/* Take a step with as many passes as it takes; its residual, below 0 where it failed. */
+double iterated_attempt(Unit *unit, double step);
+/* Back to the begin of the step. */
+void composite_restore(Composite *c);
+void adaptive_begin(Unit *unit);
+/* One accepted step of at most `longest` [s]; its length in course->length. */
+int adaptive_step(Unit *unit, double longest);
 /* Take the loop's Jacobian from steps of this length, all of them taken back. */
 int iterated_after_start(Unit *unit, double step);
 void compensated_begin(Composite *c, double step);
@@ -206,7 +214,8 @@ int compensated_step(Unit *unit, double step, int jump);
 
 /* -- composite_startup.c: twin of harness/master/schemes/startup.py --------------------------- */
 
-/* Length of a communication step [s]. */
+/* Length of a step of so many in the fastest revolution [s], and of a communication step. */
+double startup_share(const Unit *unit, double steps);
 double startup_size(const Unit *unit);
 /* Length of the step to come [s], of the communication step it is part of. */
 double startup_length(Unit *unit);

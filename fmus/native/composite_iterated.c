@@ -35,7 +35,7 @@ static int pass(Unit *unit, const double *u, double step)
     return composite_balancer_pass(unit, c->felt, step);
 }
 
-static void restore(Composite *c)
+void composite_restore(Composite *c)
 {
     memcpy(c->states, c->at_begin, c->state_count * sizeof(double));
 }
@@ -77,7 +77,7 @@ static double attempt(Unit *unit, double step, int passes)
         for (i = 0; i < count; i++) {
             c->u[i] += c->du[i];
         }
-        restore(c);
+        composite_restore(c);
     }
 }
 
@@ -118,6 +118,11 @@ int iterated_step(Unit *unit, double step)
     return course->residual < 0.0 || composite_accept(unit, c->ends, c->answers, step);
 }
 
+double iterated_attempt(Unit *unit, double step)
+{
+    return attempt(unit, step, MAX_PASSES);
+}
+
 int iterated_cross(Unit *unit, double step)
 {
     Composite *c = unit->own;
@@ -131,7 +136,7 @@ static int respond(Unit *unit, const double *u, double step, double *answer)
     if (pass(unit, u, step)) {
         return 1;
     }
-    restore(c);
+    composite_restore(c);
     loop_pack(c->answers, c->exchanges, step, answer);
     return 0;
 }

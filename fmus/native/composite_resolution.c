@@ -189,8 +189,11 @@ static int runs_away(Unit *unit)
 {
     Composite *c = unit->own;
     Course *course = c->course;
-    int grows = 0, k;
+    int grows = 0, beyond = 0, k;
     for (k = 0; k < c->exchanges; k++) {
+        beyond |= c->forces[k].largest > course->most;
+    }
+    for (k = 0; k < c->exchanges && beyond; k++) {
         const Signal *force = c->forces + k;
         grows |= magnitude(force->now.value) >
                  larger(course->most, GROWTH * magnitude(force->last[0]));

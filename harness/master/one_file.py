@@ -10,6 +10,7 @@ from ...fmus.composite.build import build_composite
 from ...fmus.composite.composition import Composition, Part
 from ..errors import SceneError
 from ..scene import Scene
+from ..scene.run import FEWEST_CHOSEN
 from .plan import ROTOR, plan
 
 
@@ -28,6 +29,7 @@ def composition(scene: Scene) -> Composition:
     start = {
         "coupling.tolerance": coupling.tolerance or 0.0,
         "coupling.steps_per_rev": float(coupling.steps_per_rev or 0),
+        "coupling.fewest_steps_per_rev": float(coupling.fewest_steps_per_rev or FEWEST_CHOSEN),
         "coupling.top_speed": max(profile.start, profile.end),
         "speed": profile.speed(0.0),
         "acceleration": profile.acceleration(0.0),
