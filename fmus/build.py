@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import re
 import zipfile
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import replace
 from functools import cache
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
@@ -12,6 +13,7 @@ from typing import Any
 from xml.etree import ElementTree
 
 from .catalogue import equations, sized_unit
+from .native.layout import token
 from .native.package import native_files, platforms_of
 from .unit import SizedUnit, alternatives
 from .xml import fmi2, fmi3
@@ -67,9 +69,14 @@ def build(
         name=name,
         **options,
     )
+    return written(content, destination, name or unit)
+
+
+def written(content: Mapping[str, bytes], destination: Path | str, name: str) -> Path:
+    """Write an FMU as a file, or in a folder under its name; the file."""
     target = Path(destination)
     if target.suffix != ".fmu" or target.is_dir():
-        target = target / f"{name or unit}.fmu"
+        target = target / f"{name}.fmu"
     write(target, zipped(content))
     return target
 
@@ -87,34 +94,52 @@ def contents(
     """Files of an FMU by their names in it; arguments as of `build`."""
     sized = sized_unit(unit, **options)
     identifier = unit if name is None else name
+    _refuse_wrong(identifier, fmi)
+    if backend not in ("python", "native"):
+        raise ValueError(f"backend = {backend!r}: must be one of 'python', 'native'")
+    if arrays and fmi != 3:
+        raise ValueError(f"arrays = {arrays!r}: only FMI 3.0 has them; build with fmi = 3")
+    if backend == "native":
+        can = Capabilities(
+            input_derivatives=True,
+            output_derivatives=1,
+            directional_derivatives=True,
+            early_return=sized.unit.returns_early,
+            arrays=arrays,
+        )
+
+        def identify(stamp: str) -> str:
+            return token(sized, stamp, arrays=arrays)
+
+        return native_contents(sized, identifier, identify, can, fmi, platforms)
+    if fmi != 2:
+        raise ValueError(f"fmi = {fmi!r}: Python units are of FMI 2.0 only; build native ones")
+    if platforms is not None:
+        raise ValueError("platforms: only native units have them to choose from")
+    return _python(sized, identifier)
+
+
+def _refuse_wrong(identifier: str, fmi: int) -> None:
     if not re.fullmatch(r"[A-Za-z_][A-Za-z0-9_]*", identifier):
         raise ValueError(
             f"name = {identifier!r}: must be letters, digits and underscores, not a digit first"
         )
     if fmi not in _DESCRIBED_BY:
         raise ValueError(f"fmi = {fmi!r}: must be one of {alternatives(_DESCRIBED_BY)}")
-    if backend not in ("python", "native"):
-        raise ValueError(f"backend = {backend!r}: must be one of 'python', 'native'")
-    if arrays and fmi != 3:
-        raise ValueError(f"arrays = {arrays!r}: only FMI 3.0 has them; build with fmi = 3")
-    files = {
-        "documentation/index.html": html(sized, identifier, equations(sized.unit), arrays=arrays),
+
+
+def _documented(unit: SizedUnit, identifier: str, arrays: bool = False) -> dict[str, bytes]:
+    return {
+        "documentation/index.html": html(unit, identifier, equations(unit.unit), arrays=arrays),
         "documentation/licenses/license.txt": LICENCE.encode(),
     }
-    if backend == "native":
-        return {**files, **_native(sized, identifier, fmi, arrays, platforms)}
-    if fmi != 2:
-        raise ValueError(f"fmi = {fmi!r}: Python units are of FMI 2.0 only; build native ones")
-    if platforms is not None:
-        raise ValueError("platforms: only native units have them to choose from")
-    return _python(sized, identifier, files)
 
 
-def _python(unit: SizedUnit, identifier: str, files: dict[str, bytes]) -> dict[str, bytes]:
+def _python(unit: SizedUnit, identifier: str) -> dict[str, bytes]:
     """Files of a Python FMU; its GUID is a hash of all the others."""
     from .python.package import python_files
 
-    files = {**files, **python_files(unit, identifier)}
+    files = {**_documented(unit, identifier), **python_files(unit, identifier)}
     draft = _described(unit, identifier, 2, "", Capabilities())
     found = digest({**files, _DESCRIPTION: draft})
     guid = f"{{{found[:8]}-{found[8:12]}-{found[12:16]}-{found[16:20]}-{found[20:32]}}}"
@@ -122,24 +147,31 @@ def _python(unit: SizedUnit, identifier: str, files: dict[str, bytes]) -> dict[s
     return files
 
 
-def _native(
-    unit: SizedUnit, identifier: str, fmi: int, arrays: bool, platforms: Iterable[str] | None
+def native_contents(
+    unit: SizedUnit,
+    identifier: str,
+    identify: Callable[[str], str],
+    can: Capabilities,
+    fmi: int,
+    platforms: Iterable[str] | None,
 ) -> dict[str, bytes]:
-    """Files of a native FMU, all but its documentation."""
+    """Files of a native FMU by their names in it.
 
-    def describe(token: str, sources: Sequence[str]) -> bytes:
-        can = Capabilities(
-            input_derivatives=True,
-            output_derivatives=1,
-            directional_derivatives=True,
-            early_return=unit.unit.returns_early,
-            arrays=arrays,
-            sources=tuple(sources),
-        )
-        return _described(unit, identifier, fmi, token, can)
+    Args:
+        unit: what descriptions and documentation say of it.
+        identifier: model and file name.
+        identify: its token, from the stamp of the sources.
+        can: what it offers.
+        fmi, platforms: as of `build`.
+    """
+    _refuse_wrong(identifier, fmi)
+
+    def describe(found: str, sources: Sequence[str]) -> bytes:
+        return _described(unit, identifier, fmi, found, replace(can, sources=tuple(sources)))
 
     chosen = {} if platforms is None else {"platforms": platforms}
-    return native_files(unit, identifier, describe, fmi=fmi, arrays=arrays, **chosen)
+    files = native_files(identify, identifier, describe, fmi=fmi, **chosen)
+    return {**_documented(unit, identifier, can.arrays), **files}
 
 
 def _described(unit: SizedUnit, identifier: str, fmi: int, token: str, can: Capabilities) -> bytes:
@@ -174,7 +206,7 @@ def content_id(path: Path | str) -> str:
         ValueError: the file is not an FMU.
         OSError: it cannot be read.
     """
-    return digest(_opened(path)[0])
+    return digest(opened(path)[0])
 
 
 def is_present_build(path: Path | str, unit: str, **options: Any) -> bool:
@@ -184,7 +216,7 @@ def is_present_build(path: Path | str, unit: str, **options: Any) -> bool:
         ValueError: the file is not an FMU.
         OSError: it cannot be read.
     """
-    files = _opened(path)[0]
+    files = opened(path)[0]
     present = digest(files)
     if any(name.startswith("resources/") for name in files):
         return present == identity(unit, backend="python", **options)
@@ -201,10 +233,10 @@ def options_of(path: Path | str) -> dict[str, Any]:
         ValueError: the file is not an FMU.
         OSError: it cannot be read.
     """
-    return options_in(_opened(path)[1])
+    return options_in(opened(path)[1])
 
 
-def _opened(path: Path | str) -> tuple[dict[str, bytes], ElementTree.Element]:
+def opened(path: Path | str) -> tuple[dict[str, bytes], ElementTree.Element]:
     """Files of an FMU, and its model description."""
     try:
         files = unzipped(path)

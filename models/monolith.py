@@ -48,36 +48,45 @@ def simulate(
     if not listed or time[0] < 0.0 or not (np.diff(time) > 0.0).all():
         raise ValueError("times must be an ascending list of numbers, 0 or more")
     system = Monolith(assembly, profile, initial.angle)
-    states, _ = integrate(system, time, initial, method=method, rtol=rtol, atol=atol)
+    _, states, _ = integrate(system, time, initial, method=method, rtol=rtol, atol=atol)
     return trajectory(system, time, states)
 
 
 def integrate(
     system: Monolith,
-    time: Array,
+    time: Array | float,
     initial: Start = REST,
     *,
     method: str,
     rtol: float,
     atol: float | None = None,
-) -> tuple[Array, int]:
-    """States at ascending times, (T, size), and how often the right-hand side was evaluated.
+) -> tuple[Array, Array, int]:
+    """Times, states there (T, size), and how often the right-hand side was evaluated.
 
     This is what `simulate` takes its time for; `trajectory` makes signals of the states.
+
+    Args:
+        time: ascending times [s], or the end alone: then the times are those of the method's steps.
 
     Raises:
         ArithmeticError: the method gave up, or the motion is not finite.
     """
     profile, state = system.profile, system.initial(initial)
     absolute = rtol * system.scales(initial) if atol is None else atol
+    listed = None if isinstance(time, float) else time
+    end = time if isinstance(time, float) else float(time[-1])
     # the acceleration jumps where the run-up ends: no method may step across it
     kink = profile.seconds if profile.start != profile.end else 0.0
-    stops = [kink, time[-1]] if 0.0 < kink < time[-1] else [time[-1]]
-    found, begin, evaluations = np.empty((len(time), system.size)), 0.0, 0
-    found[time == 0.0] = state
+    stops = [kink, end] if 0.0 < kink < end else [end]
+    shown = slice(1 if listed is None or listed[0] == 0.0 else 0)
+    times, states = [np.zeros(1)[shown]], [state[None][shown]]
+    begin, evaluations = 0.0, 0
     for stop in (s for s in stops if s > 0.0):
-        wanted = (time > begin) & (time <= stop)
-        at = time[wanted] if wanted.any() and time[wanted][-1] == stop else [*time[wanted], stop]
+        at, shown = None, slice(1, None)
+        if listed is not None:
+            at = listed[(listed > begin) & (listed <= stop)]
+            shown = slice(len(at))
+            at = at if stop in at else np.append(at, stop)
         solved = solve_ivp(
             _within(system, begin, stop), (begin, stop), state, method, at,
             rtol=rtol, atol=absolute,
@@ -85,10 +94,11 @@ def integrate(
         if not solved.success or not np.isfinite(solved.y).all():
             where = solved.t[-1] if len(solved.t) else begin
             raise ArithmeticError(f"{method} stopped after {where:g} s: {solved.message}")
-        found[wanted] = solved.y.T[: wanted.sum()]
+        times.append(solved.t[shown])
+        states.append(solved.y.T[shown])
         state, begin = solved.y[:, -1], stop
         evaluations += solved.nfev
-    return found, evaluations
+    return np.concatenate(times), np.concatenate(states), evaluations
 
 
 def _within(system: Monolith, begin: float, stop: float) -> RightHandSide:

@@ -17,8 +17,6 @@ from .linear.balanced import CannotBalance
 from .linear.floquet import exponents, fast_growth, one_turn_multipliers
 from .linear.linearised import Linearised, linearise
 
-MARGIN = 1e-10  # growth per revolution that rounding alone can make
-
 
 def _speeds(speeds: ArrayLike) -> NDArray[np.float64]:
     array = np.atleast_1d(np.asarray(speeds, float))
@@ -44,10 +42,10 @@ def active_growth(
     return np.maximum(growth, decay[which])
 
 
-def multipliers(
+def growth_rates(
     assembly: Assembly, speeds: ArrayLike, *, refinement: float = 1.0
-) -> NDArray[np.complex128]:
-    """Multipliers of one revolution about the main motion.
+) -> NDArray[np.float64]:
+    """Largest growth rate [1/s] at each speed (b,), neutral turns apart; negative means stable.
 
     Args:
         assembly: rotor and balancers; the weights' angles are made to balance, see
@@ -55,34 +53,8 @@ def multipliers(
         speeds: (b,) [rad/s], positive.
         refinement: factor on the number of steps of the Floquet map.
 
-    Returns:
-        (b, size), size = 4 n + 2 K for n stations and K weights.  The last columns
-        are the neutral turns of three and more weights, exactly 1 by structure; before them stand
-        the free decays e^{-d T} of their rates; the columns before these decide.  Motions that turn
-        more than about 500 times in a revolution show as 0 (`floquet.MOST_STEPS`): their growth is
-        in `growth_rates` only.
-
     Raises:
         CannotBalance: the weights cannot undo the unbalance.
-    """
-    w = _speeds(speeds)
-    system = linearise(assembly)
-    which = np.zeros(len(w), int)
-    period = 2.0 * math.pi / w[:, None]
-    if system.constant:
-        active = np.exp(exponents([system], which, w) * period)
-    else:
-        active = one_turn_multipliers([system], which, w, refinement)
-    decays = np.exp(-system.free_decay * period)
-    return np.hstack([active, decays, np.ones((len(w), system.neutral))])
-
-
-def growth_rates(
-    assembly: Assembly, speeds: ArrayLike, *, refinement: float = 1.0
-) -> NDArray[np.float64]:
-    """Largest growth rate [1/s] at each speed (b,), neutral turns apart; negative means stable.
-
-    Arguments and errors as for `multipliers`.
     """
     w = _speeds(speeds)
     return active_growth([linearise(assembly)], np.zeros(len(w), int), w, refinement)

@@ -43,6 +43,20 @@ def _no_narrow_terminal(monkeypatch):
     monkeypatch.delenv("COLUMNS", raising=False)
 
 
+@pytest.fixture(scope="session")
+def invoke() -> Callable[..., object]:
+    """Run a command in this process; arguments are written as text."""
+
+    def run(*arguments: object) -> object:
+        from typer.testing import CliRunner
+
+        from autobalancer.harness.cli import app
+
+        return CliRunner().invoke(app, [str(argument) for argument in arguments])
+
+    return run
+
+
 @cache
 def _motion(name: str, changes: tuple, times: tuple[float, ...], signals: tuple[str, ...]):
     from autobalancer.harness import load_scene

@@ -15,6 +15,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from ..catalogue import sized_unit
+from ..composite.variables import COMPOSITE
 from ..unit import SizedUnit
 from ..variables import Layout, Variable
 
@@ -28,19 +29,15 @@ _REPEATS = {
 }
 _ROTOR = {"planes": _PLANES, "stations": _STATIONS, "unbalances": _UNBALANCES}
 
-# what the C library holds: unit, kind, shaft, and options of the sizes looked at
-TABLES: tuple[tuple[str, str, str, dict[str, Any]], ...] = (
-    ("RotorOnSupports", "planar", "", {"kind": "planar", "planes": _PLANES, "stations": 1}),
-    ("RotorOnSupports", "two_support", "", {**_ROTOR, "kind": "two_support", "stations": 2}),
-    ("RotorOnSupports", "flexible", "uniform", {**_ROTOR, "kind": "flexible", "shaft": "uniform"}),
-    (
-        "RotorOnSupports",
-        "flexible",
-        "compliance",
-        {**_ROTOR, "kind": "flexible", "shaft": "compliance"},
-    ),
-    ("LiquidBalancer", "", "", {}),
-    ("BallBalancer", "", "", {"weights": _WEIGHTS}),
+# what the C library holds: unit, and options of the sizes looked at
+TABLES: tuple[tuple[str, dict[str, Any]], ...] = (
+    ("RotorOnSupports", {"kind": "planar", "planes": _PLANES, "stations": 1}),
+    ("RotorOnSupports", {**_ROTOR, "kind": "two_support", "stations": 2}),
+    ("RotorOnSupports", {**_ROTOR, "kind": "flexible", "shaft": "uniform"}),
+    ("RotorOnSupports", {**_ROTOR, "kind": "flexible", "shaft": "compliance"}),
+    ("LiquidBalancer", {}),
+    ("BallBalancer", {"weights": _WEIGHTS}),
+    ("Composite", {"planes": _PLANES}),
 )
 
 _INDEX = re.compile(r"(?<=[\[,])\d+(?=[\],])")
@@ -79,7 +76,8 @@ def header() -> str:
         "   In a name # stands for an index and @1, @2 for the axes of the coupling signals. */"
     ]
     records = []
-    for unit, kind, shaft, options in TABLES:
+    for unit, options in TABLES:
+        kind, shaft = options.get("kind", ""), options.get("shaft", "")
         title = "_".join(filter(None, (unit.lower(), kind, shaft)))
         blocks = _blocks(unit, options)
         rows = [_row(*row) for b in blocks for row in zip(b.patterns, b.variables, strict=True)]
@@ -114,10 +112,10 @@ def token(unit: SizedUnit, stamp: str, *, arrays: bool = False) -> str:
     return "/".join([*words, f"{digest(unit.layout)}-{stamp}"])
 
 
-def digest(layout: Layout) -> str:
-    """Sixteen hexadecimal digits of all names, units, start values and limits: FNV-1a."""
+def digest(layout: Layout, text: str = "") -> str:
+    """FNV-1a of all names, units, start values and limits, and of a text: 16 hexadecimal digits."""
     total = _FNV_START
-    for byte in "".join(_described(layout)).encode("ascii"):
+    for byte in "".join([*_described(layout), text]).encode("ascii"):
         total = (total ^ byte) * _FNV_PRIME & 0xFFFFFFFFFFFFFFFF
     return f"{total:016x}"
 
@@ -125,14 +123,15 @@ def digest(layout: Layout) -> str:
 def _described(layout: Layout) -> Iterator[str]:
     """A line a variable, as variables.c writes it."""
     for v in layout.reals:
-        start = "~" if v.name.startswith(_COMPUTED) else _bits(v.start or 0.0)
-        low = "-" if v.minimum is None else _bits(v.minimum) + "+" * v.above
+        start = "~" if _COMPUTED in v.name else bits(v.start or 0.0)
+        low = "-" if v.minimum is None else bits(v.minimum) + "+" * v.above
         yield f"{_group(v)} {v.name} {v.unit} {start} {low}\n"
     for v in layout.booleans:
         yield f"b {v.name} {int(bool(v.start))}\n"
 
 
-def _bits(value: float) -> str:
+def bits(value: float) -> str:
+    """The sixteen hexadecimal digits of a double."""
     return struct.pack(">d", value).hex()
 
 
@@ -143,7 +142,9 @@ def _group(variable: Variable) -> str:
 
 
 def _layout(unit: str, **options: Any) -> Layout:
-    return sized_unit(unit, **options).layout
+    return (
+        COMPOSITE.sized(options) if unit == COMPOSITE.name else sized_unit(unit, **options)
+    ).layout
 
 
 def _blocks(unit: str, options: dict[str, Any]) -> list[_Block]:

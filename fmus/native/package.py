@@ -6,9 +6,7 @@ import struct
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from xml.etree.ElementTree import Element, SubElement, indent, tostring
 
-from ..unit import SizedUnit
 from .compile import PLATFORMS, generated, libraries, sources, stamp
-from .layout import token
 
 # FMI 2.0.5, 2.3: names of its own for x86, else those of FMI 3.0
 _FMI2 = {"x86_64-linux": "linux64", "x86_64-windows": "win64", "x86_64-darwin": "darwin64"}
@@ -17,24 +15,22 @@ _PAGE = 14  # of arm64, as a power of two
 
 
 def native_files(
-    unit: SizedUnit,
+    identify: Callable[[str], str],
     identifier: str,
     describe: Callable[[str, Sequence[str]], bytes],
     *,
     platforms: Iterable[str] = PLATFORMS,
     fmi: int = 2,
-    arrays: bool = False,
 ) -> dict[str, bytes]:
     """Files of a native FMU by their names in it, all but the documentation.
 
     Args:
-        unit: with its sizes.
+        identify: the token, from the stamp of the sources.
         identifier: model identifier.
         describe: writes modelDescription.xml; called with the token (GUID or instantiation token)
             and the names of the C files in sources/.
         platforms: names out of PLATFORMS.
         fmi: version, 2 | 3.
-        arrays: whether variables that differ in an index alone are arrays (FMI 3.0).
 
     Raises:
         ValueError, NotCompiled: as `libraries`.
@@ -49,7 +45,7 @@ def native_files(
     compiled = sorted(name for name in texts if name.endswith(".c"))
     if fmi == 3:
         files["sources/buildDescription.xml"] = _build_description(identifier, compiled)
-    files["modelDescription.xml"] = describe(token(unit, stamp(), arrays=arrays), compiled)
+    files["modelDescription.xml"] = describe(identify(stamp()), compiled)
     return files
 
 

@@ -3,10 +3,12 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "composite.h"
 #include "elementary.h"
 
 /* A host's own sums of times are off by their rounding; more is another point in time. */
 static const double POINT_OF_STEP = 1e-6, POINT_OF_TIME = 1e-10;
+static const char NO_MEMORY[] = "not enough memory for a unit of this size";
 
 /* -- memory ---------------------------------------------------------------------------------- */
 
@@ -48,48 +50,73 @@ static const Equations *equations_of(const char *name)
     return NULL;
 }
 
-/* Everything an instance needs while it lives; 1 with the reason when something is wrong. */
-static int build(Unit *unit, const char *name, const char *token)
+/* Equations, layout and start values of a unit's token; 1 with the reason. */
+static int build_single(Unit *unit, const char *token)
 {
     const Table *table;
     Sizes sizes;
     Variable *reals;
-    size_t count, outputs;
+    size_t count;
     if (token_read(token, &table, &sizes, unit_reason(unit))) {
         return 1;
     }
     unit->equations = equations_of(table->unit);
+    if (!unit->equations) {
+        text_put(unit_reason(unit), "the identity names no unit of this library");
+        return 1;
+    }
     count = layout_count(table, &sizes, MOST_REALS);
     reals = unit_allocate(unit, count, sizeof *reals);
-    unit->real = unit_allocate(unit, count, sizeof(double));
-    if (unit->equations && reals && unit->real) {
-        unit->layout = layout_in(reals, table, &sizes);
-        layout_starts(&unit->layout, unit->real);
-        unit->equations->starts(&unit->layout, unit->real);
-        if (token_check(token, &unit->layout, layout_digest(&unit->layout, unit->real),
-                        &unit->reason)) {
-            return 1;
-        }
-        memcpy(unit->token, token, text_length(token) + 1);
-        outputs = unit->layout.computed.count + unit->layout.observed.count;
-        unit->memory_count = unit->equations->memory_size(&unit->layout);
-        unit->name = unit_allocate(unit, text_length(name) + 1, 1);
-        unit->boolean = unit_allocate(unit, unit->layout.boolean_count, 1);
-        unit->memory = unit_allocate(unit, unit->memory_count, sizeof(double));
-        unit->before = unit_allocate(unit, unit->memory_count, sizeof(double));
-        unit->seed = unit_allocate(unit, unit->layout.inputs.count, sizeof(double));
-        unit->change = unit_allocate(unit, outputs, sizeof(double));
-        unit->kept = unit_allocate(unit, unit->layout.computed.count, sizeof(double));
-        unit->own = unit_allocate(unit, 1, unit->equations->own_size());
-        if (unit->name && unit->boolean && unit->memory && unit->before && unit->seed &&
-            unit->change && unit->kept && unit->own && !unit->equations->allocate(unit) &&
-            !unit_allocate_elements(unit)) {
-            memcpy(unit->name, name, text_length(name) + 1);
-            return 0;
-        }
+    unit->starts = unit_allocate(unit, count, sizeof(double));
+    unit->own = unit_allocate(unit, 1, unit->equations->own_size());
+    if (!reals || !unit->starts || !unit->own) {
+        text_put(unit_reason(unit), NO_MEMORY);
+        return 1;
     }
-    text_put(unit_reason(unit), "not enough memory for a unit of this size");
-    return 1;
+    unit->layout = layout_in(reals, table, &sizes);
+    layout_starts(&unit->layout, unit->starts);
+    unit->equations->starts(&unit->layout, unit->starts);
+    if (token_check(token, &unit->layout, layout_digest(&unit->layout, unit->starts),
+                    &unit->reason)) {
+        return 1;
+    }
+    memcpy(unit->token, token, text_length(token) + 1);
+    unit->memory_count = unit->equations->memory_size(&unit->layout);
+    return 0;
+}
+
+/* Arrays of a unit whose layout is known, and what its equations need; 1 when there is no memory. */
+static int build_arrays(Unit *unit, const char *name)
+{
+    const size_t count = unit->layout.real_count;
+    const size_t outputs = unit->layout.computed.count + unit->layout.observed.count;
+    unit->real = unit_allocate(unit, count, sizeof(double));
+    unit->name = unit_allocate(unit, text_length(name) + 1, 1);
+    unit->boolean = unit_allocate(unit, unit->layout.boolean_count, 1);
+    unit->memory = unit_allocate(unit, unit->memory_count, sizeof(double));
+    unit->before = unit_allocate(unit, unit->memory_count, sizeof(double));
+    unit->seed = unit_allocate(unit, unit->layout.inputs.count, sizeof(double));
+    unit->change = unit_allocate(unit, outputs, sizeof(double));
+    unit->kept = unit_allocate(unit, unit->layout.computed.count, sizeof(double));
+    if (!unit->real || !unit->name || !unit->boolean || !unit->memory || !unit->before ||
+        !unit->seed || !unit->change || !unit->kept || unit->equations->allocate(unit) ||
+        unit_allocate_elements(unit)) {
+        return 1;
+    }
+    memcpy(unit->name, name, text_length(name) + 1);
+    return 0;
+}
+
+int unit_build(Unit *unit, const char *name, const char *token)
+{
+    if (composite_named(token) ? composite_build(unit, token) : build_single(unit, token)) {
+        return 1;
+    }
+    if (build_arrays(unit, name)) {
+        text_put(unit_reason(unit), NO_MEMORY);
+        return 1;
+    }
+    return 0;
 }
 
 Unit *unit_instantiate(const char *name, const char *token, Log log, void *host)
@@ -102,7 +129,7 @@ Unit *unit_instantiate(const char *name, const char *token, Log log, void *host)
     }
     unit->log = log;
     unit->host = host;
-    if (build(unit, shown, token)) {
+    if (unit_build(unit, shown, token)) {
         Text text = text_in(unit->message_buffer, sizeof unit->message_buffer);
         text_put(&text, shown);
         text_put(&text, ": instantiation failed: ");
@@ -118,9 +145,7 @@ Unit *unit_instantiate(const char *name, const char *token, Log log, void *host)
 void unit_reset(Unit *unit)
 {
     size_t k;
-    memset(unit->real, 0, unit->layout.real_count * sizeof(double));
-    layout_starts(&unit->layout, unit->real);
-    unit->equations->starts(&unit->layout, unit->real);
+    memcpy(unit->real, unit->starts, unit->layout.real_count * sizeof(double));
     for (k = 0; k < unit->layout.boolean_count; k++) {
         unit->boolean[k] = (unsigned char)unit->layout.table->flags[k].start;
     }
@@ -208,7 +233,7 @@ static int demand_finite(Unit *unit, Range range)
     return 0;
 }
 
-static int step_from_here(Unit *unit, double step)
+int unit_advance(Unit *unit, double step)
 {
     const size_t size = unit->memory_count * sizeof(double);
     memcpy(unit->before, unit->memory, size);
@@ -236,7 +261,7 @@ Status unit_step(Unit *unit, double time, double step)
         failed = 1;
         status = STATUS_ERROR;
     } else {
-        failed = unit_refresh(unit, COMPUTED) || step_from_here(unit, step);
+        failed = unit_refresh(unit, COMPUTED) || unit_advance(unit, step);
     }
     if (failed) {
         char words[64];

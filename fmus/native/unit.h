@@ -71,7 +71,8 @@ struct Unit {
     Layout layout;
     char token[TOKEN_SIZE];
     char *name;
-    double *real; /* values of all variables */
+    double *real; /* values of all variables, */
+    double *starts; /* and what they start from */
     unsigned char *boolean;
     double *memory; /* state of the equations */
     size_t memory_count;
@@ -96,6 +97,7 @@ struct Unit {
     void *host;
 };
 
+extern const Equations COMPOSITE_EQUATIONS;
 extern const Equations ROTOR_EQUATIONS, LIQUID_EQUATIONS, WEIGHTS_EQUATIONS;
 
 /* Zeroed memory that goes with the instance, or NULL. */
@@ -104,6 +106,9 @@ void *unit_allocate(Unit *unit, size_t count, size_t size);
 /* -- life cycle; NULL is returned, and an error given, after a reason is logged -------------- */
 
 Unit *unit_instantiate(const char *name, const char *token, Log log, void *host);
+/* Give a zeroed unit all that it needs while it lives, in `allocated`; 1 with the reason when
+   something is wrong. */
+int unit_build(Unit *unit, const char *name, const char *token);
 void unit_free(Unit *unit);
 /* As new: start values, no state, all of the above kept. */
 void unit_reset(Unit *unit);
@@ -144,11 +149,17 @@ Status unit_get_derivatives(Unit *unit, const unsigned *references, size_t count
 Status unit_directional(Unit *unit, const unsigned *unknowns, size_t unknown_count,
                         const unsigned *knowns, size_t known_count, const double *seed,
                         double *change);
+/* The same read backwards: what `seed` on the unknowns weighs for each of `knowns`. */
+Status unit_adjoint(Unit *unit, const unsigned *unknowns, size_t unknown_count,
+                    const unsigned *knowns, size_t known_count, const double *seed,
+                    double *change);
 
 /* -- for the equations ----------------------------------------------------------------------- */
 
 /* Bring the outputs up to date so far that `stale` is at most `level`; 0, or 1 with the reason. */
 int unit_refresh(Unit *unit, int level);
+/* Move the equations by a step [s]; 1 with the reason, and as it was, where they fail. */
+int unit_advance(Unit *unit, double step);
 /* Begin the reason anew and return it. */
 Text *unit_reason(Unit *unit);
 /* The reason for a failure of the core, with the values it names as a list; returns 1. */

@@ -89,6 +89,7 @@ Layout layout_in(Variable *reals, const Table *table, const Sizes *sizes)
                 reals[at].declared = declared + k;
                 reals[at].index = index;
                 reals[at].second = second;
+                reals[at].owner = NULL;
                 reals[at].members = triangle ? 1 : (int)times;
                 reals[at].stride = block->count;
                 at++;
@@ -137,6 +138,14 @@ void layout_name(const Layout *layout, size_t reference, Text *text)
     const Variable *variable = layout->reals + reference;
     const char *name = variable->declared->name;
     int indices = 0;
+    if (variable->owner) {
+        if (!strncmp(name, "der(", 4)) {
+            text_put_part(text, name, 4);
+            name += 4;
+        }
+        text_put(text, variable->owner);
+        text_put(text, ".");
+    }
     for (; *name; name++) {
         if (*name == '#') {
             text_integer(text, (unsigned long)(indices ? variable->second : variable->index));
@@ -202,6 +211,14 @@ uint64_t hash_bytes(uint64_t hash, const void *bytes, size_t count)
     return hash;
 }
 
+static char group_at(const Layout *layout, size_t reference)
+{
+    return reference < layout->inputs.first     ? 'p'
+           : reference < layout->computed.first ? 'i'
+           : reference < layout->observed.first ? 'o'
+                                                : 'v';
+}
+
 static void put_bits(Text *text, double value)
 {
     uint64_t bits;
@@ -217,8 +234,9 @@ uint64_t layout_digest(const Layout *layout, const double *starts)
     int b;
     for (k = 0; k < layout->real_count; k++) {
         const Declared *declared = layout->reals[k].declared;
+        const char group = group_at(layout, k);
         Text text = text_in(line, sizeof line);
-        text_put_part(&text, &declared->group, 1);
+        text_put_part(&text, &group, 1);
         text_put(&text, " ");
         layout_name(layout, k, &text);
         text_put(&text, " ");

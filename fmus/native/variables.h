@@ -59,6 +59,7 @@ typedef struct {
     const Declared *declared;
     int index, second;
     int members, stride;
+    const char *owner; /* the part of a composite it belongs to, or NULL */
 } Variable;
 
 /* Value references first..first + count - 1. */

@@ -80,20 +80,15 @@ def _coefficients(result: BalancingReport) -> Sheet:
 
 def _cycles(result: BalancingReport, technology: Technology) -> Sheet:
     sensors = range(1, len(result.at_supports) + 1)
-    columns = [
-        "cycle",
-        *(f"support {s} [m]" for s in sensors),
-        *(f"plane {plane} [kg m]" for plane in result.planes),
-        *(f"residual at {s}" for s in sensors),
-        "actually",
-    ]
-    return Sheet(
-        columns,
-        [[str(n), *_row(result, cycle)] for n, cycle in enumerate(technology.cycles, start=1)],
-        "r" * len(columns),
+    found = [f"plane {plane} [kg m]" for plane in result.planes]
+    residuals = [*(f"residual at {s}" for s in sensors), "actually"]
+    columns = ["cycle", *(f"support {s} [m]" for s in sensors), *found, *residuals]
+    rows = [[str(n), *_row(result, cycle)] for n, cycle in enumerate(technology.cycles, start=1)]
+    title = (
         f"{technology.name.capitalize()} coefficients: amplitude 0-peak at the supports [m], "
-        "unbalance found in the planes [kg m], residual in parts of what is permissible",
+        "unbalance found in the planes [kg m], residual in parts of what is permissible"
     )
+    return Sheet(columns, rows, "r" * len(columns), title)
 
 
 def _row(result: BalancingReport, cycle: Cycle) -> list[str]:

@@ -15,6 +15,7 @@ import numpy as np
 
 from ..errors import SimulationError
 from ..scene import Scene, load_scene
+from ..scene.run import FEWEST_CHOSEN
 from .facts import Facts, advice, result
 from .fmu import Closing, Fmu
 from .loop import consistent_start, loop_gain, rotor_response, value_eigenvalues
@@ -30,7 +31,6 @@ from .schemes.startup import substeps
 from .system import System
 
 SLIVER = 1e-12  # of a time: rounding, not a step
-FEWEST_STEPS_PER_REV = 8  # with a tolerance: fewer would not show a revolution in a record
 REPORTED = 256  # steps between two reports of progress: some ten a second
 Progress = Callable[[float], None]
 
@@ -60,6 +60,7 @@ class CoSimulation(Closing):
                 for path, one in zip(self.paths, self.plan.units, strict=True)
             }
             self.system = System(self.plan, self.units, scene.coupling.order, watch)
+            stack.callback(self.system.free_states)
             self._stack = stack.pop_all()
         self.gain = self.amplification = 0.0
         self.time = 0.0
@@ -150,11 +151,11 @@ class CoSimulation(Closing):
                 f"{', '.join(self.system.force_names)} {self.amplification:.3g}-fold; loop gain "
                 f'{self.gain:.3g}; use scheme = "iterated" or "auto"'
             )
-        end = end_time(self.scene)
+        end, coupling = end_time(self.scene), self.scene.coupling
         for (step, count), bound in zip(schedule(self.scene), milestones(self.scene), strict=True):
             start = self.time
             if self.scheme.chooses_steps:
-                longest = step_size(self.scene, FEWEST_STEPS_PER_REV)
+                longest = step_size(self.scene, coupling.fewest_steps_per_rev or FEWEST_CHOSEN)
                 while bound - self.time > SLIVER * bound:
                     self.step(bound - self.time, longest)
                     yield self.time / end

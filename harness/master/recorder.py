@@ -58,7 +58,12 @@ class Recorder:
         names = list(dict.fromkeys(names))
         refuse_unknown(names, {name: unit.variables for name, unit in units.items()})
         wanted = by_unit(names)
-        self.groups = [(units[unit], units[unit].group(v)) for unit, v in wanted.items()]
+        self._row, end = np.zeros(1 + len(names)), 1  # time, then every unit's signals
+        self._bytes = self._row.data.cast("B")
+        self.groups = []
+        for unit, variables in wanted.items():
+            begin, end = end, end + len(variables)
+            self.groups.append((units[unit], units[unit].group(variables, self._row[begin:end])))
         self.signal_units = {
             f"{unit}.{v}": units[unit].measured_in[v]
             for unit, variables in wanted.items()
@@ -69,10 +74,10 @@ class Recorder:
 
     def take(self, time: float) -> None:
         """Record the present values."""
-        self.rows.append(time)
+        self._row[0] = time
         for unit, group in self.groups:
             unit.fetch(group)
-            self.rows.frombytes(group.bytes)
+        self.rows.frombytes(self._bytes)
 
     def refuse_too_much(self, done: float) -> None:
         """Refuse a record that will not fit into memory, judged by the finished fraction of a run.

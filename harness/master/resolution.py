@@ -123,8 +123,10 @@ class Resolution:
         """
         if step != self._step:
             self._change(step)
-        lost, missed = None, 0.0
+        lost, missed, beyond = None, 0.0, False
         for state, name in self._forces:
+            if state.largest > self._most:
+                beyond = True
             missed += state.prediction_error
             if state.prediction_error > LOST_PREDICTION * state.largest:
                 lost = state, name
@@ -152,7 +154,7 @@ class Resolution:
                 self._refuse(time, f"what the cubics miss of {cause} {moved}")
         if lost:
             self._count(time, *lost)
-        self._stop_runaway(time)
+        self._stop_runaway(time, beyond)
 
     def _change(self, step: float) -> None:
         """Take over another length of the steps [s]."""
@@ -163,9 +165,10 @@ class Resolution:
         # m/N: a force that lasts longer than 1/pace moves the rotor no further
         self._moved = self._answered * min(step, 1.0 / self._pace) / (self._mass * self._pace)
 
-    def _stop_runaway(self, time: float) -> None:
+    def _stop_runaway(self, time: float, beyond: bool) -> None:
         """Refuse steps that repeat their own error: it grows along with all it is compared with."""
-        self._grown = 1 + self._grown if any(map(self._grows, self._forces)) else 0
+        grows = beyond and any(map(self._grows, self._forces))
+        self._grown = 1 + self._grown if grows else 0
         if self._grown >= RUNAWAY:
             self._refuse(
                 time,

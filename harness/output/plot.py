@@ -1,4 +1,4 @@
-"""What pictures share, and the time history of signals.
+"""What pictures share, and the time history of signals; every picture is written by `save`.
 
 Figures are made without pyplot, so that neither a display nor a global state is touched.
 """

@@ -22,7 +22,7 @@ from ..master.names import by_unit
 from ..master.plan import ROTOR, Port
 from ..master.schedule import end_time, step_size
 from ..scene import Scene
-from .runner import Run
+from .runner import Run, shown_at_start
 
 NANOSECOND = 1e-9  # s: libcosim counts time in whole ones
 _TIMEOUT = 600  # s
@@ -104,15 +104,8 @@ class LibcosimRunner:
 
     def _start_inputs(self) -> dict[str, dict[str, float]]:
         """Masses, forces and accelerations that the units' inputs have at the start."""
-        plan, system = self._cosim.plan, self._cosim.system
-        shown = {
-            single: value
-            for port, both in system.present().items()
-            for single, value in zip(
-                plan.variables(port, "signal"), (both.real, both.imag), strict=True
-            )
-        }
-        held: dict[str, dict[str, float]] = {ROTOR: dict(system.masses)}
+        plan, shown = self._cosim.plan, shown_at_start(self._cosim.plan, self._cosim)
+        held: dict[str, dict[str, float]] = {ROTOR: dict(self._cosim.system.masses)}
         for target, sources in plan.inputs("signal").items():
             value = sum(shown[source] for source in sources)
             held.setdefault(target.unit, {})[target.variable] = value

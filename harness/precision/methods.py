@@ -6,8 +6,6 @@ import time as clock
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
-import numpy as np
-
 from ...models.monolith import integrate, trajectory
 from ...models.reference.coupled import Monolith
 from ..master.cosimulation import CoSimulation
@@ -17,11 +15,11 @@ from ..master.schedule import end_time
 from ..scene import Scene
 from .fixed_axes import FixedAxesRunner
 from .libcosim import LibcosimRunner
-from .runner import Array, Run, Runner
+from .runner import Run, Runner
 
 EXPLICIT_STEPS = (10, 20, 40, 80, 160)
 ITERATED_STEPS = (8, 10, 14, 20, 28, 40, 80)
-COMPENSATED_STEPS = (8, 10, 12, 14, 20, 28, 32, 40, 80)
+COMPENSATED_STEPS = (6, 8, 10, 12, 14, 20, 30, 40, 80)
 PYTHON_STEPS = (20, 40)  # the same digits as native units, at another price
 TOLERANCES = (1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7)
 SOLVERS: dict[str, tuple[float, ...]] = {
@@ -36,7 +34,6 @@ HELD: dict[str, Callable[[Scene, Sequence[str]], Runner]] = {
     ALONG_FIXED_AXES: FixedAxesRunner,
     LIBCOSIM: LibcosimRunner,
 }
-SAMPLES_PER_REV = 20  # points of the monolith's dense output, as many as a record usually has
 
 
 @dataclass(frozen=True)
@@ -49,6 +46,7 @@ class Method:
         steps_per_rev: communication steps a revolution.
         corrections: corrector passes; None with `iterated`: until the loop has converged.
         tolerance: of the tolerance-driven step, or SciPy's rtol.
+        fewest: steps a revolution that such a step must not fall below.
         units: "native", or "python" for those that run Python.
     """
 
@@ -57,6 +55,7 @@ class Method:
     steps_per_rev: int | None = None
     corrections: int | None = None
     tolerance: float | None = None
+    fewest: int | None = None
     units: Backend = "native"
 
     @property
@@ -70,10 +69,11 @@ class Method:
         words = [self.name]
         if self.order is not None:
             words.append({0: "held", 1: "linear", 3: "cubic"}[self.order])
-        if self.name == "iterated":
+        if self.tolerance is not None and not self.in_one_piece:
+            words.append("tolerance" if self.fewest is None else "tolerance, steps of any length")
+        elif self.name == "iterated":
             passes = {None: "until converged", 1: "1 pass"}
-            counted = passes.get(self.corrections, f"{self.corrections} passes")
-            words.append(counted if self.tolerance is None else "tolerance")
+            words.append(passes.get(self.corrections, f"{self.corrections} passes"))
         if self.units == "python":
             words.append("on Python units")
         return " ".join(words)
@@ -109,24 +109,25 @@ class CoSimulationRunner:
 
 
 class MonolithRunner:
-    """The monolith by one of SciPy's methods; only the integration is timed."""
+    """The monolith by one of SciPy's methods; only the integration is timed.
 
-    def __init__(
-        self, scene: Scene, names: Sequence[str], method: str, rtol: float, time: Array
-    ) -> None:
+    Its points are those of its own steps, as with the couplings: dense output would cost extra.
+    """
+
+    def __init__(self, scene: Scene, names: Sequence[str], method: str, rtol: float) -> None:
         start = scene.run.initial.motion()
         self._system = Monolith(scene.assembly(), scene.profile(), start.angle)
         self._start, self._method, self._rtol = start, method, rtol
-        self._names, self._time = list(names), time
+        self._names, self._end = list(names), end_time(scene)
 
     def run(self) -> Run:
         begun = clock.perf_counter()
-        states, evaluations = integrate(
-            self._system, self._time, self._start, method=self._method, rtol=self._rtol
+        time, states, evaluations = integrate(
+            self._system, self._end, self._start, method=self._method, rtol=self._rtol
         )
         seconds = clock.perf_counter() - begun
-        found = trajectory(self._system, self._time, states)
-        return Run(seconds, self._time, {n: found.signal(n) for n in self._names}, evaluations)
+        found = trajectory(self._system, time, states)
+        return Run(seconds, time, {n: found.signal(n) for n in self._names}, evaluations)
 
     def close(self) -> None:
         pass
@@ -146,7 +147,11 @@ def coupling_methods(exchanges_force: bool) -> list[Method]:
     found += [Method("compensated", 3, n) for n in COMPENSATED_STEPS]
     found += [Method("iterated", o, n, 1) for o in (0, 1) for n in EXPLICIT_STEPS]
     found += [Method("iterated", 3, n, passes) for passes in (1, None) for n in ITERATED_STEPS]
-    found += [Method("iterated", 3, tolerance=t) for t in TOLERANCES]
+    found += [
+        Method("iterated", 3, tolerance=t, fewest=fewest)
+        for fewest in (None, 1)
+        for t in TOLERANCES
+    ]
     return found + [Method("compensated", 3, n, units="python") for n in PYTHON_STEPS]
 
 
@@ -164,14 +169,9 @@ def coupled_scene(scene: Scene, method: Method) -> Scene:
         "units": method.units,
         "steps_per_rev": method.steps_per_rev,
         "tolerance": method.tolerance,
+        "fewest_steps_per_rev": method.fewest,
     }
     return scene.replace({f"coupling.{key}": value for key, value in keys.items()})
-
-
-def sample_times(scene: Scene) -> Array:
-    """Points at which the monolith is asked for its motion [s]."""
-    count = max(2, round(SAMPLES_PER_REV * scene.run.revolutions))
-    return np.linspace(0.0, end_time(scene), count + 1)
 
 
 def ready(scene: Scene, method: Method, names: Sequence[str]) -> Runner:
@@ -184,7 +184,7 @@ def ready(scene: Scene, method: Method, names: Sequence[str]) -> Runner:
     if method.in_one_piece:
         assert method.tolerance is not None
         solver = method.name.removeprefix("monolith ")
-        return MonolithRunner(scene, names, solver, method.tolerance, sample_times(scene))
+        return MonolithRunner(scene, names, solver, method.tolerance)
     if method.name in HELD:
         return HELD[method.name](coupled_scene(scene, replace(method, name="jacobi")), names)
     return CoSimulationRunner(coupled_scene(scene, method), names)

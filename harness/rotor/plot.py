@@ -21,11 +21,7 @@ _STRAIGHT = 1e-6  # |whirl| below it is no whirl, as in the modes
 
 
 def plot_campbell(data: Campbell, critical: Array, title: str, path: Path) -> Path:
-    """Natural frequencies and damping ratios against speed, forward and backward whirl.
-
-    Raises:
-        UserError: the file cannot be written.
-    """
+    """Natural frequencies and damping ratios against speed, forward and backward whirl."""
     figure = Figure(figsize=(9.0, 8.0), layout="constrained")
     above, below = figure.subplots(2, 1, sharex=True, height_ratios=(2, 1))
     frequency = np.abs(data.eigenvalues)
@@ -82,11 +78,7 @@ def _campbell_legend(axes: Any) -> None:
 
 
 def plot_response(data: Response, path: Path) -> Path:
-    """Amplitude and phase of every station against speed, x and y side by side.
-
-    Raises:
-        UserError: the file cannot be written.
-    """
+    """Amplitude and phase of every station against speed, x and y side by side."""
     alike = np.allclose(data.amplitude[:, 1], -1j * data.amplitude[:, 0], rtol=1e-9, atol=0.0)
     axes_shown = (0,) if alike else (0, 1)
     figure = Figure(figsize=(7.5 * len(axes_shown), 8.0), layout="constrained")

@@ -17,11 +17,7 @@ _ACROSS = 3  # panels in a row
 
 
 def plot_orbits(data: Orbits, path: Path) -> Path:
-    """Orbit of every station, one panel each: steady without balancers, and at a run's end with.
-
-    Raises:
-        UserError: the file cannot be written.
-    """
+    """Orbit of every station, one panel each: steady without balancers, and at a run's end with."""
     count = len(data.stations)
     columns = min(count, _ACROSS)
     rows = -(-count // columns)
@@ -62,11 +58,7 @@ def _orbit(axes: Any, orbit: Any, colour: str, label: str) -> float:
 
 
 def plot_run_up(data: RunUp, path: Path) -> Path:
-    """Displacement of every station while the speed rises, with and without balancers.
-
-    Raises:
-        UserError: the file cannot be written.
-    """
+    """Displacement of every station while the speed rises, with and without balancers."""
     parts = [("with balancers", data.run), ("without balancers", data.alone)]
     if not len(data.alone):
         parts = [("without balancers", data.run)]

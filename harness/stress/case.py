@@ -98,8 +98,8 @@ def deviation(result: Result, expected: Series) -> float:
     """Largest difference over time and signals, relative to each signal's range; NaN if any is."""
     worst = [0.0]
     for name, right in expected.items():
-        scale = float(np.ptp(right)) or float(np.max(np.abs(right))) or 1.0
-        worst.append(float(np.max(np.abs(result[name] - right))) / scale)
+        scale = np.ptp(right) or np.max(np.abs(right)) or 1.0
+        worst.append(np.max(np.abs(result[name] - right)) / scale)
     return float(np.max(worst))
 
 
@@ -183,17 +183,28 @@ def error_against_monolith(
         options: of `models.monolith.reference`.
     """
     result = cosimulate(build, record=signals)
+    error, own = against_reference(build, result, bound=REFERENCE_SHARE * allowed, **options)
+    return error, own, result
+
+
+def against_reference(scene: Scene, result: Result, **options: Any) -> tuple[float, float]:
+    """Error of a scene's run in all that was recorded, and the reference's own.
+
+    Args:
+        options: of `models.monolith.reference`.
+
+    Raises:
+        ReferenceDisagreement: nobody knows what is right.
+    """
     right, own = reference(
-        build.assembly(),
-        build.profile(),
+        scene.assembly(),
+        scene.profile(),
         result.time,
-        initial=build.run.initial.motion(),
-        signals=[name for name in signals if name.rpartition(".")[2] in STATES],
-        bound=REFERENCE_SHARE * allowed,
+        initial=scene.run.initial.motion(),
+        signals=[name for name in result.signals if name.rpartition(".")[2] in STATES],
         **options,
     )
-    error = deviation(result, {name: right.signal(name) for name in signals})
-    return error, own, result
+    return deviation(result, {name: right.signal(name) for name in result.signals}), own
 
 
 def against_monolith(

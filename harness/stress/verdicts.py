@@ -14,7 +14,7 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from itertools import product
 
-from ...models.monolith import ReferenceDisagreement, reference
+from ...models.monolith import ReferenceDisagreement
 from ..errors import SimulationError
 from ..master import facts
 from ..master.cosimulation import CoSimulation
@@ -23,7 +23,7 @@ from ..master.resolution import REFUSED, SAID
 from ..output.table import Sheet
 from ..scene import Scene, load_scene
 from ..scene.balancer import WeightBalancer
-from .case import STATES, TOO_COARSE, deviation
+from .case import TOO_COARSE, against_reference
 
 SCENES = ("two_balls", "drum", "grinder", "balls_and_liquid", "two_plane_rodrigues", "run_up")
 SPINS = (1, 2, 3, 5, 8, 12, 16, 20, 30, 50)  # of the weights, in the rotor's speed
@@ -79,16 +79,7 @@ def judge(name: str, spin: float, steps: int) -> VerdictSample:
         except SimulationError:
             return VerdictSample(name, spin, steps, None, watch.estimate, VERDICTS[3])
         result = facts.result(recorder, cosim.facts(), 0.0)
-    right, _ = reference(
-        scene.assembly(),
-        scene.profile(),
-        result.time,
-        initial=scene.run.initial.motion(),
-        rtol=1e-10,
-        bound=1e-2,
-        signals=[n for n in names if n.rpartition(".")[2] in STATES],
-    )
-    error = deviation(result, {n: right.signal(n) for n in names})
+    error, _ = against_reference(scene, result, rtol=1e-10, bound=1e-2)
     said = any(TOO_COARSE in event for event in result.events)
     verdict = "refused" if watch.refused else "said" if said else "silent"
     return VerdictSample(name, spin, steps, error, watch.estimate, verdict)

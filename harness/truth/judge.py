@@ -15,7 +15,8 @@ from ...models.assembly import Assembly
 from ...models.monolith import ReferenceDisagreement, reference, simulate
 from ..errors import SimulationError, UserError
 from ..master.cosimulation import cosimulate
-from ..master.resolution import SAID
+from ..master.names import kin
+from ..master.resolution import SAID, Resolution
 from ..master.result import Result
 from ..scene import Scene
 from .draw import draw
@@ -26,7 +27,9 @@ FACTOR = 3.0  # by which a stated or promised error may be exceeded
 DISTURBANCE = 1e-9  # of the start's scales: what chaos makes of it is no fault of a method
 CHAOTIC = 1e-3 / DISTURBANCE  # growth from which nobody knows the end to a tenth of RIGHT
 REFERENCE_BOUND = 1e-3  # the two integrations agree to a tenth of RIGHT
+RESOLVED = 1e-6  # of a signal's largest value: what the integrations know of it
 RTOL = 1e-10
+LONGEST_RUN = 120.0  # s of processor time
 
 OUTCOMES = {
     "right": f"right to {RIGHT:.0%}, or to {FACTOR:g} times the tolerance",
@@ -35,13 +38,15 @@ OUTCOMES = {
     "note": "wrong, with a note that has no figure",
     "silent": f"wrong by {RIGHT:.0%} to {GROSS:.0%}, nothing said",
     "gross": f"wrong by more than {GROSS:.0%}, nothing said",
+    "needless": "refused, though right when it is let go on",
     "refused": "refused, with a reason",
+    "endless": f"not done in {LONGEST_RUN:g} s of processor time",
     "chaotic": "set aside: neighbouring motions part too far",
     "unknown": "set aside: two integrations disagree",
     "crashed": "ended in another error than a refusal",
 }
 SET_ASIDE = ("chaotic", "unknown")
-MISSES = ("understated", "note", "silent", "gross", "crashed")
+MISSES = ("understated", "note", "silent", "gross", "needless", "endless", "crashed")
 
 
 @dataclass(frozen=True)
@@ -57,6 +62,8 @@ class Verdict:
         words: the refusal or the note.
         steps: communication steps of the run.
         seconds: processor time of the run.
+        measured: with `verify`, whether the measured errors of all signals are right within
+            `FACTOR`; None where that is not known.
     """
 
     family: str
@@ -68,37 +75,61 @@ class Verdict:
     words: str = ""
     steps: int = 0
     seconds: float = 0.0
+    measured: bool | None = None
 
 
-def judge(family: str, seed: int, number: int, changes: Mapping[str, Any] | None = None) -> Verdict:
+class _Endless(Exception):
+    """A run that takes longer than `LONGEST_RUN`."""
+
+
+def judge(
+    family: str,
+    seed: int,
+    number: int,
+    changes: Mapping[str, Any] | None = None,
+    verify: bool = False,
+) -> Verdict:
     """Draw a scene, run it and compare.
 
     Args:
         changes: keys replaced in every scene, such as `coupling.tolerance`.
+        verify: also have the run measure its errors, and compare those.
     """
     verdict = Verdict(family, number, "crashed")
     try:
         scene = Scene.from_document(draw(family, seed, number)).replace(changes or {})
-        return _compared(scene, verdict)
+        return _compared(scene, verdict, verify)
     except Exception:
         return replace(verdict, words=traceback.format_exc(limit=-3))
 
 
-def _compared(scene: Scene, verdict: Verdict) -> Verdict:
+def _run(scene: Scene, verify: bool = False) -> Result:
+    begun = clock.process_time()
+
+    def limit(_done: float) -> None:
+        if clock.process_time() - begun > LONGEST_RUN:
+            raise _Endless
+
+    return cosimulate(scene, progress=limit, verify=verify)
+
+
+def _compared(scene: Scene, verdict: Verdict, verify: bool) -> Verdict:
     begun = clock.process_time()
     try:
-        result = cosimulate(scene)
+        result = _run(scene, verify)
+    except _Endless:
+        return replace(verdict, outcome="endless", seconds=LONGEST_RUN)
     except (SimulationError, UserError) as refusal:
-        words = str(refusal)
-        return replace(
-            verdict, outcome="refused", words=words, seconds=clock.process_time() - begun
-        )
+        seconds = clock.process_time() - begun
+        outcome = "needless" if right_if_let_go_on(scene) else "refused"
+        return replace(verdict, outcome=outcome, words=str(refusal), seconds=seconds)
     verdict = replace(verdict, steps=result.steps, seconds=clock.process_time() - begun)
     try:
-        right = motion(scene, result)
+        right, own = referred(scene, result)
     except ReferenceDisagreement as error:
         return replace(verdict, outcome="unknown", words=str(error))
     errors = deviations(result, right)
+    verdict = replace(verdict, measured=rightly_measured(result, right, own))
     where = max(errors, key=lambda name: errors[name])
     verdict = replace(
         verdict,
@@ -111,6 +142,35 @@ def _compared(scene: Scene, verdict: Verdict) -> Verdict:
     if outcome in MISSES and growth(scene, result.time) > CHAOTIC:
         outcome = "chaotic"
     return replace(verdict, outcome=outcome)
+
+
+def right_if_let_go_on(scene: Scene) -> bool:
+    """Whether a refused run ends right when what it is judged by on the way is only noted."""
+    before = Resolution.strict
+    Resolution.strict = False
+    try:
+        result = _run(scene)
+        return max(deviations(result, motion(scene, result)).values()) <= RIGHT
+    except (_Endless, SimulationError, UserError, ReferenceDisagreement):
+        return False
+    finally:
+        Resolution.strict = before
+
+
+def rightly_measured(result: Result, right: Mapping[str, NDArray], own: float) -> bool | None:
+    """Whether `verify` measures the errors of all signals within `FACTOR`; None without it.
+
+    Args:
+        own: error of `right` itself, of a signal's largest value.
+    """
+    if result.error is None:
+        return None
+    for name, scale in scales(right).items():
+        true = float(np.abs(result[name] - right[name]).max())
+        stated, floor = result.error[name], max(own, RESOLVED) * scale
+        if true > FACTOR * stated + floor or stated > FACTOR * true + floor:
+            return False
+    return True
 
 
 def classify(verdict: Verdict, tolerance: float | None) -> str:
@@ -132,30 +192,32 @@ def deviations(result: Result, right: Mapping[str, NDArray]) -> dict[str, float]
     x and y of a station belong together, and so do the parts of a balancer's moment: a component
     that stays near zero is no scale of its own.
     """
-    found: dict[str, float] = {}
-    for name in right:
-        base = name.rpartition(".")[0]
-        kind = name[len(base) :].removesuffix("_xi").removesuffix("_eta")
-        partners = [n for n in right if n.startswith(base + ".") and _alike(n, kind, base)]
-        scale = max(float(np.abs(right[n]).max()) for n in partners)
+    found = {}
+    for name, scale in scales(right).items():
         error = float(np.abs(result[name] - right[name]).max())
         found[name] = error / scale if scale > 0.0 else error
     return found
 
 
-def _alike(name: str, kind: str, base: str) -> bool:
-    end = name[len(base) :]
-    return end in (".x", ".y") if kind in (".x", ".y") else end.startswith(kind)
+def scales(signals: Mapping[str, NDArray]) -> dict[str, float]:
+    """Largest value of every signal's kind."""
+    largest = {name: float(np.abs(values).max()) for name, values in signals.items()}
+    return {name: max(largest[other] for other in kin(name, largest)) for name in largest}
 
 
 def motion(scene: Scene, result: Result) -> dict[str, NDArray]:
-    """What the result's signals should be, by an independent integration.
+    """What the result's signals should be, see `referred`."""
+    return referred(scene, result)[0]
+
+
+def referred(scene: Scene, result: Result) -> tuple[dict[str, NDArray], float]:
+    """What the result's signals should be, by an independent integration, and its own error.
 
     Raises:
         ReferenceDisagreement: two integrations of the reference differ.
     """
     names = [n for n in result.signals if not n.endswith((".angle", ".clearance"))]
-    right, _ = reference(
+    right, own = reference(
         scene.assembly(),
         scene.profile(),
         result.time,
@@ -164,7 +226,7 @@ def motion(scene: Scene, result: Result) -> dict[str, NDArray]:
         bound=REFERENCE_BOUND,
         signals=[n for n in names if n.endswith((".x", ".y"))],
     )
-    return {name: right.signal(name) for name in names}
+    return {name: right.signal(name) for name in names}, own
 
 
 def growth(scene: Scene, times: NDArray) -> float:

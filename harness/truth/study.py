@@ -5,13 +5,14 @@ from __future__ import annotations
 import math
 from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from functools import partial
 from pathlib import Path
 from typing import Any
 
 import tomli_w
 
+from ..output.table import Sheet
 from ..output.workers import Progress, Workers, in_order
 from .draw import FAMILIES, draw
 from .judge import FACTOR, MISSES, OUTCOMES, SET_ASIDE, Verdict, judge
@@ -19,11 +20,15 @@ from .judge import FACTOR, MISSES, OUTCOMES, SET_ASIDE, Verdict, judge
 
 @dataclass(frozen=True)
 class Study:
-    """How many scenes of each family, drawn with which seed, with which keys replaced."""
+    """How many scenes of each family, drawn with which seed, with which keys replaced.
+
+    With `verify` every run also measures its own errors.
+    """
 
     counts: Mapping[str, int]
     seed: int = 1
     changes: tuple[tuple[str, Any], ...] = ()
+    verify: bool = False
 
     def __post_init__(self) -> None:
         unknown = set(self.counts) - set(FAMILIES)
@@ -39,24 +44,41 @@ def verdicts(study: Study, workers: Workers = 1, progress: Progress | None = Non
 
 def _judged(study: Study, item: tuple[str, int]) -> Verdict:
     family, number = item
-    return judge(family, study.seed, number, dict(study.changes))
+    return judge(family, study.seed, number, dict(study.changes), study.verify)
 
 
-def table(found: Sequence[Verdict]) -> str:
-    """Per cent of each outcome by family, as Markdown; scenes set aside are not counted."""
+def table(found: Sequence[Verdict]) -> Sheet:
+    """Per cent of each outcome by family; scenes set aside are not counted.
+
+    With `verify` also how many of the runs whose true errors are known measure them rightly.
+    """
     columns = [outcome for outcome in OUTCOMES if outcome not in SET_ASIDE]
-    lines = [
-        f"| family | scenes | {' | '.join(columns)} | set aside |",
-        "|---|" + "---:|" * (len(columns) + 2),
-    ]
-    families = list(dict.fromkeys(verdict.family for verdict in found))
-    for name in [*families, "all"]:
-        mine = Counter(v.outcome for v in found if name in (v.family, "all"))
-        aside = sum(mine[outcome] for outcome in SET_ASIDE)
-        total = sum(mine.values()) - aside
-        shares = [f"{100.0 * mine[c] / total:.1f}" if total else "-" for c in columns]
-        lines.append(f"| {name} | {total} | {' | '.join(shares)} | {aside} |")
-    return "\n".join(lines)
+    heads = ["family", "scenes", *columns, "set aside"]
+    measured = any(v.measured is not None for v in found)
+    rows = []
+    for name in [*dict.fromkeys(verdict.family for verdict in found), "all"]:
+        mine = [v for v in found if name in (v.family, "all")]
+        counted = [v for v in mine if v.outcome not in SET_ASIDE]
+        outcomes = Counter(v.outcome for v in counted)
+        shares = [_per_cent(outcomes[c], len(counted)) for c in columns]
+        row = [name, str(len(counted)), *shares, str(len(mine) - len(counted))]
+        if measured:
+            known = [v.measured for v in counted if v.measured is not None]
+            row.append(_per_cent(sum(known), len(known)))
+        rows.append(row)
+    if measured:
+        heads.append("measured rightly")
+    return Sheet(heads, rows, "l" + "r" * (len(heads) - 1))
+
+
+def _per_cent(part: int, whole: int) -> str:
+    return f"{100.0 * part / whole:.1f}" if whole else "-"
+
+
+def every(found: Sequence[Verdict]) -> Sheet:
+    """Every scene's verdict with all its digits, for CSV."""
+    names = [entry.name for entry in fields(Verdict)]
+    return Sheet(names, [[getattr(v, name) for name in names] for v in found])
 
 
 def misses(found: Iterable[Verdict]) -> list[Verdict]:

@@ -12,9 +12,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..assembly import Assembly
-from ..stability import MARGIN, active_growth
+from ..stability import active_growth
 from .linearised import Linearised, linearise
 
+MARGIN = 1e-10  # growth per revolution that rounding alone can make
 GRID = 1000  # intervals of the scan, unless the caller says how narrow a band may be missed
 _SPLIT = 12  # parts of a bracket per round of refinement
 _PROBE_ROUNDS = 6  # an extremum is located to (2/_SPLIT)^rounds of the scan's spacing

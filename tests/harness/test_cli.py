@@ -6,9 +6,7 @@ import subprocess
 import sys
 
 import pytest
-from typer.testing import CliRunner
 
-from autobalancer.harness.cli import app
 from autobalancer.harness.scene import bundled_scenes, load_scene
 
 ROW_KEYS = [
@@ -25,11 +23,6 @@ ROW_KEYS = [
 ]
 
 
-def invoke(*arguments: object):
-    """Run a command in this process."""
-    return CliRunner().invoke(app, [str(a) for a in arguments])
-
-
 def altered(tmp_path, name: str, **replacements: str):
     """Path of a copy of a bundled scene with text replaced, old=new."""
     text = load_scene(name).path.read_text(encoding="utf-8")
@@ -41,7 +34,7 @@ def altered(tmp_path, name: str, **replacements: str):
     return path
 
 
-def test_check_prints_a_table_writes_json_and_ends_with_zero(tmp_path):
+def test_check_prints_a_table_writes_json_and_ends_with_zero(invoke, tmp_path):
     target = tmp_path / "rows.json"
     outcome = invoke("check", "liquid_touch", "--json", target)
     assert outcome.exit_code == 0, outcome.output
@@ -57,7 +50,7 @@ def test_check_prints_a_table_writes_json_and_ends_with_zero(tmp_path):
     assert "113.63" in touching["measured"]
 
 
-def test_a_balanced_rotor_has_no_window_to_check_and_ends_with_two(tmp_path):
+def test_a_balanced_rotor_has_no_window_to_check_and_ends_with_two(invoke, tmp_path):
     path = altered(tmp_path, "liquid_disc", **{"unbalance = ": "unbalance = 0.0 # "})
     outcome = invoke("check", path)
     assert outcome.exit_code == 2, outcome.output
@@ -65,7 +58,7 @@ def test_a_balanced_rotor_has_no_window_to_check_and_ends_with_two(tmp_path):
     assert len(outcome.stderr.splitlines()) == 1
 
 
-def test_report_holds_table_and_picture(tmp_path):
+def test_report_holds_table_and_picture(invoke, tmp_path):
     outcome = invoke("check", "liquid_touch", "--report", tmp_path / "new" / "report")
     assert outcome.exit_code == 0, outcome.output
     directory = tmp_path / "new" / "report"
@@ -76,7 +69,7 @@ def test_report_holds_table_and_picture(tmp_path):
     assert picture.read_bytes().startswith(b"\x89PNG")
 
 
-def test_a_run_that_cannot_be_completed_is_a_row_that_does_not_hold(tmp_path):
+def test_a_run_that_cannot_be_completed_is_a_row_that_does_not_hold(invoke, tmp_path):
     # the loop gain of 19 makes an explicit exchange unstable at any step
     path = altered(
         tmp_path, "liquid_heavy_force", **{"[run]": '[coupling]\nscheme = "jacobi"\n\n[run]'}
@@ -92,7 +85,7 @@ def test_a_run_that_cannot_be_completed_is_a_row_that_does_not_hold(tmp_path):
     assert any(row["scene"] == "liquid_touch" for row in document["rows"])
 
 
-def test_without_a_command_all_bundled_scenes_with_checks_are_checked(monkeypatch):
+def test_without_a_command_all_bundled_scenes_with_checks_are_checked(invoke, monkeypatch):
     checked = []
 
     def note(scenes, progress):
@@ -114,7 +107,7 @@ def test_without_a_command_all_bundled_scenes_with_checks_are_checked(monkeypatc
     }
 
 
-def test_ctrl_c_ends_with_130_and_one_line(monkeypatch):
+def test_ctrl_c_ends_with_130_and_one_line(invoke, monkeypatch):
     def interrupted(_scenes, _progress):
         raise KeyboardInterrupt
 
@@ -124,7 +117,7 @@ def test_ctrl_c_ends_with_130_and_one_line(monkeypatch):
     assert outcome.stderr == "interrupted\n"
 
 
-def test_run_writes_the_recorded_signals(tmp_path):
+def test_run_writes_the_recorded_signals(invoke, tmp_path):
     target, picture = tmp_path / "out.csv", tmp_path / "out.svg"
     outcome = invoke("run", "two_balls", "-o", target, "--plot", picture)
     assert outcome.exit_code == 0, outcome.output
@@ -139,7 +132,7 @@ def test_run_writes_the_recorded_signals(tmp_path):
     assert "<svg" in picture.read_text(encoding="utf-8")
 
 
-def test_values_can_be_set_on_the_command_line(tmp_path):
+def test_values_can_be_set_on_the_command_line(invoke, tmp_path):
     target = tmp_path / "out.csv"
     setting = ["--set", "run.revolutions=1", "--set", 'run.record=["rotor.x"]']
     outcome = invoke("run", "two_balls", *setting, "-o", target)
@@ -149,7 +142,7 @@ def test_values_can_be_set_on_the_command_line(tmp_path):
     assert len(lines) == 22
 
 
-def test_build_makes_the_three_units(tmp_path):
+def test_build_makes_the_three_units(invoke, tmp_path):
     outcome = invoke("build", "-o", tmp_path / "units")
     assert outcome.exit_code == 0, outcome.output
     assert {p.name for p in (tmp_path / "units").iterdir()} == {
@@ -159,7 +152,7 @@ def test_build_makes_the_three_units(tmp_path):
     }
 
 
-def test_build_makes_exactly_the_units_of_a_scene_and_run_takes_them(tmp_path):
+def test_build_makes_exactly_the_units_of_a_scene_and_run_takes_them(invoke, tmp_path):
     outcome = invoke("build", "liquid_disc", "-o", tmp_path)
     assert outcome.exit_code == 0, outcome.output
     assert {p.name for p in tmp_path.iterdir()} == {"LiquidBalancer.fmu", "RotorOnSupports.fmu"}
@@ -191,7 +184,7 @@ def test_build_makes_exactly_the_units_of_a_scene_and_run_takes_them(tmp_path):
         (["run", "two_balls", "--fmus", "/nowhere"], "is not a directory with FMUs"),
     ],
 )
-def test_wrong_input_ends_with_two_and_one_line(arguments, message):
+def test_wrong_input_ends_with_two_and_one_line(invoke, arguments, message):
     outcome = invoke(*arguments)
     assert outcome.exit_code == 2, outcome.output
     assert message in outcome.stderr
@@ -199,7 +192,7 @@ def test_wrong_input_ends_with_two_and_one_line(arguments, message):
     assert "Traceback" not in outcome.output
 
 
-def test_broken_scene_file_ends_with_two(tmp_path):
+def test_broken_scene_file_ends_with_two(invoke, tmp_path):
     path = altered(tmp_path, "two_balls", **{"mass = 0.95": "mass = -0.95"})
     outcome = invoke("run", path)
     assert outcome.exit_code == 2
@@ -207,7 +200,7 @@ def test_broken_scene_file_ends_with_two(tmp_path):
 
 
 @pytest.mark.parametrize("content", [b"", b"not a zip file", b"PK\x05\x06" + 18 * b"\x00"])
-def test_corrupt_fmu_ends_with_two_and_its_name(tmp_path, content):
+def test_corrupt_fmu_ends_with_two_and_its_name(invoke, tmp_path, content):
     assert invoke("build", "liquid_disc", "-o", tmp_path).exit_code == 0
     (tmp_path / "LiquidBalancer.fmu").write_bytes(content)
     outcome = invoke("run", "liquid_disc", "--fmus", tmp_path)
@@ -216,7 +209,7 @@ def test_corrupt_fmu_ends_with_two_and_its_name(tmp_path, content):
     assert "Traceback" not in outcome.output
 
 
-def test_full_disk_while_writing_signals_ends_with_two():
+def test_full_disk_while_writing_signals_ends_with_two(invoke):
     outcome = invoke("run", "two_balls", "--set", "run.revolutions=1", "-o", "/dev/full")
     assert outcome.exit_code == 2
     assert "/dev/full: cannot be written: No space left on device" in outcome.stderr
@@ -250,14 +243,14 @@ def test_exports_are_there_and_loaded_when_used():
         _ = harness.nothing
 
 
-def test_a_float_that_touches_the_wall_is_said_loudly():
+def test_a_float_that_touches_the_wall_is_said_loudly(invoke):
     outcome = invoke("run", "liquid_touch", "--set", "run.revolutions=5")
     assert outcome.exit_code == 0, outcome.output
     assert "NOTE: liquid at t = " in outcome.stderr
     assert "exceeds the gap 0.0006 m" in outcome.stderr
 
 
-def test_a_run_that_diverges_ends_with_one_and_says_when(tmp_path):
+def test_a_run_that_diverges_ends_with_one_and_says_when(invoke, tmp_path):
     path = altered(
         tmp_path, "liquid_heavy_force", **{"[run]": '[coupling]\nscheme = "jacobi"\n\n[run]'}
     )

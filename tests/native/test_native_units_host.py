@@ -10,6 +10,8 @@ from pathlib import Path
 import pytest
 
 from autobalancer.fmus.xml.arrays import arrays
+from autobalancer.harness import load_scene
+from autobalancer.harness.master.one_file import composition
 
 HOST = Path(__file__).with_name("host")
 UNITS = [
@@ -19,6 +21,7 @@ UNITS = [
     ("LiquidBalancer", {}),
     ("BallBalancer", {"weights": 3}),
 ]
+COMPOSITES = ["two_balls", "balls_and_liquid", "goncharov_balls", "finite_weights"]
 
 
 def compiled(folder: Path, *flags: str, counting: str = "counting.c") -> Path:
@@ -30,7 +33,7 @@ def compiled(folder: Path, *flags: str, counting: str = "counting.c") -> Path:
     return host
 
 
-def words(fmus) -> list[str]:
+def words(fmus, packaging) -> list[str]:
     """The units for the host: tokens, ranges of value references, and what arrays stand for."""
     found: list[str] = []
     for unit, options in UNITS:
@@ -43,6 +46,12 @@ def words(fmus) -> list[str]:
         strides = [(row[-1] - row[0]) // max(len(row) - 1, 1) for row in rows]
         found.append(fmus.token(unit, arrays=True, **options))
         found.append("".join(f"{r[0]}:{len(r)}:{s}," for r, s in zip(rows, strides, strict=True)))
+    for name in COMPOSITES:
+        made = composition(load_scene(name))
+        layout = made.described("Composite").layout
+        numbers = [layout.inputs.start, layout.inputs.stop - layout.inputs.start]
+        numbers += [layout.computed.start, layout.observed.stop - layout.computed.start]
+        found += [made.token(packaging.STAMP), *map(str, numbers), "", ""]
     return found
 
 
@@ -51,22 +60,22 @@ def run(command: list[str], **environment: str) -> subprocess.CompletedProcess:
 
 
 @pytest.mark.parametrize("folder", ["plain", "Jörg (1) + [x] 'y' %s#"])
-def test_a_plain_host_finds_nothing_wrong(fmus, tmp_path, folder):
+def test_a_plain_host_finds_nothing_wrong(fmus, packaging, tmp_path, folder):
     place = tmp_path / folder
     place.mkdir()
     library = shutil.copy(fmus.library, place)
-    done = run([str(compiled(tmp_path)), str(library), *words(fmus)])
+    done = run([str(compiled(tmp_path)), str(library), *words(fmus, packaging)])
     assert (done.returncode, done.stderr) == (0, "")
-    assert done.stdout == f"{len(UNITS)} units, 0 failures\n"
+    assert done.stdout == f"{len(UNITS) + len(COMPOSITES)} units, 0 failures\n"
 
 
 def test_sanitizers_find_nothing_either(fmus, packaging, tmp_path):
     flags = ["-fsanitize=address,undefined", "-fno-sanitize-recover=all", "-g"]
     library = packaging.compile_units(tmp_path / "sanitized", *flags)
     host = compiled(tmp_path, *flags, counting="not_counting.c")
-    done = run([str(host), str(library), *words(fmus)], ASAN_OPTIONS="detect_leaks=1")
+    done = run([str(host), str(library), *words(fmus, packaging)], ASAN_OPTIONS="detect_leaks=1")
     assert (done.returncode, done.stderr) == (0, "")
-    assert done.stdout == f"{len(UNITS)} units, 0 failures\n"
+    assert done.stdout == f"{len(UNITS) + len(COMPOSITES)} units, 0 failures\n"
 
 
 def test_the_library_has_no_state_of_its_own(fmus):

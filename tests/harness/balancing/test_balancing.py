@@ -7,12 +7,10 @@ import math
 
 import numpy as np
 import pytest
-from typer.testing import CliRunner
 
 from autobalancer.harness import SceneError, SimulationError, load_scene
 from autobalancer.harness.balancing.cycles import balance, permissible, support_levers
 from autobalancer.harness.balancing.machine import Machine
-from autobalancer.harness.cli import app
 from autobalancer.harness.scene import Scene
 from autobalancer.harness.stability.revolution import Revolution
 from autobalancer.models.linear.synchronous import synchronous
@@ -257,10 +255,10 @@ def test_grade_is_required_and_a_scene_without_the_table_says_what_to_add():
         machine().replace({"balancing.grad": "G1"})
 
 
-def test_command_prints_cycles_and_writes_json_and_picture(tmp_path):
+def test_command_prints_cycles_and_writes_json_and_picture(invoke, tmp_path):
     picture, data = tmp_path / "b.png", tmp_path / "b.json"
     arguments = ["balance", "balancing_machine", "-o", str(picture), "--json", str(data)]
-    done = CliRunner().invoke(app, arguments)
+    done = invoke(*arguments)
     assert done.exit_code == 0, done.output
     assert "Grade met after 2 cycles" in done.output
     assert "Grade met after 5 cycles" in done.output
@@ -270,11 +268,11 @@ def test_command_prints_cycles_and_writes_json_and_picture(tmp_path):
     assert picture.read_bytes().startswith(b"\x89PNG")
 
 
-def test_command_fails_when_a_technology_does_not_meet_the_grade(tmp_path):
+def test_command_fails_when_a_technology_does_not_meet_the_grade(invoke, tmp_path):
     arguments = ["balance", "balancing_machine", "--set", "operation.speed=95.0"]
-    done = CliRunner().invoke(app, arguments)
+    done = invoke(*arguments)
     assert done.exit_code == 1
     assert "Not balanced: grade not met after 20 cycles." in done.output
-    wrong = CliRunner().invoke(app, ["balance", "drum"])
+    wrong = invoke("balance", "drum")
     assert wrong.exit_code == 2
     assert "Traceback" not in wrong.output

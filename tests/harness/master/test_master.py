@@ -98,6 +98,17 @@ def test_tolerance_is_kept_through_a_run_up(against, tolerance):
     assert 8.0 in result.time, "the end of the ramp is a communication point"
 
 
+def test_a_run_that_comes_to_rest_keeps_its_tolerance_in_fewer_steps_than_eight_a_revolution(
+    against,
+):
+    runs = against("balls_and_liquid", {"run.revolutions": 100})
+    tolerance = {"tolerance": 1e-3, "steps_per_rev": None}
+    result = runs.run({**tolerance, "fewest_steps_per_rev": 1})
+    assert runs.of_range(result) <= 1e-3
+    assert result.steps < 400
+    assert runs.run(tolerance).steps >= 800
+
+
 def test_a_tighter_tolerance_costs_order_4_steps():
     scene = load_scene("two_balls").replace({"run.revolutions": 10})
     steps = [

@@ -15,13 +15,13 @@ from autobalancer.harness.master.parting import Statistics
 from autobalancer.harness.scene import Scene
 from autobalancer.harness.truth.judge import growth
 from autobalancer.models.monolith import reference
-from autobalancer.models.reference.coupled import Start
 
 AUTO = {"coupling.scheme": "auto", "coupling.corrections": None, "coupling.steps_per_rev": None}
 EXPLICIT = {"coupling.scheme": "gauss-seidel", "coupling.corrections": None}
 MEASURED = {
     "a tolerance": ("two_balls", {**AUTO, "coupling.tolerance": 1e-3}),
     "given steps": ("two_balls", {}),
+    "many steps": ("two_balls", {"coupling.steps_per_rev": 200, "run.revolutions": 5}),
     "few steps": ("two_balls", {"coupling.steps_per_rev": 8}),
     "extrapolated cubics": ("two_balls", EXPLICIT),
     "compensated": ("two_balls", {**EXPLICIT, "coupling.scheme": "compensated"}),
@@ -66,12 +66,16 @@ CHAOTIC = {
 
 
 def true_errors(scene, result):
-    """Largest errors of a result's motion, by signal, against two integrations in one piece."""
-    start = Start(**dict(scene.run.initial.items()))
+    """Largest errors of a result's motion, by signal, against two integrations in one piece.
+
+    With each, what the integrations themselves leave open.
+    """
+    start = scene.run.initial.motion()
     right, own = reference(scene.assembly(), scene.profile(), result.time, initial=start)
     assert own < 1e-8
     names = [name for name in result.signals if not name.endswith(("angle", "clearance"))]
-    return {name: float(np.abs(right.signal(name) - result[name]).max()) for name in names}
+    found = {name: np.abs(right.signal(name) - result[name]).max() for name in names}
+    return {name: (found[name], 3.0 * own * np.ptp(result[name])) for name in names}
 
 
 @pytest.mark.parametrize("name", MEASURED)
@@ -80,12 +84,48 @@ def test_the_measured_error_is_the_true_one(name):
     scene = load_scene(bundled).replace(changes)
     result = cosimulate(scene, verify=True)
     assert result.verification.parting is None
-    for signal, true in true_errors(scene, result).items():
-        # 3 % are what a tolerance's second run adds for its own error, which is smaller than that
-        assert result.error[signal] == pytest.approx(true, rel=0.05), signal
+    for signal, (true, own) in true_errors(scene, result).items():
+        # what the second run errs itself is added: a thirtieth
+        assert result.error[signal] == pytest.approx(true, rel=0.1, abs=own), signal
         shared = max(np.ptp(result[other]) for other in kin(signal, result.signals))
         relative = result.verification.relative[signal]
         assert relative == pytest.approx(result.error[signal] / shared, rel=0.02)
+
+
+def test_what_given_steps_do_not_see_is_measured():
+    """Heavy drag takes these weights along within a tenth of the first step: error 5e-4, and at
+    three times as many steps still.
+    """
+    liquid = {
+        "kind": "liquid",
+        "chamber_radius": 0.2001,
+        "float_radius": 0.1645,
+        "height": 0.005994,
+        "density": 1000.0,
+    }
+    weights = {
+        "kind": "rollers",
+        "count": 2,
+        "mass": 0.0004458,
+        "track_radius": 0.2001,
+        "drag": 2.582,
+        "angles": [0.05141, 1.617],
+        "speeds": [-121.2, 56.86],
+    }
+    rotor = {"kind": "planar", "mass": 22.76, "stiffness": [7407.2, 15993.5], "damping": 9.858}
+    scene = Scene.from_document(
+        {
+            "rotor": {**rotor, "unbalance": 0.001616},
+            "balancer": [liquid, weights],
+            "operation": {"speed": 41.2},
+            "coupling": {"steps_per_rev": 40},
+            "run": {"revolutions": 2.051},
+        }
+    )
+    result = cosimulate(scene, record=["rotor.x", "rotor.y"], verify=True)
+    for signal, (true, own) in true_errors(scene, result).items():
+        assert result.error[signal] == pytest.approx(true, rel=0.1, abs=own)
+    assert result.verification.relative["rotor.y"] > 1e-4
 
 
 def test_steps_as_long_as_may_be_are_shortened_all_the_same():
@@ -94,8 +134,8 @@ def test_steps_as_long_as_may_be_are_shortened_all_the_same():
         {**AUTO, "coupling.tolerance": 0.1, "liquid.density": 1.0, "run.revolutions": 5}
     )
     result = cosimulate(scene, verify=True)
-    for signal, true in true_errors(scene, result).items():
-        assert result.error[signal] == pytest.approx(true, rel=0.05)
+    for signal, (true, own) in true_errors(scene, result).items():
+        assert result.error[signal] == pytest.approx(true, rel=0.1, abs=own)
 
 
 @pytest.mark.parametrize("restitution", [0.0, 0.3])
@@ -138,8 +178,8 @@ def test_a_run_that_is_merely_coarse_does_not_part():
     result = cosimulate(scene, verify=True)
     assert max(result.verification.relative.values()) > 0.1
     assert result.verification.parting is None
-    for signal, true in true_errors(scene, result).items():
-        assert true / 3.0 < result.error[signal] < 3.0 * true
+    for signal, (true, own) in true_errors(scene, result).items():
+        assert result.error[signal] == pytest.approx(true, rel=0.1, abs=own)
 
 
 def test_statistics_weigh_every_point_with_its_time():
@@ -180,7 +220,7 @@ def test_run_prints_errors_and_writes_them(tmp_path):
     outcome = CliRunner().invoke(app, [str(a) for a in arguments])
     assert outcome.exit_code == 0, outcome.output
     assert "of range" in outcome.output
-    assert "60 steps a revolution" in outcome.output
+    assert "tolerance = 3.33e-06" in outcome.output
     document = json.loads(target.read_text(encoding="utf-8"), parse_constant=pytest.fail)
     scene = load_scene("two_balls").replace({"run.revolutions": 2})
     expected = cosimulate(scene, verify=True)

@@ -114,10 +114,10 @@ def test_scenes_that_share_a_file_name_have_pictures_of_their_own(tmp_path):
 
 
 def test_a_picture_that_cannot_be_measured_does_not_cost_the_report(tmp_path, monkeypatch):
-    def singular(_scene, _check):  # as an undamped shaft at its critical speed
+    def singular(_scene, _speeds):  # as an undamped shaft at its critical speed
         raise SimulationError("no steady state")
 
-    monkeypatch.setattr("autobalancer.harness.checks.pictures.window_curves", singular)
+    monkeypatch.setattr("autobalancer.harness.checks.pictures.measured_bending", singular)
     report = tmp_path / "report"
     outcome = CliRunner().invoke(app, ["check", "liquid_touch", "--report", str(report)])
     assert outcome.exit_code == 0, outcome.output

@@ -7,10 +7,8 @@ import json
 
 import numpy as np
 import pytest
-from typer.testing import CliRunner
 
 from autobalancer.harness import load_scene
-from autobalancer.harness.cli import app
 from autobalancer.harness.errors import SimulationError
 from autobalancer.harness.master.recorder import recorded
 from autobalancer.harness.precision.measure import (
@@ -250,16 +248,14 @@ def test_picture_and_table_are_made_of_what_was_measured(measured, tmp_path):
     assert len(table(measured).rows) == len(measured.points)
 
 
-def test_command_writes_what_is_asked_and_ends_with_the_cheapest_way(tmp_path, monkeypatch):
+def test_command_writes_what_is_asked_and_ends_with_the_cheapest_way(invoke, tmp_path, monkeypatch):
     scene = tmp_path / "short.toml"
     source = load_scene("two_balls").path.read_text(encoding="utf-8")
     scene.write_text(source.replace("revolutions = 20", "revolutions = 1"), encoding="utf-8")
     target = tmp_path / "rows.json"
     few = [*CUBIC, *HELD, Method("monolith LSODA", tolerance=1e-4)]
     monkeypatch.setattr("autobalancer.harness.precision.measure.all_methods", lambda _scene: few)
-    done = CliRunner().invoke(
-        app, ["precision", str(scene), "--seconds", "10", "--json", str(target)]
-    )
+    done = invoke("precision", str(scene), "--seconds", "10", "--json", str(target))
     assert done.exit_code == 0, done.output
     assert json.loads(target.read_text(encoding="utf-8"))["rows"]
     last = " ".join(done.output.strip().split("Cheapest for short:")[-1].split())

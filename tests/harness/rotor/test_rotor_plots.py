@@ -7,12 +7,10 @@ import math
 
 import numpy as np
 import pytest
-from typer.testing import CliRunner
 
 from autobalancer.harness import UserError, load_scene
 from autobalancer.harness.balancing import plot as rotor_polar
 from autobalancer.harness.balancing.cycles import balance
-from autobalancer.harness.cli import app
 from autobalancer.harness.rotor import plot as pictures
 from autobalancer.harness.rotor import plot_motion as rotor_motion
 from autobalancer.harness.rotor import study as rotor_study
@@ -152,7 +150,7 @@ def test_moments_and_files_have_readable_units(tmp_path):
     assert rotor_polar.moment(1e-12)[1] == "mg mm"
 
 
-def test_command_prints_modes_and_writes_what_is_asked_for(tmp_path):
+def test_command_prints_modes_and_writes_what_is_asked_for(invoke, tmp_path):
     data = tmp_path / "modes.json"
     paths = {name: tmp_path / f"{name}.png" for name in ("campbell", "response", "orbit", "run-up")}
     options = [part for name, path in paths.items() for part in (f"--{name}", str(path))]
@@ -162,7 +160,7 @@ def test_command_prints_modes_and_writes_what_is_asked_for(tmp_path):
         "[operation]\nspeed = 1.5\n"
     )
     arguments = ["rotor", str(scene), *options, "--range", "0.1", "3.0", "--json", str(data)]
-    done = CliRunner().invoke(app, arguments)
+    done = invoke(*arguments)
     assert done.exit_code == 0, done.output
     assert "Critical speeds, undamped: 1 rad/s" in done.output
     assert all(path.read_bytes().startswith(b"\x89PNG") for path in paths.values())
@@ -180,7 +178,7 @@ def test_command_prints_modes_and_writes_what_is_asked_for(tmp_path):
         (["--orbit", "no/such/place.png"], "there is no directory no/such"),
     ],
 )
-def test_command_refuses_what_it_cannot_draw(options, message):
-    done = CliRunner().invoke(app, ["rotor", "two_balls", *options])
+def test_command_refuses_what_it_cannot_draw(invoke, options, message):
+    done = invoke("rotor", "two_balls", *options)
     assert done.exit_code == 2
     assert message in done.output

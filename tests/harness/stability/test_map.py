@@ -8,17 +8,11 @@ import numpy as np
 import pytest
 from scipy.spatial.distance import pdist
 from scipy.stats import qmc
-from typer.testing import CliRunner
 
 from autobalancer.harness import UserError, load_scene
-from autobalancer.harness.cli import app
 from autobalancer.harness.stability.axis import Axis
 from autobalancer.harness.stability.map import grid_points, stability_map
 from autobalancer.models.stability import growth_rates
-
-
-def invoke(*arguments: object):
-    return CliRunner().invoke(app, [str(a) for a in arguments])
 
 
 @pytest.fixture
@@ -132,7 +126,7 @@ def test_agreement_is_counted_not_assumed():
     assert data.agreeing == 0
 
 
-def test_command_writes_picture_and_points(tmp_path, one_process):
+def test_command_writes_picture_and_points(invoke, tmp_path, one_process):
     picture, table = tmp_path / "map.png", tmp_path / "map.csv"
     outcome = invoke(
         "map", "filimonikhina", "--x", "speed=0.9:12:12", "--y", "weights.drag=1e-3:1:6:log",
@@ -150,7 +144,7 @@ def test_command_writes_picture_and_points(tmp_path, one_process):
         assert row["criterion"] in {"stable", "unstable"}
 
 
-def test_command_draws_a_map_without_criterion_and_with_gaps(tmp_path, one_process):
+def test_command_draws_a_map_without_criterion_and_with_gaps(invoke, tmp_path, one_process):
     picture = tmp_path / "map.svg"
     outcome = invoke(
         "map", "three_mass_shaft", "--x", "speed=1:6:5", "--y", "rotor.internal_damping=0:0.2:3",
@@ -170,14 +164,14 @@ def test_command_draws_a_map_without_criterion_and_with_gaps(tmp_path, one_proce
         ("speed=1:2:3", "weights.mass=-1:2:3", "greater than 0"),
     ],
 )
-def test_command_refuses_wrong_axes(tmp_path, one_process, x, y, said):
+def test_command_refuses_wrong_axes(invoke, tmp_path, one_process, x, y, said):
     outcome = invoke("map", "filimonikhina", "--x", x, "--y", y, "-o", tmp_path / "map.png")
     assert outcome.exit_code == 2
     assert said in " ".join(outcome.output.split())
     assert not list(tmp_path.iterdir())
 
 
-def test_command_refuses_an_unknown_picture_before_the_work(tmp_path):
+def test_command_refuses_an_unknown_picture_before_the_work(invoke, tmp_path):
     outcome = invoke(
         "map", "filimonikhina", "--x", "speed=1:2:3", "--y", "weights.drag=1:2:3",
         "-o", tmp_path / "map.bmp",

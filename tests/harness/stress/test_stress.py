@@ -6,10 +6,8 @@ import json
 
 import numpy as np
 import pytest
-from typer.testing import CliRunner
 
 from autobalancer.harness import load_scene
-from autobalancer.harness.cli import app
 from autobalancer.harness.errors import SimulationError
 from autobalancer.harness.master import resolution
 from autobalancer.harness.master.cosimulation import CoSimulation, cosimulate
@@ -280,17 +278,16 @@ def test_cases_run_in_parallel_and_give_the_pinned_rows():
         assert set(row) == {"case", "expected", "outcome", "holds", "seconds"}
 
 
-def test_command_exits_with_one_when_a_case_does_not_hold(tmp_path, monkeypatch):
+def test_command_exits_with_one_when_a_case_does_not_hold(invoke, tmp_path, monkeypatch):
     target = tmp_path / "rows.json"
-    runner = CliRunner()
-    done = runner.invoke(app, ["stress", "damping ratio 0.1", "--json", str(target)])
+    done = invoke("stress", "damping ratio 0.1", "--json", str(target))
     assert done.exit_code == 0, done.output
     assert json.loads(target.read_text(encoding="utf-8"))["rows"][0]["holds"] is True
-    assert runner.invoke(app, ["stress", "no such case"]).exit_code == 2
+    assert invoke("stress", "no such case").exit_code == 2
     from autobalancer.harness.stress import case
 
     monkeypatch.setattr(case, "forced_motion", lambda *_a: np.zeros(2001, complex))
-    assert runner.invoke(app, ["stress", "damping ratio 0.1"]).exit_code == 1
+    assert invoke("stress", "damping ratio 0.1").exit_code == 1
 
 
 def test_zero_speed_is_no_scene():

@@ -7,9 +7,10 @@ import pytest
 
 from autobalancer.harness import load_scene
 from autobalancer.harness.scene import Scene
+from autobalancer.harness.truth.__main__ import counts
 from autobalancer.harness.truth.draw import FAMILIES, draw
 from autobalancer.harness.truth.judge import Verdict, classify, deviations, growth, judge
-from autobalancer.harness.truth.study import Study, misses, save, table, verdicts
+from autobalancer.harness.truth.study import Study, every, misses, save, table, verdicts
 from autobalancer.models.stability import growth_rates
 
 
@@ -59,8 +60,8 @@ def test_an_altered_motion_is_found_out(monkeypatch):
     assert honest.outcome == "right"
     run = module.cosimulate
 
-    def altered(scene):
-        result = run(scene)
+    def altered(scene, **options):
+        result = run(scene, **options)
         result.signals["rotor.x"][:] *= 2.0
         return result
 
@@ -78,6 +79,52 @@ def test_errors_are_relative_to_the_largest_of_their_kind(cosim):
     assert errors["rotor.y"] == pytest.approx(0.01, rel=1e-6)
 
 
+def test_counts_are_given_by_name():
+    assert counts(["planar=30", "heavy"], 5) == {"planar": 30, "heavy": 5}
+    shares = counts(None, 100)
+    assert set(shares) == set(FAMILIES)
+    assert shares["planar"] == max(shares.values())
+    with pytest.raises(ValueError, match="NAME=N"):
+        counts(["planar=some"], 5)
+
+
+def test_the_table_tells_how_many_measure_their_errors_rightly(tmp_path):
+    found = [
+        Verdict("planar", 0, "right", 0.0, measured=True),
+        Verdict("planar", 1, "right", 0.0, measured=False),
+        Verdict("planar", 2, "chaotic", 0.5, measured=False),
+        Verdict("heavy", 0, "refused"),
+    ]
+    sheet = table(found)
+    shown = {row[0]: dict(zip(sheet.columns, row, strict=True)) for row in sheet.rows}
+    assert shown["planar"]["measured rightly"] == "50.0"
+    assert shown["planar"]["scenes"] == "2"
+    assert shown["planar"]["set aside"] == "1"
+    assert shown["heavy"]["measured rightly"] == "-"
+    assert shown["all"]["refused"] == "33.3"
+    path = every(found).write_csv(tmp_path / "verdicts.csv")
+    assert path.read_text(encoding="utf-8").splitlines()[1].startswith("planar,0,right,0.0")
+
+
+def test_errors_measured_wrongly_are_found_out(monkeypatch):
+    """A run that states ten times its error, or a tenth, is not measured rightly."""
+    from autobalancer.harness.truth import judge as module
+
+    run = module.cosimulate
+    for factor, rightly in ((1.0, True), (10.0, False), (0.1, False)):
+
+        def altered(scene, factor=factor, **options):
+            result = run(scene, **options)
+            for name in result.error:
+                result.error[name] *= factor
+            return result
+
+        monkeypatch.setattr(module, "cosimulate", altered)
+        found = judge("planar", 3, 4, {"coupling.steps_per_rev": 12}, verify=True)
+        assert found.error > 1e-5
+        assert found.measured is rightly
+
+
 def test_misses_are_saved_as_scenes_that_load(tmp_path):
     study = Study({"planar": 1}, seed=5, changes=(("coupling.tolerance", 1e-4),))
     found = [Verdict("planar", 0, "gross", 0.5, "rotor.x"), Verdict("planar", 0, "right", 0.0)]
@@ -90,4 +137,4 @@ def test_misses_are_saved_as_scenes_that_load(tmp_path):
 def test_a_sample_is_right_or_says_so():
     found = verdicts(Study({"planar": 6, "liquid": 2, "two_support": 2}, seed=11))
     assert not [v for v in misses(found) if v.outcome in ("gross", "crashed")]
-    assert "| all | " in table(found)
+    assert "| all | " in table(found).markdown()

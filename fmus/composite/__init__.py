@@ -1,0 +1,1 @@
+"""The coupled units of a scene as one FMU."""

@@ -1,0 +1,59 @@
+"""Builder of composite FMUs."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from pathlib import Path
+
+from ..build import native_contents, opened, written
+from ..native.package import platforms_of
+from ..xml.archive import digest
+from ..xml.description import Capabilities
+from .composition import Composition
+
+
+def build_composite(
+    composition: Composition,
+    destination: Path | str,
+    *,
+    name: str,
+    fmi: int = 2,
+    platforms: Iterable[str] | None = None,
+) -> Path:
+    """Build the FMU of coupled units.
+
+    Args:
+        composition: the units and their coupling.
+        destination: folder (made when missing), or a file that ends in .fmu.
+        name: model name and file name.
+        fmi: 2 or 3.
+        platforms: default: all.
+
+    Returns:
+        The file.
+
+    Raises:
+        ValueError: an argument is not one of those allowed; the text names it.
+        NotCompiled: a native library is not of the present sources, and there is no compiler.
+        OSError: the file cannot be written; nothing is left behind.
+    """
+    return written(_contents(composition, name, fmi, platforms), destination, name)
+
+
+def is_present_composite(path: Path | str, composition: Composition, name: str) -> bool:
+    """Whether an FMU file (FMI 2.0) is what `build_composite` would write from the present sources.
+
+    Raises:
+        ValueError: the file is not an FMU.
+        OSError: it cannot be read.
+    """
+    files = opened(path)[0]
+    platforms = platforms_of(files)
+    return bool(platforms) and digest(files) == digest(_contents(composition, name, 2, platforms))
+
+
+def _contents(
+    composition: Composition, name: str, fmi: int, platforms: Iterable[str] | None
+) -> dict[str, bytes]:
+    unit = composition.described(name)
+    return native_contents(unit, name, composition.token, Capabilities(), fmi, platforms)

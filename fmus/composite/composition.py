@@ -1,0 +1,126 @@
+"""A composition: units with their start values, where they are, and how they are coupled."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from typing import Any
+
+from ..catalogue import sized_unit
+from ..native.layout import bits, digest, token
+from ..unit import SizedUnit, Unit, alternatives
+from ..variables import Layout
+from .variables import CompositeSizes, variables
+
+SCHEMES = ("auto", "iterated", "compensated")
+MOST_CORRECTIONS = 100
+
+
+@dataclass(frozen=True)
+class Part:
+    """A unit of a composition.
+
+    Attributes:
+        name: of the instance; its variables begin with it.
+        model: RotorOnSupports | LiquidBalancer | BallBalancer.
+        sizes: options of the unit.
+        start: parameters and start values.
+        plane: of the rotor's unit that a balancer sits on, from 1.
+        exchanges_force: whether its force and the plane's acceleration are exchanged.
+        follows: whether it is told its plane's place.
+    """
+
+    name: str
+    model: str
+    sizes: Mapping[str, Any] = field(default_factory=dict)
+    start: Mapping[str, float | bool] = field(default_factory=dict)
+    plane: int = 0
+    exchanges_force: bool = False
+    follows: bool = False
+
+    @cached_property
+    def unit(self) -> SizedUnit:
+        """The unit; raises ValueError or TypeError for sizes that it does not have."""
+        return sized_unit(self.model, **self.sizes)
+
+
+@dataclass(frozen=True)
+class Composition:
+    """Everything that a composite FMU is made from; raises ValueError where it does not fit.
+
+    Attributes:
+        parts: the rotor first.
+        scheme: auto | iterated | compensated, with cubic signals.
+        corrections: corrector passes of a step; None: until the loop has converged, or, with auto,
+            as few as its gain asks for.
+        start: of the coupling's own parameters and inputs: `coupling.steps_per_rev`, `speed` ...
+    """
+
+    parts: tuple[Part, ...]
+    scheme: str = "auto"
+    corrections: int | None = None
+    start: Mapping[str, float] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        if self.scheme not in SCHEMES:
+            raise ValueError(
+                f"scheme = {self.scheme!r}: a composite couples by {alternatives(SCHEMES)}"
+            )
+        if self.corrections is not None and not 0 <= self.corrections <= MOST_CORRECTIONS:
+            raise ValueError(f"corrections = {self.corrections}: must be 0 to {MOST_CORRECTIONS}")
+        rotors = [part.model == "RotorOnSupports" for part in self.parts]
+        if not rotors or rotors != [True] + [False] * (len(rotors) - 1):
+            raise ValueError("parts: the rotor must be the first of them, and the only one")
+        planes = self.parts[0].unit.sizes.options["planes"]
+        for part in self.parts:
+            if not part.name.isidentifier() or not part.name.isascii():
+                raise ValueError(
+                    f"{part.name!r}: a part is named by letters, digits and underscores alone"
+                )
+            if part is not self.parts[0] and not 1 <= part.plane <= planes:
+                raise ValueError(f"{part.name}: plane = {part.plane}: must be 1 to {planes}")
+
+    def described(self, name: str) -> SizedUnit:
+        """Name, variables and start values, as descriptions and documentation take them."""
+        planes = self.parts[0].unit.sizes.options["planes"]
+        start = dict(self.start)
+        for part in self.parts:
+            start |= {f"{part.name}.{k}": v for k, v in part.start.items()}
+        found = [
+            replace(v, start=float(start[v.name])) if v.name in start else v
+            for v in variables([(p.name, p.unit) for p in self.parts], planes)
+        ]
+        models = ", ".join(f"{part.name} ({part.model})" for part in self.parts)
+        unit = Unit(name, "composite", f"{models}, coupled", CompositeSizes, lambda _: found)
+        return SizedUnit(unit, CompositeSizes(planes=planes), Layout(name, found))
+
+    def token(self, stamp: str) -> str:
+        """Identity of the FMU, from which the library makes it: composite_token.c has the form.
+
+        Args:
+            stamp: of the C sources.
+        """
+        passes = "-" if self.corrections is None else str(self.corrections)
+        entries = [f"scheme={self.scheme}", f"corrections={passes}"]
+        for part in self.parts:
+            connected = "s" * part.exchanges_force + "v" * part.follows or "-"
+            entries.append(f"part={part.name},{part.plane},{connected},{token(part.unit, stamp)}")
+            entries += _starts(part)
+        own = self.described("Composite").layout
+        first = own.index["coupling.tolerance"]
+        given = [f"{own.index[k] - first}:{bits(v)}" for k, v in self.start.items()]
+        text = ";".join(["Composite", *entries, f"own={','.join(given)}", "id="])
+        return f"{text}{digest(own, text)}-{stamp}"
+
+
+def _starts(part: Part) -> list[str]:
+    """Entries of a part's start values and Booleans."""
+    layout = part.unit.layout
+    values = [
+        f"{layout.index[name]}:{bits(value)}"
+        for name, value in part.start.items()
+        if name in layout.index and layout.index[name] < layout.parameters.stop
+    ]
+    flags = [str(layout.boolean_index[k]) for k, v in part.start.items() if v is True]
+    return [f"{key}={','.join(v)}" for key, v in (("start", values), ("flags", flags)) if v]

@@ -1,0 +1,109 @@
+"""Variables of a composite: those of its parts under their names, and those of the coupling."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass, replace
+
+from ..unit import SizedUnit, Sizes, Unit, count
+from ..variables import Variable, output, parameter, plain_input
+
+
+@dataclass(frozen=True)
+class CompositeSizes(Sizes):
+    """Sizes of a composite's own variables.
+
+    Attributes:
+        planes: of the rotor's unit.
+    """
+
+    planes: int = count(1)
+
+
+def own_variables(sizes: CompositeSizes) -> list[Variable]:
+    """Parameters and results of the coupling, the drive, and forces from outside."""
+    return [
+        parameter(
+            "coupling.tolerance",
+            0.0,
+            "1",
+            "Relative error a step may make, which chooses the steps; 0: not used",
+            minimum=0.0,
+        ),
+        parameter(
+            "coupling.steps_per_rev",
+            0.0,
+            "1",
+            "Steps in the fastest revolution; 0: not used",
+            minimum=0.0,
+        ),
+        parameter(
+            "coupling.fewest_steps_per_rev",
+            8.0,
+            "1",
+            "Steps in the fastest revolution, at least, with a tolerance",
+            minimum=0.0,
+            above=True,
+        ),
+        parameter(
+            "coupling.top_speed",
+            0.0,
+            "rad/s",
+            "Of the fastest revolution, where it is above the speed",
+            minimum=0.0,
+        ),
+        plain_input("speed", 300.0, "rad/s", "Of the rotor, at the start of the step"),
+        plain_input("acceleration", 0.0, "rad/s2", "Angular, of the rotor, over the step"),
+        *(
+            plain_input(
+                f"rotor.plane[{i}].F_{axis}",
+                0.0,
+                "N",
+                "Force from outside on the plane, along a fixed axis, held over the step",
+            )
+            for i in range(1, sizes.planes + 1)
+            for axis in "xy"
+        ),
+        output("coupling.loop_gain", "1", "Of the loop force - acceleration", observed=True),
+        output("coupling.steps", "1", "Taken by the coupling", observed=True),
+        output("coupling.error", "1", "Of the motion, estimated", observed=True),
+    ]
+
+
+COMPOSITE = Unit(
+    name="Composite",
+    folder="composite",
+    summary="Rotor on supports and its balancers, coupled.",
+    sizes=CompositeSizes,
+    variables=own_variables,
+)
+
+
+def variables(parts: Iterable[tuple[str, SizedUnit]], planes: int) -> list[Variable]:
+    """All variables: parameters of the parts and the coupling's, inputs, outputs alike.
+
+    Start values are the units' own.
+    """
+    own = own_variables(CompositeSizes(planes=planes))
+    ours = [[_of_part(name, v) for v in unit.layout.variables] for name, unit in parts]
+    found = []
+    for causality in ("parameter", "output"):
+        chosen = [v for part in [*ours, own] for v in part if v.causality == causality]
+        found += [v for v in chosen if not v.boolean]
+        if causality == "parameter":
+            found += [v for v in own if v.causality == "input"]
+    inputs = tuple(v.name for v in found if v.causality != "output")
+    return [replace(v, begins=inputs) if v.causality == "output" else v for v in found]
+
+
+def _of_part(name: str, variable: Variable) -> Variable:
+    """A variable under the name of its part; outputs wait until they are read."""
+    der = "der(" * variable.name.startswith("der(")
+    return replace(
+        variable,
+        name=f"{der}{name}.{variable.name.removeprefix(der)}",
+        derivative_of=variable.derivative_of and f"{name}.{variable.derivative_of}",
+        depends=(),
+        begins=(),
+        observed=variable.causality == "output",
+    )

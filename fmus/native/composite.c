@@ -1,0 +1,419 @@
+/* The composite's own equations: parameters, begin, step, outputs, observe. */
+#include "composite.h"
+
+#include <string.h>
+
+#include "elementary.h"
+
+/* Parts of a step and of a time: within them a point of the host is the end of a step; and of the
+   speed: what differs less is no jump. */
+static const double POINT_OF_STEP = 1e-10, POINT_OF_TIME = 4e-16, SAME_SPEED = 1e-9;
+static const double MOST_STEPS = 1e8; /* within a step of the host: minutes */
+static const double LOOSEST = 0.1; /* tolerance */
+static const double WEAK_LOOP = 0.1; /* one corrector pass then leaves 1 % of the prediction's error */
+static const double ROUNDING = 1e-14; /* of the largest force there can be */
+
+static size_t memory_size(const Layout *layout)
+{
+    (void)layout;
+    return 0;
+}
+
+static size_t own_size(void)
+{
+    return sizeof(Composite);
+}
+
+static void starts(const Layout *layout, double *real)
+{
+    (void)layout;
+    (void)real;
+}
+
+/* -- memory ---------------------------------------------------------------------------------- */
+
+static size_t signal_doubles(size_t count)
+{
+    return count * sizeof(Signal) / sizeof(double);
+}
+
+size_t composite_memory(Composite *c, double *memory)
+{
+    enum { BLOCKS = 10 };
+    const size_t e = (size_t)c->exchanges, p = (size_t)c->planes;
+    const size_t outer = 2 * (size_t)c->parts->unit->layout.sizes.planes;
+    const size_t counts[BLOCKS] = {
+        sizeof(Course) / sizeof(double), outer, signal_doubles(e), signal_doubles(p),
+        16 * e * (e + p), 4 * (e + p), p * sizeof(Swung) / sizeof(double), c->state_count,
+        c->state_count, c->state_count};
+    size_t at[BLOCKS], total = 0, state;
+    int k;
+    for (k = 0; k < BLOCKS; k++) {
+        at[k] = total;
+        total += counts[k];
+    }
+    state = at[BLOCKS - 1];
+    for (k = 0; k < c->part_count; k++) {
+        Unit *part = c->parts[k].unit;
+        if (memory) {
+            part->memory = memory + state;
+            part->real = memory + total;
+        }
+        state += part->memory_count;
+        total += part->layout.real_count;
+    }
+    if (memory) {
+        c->course = (Course *)memory;
+        c->outer_forces = memory + at[1];
+        c->forces = (Signal *)(memory + at[2]);
+        c->accelerations = (Signal *)(memory + at[3]);
+        c->solution = memory + at[4];
+        c->missed = (Knot *)(memory + at[5]);
+        c->swung = (Swung *)(memory + at[6]);
+        c->at_begin = memory + at[7];
+        c->at_end = memory + at[8];
+        c->states = memory + at[9];
+    }
+    return total;
+}
+
+static int allocate(Unit *unit)
+{
+    Composite *c = unit->own;
+    const size_t e = (size_t)c->exchanges, p = (size_t)c->planes, cubic = SIGNAL_ORDERS;
+    const size_t n = 4 * (e + p), square = 16 * e * e;
+    const size_t stations = (size_t)c->parts->unit->layout.sizes.stations;
+    double **vectors[] = {&c->u, &c->g_u, &c->moved, &c->answered, &c->residual, &c->du, &c->old};
+    size_t k;
+    int missing = 0;
+    composite_memory(c, unit->memory);
+    for (k = 0; k < sizeof vectors / sizeof *vectors; k++) {
+        *vectors[k] = unit_allocate(unit, n, sizeof(double));
+        missing |= !*vectors[k];
+    }
+    c->assumed = unit_allocate(unit, cubic * e, sizeof(Complex));
+    c->sent = unit_allocate(unit, cubic * e, sizeof(Complex));
+    c->felt = unit_allocate(unit, cubic * p, sizeof(Complex));
+    c->ends = unit_allocate(unit, p, sizeof(Knot));
+    c->answers = unit_allocate(unit, e, sizeof(Knot));
+    c->square = unit_allocate(unit, square, sizeof(double));
+    c->wide = unit_allocate(unit, 16 * e * p, sizeof(double));
+    c->work = unit_allocate(unit, 2 * square, sizeof(double));
+    c->masses = unit_allocate(unit, 2 * (size_t)c->parts->unit->layout.sizes.planes, sizeof(double));
+    c->decay = unit_allocate(unit, 32 * stations * stations, sizeof(double));
+    return missing || !c->assumed || !c->sent || !c->felt || !c->ends || !c->answers ||
+           !c->square || !c->wide || !c->work || !c->decay || !c->masses;
+}
+
+/* -- the start ------------------------------------------------------------------------------- */
+
+static int refuse(Unit *unit, const char *why)
+{
+    text_put(unit_reason(unit), why);
+    return 1;
+}
+
+static int parameters(Unit *unit)
+{
+    Composite *c = unit->own;
+    int k;
+    if ((unit->real[c->tolerance] > 0.0) == (unit->real[c->steps_per_rev] > 0.0)) {
+        return refuse(unit, "coupling.tolerance, coupling.steps_per_rev: one must be above 0, and "
+                            "the other 0 (not used)");
+    }
+    if (unit->real[c->tolerance] > LOOSEST) {
+        return refuse(unit, "coupling.tolerance: must be at most 0.1");
+    }
+    if (unit->real[c->tolerance] > 0.0 && c->scheme == SCHEME_COMPENSATED) {
+        return refuse(unit, "coupling.tolerance: the file was built with scheme = \"compensated\", "
+                            "which keeps none; set coupling.steps_per_rev");
+    }
+    for (k = 0; k < c->part_count; k++) {
+        Part *part = c->parts + k;
+        Unit *own = part->unit;
+        memcpy(own->real, unit->real + part->first, own->layout.parameters.count * sizeof(double));
+        if (own->equations->parameters(own)) {
+            return composite_part_failed(unit, part);
+        }
+    }
+    return 0;
+}
+
+static int begin(Unit *unit)
+{
+    ((Composite *)unit->own)->course->started = 0.0;
+    return 0;
+}
+
+/* Take over speed and forces as the host has set them. */
+static void take_inputs(Unit *unit)
+{
+    Composite *c = unit->own;
+    Course *course = c->course;
+    course->told = unit->time;
+    course->speed = unit->real[c->drive];
+    course->acceleration = unit->real[c->drive + 1];
+    course->fastest = larger(course->fastest, absolute(course->speed));
+    memcpy(c->outer_forces, unit->real + c->outer,
+           2 * (size_t)c->parts->unit->layout.sizes.planes * sizeof(double));
+}
+
+/* All parts at their start, and the balancers' masses on the rotor. */
+static int begin_parts(Unit *unit)
+{
+    Composite *c = unit->own;
+    Unit *rotor = c->parts->unit;
+    int k;
+    for (k = 0; k < c->part_count; k++) {
+        Unit *part = c->parts[k].unit;
+        const Range inputs = part->layout.inputs;
+        memcpy(part->real + inputs.first, part->starts + inputs.first,
+               inputs.count * sizeof(double));
+        if (part->equations->begin(part)) {
+            return composite_part_failed(unit, c->parts + k);
+        }
+    }
+    composite_drive(unit, unit->time);
+    for (k = 1; k < c->part_count; k++) {
+        Unit *part = c->parts[k].unit;
+        double *carried = rotor->real + rotor->layout.inputs.first + c->parts[k].plane;
+        composite_place(c, c->parts + k);
+        if (part->equations->outputs(part)) {
+            return composite_part_failed(unit, c->parts + k);
+        }
+        *carried += part->real[layout_index(&part->layout, "added_mass", 1)];
+    }
+    return 0;
+}
+
+/* The scheme for this loop, its Jacobian in c->square. */
+static void begin_scheme(Unit *unit, double step)
+{
+    Composite *c = unit->own;
+    Course *course = c->course;
+    course->corrections = c->corrections;
+    if (c->corrections < 0 && c->scheme == SCHEME_AUTO && course->gain <= WEAK_LOOP) {
+        course->corrections = 1.0;
+    }
+    if (c->scheme == SCHEME_COMPENSATED) {
+        compensated_begin(c, step);
+    } else {
+        iterated_begin(c);
+    }
+}
+
+static int start(Unit *unit)
+{
+    Composite *c = unit->own;
+    Course *course = c->course;
+    double step;
+    memset(course, 0, sizeof *course);
+    memset(c->forces, 0, (size_t)c->exchanges * sizeof(Signal));
+    memset(c->accelerations, 0, (size_t)c->planes * sizeof(Signal));
+    course->fastest = unit->real[c->top_speed];
+    course->begin = course->time = unit->time;
+    take_inputs(unit);
+    if (!(course->fastest > 0.0)) {
+        return refuse(unit, "coupling.top_speed: must be above 0 rad/s for a rotor that starts at rest");
+    }
+    step = startup_size(unit);
+    if (begin_parts(unit)) {
+        return 1;
+    }
+    course->rounding = ROUNDING * composite_largest_force(c);
+    if ((c->scheme == SCHEME_COMPENSATED && loop_rotor_response(unit, step)) ||
+        loop_consistent_start(unit, step)) {
+        return 1;
+    }
+    begin_scheme(unit, step);
+    resolution_begin(unit);
+    course->allowed = c->exchanges ? unit->real[c->tolerance] : 0.0;
+    if (course->allowed > 0.0) {
+        adaptive_begin(unit);
+    }
+    course->started = 1.0;
+    return 0;
+}
+
+static int outputs(Unit *unit)
+{
+    return ((Composite *)unit->own)->course->started > 0.0 ? 0 : start(unit);
+}
+
+/* -- steps ----------------------------------------------------------------------------------- */
+
+/* Begin a step here where the host has changed an input. */
+static void meet_inputs(Unit *unit)
+{
+    Composite *c = unit->own;
+    Course *course = c->course;
+    const size_t outer = 2 * (size_t)c->parts->unit->layout.sizes.planes;
+    const double *drive = unit->real + c->drive;
+    const double led = course->speed + (unit->time - course->told) * course->acceleration;
+    const int same = drive[1] == course->acceleration &&
+                     absolute(drive[0] - led) <= SAME_SPEED * course->fastest &&
+                     !memcmp(c->outer_forces, unit->real + c->outer, outer * sizeof(double));
+    int k;
+    if (same && drive[1] == 0.0) {
+        return;
+    }
+    take_inputs(unit);
+    if (same) {
+        return;
+    }
+    if (course->within > 0.0) {
+        composite_read_accelerations(c, c->ends);
+        composite_read_forces(c, c->answers);
+        for (k = 0; k < c->planes; k++) {
+            c->accelerations[k].now = c->ends[k];
+        }
+        for (k = 0; k < c->exchanges; k++) {
+            c->forces[k].now = c->answers[k];
+        }
+        course->within = 0.0;
+    }
+    course->time = unit->time;
+    course->crossing = course->whole = 0.0;
+    course->changed = 1.0;
+    composite_drop_past(c);
+}
+
+/* One step of given length; `jump`: over a jump of an input. */
+static int couple(Unit *unit, double step, int jump)
+{
+    const Composite *c = unit->own;
+    if (c->scheme == SCHEME_COMPENSATED && c->exchanges) {
+        return compensated_step(unit, step, jump) || (!jump && resolution_check(unit, step));
+    }
+    if (jump) {
+        return iterated_cross(unit, step);
+    }
+    return iterated_step(unit, step) ||
+           (c->exchanges && (resolution_check(unit, step) || iterated_judge(unit)));
+}
+
+/* One step of the coupling, from its end to the next. */
+static int advance(Unit *unit)
+{
+    Composite *c = unit->own;
+    Course *course = c->course;
+    const size_t size = c->state_count * sizeof(double);
+    const int crosses = course->changed > 0.0 || course->crossing > 0.0;
+    const int adapts = course->allowed > 0.0 && !crosses;
+    const double step = adapts ? 0.0 : startup_length(unit);
+    if (course->within > 0.0) {
+        memcpy(c->states, c->at_end, size);
+        course->within = 0.0;
+    }
+    memcpy(c->at_begin, c->states, size);
+    course->begin = course->time;
+    course->length = step;
+    composite_drive(unit, course->begin);
+    if (adapts ? adaptive_step(unit, startup_share(unit, unit->real[c->fewest]))
+               : couple(unit, step, crosses)) {
+        return 1;
+    }
+    if (composite_follow(unit, course->length)) {
+        return 1;
+    }
+    course->time += course->length;
+    course->steps += crosses ? 0.0 : 1.0;
+    return adapts ? 0 : startup_taken(unit);
+}
+
+/* Move the units to a time within the last step, or to its end, under its signals. */
+static int show(Unit *unit, double time, int end)
+{
+    Composite *c = unit->own;
+    Course *course = c->course;
+    const size_t size = c->state_count * sizeof(double);
+    if (end && course->within == 0.0) {
+        return 0;
+    }
+    if (course->within == 0.0) {
+        memcpy(c->at_end, c->states, size);
+    }
+    memcpy(c->states, c->at_begin, size);
+    course->within = end ? 0.0 : 1.0;
+    return composite_move(unit, end ? course->length : time - course->begin);
+}
+
+static int refuse_length(Unit *unit, double own)
+{
+    Text *reason = unit_reason(unit);
+    text_put(reason, "the coupling's steps of ");
+    text_rounded(reason, own, 3);
+    text_put(reason, " s are too short for it: speed, coupling.top_speed and coupling.steps_per_rev "
+                     "must leave at most 1e8 of them");
+    return 1;
+}
+
+static int step(Unit *unit, double length)
+{
+    const Course *course = ((Composite *)unit->own)->course;
+    const double end = unit->time + length;
+    double point;
+    meet_inputs(unit);
+    if (!(length < MOST_STEPS * startup_size(unit))) {
+        return refuse_length(unit, startup_size(unit));
+    }
+    for (;;) {
+        point = POINT_OF_STEP * course->length + POINT_OF_TIME * absolute(end);
+        if (!(course->time < end - point)) {
+            return show(unit, end, course->time <= end + point);
+        }
+        if (advance(unit)) {
+            Text *reason = &unit->reason;
+            text_put(reason, "; at t = ");
+            text_rounded(reason, course->time, 6);
+            text_put(reason, " s, loop gain ");
+            text_rounded(reason, course->gain, 3);
+            return 1;
+        }
+    }
+}
+
+static void observe(Unit *unit)
+{
+    Composite *c = unit->own;
+    double *results = unit->real + c->results;
+    int k;
+    for (k = 0; k < c->part_count; k++) {
+        Unit *part = c->parts[k].unit;
+        const size_t first = part->layout.computed.first;
+        part->equations->observe(part);
+        memcpy(unit->real + c->parts[k].observed, part->real + first,
+               (part->layout.real_count - first) * sizeof(double));
+    }
+    results[0] = c->course->gain;
+    results[1] = c->course->steps;
+    results[2] = c->course->error;
+}
+
+/* -- what a composite does not offer ---------------------------------------------------------- */
+
+static size_t signals(const Layout *layout, size_t *first)
+{
+    (void)layout;
+    *first = 0;
+    return 0;
+}
+
+static int directional(Unit *unit, const double *seed, double *change)
+{
+    (void)seed;
+    (void)change;
+    return refuse(unit, "a composite has no directional derivatives");
+}
+
+static int slope(Unit *unit, size_t reference, double *value)
+{
+    (void)unit;
+    (void)reference;
+    (void)value;
+    return 1;
+}
+
+const Equations COMPOSITE_EQUATIONS = {
+    "Composite", memory_size, own_size, starts,  allocate,    parameters, begin,
+    step,        outputs,     observe,  signals, directional, slope};

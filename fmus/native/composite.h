@@ -1,0 +1,225 @@
+/* The coupled units of a scene as one unit: rotor and balancers under their own coupling.
+
+   Inside, steps follow the scene's coupling, whatever the steps of the host; between their ends the
+   units are moved under the cubic signals of the step, so that outputs can be had at any time.  All
+   that changes while stepping lies in the unit's `memory`: the units' values and states, the
+   signals, and what the scheme remembers. */
+#ifndef AUTOBALANCER_COMPOSITE_H
+#define AUTOBALANCER_COMPOSITE_H
+
+#include "complex_number.h"
+#include "signals.h"
+#include "unit.h"
+
+typedef enum { SCHEME_AUTO, SCHEME_ITERATED, SCHEME_COMPENSATED } Scheme;
+
+enum { UNTIL_CONVERGED = -1 }; /* corrections */
+
+/* Value and slope of a signal at one point. */
+typedef struct {
+    Complex value, slope;
+} Knot;
+
+/* A coupling signal: value and slope now, and its cubic over the step before. */
+typedef struct {
+    Knot now;
+    Complex last[SIGNAL_ORDERS];
+    double last_step;        /* [s] */
+    double prediction_error; /* how far the last step ended from where the cubic before it led */
+    double largest;          /* modulus so far */
+} Signal;
+
+/* A unit of the composite; the first is the rotor. */
+typedef struct {
+    Unit *unit;
+    int plane;       /* of the rotor, from 0 */
+    int exchange;    /* number of its force, from 0; -1: its whole effect is its added mass */
+    int drive;       /* value reference of `speed`, -1 for one that is not told */
+    int place;       /* value reference of `x`, -1 for one that is not told its plane's place */
+    size_t first;    /* value reference of its first parameter in the composite, */
+    size_t observed; /* and of its first output */
+} Part;
+
+/* What changes while stepping, apart from signals and units; doubles alone, as the state is. */
+typedef struct {
+    double started;            /* whether forces and accelerations agree yet */
+    double begin, time, length; /* ends of the last step, and its length [s] */
+    double within;             /* whether the units stand within it, and not at its end */
+    double told, speed, acceleration; /* time of the drive [s], and what it was then */
+    double fastest;            /* speed so far, and that of the parameter [rad/s] */
+    double changed;            /* whether an input has jumped since the last step */
+    double crossing;           /* negligible steps still to be taken over it, */
+    double negligible;         /* and their length [s] */
+    double whole, halvings, piece; /* communication step, its division, pieces taken */
+    double first_step;         /* whether it is the one at the start */
+    double no_past;            /* no step has been taken since the start or a jump */
+    double gain;               /* of the loop */
+    double corrections;        /* corrector passes, or UNTIL_CONVERGED */
+    double rounding;           /* of forces that cancel [N] */
+    double tolerance;          /* residual that counts as converged */
+    double largest;            /* force so far, as the scheme knows it */
+    double residual;           /* of the forces in the last step, relative to it */
+    double solved_step;        /* the step that the loop's inverse is for [s] */
+    double missed_step;        /* length of the step before [s], 0 when it missed nothing */
+    double largest_before, lost, calm; /* of a diverging loop */
+    double steps, unconverged, error;
+    double allowed, rung, largest_motion; /* tolerance, 0 for fixed steps; step as 2^(-rung/4) */
+    /* what the resolution is judged by; see resolution.py for what these are */
+    double top, mass, pace, reach, most, pushed, judged_step, blind, kept, kept_turning, renewed;
+    double moved, grown, unresolved;
+} Course;
+
+/* What the acceleration of a plane moves: speed, place and errors of the last revolution. */
+typedef struct {
+    Complex speed, place;
+    double turned, swung;
+} Swung;
+
+/* Cubic over a step per value and slope missed in the one before, and what it was worked out for:
+   turn of the axes [rad], past step, and step [s]. */
+typedef struct {
+    double key[3];
+    Complex rows[SIGNAL_ORDERS][2];
+} Carried;
+
+typedef struct {
+    Part *parts;
+    int part_count;
+    int exchanges, planes; /* numbers of forces, and of planes of the rotor that exchange force */
+    int *members;          /* (exchanges,) parts that exchange force */
+    int *member_planes;    /* (exchanges,) their planes among those that exchange */
+    int *rotor_planes;     /* (planes,) which they are of the rotor's */
+    Scheme scheme;
+    int corrections; /* as given */
+    size_t tolerance, steps_per_rev, fewest, top_speed; /* value references of the coupling's parameters, */
+    size_t drive, outer;                        /* of speed and forces from outside, */
+    size_t results;                             /* and of the coupling's outputs */
+    /* in the unit's memory */
+    Course *course;
+    double *outer_forces; /* (rotor's planes, 2) as told last [N] */
+    Signal *forces, *accelerations;
+    double *solution; /* (4 e, 4 e): inverse of 1 - dG/du; compensated: (4 e + 4 p, 4 e) */
+    Knot *missed;     /* (e + p,) value, and slope times step */
+    Swung *swung;     /* (p,) */
+    double *states;   /* memories of all parts, one after the other, */
+    double *at_begin, *at_end; /* and those at the ends of the last step */
+    size_t state_count;
+    /* scratch */
+    Complex *assumed, *sent, *felt; /* (e, 4), (e, 4), (p, 4) cubics over a step */
+    Knot *ends, *answers;           /* (p,), (e,) */
+    double *u, *g_u, *moved, *answered, *residual, *du, *old; /* (4 e,) as `pack` makes them */
+    double *square, *wide, *work;  /* (4 e, 4 e), (4 p, 4 e), 2 (4 e, 4 e) */
+    double *masses;                /* (rotor's planes,) */
+    double *decay;                 /* 2 (4 n, 4 n) for n stations */
+    Carried carried[2];            /* of forces, and of accelerations */
+} Composite;
+
+/* -- composite_token.c ----------------------------------------------------------------------- */
+
+int composite_named(const char *token);
+/* Parts, layout and start values of a composite; 1 with the reason. */
+int composite_build(Unit *unit, const char *token);
+
+/* -- composite.c ----------------------------------------------------------------------------- */
+
+/* Doubles of the unit's memory; where there is one already, pointers are set into it. */
+size_t composite_memory(Composite *c, double *memory);
+
+/* -- composite_system.c: twin of harness/master/system.py ------------------------------------ */
+
+/* Step the rotor under force cubics (e, 4); accelerations of the planes in c->ends. */
+int composite_rotor_pass(Unit *unit, const Complex *forces, double step);
+/* Step the balancers that exchange force under cubics (p, 4); their forces in c->answers. */
+int composite_balancer_pass(Unit *unit, const Complex *accelerations, double step);
+/* Step the balancers that exchange none, once the others have finished. */
+int composite_follow(Unit *unit, double step);
+/* Step all units from the begin of the last step under the signals they have; for a time in it. */
+int composite_move(Unit *unit, double step);
+/* Tell a balancer where its plane is, if it follows that. */
+void composite_place(const Composite *c, const Part *part);
+/* Write the sum of the forces, and those from outside, on the rotor's planes. */
+void composite_set_forces(Unit *unit, const Complex *forces, double step);
+void composite_read_accelerations(const Composite *c, Knot *ends);
+void composite_read_forces(const Composite *c, Knot *answers);
+/* Tell the units speed and acceleration at a time [s]. */
+void composite_drive(Unit *unit, double time);
+/* Take over the signals of a finished step; 1 with the reason when one is not finite. */
+int composite_accept(Unit *unit, const Knot *accelerations, const Knot *forces, double step);
+void composite_drop_past(Composite *c);
+/* 1, with a part's reason under its name. */
+int composite_part_failed(Unit *unit, const Part *part);
+/* Names of all forces exchanged. */
+void composite_name_forces(const Composite *c, Text *text);
+
+/* -- composite_signals.c: twin of harness/master/signals.py ---------------------------------- */
+
+void knot_hermite(Knot start, Knot end, double step, Complex *cubic);
+Knot knot_end(const Complex *cubic, double step);
+void signal_predicted(const Signal *signal, Complex *cubic);
+void signal_move(Signal *signal, Knot end, double step);
+
+/* -- composite_loop.c: twin of harness/master/loop.py ---------------------------------------- */
+
+/* What the loop, or a part of it, makes of u; vectors as pairs of value and slope times step. */
+typedef int (*Response)(Unit *unit, const double *u, double step, double *answer);
+void loop_pack(const Knot *ends, int count, double step, double *u);
+void loop_unpack(const double *u, int count, double step, Knot *ends);
+double loop_size(const double *u, int count); /* largest modulus of `count` complex numbers */
+/* dG/du (rows, 4 e) by differences of size `change`. */
+int loop_jacobian(Unit *unit, Response response, const double *u, const double *g_u, double change,
+                  int rows, double step, double *matrix);
+/* The inverse of 1 - dG/du; 1 with the reason when the loop has gain 1. */
+int loop_invert(Unit *unit, const double *jacobian, double step);
+void loop_rescale(Composite *c, int rows, double step);
+void loop_learn(Composite *c, const double *du, const double *old, const double *now);
+double loop_gain(Composite *c, const double *jacobian);
+/* Bring forces and accelerations into agreement; dG/du in c->square. */
+int loop_consistent_start(Unit *unit, double step);
+/* d(acceleration)/d(force) of the rotor, (4 p, 4 e), in c->wide. */
+int loop_rotor_response(Unit *unit, double step);
+/* Largest modulus of the eigenvalues of a (n, n) matrix, which is overwritten; work: (n, n). */
+double spectral_radius(int n, double *matrix, double *work);
+
+/* -- composite_scales.c: twin of harness/master/scales.py ------------------------------------ */
+
+double composite_largest_force(const Composite *c);
+/* On every plane of the rotor (p,), by the port or in the force [kg]. */
+void composite_added_masses(const Composite *c, double *masses);
+
+/* -- composite_resolution.c: twin of harness/master/resolution.py ---------------------------- */
+
+void resolution_begin(Unit *unit);
+/* Look at the step just finished; 1 with the reason where steps are too long for the signals. */
+int resolution_check(Unit *unit, double step);
+
+/* -- composite_iterated.c, _compensated.c, _adaptive.c: twins of harness/master/schemes ------- */
+
+void iterated_begin(Composite *c);
+int iterated_step(Unit *unit, double step);
+/* 1 with the reason where what the step left of the forces cannot be tolerated. */
+int iterated_judge(Unit *unit);
+int iterated_cross(Unit *unit, double step);
+/* Take a step with as many passes as it takes; its residual, below 0 where it failed. */
+double iterated_attempt(Unit *unit, double step);
+/* Back to the begin of the step. */
+void composite_restore(Composite *c);
+void adaptive_begin(Unit *unit);
+/* One accepted step of at most `longest` [s]; its length in course->length. */
+int adaptive_step(Unit *unit, double longest);
+/* Take the loop's Jacobian from steps of this length, all of them taken back. */
+int iterated_after_start(Unit *unit, double step);
+void compensated_begin(Composite *c, double step);
+/* One step; `jump`: over a jump of an input. */
+int compensated_step(Unit *unit, double step, int jump);
+
+/* -- composite_startup.c: twin of harness/master/schemes/startup.py --------------------------- */
+
+/* Length of a step of so many in the fastest revolution [s], and of a communication step. */
+double startup_share(const Unit *unit, double steps);
+double startup_size(const Unit *unit);
+/* Length of the step to come [s], of the communication step it is part of. */
+double startup_length(Unit *unit);
+/* What follows the step that was taken. */
+int startup_taken(Unit *unit);
+
+#endif

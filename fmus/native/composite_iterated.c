@@ -1,0 +1,165 @@
+/* Iterated: step, compare the forces with those assumed, roll back and step again; twin of
+   harness/master/schemes/iterated.py. */
+#include <string.h>
+
+#include "composite.h"
+#include "elementary.h"
+#include "matrix.h"
+
+static const double CONVERGED_FORCES = 1e-10, ROUNDING = 1e-12, CHANGE = 1e-3, LOOSE = 1e-3, SLOW = 0.1;
+enum { MAX_PASSES = 30, UNCONVERGED = 1 };
+
+void iterated_begin(Composite *c)
+{
+    Course *course = c->course;
+    course->tolerance = larger(CONVERGED_FORCES, ROUNDING * course->gain);
+    course->largest = course->rounding / (course->corrections < 0.0 ? course->tolerance : LOOSE);
+}
+
+/* Step all units once with forces that end at u. */
+static int pass(Unit *unit, const double *u, double step)
+{
+    Composite *c = unit->own;
+    int k;
+    for (k = 0; k < c->exchanges; k++) {
+        Knot end;
+        loop_unpack(u + 4 * k, 1, step, &end);
+        knot_hermite(c->forces[k].now, end, step, c->sent + SIGNAL_ORDERS * k);
+    }
+    if (composite_rotor_pass(unit, c->sent, step)) {
+        return 1;
+    }
+    for (k = 0; k < c->planes; k++) {
+        knot_hermite(c->accelerations[k].now, c->ends[k], step, c->felt + SIGNAL_ORDERS * k);
+    }
+    return composite_balancer_pass(unit, c->felt, step);
+}
+
+void composite_restore(Composite *c)
+{
+    memcpy(c->states, c->at_begin, c->state_count * sizeof(double));
+}
+
+/* Take a step with at most so many passes; the residual left, or below 0 where it failed. */
+static double attempt(Unit *unit, double step, int passes)
+{
+    Composite *c = unit->own;
+    Course *course = c->course;
+    const int count = 4 * c->exchanges, half = count / 2;
+    double error = 0.0, error_before = 0.0;
+    int number, i;
+    loop_rescale(c, count, step);
+    for (i = 0; i < c->exchanges; i++) {
+        Knot ahead;
+        signal_predicted(c->forces + i, c->assumed + SIGNAL_ORDERS * i);
+        ahead = knot_end(c->assumed + SIGNAL_ORDERS * i, step);
+        loop_pack(&ahead, 1, step, c->u + 4 * i);
+    }
+    for (number = 1;; number++) {
+        if (pass(unit, c->u, step)) {
+            return -1.0;
+        }
+        loop_pack(c->answers, c->exchanges, step, c->g_u);
+        memcpy(c->old, c->residual, (size_t)count * sizeof(double));
+        for (i = 0; i < count; i++) {
+            c->residual[i] = c->g_u[i] - c->u[i];
+        }
+        course->largest = larger(course->largest, loop_size(c->g_u, half));
+        error = course->largest > 0.0 ? loop_size(c->residual, half) / course->largest : 0.0;
+        if (number > 1 && error > larger(course->tolerance, SLOW * error_before)) {
+            loop_learn(c, c->du, c->old, c->residual);
+        }
+        if (number >= passes || !(error > course->tolerance)) {
+            return error;
+        }
+        matrix_product(1, count, count, 1, c->solution, c->residual, c->du);
+        error_before = error;
+        for (i = 0; i < count; i++) {
+            c->u[i] += c->du[i];
+        }
+        composite_restore(c);
+    }
+}
+
+/* 0, or 1 with the reason where what is left of the forces cannot be tolerated. */
+int iterated_judge(Unit *unit)
+{
+    const Composite *c = unit->own;
+    Course *course = c->course;
+    const double residual = course->residual;
+    const int converges = course->corrections < 0.0;
+    Text *reason;
+    if (!(residual > (converges ? course->tolerance : LOOSE))) {
+        return 0;
+    }
+    if (residual < 1.0 && !converges) {
+        course->unconverged += 1.0;
+        unit_warn_once(unit, UNCONVERGED, course->time,
+                       "a step left a residual above 1e-3 of the force: use smaller steps or more "
+                       "corrections");
+        return 0;
+    }
+    reason = unit_reason(unit);
+    text_put(reason, "the loop did not converge: ");
+    composite_name_forces(c, reason);
+    text_put(reason, " still changes by ");
+    text_rounded(reason, residual, 2);
+    text_put(reason, " of the largest force; use smaller steps or more corrections");
+    return 1;
+}
+
+int iterated_step(Unit *unit, double step)
+{
+    Composite *c = unit->own;
+    Course *course = c->course;
+    /* a first step has no past to be predicted from and would cost an order */
+    const int all = course->corrections < 0.0 || (course->no_past > 0.0 && course->corrections > 0.0);
+    course->residual = attempt(unit, step, all ? MAX_PASSES : (int)course->corrections + 1);
+    return course->residual < 0.0 || composite_accept(unit, c->ends, c->answers, step);
+}
+
+double iterated_attempt(Unit *unit, double step)
+{
+    return attempt(unit, step, MAX_PASSES);
+}
+
+int iterated_cross(Unit *unit, double step)
+{
+    Composite *c = unit->own;
+    return attempt(unit, step, MAX_PASSES) < 0.0 ||
+           composite_accept(unit, c->ends, c->answers, step);
+}
+
+static int respond(Unit *unit, const double *u, double step, double *answer)
+{
+    Composite *c = unit->own;
+    if (pass(unit, u, step)) {
+        return 1;
+    }
+    composite_restore(c);
+    loop_pack(c->answers, c->exchanges, step, answer);
+    return 0;
+}
+
+int iterated_after_start(Unit *unit, double step)
+{
+    Composite *c = unit->own;
+    const int count = 4 * c->exchanges, half = count / 2;
+    double change;
+    int k;
+    for (k = 0; k < c->exchanges; k++) {
+        Complex straight[SIGNAL_ORDERS] = {{0.0, 0.0}};
+        Knot end;
+        straight[0] = c->forces[k].now.value;
+        straight[1] = c->forces[k].now.slope;
+        end = knot_end(straight, step);
+        loop_pack(&end, 1, step, c->u + 4 * k);
+    }
+    memcpy(c->at_begin, c->states, c->state_count * sizeof(double));
+    if (respond(unit, c->u, step, c->g_u)) {
+        return 1;
+    }
+    change = larger(larger(loop_size(c->u, half), loop_size(c->g_u, half)), c->course->largest);
+    return loop_jacobian(unit, respond, c->u, c->g_u, CHANGE * change, count, step, c->square) ||
+           loop_invert(unit, c->square, step);
+}

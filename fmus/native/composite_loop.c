@@ -1,0 +1,321 @@
+#include <string.h>
+
+#include "composite.h"
+#include "elementary.h"
+#include "matrix.h"
+
+static const double START_TOLERANCE = 1e-12; /* of the largest force */
+static const double ROUNDING = 1e-13;        /* of it, times the gain: what the loop makes of rounding */
+static const double SINGULAR = 1e-12; /* |1 - eigenvalue| below which a loop counts as one of gain 1 */
+enum { START_ITERATIONS = 20, SQUARINGS = 50 };
+
+/* -- vectors --------------------------------------------------------------------------------- */
+
+void loop_pack(const Knot *ends, int count, double step, double *u)
+{
+    int k;
+    for (k = 0; k < count; k++, u += 4) {
+        u[0] = ends[k].value.re;
+        u[1] = ends[k].value.im;
+        u[2] = step * ends[k].slope.re;
+        u[3] = step * ends[k].slope.im;
+    }
+}
+
+void loop_unpack(const double *u, int count, double step, Knot *ends)
+{
+    int k;
+    for (k = 0; k < count; k++, u += 4) {
+        ends[k].value = complex_of(u[0], u[1]);
+        ends[k].slope = complex_of(u[2] / step, u[3] / step);
+    }
+}
+
+double loop_size(const double *u, int count)
+{
+    double largest = 0.0;
+    int k;
+    for (k = 0; k < count; k++) {
+        largest = larger(largest, hypotenuse(u[2 * k], u[2 * k + 1]));
+    }
+    return largest;
+}
+
+/* -- matrices -------------------------------------------------------------------------------- */
+
+/* Gelfand: the n-th root of the size of the n-th power, n = 2^50, by squaring. */
+double spectral_radius(int n, double *matrix, double *work)
+{
+    const size_t count = (size_t)n * (size_t)n;
+    double radius = 1.0;
+    int turn, root;
+    for (turn = 0; turn <= SQUARINGS; turn++) {
+        double size = 0.0, share;
+        size_t k;
+        for (k = 0; k < count; k++) {
+            size = larger(size, absolute(matrix[k]));
+        }
+        if (!(size > 0.0)) {
+            return 0.0;
+        }
+        share = size;
+        for (root = 0; root < turn; root++) {
+            share = square_root(share);
+        }
+        radius *= share;
+        for (k = 0; k < count; k++) {
+            matrix[k] /= size;
+        }
+        matrix_product(1, n, n, n, matrix, matrix, work);
+        memcpy(matrix, work, count * sizeof(double));
+    }
+    return radius;
+}
+
+/* The part of a matrix between values, (2 e, 2 e). */
+static void values_of(const double *matrix, int exchanges, double *values)
+{
+    int i, j;
+    for (i = 0; i < 2 * exchanges; i++) {
+        for (j = 0; j < 2 * exchanges; j++) {
+            const int row = 4 * (i / 2) + i % 2, column = 4 * (j / 2) + j % 2;
+            *values++ = matrix[row * 4 * exchanges + column];
+        }
+    }
+}
+
+double loop_gain(Composite *c, const double *jacobian)
+{
+    const int count = 2 * c->exchanges;
+    values_of(jacobian, c->exchanges, c->work);
+    return count ? spectral_radius(count, c->work, c->work + count * count) : 0.0;
+}
+
+int loop_jacobian(Unit *unit, Response response, const double *u, const double *g_u, double change,
+                  int rows, double step, double *matrix)
+{
+    Composite *c = unit->own;
+    const int count = 4 * c->exchanges;
+    int i, j;
+    for (j = 0; j < count; j++) {
+        memcpy(c->moved, u, (size_t)count * sizeof(double));
+        c->moved[j] += change;
+        if (response(unit, c->moved, step, c->answered)) {
+            return 1;
+        }
+        for (i = 0; i < rows; i++) {
+            matrix[i * count + j] = (c->answered[i] - g_u[i]) / change;
+        }
+    }
+    return 0;
+}
+
+int loop_invert(Unit *unit, const double *jacobian, double step)
+{
+    Composite *c = unit->own;
+    const int n = 4 * c->exchanges, half = n / 2;
+    int i, singular;
+    c->course->solved_step = step;
+    memset(c->solution, 0, (size_t)(n * n) * sizeof(double));
+    for (i = 0; i < n * n; i++) {
+        c->work[i] = -jacobian[i];
+    }
+    for (i = 0; i < n; i++) {
+        c->work[i * n + i] += 1.0;
+        c->solution[i * n + i] = 1.0;
+    }
+    singular = n && matrix_solve(1, n, n, c->work, c->solution);
+    if (n && !singular) {
+        /* the largest eigenvalue of the inverse is one over the smallest of 1 - dG/du */
+        values_of(c->solution, c->exchanges, c->work);
+        singular = !(spectral_radius(half, c->work, c->work + half * half) < 1.0 / SINGULAR);
+    }
+    if (singular) {
+        text_put(unit_reason(unit), "the loop between force and acceleration has gain 1: every "
+                                    "force answers itself, and there is no unique solution");
+    }
+    return singular;
+}
+
+void loop_rescale(Composite *c, int rows, double step)
+{
+    const double ratio = step / c->course->solved_step;
+    const int count = 4 * c->exchanges;
+    int i, j;
+    if (ratio == 1.0) {
+        return;
+    }
+    for (i = 0; i < rows; i++) {
+        for (j = 0; j < count; j++) {
+            c->solution[i * count + j] *= i % 4 < 2 ? 1.0 : ratio;
+            c->solution[i * count + j] /= j % 4 < 2 ? 1.0 : ratio;
+        }
+    }
+    c->course->solved_step = step;
+}
+
+/* Broyden's good update (1965) of the inverse, by Sherman and Morrison. */
+void loop_learn(Composite *c, const double *du, const double *old, const double *now)
+{
+    const int n = 4 * c->exchanges;
+    double *change = c->work, *predicted = c->work + n, *row = c->work + 2 * n, weight = 0.0;
+    int i, j;
+    for (i = 0; i < n; i++) {
+        change[i] = old[i] - now[i];
+    }
+    matrix_product(1, n, n, 1, c->solution, change, predicted);
+    matrix_product(1, 1, n, n, du, c->solution, row);
+    for (i = 0; i < n; i++) {
+        weight += du[i] * predicted[i];
+    }
+    for (i = 0; i < n && weight != 0.0; i++) {
+        for (j = 0; j < n; j++) {
+            c->solution[i * n + j] += (du[i] - predicted[i]) / weight * row[j];
+        }
+    }
+}
+
+/* -- the start ------------------------------------------------------------------------------- */
+
+/* Accelerations of the planes under forces without a step. */
+static int rotor_answer(Unit *unit, const double *u, double step)
+{
+    Composite *c = unit->own;
+    Part *rotor = c->parts;
+    Knot ends[1];
+    int k;
+    memset(c->sent, 0, (size_t)(SIGNAL_ORDERS * c->exchanges) * sizeof(Complex));
+    for (k = 0; k < c->exchanges; k++) {
+        loop_unpack(u + 4 * k, 1, step, ends);
+        c->sent[SIGNAL_ORDERS * k] = ends->value;
+        c->sent[SIGNAL_ORDERS * k + 1] = ends->slope;
+    }
+    composite_set_forces(unit, c->sent, 0.0);
+    if (rotor->unit->equations->outputs(rotor->unit)) {
+        return composite_part_failed(unit, rotor);
+    }
+    composite_read_accelerations(c, c->ends);
+    return 0;
+}
+
+static int respond_rotor(Unit *unit, const double *u, double step, double *answer)
+{
+    const Composite *c = unit->own;
+    if (rotor_answer(unit, u, step)) {
+        return 1;
+    }
+    loop_pack(c->ends, c->planes, step, answer);
+    return 0;
+}
+
+/* Forces that the balancers answer with, without a step. */
+static int respond(Unit *unit, const double *u, double step, double *answer)
+{
+    Composite *c = unit->own;
+    int k;
+    if (rotor_answer(unit, u, step)) {
+        return 1;
+    }
+    for (k = 0; k < c->planes; k++) {
+        c->accelerations[k].now = c->ends[k];
+    }
+    for (k = 0; k < c->exchanges; k++) {
+        Part *part = c->parts + c->members[k];
+        double *input = part->unit->real + part->unit->layout.inputs.first;
+        memset(input, 0, SIGNAL_ORDERS * sizeof(Complex));
+        memcpy(input, c->ends + c->member_planes[k], sizeof(Knot));
+        if (part->unit->equations->outputs(part->unit)) {
+            return composite_part_failed(unit, part);
+        }
+    }
+    composite_read_forces(c, c->answers);
+    loop_pack(c->answers, c->exchanges, step, answer);
+    return 0;
+}
+
+int loop_rotor_response(Unit *unit, double step)
+{
+    Composite *c = unit->own;
+    const int count = 4 * c->exchanges;
+    memset(c->u, 0, (size_t)count * sizeof(double));
+    if (respond_rotor(unit, c->u, step, c->g_u)) {
+        return 1;
+    }
+    return loop_jacobian(unit, respond_rotor, c->u, c->g_u, 1.0, 4 * c->planes, step, c->wide);
+}
+
+static int refuse_start(Unit *unit, double residual, double size, double gain)
+{
+    Text *reason = unit_reason(unit);
+    text_put(reason, "consistent start values were not found in ");
+    text_integer(reason, START_ITERATIONS);
+    text_put(reason, " iterations: forces still change by ");
+    text_rounded(reason, residual, 3);
+    text_put(reason, " N of ");
+    text_rounded(reason, size, 3);
+    text_put(reason, " N; loop gain ");
+    text_rounded(reason, gain, 3);
+    return 1;
+}
+
+/* Solve u = G(u) from the Jacobian in c->square. */
+static int solve_start(Unit *unit, double step)
+{
+    Composite *c = unit->own;
+    Course *course = c->course;
+    const int count = 4 * c->exchanges, half = count / 2;
+    const double tolerance = larger(START_TOLERANCE, ROUNDING * course->gain);
+    double size = 0.0, left = 0.0;
+    int turn, i;
+    for (turn = 0; turn < START_ITERATIONS; turn++) {
+        for (i = 0; i < count; i++) {
+            c->residual[i] = c->g_u[i] - c->u[i];
+        }
+        left = loop_size(c->residual, half);
+        size = larger(loop_size(c->u, half), loop_size(c->g_u, half));
+        if (turn && left <= larger(tolerance * size, course->rounding)) {
+            loop_unpack(c->g_u, c->exchanges, step, c->answers);
+            for (i = 0; i < c->exchanges; i++) {
+                c->forces[i].now = c->answers[i];
+            }
+            return 0;
+        }
+        matrix_product(1, count, count, 1, c->solution, c->residual, c->du);
+        for (i = 0; i < count; i++) {
+            c->u[i] += c->du[i];
+        }
+        if (respond(unit, c->u, step, c->g_u)) {
+            return 1;
+        }
+    }
+    return refuse_start(unit, left, size, course->gain);
+}
+
+int loop_consistent_start(Unit *unit, double step)
+{
+    Composite *c = unit->own;
+    const int count = 4 * c->exchanges;
+    double change;
+    int i;
+    memset(c->u, 0, (size_t)count * sizeof(double));
+    if (respond(unit, c->u, step, c->g_u)) {
+        return 1;
+    }
+    change = loop_size(c->g_u, count / 2);
+    if (loop_jacobian(unit, respond, c->u, c->g_u, change > 0.0 ? change : 1.0, count, step,
+                      c->square)) {
+        return 1;
+    }
+    for (i = 0; i < count * count; i++) {
+        if (!is_finite(c->square[i])) {
+            text_put(unit_reason(unit), "start values: the forces of the balancers are not finite");
+            return 1;
+        }
+    }
+    c->course->gain = loop_gain(c, c->square);
+    if (loop_invert(unit, c->square, step) || (count && solve_start(unit, step))) {
+        return 1;
+    }
+    composite_drop_past(c);
+    return 0;
+}

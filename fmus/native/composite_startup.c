@@ -1,0 +1,91 @@
+/* What a communication step is divided into: at the start, and where an input jumps. */
+#include "composite.h"
+#include "elementary.h"
+
+static const double STEEP = 0.2, FIRST = 0.05, KINK = 1e-6;
+enum { MOST_HALVINGS = 60, JUMP_PARTS = 8, STARTUP_HALVINGS = 2 };
+enum { DEFAULT_STEPS = 40 }; /* a revolution */
+
+double startup_share(const Unit *unit, double steps)
+{
+    return TAU / (((const Composite *)unit->own)->course->fastest * steps);
+}
+
+double startup_size(const Unit *unit)
+{
+    const double steps = unit->real[((const Composite *)unit->own)->steps_per_rev];
+    return startup_share(unit, steps > 0.0 ? steps : DEFAULT_STEPS);
+}
+
+/* How often a step without a past is halved, so that nothing is steep in its first part. */
+static int halvings(const Composite *c, double step, int least)
+{
+    double largest = 0.0, change = 0.0, allowed;
+    int k, steep = 0;
+    for (k = 0; k < c->exchanges; k++) {
+        const Signal *force = c->forces + k;
+        largest = larger(largest, larger(magnitude(force->now.value), force->largest));
+        change = larger(change, step * magnitude(force->now.slope));
+    }
+    if (change > STEEP * largest && largest > 0.0) {
+        for (allowed = FIRST * largest; allowed < change && steep < MOST_HALVINGS; steep++) {
+            allowed *= 2.0;
+        }
+    }
+    return steep > least ? steep : least;
+}
+
+static int compensates(const Composite *c)
+{
+    return c->scheme == SCHEME_COMPENSATED && c->exchanges;
+}
+
+double startup_length(Unit *unit)
+{
+    const Composite *c = unit->own;
+    Course *course = c->course;
+    int parts;
+    if (course->changed > 0.0) {
+        const double step = startup_size(unit);
+        course->changed = 0.0;
+        course->crossing = compensates(c) ? JUMP_PARTS : 1;
+        course->negligible = KINK * step / course->crossing;
+        course->whole = step - KINK * step;
+    }
+    if (course->crossing > 0.0) {
+        return course->negligible;
+    }
+    if (course->whole == 0.0) {
+        course->whole = startup_size(unit);
+        course->first_step = course->no_past;
+        course->piece = course->halvings = 0.0;
+        if (course->no_past > 0.0 && c->exchanges) {
+            course->halvings = halvings(c, course->whole, compensates(c) ? STARTUP_HALVINGS : 0);
+        }
+    }
+    parts = (int)course->halvings - (course->piece > 0.0 ? (int)course->piece - 1 : 0);
+    return scaled_by_power(course->whole, -parts);
+}
+
+int startup_taken(Unit *unit)
+{
+    Composite *c = unit->own;
+    Course *course = c->course;
+    const double whole = course->whole;
+    if (course->crossing > 0.0) {
+        course->crossing -= 1.0;
+        composite_drop_past(c);
+        course->piece = course->halvings = course->first_step = 0.0;
+        if (course->crossing == 0.0 && compensates(c)) {
+            course->halvings = halvings(c, whole, STARTUP_HALVINGS);
+        }
+        return 0;
+    }
+    course->piece += 1.0;
+    if (course->piece <= course->halvings) {
+        return 0;
+    }
+    course->whole = 0.0;
+    return course->first_step > 0.0 && course->halvings > 0.0 && !compensates(c) &&
+           iterated_after_start(unit, whole);
+}

@@ -1,0 +1,249 @@
+#include <string.h>
+
+#include "composite.h"
+#include "elementary.h"
+
+int composite_part_failed(Unit *unit, const Part *part)
+{
+    Text *reason = unit_reason(unit);
+    text_put(reason, part->unit->name);
+    text_put(reason, ": ");
+    text_put(reason, part->unit->reason.at);
+    return 1;
+}
+
+void composite_name_forces(const Composite *c, Text *text)
+{
+    int k;
+    for (k = 0; k < c->exchanges; k++) {
+        text_put(text, k ? ", " : "");
+        text_put(text, c->parts[c->members[k]].unit->name);
+        text_put(text, ".F");
+    }
+}
+
+static int advance(Unit *unit, Part *part, double step)
+{
+    part->unit->time = ((Composite *)unit->own)->course->begin;
+    return unit_advance(part->unit, step) ? composite_part_failed(unit, part) : 0;
+}
+
+/* -- forces and accelerations ---------------------------------------------------------------- */
+
+/* Force from outside on a plane of the rotor over a step, in axes that turn with it. */
+static void outer_cubic(const Composite *c, int plane, double step, Complex *cubic)
+{
+    const Unit *rotor = c->parts->unit;
+    const double *drive = rotor->real + c->parts->drive;
+    const Complex force = complex_of(c->outer_forces[2 * plane], c->outer_forces[2 * plane + 1]);
+    const double speeds[2] = {drive[0], drive[0] + step * drive[1]};
+    const double angle = rotor->memory[1];
+    const double angles[2] = {angle, angle + step * (drive[0] + 0.5 * drive[1] * step)};
+    Knot ends[2];
+    int k;
+    for (k = 0; k < 2; k++) {
+        const Complex seen = complex_product(force, rect(1.0, -angles[k]));
+        ends[k].value = seen;
+        ends[k].slope = complex_of(speeds[k] * seen.im, -speeds[k] * seen.re);
+    }
+    if (step > 0.0) {
+        knot_hermite(ends[0], ends[1], step, cubic);
+    } else {
+        cubic[0] = ends[0].value;
+        cubic[1] = ends[0].slope;
+        cubic[2] = cubic[3] = complex_of(0.0, 0.0);
+    }
+}
+
+static void add_cubic(Unit *rotor, size_t first, int plane, const Complex *cubic)
+{
+    const size_t planes = (size_t)rotor->layout.sizes.planes;
+    int k;
+    for (k = 0; k < SIGNAL_ORDERS; k++) {
+        double *force = rotor->real + first + 2 * (planes * (size_t)k + (size_t)plane);
+        force[0] += cubic[k].re;
+        force[1] += cubic[k].im;
+    }
+}
+
+void composite_set_forces(Unit *unit, const Complex *forces, double step)
+{
+    const Composite *c = unit->own;
+    Unit *rotor = c->parts->unit;
+    const int planes = rotor->layout.sizes.planes;
+    size_t first;
+    const size_t count = rotor->equations->signals(&rotor->layout, &first);
+    int k;
+    memset(rotor->real + first, 0, SIGNAL_ORDERS * count * sizeof(double));
+    for (k = 0; k < c->exchanges; k++) {
+        add_cubic(rotor, first, c->parts[c->members[k]].plane, forces + SIGNAL_ORDERS * k);
+    }
+    for (k = 0; k < planes; k++) {
+        Complex cubic[SIGNAL_ORDERS];
+        if (c->outer_forces[2 * k] != 0.0 || c->outer_forces[2 * k + 1] != 0.0) {
+            outer_cubic(c, k, step, cubic);
+            add_cubic(rotor, first, k, cubic);
+        }
+    }
+}
+
+/* Value and slope of the `index`-th of `count` vectors, all values standing before all slopes. */
+static Knot knot_of(const Unit *unit, int index, int count)
+{
+    const double *values = unit->real + unit->layout.computed.first;
+    const double *value = values + 2 * index, *slope = values + 2 * (count + index);
+    Knot knot;
+    knot.value = complex_of(value[0], value[1]);
+    knot.slope = complex_of(slope[0], slope[1]);
+    return knot;
+}
+
+void composite_read_accelerations(const Composite *c, Knot *ends)
+{
+    const Unit *rotor = c->parts->unit;
+    int k;
+    for (k = 0; k < c->planes; k++) {
+        ends[k] = knot_of(rotor, c->rotor_planes[k], rotor->layout.sizes.planes);
+    }
+}
+
+void composite_read_forces(const Composite *c, Knot *answers)
+{
+    int k;
+    for (k = 0; k < c->exchanges; k++) {
+        answers[k] = knot_of(c->parts[c->members[k]].unit, 0, 1);
+    }
+}
+
+/* -- steps ----------------------------------------------------------------------------------- */
+
+int composite_rotor_pass(Unit *unit, const Complex *forces, double step)
+{
+    Composite *c = unit->own;
+    composite_set_forces(unit, forces, step);
+    if (advance(unit, c->parts, step)) {
+        return 1;
+    }
+    composite_read_accelerations(c, c->ends);
+    return 0;
+}
+
+void composite_place(const Composite *c, const Part *part)
+{
+    Unit *rotor = c->parts->unit;
+    const double *planes;
+    if (part->place >= 0) {
+        rotor->equations->observe(rotor);
+        planes = rotor->real + rotor->layout.observed.first + 1 + 4 * rotor->layout.sizes.stations;
+        memcpy(part->unit->real + part->place, planes + 2 * part->plane, 2 * sizeof(double));
+    }
+}
+
+int composite_balancer_pass(Unit *unit, const Complex *accelerations, double step)
+{
+    Composite *c = unit->own;
+    int k;
+    for (k = 0; k < c->exchanges; k++) {
+        Part *part = c->parts + c->members[k];
+        memcpy(part->unit->real + part->unit->layout.inputs.first,
+               accelerations + SIGNAL_ORDERS * c->member_planes[k],
+               SIGNAL_ORDERS * sizeof(Complex));
+        composite_place(c, part);
+        if (advance(unit, part, step)) {
+            return 1;
+        }
+    }
+    composite_read_forces(c, c->answers);
+    return 0;
+}
+
+int composite_follow(Unit *unit, double step)
+{
+    Composite *c = unit->own;
+    int k;
+    for (k = 1; k < c->part_count; k++) {
+        Part *part = c->parts + k;
+        if (part->exchange < 0) {
+            composite_place(c, part);
+            if (advance(unit, part, step)) {
+                return 1;
+            }
+        }
+    }
+    return 0;
+}
+
+int composite_move(Unit *unit, double step)
+{
+    Composite *c = unit->own;
+    int k;
+    if (advance(unit, c->parts, step)) {
+        return 1;
+    }
+    for (k = 0; k < c->exchanges; k++) {
+        Part *part = c->parts + c->members[k];
+        composite_place(c, part);
+        if (advance(unit, part, step)) {
+            return 1;
+        }
+    }
+    return composite_follow(unit, step);
+}
+
+void composite_drive(Unit *unit, double time)
+{
+    const Composite *c = unit->own;
+    const Course *course = c->course;
+    int k;
+    for (k = 0; k < c->part_count; k++) {
+        const Part *part = c->parts + k;
+        if (part->drive >= 0) {
+            double *drive = part->unit->real + part->drive;
+            drive[0] = course->speed + (time - course->told) * course->acceleration;
+            drive[1] = course->acceleration;
+        }
+    }
+}
+
+/* -- the present signals --------------------------------------------------------------------- */
+
+int composite_accept(Unit *unit, const Knot *accelerations, const Knot *forces, double step)
+{
+    Composite *c = unit->own;
+    int k;
+    for (k = 0; k < c->planes; k++) {
+        signal_move(c->accelerations + k, accelerations[k], step);
+    }
+    for (k = 0; k < c->exchanges; k++) {
+        const Complex value = forces[k].value;
+        if (!is_finite(value.re) || !is_finite(value.im)) {
+            Text *reason = unit_reason(unit);
+            text_put(reason, c->parts[c->members[k]].unit->name);
+            text_put(reason, ".F is not finite: the coupling diverged; use smaller steps");
+            return 1;
+        }
+        signal_move(c->forces + k, forces[k], step);
+    }
+    c->course->no_past = 0.0;
+    return 0;
+}
+
+static void forget(Signal *signal)
+{
+    memset(signal->last, 0, sizeof signal->last);
+    signal->last[0] = signal->now.value;
+    signal->last[1] = signal->now.slope;
+    signal->last_step = 0.0;
+}
+
+void composite_drop_past(Composite *c)
+{
+    int k;
+    for (k = 0; k < c->planes; k++) {
+        forget(c->accelerations + k);
+    }
+    for (k = 0; k < c->exchanges; k++) {
+        forget(c->forces + k);
+    }
+    c->course->no_past = 1.0;
+}

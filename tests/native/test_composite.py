@@ -1,0 +1,157 @@
+"""The composite: what the harness couples out of separate units, inside one FMU."""
+
+from __future__ import annotations
+
+import math
+from itertools import pairwise
+
+import numpy as np
+import pytest
+from fmpy import platform_tuple, simulate_fmu
+from fmpy.validation import validate_fmu
+from scipy.interpolate import CubicSpline
+
+from autobalancer.fmus.composite.build import build_composite
+from autobalancer.harness import Scene, bundled_scenes, cosimulate, load_scene
+from autobalancer.harness.master.cosimulation import CoSimulation
+from autobalancer.harness.master.one_file import build_one_file, composition
+
+RANGE = 1e-11  # of a signal's range
+
+
+@pytest.fixture
+def hosted(packaging, tmp_path):
+    """Begins the composite of a scene in a host."""
+
+    def begun(scene: Scene, values: dict[str, float] | None = None):
+        path = build_composite(
+            composition(scene), tmp_path, name="composite", platforms=[platform_tuple]
+        )
+        return packaging.Host(path).begin(values)
+
+    return begun
+
+
+def driven(host, scene: Scene, times, names: list[str]) -> np.ndarray:
+    """Outputs at all times, the speed told at each."""
+    profile = scene.profile()
+    rows = [host.get(*names)]
+    for begin, end in pairwise(times):
+        if profile.start != profile.end:
+            drive = {"speed": profile.speed(begin), "acceleration": profile.acceleration(begin)}
+            host.set(drive)
+        host.time = begin
+        host.step(end - begin)
+        rows.append(host.get(*names))
+    return np.array(rows)
+
+
+def turning(scene: Scene, parts: int, revolutions: float) -> np.ndarray:
+    """Times that divide every revolution."""
+    count = round(parts * revolutions)
+    return np.arange(count + 1) * (2.0 * math.pi / scene.profile().speed(0.0) / parts)
+
+
+FIXED_STEPS = [n for n in bundled_scenes() if load_scene(n).coupling.tolerance is None]
+
+
+@pytest.mark.parametrize("name", FIXED_STEPS)
+def test_a_scene_moves_as_the_harness_couples_it(hosted, name):
+    scene = load_scene(name).replace({"run.revolutions": 5})
+    expected = cosimulate(scene)
+    host = hosted(scene)
+    names = list(expected.signals)
+    found = driven(host, scene, expected.time, names)
+    for k, signal in enumerate(names):
+        size = max(np.ptp(expected[signal]), 1e-3 * np.abs(expected[signal]).max())
+        assert np.abs(found[:, k] - expected[signal]).max() <= RANGE * size, signal
+    assert host.get("coupling.steps") == [expected.steps]
+
+
+@pytest.mark.parametrize("scheme", ["auto", "iterated", "compensated"])
+@pytest.mark.parametrize("name", ["two_plane_rodrigues", "liquid_heavy_force"])
+def test_schemes_do_what_the_harness_does(hosted, name, scheme):
+    """Loop gains of 0.04 and of 19."""
+    changes = {"run.revolutions": 3, "coupling.scheme": scheme, "run.initial.angle": 0.7}
+    scene = load_scene(name).replace(changes)
+    with CoSimulation(scene) as cosim:
+        cosim.start()
+        gain = cosim.gain
+    expected = cosimulate(scene)
+    names = list(expected.signals)
+    host = hosted(scene)
+    found = driven(host, scene, expected.time, names)
+    for k, signal in enumerate(names):
+        allowed = RANGE * max(1e-3 * np.abs(expected[signal]).max(), np.ptp(expected[signal]))
+        assert np.abs(found[:, k] - expected[signal]).max() <= allowed, signal
+    assert host.get("coupling.loop_gain") == [pytest.approx(gain, rel=1e-9)]
+
+
+@pytest.mark.parametrize("name", ["two_balls", "balls_and_liquid", "goncharov_balls"])
+def test_the_steps_of_the_tool_do_not_matter(hosted, name):
+    """At 5, 7.5 and 1,000 steps a revolution outputs have the same bits as at the scene's own."""
+    scene = load_scene(name)
+    names = [f"{b.label}.{v}" for b in scene.balancer for v in b.records]
+    names += ["rotor.x", "rotor.vy", "rotor.plane[1].a_xi"]
+    own = round(scene.coupling.steps_per_rev)
+    runs = {}
+    for parts in (own, 5, 7.5, 1000):
+        found = driven(hosted(scene), scene, turning(scene, parts, 2), names)
+        runs[parts] = found[[0, -1]]
+    for parts in (5, 7.5, 1000):
+        assert runs[parts] == pytest.approx(runs[own], rel=1e-12, abs=1e-15), parts
+
+
+def test_between_the_ends_of_steps_the_order_is_four(hosted):
+    """At 0.37 of the steps' spacing, against steps 16 times finer."""
+    names = ["rotor.x", "rotor.y", "weights.weight[1].angle", "weights.F_xi"]
+    runs = []
+    for steps in (20, 40, 320):
+        scene = load_scene("two_balls").replace({"coupling.steps_per_rev": steps})
+        runs.append(driven(hosted(scene), scene, turning(scene, 20 / 0.37, 5), names))
+    coarse, fine = (np.abs(run - runs[2]).max(axis=0) / np.ptp(runs[2], axis=0) for run in runs[:2])
+    assert (fine < 3e-6).all()
+    assert (coarse > 10.0 * fine).all()
+
+
+def test_a_state_within_a_step_is_everything(hosted):
+    """The same bits after going back, from the same instance and in another one."""
+    scene = load_scene("balls_and_liquid")
+    names = ["rotor.x", "balls.weight[2].angle", "liquid.clearance", "coupling.steps"]
+    times = turning(scene, 7.3, 8)
+    host = hosted(scene)
+    driven(host, scene, times[:20], names)
+    state = host.slave.getFMUState()
+    expected = driven(host, scene, times[19:], names)
+    host.slave.setFMUState(state)
+    assert driven(host, scene, times[19:], names).tolist() == expected.tolist()
+    other = hosted(scene, {"balls.drag": 0.1})
+    other.slave.setFMUState(other.slave.deserializeFMUState(host.slave.serializeFMUState(state)))
+    assert driven(other, scene, times[19:], names).tolist() == expected.tolist()
+
+
+@pytest.mark.parametrize("fmi", [2, 3])
+def test_fmpy_finds_nothing_wrong_and_simulates_it(tmp_path, fmi):
+    """With the harness's own motion, asked for at 37 points a revolution."""
+    scene = load_scene("balls_and_liquid").replace({"run.revolutions": 2})
+    path = build_one_file(scene, tmp_path / "one.fmu", fmi, [platform_tuple])
+    assert not validate_fmu(str(path))
+    period = 2.0 * math.pi / scene.profile().speed(0.0)
+    expected = cosimulate(scene)
+    rows = simulate_fmu(
+        str(path), stop_time=2.0 * period, output_interval=period / 37, output=["rotor.x"]
+    )
+    error = rows["rotor.x"] - CubicSpline(expected.time, expected["rotor.x"])(rows["time"])
+    assert len(rows) == 75
+    assert np.abs(error).max() < 1e-4 * np.ptp(expected["rotor.x"])
+
+
+def test_parameters_and_speed_are_those_that_are_set(hosted):
+    """As a scene with them, though the file was built for another."""
+    scene = load_scene("two_balls").replace({"run.revolutions": 4})
+    changed = scene.replace({"rotor.mass": 1.1, "weights.drag": 0.02, "operation.speed": 3.4})
+    expected = cosimulate(changed)
+    values = {"rotor.mass": 1.1, "weights.drag": 0.02, "speed": 3.4, "coupling.top_speed": 3.4}
+    found = driven(hosted(scene, values), changed, expected.time, ["rotor.x", "rotor.y"])
+    for k, signal in enumerate(("rotor.x", "rotor.y")):
+        assert found[:, k] == pytest.approx(expected[signal], abs=RANGE * np.ptp(expected[signal]))
