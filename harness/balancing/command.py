@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from ..master.run_command import changed_scene
-from ..output import options
+from ..output import costs, options
 from ..output.files import write_json
 from ..output.table import Sheet
 from ..output.terminal import console, progress_bar, say, show
@@ -25,12 +25,16 @@ def command(
     ] = None,
     json_file: Annotated[Path | None, options.json("all")] = None,
     changes: Annotated[list[str] | None, options.changes("balancing.noise=1e-7")] = None,
+    at_most: Annotated[str, options.at_most()] = costs.DEFAULT,
 ) -> None:
     """Balance a scene's rotor on a virtual machine; exit code 1 if the grade is not met."""
     from .cycles import balance
 
     loaded = changed_scene(scene, changes)
-    with progress_bar(f"balancing {loaded.name}") as progress:
+    with (
+        costs.limited(at_most, "balancing.revolutions"),
+        progress_bar(f"balancing {loaded.name}") as progress,
+    ):
         result = balance(loaded, progress=progress)
     _print(result)
     if output is not None:

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from ..errors import UserError
-from ..output import options
+from ..output import costs, options
 from ..output.table import Sheet
 from ..output.terminal import progress_bar, say, show
 
@@ -36,6 +36,7 @@ def command(
     output: Annotated[
         Path | None, options.picture("Picture (png, svg, pdf).", "--output", "-o")
     ] = None,
+    at_most: Annotated[str, options.at_most()] = costs.DEFAULT,
 ) -> None:
     """Compare numbers of balls or rollers: capacity, spread, predicted and measured settling."""
     from ..scene import load_scene
@@ -46,7 +47,9 @@ def command(
         if value is not None and not 0.0 < value < math.inf:
             raise UserError(f"{name} {value:g}: must be above 0")
     loaded = load_scene(scene)
-    with progress_bar(f"designing for {loaded.name}") as progress:
+    key = f"--starts {starts} --most {most}, run.revolutions = {loaded.run.revolutions:g}"
+    limit = costs.limited(at_most, key)  # one batch of runs may be too long by itself
+    with limit, progress_bar(f"designing for {loaded.name}") as progress:
         data = design(
             loaded,
             unbalance=unbalance,
@@ -56,7 +59,7 @@ def command(
             counts=range(2, most + 1),
             starts=starts,
             workers=os.cpu_count() or 1,
-            progress=progress,
+            progress=costs.within(at_most, key, progress),
         )
     show(table(data, starts))
     for line in words(data):
