@@ -144,7 +144,10 @@ class Fmu(Closing):
         self._free = dll.fmi2FreeFMUstate
 
     def _log(self, _environment, _instance, status, _category, message) -> None:
-        text = message.decode("utf-8", "replace") if message else ""
+        try:  # a Python unit logs with its exception pending, which `decode` would be blamed for
+            raise LookupError
+        except Exception:
+            text = message.decode("utf-8", "replace") if message else ""
         if status >= _WARNING:
             self.messages.append(text)
 
