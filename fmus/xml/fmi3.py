@@ -52,6 +52,7 @@ def model_description(
             "canGetAndSetFMUState": "true",
             "canSerializeFMUState": "true",
             "providesDirectionalDerivatives": flag(can.directional_derivatives),
+            "providesAdjointDerivatives": flag(can.directional_derivatives),
             "canHandleVariableCommunicationStepSize": "true",
             "maxOutputDerivativeOrder": str(can.output_derivatives),
             "canReturnEarlyAfterIntermediateUpdate": "false",

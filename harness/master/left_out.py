@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 from ...fmus.catalogue import CATALOGUE
 from ..scene import Scene
-from .schemes.protocol import EXPLICIT
+from ..scene.run import UNCORRECTED
 
 
 def left_out(scene: Scene, recorded: Sequence[str]) -> list[str]:
@@ -18,7 +18,7 @@ def left_out(scene: Scene, recorded: Sequence[str]) -> list[str]:
     if not exchanging:
         alone = "the liquid acts as added mass alone" if scene.balancer else "no balancer"
         notes += [f"force exchange ({alone})", "corrector passes and rollback"]
-    elif coupling.scheme in EXPLICIT:
+    elif coupling.scheme in UNCORRECTED:
         notes.append("corrector passes and rollback (explicit scheme)")
     if exchanging and coupling.order < 3:
         notes.append("slopes of the signals" if coupling.order == 0 else "second derivatives")

@@ -60,7 +60,10 @@ def parted(revolutions: Array, apart: Array, size: Array, lost: int) -> Parting 
     if lost - half < FEWEST_POINTS:
         return None
     grown, most = np.maximum.accumulate(apart), np.maximum.accumulate(size)
-    ratio, turned = (grown / most)[begin : lost + 1], revolutions[begin : lost + 1]
+    if not most[begin] > 0.0:
+        return None
+    ratio = grown[begin : lost + 1] / most[begin : lost + 1]
+    turned = revolutions[begin : lost + 1]
     if not ratio[0] > 0.0 or ratio[-1] < 2.0**POWER_LAW * ratio[half - begin]:
         return None
     slope = np.polynomial.Polynomial.fit(turned, np.log(ratio), 1).convert().coef[1]

@@ -20,6 +20,7 @@ import fmpy
 from fmpy import platform_tuple
 
 from ...fmus.build import build, is_present_build, options_of
+from ...fmus.catalogue import sized_unit
 from ..errors import UnitError
 from ..scene import Scene
 from ..scene.balancer import Balancer
@@ -98,6 +99,11 @@ class Plan:
     def files(self) -> tuple[str, ...]:
         """Names of the FMU files, each once."""
         return tuple(dict.fromkeys(unit.file_name for unit in self.units))
+
+    def variables_by_unit(self) -> dict[str, list[str]]:
+        """Names of all variables of the units, as they are built."""
+        layouts = {unit.name: sized_unit(unit.model, **unit.sizes).layout for unit in self.units}
+        return {name: [v.name for v in layout.variables] for name, layout in layouts.items()}
 
     def of_kind(self, kind: Kind) -> list[Connection]:
         """Connections of one kind."""

@@ -13,13 +13,14 @@ from ..errors import SceneError
 from .file import MOST_LEVELS
 from .messages import choose_table, did_you_mean, tables_in
 from .quantities import fields_of
+from .run import UNCORRECTED
 
-# giving one of these takes the others' place
+# giving one of these takes the place of the others
 _ALTERNATIVES = {
-    "operation.speed": ["run_up"],
-    "operation.run_up": ["speed"],
-    "coupling.steps_per_rev": ["tolerance", "fewest_steps_per_rev"],
-    "coupling.tolerance": ["steps_per_rev"],
+    "operation.speed": ("run_up",),
+    "operation.run_up": ("speed",),
+    "coupling.steps_per_rev": ("tolerance", "fewest_steps_per_rev"),
+    "coupling.tolerance": ("steps_per_rev", "corrections"),
 }
 _PART = re.compile(r"(?P<key>[A-Za-z_][A-Za-z0-9_-]*)(?P<indices>(?:\[\d+\])*)$")
 
@@ -43,6 +44,7 @@ def replaced(
         SceneError: a path is unknown; the message says what is possible.
     """
     document = copy.deepcopy(document)
+    given = {path for path, value in changes.items() if value is not None}
     for path, value in changes.items():
         first, *rest = path.split(".")
         if len(rest) > MOST_LEVELS:
@@ -57,7 +59,17 @@ def replaced(
         else:
             holder = document.setdefault(first, {})
         _put(holder, tables[first], path, rest, _plain(value))
+        for other in _superseded(path, value):
+            if f"{first}.{other}" not in given:
+                holder.pop(other, None)
     return document
+
+
+def _superseded(path: str, value: Any) -> tuple[str, ...]:
+    """Keys of the same table that mean nothing beside this value."""
+    if path == "coupling.scheme" and value in UNCORRECTED:
+        return ("corrections",)
+    return _ALTERNATIVES.get(path, ()) if value is not None else ()
 
 
 def _put(holder: Document, table: TableType, path: str, rest: list[str], value: Any) -> None:
@@ -75,9 +87,6 @@ def _put(holder: Document, table: TableType, path: str, rest: list[str], value: 
                 f"{'.'.join(path.split('.')[: depth + 1])} has: {', '.join(known) or 'no keys'}"
             )
         if depth == len(parts) - 1:
-            if value is not None:
-                for other in _ALTERNATIVES.get(path, []):
-                    holder.pop(other, None)
             _assign(holder, part["key"], part["indices"], value, path)
             return
         below = holder.setdefault(part["key"], {})

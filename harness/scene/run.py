@@ -11,6 +11,7 @@ from ...models.reference.coupled import Start
 from .quantities import Angle, NotNegative, Positive, Real, Table, Text, Unit, Whole, refusal
 
 DEFAULT_STEPS = 40  # a revolution: 1e-6 on the two-ball scene with cubic signals
+UNCORRECTED = ("jacobi", "gauss-seidel", "compensated")  # schemes that take one pass
 FEWEST_STEPS = 4  # fewer do not resolve one revolution
 FEWEST_CHOSEN = 8  # steps a revolution with a tolerance: fewer would not show one in a record
 LOOSEST_TOLERANCE = 0.1
@@ -72,8 +73,8 @@ class Coupling(Table):
     order: Annotated[Literal[0, 1, 3], BeforeValidator(_whole_choice)] = 3
     """Of the signals over a step: 0 held, 1 linear, 3 cubic Hermite."""
     corrections: Annotated[Whole | None, Field(ge=0, le=100)] = None
-    """Corrector passes of `iterated`; default: until the loop has converged, with `auto` as few as
-    the loop gain asks for."""
+    """Corrector passes of `iterated` with given steps; default: until the loop has converged, with
+    `auto` as few as the loop gain asks for."""
     units: Literal["native", "python"] = "native"
     """Compiled units, or those that run Python: the reference, several times slower."""
 
@@ -91,6 +92,18 @@ class Coupling(Table):
             raise refusal(
                 "steps_per_rev",
                 f"give either steps_per_rev or tolerance = {self.tolerance:g}, not both",
+            )
+        if self.corrections is not None and self.scheme in UNCORRECTED:
+            raise refusal(
+                "corrections",
+                f'scheme = "{self.scheme}" takes one pass: leave corrections out, or take '
+                'scheme = "iterated" or "auto"',
+            )
+        if self.corrections is not None and self.tolerance is not None:
+            raise refusal(
+                "corrections",
+                f"with tolerance = {self.tolerance:g} a step takes as many passes as it needs: "
+                "leave corrections out, or give steps_per_rev instead",
             )
         if self.fewest_steps_per_rev is not None and self.tolerance is None:
             raise refusal("fewest_steps_per_rev", "needs a tolerance, which chooses the steps")

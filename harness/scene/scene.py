@@ -137,7 +137,8 @@ class Scene(Table):
 
         Paths begin with rotor, operation, coupling, run, or a balancer's name; elements of lists
         count from 1 ("rotor.stiffness[2]").  None takes a key out, back to its default.  Speed and
-        run_up, steps_per_rev and tolerance take each other's place.
+        run_up, steps_per_rev and tolerance take each other's place; a tolerance, or a scheme that
+        takes one pass, takes that of corrections.  Two of them given at once are refused.
 
         Raises:
             SceneError: a path is unknown (says what is possible), or a value is wrong.
@@ -181,17 +182,15 @@ class Scene(Table):
             rotor = self._linear_rotor
         except ValueError as error:
             return [f"rotor: {error}"]
-        lines = []
-        if self.balancing is not None:
-            lines += self.balancing.problems(self.rotor)
-        for i, check in enumerate(self.check, start=1):
-            liquids = [b for b in self.balancer if b.kind == "liquid"]
-            fits = len(liquids) == len(self.balancer) == 1 and rotor.isotropic
-            if check.kind == "liquid_window" and not (fits and self.rotor.kind == "planar"):
-                lines.append(
-                    f'check[{i}].kind = "liquid_window": needs a planar rotor with equal stiffness '
-                    "and damping in x and y, and one balancer of kind liquid"
-                )
+        lines = self.balancing.problems(self.rotor) if self.balancing else []
+        one_liquid = [b.kind for b in self.balancer] == ["liquid"]
+        fits = one_liquid and rotor.isotropic and self.rotor.kind == "planar"
+        lines += [
+            f'check[{i}].kind = "liquid_window": needs a planar rotor with equal stiffness '
+            "and damping in x and y, and one balancer of kind liquid"
+            for i, check in enumerate(self.check, start=1)
+            if check.kind == "liquid_window" and not fits
+        ]
         return lines
 
 

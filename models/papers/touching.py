@@ -22,7 +22,7 @@ from typing import NamedTuple
 from ..assembly import Assembly, Mounted
 from ..contact.contact import group_factor
 from ..weights import Weights
-from .capacity import packed_alignment
+from .capacity import capacity, packed_alignment
 
 _TOUCHING = 1e-8  # rad: more than a record's rounding, less than any gap that matters
 
@@ -80,6 +80,18 @@ def facing_measure(count: int, alpha: float) -> tuple[int, float]:
     """
     smaller = count // 2
     return smaller, packed_alignment(smaller, alpha)
+
+
+def critical_unbalance(mass: float, track: float, radius: float) -> float:
+    """Unbalance at which three weights stand two against one, S(2) - S(1) [kg m].
+
+    The smaller group is a single weight, so p_g = 1 and no opening of a group helps: nothing drives
+    them, as it drives two weights nowhere on a diameter.  Goncharov's (13) knows no such case.
+
+    Args:
+        mass, track, radius: m [kg], R - r [m] and r [m], as of `capacity`.
+    """
+    return capacity(mass, track, radius, 2) - capacity(mass, track, radius, 1)
 
 
 def merged(assembly: Assembly, alpha: float, groups: Sequence[Packed]) -> Assembly:

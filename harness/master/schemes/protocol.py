@@ -14,6 +14,7 @@ import numpy as np
 
 from ...errors import SceneError
 from ...scene import Scene
+from ...scene.run import UNCORRECTED
 from ..system import System
 from .adaptive import Adaptive
 from .compensated import Compensated
@@ -21,7 +22,6 @@ from .gauss_seidel import GaussSeidel
 from .iterated import Iterated
 from .jacobi import Jacobi
 
-EXPLICIT = (Jacobi.name, GaussSeidel.name, Compensated.name)  # these take no corrector pass
 WEAK_LOOP = 0.1  # one corrector pass then leaves 1 % of the prediction's error
 
 
@@ -122,7 +122,7 @@ def refuse_loose_tolerance(scene: Scene) -> None:
     coupling = scene.coupling
     if coupling.tolerance is None:
         return
-    if coupling.scheme in EXPLICIT or coupling.order != 3:
+    if coupling.scheme in UNCORRECTED or coupling.order != 3:
         raise SceneError(
             f"{scene.name}: coupling.tolerance = {coupling.tolerance:g}: kept only by scheme "
             f'"iterated" or "auto" with order 3, not by "{coupling.scheme}" with order '

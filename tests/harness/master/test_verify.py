@@ -15,7 +15,6 @@ from autobalancer.harness.master.parting import Statistics
 from autobalancer.harness.scene import Scene
 from autobalancer.harness.truth.judge import growth
 from autobalancer.models.monolith import reference
-from autobalancer.models.reference.coupled import Start
 
 AUTO = {"coupling.scheme": "auto", "coupling.corrections": None, "coupling.steps_per_rev": None}
 EXPLICIT = {"coupling.scheme": "gauss-seidel", "coupling.corrections": None}
@@ -71,7 +70,7 @@ def true_errors(scene, result):
 
     With each, what the integrations themselves leave open.
     """
-    start = Start(**dict(scene.run.initial.items()))
+    start = scene.run.initial.motion()
     right, own = reference(scene.assembly(), scene.profile(), result.time, initial=start)
     assert own < 1e-8
     names = [name for name in result.signals if not name.endswith(("angle", "clearance"))]

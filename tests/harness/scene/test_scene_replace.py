@@ -11,6 +11,7 @@ from hypothesis import strategies as st
 
 from autobalancer.harness.errors import SceneError
 from autobalancer.harness.scene import load_scene
+from autobalancer.harness.scene.run import UNCORRECTED
 
 SCENE = load_scene("two_balls")
 
@@ -33,6 +34,11 @@ RIGHT = {
     "run.record": st.none() | st.lists(st.sampled_from(["rotor.x", "rotor.y"]), max_size=3),
     "run.initial.vx": st.floats(-5.0, 5.0),
 }
+RIVALS = [  # some of their values mean nothing beside each other
+    {"coupling.steps_per_rev", "coupling.tolerance"},
+    {"coupling.corrections", "coupling.tolerance"},
+    {"coupling.corrections", "coupling.scheme"},
+]
 WRONG = {
     "rotor.mass": -1.0,
     "rotor.stiffness[3]": 1.0,
@@ -78,6 +84,7 @@ def test_what_is_put_in_is_read_back(item):
 @given(st.data(), st.sampled_from(sorted(RIGHT)))
 def test_the_last_of_two_values_wins(data, path):
     first, last = data.draw(RIGHT[path]), data.draw(RIGHT[path])
+    assume(first not in UNCORRECTED)  # it takes corrections with it
     assert SCENE.replace({path: first}).replace({path: last}) == SCENE.replace({path: last})
 
 
@@ -86,17 +93,20 @@ def test_the_last_of_two_values_wins(data, path):
 def test_a_value_put_back_gives_the_same_scene(item):
     path, value = item
     before = SCENE.replace({"coupling.steps_per_rev": 25, "coupling.corrections": 2})
-    # a tolerance has taken the place of the steps: giving them takes it back
-    back = "coupling.steps_per_rev" if path == "coupling.tolerance" else path
-    again = before.replace({path: value}).replace({back: read(before, back)})
+    # what it has taken the place of: giving that takes it back
+    taken = {
+        "coupling.tolerance": ["coupling.steps_per_rev", "coupling.corrections"],
+        "coupling.scheme": ["coupling.scheme", "coupling.corrections"],
+    }
+    back = {key: read(before, key) for key in taken.get(path, [path])}
+    again = before.replace({path: value}).replace(back)
     assert again.model_dump() == before.model_dump()
 
 
 @law
 @given(change, change)
 def test_changes_of_different_values_do_not_depend_on_their_order(one, other):
-    rivals = {"coupling.steps_per_rev", "coupling.tolerance"}
-    assume(one[0] != other[0] and {one[0], other[0]} != rivals)
+    assume(one[0] != other[0] and {one[0], other[0]} not in RIVALS)
     together = SCENE.replace(dict([one, other]))
     assert together == SCENE.replace(dict([other, one]))
     assert together == SCENE.replace(dict([one])).replace(dict([other]))
@@ -112,3 +122,25 @@ def test_a_refused_change_leaves_the_scene_as_it_was(item, wrong):
         scene.replace({path: value, wrong: WRONG[wrong]})
     assert scene == before
     assert scene.replace({}) == before
+
+
+@pytest.mark.parametrize("scheme", ["jacobi", "gauss-seidel", "compensated"])
+def test_a_scheme_of_one_pass_takes_the_place_of_corrections(scheme):
+    assert SCENE.coupling.corrections == 1
+    assert SCENE.replace({"coupling.scheme": scheme}).coupling.corrections is None
+    given = {"coupling.corrections": 2, "coupling.scheme": scheme}
+    for changes in (given, dict(reversed(given.items()))):
+        with pytest.raises(SceneError, match=f'corrections = 2: scheme = "{scheme}" takes one'):
+            SCENE.replace(changes)
+    assert SCENE.replace({"coupling.scheme": "auto"}).coupling.corrections == 1
+
+
+def test_a_tolerance_takes_the_place_of_steps_and_corrections_unless_they_are_given_with_it():
+    coupling = SCENE.replace({"coupling.tolerance": 1e-3}).coupling
+    assert (coupling.steps_per_rev, coupling.corrections) == (None, None)
+    with pytest.raises(SceneError, match=r"corrections = 2: with tolerance = 0\.001"):
+        SCENE.replace({"coupling.tolerance": 1e-3, "coupling.corrections": 2})
+    for rival in ({"coupling.steps_per_rev": 20}, {"coupling.tolerance": 1e-3}):
+        both = {**rival, "coupling.tolerance": 1e-3, "coupling.steps_per_rev": 20}
+        with pytest.raises(SceneError, match="give either steps_per_rev or tolerance"):
+            SCENE.replace(both)
