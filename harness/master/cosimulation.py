@@ -19,7 +19,7 @@ from ..scene.run import FEWEST_CHOSEN
 from .facts import Facts, advice, result
 from .fmu import Closing, Fmu
 from .loop import consistent_start, loop_gain, rotor_response, value_eigenvalues
-from .plan import find_or_build, plan, refuse_other_build
+from .plan import find_or_build, plan
 from .recorder import Recorder, recorded, refuse_unknown
 from .resolution import Resolution
 from .result import Result
@@ -59,9 +59,6 @@ class CoSimulation(Closing):
                 one.name: stack.enter_context(Fmu(path, one.name))
                 for path, one in zip(self.paths, self.plan.units, strict=True)
             }
-            if fmus is not None:
-                for one in self.plan.units:
-                    refuse_other_build(self.units[one.name], one)
             self.system = System(self.plan, self.units, scene.coupling.order, watch)
             stack.callback(self.system.free_states)
             self._stack = stack.pop_all()

@@ -70,6 +70,8 @@ def test_a_description_that_is_not_xml_is_said_to_be_wrong(scene, fmus, rewritte
     broken = rewritten(path, tmp_path / "broken.fmu", described(lambda text: text[:300]))
     broken.replace(path)
     with pytest.raises(UnitError, match=r"BallBalancer\.fmu: its modelDescription\.xml is wrong"):
+        Fmu(path, "weights")
+    with pytest.raises(UnitError, match=r"BallBalancer\.fmu: not an FMU"):
         cosimulate(scene, fmus=fmus)
 
 
@@ -94,6 +96,8 @@ def test_another_interface_is_refused(scene, fmus, rewritten, tmp_path, change):
     path = fmus / "BallBalancer.fmu"
     rewritten(path, tmp_path / "other.fmu", described(change)).replace(path)
     with pytest.raises(UnitError, match=r"BallBalancer\.fmu: .*(FMI 2\.0 co-simulation|wrong)"):
+        Fmu(path, "weights")
+    with pytest.raises(UnitError, match=r"\.fmu: (is of a different build|not an FMU)"):
         cosimulate(scene, fmus=fmus)
 
 
