@@ -4,17 +4,13 @@ from __future__ import annotations
 
 from dataclasses import fields
 from difflib import get_close_matches
-from importlib import import_module
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from .liquid.variables import LIQUID
 from .rotor.variables import ROTOR
 from .unit import SizedUnit, Unit, alternatives
 from .weights.variables import BALLS
-
-if TYPE_CHECKING:
-    from .python.slave import Slave
 
 CATALOGUE: dict[str, Unit] = {unit.name: unit for unit in (ROTOR, LIQUID, BALLS)}
 
@@ -37,11 +33,6 @@ def sized_unit(name: str, **options: Any) -> SizedUnit:
             raise TypeError(f"{option}: no unit has this option; {hint}")
     own = {f.name for f in fields(CATALOGUE[name].sizes)}
     return CATALOGUE[name].sized({k: v for k, v in options.items() if k in own})
-
-
-def slave_class(unit: Unit) -> type[Slave]:
-    """The unit in Python."""
-    return getattr(import_module(f".{unit.folder}.slave", __package__), unit.name)
 
 
 def equations(unit: Unit) -> str:

@@ -17,8 +17,6 @@ from .linear.balanced import CannotBalance
 from .linear.floquet import exponents, fast_growth, one_turn_multipliers
 from .linear.linearised import Linearised, linearise
 
-MARGIN = 1e-10  # growth per revolution that rounding alone can make
-
 
 def _speeds(speeds: ArrayLike) -> NDArray[np.float64]:
     array = np.atleast_1d(np.asarray(speeds, float))
@@ -31,69 +29,35 @@ def _speeds(speeds: ArrayLike) -> NDArray[np.float64]:
 
 
 def active_growth(
-    systems: list[Linearised], which: NDArray, speeds: NDArray, refinement: float
+    systems: list[Linearised], which: NDArray, speeds: NDArray
 ) -> NDArray[np.float64]:
     """Largest growth rate (b,) [1/s] of systems of one size and kind, neutral turns apart."""
     if systems[0].constant:
         growth = exponents(systems, which, speeds).real.max(axis=1, initial=-math.inf)
     else:
-        sizes = np.abs(one_turn_multipliers(systems, which, speeds, refinement)).max(axis=1)
+        sizes = np.abs(one_turn_multipliers(systems, which, speeds)).max(axis=1)
         growth = np.log(np.maximum(sizes, np.finfo(float).tiny)) * speeds / (2.0 * math.pi)
-        growth = np.maximum(growth, fast_growth(systems, which, speeds, refinement))
+        growth = np.maximum(growth, fast_growth(systems, which, speeds))
     decay = np.array([-s.free_decay.min(initial=math.inf) for s in systems])
     return np.maximum(growth, decay[which])
 
 
-def multipliers(
-    assembly: Assembly, speeds: ArrayLike, *, refinement: float = 1.0
-) -> NDArray[np.complex128]:
-    """Multipliers of one revolution about the main motion.
+def growth_rates(assembly: Assembly, speeds: ArrayLike) -> NDArray[np.float64]:
+    """Largest growth rate [1/s] at each speed (b,), neutral turns apart; negative means stable.
 
     Args:
         assembly: rotor and balancers; the weights' angles are made to balance, see
             `balanced.balanced_angles`.
         speeds: (b,) [rad/s], positive.
-        refinement: factor on the number of steps of the Floquet map.
-
-    Returns:
-        (b, size), size = 4 n + 2 K for n stations and K weights.  The last columns
-        are the neutral turns of three and more weights, exactly 1 by structure; before them stand
-        the free decays e^{-d T} of their rates; the columns before these decide.  Motions that turn
-        more than about 500 times in a revolution show as 0 (`floquet.MOST_STEPS`): their growth is
-        in `growth_rates` only.
 
     Raises:
         CannotBalance: the weights cannot undo the unbalance.
     """
     w = _speeds(speeds)
-    system = linearise(assembly)
-    which = np.zeros(len(w), int)
-    period = 2.0 * math.pi / w[:, None]
-    if system.constant:
-        active = np.exp(exponents([system], which, w) * period)
-    else:
-        active = one_turn_multipliers([system], which, w, refinement)
-    decays = np.exp(-system.free_decay * period)
-    return np.hstack([active, decays, np.ones((len(w), system.neutral))])
+    return active_growth([linearise(assembly)], np.zeros(len(w), int), w)
 
 
-def growth_rates(
-    assembly: Assembly, speeds: ArrayLike, *, refinement: float = 1.0
-) -> NDArray[np.float64]:
-    """Largest growth rate [1/s] at each speed (b,), neutral turns apart; negative means stable.
-
-    Arguments and errors as for `multipliers`.
-    """
-    w = _speeds(speeds)
-    return active_growth([linearise(assembly)], np.zeros(len(w), int), w, refinement)
-
-
-def growth_map(
-    assemblies: Sequence[Assembly],
-    speeds: ArrayLike,
-    *,
-    refinement: float = 1.0,
-) -> NDArray[np.float64]:
+def growth_map(assemblies: Sequence[Assembly], speeds: ArrayLike) -> NDArray[np.float64]:
     """Largest growth rate [1/s] of every assembly at every speed, (len(assemblies), len(speeds)).
 
     NaN where the weights of an assembly cannot undo its unbalance: it has no main motion.
@@ -111,6 +75,6 @@ def growth_map(
         rows = np.array([i for i, _ in members])
         systems = [system for _, system in members]
         which = np.repeat(np.arange(len(systems)), len(w))
-        growth = active_growth(systems, which, np.tile(w, len(systems)), refinement)
+        growth = active_growth(systems, which, np.tile(w, len(systems)))
         result[rows] = growth.reshape(len(systems), len(w))
     return result

@@ -38,6 +38,14 @@ def own_variables(sizes: CompositeSizes) -> list[Variable]:
             minimum=0.0,
         ),
         parameter(
+            "coupling.fewest_steps_per_rev",
+            8.0,
+            "1",
+            "Steps in the fastest revolution, at least, with a tolerance",
+            minimum=0.0,
+            above=True,
+        ),
+        parameter(
             "coupling.top_speed",
             0.0,
             "rad/s",
@@ -90,11 +98,11 @@ def variables(parts: Iterable[tuple[str, SizedUnit]], planes: int) -> list[Varia
 
 def _of_part(name: str, variable: Variable) -> Variable:
     """A variable under the name of its part; outputs wait until they are read."""
-    derivative = variable.derivative_of
+    der = "der(" * variable.name.startswith("der(")
     return replace(
         variable,
-        name=f"{name}.{variable.name}",
-        derivative_of=f"{name}.{derivative}" if derivative else "",
+        name=f"{der}{name}.{variable.name.removeprefix(der)}",
+        derivative_of=variable.derivative_of and f"{name}.{variable.derivative_of}",
         depends=(),
         begins=(),
         observed=variable.causality == "output",

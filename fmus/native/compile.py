@@ -23,6 +23,8 @@ from dataclasses import dataclass
 from importlib.metadata import version
 from pathlib import Path
 
+from ..unit import alternatives
+from ..xml.archive import source, write
 from .layout import header
 
 COMPILER = "0.17.1"  # version of ziglang: part of the stamp, another writes other bytes
@@ -111,7 +113,7 @@ def stamp() -> str:
     total = hashlib.sha256()
     for text in (COMPILER, *FLAGS, *_OBJECT, *_LINK, *map(repr, PLATFORMS.values())):
         total.update(text.encode() + b"\0")
-    windows = {path.name: _text(path) for path in sorted((SOURCES / "windows").iterdir())}
+    windows = {path.name: source(path) for path in sorted((SOURCES / "windows").iterdir())}
     for name, text in {**sources(), **windows, "layout.h": generated("layout.h")}.items():
         total.update(f"{name}\0{len(text)}\0{text}".encode())
     return total.hexdigest()[:16]
@@ -119,12 +121,12 @@ def stamp() -> str:
 
 def sources() -> dict[str, str]:
     """Text of the C sources by file name, without what is generated."""
-    return {path.name: _text(path) for path in sorted(SOURCES.glob("*.[ch]"))}
+    return {path.name: source(path) for path in sorted(SOURCES.glob("*.[ch]"))}
 
 
 def generated(name: str) -> str:
     """Text of layout.h or stamp.h, as `libraries` leaves them."""
-    return _text(GENERATED / name)
+    return source(GENERATED / name)
 
 
 def generate() -> None:
@@ -219,8 +221,7 @@ def _known(platforms: Iterable[str]) -> list[str]:
     names = list(dict.fromkeys(platforms))
     for name in names:
         if name not in PLATFORMS:
-            allowed = ", ".join(map(repr, PLATFORMS))
-            raise ValueError(f"platform = {name!r}: must be one of {allowed}")
+            raise ValueError(f"platform = {name!r}: must be one of {alternatives(PLATFORMS)}")
     return names
 
 
@@ -242,21 +243,10 @@ def _current() -> bool:
         return False
 
 
-def _text(path: Path) -> str:
-    """Text with the same line ends on every platform."""
-    return path.read_text(encoding="utf-8").replace("\r\n", "\n")
-
-
 def _write(path: Path, data: bytes) -> None:
     """Write a file whole, unless it says the same already."""
-    if path.exists() and path.read_bytes() == data:
-        return
-    path.parent.mkdir(parents=True, exist_ok=True)
-    handle, draft = tempfile.mkstemp(dir=path.parent)
-    with os.fdopen(handle, "wb") as file:
-        file.write(data)
-    os.chmod(draft, 0o644)
-    os.replace(draft, path)
+    if not path.exists() or path.read_bytes() != data:
+        write(path, data)
 
 
 if __name__ == "__main__":

@@ -256,6 +256,21 @@ EXPORT fmi3Status fmi3DeserializeFMUState(fmi3Instance instance, const fmi3Byte 
 
 /* -- derivatives and the step --------------------------------------------------------------- */
 
+/* As reals_allowed, for outputs (elements 0) and inputs (elements 1). */
+static Status sides_allowed(fmi3Instance instance, const char *function,
+                            const fmi3ValueReference unknowns[], size_t unknown_count,
+                            const void *of_unknowns, size_t of_unknown_count,
+                            const fmi3ValueReference knowns[], size_t known_count,
+                            const void *of_knowns, size_t of_known_count)
+{
+    const int phases = INITIALISING | RUNNING;
+    const Status status = reals_allowed(instance, function, phases, unknowns, unknown_count,
+                                        of_unknowns, of_unknown_count, 0);
+    return status ? status
+                  : reals_allowed(instance, function, phases, knowns, known_count, of_knowns,
+                                  of_known_count, 1);
+}
+
 EXPORT fmi3Status fmi3GetDirectionalDerivative(fmi3Instance instance,
                                                const fmi3ValueReference unknowns[],
                                                size_t unknown_count,
@@ -264,21 +279,35 @@ EXPORT fmi3Status fmi3GetDirectionalDerivative(fmi3Instance instance,
                                                size_t seed_count, fmi3Float64 change[],
                                                size_t change_count)
 {
-    const char *function = "fmi3GetDirectionalDerivative";
-    const Elements *outputs, *inputs;
-    Status status = reals_allowed(instance, function, INITIALISING | RUNNING, unknowns,
-                                  unknown_count, change, change_count, 0);
-    if (!status) {
-        status = reals_allowed(instance, function, INITIALISING | RUNNING, knowns, known_count,
-                               seed, seed_count, 1);
-    }
+    const Status status = sides_allowed(instance, "fmi3GetDirectionalDerivative", unknowns,
+                                        unknown_count, change, change_count, knowns, known_count,
+                                        seed, seed_count);
+    const Elements *sides;
     if (status) {
         return (fmi3Status)status;
     }
-    outputs = front_unit(instance)->elements;
-    inputs = outputs + 1;
-    return (fmi3Status)unit_directional(front_unit(instance), outputs->at, outputs->count,
-                                        inputs->at, inputs->count, seed, change);
+    sides = front_unit(instance)->elements;
+    return (fmi3Status)unit_directional(front_unit(instance), sides[0].at, sides[0].count,
+                                        sides[1].at, sides[1].count, seed, change);
+}
+
+EXPORT fmi3Status fmi3GetAdjointDerivative(fmi3Instance instance,
+                                           const fmi3ValueReference unknowns[],
+                                           size_t unknown_count,
+                                           const fmi3ValueReference knowns[], size_t known_count,
+                                           const fmi3Float64 seed[], size_t seed_count,
+                                           fmi3Float64 change[], size_t change_count)
+{
+    const Status status = sides_allowed(instance, "fmi3GetAdjointDerivative", unknowns,
+                                        unknown_count, seed, seed_count, knowns, known_count,
+                                        change, change_count);
+    const Elements *sides;
+    if (status) {
+        return (fmi3Status)status;
+    }
+    sides = front_unit(instance)->elements;
+    return (fmi3Status)unit_adjoint(front_unit(instance), sides[0].at, sides[0].count, sides[1].at,
+                                    sides[1].count, seed, change);
 }
 
 EXPORT fmi3Status fmi3GetOutputDerivatives(fmi3Instance instance, const fmi3ValueReference vr[],

@@ -79,24 +79,6 @@ EXPORT fmi3Status fmi3GetVariableDependencies(fmi3Instance instance, fmi3ValueRe
     return absent(instance, "fmi3GetVariableDependencies");
 }
 
-EXPORT fmi3Status fmi3GetAdjointDerivative(fmi3Instance instance,
-                                           const fmi3ValueReference unknowns[],
-                                           size_t unknown_count,
-                                           const fmi3ValueReference knowns[], size_t known_count,
-                                           const fmi3Float64 seed[], size_t seed_count,
-                                           fmi3Float64 change[], size_t change_count)
-{
-    (void)unknowns;
-    (void)unknown_count;
-    (void)knowns;
-    (void)known_count;
-    (void)seed;
-    (void)seed_count;
-    (void)change;
-    (void)change_count;
-    return absent(instance, "fmi3GetAdjointDerivative");
-}
-
 EXPORT fmi3Status fmi3EnterConfigurationMode(fmi3Instance instance)
 {
     return absent(instance, "fmi3EnterConfigurationMode");

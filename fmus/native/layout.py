@@ -29,20 +29,15 @@ _REPEATS = {
 }
 _ROTOR = {"planes": _PLANES, "stations": _STATIONS, "unbalances": _UNBALANCES}
 
-# what the C library holds: unit, kind, shaft, and options of the sizes looked at
-TABLES: tuple[tuple[str, str, str, dict[str, Any]], ...] = (
-    ("RotorOnSupports", "planar", "", {"kind": "planar", "planes": _PLANES, "stations": 1}),
-    ("RotorOnSupports", "two_support", "", {**_ROTOR, "kind": "two_support", "stations": 2}),
-    ("RotorOnSupports", "flexible", "uniform", {**_ROTOR, "kind": "flexible", "shaft": "uniform"}),
-    (
-        "RotorOnSupports",
-        "flexible",
-        "compliance",
-        {**_ROTOR, "kind": "flexible", "shaft": "compliance"},
-    ),
-    ("LiquidBalancer", "", "", {}),
-    ("BallBalancer", "", "", {"weights": _WEIGHTS}),
-    ("Composite", "", "", {"planes": _PLANES}),
+# what the C library holds: unit, and options of the sizes looked at
+TABLES: tuple[tuple[str, dict[str, Any]], ...] = (
+    ("RotorOnSupports", {"kind": "planar", "planes": _PLANES, "stations": 1}),
+    ("RotorOnSupports", {**_ROTOR, "kind": "two_support", "stations": 2}),
+    ("RotorOnSupports", {**_ROTOR, "kind": "flexible", "shaft": "uniform"}),
+    ("RotorOnSupports", {**_ROTOR, "kind": "flexible", "shaft": "compliance"}),
+    ("LiquidBalancer", {}),
+    ("BallBalancer", {"weights": _WEIGHTS}),
+    ("Composite", {"planes": _PLANES}),
 )
 
 _INDEX = re.compile(r"(?<=[\[,])\d+(?=[\],])")
@@ -81,7 +76,8 @@ def header() -> str:
         "   In a name # stands for an index and @1, @2 for the axes of the coupling signals. */"
     ]
     records = []
-    for unit, kind, shaft, options in TABLES:
+    for unit, options in TABLES:
+        kind, shaft = options.get("kind", ""), options.get("shaft", "")
         title = "_".join(filter(None, (unit.lower(), kind, shaft)))
         blocks = _blocks(unit, options)
         rows = [_row(*row) for b in blocks for row in zip(b.patterns, b.variables, strict=True)]

@@ -149,6 +149,10 @@ Status unit_get_derivatives(Unit *unit, const unsigned *references, size_t count
 Status unit_directional(Unit *unit, const unsigned *unknowns, size_t unknown_count,
                         const unsigned *knowns, size_t known_count, const double *seed,
                         double *change);
+/* The same read backwards: what `seed` on the unknowns weighs for each of `knowns`. */
+Status unit_adjoint(Unit *unit, const unsigned *unknowns, size_t unknown_count,
+                    const unsigned *knowns, size_t known_count, const double *seed,
+                    double *change);
 
 /* -- for the equations ----------------------------------------------------------------------- */
 

@@ -144,33 +144,79 @@ static int respond(Unit *unit)
     return wrong;
 }
 
+/* Why these are no outputs and inputs, or NULL. */
+static const char *wrong_sides(const Unit *unit, Range outputs, const unsigned *unknowns,
+                               size_t unknown_count, const unsigned *knowns, size_t known_count)
+{
+    size_t k;
+    for (k = 0; k < known_count; k++) {
+        if (!within(knowns[k], unit->layout.inputs)) {
+            return "knowns must be inputs";
+        }
+    }
+    for (k = 0; k < unknown_count; k++) {
+        if (!within(unknowns[k], outputs)) {
+            return "unknowns must be outputs";
+        }
+    }
+    return NULL;
+}
+
+static Range outputs_of(const Layout *layout)
+{
+    Range outputs;
+    outputs.first = layout->computed.first;
+    outputs.count = layout->real_count - outputs.first;
+    return outputs;
+}
+
 Status unit_directional(Unit *unit, const unsigned *unknowns, size_t unknown_count,
                         const unsigned *knowns, size_t known_count, const double *seed,
                         double *change)
 {
     const char *what = "a directional derivative failed";
-    const Layout *layout = &unit->layout;
-    Range outputs;
+    const Range inputs = unit->layout.inputs, outputs = outputs_of(&unit->layout);
+    const char *wrong =
+        wrong_sides(unit, outputs, unknowns, unknown_count, knowns, known_count);
     size_t k;
-    outputs.first = layout->computed.first;
-    outputs.count = layout->real_count - outputs.first;
-    memset(unit->seed, 0, layout->inputs.count * sizeof(double));
-    for (k = 0; k < known_count; k++) {
-        if (!within(knowns[k], layout->inputs)) {
-            return unit_refuse(unit, what, "knowns must be inputs");
-        }
-        unit->seed[knowns[k] - layout->inputs.first] += seed[k];
+    if (wrong) {
+        return unit_refuse(unit, what, wrong);
     }
-    for (k = 0; k < unknown_count; k++) {
-        if (!within(unknowns[k], outputs)) {
-            return unit_refuse(unit, what, "unknowns must be outputs");
-        }
+    memset(unit->seed, 0, inputs.count * sizeof(double));
+    for (k = 0; k < known_count; k++) {
+        unit->seed[knowns[k] - inputs.first] += seed[k];
     }
     if (unit_refresh(unit, COMPUTED) || respond(unit)) {
         return unit_report(unit, STATUS_ERROR, what);
     }
     for (k = 0; k < unknown_count; k++) {
         change[k] = unit->change[unknowns[k] - outputs.first];
+    }
+    return STATUS_OK;
+}
+
+Status unit_adjoint(Unit *unit, const unsigned *unknowns, size_t unknown_count,
+                    const unsigned *knowns, size_t known_count, const double *seed,
+                    double *change)
+{
+    const char *what = "an adjoint derivative failed";
+    const Range inputs = unit->layout.inputs, outputs = outputs_of(&unit->layout);
+    const char *wrong =
+        wrong_sides(unit, outputs, unknowns, unknown_count, knowns, known_count);
+    size_t k, j;
+    if (wrong) {
+        return unit_refuse(unit, what, wrong);
+    }
+    for (k = 0; k < known_count; k++) {
+        memset(unit->seed, 0, inputs.count * sizeof(double));
+        unit->seed[knowns[k] - inputs.first] = 1.0;
+        if (unit_refresh(unit, COMPUTED) || respond(unit)) {
+            return unit_report(unit, STATUS_ERROR, what);
+        }
+        change[k] = 0.0;
+        for (j = 0; j < unknown_count; j++) {
+            change[k] += seed[j] * unit->change[unknowns[j] - outputs.first];
+        }
     }
     return STATUS_OK;
 }

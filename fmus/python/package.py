@@ -10,7 +10,7 @@ from pathlib import Path
 import pythonfmu
 
 from ..unit import SizedUnit
-from ..xml.archive import digest
+from ..xml.archive import digest, source
 from ..xml.documentation import PYTHONFMU_LICENCE
 from .slave import OPTIONS
 
@@ -88,7 +88,7 @@ def embedded(module: str) -> dict[str, bytes]:
         path = f"{name.replace('.', '/')}.py"
         if path in sources:
             continue
-        text = _text(_ROOT / path)
+        text = source(_ROOT / path)
         for folder in Path(path).parents[:-1]:
             sources[f"{folder.as_posix()}/__init__.py"] = b""
         waiting += imports(name, text)
@@ -96,13 +96,8 @@ def embedded(module: str) -> dict[str, bytes]:
             text = text.replace("from pythonfmu.", "from ...pythonfmu.")
         sources[path] = text.encode()
     for stem in _EMBEDDED:
-        sources[f"pythonfmu/{stem}.py"] = _text(_PYTHONFMU / f"{stem}.py").encode()
+        sources[f"pythonfmu/{stem}.py"] = source(_PYTHONFMU / f"{stem}.py").encode()
     return sources
-
-
-def _text(path: Path) -> str:
-    """Source with the same line ends on every platform."""
-    return path.read_text(encoding="utf-8").replace("\r\n", "\n")
 
 
 def imports(module: str, text: str) -> list[str]:

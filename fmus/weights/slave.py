@@ -88,17 +88,18 @@ class BallBalancer(Slave):
         others = moment.real, moment.imag, alignment(angles)
         self.real[self.layout.observed] = [*angles, *speeds, *others]
 
-    def _state(self) -> list[list[float]]:
+    def _state(self) -> tuple[list[float], list[float], list[float]]:
         """Angles, speeds and contacts of the weights; no contacts where there can be none."""
-        n = self.sizes.weights
-        return [self.memory[k * n : (k + 1) * n] for k in range(3)]
+        n, memory = self.sizes.weights, self.memory
+        return memory[:n], memory[n : 2 * n], memory[2 * n : 3 * n]
 
     def _put(
         self, acceleration: complex, slope: complex, angle: float, speed: float, spin_up: float
     ) -> None:
         """Computed outputs; acceleration and slope in the rotor frame."""
-        state, signal = self._state(), (acceleration, slope)
-        force, force_slope = motion.reaction(self.track, *state, *signal, speed, spin_up)
+        force, force_slope = motion.reaction(
+            self.track, *self._state(), acceleration, slope, speed, spin_up
+        )
         if not self.plain:
             force += complex(*self.memory[-2:])
         if self.sent:

@@ -45,6 +45,11 @@ def unzipped(path: Path | str) -> dict[str, bytes]:
         return {name: archive.read(name) for name in archive.namelist() if name[-1] != "/"}
 
 
+def source(path: Path) -> str:
+    """Text of a file, with the same line ends on every platform."""
+    return path.read_text(encoding="utf-8").replace("\r\n", "\n")
+
+
 def write(target: Path, data: bytes) -> None:
     """Write a file whole or not at all."""
     target.parent.mkdir(parents=True, exist_ok=True)

@@ -25,7 +25,7 @@ class Capabilities:
     Attributes:
         input_derivatives: whether it takes the derivatives of inputs FMI's own way.
         output_derivatives: highest order of those that it gives FMI's own way.
-        directional_derivatives: whether it gives them.
+        directional_derivatives: whether it gives them (FMI 3.0: adjoint ones as well).
         early_return: whether a step may end early (FMI 3.0).
         sources: names of the C files in `sources/` that make the library (FMI 2.0).
         arrays: whether variables that differ in an index alone are arrays (FMI 3.0).

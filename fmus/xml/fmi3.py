@@ -33,12 +33,7 @@ def model_description(
 ) -> bytes:
     """The XML of the model description, UTF-8.
 
-    Args:
-        unit: with its sizes.
-        name: model name and model identifier.
-        token: instantiation token.
-        release: version of autobalancer.
-        can: what the implementation offers.
+    Arguments as of `fmi2.model_description`, with the instantiation token for the GUID.
     """
     root = Element("fmiModelDescription", {"fmiVersion": "3.0", "instantiationToken": token})
     root.attrib.update(common.header(unit, name, release))
@@ -52,6 +47,7 @@ def model_description(
             "canGetAndSetFMUState": "true",
             "canSerializeFMUState": "true",
             "providesDirectionalDerivatives": flag(can.directional_derivatives),
+            "providesAdjointDerivatives": flag(can.directional_derivatives),
             "canHandleVariableCommunicationStepSize": "true",
             "maxOutputDerivativeOrder": str(can.output_derivatives),
             "canReturnEarlyAfterIntermediateUpdate": "false",

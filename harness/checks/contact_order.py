@@ -32,21 +32,21 @@ def check_contact_order(
     scene = scene.replace(check.set)
     sets = [b for b in scene.balancer if isinstance(b, WeightBalancer)]
     coarsest = min(check.steps)
+    about = f"{scene.name}: check contact_order"
     if len(sets) == 1 and len(check.shift) not in (0, sets[0].count):
-        raise SceneError(f"{scene.name}: check contact_order: shift: must have one number a weight")
+        raise SceneError(f"{about}: shift: must have one number a weight")
     if len(sets) != 1 or any(n % coarsest for n in (*check.steps, check.reference)):
         raise SceneError(
-            f"{scene.name}: check contact_order: needs one set of weights, and steps and reference "
-            f"that are multiples of the smallest number of steps, {coarsest}"
+            f"{about}: needs one set of weights, and steps and reference that are multiples of the "
+            f"smallest number of steps, {coarsest}"
         )
     points = scene.run.revolutions * coarsest
     profile = scene.profile()
     whole = abs(points - round(points)) < 1e-9 * points
     if profile.start != profile.end or scene.coupling.tolerance or not whole:
         raise SceneError(
-            f"{scene.name}: check contact_order: needs a constant speed, no tolerance, and whole "
-            f"steps: run.revolutions = {scene.run.revolutions:g} times {coarsest} steps is "
-            f"{points:g}"
+            f"{about}: needs a constant speed, no tolerance, and whole steps: run.revolutions = "
+            f"{scene.run.revolutions:g} times {coarsest} steps is {points:g}"
         )
     rows = Rows(scene.name, "contact_order")
     exact = _motions(scene, sets[0], check, check.reference)

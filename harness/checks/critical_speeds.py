@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from ...models.linear.boundaries import Crossing
 from ...models.stability import growth_rates
 from ..errors import SceneError
 from ..output.workers import Progress
@@ -37,8 +36,8 @@ def check_critical_speeds(
         if method in found.refused:
             raise SceneError(f"{scene.name}: check critical_speeds: {found.refused[method]}")
     yield from speed_rows(rows, found, prefix)
-    runs = [*((growth_row, w) for w in check.growth_runs)]
-    runs += [(rest_row, w) for w in check.runs_from_rest]
+    kinds = ((growth_row, check.growth_runs), (rest_row, check.runs_from_rest))
+    runs = [(row_of, speed) for row_of, speeds_of in kinds for speed in speeds_of]
     for number, (row_of, speed) in enumerate(runs, start=1):
         yield row_of(rows, scene, speed, prefix)
         progress(0.6 + 0.4 * number / len(runs))
@@ -52,30 +51,21 @@ def speed_rows(rows: Rows, found: Speeds, prefix: str, scale: float = 1.0) -> It
     """
     unit = " [rad/s]" if scale == 1.0 else " / w_x"
     span = f"{found.range[0] / scale:.4g} to {found.range[1] / scale:.4g}{unit}"
-    number = 0
-    for row in found.rows():
+    shown = [row for row in found.rows() if row.keys() & {"floquet", "cosim"}]
+    for number, row in enumerate(shown, start=1):
         floquet, cosim = row.get("floquet"), row.get("cosim")
-        if floquet is None and cosim is None:
-            continue
-        number += 1
-        above = (floquet or cosim).above  # type: ignore[union-attr]
+        above = next(iter(row.values())).above
         beside = f", criterion {row['criterion'].speed / scale:.5g}" if "criterion" in row else ""
         quantity = f"{prefix}critical speed {number}, {above} above{beside}{unit}"
-        if floquet is None or cosim is None:
-            yield rows.statement(
-                quantity, _shown(floquet, scale), _shown(cosim, scale), False, FLOQUET
-            )
+        if floquet and cosim:
+            pair = floquet.speed / scale, cosim.speed / scale
+            yield rows.number(quantity, *pair, SPEED_TOLERANCE, FLOQUET)
         else:
-            yield rows.number(
-                quantity, floquet.speed / scale, cosim.speed / scale, SPEED_TOLERANCE, FLOQUET
-            )
-    if not number:
+            exact, measured = (text(c.speed / scale) if c else "none" for c in (floquet, cosim))
+            yield rows.statement(quantity, exact, measured, False, FLOQUET)
+    if not shown:
         exact, measured = (f"{found.lowest[m]} throughout" for m in ("floquet", "cosim"))
         yield rows.statement(f"{prefix}{span}", exact, measured, exact == measured, FLOQUET)
-
-
-def _shown(crossing: Crossing | None, scale: float) -> str:
-    return "none" if crossing is None else text(crossing.speed / scale)
 
 
 def growth_row(rows: Rows, scene: Scene, speed: float, prefix: str) -> Row:

@@ -82,10 +82,8 @@ def variant(scene: Scene, row: TableRow) -> tuple[Scene, float]:
 def rows_of(index: int, scene: Scene, w_x: float, row: TableRow) -> Iterator[Row]:
     """What the units of `variant` say of a row of a table."""
     rows = Rows(scene.name, "filimonikhina_table")
-    label = f"Table {row.table} row {index + 1} (eps {row.eps:g}, mu_w {row.mu_w:g}"
-    if row.table == 2:
-        label += f", mu {row.mu_xi:g}, {row.mu_eta:g}"
-    label += "): "
+    damping = f", mu {row.mu_xi:g}, {row.mu_eta:g}" if row.table == 2 else ""
+    label = f"Table {row.table} row {index + 1} (eps {row.eps:g}, mu_w {row.mu_w:g}{damping}): "
     source = f"Filimonikhina 2017, Table {row.table}"
     roots = np.array(Criterion.of(scene.assembly()).critical_speeds) / w_x
     yield rows.number(

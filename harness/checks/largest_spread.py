@@ -9,7 +9,7 @@ from ...models.papers import capacity as theory
 from ...models.papers.settling import settling_time, slow_root
 from ...models.papers.touching import facing_measure
 from ..design.scenes import drag_limit, sized, weights_of
-from ..design.settling import SETTLED, Batch, SettlingRun, run_batch
+from ..design.settling import SETTLED, Batch, run_batch
 from ..output.workers import Progress, Workers, in_order
 from ..scene import Scene
 from ..scene.check import LargestSpreadCheck
@@ -29,11 +29,11 @@ def check_largest_spread(
         scene = scene.replace({"run.revolutions": check.revolutions})
     scenes = sized(scene, range(2, check.most + 1), 0.0, width=check.width)
     work = [b for s in scenes.values() for b in _both_ways(s, check.step)]
-    runs = [found for (found,) in in_order(run_batch, work, workers, progress)]
+    seconds = [run.seconds for (run,) in in_order(run_batch, work, workers, progress)]
     slower: dict[int, float] = {}
-    for (count, one), first, second in zip(scenes.items(), runs[::2], runs[1::2], strict=True):
-        slower[count] = max(first.seconds, second.seconds)
-        yield _row(one, first, second, rows)
+    for (count, one), *pair in zip(scenes.items(), seconds[::2], seconds[1::2], strict=True):
+        fast, slower[count] = sorted(pair)
+        yield _row(one, fast, slower[count], rows)
     kind = weights_of(scene).kind
     claimed = theory.fastest_count(kind, scenes)
     best = min(slower, key=lambda count: slower[count])
@@ -46,29 +46,28 @@ def check_largest_spread(
     )
 
 
-def _row(scene: Scene, first: SettlingRun, second: SettlingRun, rows: Rows) -> Row:
-    """The slower way against the slow root with contact."""
+def _row(scene: Scene, fast: float, slow: float, rows: Rows) -> Row:
+    """The slower way against the slow root with contact; both in seconds."""
     balls, limit = weights_of(scene), drag_limit(scene)
     device, alpha = balls.device, balls.half_angle
     number, p = facing_measure(balls.count, alpha)
-    times = sorted((first.seconds, second.seconds))
     free = settling_time(slow_root(device, theory.largest_alignment(balls.count, alpha), limit))
     name = f"{balls.count} {balls.kind} at the largest p, slower way"
     if p > 1.0 - ROUNDING:  # on one line, across which nothing drives them
         return rows.statement(
             f"{name}: slow direction",
             "never settles",
-            "not settled" if math.isinf(times[1]) else f"settled in {times[1]:.3g} s",
-            math.isinf(times[1]),
-            f"{SOURCE}: {free:.3g} s without contact; the other way took {times[0]:.3g} s",
+            "not settled" if math.isinf(slow) else f"settled in {slow:.3g} s",
+            math.isinf(slow),
+            f"{SOURCE}: {free:.3g} s without contact; the other way took {fast:.3g} s",
         )
     expected = settling_time(slow_root(device, p, limit, number), SETTLED)
     return rows.number(
         f"{name} [s] ({free:.3g} without contact)",
         expected,
-        times[1],
+        slow,
         TIMES,
-        f"{SOURCE} with contact; the other way took {times[0]:.3g} s",
+        f"{SOURCE} with contact; the other way took {fast:.3g} s",
     )
 
 
@@ -85,9 +84,7 @@ def _both_ways(scene: Scene, part: float) -> list[Batch]:
     angles += [alpha * (2 * k - small + 1) for k in range(small)]
     found = []
     for amount in (held + change, held - change):
-        turned = {
-            "rotor.unbalance": abs(amount),
-            "rotor.unbalance_angle": 0.0 if amount >= 0.0 else math.pi,
-        }
+        facing = 0.0 if amount >= 0.0 else math.pi
+        turned = {"rotor.unbalance": abs(amount), "rotor.unbalance_angle": facing}
         found.append(Batch(scene.replace(turned), (tuple(angles),), change))
     return found

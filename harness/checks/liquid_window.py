@@ -32,8 +32,7 @@ OPEN_END = 5.0  # times w_*: how far an unlimited window is followed
 OPEN_SPAN, OPEN_SPEEDS = 50.0, 25  # of it, end over start: from far below w_*; every 17 %
 BESIDE = 1e-3  # relative: so near a speed of contact, rounding decides whether the float touches
 
-LOWER = "Dubovik 2006 (11)"
-UPPER = "Dubovik 2006 (10)"
+LOWER, UPPER, STEADY = (f"Dubovik 2006 ({number})" for number in (11, 10, 6))
 Measured = Callable[[float], float]  # of the speed [rad/s]
 
 
@@ -79,10 +78,7 @@ def check_liquid_window(
     window = window_of(scene)
     rows = Rows(scene.name, check.kind)
     turned = np.exp(-1j * np.angle(scene.assembly().rotor.unbalance[0]))
-    with (
-        Revolution(scene) as loaded,
-        Revolution(scene.without_balancers()) as bare,
-    ):
+    with Revolution(scene) as loaded, Revolution(scene.without_balancers()) as bare:
 
         def bending(speed: float) -> float:
             return abs(steady_displacement(loaded, speed))
@@ -122,68 +118,45 @@ def check_liquid_window(
 def _no_upper_limit(rows: Rows, growth: Measured, end: float) -> Row:
     """p = 0: every measured speed must be stable, up to a stated end."""
     speeds = np.geomspace(end / OPEN_SPAN, end, OPEN_SPEEDS)
-    growths = np.array([growth(speed) for speed in speeds])
-    unstable = speeds[growths > 0.0]
-    measured = (
-        f"grows at {unstable[0]:.4g} rad/s"
-        if len(unstable)
-        else f"stable at all {len(speeds)} speeds from {speeds[0]:.4g} to {end:.4g} rad/s"
-    )
-    return rows.statement("upper boundary w^*", "none (p = 0)", measured, not len(unstable), UPPER)
+    unstable = [speed for speed in speeds if growth(speed) > 0.0]
+    measured = f"stable at all {len(speeds)} speeds from {speeds[0]:.4g} to {end:.4g} rad/s"
+    if unstable:
+        measured = f"grows at {unstable[0]:.4g} rad/s"
+    return rows.statement("upper boundary w^*", "none (p = 0)", measured, not unstable, UPPER)
 
 
 def _window(rows: Rows, window: LiquidWindow, lower: float, upper: float) -> Row:
     """Open or empty, and by which condition."""
-    mu = window.mu
     ratio = (1.0 + window.external_damping / window.internal_damping) ** 2
-    limit = 2.0 * mu / (1.0 + mu)
-    sign = "<=" if window.empty else ">"
-    expected = (
-        f"{'empty' if window.empty else 'open'}: (1+chi/p)^2 = {ratio:.4g} {sign} "
-        f"2mu/(1+mu) = {limit:.4g}"
-    )
-    measured = (
-        f"empty: w^* = {upper:.6g} <= w_* = {lower:.6g} rad/s"
-        if upper <= lower
-        else f"open: {lower:.6g} to {upper:.6g} rad/s"
-    )
-    return rows.statement(
-        "window w_* < w < w^*", expected, measured, window.empty == (upper <= lower), UPPER
-    )
+    limit = 2.0 * window.mu / (1.0 + window.mu)
+    word, sign = ("empty", "<=") if window.empty else ("open", ">")
+    expected = f"{word}: (1+chi/p)^2 = {ratio:.4g} {sign} 2mu/(1+mu) = {limit:.4g}"
+    measured = f"open: {lower:.6g} to {upper:.6g} rad/s"
+    if upper <= lower:
+        measured = f"empty: w^* = {upper:.6g} <= w_* = {lower:.6g} rad/s"
+    holds = window.empty == (upper <= lower)
+    return rows.statement("window w_* < w < w^*", expected, measured, holds, UPPER)
 
 
 def _bending(
     rows: Rows, window: LiquidWindow, speeds: np.ndarray, motion: np.ndarray
 ) -> Iterator[Row]:
     span = f"at {len(speeds)} speeds, {speeds[0]:.4g} to {speeds[-1]:.4g} rad/s"
-    expected = np.asarray(window.bending(speeds))
-    yield rows.number(
-        f"steady bending {span} [m]",
-        expected,
-        np.abs(motion),
-        BENDING_TOLERANCE,
-        "Dubovik 2006 (6)",
-    )
+    quantity, bending = f"steady bending {span} [m]", window.bending(speeds)
+    yield rows.number(quantity, bending, np.abs(motion), BENDING_TOLERANCE, STEADY)
     # an angle is compared on the circle, so that -pi and pi are neighbours
     phase = np.asarray(window.phase(speeds))
     measured = phase + np.angle(motion * np.exp(-1j * phase))
-    yield rows.number(
-        f"phase {span} [rad]", phase, measured, PHASE_TOLERANCE, "Dubovik 2006 (6)", scale=1.0
-    )
+    yield rows.number(f"phase {span} [rad]", phase, measured, PHASE_TOLERANCE, STEADY, scale=1.0)
 
 
 def _growth(rows: Rows, growth: Measured, window: LiquidWindow, upper: float) -> Row:
     speeds = upper * np.array(GROWTH_SPEEDS)
-    expected = np.array([window.roots(speed)[0].real for speed in speeds])
-    measured = np.array([growth(speed) for speed in speeds])
-    fractions = ", ".join(f"{f:g}" for f in GROWTH_SPEEDS)
-    return rows.number(
-        f"growth rate at {fractions} w^* [1/s]",
-        expected,
-        measured,
-        GROWTH_TOLERANCE,
-        "Dubovik 2006 (7), exact roots",
-    )
+    expected = [window.roots(speed)[0].real for speed in speeds]
+    measured = [growth(speed) for speed in speeds]
+    quantity = f"growth rate at {', '.join(f'{f:g}' for f in GROWTH_SPEEDS)} w^* [1/s]"
+    source = "Dubovik 2006 (7), exact roots"
+    return rows.number(quantity, expected, measured, GROWTH_TOLERANCE, source)
 
 
 def _contact(

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterator
 from dataclasses import replace
 
@@ -48,32 +47,25 @@ def check_ranking(
 
 
 def _order(data: Design, rows: Rows) -> Iterator[Row]:
-    able = [c.count for c in data.with_capacity]
-    if not able:
-        yield rows.statement(
-            f"{data.kind}: numbers that can balance {data.unbalance:g} kg m",
-            "some",
-            "none",
-            False,
-            SOURCE,
-        )
+    if not data.with_capacity:
+        quantity = f"{data.kind}: numbers that can balance {data.unbalance:g} kg m"
+        yield rows.statement(quantity, "some", "none", False, SOURCE)
         return
-    claimed = fastest_count(data.kind, able)
-    found = rivals(data)
-    times = ", ".join(f"{c.count}: {c.median:.3g} s ({c.low:.3g}-{c.high:.3g})" for c in found)
+    claimed = fastest_count(data.kind, [c.count for c in data.with_capacity])
+    first = {c.count: f"{c.median:.3g} s ({c.low:.3g}-{c.high:.3g})" for c in rivals(data)}
     yield rows.statement(
         f"{data.kind}: first to settle, median and 95 % interval",
         str(claimed),
-        times,
-        claimed in [c.count for c in found],
+        ", ".join(f"{count}: {times}" for count, times in first.items()),
+        claimed in first,
         f"{SOURCE}; intervals that reach the fastest are named",
     )
-    told = contradicted(data)
+    pairs = contradicted(data)
     yield rows.statement(
         f"{data.kind}: order of the medians",
         order(by_measure(data)),
-        order(by_median(data)) + (f" ({told})" if told else ""),
-        not told,
+        order(by_median(data)) + (f" ({pairs})" if pairs else ""),
+        not pairs,
         f"{SOURCE}: (1-p) m n at the largest p; fails where intervals that part contradict it",
     )
 
@@ -88,18 +80,13 @@ def _halved(check: RankingCheck, data: Design, rows: Rows, workers: Workers) -> 
             work += [replace(batch, starts=(start,)) for start in batch.starts]
         coarse += [run.seconds for run in choice.runs[: check.halved]]
     again = [run.seconds for runs in in_order(run_batch, work, workers) for run in runs]
-    pairs = [(a, b) for a, b in zip(coarse, again, strict=True) if math.isfinite(a + b)]
-    lost = sum(math.isfinite(a) != math.isfinite(b) for a, b in zip(coarse, again, strict=True))
-    if lost or not pairs:
-        told = f"{lost} starts settle with one of the steps alone, {len(pairs)} with both"
-        return rows.statement(
-            "settling with half the step", "alike", told, False, "the same starts"
-        )
-    measured, expected = np.array(pairs).T
-    return rows.number(
-        f"settling time and that with half the step, worst of {len(pairs)} starts [s]",
-        expected,
-        measured,
-        HALVED,
-        "the same starts, co-simulated",
-    )
+    times = np.array([coarse, again])
+    settled = np.isfinite(times)
+    both, lost = settled.all(axis=0), int((settled[0] != settled[1]).sum())
+    if lost or not both.any():
+        words = f"{lost} starts settle with one of the steps alone, {both.sum()} with both"
+        quantity = "settling with half the step"
+        return rows.statement(quantity, "alike", words, False, "the same starts")
+    measured, expected = times[:, both]
+    quantity = f"settling time and that with half the step, worst of {both.sum()} starts [s]"
+    return rows.number(quantity, expected, measured, HALVED, "the same starts, co-simulated")

@@ -22,9 +22,7 @@ def check_slow_root(
 ) -> Iterator[Row]:
     """Fitted rates of runs from two groups face to face, where p is large and (1) decides."""
     rows = Rows(scene.name, "slow_root")
-    amount = check.unbalance
-    if amount is None:
-        amount = unbalance_of(scene)
+    amount = check.unbalance or unbalance_of(scene)
     if check.revolutions is not None:
         scene = scene.replace({"run.revolutions": check.revolutions})
     scenes = sized(scene, range(2, check.most + 1), amount, width=check.width)
@@ -38,17 +36,11 @@ def decay_rows(found: Sequence[Decay], rows: Rows) -> Iterator[Row]:
     """How many runs have a dominant slow root, and how far their rates are off."""
     chosen = [one for one in found if one.dominant]
     touching = sum(one.touching for one in chosen)
-    told = excluded(found)
-    yield rows.statement(
-        "runs whose slow root is dominant",
-        "some",
-        f"{len(chosen)} of {len(found)}, {touching} with weights that touch"
-        + (f"; others: {told}" if told else ""),
-        bool(chosen),
-        "spectrum where the run ended; see harness/weights.md",
-    )
-    if not chosen:
-        return
-    for name, (middle, worst) in deviations(chosen).items():
+    shown = f"{len(chosen)} of {len(found)}, {touching} with weights that touch"
+    if reasons := excluded(found):
+        shown += f"; others: {reasons}"
+    source = "spectrum where the run ended; see harness/weights.md"
+    yield rows.statement("runs whose slow root is dominant", "some", shown, bool(chosen), source)
+    for name, (middle, worst) in (deviations(chosen) if chosen else {}).items():
         label = f"{name}: worst of {len(chosen)} (median {middle:.2g})"
         yield rows.number(label, 0.0, worst, DECAY, SOURCE, 1.0)

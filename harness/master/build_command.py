@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -37,12 +38,21 @@ def command(
     python: Annotated[
         bool, typer.Option("--python", help="Units that run Python, instead of native ones.")
     ] = False,
+    one_file: Annotated[
+        bool,
+        typer.Option("--one-file", help="The scene's units and their coupling as a single FMU."),
+    ] = False,
 ) -> None:
     """Build the three units as FMUs, or exactly those that a scene needs."""
-    wanted, left_out = _wanted(scene)
     backend = "python" if python else "native"
     form = {"backend": backend, "fmi": fmi, "arrays": arrays, "platforms": platform}
     directory_to_fill(output)
+    if one_file:
+        if scene is None or python or arrays:
+            raise UserError("--one-file: give a scene, and neither --python nor --arrays")
+        _build_one_file(scene, output, fmi, platform)
+        return
+    wanted, left_out = _wanted(scene)
     rows = []
     with progress_bars() as bars:
         for name, (unit, options) in bars.track(wanted.items(), description="building"):
@@ -66,12 +76,31 @@ def _wanted(scene: str | None) -> tuple[dict[str, tuple[str, dict[str, Any]]], l
     return wanted, [f"{unit} (none in the scene)" for unit in CATALOGUE if unit not in used]
 
 
+def _build_one_file(name: str, output: Path, fmi: int, platforms: list[str] | None) -> None:
+    from ..scene import load_scene
+    from .one_file import build_one_file
+
+    scene = load_scene(name)
+    path = _written(
+        output / f"{scene.name}.fmu", lambda to: build_one_file(scene, to, fmi, platforms)
+    )
+    parts = ", ".join(["rotor", *(balancer.label for balancer in scene.balancer)])
+    row = [str(path), parts, scene.coupling.scheme, f"{path.stat().st_size / 1000:.0f}"]
+    show(Sheet(("file", "units", "coupling", "kB"), [row], "lllr", "Scene built"))
+
+
 def _build(unit: str, path: Path, options: dict[str, Any]) -> Path:
     from ...fmus.build import build
+
+    return _written(path, lambda to: build(unit, to, **options))
+
+
+def _written(path: Path, make: Callable[[Path], Path]) -> Path:
+    """An FMU made at a path; what prevents it is a UserError."""
     from ...fmus.native.compile import NotCompiled
 
     try:
-        return Path(build(unit, path, **options))
+        return make(path)
     except OSError as error:
         raise UserError(f"{path}: cannot be written: {error.strerror or error}") from error
     except ValueError as error:

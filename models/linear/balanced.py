@@ -63,8 +63,7 @@ class WeightTable:
     @classmethod
     def of(cls, assembly: Assembly) -> WeightTable:
         """All weights in the order of the balancers, at their starting angles."""
-        angle: list[float] = []
-        rows: list[tuple[int, float, float, float]] = []
+        rows: list[tuple[float, ...]] = []
         for mounted in assembly.weights:
             device = mounted.device
             assert isinstance(device, Weights)
@@ -72,27 +71,17 @@ class WeightTable:
                 raise ValueError(
                     f"{mounted.name}: {len(mounted.angles)} angles for {device.count} weights"
                 )
-            angle.extend(mounted.angles)
-            row = (
-                mounted.plane,
-                device.moment,
-                device.kappa * device.track_radius,
-                device.damping_rate,
-            )
-            rows.extend([row] * device.count)
-        columns = np.array(rows, float).reshape(-1, 4).T
-        return cls(
-            np.array(angle, float), columns[0].astype(int), columns[1], columns[2], columns[3]
-        )
+            kappa_radius = device.kappa * device.track_radius
+            same = (mounted.plane, device.moment, kappa_radius, device.damping_rate)
+            rows += [(angle, *same) for angle in mounted.angles]
+        angle, plane, *others = np.array(rows, float).reshape(-1, 5).T.copy()
+        return cls(angle, plane.astype(int), *others)
 
 
-def residual_unbalance(assembly: Assembly, angles: NDArray[np.float64]) -> NDArray[np.complex128]:
+def residual_unbalance(
+    assembly: Assembly, table: WeightTable, angles: NDArray[np.float64]
+) -> NDArray[np.complex128]:
     """What the weights at `angles` (K,) [rad] leave of the unbalance, S^T moments + u (n,)."""
-    table = WeightTable.of(assembly)
-    return _residual(assembly, table, angles)
-
-
-def _residual(assembly: Assembly, table: WeightTable, angles: NDArray) -> NDArray[np.complex128]:
     pulls = assembly.rotor.planes[table.plane] * table.moment[:, None]
     return assembly.rotor.unbalance + np.exp(1j * angles) @ pulls
 
@@ -138,7 +127,7 @@ def _newton(assembly: Assembly, table: WeightTable, angles: NDArray) -> NDArray 
     pulls = assembly.rotor.planes[table.plane] * table.moment[:, None]
     scale = float(np.abs(pulls).sum()) + float(np.abs(assembly.rotor.unbalance).sum())
     for _ in range(_NEWTON):
-        left = _residual(assembly, table, angles)
+        left = residual_unbalance(assembly, table, angles)
         if float(np.abs(left).max()) <= _BALANCED * scale:
             return angles
         slope = 1j * np.exp(1j * angles)[:, None] * pulls

@@ -95,7 +95,9 @@ def _couplings(assembly: Assembly, table: WeightTable, angles: NDArray) -> _Coup
     # turns are counted as moments, so that light and heavy weights have columns of equal length
     column = (tangent / reach[:, None]).T
     turns = _row_space(column)
-    bases, drags, drives, decays = [], [], [], []
+    # the first of each is what a rotor without weights has
+    bases, drives = [np.zeros((len(angles), 0))], [np.zeros((0, tangent.shape[1]))]
+    drags, decays = [np.zeros(0)], [np.zeros(0)]
     for rate in np.unique(table.damping_rate):
         group = np.flatnonzero(table.damping_rate == rate)
         inside = _row_space(column[:, group])
@@ -115,20 +117,6 @@ def _couplings(assembly: Assembly, table: WeightTable, angles: NDArray) -> _Coup
         drive=np.vstack(drives),
         neutral=len(angles) - turns.shape[1],
         free_decay=np.concatenate(decays),
-    )
-
-
-def _no_weights(stations: int) -> _Couplings:
-    """The rotor alone."""
-    none = np.zeros(0)
-    return _Couplings(
-        np.zeros((2 * stations, 0)),
-        np.zeros((2 * stations, 0)),
-        np.zeros((0, 0)),
-        none,
-        np.zeros((0, 2 * stations)),
-        0,
-        none,
     )
 
 
@@ -189,10 +177,7 @@ def linearise(assembly: Assembly) -> Linearised:
     rotor = assembly.loaded_rotor
     angles = balanced_angles(assembly)
     in_rotor = len(angles) > 0
-    if in_rotor:
-        c = _couplings(assembly, WeightTable.of(assembly), angles)
-    else:
-        c = _no_weights(rotor.stations)
+    c = _couplings(assembly, WeightTable.of(assembly), angles)
     at = _Blocks.of(c)
     mass = np.kron(np.eye(2), rotor.mass) - c.pull_rate @ c.drive
 

@@ -8,6 +8,7 @@ import shutil
 import subprocess
 import sys
 from collections.abc import Callable
+from importlib import import_module
 from pathlib import Path
 from typing import Any
 
@@ -17,7 +18,7 @@ from fmpy.fmi2 import FMU2Slave
 
 import autobalancer.fmus
 from autobalancer.fmus.build import build
-from autobalancer.fmus.catalogue import CATALOGUE, slave_class
+from autobalancer.fmus.catalogue import CATALOGUE
 
 BACKENDS = ["python", "native"]
 
@@ -38,7 +39,8 @@ class Probe:
     """A unit in plain Python, with its variables by name; what is not here is the slave's."""
 
     def __init__(self, unit: str, options: dict[str, Any]) -> None:
-        self.slave = slave_class(CATALOGUE[unit])(instance_name="unit", options=options)
+        home = import_module(f"autobalancer.fmus.{CATALOGUE[unit].folder}.slave")
+        self.slave = getattr(home, unit)(instance_name="unit", options=options)
 
     def __getattr__(self, name: str) -> Any:
         return getattr(self.slave, name)

@@ -7,16 +7,23 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from autobalancer.models.assembly import Assembly, Mounted
-from autobalancer.models.linear.balanced import CannotBalance, balanced_angles, residual_unbalance
-from autobalancer.models.linear.boundaries import balancing_boundaries
+from autobalancer.models.linear import floquet
+from autobalancer.models.linear.balanced import (
+    CannotBalance,
+    WeightTable,
+    balanced_angles,
+    residual_unbalance,
+)
+from autobalancer.models.linear.boundaries import MARGIN, balancing_boundaries
 from autobalancer.models.linear.linearised import linearise
 from autobalancer.models.liquid import Liquid
 from autobalancer.models.papers.dimensionless import Dimensionless
 from autobalancer.models.papers.tables import TABLE_1, TABLE_2
 from autobalancer.models.papers.window import LiquidWindow
 from autobalancer.models.rotor import LinearRotor
-from autobalancer.models.stability import MARGIN, growth_map, growth_rates, multipliers
+from autobalancer.models.stability import growth_map, growth_rates
 from autobalancer.models.weights import Weights, alignment
+from tests.floquet import multipliers
 
 LIQUID = Liquid(chamber_radius=0.1, float_radius=0.08, height=0.01, density=1000.0)
 
@@ -182,12 +189,12 @@ def test_second_unstable_bands_the_paper_does_not_report():
 
 
 @pytest.mark.parametrize("row", [TABLE_1[3], TABLE_1[6], TABLE_2[8]])
-def test_boundaries_do_not_move_under_doubled_discretisation(row):
+def test_boundaries_do_not_move_under_doubled_discretisation(row, monkeypatch):
     assembly = Dimensionless.of_row(row).assembly()
     once = balancing_boundaries(assembly, 0.5, 13.0, narrowest=0.1, tolerance=1e-12)
-    twice = balancing_boundaries(
-        assembly, 0.5, 13.0, narrowest=0.1, tolerance=1e-12, refinement=2.0
-    )
+    monkeypatch.setattr(floquet, "_RADIANS", floquet._RADIANS / 2.0)
+    monkeypatch.setattr(floquet, "_FEWEST", floquet._FEWEST * 2)
+    twice = balancing_boundaries(assembly, 0.5, 13.0, narrowest=0.1, tolerance=1e-12)
     assert [c.above for c in once] == [c.above for c in twice]
     assert [c.speed for c in once] == pytest.approx([c.speed for c in twice], abs=1e-8)
 
@@ -243,7 +250,7 @@ def test_weights_of_two_balancers_on_one_plane_share_their_neutral_turns():
 
 def test_weights_are_turned_to_balance_plane_by_plane():
     for assembly in (balls(), balls(count=5), two_stations(isotropic=False)):
-        left = residual_unbalance(assembly, balanced_angles(assembly))
+        left = residual_unbalance(assembly, WeightTable.of(assembly), balanced_angles(assembly))
         assert np.abs(left).max() < 1e-12
     given = Dimensionless.of_row(TABLE_1[0]).assembly()
     assert balanced_angles(given) == pytest.approx([2 * math.pi / 3, 4 * math.pi / 3], abs=1e-12)
@@ -263,7 +270,7 @@ def test_evenly_spread_weights_balance_without_standing_on_one_line():
 @pytest.mark.parametrize("share", [0.0, 0.3, 0.99, 0.9999, 1.0])
 def test_balance_is_found_from_zero_unbalance_to_the_capacity(count, share):
     assembly = balls(count=count, unbalance=share * count * 0.01)
-    left = residual_unbalance(assembly, balanced_angles(assembly))
+    left = residual_unbalance(assembly, WeightTable.of(assembly), balanced_angles(assembly))
     assert np.abs(left).max() < 1e-11 * count * 0.01
 
 
@@ -374,5 +381,5 @@ def test_two_weights_balance_however_little_or_much_they_have_to(part):
     """They stand at acos(U/(2 m R)) on both sides of what is opposite to the unbalance."""
     for angles in ([2.0, 4.0], [0.3, 0.3], [0.3, 1.0]):
         assembly = balls(unbalance=0.02 * part, angles=angles)
-        left = residual_unbalance(assembly, balanced_angles(assembly))
+        left = residual_unbalance(assembly, WeightTable.of(assembly), balanced_angles(assembly))
         assert abs(left[0]) < 2e-12 * 0.04

@@ -7,12 +7,14 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
-from fmpy import platform_tuple
+from fmpy import platform_tuple, simulate_fmu
+from fmpy.validation import validate_fmu
+from scipy.interpolate import CubicSpline
 
 from autobalancer.fmus.composite.build import build_composite
 from autobalancer.harness import Scene, bundled_scenes, cosimulate, load_scene
 from autobalancer.harness.master.cosimulation import CoSimulation
-from autobalancer.harness.master.one_file import composition
+from autobalancer.harness.master.one_file import build_one_file, composition
 
 RANGE = 1e-11  # of a signal's range
 
@@ -126,6 +128,22 @@ def test_a_state_within_a_step_is_everything(hosted):
     other = hosted(scene, {"balls.drag": 0.1})
     other.slave.setFMUState(other.slave.deserializeFMUState(host.slave.serializeFMUState(state)))
     assert driven(other, scene, times[19:], names).tolist() == expected.tolist()
+
+
+@pytest.mark.parametrize("fmi", [2, 3])
+def test_fmpy_finds_nothing_wrong_and_simulates_it(tmp_path, fmi):
+    """With the harness's own motion, asked for at 37 points a revolution."""
+    scene = load_scene("balls_and_liquid").replace({"run.revolutions": 2})
+    path = build_one_file(scene, tmp_path / "one.fmu", fmi, [platform_tuple])
+    assert not validate_fmu(str(path))
+    period = 2.0 * math.pi / scene.profile().speed(0.0)
+    expected = cosimulate(scene)
+    rows = simulate_fmu(
+        str(path), stop_time=2.0 * period, output_interval=period / 37, output=["rotor.x"]
+    )
+    error = rows["rotor.x"] - CubicSpline(expected.time, expected["rotor.x"])(rows["time"])
+    assert len(rows) == 75
+    assert np.abs(error).max() < 1e-4 * np.ptp(expected["rotor.x"])
 
 
 def test_parameters_and_speed_are_those_that_are_set(hosted):

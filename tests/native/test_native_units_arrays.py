@@ -142,6 +142,27 @@ def test_directional_derivatives_take_and_give_whole_arrays(host, unit, options)
     assert any(found[0])
 
 
+@shapes
+def test_adjoint_derivatives_are_the_directional_ones_read_backwards(host, unit, options):
+    plain, rows = both(host, unit, **options)
+    moved(plain, rows)
+    inputs, outputs = rows.names("input"), rows.names("output")
+    rng = np.random.default_rng(3)
+    forward = rng.uniform(-1.0, 1.0, len(rows.scalars(inputs)))
+    backward = rng.uniform(-1.0, 1.0, len(rows.scalars(outputs)))
+    unknowns, knowns = ([rows.reference[name] for name in names] for names in (outputs, inputs))
+    change = rows.slave.getDirectionalDerivative(unknowns, knowns, forward, len(backward))
+    found = np.array(rows.slave.getAdjointDerivative(unknowns, knowns, backward, len(forward)))
+    terms = backward * change
+    assert found @ forward == pytest.approx(terms.sum(), abs=1e-13 * np.abs(terms).sum())
+    assert np.abs(found).max() > 0
+    scalar = [[plain.reference[n] for n in rows.scalars(names)] for names in (outputs, inputs)]
+    assert plain.slave.getAdjointDerivative(*scalar, backward, len(forward)) == found.tolist()
+    count = len(backward)
+    text = rows.refused(lambda: rows.slave.getAdjointDerivative(knowns, unknowns, forward, count))
+    assert "an adjoint derivative failed: knowns must be inputs" in text
+
+
 def slopes(one: Host, names: list[str], orders: list[int], count: int) -> list[float]:
     values = (ctypes.c_double * count)()
     references = (ctypes.c_uint * len(names))(*[one.reference[name] for name in names])

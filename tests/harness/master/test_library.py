@@ -11,7 +11,9 @@ from concurrent.futures import ThreadPoolExecutor
 import numpy as np
 import pytest
 
+from autobalancer.fmus.native.compile import NotCompiled
 from autobalancer.harness import cosimulate, load_scene
+from autobalancer.harness.master import runtime
 
 SHORT = {"run.revolutions": 3}
 
@@ -50,6 +52,24 @@ def test_threads_may_use_units_that_run_python():
     with ThreadPoolExecutor(4) as threads:
         for found in threads.map(run, range(4)):
             assert all((found[k] == alone[k]).all() for k in alone)
+
+
+def test_without_a_native_library_python_units_serve_and_the_run_says_so(monkeypatch):
+    def absent(platforms):
+        raise NotCompiled("no library for this machine")
+
+    scene = load_scene("two_balls").replace(SHORT)
+    native = cosimulate(scene)
+    expected = cosimulate(scene.replace({"coupling.units": "python"}))
+    monkeypatch.setattr(runtime, "libraries", absent)
+    runtime.runtime.cache_clear()
+    found = cosimulate(scene)
+    runtime.runtime.cache_clear()
+    words = "units that run Python serve instead of native ones: no library for this machine"
+    assert words in found.events
+    assert not {words} & {*native.events, *expected.events}
+    assert all((found[name] == values).all() for name, values in expected.signals.items())
+    assert any((found[name] != values).any() for name, values in native.signals.items())
 
 
 RUN = """

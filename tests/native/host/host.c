@@ -5,7 +5,8 @@
    ROWS are all scalars and arrays, as FIRST_REFERENCE:MEMBERS:STRIDE, with a comma behind each;
    a composite, which has no arrays, has an empty TOKEN_OF_ARRAYS.
    Every unit by FMI 2.0 and 3.0: two instances, threads, calls in any order, wrong arguments, a
-   thousand instances, allocation while stepping; and what belongs to the host stays as it was. */
+   thousand instances, ten thousand damaged states, allocation while stepping; and what belongs to the
+   host stays as it was. */
 #include <dlfcn.h>
 #include <fenv.h>
 #include <locale.h>
@@ -20,7 +21,7 @@
 #include "../../../fmus/native/fmi3.h"
 
 enum { MOST = 512, TOKEN = 8192, STEPS = 20, THREADS = 4, INSTANCES = 50, REPEATED = 1000 };
-enum { RANDOM_CALLS = 4000 };
+enum { RANDOM_CALLS = 4000, DAMAGED = 10000 };
 
 /* Memory that was asked for so far; in counting.c. */
 unsigned long allocations(void);
@@ -51,6 +52,9 @@ static struct {
     fmi2Status (*save)(fmi2Component, fmi2FMUstate *);
     fmi2Status (*restore)(fmi2Component, fmi2FMUstate);
     fmi2Status (*forget)(fmi2Component, fmi2FMUstate *);
+    fmi2Status (*state_size)(fmi2Component, fmi2FMUstate, size_t *);
+    fmi2Status (*serialise)(fmi2Component, fmi2FMUstate, fmi2Byte *, size_t);
+    fmi2Status (*deserialise)(fmi2Component, const fmi2Byte *, size_t, fmi2FMUstate *);
     fmi2Status (*derive)(fmi2Component, const fmi2ValueReference *, size_t,
                          const fmi2ValueReference *, size_t, const fmi2Real *, fmi2Real *);
     fmi2Status (*set_slopes)(fmi2Component, const fmi2ValueReference *, size_t,
@@ -80,6 +84,9 @@ static struct {
     fmi3Status (*derive)(fmi3Instance, const fmi3ValueReference *, size_t,
                          const fmi3ValueReference *, size_t, const fmi3Float64 *, size_t,
                          fmi3Float64 *, size_t);
+    fmi3Status (*adjoint)(fmi3Instance, const fmi3ValueReference *, size_t,
+                          const fmi3ValueReference *, size_t, const fmi3Float64 *, size_t,
+                          fmi3Float64 *, size_t);
     fmi3Status (*get_slopes)(fmi3Instance, const fmi3ValueReference *, size_t, const fmi3Int32 *,
                              fmi3Float64 *, size_t);
 } three;
@@ -162,6 +169,9 @@ static void load(void *library)
     bind(library, "fmi2GetFMUstate", &two.save);
     bind(library, "fmi2SetFMUstate", &two.restore);
     bind(library, "fmi2FreeFMUstate", &two.forget);
+    bind(library, "fmi2SerializedFMUstateSize", &two.state_size);
+    bind(library, "fmi2SerializeFMUstate", &two.serialise);
+    bind(library, "fmi2DeSerializeFMUstate", &two.deserialise);
     bind(library, "fmi2GetDirectionalDerivative", &two.derive);
     bind(library, "fmi2SetRealInputDerivatives", &two.set_slopes);
     bind(library, "fmi2GetRealOutputDerivatives", &two.get_slopes);
@@ -178,6 +188,7 @@ static void load(void *library)
     bind(library, "fmi3SetFMUState", &three.restore);
     bind(library, "fmi3FreeFMUState", &three.forget);
     bind(library, "fmi3GetDirectionalDerivative", &three.derive);
+    bind(library, "fmi3GetAdjointDerivative", &three.adjoint);
     bind(library, "fmi3GetOutputDerivatives", &three.get_slopes);
 }
 
@@ -414,9 +425,57 @@ static void calls_in_any_order(const Kind *kind)
     two.release(c);
 }
 
+/* Bytes of a state of their very length, for a sanitizer to watch, with some of them changed. */
+static char *damaged_copy(const char *bytes, size_t whole, size_t *size)
+{
+    const size_t longer = whole + drawn(64);
+    char *copy;
+    size_t k;
+    *size = drawn(2) ? whole : drawn((uint32_t)longer);
+    copy = malloc(*size ? *size : 1);
+    for (k = 0; k < *size; k++) {
+        copy[k] = k < whole ? bytes[k] : (char)drawn(256);
+    }
+    for (k = 0; *size && k < 1 + drawn(3); k++) {
+        copy[drawn((uint32_t)*size)] ^= (char)(1 + drawn(255));
+    }
+    return copy;
+}
+
+static void damaged_states_are_refused(const Kind *kind)
+{
+    double before[MOST], after[MOST];
+    fmi2Component c = begun(kind, "damaged", &QUIET);
+    fmi2FMUstate state = NULL;
+    size_t whole = 0, size;
+    char *bytes;
+    unsigned references[MOST];
+    int k, wrong = advance(c, kind, 0, before) || two.save(c, &state) ||
+                   two.state_size(c, state, &whole);
+    bytes = malloc(whole);
+    wrong |= two.serialise(c, state, bytes, whole - 1) != fmi2Error ||
+             two.serialise(c, state, bytes, whole) != fmi2OK;
+    for (k = 0; k < DAMAGED; k++) {
+        char *copy = damaged_copy(bytes, whole, &size);
+        fmi2FMUstate made = NULL;
+        const int same = size == whole && !memcmp(copy, bytes, whole);
+        wrong |= !same && (two.deserialise(c, copy, size, &made) != fmi2Error || made);
+        free(copy);
+    }
+    count_up(references, kind->first_output, kind->outputs);
+    wrong |= two.get(c, references, kind->outputs, after) ||
+             memcmp(before, after, kind->outputs * sizeof *after);
+    check(!wrong, "damaged states are refused and change nothing", kind->token);
+    free(bytes);
+    two.forget(c, &state);
+    two.release(c);
+}
+
 static void wrong_identity(const Kind *kind)
 {
     const char *const names[] = {"%s%n%s%n", "", "J\303\266rg [1] (a+b) 'x'", NULL};
+    const char *const places[] = {"file:/a%20b/resources", "file:///%4A%C3%B6rg/#?",
+                                  "file://localhost/a/resources", NULL};
     char token[TOKEN];
     size_t k;
     for (k = 0; k < strlen(kind->token); k++) {
@@ -440,8 +499,8 @@ static void wrong_identity(const Kind *kind)
           "model exchange", kind->token);
     for (k = 0; k < sizeof names / sizeof *names; k++) {
         fmi2Component c =
-            two.instantiate(names[k], fmi2CoSimulation, kind->token, NULL, NULL, 0, 0);
-        check(c != NULL, "any name, no callbacks", kind->token);
+            two.instantiate(names[k], fmi2CoSimulation, kind->token, places[k], NULL, 0, 0);
+        check(c != NULL, "any name, any place, no callbacks", kind->token);
         check(two.step(c, 0.0, 1e-3, 0) == fmi2Error, "a refusal that nobody hears", kind->token);
         two.release(c);
     }
@@ -546,7 +605,7 @@ static void arrays_in_any_order(const Kind *kind)
         for (i = 0; i < 8; i++) {
             orders[i] = (int)drawn(3);
         }
-        switch (drawn(9)) {
+        switch (drawn(10)) {
         case 0: status = three.enter(c, 0, 0.0, 0.0, 0, 0.0); break;
         case 1: status = three.leave(c); break;
         case 2: status = three.get(c, references, count, others, elements); break;
@@ -557,7 +616,11 @@ static void arrays_in_any_order(const Kind *kind)
             status = three.derive(c, references, count, knowns, known_count, values, seeds, others,
                                   elements);
             break;
-        case 7: status = three.get_slopes(c, references, count, orders, others, elements); break;
+        case 7:
+            status = three.adjoint(c, references, count, knowns, known_count, values, elements,
+                                   others, seeds);
+            break;
+        case 8: status = three.get_slopes(c, references, count, orders, others, elements); break;
         default:
             status = three.step(c, time, 1e-3, 1, &event, &end, &early, &time);
         }
@@ -691,6 +754,7 @@ int main(int count, char **words)
             arrays_are_rows_of_scalars(&kind);
             arrays_in_any_order(&kind);
         }
+        damaged_states_are_refused(&kind);
         wrong_identity(&kind);
         a_step_allocates_nothing(&kind);
         a_thousand_instances_leave_nothing(&kind, allocations() != 0);
