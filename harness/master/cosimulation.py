@@ -19,8 +19,8 @@ from ..scene.run import FEWEST_CHOSEN
 from .facts import Facts, advice, result
 from .fmu import Closing, Fmu
 from .loop import consistent_start, loop_gain, rotor_response, value_eigenvalues
-from .plan import find_or_build, plan, refuse_other_build
-from .recorder import Recorder, recorded
+from .plan import find_or_build, plan
+from .recorder import Recorder, recorded, refuse_unknown
 from .resolution import Resolution
 from .result import Result
 from .runtime import runtime
@@ -59,10 +59,8 @@ class CoSimulation(Closing):
                 one.name: stack.enter_context(Fmu(path, one.name))
                 for path, one in zip(self.paths, self.plan.units, strict=True)
             }
-            if fmus is not None:
-                for one in self.plan.units:
-                    refuse_other_build(self.units[one.name], one)
             self.system = System(self.plan, self.units, scene.coupling.order, watch)
+            stack.callback(self.system.free_states)
             self._stack = stack.pop_all()
         self.gain = self.amplification = 0.0
         self.time = 0.0
@@ -240,13 +238,16 @@ def run_once(
     scene: Scene, names: list[str], fmus: Path | None, progress: Progress | None
 ) -> Result:
     """One run, recording `names`, see `cosimulate`."""
+    refuse_unknown(names, plan(scene).variables_by_unit())
     with CoSimulation(scene, fmus=fmus) as cosim:
         recorder = Recorder(cosim.units, names)
         begun = clock.perf_counter()
         cosim.start()
         for count, part in enumerate(cosim.rows(recorder), start=1):
-            if progress and count % REPORTED == 0:
-                progress(part)
+            if count % REPORTED == 0:
+                recorder.refuse_too_much(part)
+                if progress:
+                    progress(part)
         seconds = clock.perf_counter() - begun
         if progress:
             progress(1.0)

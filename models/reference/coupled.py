@@ -20,6 +20,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..assembly import Assembly, SpeedProfile
+from ..linear.modes import modes
 from ..weights import Weights
 
 Array = NDArray[np.float64]
@@ -202,12 +203,8 @@ class Monolith:
     @property
     def fastest_mode(self) -> float:
         """Largest modulus of an eigenvalue of the rotor, or rate of a drag [1/s]."""
-        mass, damping, stiffness = self.assembly.loaded_rotor.coefficients(self.profile.end)
-        dof = len(mass)
-        companion = np.zeros((2 * dof, 2 * dof), mass.dtype)
-        companion[:dof, dof:] = np.eye(dof)
-        companion[dof:] = -np.linalg.solve(mass, np.hstack([stiffness, damping]))
-        return float(max([np.abs(np.linalg.eigvals(companion)).max(), *self._drag]))
+        of_rotor = modes(self.assembly.loaded_rotor, self.profile.end).natural_frequencies
+        return float(max([*of_rotor, *self._drag]))
 
 
 def _weights(device: object) -> Weights:

@@ -62,7 +62,8 @@ def killed(folder: Path, cosim: int, kills: int, seed: int) -> int:
         before = worked_on(store)
         run = begin(store, cosim)
         try:
-            run.communicate(timeout=draw.uniform(0.2, 0.6 * alone) if kills else None)
+            said, _ = run.communicate(timeout=draw.uniform(0.2, 0.6 * alone) if kills else None)
+            assert run.returncode == 0, said
         except subprocess.TimeoutExpired:
             run.kill()
             run.communicate()  # also waits for the workers, which hold its output
