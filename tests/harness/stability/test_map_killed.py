@@ -26,7 +26,7 @@ def begin(
     store: Path, cosim: int, grid: tuple[int, int] = SMALL, *more: str
 ) -> subprocess.Popen[str]:
     axes = ["--x", f"speed=0.5:12:{grid[0]}", "--y", f"weights.drag=1e-4:1:{grid[1]}:log"]
-    wanted = [*axes, "--cosim", str(cosim), "-o", str(store), *more]
+    wanted = [*axes, "--cosim", str(cosim), "-o", str(store), "--at-most", "1d", *more]
     return subprocess.Popen(
         [sys.executable, "-c", CODE, "map", "filimonikhina", *wanted],
         env={**os.environ, "TMPDIR": str(store.parent)},
@@ -72,6 +72,7 @@ def killed(folder: Path, cosim: int, kills: int, seed: int) -> int:
             run.kill()
             run.communicate()  # also waits for the workers, which hold its output
             kills -= 1
+            print(f"{kills} kills to come, {len(before)} points kept", flush=True)
         after = worked_on(store)
         assert {name: after[name] for name in before} == before  # nothing was done twice
         if run.returncode == 0:
