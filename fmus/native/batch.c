@@ -1,0 +1,86 @@
+#include "batch.h"
+
+#include <string.h>
+
+#include "elementary.h"
+#include "unit.h"
+
+/* Keep the reason of an error; `host` is where. */
+static void keep(void *host, const char *name, Status status, const char *message)
+{
+    char **reason = host;
+    (void)name;
+    if (status >= STATUS_DISCARD) {
+        Text text = text_in(*reason, BATCH_REASON);
+        text_put(&text, message);
+    }
+}
+
+/* Step to a time that the rise does not end before; the speed is told as it has become. */
+static Status step_risen(Unit *unit, const Batch *batch, double time)
+{
+    const unsigned drive[2] = {batch->drive, batch->drive + 1};
+    const double length = time - unit->time;
+    const double acceleration = unit->real[drive[1]];
+    double driven[2];
+    Status status;
+    driven[0] = unit->real[drive[0]] + length * acceleration;
+    driven[1] = time < batch->rise ? acceleration : 0.0;
+    status = unit_step(unit, unit->time, length);
+    return status || acceleration == 0.0 ? status : unit_set_reals(unit, drive, 2, driven);
+}
+
+static Status step_to(Unit *unit, const Batch *batch, double time)
+{
+    if (unit->time < batch->rise && batch->rise < time) {
+        const Status status = step_risen(unit, batch, batch->rise);
+        if (status) {
+            return status;
+        }
+    }
+    return step_risen(unit, batch, time);
+}
+
+/* The run of one set of values; how many of its points were reached. */
+static size_t run(Unit *unit, const Batch *batch, const double *values, double end, double *signals)
+{
+    size_t k;
+    unit_reset(unit);
+    if (unit_set_reals(unit, batch->references, batch->changed, values) ||
+        unit_setup(unit, 0.0, infinity()) || unit_enter_initialisation(unit) ||
+        unit_exit_initialisation(unit)) {
+        return 0;
+    }
+    for (k = 0; k <= batch->points; k++, signals += batch->asked) {
+        if ((k && step_to(unit, batch, end * ((double)k / (double)batch->points))) ||
+            unit_get_reals(unit, batch->outputs, batch->asked, signals)) {
+            return k;
+        }
+    }
+    return k;
+}
+
+size_t autobalancer_runs(const char *token, const Batch *batch, size_t runs, const double *values,
+                         const double *ends, double *signals, char *reasons)
+{
+    const size_t rows = batch->points + 1;
+    char *reason = reasons;
+    Unit *unit;
+    size_t k, i, failed = 0;
+    memset(reasons, 0, runs * BATCH_REASON);
+    unit = runs ? unit_instantiate("run", token, keep, &reason) : NULL;
+    for (k = 0; k < runs; k++) {
+        double *found = signals + k * rows * batch->asked;
+        size_t reached;
+        reason = reasons + k * BATCH_REASON;
+        reached = unit ? run(unit, batch, values + k * batch->changed, ends[k], found) : 0;
+        for (i = reached * batch->asked; i < rows * batch->asked; i++) {
+            found[i] = not_a_number();
+        }
+        failed += reached < rows;
+    }
+    if (unit) {
+        unit_free(unit);
+    }
+    return failed;
+}
