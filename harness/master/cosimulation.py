@@ -63,6 +63,7 @@ class CoSimulation(Closing):
             stack.callback(self.system.free_states)
             self._stack = stack.pop_all()
         self.gain = self.amplification = 0.0
+        self._at: Scene | None = None  # kept: a map starts often at one speed
         self.time = 0.0
         self.steps = self.unconverged = 0
         self.worst_residual = 0.0
@@ -91,7 +92,18 @@ class CoSimulation(Closing):
         share = self.scheme.miss_per_error if self.system.order == 3 else 0.0
         # an exchange that is unstable at any step is no matter of resolution
         judged = share and self.amplification <= 1.0 and self.system.exchanges
-        self.resolution = Resolution(self.scene, self.system, share, self.gain) if judged else None
+        self.resolution = None
+        if judged:
+            self.resolution = Resolution(self._driven(changes), self.system, share, self.gain)
+
+    def _driven(self, changes: Mapping[str, Mapping[str, float | bool]] | None) -> Scene:
+        """The scene at the constant speed that a start gives instead of its own."""
+        speeds = [own["speed"] for own in (changes or {}).values() if "speed" in own]
+        if not speeds:
+            return self.scene
+        if self._at is None or self._at.operation.speed != speeds[0]:
+            self._at = self.scene.replace({"operation.speed": speeds[0]})
+        return self._at
 
     def _prepare(self, step: float) -> Scheme:
         """Bring the units to a consistent start, and make the scheme for this loop."""
