@@ -11,7 +11,9 @@ from fmpy import platform_tuple, simulate_fmu
 from fmpy.validation import validate_fmu
 from scipy.interpolate import CubicSpline
 
-from autobalancer.fmus.composite.build import build_composite
+from autobalancer.fmus.composite.build import build_composite, is_present_composite
+from autobalancer.fmus.native.compile import stamp
+from autobalancer.fmus.xml.archive import unzipped, zipped
 from autobalancer.harness import Scene, bundled_scenes, cosimulate, load_scene
 from autobalancer.harness.master.cosimulation import CoSimulation
 from autobalancer.harness.master.one_file import build_one_file, composition
@@ -151,3 +153,20 @@ def test_parameters_and_speed_are_those_that_are_set(hosted):
     found = driven(hosted(scene, values), expected.time, ["rotor.x", "rotor.y"])
     for k, signal in enumerate(("rotor.x", "rotor.y")):
         assert found[:, k] == pytest.approx(expected[signal], abs=RANGE * np.ptp(expected[signal]))
+
+
+def test_a_file_of_another_scene_or_other_sources_is_told_from_this_one(tmp_path, packaging):
+    scene = load_scene("two_balls")
+    path = build_one_file(scene, tmp_path / "one.fmu", platforms=[platform_tuple])
+    assert is_present_composite(path, composition(scene), "two_balls")
+    heavier = composition(scene.replace({"rotor.mass": 0.951}))
+    assert not is_present_composite(path, heavier, "two_balls")
+    files = unzipped(path)
+    description = files["modelDescription.xml"].decode()
+    stale = description.replace(stamp(), "0123456789abcdef")
+    files["modelDescription.xml"] = stale.encode()
+    other = tmp_path / "stale.fmu"
+    other.write_bytes(zipped(files))
+    assert not is_present_composite(other, composition(scene), "two_balls")
+    with pytest.raises(Exception, match="Failed to instantiate"):
+        packaging.Host(other)
