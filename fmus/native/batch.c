@@ -49,6 +49,9 @@ size_t autobalancer_runs(const char *token, const Batch *batch, size_t runs, con
         double *found = signals + k * rows * batch->asked;
         size_t reached;
         reason = reasons + k * BATCH_REASON;
+        if (!unit && k) {
+            memcpy(reason, reasons, BATCH_REASON); /* the token was refused */
+        }
         reached = unit ? run(unit, batch, values + k * batch->changed, ends[k], found) : 0;
         for (i = reached * batch->asked; i < rows * batch->asked; i++) {
             found[i] = not_a_number();
