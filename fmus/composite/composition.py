@@ -65,7 +65,7 @@ class Composition:
     def __post_init__(self) -> None:
         if self.scheme not in SCHEMES:
             raise ValueError(
-                f"scheme = {self.scheme!r}: a composite couples by {alternatives(SCHEMES)}"
+                f"coupling.scheme = {self.scheme!r}: of one file must be one of {alternatives(SCHEMES)}"
             )
         if self.corrections is not None and not 0 <= self.corrections <= MOST_CORRECTIONS:
             raise ValueError(f"corrections = {self.corrections}: must be 0 to {MOST_CORRECTIONS}")

@@ -22,7 +22,7 @@ def composition(scene: Scene) -> Composition:
     """
     coupling, profile = scene.coupling, scene.profile()
     if coupling.order != 3:
-        raise SceneError(f"{scene.name}: coupling.order = {coupling.order}: one file has order 3")
+        raise SceneError(f"{scene.name}: coupling.order = {coupling.order}: of one file must be 3")
     found = plan(scene)
     exchanging = {c.source.unit for c in found.of_kind("signal")}
     following = {c.target.unit for c in found.of_kind("value")}
@@ -49,7 +49,7 @@ def composition(scene: Scene) -> Composition:
     try:
         return Composition(tuple(parts), coupling.scheme, coupling.corrections, start)
     except ValueError as error:
-        raise SceneError(f"{scene.name}: one file: {error}") from None
+        raise SceneError(f"{scene.name}: {error}") from None
 
 
 def build_one_file(
