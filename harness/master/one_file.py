@@ -12,6 +12,7 @@ from ..errors import SceneError
 from ..scene import Scene
 from ..scene.run import FEWEST_CHOSEN
 from .plan import ROTOR, plan
+from .schedule import end_time, step_size
 
 
 def composition(scene: Scene) -> Composition:
@@ -47,7 +48,14 @@ def composition(scene: Scene) -> Composition:
         for unit in found.units
     ]
     try:
-        return Composition(tuple(parts), coupling.scheme, coupling.corrections, start)
+        return Composition(
+            tuple(parts),
+            coupling.scheme,
+            coupling.corrections,
+            start,
+            end_time(scene),
+            step_size(scene),
+        )
     except ValueError as error:
         raise SceneError(f"{scene.name}: {error}") from None
 

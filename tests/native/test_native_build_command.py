@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import zipfile
 from pathlib import Path
 
@@ -58,6 +59,9 @@ def test_a_scene_is_one_file_on_request(tmp_path, fmi):
     assert outcome.exit_code == 0, outcome.output
     description = read_model_description(str(tmp_path / "two_balls.fmu"))
     assert description.modelName == "two_balls"
+    proposed = description.defaultExperiment  # 20 revolutions at 3 rad/s, in 20 steps each
+    found = float(proposed.stopTime), float(proposed.stepSize)
+    assert found == pytest.approx((20 * 2 * math.pi / 3, 2 * math.pi / 3 / 20), rel=1e-14)
     starts = {v.name: v.start for v in description.modelVariables}
     assert float(starts["rotor.mass"]) == 0.95
     assert float(starts["coupling.steps_per_rev"]) == 20.0
