@@ -28,6 +28,7 @@ from .output.interrupts import Interrupted, interruptible, temporary_files
 from .output.terminal import say
 from .precision import command as precision
 from .rotor import command as rotor
+from .scatter import command as scatter
 from .stability import map_command
 from .stability import speeds_command as speeds
 from .stress import command as stress
@@ -93,6 +94,7 @@ app.command("map")(map_command.command)
 app.command("balance")(balance.command)
 app.command("rotor")(rotor.command)
 app.command("design")(design.command)
+app.command("scatter")(scatter.command)
 app.command("precision")(precision.command)
 app.command("stress")(stress.command)
 

@@ -11,7 +11,7 @@ from ..errors import UserError
 from .files import PICTURES, picture_format
 from .terminal import ready_to_write
 
-STORE = ".zarr"
+STORE, TABLE = ".zarr", ".csv"
 SCENE = typer.Argument(help="Scene file, or the name of a bundled scene.")
 
 
@@ -83,6 +83,23 @@ def table_or_store(of: str) -> Any:
         help=f"Every {of} as CSV; or in FILE.zarr as it comes: the same command goes on where it "
         "was ended.",
         callback=_writable_or_store,
+    )
+
+
+def _any_place(paths: list[Path] | None) -> list[Path] | None:
+    for path in paths or ():
+        _writable(path) if path.suffix == TABLE else _drawable_or_store([path])
+    return paths
+
+
+def picture_table_or_store(of: str) -> Any:
+    """Pictures, tables, and a store of the same."""
+    return typer.Option(
+        *("--output", "-o"),
+        metavar="FILE",
+        help=f"Picture (png, svg, pdf); FILE.csv with every {of}; or FILE.zarr, which keeps them "
+        "as they come: the same command goes on where it was ended. Can be given several times.",
+        callback=_any_place,
     )
 
 
