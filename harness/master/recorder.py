@@ -31,31 +31,35 @@ class Recorder:
     Args:
         units: by name.
         names: `unit.variable`.
+        watched: others that are only compared, not asked for.
 
     Attributes:
+        names: those asked for, by unit.
         signal_units: what each signal is measured in.
 
     Raises:
         SceneError: a name is not `unit.variable` of this scene.
     """
 
-    def __init__(self, units: Mapping[str, Fmu], names: Sequence[str]) -> None:
-        names = list(dict.fromkeys(names))
-        for name in names:
+    def __init__(
+        self, units: Mapping[str, Fmu], names: Sequence[str], watched: Sequence[str] = ()
+    ) -> None:
+        every = list(dict.fromkeys([*names, *watched]))
+        for name in every:
             unit, _, variable = name.partition(".")
             if unit not in units or variable not in units[unit].variables:
                 known = ", ".join(units[unit].variables) if unit in units else ", ".join(units)
                 raise SceneError(
                     f"run.record: {name!r} is not recorded by any unit; known: {known}"
                 )
-        wanted = by_unit(names)
+        wanted = by_unit(every)
         self.groups = [(units[unit], units[unit].group(v)) for unit, v in wanted.items()]
         self.signal_units = {
             f"{unit}.{v}": units[unit].measured_in[v]
             for unit, variables in wanted.items()
             for v in variables
         }
-        self.names = list(self.signal_units)
+        self.names = [name for name in self.signal_units if name in names]
         self.rows = array("d")
 
     def take(self, time: float) -> None:
@@ -66,6 +70,8 @@ class Recorder:
             self.rows.frombytes(group.bytes)
 
     def columns(self) -> tuple[Signal, dict[str, Signal]]:
-        """Times [s], and every signal by name."""
-        table = np.array(self.rows).reshape(-1, 1 + len(self.names))
-        return table[:, 0].copy(), {n: table[:, i].copy() for i, n in enumerate(self.names, 1)}
+        """Times [s], and every signal by name, those watched as well."""
+        table = np.array(self.rows).reshape(-1, 1 + len(self.signal_units))
+        return table[:, 0].copy(), {
+            n: table[:, i].copy() for i, n in enumerate(self.signal_units, 1)
+        }
