@@ -11,6 +11,7 @@ if TYPE_CHECKING:
     from .checks.runner import check
     from .errors import SceneError, SimulationError, UnitError, UserError
     from .master.cosimulation import cosimulate
+    from .master.many import cosimulate_many
     from .master.result import Result
     from .scene import Scene, bundled_scenes, load_scene
     from .stability.boundaries import speeds
@@ -26,6 +27,7 @@ __all__ = [
     "bundled_scenes",
     "check",
     "cosimulate",
+    "cosimulate_many",
     "load_scene",
     "speeds",
 ]
@@ -42,6 +44,7 @@ __getattr__, __dir__ = lazy_names(
         "bundled_scenes": ".scene",
         "check": ".checks.runner",
         "cosimulate": ".master.cosimulation",
+        "cosimulate_many": ".master.many",
         "load_scene": ".scene",
         "speeds": ".stability.boundaries",
     },

@@ -92,8 +92,8 @@ app.command("precision")(precision.command)
 app.command("stress")(stress.command)
 
 
-def main() -> None:
-    """Entry point of `autobalancer`."""
+def main(app: typer.Typer = app) -> None:
+    """Entry point of `autobalancer`, or of another program of commands."""
     with temporary_files():
         try:
             app()

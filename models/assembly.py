@@ -23,6 +23,9 @@ class Mounted:
         plane: index of the correction plane, from 0.
         angles, speeds: weights' angles in the rotor [rad] and their rates [rad/s] at the start;
             empty for a liquid.
+        offset: of the weights' track from the plane's centre, rotor frame, xi + i eta [m].
+        half_angle: half the angle between weights that touch [rad]; 0 where they pass.
+        restitution: of two weights that collide on the free rotor.
     """
 
     name: str
@@ -30,6 +33,9 @@ class Mounted:
     plane: int = 0
     angles: tuple[float, ...] = ()
     speeds: tuple[float, ...] = ()
+    offset: complex = 0j
+    half_angle: float = 0.0
+    restitution: float = 0.0
 
 
 @dataclass(frozen=True)

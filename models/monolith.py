@@ -9,6 +9,7 @@ from numpy.typing import ArrayLike
 from scipy.integrate import solve_ivp
 
 from .assembly import Assembly, SpeedProfile
+from .reference.colliding import integrate_contacts
 from .reference.coupled import REST, Array, Monolith, RightHandSide, Start
 from .reference.trajectory import Trajectory, differences
 
@@ -48,7 +49,10 @@ def simulate(
     if not listed or time[0] < 0.0 or not (np.diff(time) > 0.0).all():
         raise ValueError("times must be an ascending list of numbers, 0 or more")
     system = Monolith(assembly, profile, initial.angle)
-    _, states, _ = integrate(system, time, initial, method=method, rtol=rtol, atol=atol)
+    if any(m.half_angle for m in assembly.weights):
+        states = integrate_contacts(system, time, initial, method=method, rtol=rtol)
+    else:
+        _, states, _ = integrate(system, time, initial, method=method, rtol=rtol, atol=atol)
     return trajectory(system, time, states)
 
 

@@ -29,43 +29,35 @@ def _speeds(speeds: ArrayLike) -> NDArray[np.float64]:
 
 
 def active_growth(
-    systems: list[Linearised], which: NDArray, speeds: NDArray, refinement: float
+    systems: list[Linearised], which: NDArray, speeds: NDArray
 ) -> NDArray[np.float64]:
     """Largest growth rate (b,) [1/s] of systems of one size and kind, neutral turns apart."""
     if systems[0].constant:
         growth = exponents(systems, which, speeds).real.max(axis=1, initial=-math.inf)
     else:
-        sizes = np.abs(one_turn_multipliers(systems, which, speeds, refinement)).max(axis=1)
+        sizes = np.abs(one_turn_multipliers(systems, which, speeds)).max(axis=1)
         growth = np.log(np.maximum(sizes, np.finfo(float).tiny)) * speeds / (2.0 * math.pi)
-        growth = np.maximum(growth, fast_growth(systems, which, speeds, refinement))
+        growth = np.maximum(growth, fast_growth(systems, which, speeds))
     decay = np.array([-s.free_decay.min(initial=math.inf) for s in systems])
     return np.maximum(growth, decay[which])
 
 
-def growth_rates(
-    assembly: Assembly, speeds: ArrayLike, *, refinement: float = 1.0
-) -> NDArray[np.float64]:
+def growth_rates(assembly: Assembly, speeds: ArrayLike) -> NDArray[np.float64]:
     """Largest growth rate [1/s] at each speed (b,), neutral turns apart; negative means stable.
 
     Args:
         assembly: rotor and balancers; the weights' angles are made to balance, see
             `balanced.balanced_angles`.
         speeds: (b,) [rad/s], positive.
-        refinement: factor on the number of steps of the Floquet map.
 
     Raises:
         CannotBalance: the weights cannot undo the unbalance.
     """
     w = _speeds(speeds)
-    return active_growth([linearise(assembly)], np.zeros(len(w), int), w, refinement)
+    return active_growth([linearise(assembly)], np.zeros(len(w), int), w)
 
 
-def growth_map(
-    assemblies: Sequence[Assembly],
-    speeds: ArrayLike,
-    *,
-    refinement: float = 1.0,
-) -> NDArray[np.float64]:
+def growth_map(assemblies: Sequence[Assembly], speeds: ArrayLike) -> NDArray[np.float64]:
     """Largest growth rate [1/s] of every assembly at every speed, (len(assemblies), len(speeds)).
 
     NaN where the weights of an assembly cannot undo its unbalance: it has no main motion.
@@ -83,6 +75,6 @@ def growth_map(
         rows = np.array([i for i, _ in members])
         systems = [system for _, system in members]
         which = np.repeat(np.arange(len(systems)), len(w))
-        growth = active_growth(systems, which, np.tile(w, len(systems)), refinement)
+        growth = active_growth(systems, which, np.tile(w, len(systems)))
         result[rows] = growth.reshape(len(systems), len(w))
     return result

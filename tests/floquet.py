@@ -12,16 +12,13 @@ from autobalancer.models.linear.floquet import exponents, one_turn_multipliers
 from autobalancer.models.linear.linearised import linearise
 
 
-def multipliers(
-    assembly: Assembly, speeds: ArrayLike, *, refinement: float = 1.0
-) -> NDArray[np.complex128]:
+def multipliers(assembly: Assembly, speeds: ArrayLike) -> NDArray[np.complex128]:
     """Multipliers of one revolution about the main motion.
 
     Args:
         assembly: rotor and balancers; the weights' angles are made to balance, see
             `balanced.balanced_angles`.
         speeds: (b,) [rad/s], positive.
-        refinement: factor on the number of steps of the Floquet map.
 
     Returns:
         (b, size), size = 4 n + 2 K for n stations and K weights.  The last columns
@@ -40,6 +37,6 @@ def multipliers(
     if system.constant:
         active = np.exp(exponents([system], which, w) * period)
     else:
-        active = one_turn_multipliers([system], which, w, refinement)
+        active = one_turn_multipliers([system], which, w)
     decays = np.exp(-system.free_decay * period)
     return np.hstack([active, decays, np.ones((len(w), system.neutral))])

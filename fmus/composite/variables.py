@@ -38,10 +38,26 @@ def own_variables(sizes: CompositeSizes) -> list[Variable]:
             minimum=0.0,
         ),
         parameter(
+            "coupling.fewest_steps_per_rev",
+            8.0,
+            "1",
+            "Steps in the fastest revolution, at least, with a tolerance",
+            minimum=0.0,
+            above=True,
+        ),
+        parameter(
             "coupling.top_speed",
             0.0,
             "rad/s",
             "Of the fastest revolution, where it is above the speed",
+            minimum=0.0,
+        ),
+        parameter(
+            "rise_time",
+            0.0,
+            "s",
+            "For which the rotor speeds up from `speed` by `acceleration`, both as they were at the"
+            " start; 0: they are inputs",
             minimum=0.0,
         ),
         plain_input("speed", 300.0, "rad/s", "Of the rotor, at the start of the step"),
@@ -56,6 +72,7 @@ def own_variables(sizes: CompositeSizes) -> list[Variable]:
             for i in range(1, sizes.planes + 1)
             for axis in "xy"
         ),
+        output("rotor.speed", "rad/s", "Of the rotor", observed=True),
         output("coupling.loop_gain", "1", "Of the loop force - acceleration", observed=True),
         output("coupling.steps", "1", "Taken by the coupling", observed=True),
         output("coupling.error", "1", "Of the motion, estimated", observed=True),
@@ -90,11 +107,11 @@ def variables(parts: Iterable[tuple[str, SizedUnit]], planes: int) -> list[Varia
 
 def _of_part(name: str, variable: Variable) -> Variable:
     """A variable under the name of its part; outputs wait until they are read."""
-    derivative = variable.derivative_of
+    der = "der(" * variable.name.startswith("der(")
     return replace(
         variable,
-        name=f"{name}.{variable.name}",
-        derivative_of=f"{name}.{derivative}" if derivative else "",
+        name=f"{der}{name}.{variable.name.removeprefix(der)}",
+        derivative_of=variable.derivative_of and f"{name}.{variable.derivative_of}",
         depends=(),
         begins=(),
         observed=variable.causality == "output",

@@ -9,6 +9,7 @@
    speed: what differs less is no jump. */
 static const double POINT_OF_STEP = 1e-10, POINT_OF_TIME = 4e-16, SAME_SPEED = 1e-9;
 static const double MOST_STEPS = 1e8; /* within a step of the host: minutes */
+static const double LOOSEST = 0.1; /* tolerance */
 static const double WEAK_LOOP = 0.1; /* one corrector pass then leaves 1 % of the prediction's error */
 static const double ROUNDING = 1e-14; /* of the largest force there can be */
 
@@ -38,12 +39,13 @@ static size_t signal_doubles(size_t count)
 
 size_t composite_memory(Composite *c, double *memory)
 {
-    enum { BLOCKS = 9 };
+    enum { BLOCKS = 10 };
     const size_t e = (size_t)c->exchanges, p = (size_t)c->planes;
     const size_t outer = 2 * (size_t)c->parts->unit->layout.sizes.planes;
     const size_t counts[BLOCKS] = {
         sizeof(Course) / sizeof(double), outer, signal_doubles(e), signal_doubles(p),
-        16 * e * (e + p), 4 * (e + p), c->state_count, c->state_count, c->state_count};
+        16 * e * (e + p), 4 * (e + p), p * sizeof(Swung) / sizeof(double), c->state_count,
+        c->state_count, c->state_count};
     size_t at[BLOCKS], total = 0, state;
     int k;
     for (k = 0; k < BLOCKS; k++) {
@@ -67,9 +69,10 @@ size_t composite_memory(Composite *c, double *memory)
         c->accelerations = (Signal *)(memory + at[3]);
         c->solution = memory + at[4];
         c->missed = (Knot *)(memory + at[5]);
-        c->at_begin = memory + at[6];
-        c->at_end = memory + at[7];
-        c->states = memory + at[8];
+        c->swung = (Swung *)(memory + at[6]);
+        c->at_begin = memory + at[7];
+        c->at_end = memory + at[8];
+        c->states = memory + at[9];
     }
     return total;
 }
@@ -79,6 +82,7 @@ static int allocate(Unit *unit)
     Composite *c = unit->own;
     const size_t e = (size_t)c->exchanges, p = (size_t)c->planes, cubic = SIGNAL_ORDERS;
     const size_t n = 4 * (e + p), square = 16 * e * e;
+    const size_t stations = (size_t)c->parts->unit->layout.sizes.stations;
     double **vectors[] = {&c->u, &c->g_u, &c->moved, &c->answered, &c->residual, &c->du, &c->old};
     size_t k;
     int missing = 0;
@@ -95,8 +99,10 @@ static int allocate(Unit *unit)
     c->square = unit_allocate(unit, square, sizeof(double));
     c->wide = unit_allocate(unit, 16 * e * p, sizeof(double));
     c->work = unit_allocate(unit, 2 * square, sizeof(double));
+    c->masses = unit_allocate(unit, 2 * (size_t)c->parts->unit->layout.sizes.planes, sizeof(double));
+    c->decay = unit_allocate(unit, 32 * stations * stations, sizeof(double));
     return missing || !c->assumed || !c->sent || !c->felt || !c->ends || !c->answers ||
-           !c->square || !c->wide || !c->work;
+           !c->square || !c->wide || !c->work || !c->decay || !c->masses;
 }
 
 /* -- the start ------------------------------------------------------------------------------- */
@@ -111,11 +117,16 @@ static int parameters(Unit *unit)
 {
     Composite *c = unit->own;
     int k;
-    if (unit->real[c->tolerance] > 0.0) {
-        return refuse(unit, "coupling.tolerance: must be 0 (not used)");
+    if ((unit->real[c->tolerance] > 0.0) == (unit->real[c->steps_per_rev] > 0.0)) {
+        return refuse(unit, "coupling.tolerance, coupling.steps_per_rev: one must be above 0, and "
+                            "the other 0 (not used)");
     }
-    if (!(unit->real[c->steps_per_rev] > 0.0)) {
-        return refuse(unit, "coupling.steps_per_rev: must be above 0");
+    if (unit->real[c->tolerance] > LOOSEST) {
+        return refuse(unit, "coupling.tolerance: must be at most 0.1");
+    }
+    if (unit->real[c->tolerance] > 0.0 && c->scheme == SCHEME_COMPENSATED) {
+        return refuse(unit, "coupling.tolerance: the file was built with scheme = \"compensated\", "
+                            "which keeps none; set coupling.steps_per_rev");
     }
     for (k = 0; k < c->part_count; k++) {
         Part *part = c->parts + k;
@@ -139,9 +150,11 @@ static void take_inputs(Unit *unit)
 {
     Composite *c = unit->own;
     Course *course = c->course;
-    course->told = unit->time;
-    course->speed = unit->real[c->drive];
-    course->acceleration = unit->real[c->drive + 1];
+    if (!(unit->real[c->rise] > 0.0)) {
+        course->told = unit->time;
+        course->speed = unit->real[c->drive];
+        course->acceleration = unit->real[c->drive + 1];
+    }
     course->fastest = larger(course->fastest, absolute(course->speed));
     memcpy(c->outer_forces, unit->real + c->outer,
            2 * (size_t)c->parts->unit->layout.sizes.planes * sizeof(double));
@@ -200,7 +213,14 @@ static int start(Unit *unit)
     memset(c->forces, 0, (size_t)c->exchanges * sizeof(Signal));
     memset(c->accelerations, 0, (size_t)c->planes * sizeof(Signal));
     course->fastest = unit->real[c->top_speed];
-    course->begin = course->time = unit->time;
+    course->begin = course->time = course->told = unit->time;
+    course->speed = course->first_speed = unit->real[c->drive];
+    course->acceleration = course->first_acceleration = unit->real[c->drive + 1];
+    if (unit->real[c->rise] > 0.0) {
+        course->rises_until = unit->time + unit->real[c->rise];
+        course->fastest = larger(course->fastest, absolute(course->speed +
+                                 unit->real[c->rise] * course->acceleration));
+    }
     take_inputs(unit);
     if (!(course->fastest > 0.0)) {
         return refuse(unit, "coupling.top_speed: must be above 0 rad/s for a rotor that starts at rest");
@@ -215,6 +235,11 @@ static int start(Unit *unit)
         return 1;
     }
     begin_scheme(unit, step);
+    resolution_begin(unit);
+    course->allowed = c->exchanges ? unit->real[c->tolerance] : 0.0;
+    if (course->allowed > 0.0) {
+        adaptive_begin(unit);
+    }
     course->started = 1.0;
     return 0;
 }
@@ -226,25 +251,12 @@ static int outputs(Unit *unit)
 
 /* -- steps ----------------------------------------------------------------------------------- */
 
-/* Begin a step here where the host has changed an input. */
-static void meet_inputs(Unit *unit)
+/* Begin a step at a time where the units are, and where something has jumped. */
+static void begin_anew(Unit *unit, double time)
 {
     Composite *c = unit->own;
     Course *course = c->course;
-    const size_t outer = 2 * (size_t)c->parts->unit->layout.sizes.planes;
-    const double *drive = unit->real + c->drive;
-    const double led = course->speed + (unit->time - course->told) * course->acceleration;
-    const int same = drive[1] == course->acceleration &&
-                     absolute(drive[0] - led) <= SAME_SPEED * course->fastest &&
-                     !memcmp(c->outer_forces, unit->real + c->outer, outer * sizeof(double));
     int k;
-    if (same && drive[1] == 0.0) {
-        return;
-    }
-    take_inputs(unit);
-    if (same) {
-        return;
-    }
     if (course->within > 0.0) {
         composite_read_accelerations(c, c->ends);
         composite_read_forces(c, c->answers);
@@ -256,10 +268,49 @@ static void meet_inputs(Unit *unit)
         }
         course->within = 0.0;
     }
-    course->time = unit->time;
+    course->time = time;
     course->crossing = course->whole = 0.0;
     course->changed = 1.0;
     composite_drop_past(c);
+}
+
+/* Look at what the host has set; 1 with the reason where it may not. */
+static int meet_inputs(Unit *unit)
+{
+    const Composite *c = unit->own;
+    const Course *course = c->course;
+    const size_t outer = 2 * (size_t)c->parts->unit->layout.sizes.planes;
+    const double *drive = unit->real + c->drive;
+    const double led = course->speed + (unit->time - course->told) * course->acceleration;
+    const int rises = unit->real[c->rise] > 0.0;
+    const int same = rises || (drive[1] == course->acceleration &&
+                               absolute(drive[0] - led) <= SAME_SPEED * course->fastest);
+    const int jumps = !same || memcmp(c->outer_forces, unit->real + c->outer, outer * sizeof(double));
+    if (rises && (drive[0] != course->first_speed || drive[1] != course->first_acceleration)) {
+        return refuse(unit, "speed, acceleration: the rotor speeds up by itself, as rise_time is "
+                            "above 0 s");
+    }
+    if (jumps || (!rises && drive[1] != 0.0)) {
+        take_inputs(unit);
+    }
+    if (jumps) {
+        begin_anew(unit, unit->time);
+    }
+    return 0;
+}
+
+/* One step of given length; `jump`: over a jump of an input. */
+static int couple(Unit *unit, double step, int jump)
+{
+    const Composite *c = unit->own;
+    if (c->scheme == SCHEME_COMPENSATED && c->exchanges) {
+        return compensated_step(unit, step, jump) || (!jump && resolution_check(unit, step));
+    }
+    if (jump) {
+        return iterated_cross(unit, step);
+    }
+    return iterated_step(unit, step) ||
+           (c->exchanges && (resolution_check(unit, step) || iterated_judge(unit)));
 }
 
 /* One step of the coupling, from its end to the next. */
@@ -268,8 +319,9 @@ static int advance(Unit *unit)
     Composite *c = unit->own;
     Course *course = c->course;
     const size_t size = c->state_count * sizeof(double);
-    const double step = startup_length(unit);
-    const int jump = course->crossing > 0.0;
+    const int crosses = course->changed > 0.0 || course->crossing > 0.0;
+    const int adapts = course->allowed > 0.0 && !crosses;
+    const double step = adapts ? 0.0 : startup_length(unit);
     if (course->within > 0.0) {
         memcpy(c->states, c->at_end, size);
         course->within = 0.0;
@@ -278,15 +330,16 @@ static int advance(Unit *unit)
     course->begin = course->time;
     course->length = step;
     composite_drive(unit, course->begin);
-    if ((c->scheme == SCHEME_COMPENSATED && c->exchanges
-             ? compensated_step(unit, step, jump)
-             : jump ? iterated_cross(unit, step) : iterated_step(unit, step)) ||
-        composite_follow(unit, step)) {
+    if (adapts ? adaptive_step(unit, startup_share(unit, unit->real[c->fewest]))
+               : couple(unit, step, crosses)) {
         return 1;
     }
-    course->time += step;
-    course->steps += 1.0;
-    return startup_taken(unit);
+    if (composite_follow(unit, course->length)) {
+        return 1;
+    }
+    course->time += course->length;
+    course->steps += crosses ? 0.0 : 1.0;
+    return adapts ? 0 : startup_taken(unit);
 }
 
 /* Move the units to a time within the last step, or to its end, under its signals. */
@@ -316,17 +369,12 @@ static int refuse_length(Unit *unit, double own)
     return 1;
 }
 
-static int step(Unit *unit, double length)
+/* Step and move the units to a time. */
+static int reach(Unit *unit, double end)
 {
     const Course *course = ((Composite *)unit->own)->course;
-    const double end = unit->time + length;
-    double point;
-    meet_inputs(unit);
-    if (!(length < MOST_STEPS * startup_size(unit))) {
-        return refuse_length(unit, startup_size(unit));
-    }
     for (;;) {
-        point = POINT_OF_STEP * course->length + POINT_OF_TIME * absolute(end);
+        const double point = POINT_OF_STEP * course->length + POINT_OF_TIME * absolute(end);
         if (!(course->time < end - point)) {
             return show(unit, end, course->time <= end + point);
         }
@@ -341,6 +389,32 @@ static int step(Unit *unit, double length)
     }
 }
 
+static int step(Unit *unit, double length)
+{
+    Course *course = ((Composite *)unit->own)->course;
+    const double end = unit->time + length, top = course->rises_until;
+    if (meet_inputs(unit)) {
+        return 1;
+    }
+    if (!(length < MOST_STEPS * startup_size(unit))) {
+        return refuse_length(unit, startup_size(unit));
+    }
+    if (course->acceleration != 0.0 && unit->time < top && top <= end) {
+        if (reach(unit, top)) {
+            return 1;
+        }
+        course->speed += (top - course->told) * course->acceleration;
+        course->acceleration = 0.0;
+        course->told = top;
+        course->fastest = larger(course->fastest, absolute(course->speed));
+        begin_anew(unit, top);
+        if (top == end) {
+            return 0;
+        }
+    }
+    return reach(unit, end);
+}
+
 static void observe(Unit *unit)
 {
     Composite *c = unit->own;
@@ -353,9 +427,10 @@ static void observe(Unit *unit)
         memcpy(unit->real + c->parts[k].observed, part->real + first,
                (part->layout.real_count - first) * sizeof(double));
     }
-    results[0] = c->course->gain;
-    results[1] = c->course->steps;
-    results[2] = c->course->error;
+    results[0] = c->course->speed + (unit->time - c->course->told) * c->course->acceleration;
+    results[1] = c->course->gain;
+    results[2] = c->course->steps;
+    results[3] = c->course->error;
 }
 
 /* -- what a composite does not offer ---------------------------------------------------------- */

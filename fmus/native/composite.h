@@ -47,6 +47,7 @@ typedef struct {
     double within;             /* whether the units stand within it, and not at its end */
     double told, speed, acceleration; /* time of the drive [s], and what it was then */
     double fastest;            /* speed so far, and that of the parameter [rad/s] */
+    double first_speed, first_acceleration, rises_until; /* of a rotor that speeds up by itself */
     double changed;            /* whether an input has jumped since the last step */
     double crossing;           /* negligible steps still to be taken over it, */
     double negligible;         /* and their length [s] */
@@ -58,11 +59,22 @@ typedef struct {
     double rounding;           /* of forces that cancel [N] */
     double tolerance;          /* residual that counts as converged */
     double largest;            /* force so far, as the scheme knows it */
+    double residual;           /* of the forces in the last step, relative to it */
     double solved_step;        /* the step that the loop's inverse is for [s] */
     double missed_step;        /* length of the step before [s], 0 when it missed nothing */
     double largest_before, lost, calm; /* of a diverging loop */
     double steps, unconverged, error;
+    double allowed, rung, largest_motion; /* tolerance, 0 for fixed steps; step as 2^(-rung/4) */
+    /* what the resolution is judged by; see resolution.py for what these are */
+    double top, mass, pace, reach, most, pushed, judged_step, blind, kept, kept_turning, renewed;
+    double moved, grown, unresolved;
 } Course;
+
+/* What the acceleration of a plane moves: speed, place and errors of the last revolution. */
+typedef struct {
+    Complex speed, place;
+    double turned, swung;
+} Swung;
 
 /* Cubic over a step per value and slope missed in the one before, and what it was worked out for:
    turn of the axes [rad], past step, and step [s]. */
@@ -80,7 +92,7 @@ typedef struct {
     int *rotor_planes;     /* (planes,) which they are of the rotor's */
     Scheme scheme;
     int corrections; /* as given */
-    size_t tolerance, steps_per_rev, top_speed; /* value references of the coupling's parameters, */
+    size_t tolerance, steps_per_rev, fewest, top_speed, rise; /* value references of the coupling's parameters, */
     size_t drive, outer;                        /* of speed and forces from outside, */
     size_t results;                             /* and of the coupling's outputs */
     /* in the unit's memory */
@@ -89,6 +101,7 @@ typedef struct {
     Signal *forces, *accelerations;
     double *solution; /* (4 e, 4 e): inverse of 1 - dG/du; compensated: (4 e + 4 p, 4 e) */
     Knot *missed;     /* (e + p,) value, and slope times step */
+    Swung *swung;     /* (p,) */
     double *states;   /* memories of all parts, one after the other, */
     double *at_begin, *at_end; /* and those at the ends of the last step */
     size_t state_count;
@@ -97,6 +110,8 @@ typedef struct {
     Knot *ends, *answers;           /* (p,), (e,) */
     double *u, *g_u, *moved, *answered, *residual, *du, *old; /* (4 e,) as `pack` makes them */
     double *square, *wide, *work;  /* (4 e, 4 e), (4 p, 4 e), 2 (4 e, 4 e) */
+    double *masses;                /* (rotor's planes,) */
+    double *decay;                 /* 2 (4 n, 4 n) for n stations */
     Carried carried[2];            /* of forces, and of accelerations */
 } Composite;
 
@@ -169,12 +184,29 @@ double spectral_radius(int n, double *matrix, double *work);
 /* -- composite_scales.c: twin of harness/master/scales.py ------------------------------------ */
 
 double composite_largest_force(const Composite *c);
+/* On every plane of the rotor (p,), by the port or in the force [kg]. */
+void composite_added_masses(const Composite *c, double *masses);
 
-/* -- composite_iterated.c, composite_compensated.c: twins of harness/master/schemes ----------- */
+/* -- composite_resolution.c: twin of harness/master/resolution.py ---------------------------- */
+
+void resolution_begin(Unit *unit);
+/* Look at the step just finished; 1 with the reason where steps are too long for the signals. */
+int resolution_check(Unit *unit, double step);
+
+/* -- composite_iterated.c, _compensated.c, _adaptive.c: twins of harness/master/schemes ------- */
 
 void iterated_begin(Composite *c);
 int iterated_step(Unit *unit, double step);
+/* 1 with the reason where what the step left of the forces cannot be tolerated. */
+int iterated_judge(Unit *unit);
 int iterated_cross(Unit *unit, double step);
+/* Take a step with as many passes as it takes; its residual, below 0 where it failed. */
+double iterated_attempt(Unit *unit, double step);
+/* Back to the begin of the step. */
+void composite_restore(Composite *c);
+void adaptive_begin(Unit *unit);
+/* One accepted step of at most `longest` [s]; its length in course->length. */
+int adaptive_step(Unit *unit, double longest);
 /* Take the loop's Jacobian from steps of this length, all of them taken back. */
 int iterated_after_start(Unit *unit, double step);
 void compensated_begin(Composite *c, double step);
@@ -183,7 +215,8 @@ int compensated_step(Unit *unit, double step, int jump);
 
 /* -- composite_startup.c: twin of harness/master/schemes/startup.py --------------------------- */
 
-/* Length of a communication step [s]. */
+/* Length of a step of so many in the fastest revolution [s], and of a communication step. */
+double startup_share(const Unit *unit, double steps);
 double startup_size(const Unit *unit);
 /* Length of the step to come [s], of the communication step it is part of. */
 double startup_length(Unit *unit);

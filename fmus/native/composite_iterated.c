@@ -35,7 +35,7 @@ static int pass(Unit *unit, const double *u, double step)
     return composite_balancer_pass(unit, c->felt, step);
 }
 
-static void restore(Composite *c)
+void composite_restore(Composite *c)
 {
     memcpy(c->states, c->at_begin, c->state_count * sizeof(double));
 }
@@ -77,15 +77,16 @@ static double attempt(Unit *unit, double step, int passes)
         for (i = 0; i < count; i++) {
             c->u[i] += c->du[i];
         }
-        restore(c);
+        composite_restore(c);
     }
 }
 
 /* 0, or 1 with the reason where what is left of the forces cannot be tolerated. */
-static int judge(Unit *unit, double residual)
+int iterated_judge(Unit *unit)
 {
     const Composite *c = unit->own;
     Course *course = c->course;
+    const double residual = course->residual;
     const int converges = course->corrections < 0.0;
     Text *reason;
     if (!(residual > (converges ? course->tolerance : LOOSE))) {
@@ -110,12 +111,16 @@ static int judge(Unit *unit, double residual)
 int iterated_step(Unit *unit, double step)
 {
     Composite *c = unit->own;
-    const Course *course = c->course;
+    Course *course = c->course;
     /* a first step has no past to be predicted from and would cost an order */
     const int all = course->corrections < 0.0 || (course->no_past > 0.0 && course->corrections > 0.0);
-    const double residual = attempt(unit, step, all ? MAX_PASSES : (int)course->corrections + 1);
-    return residual < 0.0 || composite_accept(unit, c->ends, c->answers, step) ||
-           judge(unit, residual);
+    course->residual = attempt(unit, step, all ? MAX_PASSES : (int)course->corrections + 1);
+    return course->residual < 0.0 || composite_accept(unit, c->ends, c->answers, step);
+}
+
+double iterated_attempt(Unit *unit, double step)
+{
+    return attempt(unit, step, MAX_PASSES);
 }
 
 int iterated_cross(Unit *unit, double step)
@@ -131,7 +136,7 @@ static int respond(Unit *unit, const double *u, double step, double *answer)
     if (pass(unit, u, step)) {
         return 1;
     }
-    restore(c);
+    composite_restore(c);
     loop_pack(c->answers, c->exchanges, step, answer);
     return 0;
 }

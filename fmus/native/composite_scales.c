@@ -37,6 +37,29 @@ static double pushed(const Unit *unit, double speed, double spin_up)
            motion * larger(largest_row(n, rotor->damping_x), largest_row(n, rotor->damping_y));
 }
 
+/* Mass that a balancer has the rotor carry, by the port or in its force [kg]. */
+static double added_mass(const Unit *unit)
+{
+    if (unit->equations == &WEIGHTS_EQUATIONS) {
+        return weights_added_mass(&((const Balls *)unit->own)->track.weights);
+    } else {
+        const double *real = unit->real;
+        const Liquid liquid = {real[0], real[1], real[2], real[3]};
+        return liquid_added_mass(&liquid);
+    }
+}
+
+void composite_added_masses(const Composite *c, double *masses)
+{
+    int k;
+    for (k = 0; k < c->parts->unit->layout.sizes.planes; k++) {
+        masses[k] = 0.0;
+    }
+    for (k = 1; k < c->part_count; k++) {
+        masses[c->parts[k].plane] += added_mass(c->parts[k].unit);
+    }
+}
+
 double composite_largest_force(const Composite *c)
 {
     const Rotor *rotor = c->parts->unit->own;
@@ -52,12 +75,8 @@ double composite_largest_force(const Composite *c)
             const double *speeds = unit->real + FIRST_ANGLE + balls->count;
             const double rate = speed + largest_of(balls->count, speeds);
             own += balls->count * weights->mass * weights->track_radius * (rate * rate + spin_up);
-            carried += weights_added_mass(weights);
-        } else {
-            const double *real = unit->real;
-            const Liquid liquid = {real[0], real[1], real[2], real[3]};
-            carried += liquid_added_mass(&liquid);
         }
+        carried += added_mass(unit);
     }
     for (k = 0; k < n * n; k++) {
         mass += rotor->rotor.mass[k];

@@ -4,11 +4,17 @@
 
 static const double STEEP = 0.2, FIRST = 0.05, KINK = 1e-6;
 enum { MOST_HALVINGS = 60, JUMP_PARTS = 8, STARTUP_HALVINGS = 2 };
+enum { DEFAULT_STEPS = 40 }; /* a revolution */
+
+double startup_share(const Unit *unit, double steps)
+{
+    return TAU / (((const Composite *)unit->own)->course->fastest * steps);
+}
 
 double startup_size(const Unit *unit)
 {
-    const Composite *c = unit->own;
-    return TAU / (c->course->fastest * unit->real[c->steps_per_rev]);
+    const double steps = unit->real[((const Composite *)unit->own)->steps_per_rev];
+    return startup_share(unit, steps > 0.0 ? steps : DEFAULT_STEPS);
 }
 
 /* How often a step without a past is halved, so that nothing is steep in its first part. */

@@ -139,6 +139,10 @@ void layout_name(const Layout *layout, size_t reference, Text *text)
     const char *name = variable->declared->name;
     int indices = 0;
     if (variable->owner) {
+        if (!strncmp(name, "der(", 4)) {
+            text_put_part(text, name, 4);
+            name += 4;
+        }
         text_put(text, variable->owner);
         text_put(text, ".");
     }

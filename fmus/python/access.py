@@ -11,24 +11,21 @@ from ..variables import Layout
 FRESH, OBSERVED, COMPUTED, BEGINNING = range(4)
 
 Key = tuple[int, ...]
+Pick = Callable[[list[float]], list[float]]
 
 
-class Access:
-    """Access to the Reals of units of the same sizes.
+class Readers(dict[Key, tuple[Pick, int]]):
+    """What picks the Reals with these value references, and how stale the outputs may be for it.
 
-    Attributes:
-        readers: value references -> what picks them out of all Reals, and how stale the outputs may
-            be for it.
-        writers: value references -> where they go, and whether all of them are inputs.
+    Raises:
+        ValueError: a value reference is unknown.
     """
 
     def __init__(self, layout: Layout) -> None:
+        super().__init__()
         self.layout = layout
-        self.readers: dict[Key, tuple[Callable[[list[float]], list[float]], int]] = {}
-        self.writers: dict[Key, tuple[slice | Key, bool]] = {}
 
-    def reader(self, key: Key) -> tuple[Callable[[list[float]], list[float]], int]:
-        """A new entry of `readers`; raises ValueError for an unknown value reference."""
+    def __missing__(self, key: Key) -> tuple[Pick, int]:
         layout = self.layout
         known(key, len(layout.reals))
         last = max(key, default=0)
@@ -38,31 +35,36 @@ class Access:
         elif last < layout.computed.stop:
             level = OBSERVED
         where = _slice(key)
-        if isinstance(where, slice):
-            pick: Callable = itemgetter(where)
-        else:
+        pick: Pick = lambda real: [real[vr] for vr in key]  # noqa: E731
+        self[key] = itemgetter(where) if isinstance(where, slice) else pick, level
+        return self[key]
 
-            def pick(real: list[float]) -> list[float]:
-                return [real[vr] for vr in key]
 
-        self.readers[key] = pick, level
-        return pick, level
+class Writers(dict[Key, tuple[slice | Key, bool]]):
+    """Where the Reals with these value references go, and whether all of them are inputs.
 
-    def writer(self, key: Key) -> tuple[slice | Key, bool]:
-        """A new entry of `writers`; raises ValueError for what cannot be set."""
+    Raises:
+        ValueError: a value reference is unknown, or that of an output.
+    """
+
+    def __init__(self, layout: Layout) -> None:
+        super().__init__()
+        self.layout = layout
+
+    def __missing__(self, key: Key) -> tuple[slice | Key, bool]:
         layout = self.layout
         known(key, len(layout.reals))
         outputs = [layout.reals[vr].name for vr in key if vr >= layout.inputs.stop]
         if outputs:
             raise ValueError(f"{', '.join(outputs)}: outputs cannot be set")
-        self.writers[key] = _slice(key), all(vr >= layout.inputs.start for vr in key)
-        return self.writers[key]
+        self[key] = _slice(key), all(vr >= layout.inputs.start for vr in key)
+        return self[key]
 
-    def fixed(self, key: Key) -> str:
-        """Why these cannot be set while the unit runs."""
-        first = self.layout.inputs.start
-        names = ", ".join(self.layout.reals[vr].name for vr in key if vr < first)
-        return f"{names}: fixed once initialisation has ended"
+
+def fixed(layout: Layout, key: Key) -> str:
+    """Why these cannot be set while the unit runs."""
+    names = ", ".join(layout.reals[vr].name for vr in key if vr < layout.inputs.start)
+    return f"{names}: fixed once initialisation has ended"
 
 
 def known(vrs: Sequence[int], count: int) -> None:

@@ -15,7 +15,7 @@ from typing import Any, ClassVar
 from ..unit import SizedUnit, Sizes, Unit
 from ..variables import Layout
 from ._pythonfmu import Fmi2Slave, Fmi2Status
-from .access import BEGINNING, COMPUTED, FRESH, OBSERVED, Access, known
+from .access import BEGINNING, COMPUTED, FRESH, OBSERVED, Readers, Writers, fixed, known
 from .host import keep
 
 OPTIONS = "options.json"  # file in an FMU's resources: build options, and with them the sizes
@@ -80,7 +80,7 @@ class Slave(Fmi2Slave):
             options = _options_in(self.resources) if self.resources else {}
         sized = self.unit.sized(options)
         self.sizes = sized.sizes
-        self.layout, self._access = _shared(sized)
+        self.layout, self._readers, self._writers = _shared(sized)
         self.real: list[float] = self.layout.starts[:]
         self.boolean: list[bool] = self.layout.boolean_starts[:]
         self.memory: list[float] = []
@@ -136,11 +136,7 @@ class Slave(Fmi2Slave):
     def get_real(self, vrs: Sequence[int]) -> list[float]:
         """Values of the Reals, brought up to date first."""
         try:
-            key = tuple(vrs)
-            try:
-                pick, level = self._access.readers[key]
-            except KeyError:
-                pick, level = self._access.reader(key)
+            pick, level = self._readers[tuple(vrs)]
             if self._stale > level:
                 self._refresh(level)
             return pick(self.real)
@@ -151,15 +147,12 @@ class Slave(Fmi2Slave):
         """Set parameters and inputs; while running, inputs only."""
         try:
             key = tuple(vrs)
-            try:
-                where, inputs_only = self._access.writers[key]
-            except KeyError:
-                where, inputs_only = self._access.writer(key)
+            where, inputs_only = self._writers[key]
             if inputs_only:
                 if self._stale < COMPUTED:
                     self._stale = COMPUTED
             elif self._running:
-                raise ValueError(self._access.fixed(key))
+                raise ValueError(fixed(self.layout, key))
             else:
                 self._stale = BEGINNING
             if where.__class__ is slice:
@@ -216,10 +209,10 @@ class Slave(Fmi2Slave):
                 raise ValueError(
                     f"the state belongs to {state['unit']!r}, not to {self._signature()!r}"
                 )
-            fixed = self.layout.parameters
+            group = self.layout.parameters
             other = (
                 self._stale == BEGINNING
-                or self.real[fixed] != state["real"][fixed]
+                or self.real[group] != state["real"][group]
                 or self.boolean != state["boolean"]
             )
             self.time = state["time"]
@@ -303,9 +296,9 @@ class Slave(Fmi2Slave):
 
 
 @cache
-def _shared(sized: SizedUnit) -> tuple[Layout, Access]:
+def _shared(sized: SizedUnit) -> tuple[Layout, Readers, Writers]:
     """What instances of the same sizes have in common."""
-    return sized.layout, Access(sized.layout)
+    return sized.layout, Readers(sized.layout), Writers(sized.layout)
 
 
 _options: dict[str, dict[str, Any]] = {}  # by resources folder

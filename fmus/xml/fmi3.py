@@ -33,12 +33,7 @@ def model_description(
 ) -> bytes:
     """The XML of the model description, UTF-8.
 
-    Args:
-        unit: with its sizes.
-        name: model name and model identifier.
-        token: instantiation token.
-        release: version of autobalancer.
-        can: what the implementation offers.
+    Arguments as of `fmi2.model_description`, with the instantiation token for the GUID.
     """
     root = Element("fmiModelDescription", {"fmiVersion": "3.0", "instantiationToken": token})
     root.attrib.update(common.header(unit, name, release))

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from ..master.run_command import changed_scene
-from ..output import options
+from ..output import costs, options
 from ..output.files import write_json
 from ..output.table import Sheet
 from ..output.terminal import console, progress_bar, say, show
@@ -25,12 +25,16 @@ def command(
     ] = None,
     json_file: Annotated[Path | None, options.json("all")] = None,
     changes: Annotated[list[str] | None, options.changes("balancing.noise=1e-7")] = None,
+    at_most: Annotated[str, options.at_most()] = costs.DEFAULT,
 ) -> None:
     """Balance a scene's rotor on a virtual machine; exit code 1 if the grade is not met."""
     from .cycles import balance
 
     loaded = changed_scene(scene, changes)
-    with progress_bar(f"balancing {loaded.name}") as progress:
+    with (
+        costs.limited(at_most, "balancing.revolutions"),
+        progress_bar(f"balancing {loaded.name}") as progress,
+    ):
         result = balance(loaded, progress=progress)
     _print(result)
     if output is not None:
@@ -76,20 +80,15 @@ def _coefficients(result: BalancingReport) -> Sheet:
 
 def _cycles(result: BalancingReport, technology: Technology) -> Sheet:
     sensors = range(1, len(result.at_supports) + 1)
-    columns = [
-        "cycle",
-        *(f"support {s} [m]" for s in sensors),
-        *(f"plane {plane} [kg m]" for plane in result.planes),
-        *(f"residual at {s}" for s in sensors),
-        "actually",
-    ]
-    return Sheet(
-        columns,
-        [[str(n), *_row(result, cycle)] for n, cycle in enumerate(technology.cycles, start=1)],
-        "r" * len(columns),
+    found = [f"plane {plane} [kg m]" for plane in result.planes]
+    residuals = [*(f"residual at {s}" for s in sensors), "actually"]
+    columns = ["cycle", *(f"support {s} [m]" for s in sensors), *found, *residuals]
+    rows = [[str(n), *_row(result, cycle)] for n, cycle in enumerate(technology.cycles, start=1)]
+    title = (
         f"{technology.name.capitalize()} coefficients: amplitude 0-peak at the supports [m], "
-        "unbalance found in the planes [kg m], residual in parts of what is permissible",
+        "unbalance found in the planes [kg m], residual in parts of what is permissible"
     )
+    return Sheet(columns, rows, "r" * len(columns), title)
 
 
 def _row(result: BalancingReport, cycle: Cycle) -> list[str]:

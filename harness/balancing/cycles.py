@@ -116,19 +116,6 @@ class BalancingReport:
         return float((np.abs(self.measured - self.analytic) / np.abs(self.analytic)).max())
 
 
-@dataclass(frozen=True, eq=False)
-class Truth:
-    """What the rotor's equations say, for comparison only: no operator knows it.
-
-    Attributes:
-        coefficients: (s, p) [1/kg].
-        unbalance: (p,) in the correction planes, of the same effect at the supports [kg m].
-    """
-
-    coefficients: Complex
-    unbalance: Complex
-
-
 def balance(scene: Scene, *, progress: Progress | None = None) -> BalancingReport:
     """Balance the rotor of a scene on the virtual machine.
 
@@ -145,7 +132,7 @@ def balance(scene: Scene, *, progress: Progress | None = None) -> BalancingRepor
         levers = support_levers(scene, machine.planes)
         total, shares = permissible(scene, setup)
         trial = setup.trial_unbalance or TRIAL * total
-        truth = _truth(scene, machine.planes, setup.axis)
+        analytic, unbalance = _by_equations(scene, machine.planes, setup.axis)
         first, measured, uncertainty = trial_runs(machine, trial)
         report(0.3)
         done = []
@@ -154,7 +141,7 @@ def balance(scene: Scene, *, progress: Progress | None = None) -> BalancingRepor
             if name == "scalar":
                 lag = float(np.angle(measured[0, 0])) if setup.lag is None else setup.lag
                 used = scalar_coefficients(measured, lag)
-            done.append(_cycles(machine, name, used, first, levers, shares, truth))
+            done.append(_cycles(machine, name, used, first, levers, shares, unbalance))
             report(0.3 + 0.7 * len(done) / len(setup.technologies))
         return BalancingReport(
             title=scene.heading,
@@ -166,7 +153,7 @@ def balance(scene: Scene, *, progress: Progress | None = None) -> BalancingRepor
             trial=trial,
             measured=measured,
             uncertainty=uncertainty,
-            analytic=truth.coefficients,
+            analytic=analytic,
             technologies=tuple(done),
             runs=machine.runs,
             units=tuple(path.name for path in dict.fromkeys(machine.revolution.cosim.paths)),
@@ -191,7 +178,7 @@ def _cycles(
     first: Synchronous,
     levers: NDArray[np.float64],
     allowed: NDArray[np.float64],
-    truth: Truth,
+    unbalance: Complex,
 ) -> Technology:
     """Correct and run again until what is found is permissible."""
     mounted = np.zeros(len(machine.planes), complex)
@@ -203,8 +190,8 @@ def _cycles(
                 mounted = mounted - cycles[-1].found
                 reading = machine.measure(mounted)
             found = unbalance_from_response(used, reading.amplitude)
-            actual = truth.unbalance + mounted
-            sizes = [np.abs(levers @ unbalance) for unbalance in (found, actual)]
+            actual = unbalance + mounted
+            sizes = [np.abs(levers @ each) for each in (found, actual)]
             cycles.append(Cycle(mounted, reading, found, sizes[0], actual, sizes[1]))
             meets = bool(np.all(sizes[0] <= allowed))
         note = "" if meets else f"grade not met after {len(cycles)} cycles"
@@ -241,11 +228,15 @@ def _levers(rotor: RotorTable, places: Sequence[float]) -> NDArray[np.float64]:
     return np.array([1.0 - part, part])
 
 
-def _truth(scene: Scene, planes: list[int], axis: str) -> Truth:
+def _by_equations(scene: Scene, planes: list[int], axis: str) -> tuple[Complex, Complex]:
+    """Coefficients (s, p) [1/kg], and unbalance (p,) of the same effect at the supports [kg m].
+
+    For comparison only: no operator knows what the rotor's equations say.
+    """
     rotor, speed = scene.assembly().rotor, scene.profile().end
     sensors = [s - 1 for s in scene.rotor.supports]
     along = "xy".index(axis)
     coefficients = influence(rotor, speed, rotor.planes[[p - 1 for p in planes]])[along][sensors]
     everywhere = influence(rotor, speed, np.eye(rotor.stations))[along][sensors]
     response = everywhere @ rotor.unbalance
-    return Truth(coefficients, unbalance_from_response(coefficients, response))
+    return coefficients, unbalance_from_response(coefficients, response)

@@ -81,11 +81,9 @@ class Machine(Closing):
             SimulationError: the vibration is not steady.
         """
         self.runs += 1
-        present = np.array(self._room.present)
-        unbalances = present if added is None else present + added
-        for (size, direction), value in zip(
-            self._room.parameters, unbalances.tolist(), strict=True
-        ):
+        unbalances = np.array(self._room.present) + (0.0 if added is None else added)
+        parameters = self._room.parameters
+        for (size, direction), value in zip(parameters, unbalances.tolist(), strict=True):
             self.revolution.rotor[size], self.revolution.rotor[direction] = cmath.polar(value)
         state, _ = self.revolution.steady(self.speed, self._rest, self._monodromy)
         rows = self.revolution.record(state, self.speed, self._watched, self.setup.revolutions)

@@ -26,9 +26,9 @@ def plot_corrections(result: BalancingReport, path: Path) -> Path:
     count = len(result.planes)
     # a technology that diverges would shrink all else to a point
     shown = [t for t in result.technologies if t.meets] or list(result.technologies)
-    largest = max(float(np.abs(c.mounted).max()) for t in shown for c in t.cycles)
     needed = result.technologies[0].cycles[0].actual
-    largest = max(largest, float(np.abs(needed).max()))
+    vectors = [needed, *(cycle.mounted for t in shown for cycle in t.cycles)]
+    largest = float(np.abs(vectors).max())
     factor, unit = moment(largest)
     figure = Figure(figsize=(5.4 * count, 6.4), layout="constrained")
     for i, plane in enumerate(result.planes):

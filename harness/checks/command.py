@@ -9,7 +9,7 @@ from urllib.parse import quote
 import typer
 
 from ..errors import SimulationError
-from ..output import options
+from ..output import costs, options
 from ..output.files import write_json, write_whole
 from ..output.terminal import directory_to_fill, progress_bars, say, say_facts, show
 from ..output.words import in_link, in_markdown
@@ -33,6 +33,7 @@ def command(
         bool, typer.Option("--verify", help="Also measure the errors of each scene's own run.")
     ] = False,
     python: Annotated[bool, options.python()] = False,
+    at_most: Annotated[str, options.at_most()] = costs.DEFAULT,
 ) -> None:
     """Check scenes against theory; exit code 1 if a row does not hold."""
     from ..master.run_command import ON_PYTHON
@@ -47,7 +48,8 @@ def command(
         loaded = [scene.with_check({"kind": "measured_error"}) for scene in loaded]
     if report is not None:
         directory_to_fill(report)
-    with progress_bars() as bars:
+    named = ", ".join(scene.name for scene in loaded)
+    with costs.limited(at_most, f"checks of {named}"), progress_bars() as bars:
         tasks = {s.name: bars.add_task(f"checking {s.name}", total=1.0) for s in loaded}
         results = check_all(loaded, lambda name, done: bars.update(tasks[name], completed=done))
     rows = [row for result in results for row in result.rows]

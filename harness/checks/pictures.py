@@ -58,7 +58,7 @@ def measured_bending(scene: Scene, speeds: NDArray[np.float64]) -> NDArray[np.fl
 def plot_liquid_window(scene: Scene, check: LiquidWindowCheck, path: Path) -> Path:
     """Bending against speed, with and without the balancer; the window shaded.
 
-    Theory, Dubovik 2006 (6), as lines; co-simulation as points.
+    Lines are the theory of Dubovik 2006 (6), points the co-simulation.
     """
     window = window_of(scene)
     lower, upper, gap = window.lower, window.upper, window.liquid.gap

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from ..errors import UserError
-from ..output import options
+from ..output import costs, options
 from ..output.table import Sheet
 from ..output.terminal import progress_bar, say, show
 
@@ -36,6 +36,7 @@ def command(
     output: Annotated[
         Path | None, options.picture("Picture (png, svg, pdf).", "--output", "-o")
     ] = None,
+    at_most: Annotated[str, options.at_most()] = costs.DEFAULT,
 ) -> None:
     """Compare numbers of balls or rollers: capacity, spread, predicted and measured settling."""
     from ..scene import load_scene
@@ -46,7 +47,9 @@ def command(
         if value is not None and not 0.0 < value < math.inf:
             raise UserError(f"{name} {value:g}: must be above 0")
     loaded = load_scene(scene)
-    with progress_bar(f"designing for {loaded.name}") as progress:
+    key = f"--starts {starts} --most {most}, run.revolutions = {loaded.run.revolutions:g}"
+    limit = costs.limited(at_most, key)  # one batch of runs may be too long by itself
+    with limit, progress_bar(f"designing for {loaded.name}") as progress:
         data = design(
             loaded,
             unbalance=unbalance,
@@ -56,7 +59,7 @@ def command(
             counts=range(2, most + 1),
             starts=starts,
             workers=os.cpu_count() or 1,
-            progress=progress,
+            progress=costs.within(at_most, key, progress),
         )
     show(table(data, starts))
     for line in words(data):
@@ -73,30 +76,22 @@ def table(data: Design, starts: int) -> Sheet:
     names = ("n", "radius mm", "mass kg", "capacity kg m", "p packed", "p largest", "(1-p) m n")
     times = ("predicted s", "p reached", "predicted there s", "co-simulated s", "95 %", "settled")
     columns = (*names, *times)
-    rows = [
-        [
-            str(c.count),
-            f"{1e3 * c.radius:.4g}",
-            f"{c.mass:.4g}",
-            f"{c.capacity:.4g}" + ("" if c.has_capacity else " (too little)"),
-            f"{c.packed:.3f}",
-            f"{c.largest:.3f}",
-            f"{c.measure:.4f}",
-            f"{c.predicted:.3g}" if math.isfinite(c.predicted) else "p = 1",
-            *(_measured(c) if c.runs else ("-", "-", "not run", "-", "-")),
-        ]
-        for c in data.choices
-    ]
+    rows = []
+    for c in data.choices:
+        size = (f"{1e3 * c.radius:.4g}", f"{c.mass:.4g}")
+        capacity = f"{c.capacity:.4g}" + ("" if c.has_capacity else " (too little)")
+        theory = (f"{c.packed:.3f}", f"{c.largest:.3f}", f"{c.measure:.4f}", _time(c.predicted))
+        measured = _measured(c) if c.runs else ("-", "-", "not run", "-", "-")
+        rows.append((str(c.count), *size, capacity, *theory, *measured))
     title = f"{data.kind} for {data.unbalance:.4g} kg m, race {1e3 * data.race:.4g} mm"
     return Sheet(columns, rows, "r" * len(columns), f"{title}, {starts} random starts each")
 
 
 def _measured(c: Choice) -> tuple[str, ...]:
-    there = c.predicted_at_end
-    return (
-        f"{c.median_alignment:.3f}",
-        f"{there:.3g}" if math.isfinite(there) else "p = 1",
-        f"{c.median:.3g}" if math.isfinite(c.median) else "not settled",
-        f"{c.low:.3g} - {c.high:.3g}",
-        f"{c.settled}/{len(c.runs)}",
-    )
+    reached = (f"{c.median_alignment:.3f}", _time(c.predicted_at_end))
+    settling = (_time(c.median, "not settled"), f"{c.low:.3g} - {c.high:.3g}")
+    return (*reached, *settling, f"{c.settled}/{len(c.runs)}")
+
+
+def _time(seconds: float, never: str = "p = 1") -> str:
+    return f"{seconds:.3g}" if math.isfinite(seconds) else never

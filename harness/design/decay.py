@@ -88,7 +88,7 @@ def decay(
 
     if residuals[-1] > WINDOW[0] or begin >= len(times):
         return without(UNSETTLED)
-    if _members(angles[begin], alpha) != _members(angles[-1], alpha):
+    if [g.size for g in packed_groups(angles[begin], alpha)] != [g.size for g in groups]:
         return without(CONTACT)
     if not slowest.real < 0.0 or abs(slowest.imag) > _REAL * abs(slowest):
         return without(SWINGS)
@@ -119,7 +119,7 @@ def spectrum(
     except CannotBalance:
         return root, complex(math.nan), math.nan
     values = exponents([system], np.zeros(1, int), np.array([speed]))[0]
-    values = sorted(values, key=lambda value: -value.real)
+    values = values[np.argsort(-values.real, kind="stable")]
     slowest = complex(values[0])
     swings = abs(slowest.imag) > _REAL * abs(slowest)
     return root, slowest, float(values[1 + swings].real)
@@ -129,8 +129,3 @@ def below(residuals: np.ndarray, limit: float) -> int:
     """First reading from which on no residual is above the limit; their number if the last is."""
     above = np.flatnonzero(residuals > limit)
     return int(above[-1]) + 1 if above.size else 0
-
-
-def _members(angles: Sequence[float], alpha: float) -> list[int]:
-    """How many weights touch in each group, from the first group's place on."""
-    return [group.size for group in packed_groups(angles, alpha)]

@@ -20,8 +20,8 @@ from ..scene.run import FEWEST_CHOSEN
 from .facts import Facts, advice, result
 from .fmu import Closing, Fmu
 from .loop import consistent_start, loop_gain, rotor_response, value_eigenvalues
-from .plan import find_or_build, plan, refuse_other_build
-from .recorder import Recorder, recorded
+from .plan import find_or_build, plan
+from .recorder import Recorder, recorded, refuse_unknown
 from .resolution import Resolution
 from .result import Result
 from .runtime import runtime
@@ -62,12 +62,11 @@ class CoSimulation(Closing):
                 one.name: stack.enter_context(Fmu(path, one.name))
                 for path, one in zip(self.paths, self.plan.units, strict=True)
             }
-            if fmus is not None:
-                for one in self.plan.units:
-                    refuse_other_build(self.units[one.name], one)
             self.system = System(self.plan, self.units, scene.coupling.order, watch)
+            stack.callback(self.system.free_states)
             self._stack = stack.pop_all()
         self.gain = self.amplification = 0.0
+        self._at: Scene | None = None  # kept: a map starts often at one speed
         self.time = 0.0
         self.steps = self.unconverged = 0
         self.worst_residual = 0.0
@@ -101,7 +100,18 @@ class CoSimulation(Closing):
         share = self.scheme.miss_per_error if self.system.order == 3 else 0.0
         # an exchange that is unstable at any step is no matter of resolution
         judged = share and self.amplification <= 1.0 and self.system.exchanges
-        self.resolution = Resolution(self.scene, self.system, share, self.gain) if judged else None
+        self.resolution = None
+        if judged:
+            self.resolution = Resolution(self._driven(changes), self.system, share, self.gain)
+
+    def _driven(self, changes: Mapping[str, Mapping[str, float | bool]] | None) -> Scene:
+        """The scene at the constant speed that a start gives instead of its own."""
+        speeds = [own["speed"] for own in (changes or {}).values() if "speed" in own]
+        if not speeds:
+            return self.scene
+        if self._at is None or self._at.operation.speed != speeds[0]:
+            self._at = self.scene.replace({"operation.speed": speeds[0]})
+        return self._at
 
     def _prepare(self, step: float) -> Scheme:
         """Bring the units to a consistent start, and make the scheme for this loop."""
@@ -185,10 +195,16 @@ class CoSimulation(Closing):
             yield part
 
     def record(self, recorder: Recorder, progress: Progress | None) -> None:
-        """`rows` to the end, with a report of `progress` now and then."""
+        """`rows` to the end, with a report of `progress` now and then.
+
+        Raises:
+            UserError: the record will not fit into memory.
+        """
         for count, part in enumerate(self.rows(recorder), start=1):
-            if progress and count % REPORTED == 0:
-                progress(part)
+            if count % REPORTED == 0:
+                recorder.refuse_too_much(part)
+                if progress:
+                    progress(part)
 
     def facts(self) -> Facts:
         """What the run since the last start did."""
@@ -254,6 +270,7 @@ def run_once(
     scene: Scene, names: list[str], fmus: Path | None, progress: Progress | None
 ) -> Result:
     """A scene run as its coupling asks, recording `names`, see `cosimulate`."""
+    refuse_unknown(names, plan(scene).variables_by_unit())
     with CoSimulation(scene, fmus=fmus) as cosim:
         begun, controlled = clock.perf_counter(), None
         if cosim.scene.coupling.tolerance is not None and cosim.system.exchanges:

@@ -47,10 +47,9 @@ class Variables:
         call: arguments of that call, as C values.
         reals: the buffer as an array.
         vectors: the same as complex numbers, where the variables are pairs of components.
-        bytes: the buffer as bytes.
     """
 
-    __slots__ = ("buffer", "bytes", "call", "names", "reals", "references", "size", "vectors")
+    __slots__ = ("buffer", "call", "names", "reals", "references", "size", "vectors")
 
     def __init__(
         self,
@@ -64,7 +63,6 @@ class Variables:
         self.references = (c_uint * self.size)(*references)
         self.reals = np.zeros(self.size) if memory is None else memory.reshape(-1).view(float)
         self.buffer: Array[c_double] = (c_double * self.size).from_buffer(self.reals.data)
-        self.bytes = memoryview(self.buffer).cast("B")
         self.call = component, self.references, c_size_t(self.size), self.buffer
         self.vectors = self.reals[: self.size // 2 * 2].view(complex)
 
@@ -146,7 +144,10 @@ class Fmu(Closing):
         self._free = dll.fmi2FreeFMUstate
 
     def _log(self, _environment, _instance, status, _category, message) -> None:
-        text = message.decode("utf-8", "replace") if message else ""
+        try:  # a Python unit logs with its exception pending, which `decode` would be blamed for
+            raise LookupError
+        except Exception:
+            text = message.decode("utf-8", "replace") if message else ""
         if status >= _WARNING:
             self.messages.append(text)
 
@@ -251,10 +252,18 @@ class Fmu(Closing):
         if status > _WARNING:
             self._check(status, f"reading {', '.join(outputs.names[:4])}")
 
-    def save(self) -> c_void_p:
-        """A copy of the complete state; give it back with `free`."""
+    def save(self, state: c_void_p | None = None) -> c_void_p:
+        """A copy of the complete state; give it back with `free`.
+
+        Args:
+            state: an earlier copy of this unit's, which is written over.
+        """
         self.calls["save"] += 1
-        state = c_void_p()
+        if state is None:
+            state = c_void_p()
+        elif self.fmu.runs_python:  # pythonfmu makes a new copy and loses the one that is handed in
+            self.free(state)
+            state.value = None
         status = self._save(self._component, byref(state))
         if status > _WARNING:
             self._check(status, "saving the state")

@@ -51,6 +51,7 @@ class Library:
     Attributes:
         dll: the library, the functions that a master calls declared.
         component: the instance, once it is made.
+        runs_python: whether pythonfmu made the FMU.
 
     Raises:
         OSError: there is no library for this machine, or it cannot be loaded.
@@ -64,6 +65,7 @@ class Library:
         if not path.is_file():
             raise OSError(f"Cannot find shared library {path}.")
         self.component = c_void_p()
+        self.runs_python = (self._directory / "resources" / _RESOURCES_OF_PYTHONFMU).is_file()
         with _TURN:
             self.dll = ctypes.CDLL(str(path))
             try:
@@ -105,7 +107,7 @@ class Library:
         says of spaces and letters beyond ASCII.
         """
         resources = self._directory / "resources"
-        if sys.platform != "win32" and (resources / _RESOURCES_OF_PYTHONFMU).is_file():
+        if sys.platform != "win32" and self.runs_python:
             return f"file://{resources}"
         return resources.as_uri()
 

@@ -2,9 +2,15 @@
 
 from __future__ import annotations
 
+import re
+from collections.abc import Iterable
+from pathlib import Path
+
+from ...fmus.composite.build import build_composite
 from ...fmus.composite.composition import Composition, Part
 from ..errors import SceneError
 from ..scene import Scene
+from ..scene.run import FEWEST_CHOSEN
 from .plan import ROTOR, plan
 
 
@@ -23,7 +29,8 @@ def composition(scene: Scene) -> Composition:
     start = {
         "coupling.tolerance": coupling.tolerance or 0.0,
         "coupling.steps_per_rev": float(coupling.steps_per_rev or 0),
-        "coupling.top_speed": max(profile.start, profile.end),
+        "coupling.fewest_steps_per_rev": float(coupling.fewest_steps_per_rev or FEWEST_CHOSEN),
+        "rise_time": profile.seconds if profile.start != profile.end else 0.0,
         "speed": profile.speed(0.0),
         "acceleration": profile.acceleration(0.0),
     }
@@ -43,3 +50,16 @@ def composition(scene: Scene) -> Composition:
         return Composition(tuple(parts), coupling.scheme, coupling.corrections, start)
     except ValueError as error:
         raise SceneError(f"{scene.name}: one file: {error}") from None
+
+
+def build_one_file(
+    scene: Scene, path: Path, fmi: int = 2, platforms: Iterable[str] | None = None
+) -> Path:
+    """Build a scene's composite FMU; its model is named after the scene.
+
+    Raises:
+        SceneError: as `composition`.
+        ValueError, NotCompiled, OSError: as `build_composite`.
+    """
+    name = re.sub(r"^(?=\d)|\W", "_", scene.name, flags=re.ASCII)
+    return build_composite(composition(scene), path, name=name, fmi=fmi, platforms=platforms)

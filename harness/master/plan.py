@@ -20,10 +20,11 @@ import fmpy
 from fmpy import platform_tuple
 
 from ...fmus.build import build, is_present_build, options_of
+from ...fmus.catalogue import sized_unit
 from ..errors import UnitError
 from ..scene import Scene
 from ..scene.balancer import Balancer
-from .fmu import Fmu, measured_in
+from .fmu import measured_in
 from .names import AXES, by_unit, components, plane, stations
 from .runtime import Backend, runtime
 
@@ -98,6 +99,11 @@ class Plan:
     def files(self) -> tuple[str, ...]:
         """Names of the FMU files, each once."""
         return tuple(dict.fromkeys(unit.file_name for unit in self.units))
+
+    def variables_by_unit(self) -> dict[str, list[str]]:
+        """Names of all variables of the units, as they are built."""
+        layouts = {unit.name: sized_unit(unit.model, **unit.sizes).layout for unit in self.units}
+        return {name: [v.name for v in layout.variables] for name, layout in layouts.items()}
 
     def of_kind(self, kind: Kind) -> list[Connection]:
         """Connections of one kind."""
@@ -192,7 +198,7 @@ def find_or_build(
         backend: of those that are built; by default native ones where they can be had.
 
     Raises:
-        UnitError: `fmus` is given and lacks a file.
+        UnitError: `fmus` is given and lacks a file, or has one of a different build.
     """
     if fmus is not None:
         return [_found(unit, fmus) for unit in units]
@@ -210,6 +216,7 @@ def _found(unit: UnitPlan, fmus: Path) -> Path:
     candidates = [fmus / unit.file_name, fmus / f"{unit.model}.fmu"]
     for candidate in candidates:
         if candidate.is_file():
+            refuse_other_build(candidate, unit)
             return candidate
     raise UnitError(
         f"{fmus}: no FMU for {unit.name!r}: expected {candidates[0].name} or "
@@ -230,14 +237,20 @@ def signal_units(units: Iterable[UnitPlan], names: Iterable[str]) -> dict[str, s
     return {f"{name}.{v}": declared[name][v] for name in wanted for v in wanted[name]}
 
 
-def refuse_other_build(fmu: Fmu, unit: UnitPlan) -> None:
+def refuse_other_build(path: Path, unit: UnitPlan) -> None:
     """Raise UnitError where an FMU is not what this installation would build for a unit.
 
-    An FMU of other sizes, or of older equations, would run along unseen.
+    An FMU of other sizes, or of older equations, would run along unseen, and a library that was
+    damaged takes the process with it: nothing of the file is loaded before.
     """
-    if is_present_build(fmu.path, unit.model, **unit.sizes):
-        return
-    found = options_of(fmu.path)
+    try:
+        if is_present_build(path, unit.model, **unit.sizes):
+            return
+        found = options_of(path)
+    except ValueError as error:
+        raise UnitError(str(error)) from error
+    except OSError as error:
+        raise UnitError(f"{path}: cannot be read: {error.strerror or error}") from error
     different = [
         f"{key} = {found[key]} instead of {value}"
         for key, value in {"unit": unit.model, "frame": "rotor", **unit.sizes}.items()
@@ -249,6 +262,6 @@ def refuse_other_build(fmu: Fmu, unit: UnitPlan) -> None:
     elif not found:
         why = "it is not from `autobalancer build`"
     raise UnitError(
-        f"{fmu.path}: is of a different build than {unit.name!r} of this scene needs: {why}; build "
+        f"{path}: is of a different build than {unit.name!r} of this scene needs: {why}; build "
         "it for this scene"
     )

@@ -3,17 +3,19 @@
 from __future__ import annotations
 
 from array import array
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ..errors import SceneError
+from ..errors import SceneError, UserError
+from ..output.costs import free_memory
 from ..scene import Scene
 from .fmu import Fmu
 from .names import by_unit, stations
 
 Signal = NDArray[np.float64]
+_COPIES = 3  # rows, their table, and the signals made of it
 
 
 def recorded(scene: Scene) -> list[str]:
@@ -23,6 +25,19 @@ def recorded(scene: Scene) -> list[str]:
     prefixes = stations(len(scene.rotor.stations))
     names = [f"rotor.{prefix}{axis}" for prefix in prefixes for axis in "xy"]
     return names + [f"{b.label}.{variable}" for b in scene.balancer for variable in b.records]
+
+
+def refuse_unknown(names: Sequence[str], units: Mapping[str, Collection[str]]) -> None:
+    """Refuse names that are not `unit.variable` of these units with their variables.
+
+    Raises:
+        SceneError: of the first, with what there is.
+    """
+    for name in names:
+        unit, _, variable = name.partition(".")
+        if variable not in units.get(unit, ()):
+            known = ", ".join(units.get(unit, units))
+            raise SceneError(f"run.record: {name!r} is not recorded by any unit; known: {known}")
 
 
 class Recorder:
@@ -45,15 +60,14 @@ class Recorder:
         self, units: Mapping[str, Fmu], names: Sequence[str], watched: Sequence[str] = ()
     ) -> None:
         every = list(dict.fromkeys([*names, *watched]))
-        for name in every:
-            unit, _, variable = name.partition(".")
-            if unit not in units or variable not in units[unit].variables:
-                known = ", ".join(units[unit].variables) if unit in units else ", ".join(units)
-                raise SceneError(
-                    f"run.record: {name!r} is not recorded by any unit; known: {known}"
-                )
+        refuse_unknown(every, {name: unit.variables for name, unit in units.items()})
         wanted = by_unit(every)
-        self.groups = [(units[unit], units[unit].group(v)) for unit, v in wanted.items()]
+        self._row, end = np.zeros(1 + len(every)), 1  # time, then every unit's signals
+        self._bytes = self._row.data.cast("B")
+        self.groups = []
+        for unit, variables in wanted.items():
+            begin, end = end, end + len(variables)
+            self.groups.append((units[unit], units[unit].group(variables, self._row[begin:end])))
         self.signal_units = {
             f"{unit}.{v}": units[unit].measured_in[v]
             for unit, variables in wanted.items()
@@ -64,10 +78,23 @@ class Recorder:
 
     def take(self, time: float) -> None:
         """Record the present values."""
-        self.rows.append(time)
+        self._row[0] = time
         for unit, group in self.groups:
             unit.fetch(group)
-            self.rows.frombytes(group.bytes)
+        self.rows.frombytes(self._bytes)
+
+    def refuse_too_much(self, done: float) -> None:
+        """Refuse a record that will not fit into memory, judged by the finished fraction of a run.
+
+        Raises:
+            UserError: with what it needs.
+        """
+        needed, free = _COPIES * self.rows.itemsize * len(self.rows) / done, free_memory()
+        if needed > free:
+            raise UserError(
+                f"run.revolutions, run.record: {len(self.names)} signals of the whole run need "
+                f"about {needed / 1e9:.3g} GB of memory, {free / 1e9:.3g} GB are free; record less"
+            )
 
     def columns(self) -> tuple[Signal, dict[str, Signal]]:
         """Times [s], and every signal by name, those watched as well."""

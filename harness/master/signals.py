@@ -78,7 +78,8 @@ class SignalState:
         """Accept the signal of a finished step."""
         missed = 0.0
         if self.last_step == step:
-            missed = abs(end[0] - led_to(self.last, step))
+            f, d, d2, d3 = self.last
+            missed = abs(end[0] - (f + 2.0 * step * (d + step * (d2 + 2.0 / 3.0 * step * d3))))
         self.arrive(cubic, end, step, missed)
 
     def arrive(self, cubic: Cubic, end: Knot, step: float, missed: float) -> None:
@@ -88,12 +89,6 @@ class SignalState:
             self.largest = modulus
         self.prediction_error = missed
         self.now, self.last, self.last_step = end, cubic, step
-
-
-def led_to(cubic: Cubic, step: float) -> complex:
-    """Value of a cubic at the end of the step after its own, both as long [s]."""
-    f, d, d2, d3 = cubic
-    return f + 2.0 * step * (d + step * (d2 + 2.0 / 3.0 * step * d3))
 
 
 def predicted(signals: Sequence[SignalState], order: int) -> list[Cubic]:

@@ -100,6 +100,7 @@ class System:
         self._alone = [e.plane for e in self.exchanges] == list(range(len(planes)))
         self.forces = [SignalState() for _ in self.exchanges]
         self.force_names = [f"{exchange.unit.name}.F" for exchange in self.exchanges]
+        self._spare: list[SavedStates] = []
         self.watched: list[tuple[Fmu, Variables, Variables]] = []
         if watch:
             self._follow_places()
@@ -215,7 +216,12 @@ class System:
 
     def saved(self) -> SavedStates:
         """States of all members of the coupling loop, for `restore`: `with system.saved() as s`."""
-        return SavedStates(self.members)
+        return self._spare.pop() if self._spare else SavedStates(self.members, self._spare)
+
+    def free_states(self) -> None:
+        """Give back the memory of saved states."""
+        while self._spare:
+            self._spare.pop().free()
 
     def restore(self, states: Sequence[c_void_p]) -> None:
         """Roll all members back."""
@@ -278,23 +284,36 @@ class System:
 
 
 class SavedStates:
-    """States of units, held within a `with` block and freed at its end, whatever happens there."""
+    """States of units, held within a `with` block; their memory serves the next such block.
 
-    __slots__ = ("_states", "_units")
+    Args:
+        spare: where it goes at the end of the block.
+    """
 
-    def __init__(self, units: Sequence[Fmu]) -> None:
-        self._units = units
+    __slots__ = ("_spare", "_states", "_units")
+
+    def __init__(self, units: Sequence[Fmu], spare: list[SavedStates]) -> None:
+        self._units, self._spare = units, spare
         self._states: list[c_void_p] = []
 
     def __enter__(self) -> list[c_void_p]:
         try:
-            for unit in self._units:
-                self._states.append(unit.save())
+            if self._states:
+                for unit, state in zip(self._units, self._states, strict=True):
+                    unit.save(state)
+            else:
+                for unit in self._units:
+                    self._states.append(unit.save())
         except BaseException:
-            self.__exit__()
+            self.free()
             raise
         return self._states
 
     def __exit__(self, *_exception: object) -> None:
+        self._spare.append(self)
+
+    def free(self) -> None:
+        """Free the states."""
         for unit, state in zip(self._units, self._states, strict=False):  # saving may have failed
             unit.free(state)
+        self._states = []

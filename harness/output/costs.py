@@ -4,12 +4,15 @@ from __future__ import annotations
 
 import re
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager, suppress
 
 from ..errors import UserError
+from .interrupts import raised_after
 
 DEFAULT = "1h"
 MEASURED = 2.0  # s of work from which the rest is told: enough for three digits of its rate
+DOUBT = 10.0  # times the limit that a first estimate may be wrong: workers begin, machines are busy
 LATEST = 0.1  # of the limit: later too much is done to be dropped
 _SECONDS = {"s": 1.0, "m": 60.0, "h": 3600.0, "d": 86400.0, "": 1.0}
 _TIME = re.compile(r"(?P<number>\d+(?:\.\d*)?|\.\d+)\s*(?P<unit>[smhd]?)")
@@ -27,12 +30,36 @@ def seconds_of(text: str) -> float:
     return float(found["number"]) * _SECONDS[found["unit"]]
 
 
+def free_memory() -> float:
+    """Memory that can be had without swapping [bytes]; infinite where the system does not say."""
+    with suppress(OSError), open("/proc/meminfo", encoding="ascii") as lines:
+        for line in lines:
+            if line.startswith("MemAvailable:"):
+                return 1024.0 * float(line.split()[1])
+    return float("inf")
+
+
 def in_words(seconds: float) -> str:
     """A time in the unit that suits it."""
     for unit, size in (("d", 86400.0), ("h", 3600.0), ("m", 60.0)):
         if seconds >= 2.0 * size:
             return f"{seconds / size:.3g} {unit}"
     return f"{seconds:.3g} s"
+
+
+@contextmanager
+def limited(at_most: str, key: str) -> Iterator[None]:
+    """Work whose parts are too unlike for an estimate: refused when the time is over.
+
+    Args:
+        key: and its value, which make the work so long.
+
+    Raises:
+        UserError: `at_most` is no time, or is over.
+    """
+    late = UserError(f"{key}: not done within --at-most {at_most}")
+    with raised_after(seconds_of(at_most), late):
+        yield
 
 
 def within(
@@ -63,7 +90,7 @@ def within(
         elapsed, part = now - first[0], done - first[1]
         if measured <= elapsed <= max(LATEST * limit, 5.0 * measured):
             total = elapsed / part if part > 0.0 else float("inf")
-            if total > limit:
+            if total > limit * (1.0 + DOUBT * measured / elapsed):
                 raise UserError(
                     f"{key}: would take about {in_words(total)}, more than --at-most {at_most}; "
                     f"in {in_words(elapsed)} {part:.2g} of it was done"

@@ -25,6 +25,7 @@ from typing import Any
 _ANSWERED = (signal.SIGINT, signal.SIGTERM)
 _AGAIN = 0.005  # s until a signal that came at a bad moment is looked at anew
 _TWICE = 0.5  # s after which a second signal is meant: `timeout` sends two at once
+_LONGEST = 1e8  # s: more does not fit the timer everywhere
 _GRACE = 15.0  # s to clear up in order
 
 
@@ -52,6 +53,10 @@ class Interrupted(BaseException):
     def words(self) -> str:
         """What to say."""
         return "interrupted" if self.number == signal.SIGINT else "terminated"
+
+
+class _Late(BaseException):
+    """The time is over: nothing that catches every `Exception` is to go on."""
 
 
 class _Block(threading.Thread):
@@ -165,6 +170,34 @@ def interruptible() -> Iterator[None]:
         block.leave()
         for number in answered:
             signal.signal(number, before[number])
+
+
+@contextmanager
+def raised_after(seconds: float, error: Exception) -> Iterator[None]:
+    """Within the block `error` is raised after so many seconds, in the main thread.
+
+    Elsewhere, and on systems that have no such timer, nothing is.
+    """
+    main = threading.current_thread() is threading.main_thread()
+    if not main or not hasattr(signal, "setitimer"):
+        yield
+        return
+
+    def late(_number: int, frame: FrameType | None) -> None:
+        if _must_wait(frame):
+            signal.setitimer(signal.ITIMER_REAL, _AGAIN)
+        else:
+            raise _Late
+
+    before = signal.signal(signal.SIGALRM, late)
+    try:
+        signal.setitimer(signal.ITIMER_REAL, min(seconds, _LONGEST))
+        yield
+    except _Late:
+        raise error from None
+    finally:
+        signal.setitimer(signal.ITIMER_REAL, 0.0)
+        signal.signal(signal.SIGALRM, before)
 
 
 def _send(number: int) -> None:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeGuard
 
 import typer
 
@@ -36,15 +36,28 @@ def picture(help: str, *names: str) -> Any:
     return typer.Option(*names, metavar="FILE.png", help=help, callback=_drawable)
 
 
+def is_store(path: Path | None) -> TypeGuard[Path]:
+    """Whether it is named as a store."""
+    return path is not None and path.suffix == STORE
+
+
+def _storable(path: Path) -> None:
+    from .store import refuse_store
+
+    refuse_store(path)
+
+
 def _drawable_or_store(paths: list[Path] | None) -> list[Path] | None:
     for path in paths or ():
-        if path.suffix == STORE:
-            from .store import refuse_store
-
-            refuse_store(path)
-        else:
-            _drawable(path)
+        _storable(path) if is_store(path) else _drawable(path)
     return paths
+
+
+def _writable_or_store(path: Path | None) -> Path | None:
+    if is_store(path):
+        _storable(path)
+        return path
+    return _writable(path)
 
 
 def pictures_or_store() -> Any:
@@ -55,6 +68,17 @@ def pictures_or_store() -> Any:
         help="Picture (png, svg, pdf); or FILE.zarr, which keeps every point as it comes: the same "
         "command goes on where it was ended. Can be given several times.",
         callback=_drawable_or_store,
+    )
+
+
+def table_or_store(of: str) -> Any:
+    """A table, or a store of the same."""
+    return typer.Option(
+        *("--output", "-o"),
+        metavar="FILE",
+        help=f"Every {of} as CSV; or in FILE.zarr as it comes: the same command goes on where it "
+        "was ended.",
+        callback=_writable_or_store,
     )
 
 

@@ -36,9 +36,16 @@ def progress_bars() -> Iterator[Progress]:
     """Bars on standard error that vanish when the work is done; nothing when it is a file."""
     from rich.progress import BarColumn, Progress, TaskProgressColumn, TextColumn
     from rich.progress import TimeElapsedColumn as Elapsed
+    from rich.progress import TimeRemainingColumn as Remaining
 
     screen = console(error=True)
-    columns = (TextColumn("{task.description}"), BarColumn(), TaskProgressColumn(), Elapsed())
+    columns = (
+        TextColumn("{task.description}"),
+        BarColumn(),
+        TaskProgressColumn(),
+        Elapsed(),
+        Remaining(),
+    )
     with Progress(
         *columns, console=screen, transient=True, disable=not screen.is_terminal
     ) as progress:

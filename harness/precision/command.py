@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from ..output import options
+from ..output import costs, options
 from ..output.files import write_json, write_whole
 from ..output.terminal import progress_bar, say, show
 
@@ -35,6 +35,7 @@ def command(
     seconds: Annotated[
         float, typer.Option(min=1.0, help="About how long the measuring may take.")
     ] = 75.0,
+    at_most: Annotated[str, options.at_most()] = costs.DEFAULT,
 ) -> None:
     """Measure what each digit costs: every scheme, order and step, and SciPy's methods."""
     from ..scene import load_scene
@@ -42,7 +43,8 @@ def command(
     from .measure import precision
 
     loaded = load_scene(scene)
-    with progress_bar(f"measuring {loaded.name}") as move:
+    limit = costs.limited(at_most, f"run.revolutions = {loaded.run.revolutions:g}")
+    with limit, progress_bar(f"measuring {loaded.name}") as move:
         found = precision(loaded, seconds=seconds, progress=lambda what, done: move(done, what))
         move(1.0, "where the time goes")
         splits = _splits(found)

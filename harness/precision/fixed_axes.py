@@ -11,7 +11,8 @@ import cmath
 import time as clock
 from collections.abc import Sequence
 from contextlib import ExitStack
-from dataclasses import dataclass, field
+from dataclasses import dataclass
+from itertools import pairwise
 
 from ..errors import SceneError, SimulationError
 from ..master.cosimulation import CoSimulation
@@ -19,8 +20,9 @@ from ..master.fmu import Fmu, Variables
 from ..master.plan import ROTOR, Plan, Port, find_or_build, plan
 from ..master.recorder import Recorder
 from ..master.schedule import milestones, schedule
+from ..master.start import shown_at_start
 from ..scene import Scene
-from .runner import Run, shown_at_start
+from .runner import Run
 
 
 @dataclass
@@ -36,8 +38,8 @@ class Member:
     unit: Fmu
     outputs: Variables
     inputs: Variables
-    shows: list[Port] = field(default_factory=list)
-    told: list[list[Port]] = field(default_factory=list)
+    shows: list[Port]
+    told: list[list[Port]]
 
 
 class FixedAxesRunner:
@@ -80,18 +82,15 @@ class FixedAxesRunner:
             self._units[one.name].start()
         self._shown = dict(self._first)
         recorder.take(0.0)
-        time, steps = 0.0, 0
-        for (step, count), bound in zip(
-            schedule(self._scene), milestones(self._scene), strict=True
-        ):
-            begin = time
-            for number in range(1, count + 1):
+        begin, parts = 0.0, schedule(self._scene)
+        for (step, count), bound in zip(parts, milestones(self._scene), strict=True):
+            ends = [begin + number * step for number in range(1, count)]
+            for time, end in pairwise([begin, *ends, bound]):
                 self._step(time, step)
-                time = begin + number * step if number < count else bound
-                recorder.take(time)
-            steps += count
+                recorder.take(end)
+            begin = bound
         seconds = clock.perf_counter() - begun
-        return Run(seconds, *recorder.columns(), steps)
+        return Run(seconds, *recorder.columns(), sum(count for _, count in parts))
 
     def _step(self, time: float, step: float) -> None:
         """All units step on what the others showed at the end of the step before."""

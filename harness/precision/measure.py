@@ -81,14 +81,9 @@ class Precision:
 
     def cheapest(self, error: float, *, coupled: bool | None = None) -> Point | None:
         """The fastest point at least that exact; only co-simulations, or only the monolith."""
-        good = [
-            point
-            for point in self.points
-            if point.error is not None
-            and point.error <= error
-            and (coupled is None or coupled != point.method.in_one_piece)
-        ]
-        return min(good, key=lambda point: point.seconds or math.inf, default=None)
+        exact = [p for p in self.points if p.error is not None and p.error <= error]
+        asked = [p for p in exact if coupled is None or coupled != p.method.in_one_piece]
+        return min(asked, key=lambda point: point.seconds or math.inf, default=None)
 
 
 def precision(
@@ -167,15 +162,13 @@ class _Bench:
 
     def rounds(self) -> int:
         """Time all methods in turns until the time is used; returns how many rounds were made."""
-        done = 0
-        while done < MOST_ROUNDS:
+        for done in range(1, MOST_ROUNDS + 1):
             begun = clock.perf_counter()
             for number, (method, runner) in enumerate(self._ready.items()):
-                used = (done + number / len(self._ready)) / MOST_ROUNDS
-                self._progress(f"round {done + 1}", 0.5 + 0.5 * used)
-                run = runner.run()
-                self.best[method] = min(self.best.get(method, math.inf), run.seconds)
-            done += 1
+                used = (done - 1 + number / len(self._ready)) / MOST_ROUNDS
+                self._progress(f"round {done}", 0.5 + 0.5 * used)
+                seconds = runner.run().seconds
+                self.best[method] = min(self.best.get(method, math.inf), seconds)
             now = clock.perf_counter()
             late = now + (now - begun) > self._begun + self._seconds
             if late and done >= FEWEST_ROUNDS:
@@ -225,12 +218,10 @@ def observed_orders(points: Sequence[Point], own: float) -> dict[str, float]:
     families: dict[str, list[tuple[float, float]]] = {}
     for point in points:
         if point.error and point.work and TWO_DECADES * own < point.error < ASYMPTOTIC:
-            families.setdefault(point.method.family, []).append(
-                (math.log(point.work), math.log(point.error))
-            )
+            families.setdefault(point.method.family, []).append((point.work, point.error))
     found = {}
     for family, pairs in families.items():
-        finest = np.array(sorted(pairs)[-3:])
-        if len(finest) >= 2 and np.ptp(finest[:, 0]) > 0.0:
-            found[family] = -float(np.polyfit(finest[:, 0], finest[:, 1], 1)[0])
+        work, errors = np.log(sorted(pairs)[-3:]).T
+        if np.ptp(work) > 0.0:
+            found[family] = -float(np.polyfit(work, errors, 1)[0])
     return found

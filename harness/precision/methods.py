@@ -69,12 +69,11 @@ class Method:
         words = [self.name]
         if self.order is not None:
             words.append({0: "held", 1: "linear", 3: "cubic"}[self.order])
-        if self.name == "iterated":
+        if self.tolerance is not None and not self.in_one_piece:
+            words.append("tolerance" if self.fewest is None else "tolerance, steps of any length")
+        elif self.name == "iterated":
             passes = {None: "until converged", 1: "1 pass"}
-            counted = passes.get(self.corrections, f"{self.corrections} passes")
-            words.append(counted if self.tolerance is None else "tolerance")
-            if self.fewest is not None:
-                words.append("and steps of any length")
+            words.append(passes.get(self.corrections, f"{self.corrections} passes"))
         if self.units == "python":
             words.append("on Python units")
         return " ".join(words)

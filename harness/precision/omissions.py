@@ -149,12 +149,13 @@ class _Prepared:
 
 def calls(omission: Omission) -> tuple[float, float]:
     """FMI calls a step with what is left out and without it."""
-    found = []
-    for way in (omission.full, omission.lean):
-        prepared = _Prepared(way)
-        found.append(prepared.run().calls)
-        prepared.cosim.close()
-    return found[0], found[1]
+    return _calls(omission.full), _calls(omission.lean)
+
+
+def _calls(way: Way) -> float:
+    prepared = _Prepared(way)
+    with prepared.cosim:
+        return prepared.run().calls
 
 
 def measure(omission: Omission) -> tuple[Cost, Cost]:
@@ -166,11 +167,11 @@ def measure(omission: Omission) -> tuple[Cost, Cost]:
             best[k] = min(best[k], prepared.run(), key=lambda cost: cost.seconds)
     for prepared in ways:
         prepared.cosim.close()
-    found = []
+    costs = []
     for kind, cost in zip(("full", "lean"), best, strict=True):
         memory, modules = in_a_process(omission, kind)
-        found.append(replace(cost, memory=memory, modules=modules))
-    return found[0], found[1]
+        costs.append(replace(cost, memory=memory, modules=modules))
+    return costs[0], costs[1]
 
 
 def in_a_process(omission: Omission, kind: str) -> tuple[int, int]:

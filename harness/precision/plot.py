@@ -44,9 +44,7 @@ def plot_precision(found: Precision, path: Path) -> Path:
     limit = TWO_DECADES * found.reference_error
     axes.axvspan(axes.get_xlim()[0] * 0.1, limit, color="0.92", zorder=0)
     smallest = min((p.error for p in found.points if p.error), default=limit)
-    axes.set_xscale("log")
-    axes.set_yscale("log")
-    axes.set_xlim(max(0.3 * smallest, 1e-16), 1.0)
+    axes.set(xscale="log", yscale="log", xlim=(max(0.3 * smallest, 1e-16), 1.0))
     axes.set_xlabel("largest error over time and signals, relative to each signal's range")
     axes.set_ylabel("run time [s]")
     axes.grid(which="major", alpha=0.35)
@@ -78,14 +76,9 @@ def _draw(axes: Any, found: Precision, family: str, points: Sequence[Point]) -> 
     if method.order == 3 and not whole:
         for point in (points[0], points[-1]) if len(points) > 1 else points[:1]:
             steps, tolerance = point.method.steps_per_rev, point.method.tolerance
-            axes.annotate(
-                f"{steps}" if steps else f"{tolerance:.0e}",
-                (point.error, point.seconds),
-                textcoords="offset points",
-                xytext=(4, 4),
-                fontsize="x-small",
-                color=colour,
-            )
+            label = f"{steps}" if steps else f"{tolerance:.0e}"
+            look = {"textcoords": "offset points", "fontsize": "x-small", "color": colour}
+            axes.annotate(label, (point.error, point.seconds), xytext=(4, 4), **look)
 
 
 def _footer(found: Precision) -> str:

@@ -10,7 +10,7 @@ import typer
 
 from ..errors import UserError
 from ..master.run_command import changed_scene
-from ..output import options
+from ..output import costs, options
 from ..output.files import write_json
 from ..output.table import Sheet
 from ..output.terminal import progress_bars, say, show
@@ -36,6 +36,7 @@ def command(
     ] = None,
     changes: Annotated[list[str] | None, options.changes("rotor.mass=3.0")] = None,
     json_file: Annotated[Path | None, options.json("the modes")] = None,
+    at_most: Annotated[str, options.at_most()] = costs.DEFAULT,
 ) -> None:
     """Modes and critical speeds of a scene's rotor, and pictures of its motion."""
     from .study import modes_at, speed_range
@@ -50,7 +51,7 @@ def command(
     facts = critical_facts(loaded)
     for line in facts["lines"]:
         say(line)
-    with progress_bars() as bars:
+    with costs.limited(at_most, f"--range {low:g} {high:g}"), progress_bars() as bars:
         for kind, path in wanted.items():
             if path is not None:
                 task = bars.add_task(f"drawing {kind}", total=None)

@@ -198,7 +198,16 @@ class WeightBalancer(Balancer):
 
     def build(self) -> Mounted:
         """The weights on their plane."""
-        return Mounted(self.label, self.device, self.at - 1, self.angles, self.speeds)
+        return Mounted(
+            self.label,
+            self.device,
+            self.at - 1,
+            self.angles,
+            self.speeds,
+            complex(self.track_offset_xi, self.track_offset_eta),
+            self.half_angle,
+            self.restitution,
+        )
 
 
 class LiquidBalancer(Balancer):

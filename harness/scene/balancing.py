@@ -52,9 +52,7 @@ class Balancing(Table):
     @property
     def precession(self) -> float:
         """e_per w that the grade stands for [m/s]."""
-        match = _GRADE.match(self.grade)
-        assert match is not None
-        return 1e-3 * float(match[1])
+        return 1e-3 * float(self.grade.removeprefix("G"))
 
     @property
     def technologies(self) -> tuple[str, ...]:
@@ -67,19 +65,14 @@ class Balancing(Table):
 
     def problems(self, rotor: RotorTable) -> list[str]:
         """What does not fit the scene's rotor, in words."""
-        lines = []
         planes = self.correction_planes(rotor)
-        sensors = len(rotor.supports)
-        unknown = [p for p in planes if not 1 <= p <= rotor.plane_count]
+        count, sensors = rotor.plane_count, len(rotor.supports)
         shown = f"balancing.planes = {planes}"
-        if unknown:
-            lines.append(f"{shown}: must be planes of the rotor, 1 to {rotor.plane_count}")
-        elif len(set(planes)) < len(planes):
-            lines.append(f"{shown}: must all be different")
-        elif len(planes) != sensors:
+        if not all(1 <= p <= count for p in planes):
+            return [f"{shown}: must be planes of the rotor, 1 to {count}"]
+        if len(set(planes)) < len(planes):
+            return [f"{shown}: must all be different"]
+        if len(planes) != sensors:
             each = "its one support" if sensors == 1 else "each of the 2 supports watched"
-            lines.append(
-                f"{shown}: must be {sensors} of the rotor's {rotor.plane_count} planes, one for "
-                f"{each}"
-            )
-        return lines
+            return [f"{shown}: must be {sensors} of the rotor's {count} planes, one for {each}"]
+        return []

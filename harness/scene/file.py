@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 import sys
+from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
 
@@ -63,10 +64,9 @@ def refuse_deep(document: Any, label: str) -> None:
         )
 
 
-def _inside(value: Any) -> list[Any]:
-    if isinstance(value, dict):
-        return list(value.values())
-    return list(value) if isinstance(value, (list, tuple)) else []
+def _inside(value: Any) -> Iterable[Any]:
+    values = value.values() if isinstance(value, dict) else value
+    return values if isinstance(value, (dict, list, tuple)) else ()
 
 
 def read(path: Path) -> dict[str, Any]:

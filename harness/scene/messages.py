@@ -132,12 +132,10 @@ def _wrong_kind(location: Location, document: Any, root: type[BaseModel]) -> str
     field = parent.model_fields[str(location[0])]
     kinds = [kind for table in tables_in(field.annotation) for kind in kinds_of(table)]
     given = place.value.get("kind") if isinstance(place.value, dict) else None
+    allowed = f"must be one of {quoted(kinds)}"
     if given is None:
-        return f"{place.key}.kind: missing; must be one of {quoted(kinds)}"
-    return (
-        f"{place.key}.kind = {show(given)}: must be one of {quoted(kinds)}"
-        f"{did_you_mean(given, kinds)}"
-    )
+        return f"{place.key}.kind: missing; {allowed}"
+    return f"{place.key}.kind = {show(given)}: {allowed}{did_you_mean(given, kinds)}"
 
 
 def statement(place: Place, words: str) -> str:

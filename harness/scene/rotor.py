@@ -235,7 +235,7 @@ class TwoSupportRotor(RotorTable):
 
     def build(self) -> LinearRotor:
         """The rotor's matrices."""
-        return LinearRotor.two_support(**{**self._arguments(), "com": self.centre})
+        return LinearRotor.two_support(**self._arguments())
 
 
 class FlexibleRotor(RotorTable):

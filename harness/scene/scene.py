@@ -187,17 +187,15 @@ class Scene(Table):
             rotor = self._linear_rotor
         except ValueError as error:
             return [f"rotor: {error}"]
-        lines = []
-        if self.balancing is not None:
-            lines += self.balancing.problems(self.rotor)
-        for i, check in enumerate(self.check, start=1):
-            liquids = [b for b in self.balancer if b.kind == "liquid"]
-            fits = len(liquids) == len(self.balancer) == 1 and rotor.isotropic
-            if check.kind == "liquid_window" and not (fits and self.rotor.kind == "planar"):
-                lines.append(
-                    f'check[{i}].kind = "liquid_window": needs a planar rotor with equal stiffness '
-                    "and damping in x and y, and one balancer of kind liquid"
-                )
+        lines = self.balancing.problems(self.rotor) if self.balancing else []
+        one_liquid = [b.kind for b in self.balancer] == ["liquid"]
+        fits = one_liquid and rotor.isotropic and self.rotor.kind == "planar"
+        lines += [
+            f'check[{i}].kind = "liquid_window": needs a planar rotor with equal stiffness '
+            "and damping in x and y, and one balancer of kind liquid"
+            for i, check in enumerate(self.check, start=1)
+            if check.kind == "liquid_window" and not fits
+        ]
         return lines
 
 

@@ -141,13 +141,11 @@ class MainMotion(Closing):
         size[size == 0.0] = 1.0
         _, values, seen = np.linalg.svd(moments / size)
         rank = int((values > RANK * values.max(initial=0.0)).sum())
-        others = [i for i in range(count) if i not in self._angles]
-        rows = np.zeros((len(others) + rank, count))
-        columns = np.zeros((count, len(others) + rank))
-        for i, state in enumerate(others):
-            rows[i, state] = columns[state, i] = 1.0
-        rows[len(others) :, self._angles] = seen[:rank] * size
-        columns[self._angles, len(others) :] = (seen[:rank] / size).T
+        kept = np.delete(np.eye(count), self._angles, axis=0)
+        rows = np.vstack([kept, np.zeros((rank, count))])
+        columns = rows.T.copy()
+        rows[len(kept) :, self._angles] = seen[:rank] * size
+        columns[self._angles, len(kept) :] = (seen[:rank] / size).T
         neutral = np.zeros((count, len(seen) - rank))
         neutral[self._angles] = (seen[rank:] / size).T
         return rows, columns, neutral / np.abs(neutral).max(axis=0)
@@ -158,9 +156,10 @@ class MainMotion(Closing):
         planes = cosim.plan.planes
         rotor = cosim.system.rotor
         stations = [
-            i for i, s in enumerate(self.units.states) if s.unit == "rotor" and s.output[-1] == "x"
+            i
+            for i, s in enumerate(self.units.states)
+            if s.unit == "rotor" and s.output[-1] == "x" and not s.is_rate
         ]
-        stations = [i for i in stations if not self.units.states[i].is_rate]
         blocks = []
         for name, unit in cosim.units.items():
             mine = [i for i in self._angles if self.units.states[i].unit == name]

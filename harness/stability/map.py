@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
-from itertools import product
 from pathlib import Path
 
 import numpy as np
@@ -161,7 +161,7 @@ def _strip(job: tuple[Scene, str, list[float], Axis]) -> tuple[Vector, Vector, R
     scene, slow, values, fast = job
     along = fast.path == SPEED
     others = [{}] if along else [{fast.path: value} for value in fast.values]
-    scenes = [scene.replace({slow: v, **other}) for v, other in product(values, others)]
+    scenes = [scene.replace({slow: v, **other}) for v, other in itertools.product(values, others)]
     assemblies = [s.assembly() for s in scenes]
     speeds = fast.values if along else np.array([scenes[0].profile().end])
     growth, why_not = _rates(assemblies, speeds)
@@ -209,11 +209,10 @@ def grid_points(count: int, columns: int, rows: int) -> list[tuple[int, int]]:
     Additive recurrence of the plastic number: no two of n points in the unit square are nearer than
     0.6/sqrt(n), while Halton's and Sobol's sequences come down to 0.4 and less.
     """
-    count = min(count, columns * rows)
     points: dict[tuple[int, int], None] = {}
-    k = 0
-    while len(points) < count:
-        k += 1
+    for k in itertools.count(1):
+        if len(points) == min(count, columns * rows):
+            break
         u, v = (0.5 + k / _PLASTIC) % 1.0, (0.5 + k / _PLASTIC**2) % 1.0
         points[int(u * columns), int(v * rows)] = None
     return list(points)

@@ -36,7 +36,7 @@ def command(
     from .axis import Axis
     from .map import stability_map
 
-    stores = [path for path in output or () if path.suffix == options.STORE]
+    stores = [path for path in output or () if options.is_store(path)]
     if len(stores) > 1:
         raise UserError(f"{stores[1]}: one store is enough")
     pictures = [path for path in output or () if path not in stores]

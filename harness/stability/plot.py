@@ -45,13 +45,9 @@ def plot_map(data: StabilityMap, path: Path) -> Path:
             Patch(facecolor="0.85", edgecolor="0.6", hatch="///", label="weights cannot balance")
         )
     handles += _points(axes, data)
-    for scale, axis in ((axes.set_xscale, data.x), (axes.set_yscale, data.y)):
-        scale("log" if axis.log else "linear")
-    axes.set_xlim(x[0], x[-1])
-    axes.set_ylim(y[0], y[-1])
-    axes.set_xlabel(data.labels[0])
-    axes.set_ylabel(data.labels[1])
-    axes.set_title(data.title)
+    scales = ["log" if axis.log else "linear" for axis in (data.x, data.y)]
+    axes.set(xscale=scales[0], yscale=scales[1], xlim=(x[0], x[-1]), ylim=(y[0], y[-1]))
+    axes.set(xlabel=data.labels[0], ylabel=data.labels[1], title=data.title)
     figure.legend(
         handles=handles, loc="outside lower center", ncols=min(3, len(handles)), fontsize="small"
     )
@@ -78,18 +74,9 @@ def _points(axes: Any, data: StabilityMap) -> list[Line2D]:
     for marker, face, label, belongs in kinds:
         chosen = [p for p in data.points if belongs(p.growth)]
         if chosen:
+            x = [data.x.values[p.x] for p in chosen]
+            y = [data.y.values[p.y] for p in chosen]
             edge = "white" if face == "black" else "black"
-            (line,) = axes.plot(
-                [data.x.values[p.x] for p in chosen],
-                [data.y.values[p.y] for p in chosen],
-                marker,
-                ms=6.5,
-                mfc=face,
-                mec=edge,
-                mew=0.9,
-                label=label,
-                clip_on=False,
-                zorder=5,
-            )
-            handles.append(line)
+            look = {"ms": 6.5, "mfc": face, "mec": edge, "mew": 0.9, "zorder": 5}
+            handles += axes.plot(x, y, marker, **look, label=label, clip_on=False)
     return handles

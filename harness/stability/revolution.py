@@ -148,13 +148,8 @@ class Revolution(Closing):
 
     def now(self) -> Vector:
         """Present states of the units."""
-        return np.array(
-            [
-                value
-                for name, group in self._outputs.items()
-                for value in self.cosim.units[name].get(group)
-            ]
-        )
+        units = self.cosim.units
+        return np.concatenate([units[name].get(group) for name, group in self._outputs.items()])
 
     def monodromy(self, state: Vector, speed: float) -> Matrix:
         """Derivative of the map at a state, (n, n), in units of the states' scales."""

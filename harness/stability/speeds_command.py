@@ -78,25 +78,20 @@ def command(
 def table(found: Speeds, title: str) -> Sheet:
     """Crossings by method; what the methods hold for the same one stands in one row."""
     low, high = found.range
-    both = "floquet" in found.methods and "cosim" in found.methods
+    pair = {"floquet", "cosim"}
+    both = pair <= found.methods.keys()
     columns = ["", "above it", *(f"{name} [rad/s]" for name in found.methods)]
+    columns += ["cosim - floquet"] * both
     rows = []
     for number, row in enumerate(found.rows(), start=1):
-        above = next(iter(row.values())).above
         cells = [f"{row[name].speed:.8g}" if name in row else "-" for name in found.methods]
         if both:
-            pair = "floquet" in row and "cosim" in row
-            cells.append(f"{row['cosim'].speed - row['floquet'].speed:.1e}" if pair else "-")
-        rows.append([str(number), above, *cells])
-    if both:
-        columns.append("cosim - floquet")
-    return Sheet(
-        columns,
-        rows,
-        "ll" + "r" * (len(columns) - 2),
-        f"{title}: critical speeds from {low:g} to {high:g} rad/s",
-        {"above it": {"stable": GOOD, "unstable": "red"}},
-    )
+            met = pair <= row.keys()
+            cells.append(f"{row['cosim'].speed - row['floquet'].speed:.1e}" if met else "-")
+        rows.append([str(number), next(iter(row.values())).above, *cells])
+    heading = f"{title}: critical speeds from {low:g} to {high:g} rad/s"
+    colours = {"above it": {"stable": GOOD, "unstable": "red"}}
+    return Sheet(columns, rows, "ll" + "r" * (len(columns) - 2), heading, colours)
 
 
 def _looked(found: Speeds, scan: int) -> str:

@@ -98,8 +98,8 @@ def deviation(result: Result, expected: Series) -> float:
     """Largest difference over time and signals, relative to each signal's range; NaN if any is."""
     worst = [0.0]
     for name, right in expected.items():
-        scale = float(np.ptp(right)) or float(np.max(np.abs(right))) or 1.0
-        worst.append(float(np.max(np.abs(result[name] - right))) / scale)
+        scale = np.ptp(right) or np.max(np.abs(right)) or 1.0
+        worst.append(np.max(np.abs(result[name] - right)) / scale)
     return float(np.max(worst))
 
 

@@ -8,7 +8,7 @@ from typing import Annotated
 import typer
 
 from ..errors import UserError
-from ..output import options
+from ..output import costs, options
 from ..output.files import write_json, write_whole
 from ..output.terminal import progress_bar, say, show
 
@@ -20,6 +20,7 @@ def command(
     ] = None,
     json_file: Annotated[Path | None, options.json("the rows")] = None,
     markdown_file: Annotated[Path | None, options.markdown("the table")] = None,
+    at_most: Annotated[str, options.at_most()] = costs.DEFAULT,
 ) -> None:
     """Run stiff and extreme cases: each must be right or clearly refused; exit code 1 if not."""
     from .run import all_cases, as_json, markdown, stress, table
@@ -28,7 +29,7 @@ def command(
     if not names:
         listed = "; ".join(all_cases())
         raise UserError(f"{only!r}: no case has this in its name; there are: {listed}")
-    with progress_bar("stress") as move:
+    with costs.limited(at_most, f"{len(names)} cases"), progress_bar("stress") as move:
         rows = stress(names, lambda case, done: move(done, case[:40]))
     show(table(rows))
     bad = [row for row in rows if not row.holds]

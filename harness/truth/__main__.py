@@ -6,18 +6,21 @@ python -m autobalancer.harness.truth --family planar=3000 --family heavy=500
 
 from __future__ import annotations
 
-import os
 from pathlib import Path
 from typing import Annotated
 
 import typer
 
+from ..cli import Commands, main
 from ..errors import UserError
 from ..output import options
+from ..output.cluster import who_works
 from ..output.files import write_whole
 from ..output.terminal import progress_bar, say
 from .draw import FAMILIES
-from .study import Study, every, kept, line, misses, save, table, verdicts
+from .store import Verdicts
+from .study import Study, every, line, misses, save, table, verdicts
+from .study import kept as tolerance_kept
 
 SHARES = {"planar": 3}  # of the scenes; of every other family one
 
@@ -39,10 +42,9 @@ def command(
         Path | None, typer.Option("--save", metavar="DIR", help="Keep the scenes that went wrong.")
     ] = None,
     markdown: Annotated[Path | None, options.markdown("the table")] = None,
-    output: Annotated[
-        Path | None, options.output(".csv", "Write every verdict as CSV.", "--output", "-o")
-    ] = None,
-    workers: Annotated[int, typer.Option(min=1)] = os.cpu_count() or 1,
+    output: Annotated[Path | None, options.table_or_store("verdict")] = None,
+    workers: Annotated[int | None, typer.Option(min=1, help="Processes.")] = None,
+    cluster: Annotated[str | None, options.cluster()] = None,
 ) -> None:
     """Random scenes against an independent integration."""
     changes = () if tolerance is None else (("coupling.tolerance", tolerance),)
@@ -50,19 +52,20 @@ def command(
         study = Study(counts(family, n), seed, changes, verify)
     except ValueError as error:
         raise UserError(str(error)) from None
-    with progress_bar("random scenes") as progress:
-        found = verdicts(study, workers, progress)
+    kept = Verdicts(output, study) if options.is_store(output) else None
+    with progress_bar("random scenes") as progress, who_works(cluster) as executor:
+        found = verdicts(study, workers or executor, progress, kept)
     for verdict in misses(found):
         say(line(verdict))
     text = table(found).markdown()
     if tolerance is not None:
-        text += f"\n\n{kept(found, tolerance)}"
+        text += f"\n\n{tolerance_kept(found, tolerance)}"
     say(f"\n{text}")
     if markdown is not None:
         with write_whole(markdown) as stream:
             stream.write(f"{text}\n")
     if output is not None:
-        say(f"Verdicts: {every(found).write_csv(output)}")
+        say(f"Verdicts: {output if kept else every(found).write_csv(output)}")
     if save_to is not None:
         say(f"{len(save(study, found, save_to))} scenes written to {save_to}")
 
@@ -86,4 +89,6 @@ def counts(families: list[str] | None, n: int) -> dict[str, int]:
 
 
 if __name__ == "__main__":
-    typer.run(command)
+    app = typer.Typer(cls=Commands, add_completion=False, pretty_exceptions_enable=False)
+    app.callback(invoke_without_command=True)(command)
+    main(app)

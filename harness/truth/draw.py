@@ -143,6 +143,42 @@ def heavy(generator: random.Random) -> Document:
     return _scene(generator, sketch, _disc(generator, sketch), [balancer])
 
 
+def finite(generator: random.Random) -> Document:
+    """Balls or rollers that collide and pack, as a rule light, at constant speed."""
+    sketch = _Sketch(generator)
+    balancer = _weights(generator, sketch, 1e-4, 0.3)
+    count = generator.choice((2, 2, 3, 4))
+    alpha = _even(generator, 0.1, 0.8) * math.pi / count  # half the angle that each takes up
+    slack = math.pi / count - alpha
+    turned = _even(generator, 0.0, 6.283)
+    balancer |= {
+        "kind": generator.choice(("balls", "rollers")),
+        "mass": float(f"{balancer['mass'] * balancer['count'] / count:.4g}"),
+        "count": count,
+        "weight_radius": float(f"{sketch.radius * math.sin(alpha):.4g}"),
+        "restitution": _sometimes(generator, 0.6, _even(generator, 0.0, 1.0)),
+        "angles": [
+            float(f"{turned + math.tau * k / count + generator.uniform(-0.9, 0.9) * slack:.4g}")
+            for k in range(count)
+        ],
+    }
+    balancer.pop("speeds", None)
+    if generator.random() < 0.5:
+        balancer["speeds"] = [_even(generator, -1.0, 1.0) * sketch.speed for _ in range(count)]
+    return _scene(generator, sketch, _disc(generator, sketch), [balancer])
+
+
+def offset(generator: random.Random) -> Document:
+    """Weights on a track that is off centre, a quarter of them in a run-up."""
+    sketch = _Sketch(generator)
+    balancer = _weights(generator, sketch, 1e-5, 0.3)
+    size, turn = sketch.radius * _sized(generator, 1e-4, 0.1), generator.uniform(0.0, math.tau)
+    balancer["track_offset_xi"] = float(f"{size * math.cos(turn):.4g}")
+    balancer["track_offset_eta"] = float(f"{size * math.sin(turn):.4g}")
+    document = _scene(generator, sketch, _disc(generator, sketch), [balancer])
+    return _risen(generator, sketch, document) if generator.random() < 0.25 else document
+
+
 FAMILIES: dict[str, Callable[[random.Random], Document]] = {
     "planar": planar,
     "run_up": run_up,
@@ -150,6 +186,8 @@ FAMILIES: dict[str, Callable[[random.Random], Document]] = {
     "flexible": flexible,
     "liquid": liquid,
     "heavy": heavy,
+    "finite": finite,
+    "offset": offset,
 }
 
 

@@ -13,7 +13,7 @@ from typing import Any
 import tomli_w
 
 from ..output.table import Sheet
-from ..output.workers import Progress, Workers, in_order
+from ..output.workers import Kept, Progress, Workers, in_order
 from .draw import FAMILIES, draw
 from .judge import FACTOR, MISSES, OUTCOMES, SET_ASIDE, Verdict, judge
 
@@ -36,10 +36,19 @@ class Study:
             raise ValueError(f"family {sorted(unknown)}: must be one of {', '.join(FAMILIES)}")
 
 
-def verdicts(study: Study, workers: Workers = 1, progress: Progress | None = None) -> list[Verdict]:
-    """Verdicts of all scenes, by family and number."""
-    items = [(family, n) for family, count in study.counts.items() for n in range(count)]
-    return in_order(partial(_judged, study), items, workers, progress)
+def verdicts(
+    study: Study,
+    workers: Workers = 1,
+    progress: Progress | None = None,
+    kept: Kept[Verdict] | None = None,
+) -> list[Verdict]:
+    """Verdicts of all scenes, by family and number; those that are `kept` are not judged again."""
+    return in_order(partial(_judged, study), items_of(study), workers, progress, kept)
+
+
+def items_of(study: Study) -> list[tuple[str, int]]:
+    """Family and number of every scene."""
+    return [(family, n) for family, count in study.counts.items() for n in range(count)]
 
 
 def _judged(study: Study, item: tuple[str, int]) -> Verdict:

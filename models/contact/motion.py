@@ -72,10 +72,9 @@ def advance(
 
     Args:
         angles, speeds, contacts: state, see `Moved`; `contacts` all 0.0 for a fresh start.
-        signal: acceleration of the plane's centre in the rotor frame at the start of the step and
-            its derivatives of order 1 to 3 [m/s^2, m/s^3, ...].
-        rotor_speed, angular_acceleration: at the start of the step, w and w' [rad/s, rad/s^2].
-        step: length of the step [s].
+        signal: as of `weights.advance`, of the plane's centre.
+        rotor_speed: at the start of the step [rad/s].
+        angular_acceleration, step: w' [rad/s^2], and the length of the step [s].
 
     Raises:
         ArithmeticError: the input is not finite, or events do not come to an end.

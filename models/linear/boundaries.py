@@ -30,10 +30,10 @@ class Crossing:
     above: Literal["stable", "unstable"]
 
 
-def _growth(system: Linearised, refinement: float, speeds: NDArray) -> NDArray[np.float64]:
+def _growth(system: Linearised, speeds: NDArray) -> NDArray[np.float64]:
     """Growth rate of one system [1/s] at speeds of any shape."""
     which = np.zeros(speeds.size, int)
-    return active_growth([system], which, speeds.ravel(), refinement).reshape(speeds.shape)
+    return active_growth([system], which, speeds.ravel()).reshape(speeds.shape)
 
 
 def _decided(speeds: NDArray, growth: NDArray) -> NDArray[np.bool_]:
@@ -78,7 +78,6 @@ def balancing_boundaries(
     *,
     narrowest: float | None = None,
     tolerance: float = _TOLERANCE,
-    refinement: float = 1.0,
 ) -> list[Crossing]:
     """Every speed between `low` and `high` at which stability changes, ascending.
 
@@ -92,7 +91,6 @@ def balancing_boundaries(
         low, high: range of speeds [rad/s], 0 < low < high.
         narrowest: width of a band that must not be missed [rad/s]; (high - low)/1000 by default.
         tolerance: relative error of the speeds.
-        refinement: factor on the number of steps of the Floquet map.
 
     Raises:
         CannotBalance: the weights cannot undo the unbalance.
@@ -103,7 +101,7 @@ def balancing_boundaries(
     width = (high - low) / GRID if narrowest is None else narrowest
     if not width > 0.0:
         raise ValueError(f"narrowest = {width:g} rad/s: must be positive")
-    growth_at = partial(_growth, linearise(assembly), refinement)
+    growth_at = partial(_growth, linearise(assembly))
     w = np.linspace(low, high, max(3, math.ceil((high - low) / width) + 1))
     w, g = _probe(growth_at, w, growth_at(w))
     left, right, sign = _brackets(w, g)

@@ -33,17 +33,15 @@ _CHUNK = 256  # points a batch: its matrices stay in the cache
 NODES, COEFFICIENTS = radau(STAGES)
 
 
-def _radians(
-    systems: list[Linearised], which: NDArray, speeds: NDArray, refinement: float
-) -> NDArray[np.float64]:
-    """Turn of the fastest motion in half a revolution (b,), times the refinement."""
+def _radians(systems: list[Linearised], which: NDArray, speeds: NDArray) -> NDArray[np.float64]:
+    """Turn of the fastest motion in half a revolution (b,)."""
     fastest = np.array([s.fastest for s in systems])[which]
-    return refinement * math.pi * (1.0 + fastest / speeds)
+    return math.pi * (1.0 + fastest / speeds)
 
 
-def _steps(radians: NDArray, refinement: float) -> NDArray[np.int_]:
+def _steps(radians: NDArray) -> NDArray[np.int_]:
     """Steps per half revolution, rounded up to a ladder with four rungs an octave."""
-    wanted = np.clip(radians / _RADIANS, refinement * _FEWEST, MOST_STEPS)
+    wanted = np.clip(radians / _RADIANS, _FEWEST, MOST_STEPS)
     # less a rounding, which must not climb a rung
     rungs = np.ceil(4.0 * np.log2(wanted) - 1e-9)
     return np.minimum(np.ceil(2.0 ** (rungs / 4.0) - 1e-9), MOST_STEPS).astype(int)
@@ -81,7 +79,7 @@ def _harmonics_of(steady: NDArray, speeds: NDArray) -> NDArray:
 
 
 def one_turn_multipliers(
-    systems: list[Linearised], which: NDArray, speeds: NDArray, refinement: float = 1.0
+    systems: list[Linearised], which: NDArray, speeds: NDArray
 ) -> NDArray[np.complex128]:
     """Multipliers over one revolution (b, d) of system `which[i]` at `speeds[i]`.
 
@@ -89,12 +87,11 @@ def one_turn_multipliers(
         systems: of one size d.
         which: (b,) indices into `systems`.
         speeds: (b,) [rad/s], positive.
-        refinement: factor on the number of steps.
     """
     steady = np.stack([s.steady for s in systems])
     cosine = np.stack([s.cosine for s in systems])
     sine = np.stack([s.sine for s in systems])
-    steps = _steps(_radians(systems, which, speeds, refinement), refinement)
+    steps = _steps(_radians(systems, which, speeds))
     result = np.empty((len(speeds), systems[0].size), complex)
     for count in np.unique(steps):
         members = np.flatnonzero(steps == count)
@@ -111,16 +108,14 @@ def one_turn_multipliers(
     return result
 
 
-def fast_growth(
-    systems: list[Linearised], which: NDArray, speeds: NDArray, refinement: float = 1.0
-) -> NDArray[np.float64]:
+def fast_growth(systems: list[Linearised], which: NDArray, speeds: NDArray) -> NDArray[np.float64]:
     """Largest growth rate (b,) [1/s] of motions too fast to be followed; -inf where all are.
 
     Mean of the eigenvalue over the held angles: what a motion gains while the weights swing into
     its axis it loses when they leave.  Motions are told apart by their frequencies.
     """
     growth = np.full(len(speeds), -math.inf)
-    for i in np.flatnonzero(_radians(systems, which, speeds, refinement) > MOST_STEPS * _RADIANS):
+    for i in np.flatnonzero(_radians(systems, which, speeds) > MOST_STEPS * _RADIANS):
         system, w = systems[which[i]], speeds[i]
         limit = MOST_STEPS * w / math.pi
         angles = 2.0 * math.pi * np.arange(_HELD_ANGLES)[:, None, None] / _HELD_ANGLES

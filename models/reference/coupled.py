@@ -20,6 +20,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..assembly import Assembly, SpeedProfile
+from ..linear.modes import modes
 from ..weights import Weights
 
 Array = NDArray[np.float64]
@@ -63,10 +64,12 @@ class Monolith:
         self._share = np.array([d.mass / d.kappa for d in devices])
         self._drag = np.array([d.damping_rate for d in devices])
         self._lever = np.array([1.0 / (d.kappa * d.track_radius) for d in devices])
+        self._mass = np.array([d.mass for d in devices])
+        self._offset = np.array([m.offset for m in mounted], complex)
         self._damping_x = rotor.damping_x + rotor.internal_damping
         self._damping_y = rotor.damping_y + rotor.internal_damping
         plain = self.stations == 1 and bool((rotor.planes == 1.0).all())
-        plain = plain and not rotor.gyroscopic.any()
+        plain = plain and not rotor.gyroscopic.any() and not self._offset.any()
         self.rhs: RightHandSide = self.scalar_rhs() if plain else self.array_rhs
 
     @property
@@ -110,13 +113,18 @@ class Monolith:
         lateral = np.repeat([length, velocity], 2 * n)
         return np.concatenate([lateral, ones, turning * ones])
 
-    def accelerations(self, t: float, y: Array) -> tuple[Array, Array]:
-        """x'' and y'' of the stations, (2, n) [m/s^2], and phi'' of the weights (N,) [rad/s^2]."""
+    def accelerations(self, t: float, y: Array, push: Array | float = 0.0) -> tuple[Array, Array]:
+        """x'' and y'' of the stations, (2, n) [m/s^2], and phi'' of the weights (N,) [rad/s^2].
+
+        Args:
+            push: what else would accelerate each weight along its track on a rotor that is held,
+                (N,) [rad/s^2].
+        """
         rotor, n, count = self.assembly.rotor, self.stations, len(self._plane)
         q_x, q_y, v_x, v_y = y[: 4 * n].reshape(4, n)
         phi, phi1 = y[4 * n :].reshape(2, count)
         w, w1 = self.profile.speed(t), self.profile.acceleration(t)
-        s, c, slip = np.sin(phi), np.cos(phi), self._drag * (phi1 - w)
+        s, c, slip = np.sin(phi), np.cos(phi), self._drag * (phi1 - w) - push
 
         def on_planes(values: Array) -> Array:
             return np.bincount(self._plane, values, rotor.plane_count).astype(float)
@@ -130,14 +138,18 @@ class Monolith:
         mass[n:, :n] = mass[:n, n:].T
         turned = self.angle + self.profile.angle(t)
         pull = rotor.unbalance * (w * w - 1j * w1) * np.exp(1j * turned)
-        f_x = on_planes(self._pull * (phi1 * phi1 * c - slip * s)) @ lateral + pull.real
-        f_y = on_planes(self._pull * (phi1 * phi1 * s + slip * c)) @ lateral + pull.imag
+        # tracks off centre: their centres' own acceleration, which the weights feel and resist
+        off = (1j * w1 - w * w) * self._offset * np.exp(1j * turned)
+        drawn = self._share * (off.real * s - off.imag * c)
+        m_x, m_y = self._mass * off.real - drawn * s, self._mass * off.imag + drawn * c
+        f_x = on_planes(self._pull * (phi1 * phi1 * c - slip * s) - m_x) @ lateral + pull.real
+        f_y = on_planes(self._pull * (phi1 * phi1 * s + slip * c) - m_y) @ lateral + pull.imag
         inner, gyro = w * rotor.internal_damping, w * rotor.gyroscopic
         f_x -= self._damping_x @ v_x + gyro @ v_y + rotor.stiffness_x @ q_x + inner @ q_y
         f_y -= self._damping_y @ v_y - gyro @ v_x + rotor.stiffness_y @ q_y - inner @ q_x
         a = np.linalg.solve(mass, np.concatenate([f_x, f_y])).reshape(2, n)
         a_x, a_y = (a @ lateral.T)[:, self._plane]
-        return a, self._lever * (a_x * s - a_y * c) - slip
+        return a, self._lever * ((a_x + off.real) * s - (a_y + off.imag) * c) - slip
 
     def array_rhs(self, t: float, y: Array) -> Array:
         """Derivative of the state, (size,), for any number of stations and planes."""
@@ -202,12 +214,8 @@ class Monolith:
     @property
     def fastest_mode(self) -> float:
         """Largest modulus of an eigenvalue of the rotor, or rate of a drag [1/s]."""
-        mass, damping, stiffness = self.assembly.loaded_rotor.coefficients(self.profile.end)
-        dof = len(mass)
-        companion = np.zeros((2 * dof, 2 * dof), mass.dtype)
-        companion[:dof, dof:] = np.eye(dof)
-        companion[dof:] = -np.linalg.solve(mass, np.hstack([stiffness, damping]))
-        return float(max([np.abs(np.linalg.eigvals(companion)).max(), *self._drag]))
+        of_rotor = modes(self.assembly.loaded_rotor, self.profile.end).natural_frequencies
+        return float(max([*of_rotor, *self._drag]))
 
 
 def _weights(device: object) -> Weights:

@@ -56,9 +56,11 @@ class Trajectory:
 
     def moment(self, balancer: str) -> NDArray[np.complex128]:
         """Static moment of a balancer's weights in the rotor, (T,) [kg m]."""
-        device = self._mounted(balancer).device
+        mounted = self._mounted(balancer)
+        device = mounted.device
         assert isinstance(device, Weights)
-        return device.moment * np.exp(1j * self.theta[balancer]).sum(axis=1)
+        arms = np.exp(1j * self.theta[balancer]).sum(axis=1)
+        return device.moment * arms + device.added_mass * mounted.offset
 
     def plane_acceleration(self, plane: int) -> NDArray[np.complex128]:
         """Acceleration of a plane (from 0) in the rotor frame, (T,) [m/s^2]."""
@@ -70,14 +72,15 @@ class Trajectory:
 
         The weights' part of F in Filimonikhina 2017 (4), sum m R (phi'^2 - i phi'') e^{i theta}.
         """
-        device = self._mounted(balancer).device
+        mounted = self._mounted(balancer)
+        device = mounted.device
         if isinstance(device, Liquid):
             return np.zeros(len(self.time), complex)
         phi1 = self.angle_rate[balancer] + self.speed[:, None]
         phi2 = self.angle_acceleration[balancer] + self.angular_acceleration[:, None]
-        return device.moment * ((phi1**2 - 1j * phi2) * np.exp(1j * self.theta[balancer])).sum(
-            axis=1
-        )
+        arms = ((phi1**2 - 1j * phi2) * np.exp(1j * self.theta[balancer])).sum(axis=1)
+        whirl = self.speed**2 - 1j * self.angular_acceleration
+        return device.moment * arms + device.added_mass * mounted.offset * whirl
 
     def signal(self, name: str) -> Array:
         """A signal over time, (T,), by the name the units give it.

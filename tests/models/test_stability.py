@@ -7,6 +7,7 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from autobalancer.models.assembly import Assembly, Mounted
+from autobalancer.models.linear import floquet
 from autobalancer.models.linear.balanced import (
     CannotBalance,
     WeightTable,
@@ -188,12 +189,12 @@ def test_second_unstable_bands_the_paper_does_not_report():
 
 
 @pytest.mark.parametrize("row", [TABLE_1[3], TABLE_1[6], TABLE_2[8]])
-def test_boundaries_do_not_move_under_doubled_discretisation(row):
+def test_boundaries_do_not_move_under_doubled_discretisation(row, monkeypatch):
     assembly = Dimensionless.of_row(row).assembly()
     once = balancing_boundaries(assembly, 0.5, 13.0, narrowest=0.1, tolerance=1e-12)
-    twice = balancing_boundaries(
-        assembly, 0.5, 13.0, narrowest=0.1, tolerance=1e-12, refinement=2.0
-    )
+    monkeypatch.setattr(floquet, "_RADIANS", floquet._RADIANS / 2.0)
+    monkeypatch.setattr(floquet, "_FEWEST", floquet._FEWEST * 2)
+    twice = balancing_boundaries(assembly, 0.5, 13.0, narrowest=0.1, tolerance=1e-12)
     assert [c.above for c in once] == [c.above for c in twice]
     assert [c.speed for c in once] == pytest.approx([c.speed for c in twice], abs=1e-8)
 

@@ -11,6 +11,7 @@ from typer.testing import CliRunner
 
 from autobalancer.fmus.native import compile as compiler
 from autobalancer.harness.cli import app
+from autobalancer.harness.scene.file import find
 
 pytest.importorskip("ziglang", reason="no compiler: ziglang is not installed")
 
@@ -48,6 +49,30 @@ def test_units_of_fmi_3_on_request(tmp_path):
     outcome = invoke("--fmi", "3", "-o", tmp_path)
     assert outcome.exit_code == 0, outcome.output
     assert folders(tmp_path / "BallBalancer.fmu") == set(compiler.PLATFORMS)
+
+
+@pytest.mark.parametrize("fmi", [2, 3])
+def test_a_scene_is_one_file_on_request(tmp_path, fmi):
+    chosen = ("--platform", "x86_64-linux")
+    outcome = invoke("two_balls", "--one-file", "--fmi", fmi, "-o", tmp_path, *chosen)
+    assert outcome.exit_code == 0, outcome.output
+    description = read_model_description(str(tmp_path / "two_balls.fmu"))
+    assert description.modelName == "two_balls"
+    starts = {v.name: v.start for v in description.modelVariables}
+    assert float(starts["rotor.mass"]) == 0.95
+    assert float(starts["coupling.steps_per_rev"]) == 20.0
+
+
+def test_one_file_needs_a_scene_that_it_can_couple(tmp_path):
+    for wrong in (("--one-file",), ("two_balls", "--one-file", "--python")):
+        assert "give a scene" in invoke(*wrong, "-o", tmp_path).output
+    scene = tmp_path / "held.toml"
+    text = find("two_balls").read_text().replace("order = 3", "order = 1")
+    scene.write_text(text.replace("corrections = 1", ""))
+    outcome = invoke(scene, "--one-file", "-o", tmp_path)
+    assert outcome.exit_code == 2
+    assert "coupling.order = 1: one file has order 3" in outcome.output
+    assert not list(tmp_path.glob("*.fmu"))
 
 
 def test_weights_and_planes_are_arrays_on_request(tmp_path):

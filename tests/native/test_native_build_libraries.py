@@ -22,7 +22,7 @@ lief = pytest.importorskip("lief", reason="no reader of libraries: lief is not i
 pytest.importorskip("ziglang", reason="no compiler: ziglang is not installed")
 lief.logging.disable()
 ROOT = Path(__file__).parents[2]
-LIMIT = 250_000  # bytes
+LIMIT = 400_000  # bytes
 
 # what every C library has, and memory
 _STRING = {"memcmp", "memcpy", "memmove", "memset", "strcmp", "strlen", "strncmp"}
@@ -32,6 +32,7 @@ DARWIN = {"bzero", "__bzero", "dyld_stub_binder"}
 LINUX = {"bcmp"}  # of clang, for memcmp == 0
 # of zig's linker
 MARKS = {"_mh_dylib_header", "__dso_handle"}
+BATCH = {"autobalancer_runs"}  # batch.h
 # of FMI 2.0, for model exchange alone
 EXCHANGE = {
     "fmi2CompletedIntegratorStep",
@@ -84,17 +85,17 @@ def _standard(version: int) -> set[str]:
 
 
 @each
-def test_no_library_is_larger_than_250_kB(platform, library):
+def test_no_library_is_larger_than_400_kB(platform, library):
     path, _ = library(platform)
     assert path.stat().st_size <= LIMIT
 
 
 @each
-def test_exports_are_the_functions_of_both_versions_of_fmi_and_no_other(platform, library):
+def test_exports_are_the_functions_of_both_versions_of_fmi_and_the_batch_call(platform, library):
     _, binary = library(platform)
     assert _standard(2) > EXCHANGE
     assert len(_standard(3)) == 75
-    assert _exports(binary, platform) - MARKS == (_standard(2) - EXCHANGE) | _standard(3)
+    assert _exports(binary, platform) - MARKS == (_standard(2) - EXCHANGE) | _standard(3) | BATCH
 
 
 @pytest.mark.parametrize("platform", ["x86_64-linux", "aarch64-linux"])

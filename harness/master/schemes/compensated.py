@@ -86,7 +86,7 @@ class Compensated(Explicit):
         count, first = len(system.forces), 0
         self.detect_divergence(system, numbers[-count:], numbers[-2 * count : -count], time, step)
         for state in (*system.forces, *system.accelerations):
-            value, slope, second, third, _, _, _, missed = numbers[first : first + KEPT]
+            value, slope, second, third, _, _, missed = numbers[first : first + KEPT]
             first += KEPT
             cubic = (*state.now, second, third)
             state.arrive(cubic, (value, slope), step, abs(missed) if step == past else 0.0)

@@ -11,13 +11,13 @@ from functools import lru_cache
 
 import numpy as np
 
-from ..signals import Knot, end_of, extrapolated, hermite, led_to
+from ..signals import Knot, end_of, extrapolated, hermite
 
 # exact to degree 23, so for turns of radians
 _POINTS, _SHARES = np.polynomial.legendre.leggauss(12)
 _NODES, _SHARES = 0.5 + 0.5 * _POINTS, 0.5 * _SHARES
 _UNITS = np.eye(4).tolist()
-KEPT = 8  # numbers kept of a signal
+KEPT = 7  # numbers kept of a signal
 
 
 class StepMaps:
@@ -26,7 +26,7 @@ class StepMaps:
     Known are, as reals, KEPT numbers of every force, then of every acceleration, and as the units
     give them accelerations with slopes and forces with slopes.  Kept are value, slope, second and
     third derivative at the start of the step before, value and slope times step that it missed,
-    where its cubic leads, and by how much the one before it missed the value.
+    and how far the signal ended from where the cubic before had led.
 
     Args:
         planes: on which each exchange is.
@@ -47,25 +47,27 @@ class StepMaps:
         kept, felt, answers = np.split(known, [KEPT * every, (KEPT + 2) * every - 2 * forces], 1)
         kept, answers = _parted(kept, every, KEPT), _parted(answers, forces, 2)
         felt = _parted(felt, 2, every - forces).swapaxes(0, 2)
-        now, missed, lead = kept[:2], kept[4:6], kept[6:7]
+        now, missed = kept[:2], kept[4:6]
 
         self._planes, self._past, self._step, self._angle = planes, past, step, np.nan
         predicting = _formula(lambda f, d, d2, d3: extrapolated((f, d), (f, d, d2, d3), past, 3))
+        ending = _formula(lambda *cubic: end_of(cubic, step))
         joining = _formula(lambda f, d, g, e: hermite((f, d), (g, e), step))
-        self._assumed = _combined(predicting, kept[:4, :, :forces])
+        predicted = _combined(predicting, kept[:4])
+        self._assumed = predicted[..., :forces]
         self._missed = missed
         motion = _combined(joining, np.concatenate([now[..., forces:], felt]))
         motion += self._made_good(0.0, missed[..., forces:])
         self.told = _map(motion[..., planes])
 
         times = np.array([1.0, step])[:, None, None]
-        ends = _combined(_formula(lambda *cubic: end_of(cubic, step)), self._assumed)
+        led = _combined(ending, predicted)
+        ends = led[..., :forces]
         gaps = (answers - ends) * times
         found = _parted((solution @ _map(gaps)).T.copy().view(complex), every, 2)
         right = np.concatenate([ends, felt], axis=2) + found / times
         cubic = _combined(joining, np.concatenate([now, right]))
-        leads = _combined(_formula(lambda *cubic: [led_to(cubic, step)]), cubic)
-        rows = np.concatenate([right, cubic[2:], found, leads, right[:1] - lead])
+        rows = np.concatenate([right, cubic[2:], found, right[:1] - led[:1]])
         self.found = np.concatenate([_map(rows), _map(answers[:1]), _map(gaps[:1])])
 
     def turn(self, angle: float) -> None:

@@ -40,6 +40,12 @@ from autobalancer.models.weights import alignment
 from tests.papers import fan_angles
 
 
+def rows_of(measure, check, scene, *workers):
+    """All rows of a check; `scene` may be the name of a bundled one."""
+    scene = load_scene(scene) if isinstance(scene, str) else scene
+    return list(measure(scene, check, lambda fraction: None, *workers))
+
+
 def test_random_starts_never_overlap_and_reach_the_whole_circle():
     rng, alpha = random.Random(2), 0.3
     starts = [random_start(5, alpha, rng) for _ in range(500)]
@@ -79,7 +85,7 @@ def test_interval_of_the_median_covers_it_95_times_in_100():
 def test_residual_and_packed_angles_on_both_sides_of_the_capacity():
     scene = load_scene("finite_weights").replace({"run.revolutions": 60})
     check = CapacityCheck(kind="capacity", points=3, up_to=1.2)
-    rows = list(check_capacity(scene, check, lambda fraction: None))
+    rows = rows_of(check_capacity, check, scene)
     assert len(rows) == 4
     assert [row for row in rows if not row.holds] == []
     # the rotor's damping turns the group: without that the angles would not hold
@@ -98,7 +104,7 @@ def test_packed_group_rests_where_nothing_drives_it_along_the_track(share):
 
 def test_table_1_rows_hold_and_name_the_two_digits_that_are_not_rounded():
     check = SizesCheck(kind="goncharov_table")
-    rows = list(check_sizes(load_scene("finite_weights"), check, lambda fraction: None))
+    rows = rows_of(check_sizes, check, "finite_weights")
     assert all(row.holds for row in rows)
     named = [(row.quantity, row.source.split(", ")[-1]) for row in rows if "in print" in row.source]
     assert named == [("3 balls: s", "cut off in print"), ("5 rollers: s", "rounded twice in print")]
@@ -107,12 +113,12 @@ def test_table_1_rows_hold_and_name_the_two_digits_that_are_not_rounded():
 def test_capacity_check_refuses_point_weights():
     check = CapacityCheck(kind="capacity")
     with pytest.raises(SceneError, match="weight_radius"):
-        list(check_capacity(load_scene("two_balls"), check, lambda fraction: None))
+        rows_of(check_capacity, check, "two_balls")
 
 
 def test_decay_is_the_exact_eigenvalue_and_near_the_slow_root_where_that_is_dominant():
     check = SlowRootCheck(kind="slow_root", starts=4, most=5, width=0.1, unbalance=0.142)
-    rows = list(check_slow_root(load_scene("goncharov_rollers"), check, lambda fraction: None))
+    rows = rows_of(check_slow_root, check, "goncharov_rollers")
     assert [row for row in rows if not row.holds] == []
     counted, fitted, closed, _ = rows
     assert int(counted.measured.split()[0]) >= 3
@@ -163,7 +169,7 @@ def test_a_rotor_below_its_critical_speed_is_refused():
 def test_ranking_rows_compare_first_and_order_and_the_step():
     scene = load_scene("goncharov_balls").replace({"run.revolutions": 100})
     check = RankingCheck(kind="goncharov_ranking", starts=6, most=3, width=0.25, halved=1)
-    rows = list(check_ranking(scene, check, lambda fraction: None, 2))
+    rows = rows_of(check_ranking, check, scene, 2)
     named = {row.quantity.split(",")[0]: row for row in rows}
     first = named["balls: first to settle"]
     assert first.expected == "3"
@@ -176,9 +182,8 @@ def test_ranking_rows_compare_first_and_order_and_the_step():
 
 
 def test_three_weights_at_the_largest_p_have_the_slow_direction_of_two_and_it_is_named():
-    scene = load_scene("goncharov_rollers")
     check = LargestSpreadCheck(kind="largest_spread", most=4, width=0.1, revolutions=250)
-    two, three, four, best = check_largest_spread(scene, check, lambda fraction: None, 2)
+    two, three, four, best = rows_of(check_largest_spread, check, "goncharov_rollers", 2)
     for row in (two, three):
         assert row.quantity.endswith("slow direction")
         assert row.measured == "not settled"
@@ -208,14 +213,8 @@ def test_three_weights_are_warned_of_their_critical_case_where_it_is_near():
 
 def test_contradictions_need_intervals_that_do_not_touch():
     def choice(count, measure, low, high):
-        fields = {
-            "has_capacity": True,
-            "count": count,
-            "measure": measure,
-            "low": low,
-            "high": high,
-        }
-        return SimpleNamespace(**fields, median=0.5 * (low + high))
+        median = 0.5 * (low + high)
+        return SimpleNamespace(count=count, measure=measure, low=low, high=high, median=median)
 
     choices = [choice(3, 3.0, 2.0, 3.0), choice(4, 2.0, 1.0, 1.9), choice(5, 1.0, 1.5, 2.5)]
     data = SimpleNamespace(with_capacity=choices)
@@ -228,7 +227,7 @@ def test_contact_converges_at_its_order_in_the_communication_step(case, order):
     scene = load_scene("contact_order")
     check = scene.check[case].model_copy(update={"reference": 640, "runs": 4})
     assert check.order == order
-    rows = list(check_contact_order(scene, check, lambda fraction: None))
+    rows = rows_of(check_contact_order, check, scene)
     assert [row for row in rows if not row.holds] == []
     assert len(rows) == 2
 

@@ -75,3 +75,17 @@ def test_a_force_that_nearly_cancels_is_a_signal_until_it_is_rounding(still, sha
     found = watched(still, force=lost * share * pull)
     assert found.unresolved == (STEPS if counts else 0)
     assert found.refused is (counts and PERSISTENT <= STEPS)
+
+
+def test_a_start_at_another_speed_is_judged_by_that_speed():
+    """As the scene of that speed is, whose weights pull a hundred times as hard."""
+    scene, speed, estimates = load_scene("two_balls"), 30.0, []
+    step = 2.0 * math.pi / (STEPS * speed)
+    drive = {name: {"speed": speed} for name in ("rotor", "weights")}
+    for one, changes in ((scene, drive), (scene.replace({"operation.speed": speed}), None)):
+        with CoSimulation(one) as cosim:
+            cosim.start(changes, step)
+            for _ in range(STEPS):
+                cosim.step(step)
+            estimates.append(cosim.resolution.estimate)
+    assert estimates[0] == estimates[1] > 0.0

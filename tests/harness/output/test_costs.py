@@ -2,17 +2,21 @@
 
 from __future__ import annotations
 
+import math
 import time
+from contextlib import suppress
 
 import pytest
 from typer.testing import CliRunner
 
+from autobalancer.harness import cosimulate, load_scene
 from autobalancer.harness.cli import app
 from autobalancer.harness.errors import UserError
-from autobalancer.harness.output.costs import seconds_of, within
+from autobalancer.harness.output.costs import limited, seconds_of, within
 
 
-def test_a_run_of_1e12_revolutions_is_refused_within_seconds():
+def test_a_run_of_1e12_revolutions_is_refused_within_seconds(monkeypatch):
+    monkeypatch.setattr("autobalancer.harness.master.recorder.free_memory", lambda: math.inf)
     begun = time.perf_counter()
     setting = ["--set", "run.revolutions=1e12", "--set", "run.record=[]"]
     outcome = CliRunner().invoke(app, ["run", "two_balls", *setting])
@@ -21,6 +25,41 @@ def test_a_run_of_1e12_revolutions_is_refused_within_seconds():
     assert "more than --at-most 1h" in outcome.stderr
     assert len(outcome.stderr.splitlines()) == 1
     assert time.perf_counter() - begun < 30.0
+
+
+def test_a_record_that_does_not_fit_into_memory_is_refused_with_its_keys(monkeypatch):
+    monkeypatch.setattr("autobalancer.harness.master.recorder.free_memory", lambda: 5e4)
+    with pytest.raises(UserError, match=r"run\.revolutions, run\.record: 6 signals .* 5e-05 GB"):
+        cosimulate("two_balls")
+    record = {"run.record": ["rotor.x"], "run.revolutions": 20, "coupling.steps_per_rev": 40}
+    cosimulate(load_scene("two_balls").replace(record))  # 3 * 8 * 2 bytes for each of 801 rows
+
+
+@pytest.mark.parametrize(
+    ("command", "said"),
+    [
+        (["check", "filimonikhina"], "checks of filimonikhina"),
+        (["stress"], "cases"),
+        (["precision", "two_balls"], "run.revolutions = 20"),
+        (["design", "finite_weights"], "--starts 200 --most 8"),
+        (["balance", "balancing_machine"], "balancing.revolutions"),
+    ],
+)
+def test_a_command_that_is_not_done_in_time_is_refused(command, said):
+    outcome = CliRunner().invoke(app, [*command, "--at-most", "0.05s"])
+    assert outcome.exit_code == 2, outcome.output
+    assert said in outcome.stderr
+    assert "--at-most 0.05s" in outcome.stderr
+
+
+def test_time_that_is_over_is_no_error_among_others():
+    def work():
+        while True:
+            with suppress(Exception):  # as one case of many is kept apart
+                time.sleep(0.01)
+
+    with pytest.raises(UserError, match="loop: not done within --at-most"), limited("0.1s", "loop"):
+        work()
 
 
 def watched(at_most: str, times: list[float]) -> list[float]:

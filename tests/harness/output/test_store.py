@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import warnings
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -16,6 +17,9 @@ from autobalancer.harness.output.store import Variable, open_store
 from autobalancer.harness.output.workers import in_order
 from autobalancer.harness.stability.axis import Axis
 from autobalancer.harness.stability.map import stability_map
+from autobalancer.harness.truth.judge import Verdict
+from autobalancer.harness.truth.store import Verdicts
+from autobalancer.harness.truth.study import Study, verdicts
 
 pytest.importorskip("zarr")
 ITEMS = [0.5, 1.5, -1.0]
@@ -116,3 +120,17 @@ def test_the_command_says_whose_store_it_is_and_where_one_cannot_be(tmp_path):
     assert "'operation.speed = 2.0 to 3.0, 2 values' there" in " ".join(refused.output.split())
     nowhere = CliRunner().invoke(app, [*command, "speed=2:3:2", "-o", "/nowhere/a.zarr"])
     assert (nowhere.exit_code, "cannot be written" in nowhere.output) == (2, True)
+
+
+def test_a_study_from_its_store_is_the_study(tmp_path):
+    study = Study({"planar": 2, "liquid": 1}, seed=3)
+    path = tmp_path / "study.zarr"
+    begun = Verdicts(path, study)
+    begun[1] = odd = Verdict("planar", 1, "gross", None, "rotor.x", 0.5, "wörds", 3, 0.0, False)
+    first = verdicts(study, kept=begun)
+    kept = Verdicts(path, study)
+    assert len(kept) == 3
+    assert verdicts(study, kept=kept) == [replace(verdict, seconds=0.0) for verdict in first]
+    assert kept[1] == odd
+    with pytest.raises(UserError, match="made for another study"):
+        Verdicts(path, Study({"planar": 3}, seed=3))

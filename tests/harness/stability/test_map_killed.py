@@ -1,6 +1,7 @@
 """A map killed at any moment: gone on with, it is byte for byte that of an undisturbed run.
 
-python tests/harness/stability/test_map_killed.py [KILLS]    2,000 points, all co-simulated
+python tests/harness/stability/test_map_killed.py [KILLS]    2,000 points, 200 also co-simulated
+python tests/harness/stability/test_map_killed.py cluster    100,000 points, one of two workers lost
 """
 
 from __future__ import annotations
@@ -18,11 +19,14 @@ from pathlib import Path
 import pytest
 
 CODE = "from autobalancer.harness.cli import main; main()"
-GRID = ["--x", "speed=0.5:12:50", "--y", "weights.drag=1e-4:1:40:log"]
+SMALL, LARGE = (50, 40), (400, 250)
 
 
-def begin(store: Path, cosim: int) -> subprocess.Popen[str]:
-    wanted = [*GRID, "--cosim", str(cosim), "-o", str(store)]
+def begin(
+    store: Path, cosim: int, grid: tuple[int, int] = SMALL, *more: str
+) -> subprocess.Popen[str]:
+    axes = ["--x", f"speed=0.5:12:{grid[0]}", "--y", f"weights.drag=1e-4:1:{grid[1]}:log"]
+    wanted = [*axes, "--cosim", str(cosim), "-o", str(store), "--at-most", "1d", *more]
     return subprocess.Popen(
         [sys.executable, "-c", CODE, "map", "filimonikhina", *wanted],
         env={**os.environ, "TMPDIR": str(store.parent)},
@@ -62,11 +66,13 @@ def killed(folder: Path, cosim: int, kills: int, seed: int) -> int:
         before = worked_on(store)
         run = begin(store, cosim)
         try:
-            run.communicate(timeout=draw.uniform(0.2, 0.6 * alone) if kills else None)
+            said, _ = run.communicate(timeout=draw.uniform(0.2, 0.6 * alone) if kills else None)
+            assert run.returncode == 0, said
         except subprocess.TimeoutExpired:
             run.kill()
             run.communicate()  # also waits for the workers, which hold its output
             kills -= 1
+            print(f"{kills} kills to come, {len(before)} points kept", flush=True)
         after = worked_on(store)
         assert {name: after[name] for name in before} == before  # nothing was done twice
         if run.returncode == 0:
@@ -82,7 +88,40 @@ def test_a_killed_map_goes_on_to_the_same_bytes_and_does_nothing_twice(tmp_path)
     assert killed(tmp_path, cosim=10, kills=2, seed=1) >= 1
 
 
-if __name__ == "__main__":
+def with_a_worker_lost(folder: Path, cosim: int, grid: tuple[int, int]) -> tuple[float, float]:
+    """Seconds with plain processes, and on a cluster that loses a worker in its middle."""
+    from psutil import Process
+
+    plain, cluster = folder / "plain.zarr", folder / "cluster.zarr"
+    begun = time.monotonic()
+    assert begin(plain, cosim, grid).wait() == 0
+    alone = time.monotonic() - begun
+    begun = time.monotonic()
+    run = begin(cluster, cosim, grid, "--cluster", "local")
+    finished, strips = cluster / "strip_done" / "c", -(-grid[1] // 8)
+    while not finished.exists() or len(os.listdir(finished)) < strips / 3:
+        assert run.poll() is None, run.communicate()
+        time.sleep(0.02)
+    workers = [p for p in Process(run.pid).children() if "spawn_main" in "".join(p.cmdline())]
+    workers[0].kill()
+    said, _ = run.communicate()
+    assert run.returncode == 0, said
+    assert same(plain, cluster)
+    return alone, time.monotonic() - begun
+
+
+@pytest.mark.slow
+def test_a_cluster_that_loses_a_worker_gives_the_same_bytes(tmp_path):
+    pytest.importorskip("zarr")
+    pytest.importorskip("distributed")
+    with_a_worker_lost(tmp_path, 4, SMALL)
+
+
+if __name__ == "__main__" and sys.argv[1:] == ["cluster"]:
+    with tempfile.TemporaryDirectory() as folder:
+        plain, cluster = with_a_worker_lost(Path(folder), 0, LARGE)
+        print(f"plain {plain:.1f} s, cluster {cluster:.1f} s, the same bytes")
+elif __name__ == "__main__":
     times = int(sys.argv[1]) if sys.argv[1:] else 50
     with tempfile.TemporaryDirectory() as folder:
-        print(f"{times} kills: {killed(Path(folder), 2000, times, 1)} maps, all the same bytes")
+        print(f"{times} kills: {killed(Path(folder), 200, times, 1)} maps, all the same bytes")

@@ -17,6 +17,12 @@ from tests.floquet import multipliers
 BALANCED = [2.0 * math.pi / 3.0, 4.0 * math.pi / 3.0]
 
 
+def balls(**coupling):
+    """The two-ball scene at rest where it balances, its loop converged."""
+    keys = {f"coupling.{key}": value for key, value in {"corrections": None, **coupling}.items()}
+    return load_scene("two_balls").replace({"weights.angles": BALANCED, **keys})
+
+
 def same_spectrum(found, expected, tolerance: float) -> None:
     """Every expected multiplier is found once, to an absolute tolerance."""
     remaining = list(found)
@@ -45,9 +51,7 @@ def test_multipliers_of_a_liquid_are_those_of_the_exact_roots(name, steps, toler
 
 @pytest.mark.parametrize("speed", [0.8, 3.0, 6.0, 9.0])
 def test_multipliers_of_two_balls_are_those_of_the_linearised_equations(speed):
-    scene = load_scene("two_balls").replace(
-        {"weights.angles": BALANCED, "coupling.corrections": None, "coupling.steps_per_rev": 80}
-    )
+    scene = balls(steps_per_rev=80)
     expected = multipliers(scene.assembly(), [speed])[0]
     with Revolution(scene) as revolution:
         state, _ = revolution.steady(speed)
@@ -58,9 +62,7 @@ def test_multipliers_of_two_balls_are_those_of_the_linearised_equations(speed):
 
 
 def test_multipliers_converge_with_order_4():
-    scene = load_scene("two_balls").replace(
-        {"weights.angles": BALANCED, "coupling.corrections": None}
-    )
+    scene = balls()
     expected = np.abs(multipliers(scene.assembly(), [6.0])[0]).max()
     errors = []
     for steps in (20, 40, 80):
@@ -73,13 +75,7 @@ def test_multipliers_converge_with_order_4():
 
 @pytest.mark.parametrize("speed", [0.8, 6.0])
 def test_growth_rate_agrees_with_that_of_a_long_time_run(speed):
-    scene = (
-        load_scene("two_balls")
-        .replace(
-            {"weights.angles": BALANCED, "coupling.corrections": None, "operation.speed": speed}
-        )
-        .replace({"coupling.steps_per_rev": 60})
-    )  # the upper natural frequency is 7 rad/s
+    scene = balls(steps_per_rev=60).replace({"operation.speed": speed})
     with Revolution(scene) as revolution:
         growth = revolution.growth_rates(speed, revolution.first)[0]
         steps = revolution.steps
@@ -139,8 +135,7 @@ def test_steady_motion_of_a_liquid_is_dubovik_s_bending():
     ids=["run-up", "tolerance"],
 )
 def test_the_map_is_of_constant_speed_and_whole_revolutions_whatever_the_scene_runs(changes):
-    plain = {"weights.angles": BALANCED, "coupling.corrections": None}
-    scene = load_scene("two_balls").replace(plain)
+    scene = balls()
     spectra = []
     for each in (scene, scene.replace(changes)):
         with Revolution(each, steps=20) as revolution:

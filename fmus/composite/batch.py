@@ -1,0 +1,100 @@
+"""Many runs of a composition by the library itself, without an FMU: memory in, memory out."""
+
+from __future__ import annotations
+
+import ctypes
+from collections.abc import Sequence
+from ctypes import POINTER, Structure, byref, c_char, c_char_p, c_double, c_size_t, c_uint
+from functools import cache
+from pathlib import Path
+
+import numpy as np
+from fmpy import platform_tuple
+from numpy.typing import NDArray
+
+from ..native.compile import libraries, stamp
+from .composition import Composition
+
+_REASON = 512  # BATCH_REASON of batch.h
+_D, _U = POINTER(c_double), POINTER(c_uint)
+
+
+class _Batch(Structure):
+    _fields_ = (
+        ("changed", c_size_t),
+        ("references", _U),
+        ("asked", c_size_t),
+        ("outputs", _U),
+        ("points", c_size_t),
+    )
+
+
+@cache
+def _library(path: Path) -> ctypes.CDLL:
+    library = ctypes.CDLL(str(path))
+    function = library.autobalancer_runs
+    function.argtypes = (c_char_p, POINTER(_Batch), c_size_t, _D, _D, _D, POINTER(c_char))
+    function.restype = c_size_t
+    return library
+
+
+class Runs:
+    """Runs of a composition that differ in some variables; any number of threads may call it.
+
+    Args:
+        composition: what is run.
+        changed: parameters and inputs that every run has values of its own for.
+        asked: outputs that are read.
+        points: times at which they are read, besides the start, spread evenly over a run.
+
+    Raises:
+        KeyError: there is no such variable.
+        NotCompiled: the library is not of the present sources, and there is no compiler.
+    """
+
+    def __init__(
+        self,
+        composition: Composition,
+        changed: Sequence[str],
+        asked: Sequence[str],
+        points: int,
+    ) -> None:
+        self._library = _library(libraries([platform_tuple])[platform_tuple])
+        self._token = composition.token(stamp()).encode()
+        index = composition.described("Composite").layout.index
+        self._references, self._outputs = (
+            np.array([index[name] for name in names], np.uintc) for names in (changed, asked)
+        )
+        self._batch = _Batch(
+            len(changed),
+            self._references.ctypes.data_as(_U),
+            len(asked),
+            self._outputs.ctypes.data_as(_U),
+            points,
+        )
+
+    def __call__(
+        self, values: NDArray[np.float64], ends: NDArray[np.float64]
+    ) -> tuple[NDArray[np.float64], list[str]]:
+        """Run all; the interpreter's lock is released meanwhile.
+
+        Args:
+            values: (runs, changed).
+            ends: (runs,) of each run [s].
+
+        Returns:
+            Outputs (runs, points + 1, asked), NaN from where a run has failed, and why it has; an
+            empty text for one that has not.
+        """
+        values, ends = (np.ascontiguousarray(a, float) for a in (values, ends))
+        found = np.empty((len(ends), self._batch.points + 1, self._batch.asked))
+        reasons = ctypes.create_string_buffer(max(1, len(ends)) * _REASON)
+        self._library.autobalancer_runs(
+            self._token,
+            byref(self._batch),
+            len(ends),
+            *(a.ctypes.data_as(_D) for a in (values, ends, found)),
+            reasons,
+        )
+        texts = (reasons.raw[k * _REASON : (k + 1) * _REASON] for k in range(len(ends)))
+        return found, [text.split(b"\0", 1)[0].decode() for text in texts]

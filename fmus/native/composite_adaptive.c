@@ -1,0 +1,102 @@
+/* Tolerance-driven steps: the iterated scheme with step size and passes set by an error estimate;
+   twin of harness/master/schemes/adaptive.py, which derives the estimate. */
+#include "composite.h"
+#include "elementary.h"
+
+static const double LOCAL_SHARE = 0.2, AIM = 0.5, RESIDUAL_SHARE = 0.01;
+enum { RUNGS = 4, FIRST_RUNG = 40, LOWEST = 160, MOST_RISE = 4, HOPELESS = 40 };
+
+/* 2^(-k/4) */
+static const double ROOTS[RUNGS] = {1.0, 0.8408964152537145, 0.7071067811865476, 0.5946035575013605};
+
+void adaptive_begin(Unit *unit)
+{
+    Course *course = ((Composite *)unit->own)->course;
+    course->corrections = UNTIL_CONVERGED;
+    course->tolerance = RESIDUAL_SHARE * course->allowed;
+    course->rung = FIRST_RUNG;
+    course->largest = course->rounding / course->tolerance;
+    course->largest_motion = course->largest / course->mass;
+}
+
+/* Largest error of signals' cubics over a step that ends so, relative to `scale`. */
+static double worst(const Signal *signals, const Knot *ends, int count, double step, double scale)
+{
+    double largest = 0.0;
+    int k;
+    for (k = 0; k < count; k++) {
+        const double sum = step + signals[k].last_step;
+        const double share = step * step / (30.0 * (sum * sum));
+        Complex cubic[SIGNAL_ORDERS], led;
+        signal_predicted(signals + k, cubic);
+        led = knot_end(cubic, step).value;
+        largest = larger(largest, share * magnitude(complex_difference(ends[k].value, led)));
+    }
+    return scale > 0.0 ? largest / scale : 0.0;
+}
+
+static double error_of(Composite *c, double step)
+{
+    Course *course = c->course;
+    int k;
+    for (k = 0; k < c->planes; k++) {
+        course->largest_motion = larger(course->largest_motion, magnitude(c->ends[k].value));
+    }
+    return larger(larger(1.0, course->gain) *
+                      worst(c->forces, c->answers, c->exchanges, step, course->largest),
+                  worst(c->accelerations, c->ends, c->planes, step, course->largest_motion));
+}
+
+/* Whole number of rungs up that an error of this ratio to the one aimed at allows; `slack` as a
+   factor. */
+static int rise(double ratio, double slack)
+{
+    const int power = ratio > 0.0 ? binary_exponent(slack * ratio) - 1 : -HOPELESS;
+    return power < MOST_RISE ? power : MOST_RISE;
+}
+
+static int refuse(Unit *unit, double step, double error, double residual)
+{
+    Text *reason = unit_reason(unit);
+    text_put(reason, "tolerance ");
+    text_rounded(reason, ((Composite *)unit->own)->course->allowed, 6);
+    text_put(reason, " cannot be met: steps of ");
+    text_rounded(reason, step, 3);
+    text_put(reason, " s still err by ");
+    text_rounded(reason, error, 3);
+    text_put(reason, ", loop residual ");
+    text_rounded(reason, residual, 3);
+    return 1;
+}
+
+int adaptive_step(Unit *unit, double longest)
+{
+    Composite *c = unit->own;
+    Course *course = c->course;
+    const double allowed = LOCAL_SHARE * course->allowed;
+    for (;;) {
+        const int rung = (int)course->rung;
+        const double step = scaled_by_power(longest * ROOTS[rung % RUNGS], -(rung / RUNGS));
+        double residual, error, ratio;
+        int lower;
+        residual = iterated_attempt(unit, step);
+        if (residual < 0.0) {
+            return 1;
+        }
+        error = error_of(c, step);
+        ratio = error > 0.0 ? AIM * allowed / error : infinity();
+        if (error <= allowed && residual <= course->tolerance) {
+            const int higher = error > 0.0 ? rise(ratio, 1.0 + 1e-9) : MOST_RISE;
+            course->rung = rung > higher ? rung - higher : 0;
+            course->error = larger(course->error, error);
+            course->length = step;
+            return composite_accept(unit, c->ends, c->answers, step);
+        }
+        composite_restore(c);
+        lower = error > 0.0 ? -rise(ratio, 1.0) : 1;
+        course->rung = rung + (lower > 1 ? lower : 1);
+        if (course->rung > LOWEST) {
+            return refuse(unit, step, error, residual);
+        }
+    }
+}

@@ -1,0 +1,123 @@
+"""One scene run many times with other values, by the coupling in C, on all cores."""
+
+from __future__ import annotations
+
+import math
+import os
+from collections.abc import Mapping, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from difflib import get_close_matches
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..errors import UserError
+from ..scene import Scene
+from .names import stations
+from .one_file import composition
+from .schedule import end_time
+
+POINTS_PER_REV = 20  # at which the amplitude is looked at, where a tolerance chooses the steps
+CHUNK = 32  # runs of a call: some MB of outputs
+SETTLED = 0.05  # of the largest amplitude: how far from the last one a settled rotor may be
+STEADY = 0.005  # of it: what the amplitude of a settled one may change by in the last revolution
+
+RESULTS = {
+    "residual": "largest amplitude in the last revolution [m]",
+    "largest": "largest amplitude of the run [m]",
+    "settling_time": "after which the amplitude stays near the last [s]; NaN: not settled",
+    "settled": "1 where the last two revolutions are alike",
+    "error": "of the motion, estimated by the coupling",
+    "loop_gain": "of the loop force - acceleration",
+}
+
+
+def cosimulate_many(
+    scene: Scene,
+    table: Any,
+    *,
+    results: Sequence[str] = ("residual", "largest", "settling_time", "settled", "error"),
+    threads: int | None = None,
+) -> Any:
+    """Run a scene once for every row of a table.
+
+    Args:
+        scene: what every run has in common.
+        table: values of one number a run by the variables of the scene's composite FMU, such as
+            `balls.drag`, `rotor.stiffness_x` or `speed`: a mapping of arrays, or a pandas frame.
+        results: of `RESULTS`, or outputs of the FMU, which are taken at the end of a run.
+        threads: default: one a core.
+
+    Returns:
+        By name an array with a value a run, NaN where a run has failed, and `failure`: why it has,
+        else empty.  A frame where the table is one.
+
+    Raises:
+        UserError: a variable or a result does not exist, or the columns differ in length.
+    """
+    from ...fmus.composite.batch import Runs  # compiles where it has to
+
+    made = composition(scene)
+    layout = made.described("Composite").layout
+    columns = {str(name): np.asarray(table[name], float) for name in table}
+    _refuse_unknown(columns, [v.name for v in layout.variables if v.causality != "output"])
+    outputs = [v.name for v in layout.variables if v.causality == "output"]
+    _refuse_unknown([name for name in results if name not in RESULTS], [*RESULTS, *outputs])
+    shapes = {column.shape for column in columns.values()}
+    if len(shapes) != 1 or len(shape := shapes.pop()) != 1 or not shape[0]:
+        raise UserError("table: every column must have as many numbers as the others, at least 1")
+    values, profile = np.array(list(columns.values())).T, scene.profile()
+    asked = [
+        f"rotor.{prefix}{axis}" for prefix in stations(len(scene.rotor.stations)) for axis in "xy"
+    ]
+    asked += ["coupling.error", "coupling.loop_gain", *(n for n in results if n not in RESULTS)]
+    ends = np.full(len(values), end_time(scene))
+    if "speed" in columns and profile.start == profile.end:
+        with np.errstate(divide="ignore"):  # the run refuses it
+            ends = math.tau * scene.run.revolutions / np.abs(columns["speed"])
+    turns = max(2, round(scene.run.revolutions))
+    points = turns * (scene.coupling.steps_per_rev or POINTS_PER_REV)
+    runs = Runs(made, list(columns), asked, points)
+
+    def chunk(first: int) -> dict[str, NDArray]:
+        part = slice(first, first + CHUNK)
+        signals, reasons = runs(values[part], ends[part])
+        reduced = _reduced(signals, turns, ends[part], asked)
+        return {**{k: reduced[k].copy() for k in results}, "failure": np.array(reasons, object)}
+
+    with ThreadPoolExecutor(threads or os.cpu_count()) as executor:
+        parts = list(executor.map(chunk, range(0, len(values), CHUNK)))
+    found = {name: np.concatenate([part[name] for part in parts]) for name in parts[0]}
+    return found if isinstance(table, Mapping) else type(table)(found, index=table.index)
+
+
+def _refuse_unknown(names: Any, known: Sequence[str]) -> None:
+    for name in names:
+        if name not in known:
+            near = get_close_matches(name, known, 3) or known[:20]
+            raise UserError(f"{name!r}: not known; did you mean one of {', '.join(near)}?")
+
+
+def _reduced(
+    signals: NDArray, turns: int, ends: NDArray, asked: Sequence[str]
+) -> dict[str, NDArray]:
+    """Results of runs from their outputs (runs, points + 1, asked)."""
+    places = asked.index("coupling.error")
+    pairs = signals[:, :, :places].reshape(*signals.shape[:2], -1, 2)
+    amplitude = np.hypot(pairs[..., 0], pairs[..., 1]).max(axis=2)
+    envelope = amplitude[:, 1:].reshape(len(ends), turns, -1).max(axis=2)
+    largest, residual = amplitude.max(axis=1), envelope[:, -1]
+    away = np.abs(envelope - residual[:, None]) > SETTLED * largest[:, None]
+    last_away = turns - np.argmax(away[:, ::-1], axis=1)
+    steady = np.abs(envelope[:, -2] - residual) <= STEADY * largest
+    settling = np.where(away.any(axis=1), last_away, 0) / turns * np.where(steady, ends, math.nan)
+    found = {
+        "residual": residual,
+        "largest": largest,
+        "settling_time": settling,
+        "settled": np.where(np.isnan(residual), math.nan, steady),
+        "error": signals[:, -1, places],
+        "loop_gain": signals[:, -1, places + 1],
+    }
+    return found | {name: signals[:, -1, k] for k, name in enumerate(asked) if k > places + 1}

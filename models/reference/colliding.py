@@ -1,0 +1,209 @@
+"""Weights of finite size in the coupled equations: integrated from contact to contact.
+
+Apart from the units' contacts, which know no rotor while they collide: here a contact is a
+constraint phi_j'' = phi_i'' on the whole system, kept by a pair of equal and opposite pushes along
+the track, which are solved for with the rotor's acceleration at every evaluation; it opens when its
+push turns into a pull.  A collision changes rates by Newton's restitution of the weights with the
+rotor held (rows of approaching weights at once, Moreau's law); that blow then moves rotor and
+weights by the mass of the whole system.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+import numpy as np
+from scipy.integrate import solve_ivp
+
+from ..contact.contact import restitution_on
+from .coupled import REST, Array, Monolith, Start
+
+Pair = tuple[int, int, float, float]  # two neighbours, distance of touching, turns between them
+MARGIN = 1e-10  # rad: a gap this far below zero is closed, so that rounding closes none
+LOWEST = 1e-9  # rad: a bounce that would rise less ends in contact
+MOST_EVENTS = 2000  # collisions and contacts that open in a run
+LONGEST = 0.3  # rad of the fastest turning in a step: no gap may close and open within one
+
+
+class Colliding:
+    """Contacts of the weights of a `Monolith`."""
+
+    def __init__(self, system: Monolith) -> None:
+        """Find who is beside whom on every track where weights can meet."""
+        self.system = system
+        self.first = 4 * system.stations
+        self.count = (system.size - self.first) // 2
+        self.tracks: list[tuple[list[Pair], float]] = []
+        begin, loaded = 0, system.assembly.loaded_rotor
+        for m in system.assembly.weights:
+            n = len(m.angles)
+            if m.half_angle and n > 1:
+                order = sorted(range(n), key=lambda k, m=m: m.angles[k] % math.tau)  # type: ignore[misc]
+                pairs = []
+                for a, b in zip(order, [*order[1:], order[0]], strict=True):
+                    apart = (m.angles[b] - m.angles[a]) % math.tau
+                    turns = apart - (m.angles[b] - m.angles[a])
+                    pairs.append((begin + a, begin + b, 2.0 * m.half_angle, turns))
+                row = loaded.planes[m.plane]
+                carrier = 1.0 / float(row @ np.linalg.solve(loaded.mass, row))
+                mass, kappa = m.device.mass, m.device.kappa  # type: ignore[union-attr]
+                held = restitution_on(m.restitution, mass, carrier, m.half_angle, kappa)
+                self.tracks.append((pairs, held))
+            begin += n
+        self.pairs = [pair for pairs, _ in self.tracks for pair in pairs]
+
+    def gap(self, pair: Pair, y: Array) -> float:
+        """Angle between the surfaces of two neighbours [rad]."""
+        a, b, touching, turns = pair
+        return float(y[self.first + b] - y[self.first + a]) + turns - touching
+
+    def approach(self, pair: Pair, y: Array) -> float:
+        """Rate at which a gap closes [rad/s]."""
+        rates = y[self.first + self.count :]
+        return float(rates[pair[0]] - rates[pair[1]])
+
+    def pushes(self, t: float, y: Array, joined: Sequence[Pair]) -> tuple[Array, Array]:
+        """Pushes between joined neighbours (J,), and on every weight (N,) [rad/s^2]."""
+        if not joined:
+            return np.zeros(0), np.zeros(self.count)
+        units = np.zeros((len(joined), self.count))
+        for unit, (a, b, *_) in zip(units, joined, strict=True):
+            unit[a], unit[b] = -1.0, 1.0
+        free = self.system.accelerations(t, y)[1]
+        answers = [self.system.accelerations(t, y, unit)[1] - free for unit in units]
+        matrix = units @ np.array(answers).T
+        sizes = np.linalg.lstsq(matrix, -units @ free, rcond=None)[0]
+        return sizes, sizes @ units
+
+    def rhs(self, t: float, y: Array, joined: Sequence[Pair]) -> Array:
+        """Derivative of the state, (size,), with contacts that last."""
+        n = self.system.stations
+        a, phi2 = self.system.accelerations(t, y, self.pushes(t, y, joined)[1])
+        return np.concatenate([y[2 * n : 4 * n], a.ravel(), y[self.first + self.count :], phi2])
+
+    def collide(self, t: float, y: Array, touching: Sequence[Pair]) -> Array:
+        """The state after all blows between neighbours that touch."""
+        rates = y[self.first + self.count :].copy()
+        for pairs, restitution in self.tracks:
+            chain = [pair for pair in pairs if pair in touching]
+            for _ in range(100 * len(pairs)):
+                runs = _runs([p for p in chain if rates[p[0]] - rates[p[1]] > 1e-13])
+                if not runs:
+                    break
+                for run in runs:
+                    mean = rates[run].mean()
+                    rates[run] = (1.0 + restitution) * mean - restitution * rates[run]
+        held = rates - y[self.first + self.count :]
+        still, phi_still = self.system.accelerations(t, y)
+        moved, phi_moved = self.system.accelerations(t, y, held)
+        found, n = y.copy(), self.system.stations
+        found[2 * n : 4 * n] += (moved - still).ravel()
+        found[self.first + self.count :] += phi_moved - phi_still
+        return found
+
+    def settle(self, t: float, y: Array, touching: Sequence[Pair]) -> tuple[Array, list[Pair]]:
+        """After a collision: bounces too low are ended, and contacts that would pull left out."""
+        joined = list(touching)
+        free = self.system.accelerations(t, y)[1]
+        for pair in touching:
+            pressed = free[pair[0]] - free[pair[1]]
+            apart = max(0.0, -self.approach(pair, y))
+            if apart * apart > 2.0 * LOWEST * max(pressed, 0.0):
+                joined.remove(pair)
+        y = y.copy()
+        phi, rates = y[self.first : self.first + self.count], y[self.first + self.count :]
+        for pair in touching:  # back to a gap of zero, so that the next closing is seen
+            short = self.gap(pair, y)
+            phi[pair[0]] += 0.5 * short
+            phi[pair[1]] -= 0.5 * short
+        for run in _runs(joined):
+            rates[run] = rates[run].mean()
+        while joined:
+            sizes, _ = self.pushes(t, y, joined)
+            if sizes.min() >= 0.0:
+                break
+            del joined[int(sizes.argmin())]
+        return y, joined
+
+
+def _runs(pairs: Sequence[Pair]) -> list[list[int]]:
+    """Weights of neighbouring pairs in a row, each run in order."""
+    runs: list[list[int]] = []
+    for a, b, *_ in pairs:
+        if runs and runs[-1][-1] == a:
+            runs[-1].append(b)
+        else:
+            runs.append([a, b])
+    if len(runs) > 1 and runs[-1][-1] == runs[0][0]:  # across the end of the list
+        runs[0] = [*runs.pop(), *runs[0][1:]]
+    return runs
+
+
+def integrate_contacts(
+    system: Monolith, time: Array, initial: Start = REST, *, method: str, rtol: float
+) -> Array:
+    """States at ascending times, (T, size).
+
+    Raises:
+        ValueError: the speed varies.
+        ArithmeticError: the method gave up, or collisions do not come to an end.
+    """
+    if system.profile.start != system.profile.end:
+        raise ValueError("weights that collide: only at constant speed")
+    bodies, y, t = Colliding(system), system.initial(initial), 0.0
+    found = np.empty((len(time), system.size))
+    found[time == 0.0] = y
+    absolute = rtol * system.scales(initial)
+    near = [p for p in bodies.pairs if bodies.gap(p, y) <= MARGIN and not bodies.approach(p, y)]
+    y, joined = bodies.settle(t, y, near)
+    for _ in range(MOST_EVENTS):
+        fastest = max(system.profile.end, float(np.abs(y[bodies.first + bodies.count :]).max()))
+        solved = solve_ivp(
+            lambda t, y, joined=tuple(joined): bodies.rhs(t, y, joined), (t, time[-1]), y, method,
+            events=_events(bodies, joined), rtol=rtol, atol=absolute, dense_output=True,
+            max_step=LONGEST / fastest,
+        )  # fmt: skip
+        if not solved.success:
+            raise ArithmeticError(f"{method} stopped after {solved.t[-1]:g} s: {solved.message}")
+        wanted = (time > t) & (time <= solved.t[-1])
+        if wanted.any():
+            found[wanted] = solved.sol(time[wanted]).T
+        t, y = float(solved.t[-1]), solved.y[:, -1]
+        if solved.status == 0:
+            return found
+        happened = [i for i, times in enumerate(solved.t_events) if len(times)]
+        y, joined = _after(bodies, t, y, joined, happened)
+    raise ArithmeticError(f"more than {MOST_EVENTS} collisions and openings by {t:g} s")
+
+
+def _events(bodies: Colliding, joined: Sequence[Pair]) -> list:
+    """A gap that closes, by pair; for those joined, a push that turns into a pull."""
+    events = []
+    for pair in bodies.pairs:
+        if pair in joined:
+            place = joined.index(pair)
+
+            def event(t: float, y: Array, place: int = place) -> float:
+                return float(bodies.pushes(t, y, joined)[0][place])
+        else:
+
+            def event(t: float, y: Array, pair: Pair = pair) -> float:  # type: ignore[misc]
+                return bodies.gap(pair, y) + MARGIN
+
+        event.terminal, event.direction = True, -1  # type: ignore[attr-defined]
+        events.append(event)
+    return events
+
+
+def _after(
+    bodies: Colliding, t: float, y: Array, joined: list[Pair], happened: Sequence[int]
+) -> tuple[Array, list[Pair]]:
+    """State and contacts after the events of these pairs."""
+    opened = [bodies.pairs[i] for i in happened if bodies.pairs[i] in joined]
+    closed = [bodies.pairs[i] for i in happened if bodies.pairs[i] not in joined]
+    if not closed:
+        return y, [pair for pair in joined if pair not in opened]
+    touching = [pair for pair in bodies.pairs if pair in joined or pair in closed]
+    y = bodies.collide(t, y, touching)
+    return bodies.settle(t, y, touching)

@@ -1,0 +1,135 @@
+"""What a tool does to the composite from outside: its drive, and forces on the rotor."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+from fmpy import platform_tuple
+
+from autobalancer.harness import Scene, cosimulate, load_scene
+from autobalancer.harness.master.one_file import build_one_file
+
+RISE, STAY = 300, 200  # steps
+
+
+@pytest.fixture
+def hosted(packaging, tmp_path):
+    """Begins the composite of a scene in a host."""
+
+    def begun(scene: Scene, values: dict[str, float] | None = None):
+        path = build_one_file(scene, tmp_path / "one.fmu", platforms=[platform_tuple])
+        return packaging.Host(path).begin(values)
+
+    return begun
+
+
+@pytest.mark.parametrize("told", [True, False])
+@pytest.mark.parametrize("scheme", ["iterated", "compensated"])
+def test_a_drive_that_jumps_moves_as_the_harness_moves_it(hosted, scheme, told):
+    """The acceleration jumps to 0 at the end of a rise of the speed, by the tool or by itself."""
+    top, steps = 300.0, 40
+    step = 2.0 * math.pi / (top * steps)
+    rise = RISE * step
+    turned = 0.5 * (200.0 + top) * rise + top * STAY * step
+    scene = load_scene("run_up").replace(
+        {
+            "operation.run_up.from": 200.0,
+            "operation.run_up.to": top,
+            "operation.run_up.seconds": rise,
+            "coupling.scheme": scheme,
+            "coupling.steps_per_rev": steps,
+            "run.revolutions": turned / (2.0 * math.pi),
+        }
+    )
+    expected, profile = cosimulate(scene), scene.profile()
+    assert expected.steps == pytest.approx(RISE + STAY, abs=20)
+    host = hosted(scene, {"rise_time": 0.0, "coupling.top_speed": top} if told else {})
+    names = list(expected.signals)
+    rows = [host.get(*names)]
+    for begin, end in zip(expected.time[:-1], expected.time[1:], strict=True):
+        if told:
+            host.set({"speed": profile.speed(begin), "acceleration": profile.acceleration(begin)})
+        host.time = begin
+        host.step(end - begin)
+        rows.append(host.get(*names))
+    assert host.get("coupling.steps") == [expected.steps]
+    assert host.get("rotor.speed") == [pytest.approx(top, rel=1e-12)]
+    for k, signal in enumerate(names):
+        error = np.abs(np.array(rows)[:, k] - expected[signal]).max()
+        assert error <= 1e-10 * np.ptp(expected[signal]), signal
+
+
+def sprung(**coupling) -> Scene:
+    """An undamped rotor with an unbalance of nothing, that carries a liquid."""
+    return Scene.from_document(
+        {
+            "rotor": {
+                "kind": "planar",
+                "mass": 2.0,
+                "stiffness": [1e4, 4e4],
+                "damping": [0.0, 0.0],
+                "unbalance": 0.0,
+            },
+            "balancer": [
+                {
+                    "kind": "liquid",
+                    "chamber_radius": 0.04,
+                    "float_radius": 0.03,
+                    "height": 0.05,
+                    "density": 1000.0,
+                    "inertia_as_force": True,
+                }
+            ],
+            "operation": {"speed": 250.0},
+            "coupling": {"scheme": "iterated", "steps_per_rev": 80, **coupling},
+        }
+    )
+
+
+@pytest.mark.parametrize("tool", [1.0, 0.37, 2.6])
+def test_a_force_from_outside_moves_the_rotor_as_a_closed_form_says(hosted, tool):
+    """x = F/k (1 - cos w t) from when it comes on, which need not be the end of a step."""
+    scene = sprung()
+    mass = 2.0 + 1000.0 * math.pi * 0.04**2 * 0.05
+    step = tool * 2.0 * math.pi / 250.0 / 80
+    host = hosted(scene)
+    for _ in range(7):
+        host.step(step)
+    assert host.get("rotor.x", "rotor.y") == [0.0, 0.0]
+    begin = host.time
+    host.set({"rotor.plane[1].F_x": 3.0, "rotor.plane[1].F_y": -5.0})
+    found, time = [], []
+    for _ in range(round(200 / tool)):
+        host.step(step)
+        found.append(host.get("rotor.x", "rotor.y"))
+        time.append(host.time - begin)
+    for k, (force, stiffness) in enumerate([(3.0, 1e4), (-5.0, 4e4)]):
+        moved = force / stiffness * (1.0 - np.cos(math.sqrt(stiffness / mass) * np.array(time)))
+        assert np.abs(np.array(found)[:, k] - moved).max() < 1e-6 * np.abs(moved).max()
+
+
+def test_a_force_that_changes_in_every_step_of_the_tool_is_held_between(hosted):
+    """Of no matter how often the tool sets what it was."""
+    runs = []
+    for again in (1, 5):
+        host = hosted(sprung())
+        for k in range(60):
+            host.set({"rotor.plane[1].F_x": 3.0 * math.sin(0.1 * k)})
+            for _ in range(again):
+                host.step(2.0 * math.pi / 250.0 / 31 / again)
+        runs.append(host.get("rotor.x", "rotor.vx"))
+    assert runs[0] == pytest.approx(runs[1], rel=1e-9)
+
+
+def test_a_rotor_that_speeds_up_by_itself_takes_no_speed(hosted):
+    host = hosted(load_scene("run_up"))
+    host.step(1.0)
+    assert host.get("rotor.speed") == [pytest.approx(75.0, rel=1e-12)]
+    host.set({"speed": 30.0})
+    assert "rise_time is above 0 s" in host.refused(lambda: host.step(0.1))
+    host.set({"speed": 0.0})
+    host.step(2.0)  # over the end of the rise
+    assert host.get("rotor.speed") == [pytest.approx(150.0, rel=1e-12)]
+    assert host.get("rotor.angle") == [pytest.approx(150.0 + 150.0, rel=1e-9)]

@@ -1,0 +1,127 @@
+"""What the composite cannot compute correctly ends as an error with its reason, or is said."""
+
+from __future__ import annotations
+
+import math
+
+import pytest
+from fmpy import platform_tuple
+
+from autobalancer.harness import Scene, load_scene
+from autobalancer.harness.errors import SimulationError
+from autobalancer.harness.master.cosimulation import CoSimulation
+from autobalancer.harness.master.one_file import build_one_file
+
+
+@pytest.fixture
+def instance(packaging, tmp_path):
+    """Makes a host of a scene's composite."""
+
+    def made(scene: Scene):
+        path = build_one_file(scene, tmp_path / "one.fmu", platforms=[platform_tuple])
+        return packaging.Host(path)
+
+    return made
+
+
+def stepped(host, scene: Scene, revolutions: float) -> None:
+    """At the scene's own steps."""
+    step = 2.0 * math.pi / scene.profile().speed(0.0) / scene.coupling.steps_per_rev
+    for _ in range(round(revolutions * scene.coupling.steps_per_rev)):
+        host.step(step)
+
+
+COARSE = [
+    ("two_balls", 20),
+    ("two_balls", 6),
+    ("goncharov_balls", 4),
+    ("two_plane_rodrigues", 5),
+    ("liquid_heavy_force", 8),
+]
+
+
+@pytest.mark.parametrize(("name", "steps"), COARSE)
+def test_the_error_is_estimated_as_the_harness_does(instance, name, steps):
+    changes = {"coupling.steps_per_rev": steps, "run.revolutions": 4}
+    scene = load_scene(name).replace(changes)
+    with CoSimulation(scene) as cosim:
+        cosim.start()
+        list(cosim.run())
+        expected = cosim.facts()
+    host = instance(scene).begin()
+    stepped(host, scene, 4)
+    assert host.get("coupling.error") == [pytest.approx(expected.estimated_error, rel=1e-6)]
+    said = any("too long" in text for _, text in host.messages)
+    assert said == (expected.estimated_error >= 0.01)
+
+
+REFUSED = [
+    ("liquid_heavy_force", {"coupling.scheme": "iterated", "coupling.corrections": 0}),
+    (
+        "two_balls",
+        {
+            "coupling.steps_per_rev": 4,
+            "operation.speed": 30.0,
+            "weights.drag": 0.0,
+            "rotor.stiffness": [1e6, 1e6],
+            "rotor.damping": [0.0, 0.0],
+        },
+    ),
+    (
+        "goncharov_balls",
+        {"coupling.steps_per_rev": 4, "rotor.stiffness": 3e9, "rotor.damping": 0.0},
+    ),
+]
+
+
+@pytest.mark.parametrize(("name", "changes"), REFUSED)
+def test_a_run_that_the_harness_refuses_is_refused_at_the_same_time(instance, name, changes):
+    scene = load_scene(name).replace({**changes, "run.revolutions": 30})
+    with CoSimulation(scene) as cosim:
+        cosim.start()
+        with pytest.raises(SimulationError) as refusal:
+            list(cosim.run())
+        end = cosim.time
+    host = instance(scene).begin()
+    reason = host.refused(lambda: stepped(host, scene, 30))
+    assert host.time == pytest.approx(end, rel=1e-9)
+    assert f"loop gain {host.get('coupling.loop_gain')[0]:.3g}" in reason
+    part = str(refusal.value).split(": ")[1].split(";")[0]
+    assert part in reason
+
+
+def test_after_a_refusal_the_state_is_that_before(instance):
+    scene = load_scene("liquid_heavy_force").replace(REFUSED[0][1])
+    host = instance(scene).begin()
+    step = 2.0 * math.pi / scene.profile().speed(0.0) / 7.3
+    seen = []
+
+    def run() -> None:
+        for _ in range(100):
+            seen.append(host.outputs())
+            host.step(step)
+
+    host.refused(run)
+    assert host.outputs() == seen[-1]
+
+
+WRONG = [
+    ({"coupling.steps_per_rev": 0.0}, "coupling.steps_per_rev"),
+    ({"coupling.steps_per_rev": -1.0}, "coupling.steps_per_rev = -1.0: must be"),
+    ({"speed": 0.0, "coupling.top_speed": 0.0}, "coupling.top_speed: must be above 0 rad/s"),
+    ({"rotor.mass": 0.0}, "rotor.mass = 0.0 kg: must be a finite number above 0 kg"),
+    ({"weights.kappa": 0.5}, "weights.kappa = 0.5: must be a finite number, at least 1"),
+    ({"weights.weight_radius": 2.0}, "weights: weight_radius = 2.0 m: such weights do not fit"),
+]
+
+
+@pytest.mark.parametrize(("values", "reason"), WRONG)
+def test_wrong_parameters_are_refused_by_the_names_they_have_here(instance, values, reason):
+    host = instance(load_scene("two_balls"))
+    assert reason in host.refused(lambda: host.begin(values))
+
+
+def test_a_speed_that_would_never_be_done_is_refused(instance):
+    host = instance(load_scene("two_balls")).begin()
+    host.set({"speed": 1e18})
+    assert "too short" in host.refused(lambda: host.step(1.0))

@@ -1,0 +1,139 @@
+"""One scene run many times by the coupling in C: as single runs, in threads, and failures kept."""
+
+from __future__ import annotations
+
+import math
+import sys
+import threading
+import time
+
+import numpy as np
+import pytest
+
+from autobalancer.harness import Scene, UserError, cosimulate, cosimulate_many, load_scene
+
+DRAGS = [0.008, 0.0125, 0.02, 0.05]
+UNBALANCES = [0.01, 0.025, 0.03, 0.07]
+TABLE = {"weights.drag": np.array(DRAGS), "rotor.unbalance": np.array(UNBALANCES)}
+
+
+@pytest.fixture
+def scene() -> Scene:
+    return load_scene("two_balls").replace({"run.revolutions": 12})
+
+
+def test_every_row_is_the_run_of_a_scene_with_these_values(scene):
+    found = cosimulate_many(
+        scene, TABLE, results=["largest", "residual", "error", "loop_gain", "weights.spread"]
+    )
+    assert list(found["failure"]) == [""] * 4
+    for k, (drag, unbalance) in enumerate(zip(DRAGS, UNBALANCES, strict=True)):
+        changed = scene.replace({"weights.drag": drag, "rotor.unbalance": unbalance})
+        one = cosimulate(changed, record=["rotor.x", "rotor.y", "weights.spread"])
+        amplitude = np.hypot(one["rotor.x"], one["rotor.y"])
+        assert found["largest"][k] == pytest.approx(amplitude.max(), rel=1e-11)
+        assert found["residual"][k] == pytest.approx(amplitude[-20:].max(), rel=1e-9)
+        assert found["weights.spread"][k] == pytest.approx(one["weights.spread"][-1], rel=1e-9)
+        assert found["error"][k] == pytest.approx(one.estimated_error, rel=1e-6)
+
+
+def test_a_free_rotor_settles_when_its_damping_says(scene):
+    """Without weights that matter the amplitude decays as e^(-c t / 2 M)."""
+    scene = scene.replace(
+        {
+            "run.revolutions": 40,
+            "weights.mass": 1e-9,
+            "weights.drag": 1e-9,
+            "rotor.mass": 1.0,
+            "rotor.unbalance": 0.0,
+            "rotor.stiffness": 4.0,
+            "run.initial.x": 1e-3,
+        }
+    )
+    damping = np.array([0.1, 0.2, 0.4])
+    found = cosimulate_many(scene, {"rotor.damping_x": damping, "rotor.damping_y": damping})
+    period = math.tau / 3.0
+    # 5 % of the first amplitude above the last
+    left = 0.05 + np.exp(-0.5 * damping * 40 * period)
+    expected = -2.0 / damping * np.log(left)
+    assert found["settling_time"] == pytest.approx(expected, abs=1.5 * period)
+    assert list(found["settled"]) == [1.0, 1.0, 1.0]
+
+
+def test_runs_that_fail_say_why_and_the_others_go_on(scene):
+    found = cosimulate_many(scene, {"rotor.mass": [0.95, -1.0, 0.95], "speed": [3.0, 3.0, 0.0]})
+    assert [bool(reason) for reason in found["failure"]] == [False, True, True]
+    assert "rotor.mass = -1.0 kg: must be a finite number above 0 kg" in found["failure"][1]
+    assert "coupling.top_speed" in found["failure"][2]
+    assert np.isnan(found["residual"]).tolist() == [False, True, True]
+
+
+def test_a_run_up_is_driven_as_the_scene_says():
+    changes = {"coupling.steps_per_rev": 40, "run.revolutions": 40}
+    changes |= {"operation.run_up.seconds": 0.5}
+    scene = load_scene("run_up").replace(changes)
+    one = cosimulate(scene, record=["rotor.x", "rotor.y", "rotor.angle"])
+    results = ["largest", "rotor.angle", "rotor.x"]
+    found = cosimulate_many(scene, {"weights.drag": [0.3, 0.3]}, results=results)
+    assert found["rotor.angle"] == pytest.approx([one["rotor.angle"][-1]] * 2, rel=1e-12)
+    scale = np.ptp(one["rotor.x"])
+    assert found["rotor.x"] == pytest.approx([one["rotor.x"][-1]] * 2, abs=1e-3 * scale)
+
+
+def test_speed_is_of_each_run_and_so_is_its_length(scene):
+    found = cosimulate_many(scene, {"speed": [3.0, 4.0]}, results=["rotor.angle", "coupling.steps"])
+    assert found["rotor.angle"] == pytest.approx([12 * math.tau] * 2, rel=1e-12)
+    assert list(found["coupling.steps"]) == [240.0, 240.0]
+
+
+def test_threads_change_no_bit_and_leave_the_interpreter_free(scene):
+    rng = np.random.default_rng(5)
+    table = {"weights.drag": rng.uniform(0.01, 0.05, 200)}
+    ticks: list[float] = []
+    done = threading.Event()
+
+    def tick() -> None:
+        while not done.wait(1e-3):
+            ticks.append(time.monotonic())
+
+    watch = threading.Thread(target=tick)
+    watch.start()
+    runs = [cosimulate_many(scene, table, threads=threads) for threads in (1, 4)]
+    done.set()
+    watch.join()
+    assert len(ticks) > 3
+    for name in ("residual", "largest", "error"):
+        assert np.array_equal(runs[0][name], runs[1][name])
+
+
+def test_a_frame_in_is_a_frame_out(scene):
+    pandas = pytest.importorskip("pandas")
+    frame = pandas.DataFrame(TABLE, index=["a", "b", "c", "d"])
+    found = cosimulate_many(scene, frame)
+    assert list(found.index) == ["a", "b", "c", "d"]
+    assert found["largest"].to_numpy().tolist() == cosimulate_many(scene, TABLE)["largest"].tolist()
+
+
+WRONG = [
+    ({"weights.drga": [0.1]}, {}, "weights.drga"),
+    ({"weights.drag": [0.1]}, {"results": ["residal"]}, "residual"),
+    ({"weights.drag": [0.1], "speed": [1.0, 2.0]}, {}, "as many numbers"),
+    ({"weights.drag": []}, {}, "at least 1"),
+    ({}, {}, "at least 1"),
+]
+
+
+@pytest.mark.parametrize(("table", "options", "text"), WRONG)
+def test_wrong_tables_are_refused_with_what_is_allowed(scene, table, options, text):
+    with pytest.raises(UserError, match=text):
+        cosimulate_many(scene, table, **options)
+
+
+def test_memory_does_not_grow_with_runs(scene):
+    resource = pytest.importorskip("resource")
+    unit = 1 if sys.platform == "darwin" else 1024
+    cosimulate_many(scene, {"weights.drag": np.full(500, 0.0125)})
+    before = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+    cosimulate_many(scene, {"weights.drag": np.full(5000, 0.0125)})
+    grown = (resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - before) * unit
+    assert grown < 20e6

@@ -1,0 +1,111 @@
+"""Steps that the composite chooses by a tolerance: those of the harness's scheme."""
+
+from __future__ import annotations
+
+import math
+from itertools import pairwise
+
+import numpy as np
+import pytest
+from fmpy import platform_tuple
+
+from autobalancer.harness import Scene, load_scene
+from autobalancer.harness.errors import SimulationError
+from autobalancer.harness.master.cosimulation import CoSimulation
+from autobalancer.harness.master.one_file import build_one_file
+from autobalancer.harness.master.recorder import Recorder, recorded
+
+
+@pytest.fixture
+def instance(packaging, tmp_path):
+    """Makes a host of a scene's composite."""
+
+    def made(scene: Scene):
+        path = build_one_file(scene, tmp_path / "one.fmu", platforms=[platform_tuple])
+        return packaging.Host(path)
+
+    return made
+
+
+def loose(name: str, tolerance: float, revolutions: float) -> Scene:
+    changes = {"coupling.corrections": None, "coupling.scheme": "auto"}
+    changes |= {"coupling.tolerance": tolerance, "run.revolutions": revolutions}
+    return load_scene(name).replace(changes)
+
+
+@pytest.mark.parametrize(
+    ("name", "tolerance", "revolutions"),
+    [
+        ("two_balls", 1e-3, 20),
+        ("two_balls", 1e-6, 5),
+        ("liquid_heavy_force", 1e-5, 5),
+        ("two_plane_rodrigues", 1e-5, 4),
+        ("run_up", 1e-5, 20),
+    ],
+)
+def test_steps_and_motion_are_those_of_the_harness(instance, name, tolerance, revolutions):
+    """All but the last two steps, which the harness shortens to end with the run."""
+    scene = loose(name, tolerance, revolutions)
+    with CoSimulation(scene) as cosim:
+        recorder = Recorder(cosim.units, recorded(scene))
+        cosim.start()
+        list(cosim.rows(recorder))
+        times, expected = recorder.columns()
+    host = instance(scene).begin()
+    rows = [host.get(*expected)]
+    for begin, end in pairwise(times[:-2]):
+        host.time = begin
+        host.step(end - begin)
+        rows.append(host.get(*expected))
+    found = np.array(rows)
+    for k, signal in enumerate(expected):
+        error = np.abs(found[:, k] - expected[signal][:-2]).max()
+        assert error <= 2e-9 * np.ptp(expected[signal]), signal
+    assert abs(host.get("coupling.steps")[0] - (len(times) - 3)) <= 1
+
+
+@pytest.mark.parametrize("parts", [5, 20, 1000])
+@pytest.mark.parametrize("tolerance", [1e-3, 1e-5])
+def test_the_tool_may_ask_as_often_as_it_likes(instance, parts, tolerance):
+    """Within the tolerance of a run at a hundredth of it, at every point that is asked for."""
+    runs = []
+    for allowed in (tolerance, 1e-2 * tolerance):
+        host = instance(loose("two_balls", allowed, 1)).begin()
+        rows = []
+        for _ in range(3 * parts):
+            host.step(2.0 * math.pi / 3.0 / parts)
+            rows.append(host.get("rotor.x", "rotor.y", "weights.moment_xi", "weights.moment_eta"))
+        runs.append(np.array(rows))
+    assert np.abs(runs[0] - runs[1]).max() <= tolerance * np.abs(runs[1]).max()
+
+
+def test_the_file_takes_steps_or_a_tolerance_whatever_it_was_built_with(instance):
+    scene = loose("two_balls", 1e-4, 1)
+    host = instance(scene)
+    both = host.refused(lambda: host.begin({"coupling.steps_per_rev": 20.0}))
+    assert "one must be above 0, and the other 0" in both
+    host.slave.reset()
+    fixed = {"coupling.steps_per_rev": 20.0, "coupling.tolerance": 0.0}
+    host.begin(fixed).step(2.0 * math.pi / 3.0)
+    assert host.get("coupling.steps") == [20.0]
+
+
+def test_a_scheme_that_keeps_no_tolerance_says_so(instance):
+    host = instance(load_scene("goncharov_balls"))
+    values = {"coupling.steps_per_rev": 0.0, "coupling.tolerance": 1e-4}
+    assert "which keeps none" in host.refused(lambda: host.begin(values))
+
+
+def test_a_tolerance_that_contacts_forbid_is_refused_where_the_harness_refuses_it(instance):
+    """Weights that meet make the force jump: no step is short enough."""
+    scene = loose("contact_order", 1e-8, 40)
+    with CoSimulation(scene) as cosim:
+        cosim.start()
+        with pytest.raises(SimulationError, match="cannot be met"):
+            list(cosim.run())
+        end = cosim.time
+    host = instance(scene).begin()
+    step = 2.0 * math.pi / scene.profile().speed(0.0)
+    reason = host.refused(lambda: [host.step(step) for _ in range(40)])
+    assert "tolerance 1e-08 cannot be met: steps of" in reason
+    assert host.time <= end <= host.time + step
