@@ -87,6 +87,7 @@ class Adaptive:
                 step = remaining
             elif step > 0.5 * remaining:
                 step = 0.5 * remaining
+            failed = False
             with system.saved() as states:
                 try:
                     trial = self.iterated.attempt(system, states, time, step, MAX_PASSES)
@@ -94,7 +95,7 @@ class Adaptive:
                     system.restore(states)
                     if self.rung + 2 * RUNGS > LOWEST:
                         raise
-                    trial = None
+                    failed = True
                 else:
                     error = self._error(system, trial)
                     change = GROWTH
@@ -106,9 +107,9 @@ class Adaptive:
                         trial.accept(system)
                         return step, trial.residual
                     system.restore(states)
-            if trial is None or trial.residual > SLOWEST * self.iterated.tolerance:
+            if failed or trial.residual > SLOWEST * self.iterated.tolerance:
                 self.iterated.after_start(system, time, 0.5 * step)
-            if trial is None:
+            if failed:
                 self.rung += 2 * RUNGS
                 continue
             self.rejected += 1
