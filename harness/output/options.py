@@ -48,11 +48,15 @@ def _storable(path: Path) -> None:
     refuse_store(path)
 
 
+def _refuse_unknown_end(path: Path, tables: str = "") -> None:
+    if not is_store(path) and path.suffix.removeprefix(".").lower() not in PICTURES:
+        kinds = ", ".join(f".{kind}" for kind in PICTURES)
+        raise UserError(f"{path}: must end in {kinds}, {tables}or {STORE} for a store")
+
+
 def _drawable_or_store(paths: list[Path] | None) -> list[Path] | None:
     for path in paths or ():
-        if not is_store(path) and path.suffix.removeprefix(".").lower() not in PICTURES:
-            kinds = ", ".join(f".{kind}" for kind in PICTURES)
-            raise UserError(f"{path}: must end in {kinds}, or {STORE} for a store")
+        _refuse_unknown_end(path)
         _storable(path) if is_store(path) else _drawable(path)
     return paths
 
@@ -88,7 +92,11 @@ def table_or_store(of: str) -> Any:
 
 def _any_place(paths: list[Path] | None) -> list[Path] | None:
     for path in paths or ():
-        _writable(path) if path.suffix == TABLE else _drawable_or_store([path])
+        if path.suffix == TABLE:
+            _writable(path)
+        else:
+            _refuse_unknown_end(path, f"{TABLE} for a table, ")
+            _drawable_or_store([path])
     return paths
 
 
