@@ -20,6 +20,12 @@ def _writable(path: Path | None) -> Path | None:
     return path
 
 
+def _no_store(path: Path | None) -> Path | None:
+    if is_store(path):
+        raise UserError(f"{path}: this command writes no store: name the file otherwise")
+    return _writable(path)
+
+
 def _drawable(path: Path | None) -> Path | None:
     ready_to_write(path)
     if path is not None:
@@ -29,7 +35,7 @@ def _drawable(path: Path | None) -> Path | None:
 
 def output(kind: str, help: str, *names: str) -> Any:
     """A file to write, ending in `kind`, under these names of the option or the parameter's."""
-    return typer.Option(*names, metavar=f"FILE{kind}", help=help, callback=_writable)
+    return typer.Option(*names, metavar=f"FILE{kind}", help=help, callback=_no_store)
 
 
 def picture(help: str, *names: str) -> Any:
