@@ -29,12 +29,13 @@ def own_variables(sizes: CompositeSizes) -> list[Variable]:
             "1",
             "Relative error a step may make, which chooses the steps; 0: not used",
             minimum=0.0,
+            maximum=0.1,
         ),
         parameter(
             "coupling.steps_per_rev",
             0.0,
             "1",
-            "Steps in the fastest revolution; 0: not used",
+            "Steps in the fastest revolution: a whole number, at least 4; 0: not used",
             minimum=0.0,
         ),
         parameter(
