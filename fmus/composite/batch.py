@@ -25,8 +25,6 @@ class _Batch(Structure):
         ("references", _U),
         ("asked", c_size_t),
         ("outputs", _U),
-        ("drive", c_uint),
-        ("rise", c_double),
         ("points", c_size_t),
     )
 
@@ -48,7 +46,6 @@ class Runs:
         changed: parameters and inputs that every run has values of its own for.
         asked: outputs that are read.
         points: times at which they are read, besides the start, spread evenly over a run.
-        rise: time at which the acceleration ends [s].
 
     Raises:
         KeyError: there is no such variable.
@@ -61,7 +58,6 @@ class Runs:
         changed: Sequence[str],
         asked: Sequence[str],
         points: int,
-        rise: float = 0.0,
     ) -> None:
         self._library = _library(libraries([platform_tuple])[platform_tuple])
         self._token = composition.token(stamp()).encode()
@@ -74,8 +70,6 @@ class Runs:
             self._references.ctypes.data_as(_U),
             len(asked),
             self._outputs.ctypes.data_as(_U),
-            index["speed"],
-            rise,
             points,
         )
 

@@ -88,7 +88,9 @@ class Composition:
         for part in self.parts:
             start |= {f"{part.name}.{k}": v for k, v in part.start.items()}
         found = [
-            replace(v, start=float(start[v.name])) if v.name in start else v
+            replace(v, start=float(start[v.name]))
+            if v.name in start and v.causality != "output"
+            else v
             for v in variables([(p.name, p.unit) for p in self.parts], planes)
         ]
         models = ", ".join(f"{part.name} ({part.model})" for part in self.parts)

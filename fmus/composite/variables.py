@@ -52,6 +52,14 @@ def own_variables(sizes: CompositeSizes) -> list[Variable]:
             "Of the fastest revolution, where it is above the speed",
             minimum=0.0,
         ),
+        parameter(
+            "rise_time",
+            0.0,
+            "s",
+            "For which the rotor speeds up from `speed` by `acceleration`, both as they were at the"
+            " start; 0: they are inputs",
+            minimum=0.0,
+        ),
         plain_input("speed", 300.0, "rad/s", "Of the rotor, at the start of the step"),
         plain_input("acceleration", 0.0, "rad/s2", "Angular, of the rotor, over the step"),
         *(
@@ -64,6 +72,7 @@ def own_variables(sizes: CompositeSizes) -> list[Variable]:
             for i in range(1, sizes.planes + 1)
             for axis in "xy"
         ),
+        output("rotor.speed", "rad/s", "Of the rotor", observed=True),
         output("coupling.loop_gain", "1", "Of the loop force - acceleration", observed=True),
         output("coupling.steps", "1", "Taken by the coupling", observed=True),
         output("coupling.error", "1", "Of the motion, estimated", observed=True),

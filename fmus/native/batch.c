@@ -16,31 +16,6 @@ static void keep(void *host, const char *name, Status status, const char *messag
     }
 }
 
-/* Step to a time that the rise does not end before; the speed is told as it has become. */
-static Status step_risen(Unit *unit, const Batch *batch, double time)
-{
-    const unsigned drive[2] = {batch->drive, batch->drive + 1};
-    const double length = time - unit->time;
-    const double acceleration = unit->real[drive[1]];
-    double driven[2];
-    Status status;
-    driven[0] = unit->real[drive[0]] + length * acceleration;
-    driven[1] = time < batch->rise ? acceleration : 0.0;
-    status = unit_step(unit, unit->time, length);
-    return status || acceleration == 0.0 ? status : unit_set_reals(unit, drive, 2, driven);
-}
-
-static Status step_to(Unit *unit, const Batch *batch, double time)
-{
-    if (unit->time < batch->rise && batch->rise < time) {
-        const Status status = step_risen(unit, batch, batch->rise);
-        if (status) {
-            return status;
-        }
-    }
-    return step_risen(unit, batch, time);
-}
-
 /* The run of one set of values; how many of its points were reached. */
 static size_t run(Unit *unit, const Batch *batch, const double *values, double end, double *signals)
 {
@@ -52,7 +27,8 @@ static size_t run(Unit *unit, const Batch *batch, const double *values, double e
         return 0;
     }
     for (k = 0; k <= batch->points; k++, signals += batch->asked) {
-        if ((k && step_to(unit, batch, end * ((double)k / (double)batch->points))) ||
+        const double time = end * ((double)k / (double)batch->points);
+        if ((k && unit_step(unit, unit->time, time - unit->time)) ||
             unit_get_reals(unit, batch->outputs, batch->asked, signals)) {
             return k;
         }
@@ -73,6 +49,9 @@ size_t autobalancer_runs(const char *token, const Batch *batch, size_t runs, con
         double *found = signals + k * rows * batch->asked;
         size_t reached;
         reason = reasons + k * BATCH_REASON;
+        if (!unit && k) {
+            memcpy(reason, reasons, BATCH_REASON); /* the token was refused */
+        }
         reached = unit ? run(unit, batch, values + k * batch->changed, ends[k], found) : 0;
         for (i = reached * batch->asked; i < rows * batch->asked; i++) {
             found[i] = not_a_number();

@@ -17,8 +17,6 @@ typedef struct {
     const unsigned *references;  /* and which they are */
     size_t asked;                /* outputs that are read, */
     const unsigned *outputs;     /* and which they are */
-    unsigned drive;              /* value reference of `speed`; `acceleration` is the next */
-    double rise;                 /* time at which the acceleration ends [s] */
     size_t points;               /* times at which outputs are read, besides the start */
 } Batch;
 

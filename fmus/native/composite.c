@@ -150,9 +150,11 @@ static void take_inputs(Unit *unit)
 {
     Composite *c = unit->own;
     Course *course = c->course;
-    course->told = unit->time;
-    course->speed = unit->real[c->drive];
-    course->acceleration = unit->real[c->drive + 1];
+    if (!(unit->real[c->rise] > 0.0)) {
+        course->told = unit->time;
+        course->speed = unit->real[c->drive];
+        course->acceleration = unit->real[c->drive + 1];
+    }
     course->fastest = larger(course->fastest, absolute(course->speed));
     memcpy(c->outer_forces, unit->real + c->outer,
            2 * (size_t)c->parts->unit->layout.sizes.planes * sizeof(double));
@@ -211,7 +213,14 @@ static int start(Unit *unit)
     memset(c->forces, 0, (size_t)c->exchanges * sizeof(Signal));
     memset(c->accelerations, 0, (size_t)c->planes * sizeof(Signal));
     course->fastest = unit->real[c->top_speed];
-    course->begin = course->time = unit->time;
+    course->begin = course->time = course->told = unit->time;
+    course->speed = course->first_speed = unit->real[c->drive];
+    course->acceleration = course->first_acceleration = unit->real[c->drive + 1];
+    if (unit->real[c->rise] > 0.0) {
+        course->rises_until = unit->time + unit->real[c->rise];
+        course->fastest = larger(course->fastest, absolute(course->speed +
+                                 unit->real[c->rise] * course->acceleration));
+    }
     take_inputs(unit);
     if (!(course->fastest > 0.0)) {
         return refuse(unit, "coupling.top_speed: must be above 0 rad/s for a rotor that starts at rest");
@@ -242,25 +251,12 @@ static int outputs(Unit *unit)
 
 /* -- steps ----------------------------------------------------------------------------------- */
 
-/* Begin a step here where the host has changed an input. */
-static void meet_inputs(Unit *unit)
+/* Begin a step at a time where the units are, and where something has jumped. */
+static void begin_anew(Unit *unit, double time)
 {
     Composite *c = unit->own;
     Course *course = c->course;
-    const size_t outer = 2 * (size_t)c->parts->unit->layout.sizes.planes;
-    const double *drive = unit->real + c->drive;
-    const double led = course->speed + (unit->time - course->told) * course->acceleration;
-    const int same = drive[1] == course->acceleration &&
-                     absolute(drive[0] - led) <= SAME_SPEED * course->fastest &&
-                     !memcmp(c->outer_forces, unit->real + c->outer, outer * sizeof(double));
     int k;
-    if (same && drive[1] == 0.0) {
-        return;
-    }
-    take_inputs(unit);
-    if (same) {
-        return;
-    }
     if (course->within > 0.0) {
         composite_read_accelerations(c, c->ends);
         composite_read_forces(c, c->answers);
@@ -272,10 +268,35 @@ static void meet_inputs(Unit *unit)
         }
         course->within = 0.0;
     }
-    course->time = unit->time;
+    course->time = time;
     course->crossing = course->whole = 0.0;
     course->changed = 1.0;
     composite_drop_past(c);
+}
+
+/* Look at what the host has set; 1 with the reason where it may not. */
+static int meet_inputs(Unit *unit)
+{
+    const Composite *c = unit->own;
+    const Course *course = c->course;
+    const size_t outer = 2 * (size_t)c->parts->unit->layout.sizes.planes;
+    const double *drive = unit->real + c->drive;
+    const double led = course->speed + (unit->time - course->told) * course->acceleration;
+    const int rises = unit->real[c->rise] > 0.0;
+    const int same = rises || (drive[1] == course->acceleration &&
+                               absolute(drive[0] - led) <= SAME_SPEED * course->fastest);
+    const int jumps = !same || memcmp(c->outer_forces, unit->real + c->outer, outer * sizeof(double));
+    if (rises && (drive[0] != course->first_speed || drive[1] != course->first_acceleration)) {
+        return refuse(unit, "speed, acceleration: the rotor speeds up by itself, as rise_time is "
+                            "above 0 s");
+    }
+    if (jumps || (!rises && drive[1] != 0.0)) {
+        take_inputs(unit);
+    }
+    if (jumps) {
+        begin_anew(unit, unit->time);
+    }
+    return 0;
 }
 
 /* One step of given length; `jump`: over a jump of an input. */
@@ -348,17 +369,12 @@ static int refuse_length(Unit *unit, double own)
     return 1;
 }
 
-static int step(Unit *unit, double length)
+/* Step and move the units to a time. */
+static int reach(Unit *unit, double end)
 {
     const Course *course = ((Composite *)unit->own)->course;
-    const double end = unit->time + length;
-    double point;
-    meet_inputs(unit);
-    if (!(length < MOST_STEPS * startup_size(unit))) {
-        return refuse_length(unit, startup_size(unit));
-    }
     for (;;) {
-        point = POINT_OF_STEP * course->length + POINT_OF_TIME * absolute(end);
+        const double point = POINT_OF_STEP * course->length + POINT_OF_TIME * absolute(end);
         if (!(course->time < end - point)) {
             return show(unit, end, course->time <= end + point);
         }
@@ -373,6 +389,32 @@ static int step(Unit *unit, double length)
     }
 }
 
+static int step(Unit *unit, double length)
+{
+    Course *course = ((Composite *)unit->own)->course;
+    const double end = unit->time + length, top = course->rises_until;
+    if (meet_inputs(unit)) {
+        return 1;
+    }
+    if (!(length < MOST_STEPS * startup_size(unit))) {
+        return refuse_length(unit, startup_size(unit));
+    }
+    if (course->acceleration != 0.0 && unit->time < top && top <= end) {
+        if (reach(unit, top)) {
+            return 1;
+        }
+        course->speed += (top - course->told) * course->acceleration;
+        course->acceleration = 0.0;
+        course->told = top;
+        course->fastest = larger(course->fastest, absolute(course->speed));
+        begin_anew(unit, top);
+        if (top == end) {
+            return 0;
+        }
+    }
+    return reach(unit, end);
+}
+
 static void observe(Unit *unit)
 {
     Composite *c = unit->own;
@@ -385,9 +427,10 @@ static void observe(Unit *unit)
         memcpy(unit->real + c->parts[k].observed, part->real + first,
                (part->layout.real_count - first) * sizeof(double));
     }
-    results[0] = c->course->gain;
-    results[1] = c->course->steps;
-    results[2] = c->course->error;
+    results[0] = c->course->speed + (unit->time - c->course->told) * c->course->acceleration;
+    results[1] = c->course->gain;
+    results[2] = c->course->steps;
+    results[3] = c->course->error;
 }
 
 /* -- what a composite does not offer ---------------------------------------------------------- */

@@ -47,6 +47,7 @@ typedef struct {
     double within;             /* whether the units stand within it, and not at its end */
     double told, speed, acceleration; /* time of the drive [s], and what it was then */
     double fastest;            /* speed so far, and that of the parameter [rad/s] */
+    double first_speed, first_acceleration, rises_until; /* of a rotor that speeds up by itself */
     double changed;            /* whether an input has jumped since the last step */
     double crossing;           /* negligible steps still to be taken over it, */
     double negligible;         /* and their length [s] */
@@ -91,7 +92,7 @@ typedef struct {
     int *rotor_planes;     /* (planes,) which they are of the rotor's */
     Scheme scheme;
     int corrections; /* as given */
-    size_t tolerance, steps_per_rev, fewest, top_speed; /* value references of the coupling's parameters, */
+    size_t tolerance, steps_per_rev, fewest, top_speed, rise; /* value references of the coupling's parameters, */
     size_t drive, outer;                        /* of speed and forces from outside, */
     size_t results;                             /* and of the coupling's outputs */
     /* in the unit's memory */

@@ -276,6 +276,7 @@ static void lay_out(Unit *unit, const Layout *own, const double *starts)
     c->steps_per_rev = at + 1;
     c->fewest = at + 2;
     c->top_speed = at + 3;
+    c->rise = at + 4;
     at = take(unit, at, NULL, own, starts, 0, own->parameters.count);
     layout->parameters.count = layout->inputs.first = c->drive = at;
     c->outer = at + 2;

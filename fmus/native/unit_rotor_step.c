@@ -188,7 +188,7 @@ int rotor_propagate(Unit *unit, double step)
     Rotor *own = unit->own;
     const size_t n = (size_t)own->stations, p = (size_t)own->planes;
     const size_t forces = 4 * n, turn = forces + 2 * SIGNAL_ORDERS * p;
-    const double c = cosine(unit->memory[REST]), s = sine(unit->memory[REST]);
+    const Complex turned = rect(1.0, unit->memory[REST]);
     const double *matrix;
     if (rotor_drive(unit)[1] != 0.0) {
         return propagate_variable(unit, step);
@@ -200,10 +200,10 @@ int rotor_propagate(Unit *unit, double step)
     memcpy(own->operand, unit->memory + MOTION, forces * sizeof(double));
     memcpy(own->operand + forces, rotor_drive(unit) + 2, (turn - forces) * sizeof(double));
     if (own->turning) {
-        rotor_rotated(own->operand + forces, SIGNAL_ORDERS * p, c, s);
+        rotor_rotated(own->operand + forces, SIGNAL_ORDERS * p, turned.re, turned.im);
     }
-    own->operand[turn] = c;
-    own->operand[turn + 1] = s;
+    own->operand[turn] = turned.re;
+    own->operand[turn + 1] = turned.im;
     matrix_product(own->parts, own->rows, own->columns, 1, matrix, own->operand, own->result);
     return 0;
 }
@@ -214,12 +214,13 @@ void rotor_put(const Rotor *own, const double *planes, double angle, double spee
     size_t k;
     memcpy(out, planes, 2 * n * sizeof(double));
     if (own->turning) {
+        const Complex turned = rect(1.0, angle);
         /* (a e^{-i beta})' = (j - i w a) e^{-i beta} */
         for (k = 0; k < n; k += 2) {
             out[n + k] += speed * out[k + 1];
             out[n + k + 1] -= speed * out[k];
         }
-        rotor_rotated(out, n, cosine(angle), -sine(angle));
+        rotor_rotated(out, n, turned.re, -turned.im);
     }
 }
 

@@ -4,12 +4,17 @@ from __future__ import annotations
 
 import hashlib
 import io
+import lzma
 import os
+import struct
 import tempfile
 import zipfile
+import zlib
 from collections.abc import Mapping
 from pathlib import Path
 
+# what zipfile raises besides BadZipFile: unknown compression, encryption, a stream that breaks off
+_DAMAGE = (RuntimeError, EOFError, ValueError, zlib.error, lzma.LZMAError, struct.error)
 _EPOCH = (1980, 1, 1, 0, 0, 0)
 
 
@@ -41,8 +46,12 @@ def unzipped(path: Path | str) -> dict[str, bytes]:
         zipfile.BadZipFile: it is none, or damaged.
         OSError: it cannot be read.
     """
-    with zipfile.ZipFile(path) as archive:
-        return {name: archive.read(name) for name in archive.namelist() if name[-1] != "/"}
+    try:
+        with zipfile.ZipFile(path) as archive:
+            names = [name for name in archive.namelist() if not name.endswith("/")]
+            return {name: archive.read(name) for name in names}
+    except _DAMAGE as error:
+        raise zipfile.BadZipFile(str(error)) from error
 
 
 def source(path: Path) -> str:

@@ -20,7 +20,7 @@ def command(
         typer.Argument(metavar="[SCENE]", help="Build exactly the units that this scene needs."),
     ] = None,
     output: Annotated[
-        Path, typer.Option("--output", "-o", metavar="DIR", help="Where the FMUs go.")
+        Path, typer.Option("--output", "-o", metavar="DIR", help="Where the files go.")
     ] = Path(),
     fmi: Annotated[int, typer.Option("--fmi", metavar="2|3", help="Version of FMI.")] = 2,
     arrays: Annotated[
@@ -42,10 +42,22 @@ def command(
         bool,
         typer.Option("--one-file", help="The scene's units and their coupling as a single FMU."),
     ] = False,
+    ssp: Annotated[
+        bool,
+        typer.Option("--ssp", help="The scene as a system structure package, ready to run."),
+    ] = False,
 ) -> None:
     """Build the three units as FMUs, or exactly those that a scene needs."""
     backend = "python" if python else "native"
     form = {"backend": backend, "fmi": fmi, "arrays": arrays, "platforms": platform}
+    if ssp:
+        if scene is None or arrays or fmi != 2 or (one_file and python):
+            raise UserError(
+                "--ssp: give a scene, and neither --arrays nor --fmi 3, which SSP 1.0 does not "
+                "have, nor --python with --one-file"
+            )
+        _build_ssp(scene, output, one_file, backend, platform)
+        return
     directory_to_fill(output)
     if one_file:
         if scene is None or python or arrays:
@@ -87,6 +99,23 @@ def _build_one_file(name: str, output: Path, fmi: int, platforms: list[str] | No
     parts = ", ".join(["rotor", *(balancer.label for balancer in scene.balancer)])
     row = [str(path), parts, scene.coupling.scheme, f"{path.stat().st_size / 1000:.0f}"]
     show(Sheet(("file", "units", "coupling", "kB"), [row], "lllr", "Scene built"))
+
+
+def _build_ssp(
+    name: str, output: Path, one_file: bool, backend: str, platforms: list[str] | None
+) -> None:
+    from ..scene import load_scene
+    from .ssp.build import build_ssp
+
+    scene = load_scene(name)
+    path = output
+    if output.suffix != ".ssp":
+        path = directory_to_fill(output) / f"{scene.name}.ssp"
+    form: dict[str, Any] = {"one_file": one_file, "backend": backend, "platforms": platforms}
+    _written(path, lambda to: build_ssp(scene, to, **form))
+    units = "coupled inside" if one_file else "connected, with slopes"
+    row = [str(path), units, f"{path.stat().st_size / 1000:.0f}"]
+    show(Sheet(("file", "units", "kB"), [row], "llr", "System structure package built"))
 
 
 def _build(unit: str, path: Path, options: dict[str, Any]) -> Path:

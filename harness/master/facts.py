@@ -13,6 +13,8 @@ from .resolution import SAID
 from .result import Result
 from .schemes.iterated import LOOSE
 
+FEW = 10  # given steps a revolution from which the estimate of what they miss can be trusted
+
 
 @dataclass(frozen=True)
 class Facts:
@@ -65,6 +67,11 @@ def result(recorder: Recorder, facts: Facts, seconds: float) -> Result:
     )
 
 
+def exchanging(scene: Scene) -> bool:
+    """Whether a balancer of the scene sends a force that has to be guessed over a step."""
+    return any(balancer.exchanges_force for balancer in scene.balancer)
+
+
 def events(facts: Facts) -> list[str]:
     """What a user must know about the run: validity and convergence."""
     notes = [*filter(None, [facts.note]), *facts.messages]
@@ -82,6 +89,11 @@ def events(facts: Facts) -> list[str]:
         notes.append(
             f"{facts.unresolved} of {facts.steps} steps were too long for signals that "
             "vary faster: use more steps_per_rev, or a tolerance"
+        )
+    elif (facts.scene.coupling.steps_per_rev or FEW) < FEW and exchanging(facts.scene):
+        notes.append(
+            f"{facts.scene.coupling.steps_per_rev} steps a revolution are few, and errors that "
+            "gather over many revolutions are not estimated: verify measures them"
         )
     return notes
 

@@ -78,8 +78,7 @@ def cosimulate_many(
             ends = math.tau * scene.run.revolutions / np.abs(columns["speed"])
     turns = max(2, round(scene.run.revolutions))
     points = turns * (scene.coupling.steps_per_rev or POINTS_PER_REV)
-    rise = profile.seconds if profile.start != profile.end else 0.0
-    runs = Runs(made, list(columns), asked, points, rise)
+    runs = Runs(made, list(columns), asked, points)
 
     def chunk(first: int) -> dict[str, NDArray]:
         part = slice(first, first + CHUNK)

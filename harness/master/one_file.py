@@ -30,7 +30,7 @@ def composition(scene: Scene) -> Composition:
         "coupling.tolerance": coupling.tolerance or 0.0,
         "coupling.steps_per_rev": float(coupling.steps_per_rev or 0),
         "coupling.fewest_steps_per_rev": float(coupling.fewest_steps_per_rev or FEWEST_CHOSEN),
-        "coupling.top_speed": profile.end if profile.start < profile.end else 0.0,
+        "rise_time": profile.seconds if profile.start != profile.end else 0.0,
         "speed": profile.speed(0.0),
         "acceleration": profile.acceleration(0.0),
     }

@@ -23,6 +23,7 @@ from numpy.typing import NDArray
 from ..errors import SimulationError, UserError
 from ..scene import Scene
 from .cosimulation import REPORTED, SLIVER, CoSimulation, run_once
+from .facts import exchanging
 from .names import kin
 from .parting import Parting, Statistics, parted
 from .recorder import Recorder
@@ -142,8 +143,7 @@ def _repeated(
 def controlled(scene: Scene, tolerance: float) -> Scene:
     """The scene with the second run's tolerance; itself where steps stay given."""
     touching = any(balancer.can_touch for balancer in scene.balancer)
-    exchanging = any(balancer.exchanges_force for balancer in scene.balancer)
-    if not exchanging or (touching and scene.coupling.tolerance is None):
+    if not exchanging(scene) or (touching and scene.coupling.tolerance is None):
         return scene
     tighter = {"tolerance": tolerance, "scheme": "auto", "order": 3}
     tighter |= {"steps_per_rev": None, "corrections": None}

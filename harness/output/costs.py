@@ -12,6 +12,7 @@ from .interrupts import raised_after
 
 DEFAULT = "1h"
 MEASURED = 2.0  # s of work from which the rest is told: enough for three digits of its rate
+DOUBT = 10.0  # times the limit that a first estimate may be wrong: workers begin, machines are busy
 LATEST = 0.1  # of the limit: later too much is done to be dropped
 _SECONDS = {"s": 1.0, "m": 60.0, "h": 3600.0, "d": 86400.0, "": 1.0}
 _TIME = re.compile(r"(?P<number>\d+(?:\.\d*)?|\.\d+)\s*(?P<unit>[smhd]?)")
@@ -89,7 +90,7 @@ def within(
         elapsed, part = now - first[0], done - first[1]
         if measured <= elapsed <= max(LATEST * limit, 5.0 * measured):
             total = elapsed / part if part > 0.0 else float("inf")
-            if total > limit:
+            if total > limit * (1.0 + DOUBT * measured / elapsed):
                 raise UserError(
                     f"{key}: would take about {in_words(total)}, more than --at-most {at_most}; "
                     f"in {in_words(elapsed)} {part:.2g} of it was done"

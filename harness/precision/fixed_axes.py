@@ -20,8 +20,9 @@ from ..master.fmu import Fmu, Variables
 from ..master.plan import ROTOR, Plan, Port, find_or_build, plan
 from ..master.recorder import Recorder
 from ..master.schedule import milestones, schedule
+from ..master.start import shown_at_start
 from ..scene import Scene
-from .runner import Run, shown_at_start
+from .runner import Run
 
 
 @dataclass

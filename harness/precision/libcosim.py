@@ -19,10 +19,11 @@ import numpy as np
 from ..errors import SimulationError
 from ..master.cosimulation import CoSimulation
 from ..master.names import by_unit
-from ..master.plan import ROTOR, Port
+from ..master.plan import Port
 from ..master.schedule import end_time, step_size
+from ..master.start import start_inputs
 from ..scene import Scene
-from .runner import Run, shown_at_start
+from .runner import Run
 
 NANOSECOND = 1e-9  # s: libcosim counts time in whole ones
 _TIMEOUT = 600  # s
@@ -84,7 +85,7 @@ class LibcosimRunner:
 
     def _structure(self) -> str:
         """The system as libcosim reads it, with consistent start values."""
-        held = self._start_inputs()
+        held = start_inputs(self._cosim)
         simulators = "".join(
             _simulator(one.name, path.resolve(), {**one.start, **held.get(one.name, {})})
             for one, path in zip(self._cosim.plan.units, self._cosim.paths, strict=True)
@@ -101,15 +102,6 @@ class LibcosimRunner:
             functions="".join(functions),
             connections="".join(connections),
         )
-
-    def _start_inputs(self) -> dict[str, dict[str, float]]:
-        """Masses, forces and accelerations that the units' inputs have at the start."""
-        plan, shown = self._cosim.plan, shown_at_start(self._cosim.plan, self._cosim)
-        held: dict[str, dict[str, float]] = {ROTOR: dict(self._cosim.system.masses)}
-        for target, sources in plan.inputs("signal").items():
-            value = sum(shown[source] for source in sources)
-            held.setdefault(target.unit, {})[target.variable] = value
-        return held
 
     def run(self) -> Run:
         with TemporaryDirectory(prefix="autobalancer-") as directory:

@@ -8,9 +8,6 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from ..master.cosimulation import CoSimulation
-from ..master.plan import Plan, Port
-
 Array = NDArray[np.float64]
 
 
@@ -23,17 +20,6 @@ class Run:
     signals: dict[str, Array]
     work: int
     note: str = ""
-
-
-def shown_at_start(plan: Plan, cosim: CoSimulation, turn: complex = 1.0) -> dict[Port, float]:
-    """Forces and accelerations of a consistent start, times `turn`, at a plan's single outputs."""
-    return {
-        single: part
-        for port, value in cosim.system.present().items()
-        for single, part in zip(
-            plan.variables(port, "signal"), ((value * turn).real, (value * turn).imag), strict=True
-        )
-    }
 
 
 class Runner(Protocol):

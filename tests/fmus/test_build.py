@@ -284,3 +284,14 @@ def test_content_id_refuses_what_is_not_an_fmu(tmp_path):
         archive.writestr("modelDescription.xml", "<a/>")
     with pytest.raises(ValueError, match="not an FMU"):
         content_id(junk)
+
+
+def test_an_archive_of_unknown_compression_is_not_an_fmu(tmp_path):
+    path = build("LiquidBalancer", tmp_path)
+    data = bytearray(path.read_bytes())
+    entry = data.rindex(b"PK\x01\x02")  # in the directory at the archive's end
+    local = int.from_bytes(data[entry + 42 : entry + 46], "little")
+    data[local + 8] = data[entry + 10] = 99
+    path.write_bytes(bytes(data))
+    with pytest.raises(ValueError, match="not an FMU"):
+        content_id(path)

@@ -18,16 +18,17 @@ RISE, STAY = 300, 200  # steps
 def hosted(packaging, tmp_path):
     """Begins the composite of a scene in a host."""
 
-    def begun(scene: Scene):
+    def begun(scene: Scene, values: dict[str, float] | None = None):
         path = build_one_file(scene, tmp_path / "one.fmu", platforms=[platform_tuple])
-        return packaging.Host(path).begin()
+        return packaging.Host(path).begin(values)
 
     return begun
 
 
+@pytest.mark.parametrize("told", [True, False])
 @pytest.mark.parametrize("scheme", ["iterated", "compensated"])
-def test_a_drive_that_jumps_moves_as_the_harness_moves_it(hosted, scheme):
-    """The acceleration jumps to 0 at the end of a rise of the speed."""
+def test_a_drive_that_jumps_moves_as_the_harness_moves_it(hosted, scheme, told):
+    """The acceleration jumps to 0 at the end of a rise of the speed, by the tool or by itself."""
     top, steps = 300.0, 40
     step = 2.0 * math.pi / (top * steps)
     rise = RISE * step
@@ -44,15 +45,17 @@ def test_a_drive_that_jumps_moves_as_the_harness_moves_it(hosted, scheme):
     )
     expected, profile = cosimulate(scene), scene.profile()
     assert expected.steps == pytest.approx(RISE + STAY, abs=20)
-    host = hosted(scene)
+    host = hosted(scene, {"rise_time": 0.0, "coupling.top_speed": top} if told else {})
     names = list(expected.signals)
     rows = [host.get(*names)]
     for begin, end in zip(expected.time[:-1], expected.time[1:], strict=True):
-        host.set({"speed": profile.speed(begin), "acceleration": profile.acceleration(begin)})
+        if told:
+            host.set({"speed": profile.speed(begin), "acceleration": profile.acceleration(begin)})
         host.time = begin
         host.step(end - begin)
         rows.append(host.get(*names))
     assert host.get("coupling.steps") == [expected.steps]
+    assert host.get("rotor.speed") == [pytest.approx(top, rel=1e-12)]
     for k, signal in enumerate(names):
         error = np.abs(np.array(rows)[:, k] - expected[signal]).max()
         assert error <= 1e-10 * np.ptp(expected[signal]), signal
@@ -118,3 +121,15 @@ def test_a_force_that_changes_in_every_step_of_the_tool_is_held_between(hosted):
                 host.step(2.0 * math.pi / 250.0 / 31 / again)
         runs.append(host.get("rotor.x", "rotor.vx"))
     assert runs[0] == pytest.approx(runs[1], rel=1e-9)
+
+
+def test_a_rotor_that_speeds_up_by_itself_takes_no_speed(hosted):
+    host = hosted(load_scene("run_up"))
+    host.step(1.0)
+    assert host.get("rotor.speed") == [pytest.approx(75.0, rel=1e-12)]
+    host.set({"speed": 30.0})
+    assert "rise_time is above 0 s" in host.refused(lambda: host.step(0.1))
+    host.set({"speed": 0.0})
+    host.step(2.0)  # over the end of the rise
+    assert host.get("rotor.speed") == [pytest.approx(150.0, rel=1e-12)]
+    assert host.get("rotor.angle") == [pytest.approx(150.0 + 150.0, rel=1e-9)]

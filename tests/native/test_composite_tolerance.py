@@ -51,12 +51,9 @@ def test_steps_and_motion_are_those_of_the_harness(instance, name, tolerance, re
         cosim.start()
         list(cosim.rows(recorder))
         times, expected = recorder.columns()
-    host, profile = instance(scene).begin(), scene.profile()
+    host = instance(scene).begin()
     rows = [host.get(*expected)]
     for begin, end in pairwise(times[:-2]):
-        if profile.start != profile.end:
-            drive = {"speed": profile.speed(begin), "acceleration": profile.acceleration(begin)}
-            host.set(drive)
         host.time = begin
         host.step(end - begin)
         rows.append(host.get(*expected))

@@ -21,6 +21,8 @@ import pytest
 from autobalancer.fmus.catalogue import sized_unit
 from autobalancer.fmus.native.compile import SOURCES, libraries, stamp
 from autobalancer.fmus.native.layout import token
+from autobalancer.harness import load_scene
+from autobalancer.harness.master.one_file import composition
 
 pytest.importorskip("ziglang", reason="no compiler: ziglang is not installed")
 
@@ -298,7 +300,37 @@ RUNS = {
 @pytest.mark.parametrize("run", RUNS)
 @pytest.mark.parametrize("machine", [name for name in MACHINES if name != "glibc"])
 def test_a_coupled_run_has_the_bits_it_has_on_glibc(machine, run, acceleration, outcome):
-    orders = RUNS[run](acceleration)
+    compared(machine, RUNS[run](acceleration), outcome)
+
+
+@pytest.mark.parametrize("changes", [{}, {"tolerance": 1e-6}], ids=["fixed steps", "tolerance"])
+@pytest.mark.parametrize("scene", ["two_balls", "goncharov_balls", "three_mass_shaft", "run_up"])
+@pytest.mark.parametrize("machine", [name for name in MACHINES if name != "glibc"])
+def test_a_composite_has_the_bits_it_has_on_glibc(machine, scene, changes, outcome):
+    """Coupled inside, and read between the ends of its steps."""
+    compared(machine, composite(scene, changes), outcome)
+
+
+def composite(scene: str, changes: dict[str, float]) -> list[str]:
+    """A scene's composite, some seven times a revolution."""
+    loaded = load_scene(scene)
+    scheme = "auto" if changes else loaded.coupling.scheme
+    steps = {} if changes else {"coupling.steps_per_rev": 12}
+    keys = {"coupling.scheme": scheme, "coupling.corrections": None, **steps}
+    loaded = loaded.replace({**keys, **{f"coupling.{k}": v for k, v in changes.items()}})
+    made = composition(loaded)
+    orders = Orders()
+    orders.layouts.append(made.described("Composite").layout)
+    orders.lines += [f"new 0 {made.token(stamp())}", "init 0"]
+    length = 2.0 * math.pi / (7.3 * max(loaded.profile().start, loaded.profile().end))
+    for k in range(STEPS):
+        orders.lines.append(f"to 0 {_bits(k * length)} {_bits(length)}")
+        orders.show(0)
+    return [*orders.lines, "free 0"]
+
+
+def compared(machine: str, orders: list[str], outcome) -> None:
+    """What a machine makes of orders, against glibc."""
     expected = outcome("glibc", orders)
     values = [
         struct.unpack(">d", bytes.fromhex(word))[0] for line in expected for word in line.split()

@@ -227,3 +227,11 @@ def test_run_prints_errors_and_writes_them(tmp_path):
     for name, signal in document["signals"].items():
         assert signal["error"] == expected.error[name]
     assert document["verification"]["parting"] is None
+
+
+@pytest.mark.parametrize(("steps", "told"), [(8, True), (10, False)])
+def test_few_given_steps_are_told_of_where_nothing_estimates_what_gathers(steps, told):
+    """On this shaft 8 err by 2 % of the range of a ball that hardly moves, which no step shows."""
+    changes = {"coupling.steps_per_rev": steps, "run.revolutions": 2}
+    result = cosimulate(load_scene("grinder").replace(changes))
+    assert any("steps a revolution are few" in event for event in result.events) is told

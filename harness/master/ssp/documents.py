@@ -1,0 +1,146 @@
+"""The XML of a system structure package: SystemStructure.ssd and the parameter set (SSP 1.0)."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from xml.etree.ElementTree import Element as Xml
+from xml.etree.ElementTree import SubElement
+
+from ....fmus.variables import Variable
+from ....fmus.xml.description import flag, text_of
+from ....fmus.xml.types import SI_UNITS
+from .diagram import ROW, Box, placed
+from .structure import Element, Structure
+
+_SSP = "http://ssp-standard.org/SSP1/SystemStructure"
+_SPACES = {
+    "ssd": f"{_SSP}Description",
+    "ssc": f"{_SSP}Common",
+    "ssv": f"{_SSP}ParameterValues",
+    "oms": "https://raw.githubusercontent.com/OpenModelica/OMSimulator/master/schema/oms.xsd",
+}
+PARAMETERS = "resources/parameters.ssv"
+SET_NAME = "start"  # some tools choose parameter sets by name
+
+
+def resource(element: Element) -> str:
+    """Where the FMU of an element is in the package."""
+    return f"resources/{element.name}.fmu"
+
+
+def parameter_file(structure: Structure) -> bytes:
+    """Parameters and start values of all elements under `element.variable`, for PARAMETERS."""
+    root = _parameter_set([(f"{e.name}.", e) for e in structure.elements])
+    root.attrib.update(_spaces("ssv", "ssc"))
+    _units(SubElement(root, "ssv:Units"), structure)
+    return text_of(root)
+
+
+def description(structure: Structure) -> bytes:
+    """SystemStructure.ssd."""
+    root = Xml(
+        "ssd:SystemStructureDescription",
+        {**_spaces(*_SPACES), "version": "1.0", "name": structure.name},
+    )
+    system = SubElement(root, "ssd:System", {"name": "system", "description": structure.title})
+    boxes = placed(structure)
+    _inputs_of_system(system, structure)
+    bindings = SubElement(system, "ssd:ParameterBindings")
+    SubElement(bindings, "ssd:ParameterBinding", {"source": PARAMETERS})
+    elements = SubElement(system, "ssd:Elements")
+    for element in structure.elements:
+        _component(elements, structure, element, boxes[element.name])
+    if structure.wires:
+        connections = SubElement(system, "ssd:Connections")
+    for source, target in structure.wires:
+        start = {"startElement": source.unit} if source.unit else {}
+        end = {"endElement": target.unit, "endConnector": target.variable}
+        ends = {**start, "startConnector": source.variable, **end}
+        SubElement(connections, "ssd:Connection", ends)
+    right = max(x2 for _, x2 in (box.across for box in boxes.values()))
+    low = min(box.bottom for box in boxes.values())
+    SubElement(system, "ssd:SystemGeometry", _corners((-4 * ROW, right + 4 * ROW), low - ROW, ROW))
+    _step_for_omsimulator(system, structure.step)
+    _units(SubElement(root, "ssd:Units"), structure)
+    run = {"startTime": "0", "stopTime": repr(structure.end)}
+    SubElement(root, "ssd:DefaultExperiment", run)
+    return text_of(root)
+
+
+def _spaces(*names: str) -> dict[str, str]:
+    return {f"xmlns:{name}": _SPACES[name] for name in names}
+
+
+def _corners(across: tuple[float, float], bottom: float, top: float) -> dict[str, str]:
+    numbers = (across[0], bottom, across[1], top)
+    return {k: repr(float(v)) for k, v in zip(("x1", "y1", "x2", "y2"), numbers, strict=True)}
+
+
+def _units(parent: Xml, structure: Structure) -> None:
+    used = {v.unit for e in structure.elements for v in e.layout.reals}
+    for name in sorted(used):
+        unit = SubElement(parent, "ssc:Unit", {"name": name})
+        SubElement(unit, "ssc:BaseUnit", {k: str(v) for k, v in SI_UNITS[name].items()})
+
+
+def _inputs_of_system(system: Xml, structure: Structure) -> None:
+    """Inputs from outside, each once, at the left edge."""
+    variables = structure.elements[0].layout
+    names = dict.fromkeys(w.source.variable for w in structure.wires if not w.source.unit)
+    connectors = SubElement(system, "ssd:Connectors") if names else system
+    for row, name in enumerate(names, start=1):
+        variable = variables.reals[variables.index[name]]
+        _connector(connectors, variable, "input", (0.0, 1.0 - row / (len(names) + 1)))
+
+
+def _component(parent: Xml, structure: Structure, element: Element, box: Box) -> None:
+    about = {"name": element.name, "source": resource(element), "implementation": "CoSimulation"}
+    component = SubElement(parent, "ssd:Component", about)
+    connectors = SubElement(component, "ssd:Connectors")
+    for variable in element.layout.variables:
+        name, kind = variable.name, variable.causality
+        if name in box.places or (kind == "parameter" and name in element.start):
+            _connector(connectors, variable, kind, box.places.get(name))
+    SubElement(component, "ssd:ElementGeometry", _corners(box.across, box.bottom, box.top))
+    bindings = SubElement(component, "ssd:ParameterBindings")
+    values = SubElement(SubElement(bindings, "ssd:ParameterBinding"), "ssd:ParameterValues")
+    values.append(_parameter_set([("", element)]))
+
+
+def _connector(
+    parent: Xml, variable: Variable, kind: str, place: tuple[float, float] | None
+) -> None:
+    connector = SubElement(parent, "ssd:Connector", {"name": variable.name, "kind": kind})
+    if variable.boolean:
+        SubElement(connector, "ssc:Boolean")
+    else:
+        SubElement(connector, "ssc:Real", {"unit": variable.unit})
+    if place is not None:
+        SubElement(connector, "ssd:ConnectorGeometry", {"x": repr(place[0]), "y": repr(place[1])})
+
+
+def _parameter_set(elements: Iterable[tuple[str, Element]]) -> Xml:
+    """Start values of elements, each with a prefix."""
+    root = Xml("ssv:ParameterSet", {"version": "1.0", "name": SET_NAME})
+    parameters = SubElement(root, "ssv:Parameters")
+    for prefix, element in elements:
+        units: Mapping[str, str] = {v.name: v.unit for v in element.layout.variables}
+        for name, value in element.start.items():
+            if value is False:  # the units' own start; FMPy 0.3 takes a written false for true
+                continue
+            parameter = SubElement(parameters, "ssv:Parameter", {"name": prefix + name})
+            if value is True:
+                SubElement(parameter, "ssv:Boolean", {"value": flag(value)})
+            else:
+                about = {"value": repr(float(value)), "unit": units[name]}
+                SubElement(parameter, "ssv:Real", about)
+    return root
+
+
+def _step_for_omsimulator(system: Xml, step: float) -> None:
+    """OMSimulator takes its communication step from here, and runs no system without it."""
+    annotations = SubElement(system, "ssd:Annotations")
+    annotation = SubElement(annotations, "ssc:Annotation", {"type": "org.openmodelica"})
+    own = SubElement(SubElement(annotation, "oms:Annotations"), "oms:SimulationInformation")
+    about = {"description": "oms-ma", "stepSize": repr(step), "relativeTolerance": "0.0001"}
+    SubElement(own, "oms:FixedStepMaster", about)

@@ -1,0 +1,123 @@
+"""What a system structure package says of a scene: elements, wires, start values; no XML yet."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import NamedTuple
+
+from ....fmus.catalogue import sized_unit
+from ....fmus.variables import Layout, derivative
+from ...errors import SceneError
+from ...scene import Scene
+from ..cosimulation import CoSimulation
+from ..names import by_unit
+from ..one_file import composition
+from ..plan import Plan, Port, plan
+from ..recorder import recorded
+from ..schedule import end_time, step_size
+from ..start import start_inputs
+
+DRIVE = ("speed", "acceleration")
+
+
+class Wire(NamedTuple):
+    """An output connected to an input; without a source unit to an input of the whole system."""
+
+    source: Port
+    target: Port
+
+
+@dataclass(frozen=True)
+class Element:
+    """One FMU instance.
+
+    Attributes:
+        layout: its variables.
+        start: values of parameters, and of inputs at the start.
+        shown: outputs that nothing may be connected to, for the diagram and records.
+    """
+
+    name: str
+    layout: Layout
+    start: Mapping[str, float | bool]
+    shown: tuple[str, ...]
+
+
+@dataclass(frozen=True)
+class Structure:
+    """The system: the rotor first; `step` between communication points and `end` of the run [s]."""
+
+    name: str
+    title: str
+    elements: tuple[Element, ...]
+    wires: tuple[Wire, ...]
+    step: float
+    end: float
+
+
+def separate(scene: Scene, slopes: bool = True) -> Structure:
+    """The units of a scene and their connections, with slopes or the values alone.
+
+    Raises:
+        SceneError: an input takes the sum of several forces, which a connection cannot express.
+    """
+    planned, shown = plan(scene), by_unit(recorded(scene))
+    with CoSimulation(scene) as cosim:
+        cosim.start()
+        held = start_inputs(cosim)
+    wires = _wires(scene, planned, slopes)
+    elements = [
+        Element(
+            unit.name,
+            sized_unit(unit.model, **unit.sizes).layout,
+            {**unit.start, **held.get(unit.name, {})},
+            tuple(shown.get(unit.name, ())),
+        )
+        for unit in planned.units
+    ]
+    driven = [unit.name for unit in planned.units if unit.driven]
+    return _structure(scene, elements, [*wires, *_drive(scene, driven)])
+
+
+def coupled(scene: Scene) -> Structure:
+    """The composite FMU of a scene as the only element.
+
+    Raises:
+        SceneError: as `composition`.
+    """
+    made = composition(scene)
+    layout = made.described("Composite").layout
+    given = {f"{part.name}.{k}": v for part in made.parts for k, v in part.start.items()}
+    start = {k: v for k, v in {**given, **made.start}.items() if k in layout.index}
+    element = Element(scene.name, layout, start, tuple(recorded(scene)))
+    return _structure(scene, [element], _drive(scene, [element.name]))
+
+
+def _structure(scene: Scene, elements: list[Element], wires: list[Wire]) -> Structure:
+    step, end = step_size(scene), end_time(scene)
+    return Structure(scene.name, scene.title, tuple(elements), tuple(wires), step, end)
+
+
+def _wires(scene: Scene, planned: Plan, slopes: bool) -> list[Wire]:
+    """The plan's connections; a sum of added masses is a start value of the rotor instead."""
+    found = []
+    for target, sources in planned.inputs("signal").items():
+        if len(sources) > 1:
+            units = ", ".join(source.unit for source in sources)
+            raise SceneError(
+                f"{scene.name}: SSP: forces of {units} on one plane add up, and a connection has "
+                "one source: --one-file --ssp takes them"
+            )
+        for order in (0, 1) if slopes else (0,):
+            ends = [Port(p.unit, derivative(p.variable, order)) for p in (sources[0], target)]
+            found.append(Wire(*ends))
+    plain = planned.inputs("value", "mass").items()
+    return found + [Wire(sources[0], target) for target, sources in plain if len(sources) == 1]
+
+
+def _drive(scene: Scene, driven: list[str]) -> list[Wire]:
+    """Speed and acceleration from outside where they change; a constant speed is a start value."""
+    if not scene.profile().acceleration(0.0):
+        return []
+    return [Wire(Port("", name), Port(unit, name)) for name in DRIVE for unit in driven]
