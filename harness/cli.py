@@ -10,6 +10,7 @@ from __future__ import annotations
 import errno
 import os
 import signal
+import subprocess
 import sys
 from contextlib import suppress
 from typing import Any
@@ -51,6 +52,10 @@ class Commands(TyperGroup):
             raise typer.Exit(1) from error
         except MemoryError as error:
             say("not enough memory for this", error=True)
+            raise typer.Exit(1) from error
+        except subprocess.CalledProcessError as error:  # a compiler on a full disk, for example
+            command = " ".join(map(str, error.cmd[:4]))
+            say(f"{command} ...: ended with {error.returncode}: {error.stderr or ''}", error=True)
             raise typer.Exit(1) from error
         except OSError as error:
             if error.errno == errno.EPIPE:  # nobody reads on: typer ends without a word

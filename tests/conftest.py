@@ -24,7 +24,7 @@ SLOW = (  # folders and files that take most of the time: `-m "not slow"` leaves
     "models/test_contact", "models/test_finite_elements", "models/test_monolith",
     "models/test_papers_tables", "models/test_stability", "native/test_native_build",
     "native/test_native_core_bits", "native/test_native_units_host",
-    "native/test_native_units_scenes", "test_readme",
+    "native/test_native_units_scenes", "test_readme", "tools/",
 )  # fmt: skip
 
 

@@ -7,7 +7,8 @@ from typing import Any, TypeGuard
 
 import typer
 
-from .files import picture_format
+from ..errors import UserError
+from .files import PICTURES, picture_format
 from .terminal import ready_to_write
 
 STORE, TABLE = ".zarr", ".csv"
@@ -49,6 +50,9 @@ def _storable(path: Path) -> None:
 
 def _drawable_or_store(paths: list[Path] | None) -> list[Path] | None:
     for path in paths or ():
+        if not is_store(path) and path.suffix.removeprefix(".").lower() not in PICTURES:
+            kinds = ", ".join(f".{kind}" for kind in PICTURES)
+            raise UserError(f"{path}: must end in {kinds}, or {STORE} for a store")
         _storable(path) if is_store(path) else _drawable(path)
     return paths
 

@@ -1,0 +1,131 @@
+"""One run in a tool that nobody here wrote, in a process of its own: its libraries meet no other's.
+
+    python drivers.py TOOL FILE STEP COUNT SIGNAL...
+
+prints `RUN` and, in JSON, seconds and a row of the signals at the end of every step.
+"""
+
+from __future__ import annotations
+
+import csv
+import ctypes
+import json
+import subprocess
+import sys
+import tempfile
+import time as clock
+from collections.abc import Callable, Sequence
+from pathlib import Path
+
+Answer = tuple[float, list[list[float]]]
+PARAMETERS = "resources/parameters.ssv"
+
+
+def fmpy_ssp(path: str, step: float, count: int, signals: Sequence[str]) -> Answer:
+    from fmpy.ssp.simulation import simulate_ssp
+    from fmpy.ssp.ssd import read_ssv
+
+    parameters = read_ssv(path, PARAMETERS)
+    begun = clock.perf_counter()
+    found = simulate_ssp(path, 0.0, (count - 0.5) * step, step, parameters)
+    return clock.perf_counter() - begun, [[float(row[name]) for name in signals] for row in found]
+
+
+def fmpy_fmu(path: str, step: float, count: int, signals: Sequence[str]) -> Answer:
+    from fmpy import simulate_fmu
+
+    begun = clock.perf_counter()
+    found = simulate_fmu(
+        path, stop_time=count * step, step_size=step, output_interval=step, output=list(signals)
+    )
+    rows = [[float(row[name]) for name in signals] for row in found]
+    return clock.perf_counter() - begun, rows[1:]
+
+
+def libcosim(path: str, step: float, count: int, signals: Sequence[str]) -> Answer:
+    from libcosimpy import _internal
+    from libcosimpy.CosimExecution import CosimExecution
+    from libcosimpy.CosimObserver import CosimObserver
+
+    try:
+        execution = CosimExecution.from_ssp_file(path, round(step * 1e9))
+    except AssertionError:
+        said = _internal.libcosimc().cosim_last_error_message
+        said.restype = ctypes.c_char_p
+        raise RuntimeError(said().decode()) from None
+    observer = CosimObserver.create_last_value()
+    execution.add_observer(observer)
+    reads = []
+    for element, name in (signal.split(".", 1) for signal in signals):
+        index = execution.slave_index_from_instance_name(element)
+        references = {v.name.decode(): v.reference for v in execution.slave_variables(index)}
+        reads.append((index, [references[name]]))
+    rows = []
+    begun = clock.perf_counter()
+    for _ in range(count):
+        if not execution.step():
+            break
+        rows.append([observer.last_real_values(index, refs)[0] for index, refs in reads])
+    return clock.perf_counter() - begun, rows
+
+
+def ecos(path: str, step: float, count: int, signals: Sequence[str]) -> Answer:
+    from ecospy import EcosSimulation
+
+    names = [signal.replace(".", "::", 1) for signal in signals]
+    with EcosSimulation(step, ssp_path=path) as simulation:
+        simulation.init(0, "start")
+        rows = []
+        begun = clock.perf_counter()
+        for _ in range(count):
+            simulation.step(1)
+            rows.append([simulation.get_real(name) for name in names])
+        return clock.perf_counter() - begun, rows
+
+
+def omsimulator(path: str, step: float, count: int, signals: Sequence[str]) -> Answer:
+    """It takes its step from the package."""
+    options = [f"--stopTime={count * step!r}", "--suppressPath=true", "--skipCSVHeader=true"]
+    return _program(
+        lambda file: ["OMSimulator", path, *options, f"--resultFile={file}"], step, count, signals
+    )
+
+
+def fmusim(path: str, step: float, count: int, signals: Sequence[str]) -> Answer:
+    options = ["--interface-type", "cs", "--stop-time", repr(count * step)]
+    options += ["--output-interval", repr(step)]
+    options += [word for name in signals for word in ("--output-variable", name)]
+    return _program(
+        lambda file: ["fmusim", *options, "--output-file", str(file), path], step, count, signals
+    )
+
+
+def _program(
+    command: Callable[[Path], list[str]], step: float, count: int, signals: Sequence[str]
+) -> Answer:
+    """A program that writes a CSV file, whose columns end in the signals' names."""
+    with tempfile.TemporaryDirectory(prefix="autobalancer-") as folder:
+        file = Path(folder) / "result.csv"
+        begun = clock.perf_counter()
+        subprocess.run(command(file), cwd=folder, check=True, stdout=subprocess.PIPE)
+        seconds = clock.perf_counter() - begun
+        with file.open(newline="", encoding="utf-8") as text:
+            header, *table = csv.reader(text)
+    columns = [next(i for i, h in enumerate(header) if h.endswith(name)) for name in signals]
+    points = {round(float(row[0]) / step): [float(row[i]) for i in columns] for row in table}
+    return seconds, [points[k] for k in range(1, count + 1)]
+
+
+DRIVERS: dict[str, Callable[[str, float, int, Sequence[str]], Answer]] = {
+    "fmpy_ssp": fmpy_ssp,
+    "fmpy_fmu": fmpy_fmu,
+    "libcosim": libcosim,
+    "ecos": ecos,
+    "omsimulator": omsimulator,
+    "fmusim": fmusim,
+}
+
+if __name__ == "__main__":
+    tool, file_name, step_text, count_text, *names = sys.argv[1:]
+    answer = DRIVERS[tool](file_name, float(step_text), int(count_text), names)
+    print("RUN " + json.dumps(answer))

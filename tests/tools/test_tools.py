@@ -1,0 +1,59 @@
+"""The short version of `python -m tests.tools`: five revolutions, in the tools that are here."""
+
+from __future__ import annotations
+
+import pytest
+
+from tests.tools.measure import OSP, SLOPES, TOOLS, VALUES, Bench, Tool, every_run
+
+REFUSED = (
+    "libcosim",
+    "SSP, composite",
+)  # it makes a folder of a GUID; the composite's is longer
+
+
+@pytest.fixture(scope="module")
+def bench(tmp_path_factory):
+    return Bench(tmp_path_factory.mktemp("tools"), revolutions=5)
+
+
+def _named(name: str) -> Tool:
+    [found] = [tool for tool in TOOLS if tool.name == name and tool.present] or [None]
+    return found or pytest.skip(f"no {name} here")
+
+
+@pytest.mark.parametrize(
+    ("tool", "what"),
+    [
+        pytest.param(tool, what, id=f"{tool.name}: {what}")
+        for tool, what in every_run()
+        if "composite" in what and (tool.name, what) != REFUSED
+    ],
+)
+@pytest.mark.parametrize("steps", [5, 20, 40])
+def test_the_composite_keeps_its_error_at_any_step_of_the_tool(bench, tool, what, steps):
+    row = bench.run(tool, what, steps)
+    assert not row.said
+    assert row.error < 1e-4
+
+
+@pytest.mark.parametrize("name", ["libcosim", "ecos"])
+def test_slopes_give_masters_that_step_side_by_side_another_order(bench, name):
+    """The error of held values falls with the step, that of slopes with its square."""
+    tool = _named(name)
+    held, sloped = ([bench.run(tool, w, n).error for n in (20, 40)] for w in (VALUES, SLOPES))
+    assert 1.6 < held[0] / held[1] < 2.6
+    assert 3.0 < sloped[0] / sloped[1] < 5.0
+    assert sloped[1] < held[1] / 3.0
+
+
+def test_libcosim_reads_from_the_package_what_it_reads_from_its_own_structure(bench):
+    tool = _named("libcosim")
+    package, own = (bench.run(tool, what, 20) for what in (VALUES, OSP))
+    assert package.error == pytest.approx(own.error, rel=1e-5)
+
+
+def test_a_tool_that_fails_says_why(bench):
+    row = bench.run(_named(REFUSED[0]), REFUSED[1], 20)
+    assert row.error is None
+    assert "File name too long" in row.said
