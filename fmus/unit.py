@@ -79,6 +79,8 @@ class Unit:
         variables: all variables of a unit of these sizes, in the order parameters, inputs,
             outputs, observed outputs; raises ValueError where there is no unit of these sizes.
         returns_early: whether a native step may end before the communication point asked for.
+        stop, step: of the run that a tool proposes [s]; by default 40 steps a revolution at the
+            start value of the speed, 300 rad/s.
     """
 
     name: str
@@ -87,6 +89,8 @@ class Unit:
     sizes: type[Sizes]
     variables: Callable[[Any], list[Variable]]
     returns_early: bool = False
+    stop: float = 1.0
+    step: float = 0.0005
 
     def sized(self, options: Mapping[str, Any] | None = None) -> SizedUnit:
         """The unit with options, those left out at their defaults.

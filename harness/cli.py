@@ -10,6 +10,7 @@ from __future__ import annotations
 import errno
 import os
 import signal
+import subprocess
 import sys
 from contextlib import suppress
 from typing import Any
@@ -27,6 +28,7 @@ from .output.interrupts import Interrupted, interruptible, temporary_files
 from .output.terminal import say
 from .precision import command as precision
 from .rotor import command as rotor
+from .scatter import command as scatter
 from .stability import map_command
 from .stability import speeds_command as speeds
 from .stress import command as stress
@@ -50,6 +52,10 @@ class Commands(TyperGroup):
             raise typer.Exit(1) from error
         except MemoryError as error:
             say("not enough memory for this", error=True)
+            raise typer.Exit(1) from error
+        except subprocess.CalledProcessError as error:  # a compiler on a full disk, for example
+            command = " ".join(map(str, error.cmd[:4]))
+            say(f"{command} ...: ended with {error.returncode}: {error.stderr or ''}", error=True)
             raise typer.Exit(1) from error
         except OSError as error:
             if error.errno == errno.EPIPE:  # nobody reads on: typer ends without a word
@@ -88,6 +94,7 @@ app.command("map")(map_command.command)
 app.command("balance")(balance.command)
 app.command("rotor")(rotor.command)
 app.command("design")(design.command)
+app.command("scatter")(scatter.command)
 app.command("precision")(precision.command)
 app.command("stress")(stress.command)
 

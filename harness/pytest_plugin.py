@@ -30,6 +30,7 @@ def cosim(request: pytest.FixtureRequest) -> Callable[..., Result]:
         *,
         record: Iterable[str] | None = None,
         fmus: Path | None = None,
+        verify: bool = False,
         **overrides: Any,
     ) -> Result:
         from .master.cosimulation import cosimulate
@@ -42,6 +43,6 @@ def cosim(request: pytest.FixtureRequest) -> Callable[..., Result]:
             scene = load_scene(beside if beside.is_file() else source)
         if overrides:
             scene = scene.replace(overrides)
-        return cosimulate(scene, record=record, fmus=fmus)
+        return cosimulate(scene, record=record, fmus=fmus, verify=verify)
 
     return run

@@ -55,17 +55,21 @@ class Composition:
         corrections: corrector passes of a step; None: until the loop has converged, or, with auto,
             as few as its gain asks for.
         start: of the coupling's own parameters and inputs: `coupling.steps_per_rev`, `speed` ...
+        stop, step: of the run that a tool proposes [s].
     """
 
     parts: tuple[Part, ...]
     scheme: str = "auto"
     corrections: int | None = None
     start: Mapping[str, float] = field(default_factory=dict)
+    stop: float = Unit.stop
+    step: float = Unit.step
 
     def __post_init__(self) -> None:
         if self.scheme not in SCHEMES:
+            allowed = alternatives(SCHEMES)
             raise ValueError(
-                f"scheme = {self.scheme!r}: a composite couples by {alternatives(SCHEMES)}"
+                f"coupling.scheme = {self.scheme!r}: of one file must be one of {allowed}"
             )
         if self.corrections is not None and not 0 <= self.corrections <= MOST_CORRECTIONS:
             raise ValueError(f"corrections = {self.corrections}: must be 0 to {MOST_CORRECTIONS}")
@@ -94,7 +98,15 @@ class Composition:
             for v in variables([(p.name, p.unit) for p in self.parts], planes)
         ]
         models = ", ".join(f"{part.name} ({part.model})" for part in self.parts)
-        unit = Unit(name, "composite", f"{models}, coupled", CompositeSizes, lambda _: found)
+        unit = Unit(
+            name,
+            "composite",
+            f"{models}, coupled",
+            CompositeSizes,
+            lambda _: found,
+            stop=self.stop,
+            step=self.step,
+        )
         return SizedUnit(unit, CompositeSizes(planes=planes), Layout(name, found))
 
     def token(self, stamp: str) -> str:

@@ -459,4 +459,4 @@ static int slope(Unit *unit, size_t reference, double *value)
 
 const Equations COMPOSITE_EQUATIONS = {
     "Composite", memory_size, own_size, starts,  allocate,    parameters, begin,
-    step,        outputs,     observe,  signals, directional, slope};
+    step,        outputs,     observe,  signals, directional, slope, STATUS_ERROR};

@@ -1,4 +1,4 @@
-/* What the library shows of itself: FMI's functions, and nothing else. */
+/* What the library shows of itself: FMI's functions, and the batch call. */
 #ifndef AUTOBALANCER_EXPORT_H
 #define AUTOBALANCER_EXPORT_H
 

@@ -262,6 +262,7 @@ Status unit_step(Unit *unit, double time, double step)
         status = STATUS_ERROR;
     } else {
         failed = unit_refresh(unit, COMPUTED) || unit_advance(unit, step);
+        status = unit->equations->failing;
     }
     if (failed) {
         char words[64];

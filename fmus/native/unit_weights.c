@@ -256,4 +256,5 @@ static size_t signals(const Layout *layout, size_t *first)
 
 const Equations WEIGHTS_EQUATIONS = {
     "BallBalancer", memory_size, own_size, starts,  allocate,    parameters, begin,
-    step,           outputs,     observe,  signals, weights_directional, weights_slope};
+    step,           outputs,     observe,  signals, weights_directional, weights_slope,
+    STATUS_DISCARD};

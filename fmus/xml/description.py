@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import Any
 from xml.etree.ElementTree import Element, SubElement, indent, tostring
 
-from ..unit import SizedUnit
+from ..unit import SizedUnit, Unit
 from ..variables import Variable
 from .types import bounds, described, type_name
 
@@ -98,9 +98,10 @@ def log_categories(root: Element, prefix: str) -> None:
     SubElement(categories, "Category", {"name": "logAll", "description": "Log all messages."})
 
 
-def experiment(root: Element) -> None:
-    """DefaultExperiment: 40 steps a revolution at the start value of the speed, 300 rad/s."""
-    SubElement(root, "DefaultExperiment", {"startTime": "0", "stopTime": "1", "stepSize": "0.0005"})
+def experiment(root: Element, unit: Unit) -> None:
+    """DefaultExperiment."""
+    found = {"startTime": 0.0, "stopTime": unit.stop, "stepSize": unit.step}
+    SubElement(root, "DefaultExperiment", {key: f"{value:.15g}" for key, value in found.items()})
 
 
 def built(parent: Element, unit: SizedUnit) -> None:

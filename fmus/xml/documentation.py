@@ -73,7 +73,7 @@ def html(unit: SizedUnit, name: str, equations: str, *, arrays: bool = False) ->
     parts = [
         _HEAD.format(name=escape(name)),
         MarkdownIt("commonmark").render(equations),
-        f"<h2>Signals</h2>\n<p>{escape(_SIGNALS)}</p>\n",
+        f"<h2>Signals</h2>\n<p>{escape(_SIGNALS)}</p>\n" * _has_signals(unit),
         f"<h2>Variables</h2>\n<p>{escape(name)}: {built}</p>\n",
     ]
     for causality in ("parameter", "input", "output"):
@@ -83,6 +83,11 @@ def html(unit: SizedUnit, name: str, equations: str, *, arrays: bool = False) ->
             f"<th>Start</th><th>Allowed</th><th>Meaning</th></tr>\n{''.join(rows)}</table>\n"
         )
     return ("".join(parts) + "</body></html>\n").encode()
+
+
+def _has_signals(unit: SizedUnit) -> bool:
+    """Whether it takes cubics; a composite keeps them inside."""
+    return any(v.causality == "input" and v.derivative_of for v in unit.layout.variables)
 
 
 def _row(variable: Variable) -> str:

@@ -32,7 +32,7 @@ def model_description(
         simple = SubElement(definitions, "SimpleType", {"name": kind})
         SubElement(simple, "Real", type_attributes(kind))
     common.log_categories(root, "fmi2")
-    common.experiment(root)
+    common.experiment(root, unit.unit)
     tool = SubElement(SubElement(root, "VendorAnnotations"), "Tool", {"name": "autobalancer"})
     common.built(tool, unit)
     layout = unit.layout

@@ -62,7 +62,7 @@ def model_description(
     for kind in types:
         SubElement(definitions, "Float64Type", {"name": kind, **type_attributes(kind)})
     common.log_categories(root, "fmi3")
-    common.experiment(root)
+    common.experiment(root, unit.unit)
     references = {k: str(v) for k, v in value_references(unit.layout).items()}
     rows = arrays(unit.layout) if can.arrays else [(v,) for v in unit.layout.variables]
     references.update((v.name, references[row[0].name]) for row in rows for v in row)

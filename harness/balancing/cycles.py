@@ -4,15 +4,12 @@ Polushkin 2016: trial runs give the influence coefficients (20), (22); their inv
 unbalances (23), whose opposites are mounted, until a control run finds the grade met.  A cycle is
 one such run: what is found in the last one needs no correction any more.
 
-The grade (ISO 21940-11) permits U_per = m e_per, e_per = grade/w.  Its reference planes are the
-supports: each gets the share of U_per that it carries of the rotor's weight, but 0.3 to 0.7 of it
-with the centre of mass between the supports, 0.3 to 1.3 outside.  What remains in the correction
-planes is moved to the supports by the lever before it is compared.
+What remains in the correction planes is moved to the supports by the lever before it is compared
+with what the grade permits there.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -27,12 +24,10 @@ from ...models.papers.influence import (
 )
 from ..output.workers import Progress
 from ..scene import Scene
-from ..scene.balancing import Balancing
-from ..scene.rotor import RotorTable
+from .grade import levers, permissible
 from .machine import Complex, Machine
 
 TRIAL = 10.0  # times what is permissible: seen clearly, and as harmless as the unbalance itself
-SHARE_INBOARD, SHARE_OVERHUNG = (0.3, 0.7), (0.3, 1.3)  # ISO 21940-11, of U_per at a support
 
 
 @dataclass(frozen=True, eq=False)
@@ -203,29 +198,9 @@ def _cycles(
     return Technology(name, used, tuple(cycles), meets, actually_met, note)
 
 
-def permissible(scene: Scene, setup: Balancing) -> tuple[float, NDArray[np.float64]]:
-    """U_per [kg m], and its share at each support (s,)."""
-    rotor = scene.rotor
-    total = rotor.mass * setup.precession / (setup.service_speed or scene.profile().end)
-    carried = _levers(rotor, [rotor.centre])[:, 0]
-    if len(carried) > 1:
-        low, high = SHARE_INBOARD if np.all(carried >= 0.0) else SHARE_OVERHUNG
-        carried = np.clip(np.abs(carried), low, high)
-    return total, total * carried
-
-
 def support_levers(scene: Scene, planes: list[int]) -> NDArray[np.float64]:
     """(s, p): what an unbalance in each correction plane is at each support of a rigid rotor."""
-    return _levers(scene.rotor, [scene.rotor.planes[p - 1] for p in planes])
-
-
-def _levers(rotor: RotorTable, places: Sequence[float]) -> NDArray[np.float64]:
-    """(s, k): share that each support carries of what acts at each place; a single one, all."""
-    if len(rotor.supports) == 1:
-        return np.ones((1, len(places)))
-    start, end = rotor.support_positions
-    part = (np.array(places) - start) / (end - start)
-    return np.array([1.0 - part, part])
+    return levers(scene.rotor, [scene.rotor.planes[p - 1] for p in planes])
 
 
 def _by_equations(scene: Scene, planes: list[int], axis: str) -> tuple[Complex, Complex]:

@@ -70,16 +70,16 @@ def command(
 def _write_report(
     scenes: list[Scene], results: list[SceneReport], rows: list[Row], directory: Path
 ) -> None:
-    from .pictures import draw_pictures, unique_names
+    from .pictures import draw_pictures
     from .report import as_json, markdown
 
     text = markdown(rows)
     with progress_bars() as bars:
-        for scene, result, name in zip(scenes, results, unique_names(scenes), strict=True):
+        for scene, result in zip(scenes, results, strict=True):
             task = bars.add_task(f"drawing {scene.name}", total=None)
             if all(row.quantity != "run" for row in result.rows):
                 try:
-                    for picture in draw_pictures(scene, directory, name):
+                    for picture in draw_pictures(scene, directory, result.scene):
                         text += f"\n![{in_link(scene.title)}]({quote(picture.name)})\n"
                 except SimulationError as error:  # the rows stand all the same
                     text += f"\nNo picture of {in_markdown(scene.heading)}: {error}\n"

@@ -43,9 +43,9 @@ def check_contact_order(
     points = scene.run.revolutions * coarsest
     profile = scene.profile()
     whole = abs(points - round(points)) < 1e-9 * points
-    if profile.start != profile.end or scene.coupling.tolerance or not whole:
+    if profile.start != profile.end or not whole:
         raise SceneError(
-            f"{about}: needs a constant speed, no tolerance, and whole steps: run.revolutions = "
+            f"{about}: needs a constant speed and whole steps: run.revolutions = "
             f"{scene.run.revolutions:g} times {coarsest} steps is {points:g}"
         )
     rows = Rows(scene.name, "contact_order")

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
@@ -19,20 +18,6 @@ CURVE_POINTS = 600
 MEASURED_POINTS = 24
 WITH, WITHOUT, LIMIT = "tab:blue", "tab:gray", "tab:red"
 BELOW, ABOVE = 0.5, 1.1  # how far the picture reaches beyond the window, times its limits
-
-
-def unique_names(scenes: Sequence[Scene]) -> list[str]:
-    """A name for the files of every scene: its own, numbered where others share it."""
-    taken: dict[str, list[Path | None]] = {}
-    names = []
-    for scene in scenes:
-        place = scene.path.resolve() if scene.path else None
-        places = taken.setdefault(scene.name, [])
-        if place not in places:
-            places.append(place)
-        number = places.index(place) + 1
-        names.append(scene.name if number == 1 else f"{scene.name}-{number}")
-    return names
 
 
 def draw_pictures(scene: Scene, directory: Path, name: str | None = None) -> list[Path]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import chain, islice
 from pathlib import Path
 
@@ -76,11 +76,25 @@ def check_all(
     cores = os.cpu_count() or 1
     ready = iter(run_parts(list(chain(*parts)), workers or cores, report, (SimulationError,)))
     reports = []
-    for scene, some in zip(scenes, parts, strict=True):
-        rows = tuple(chain(*islice(ready, len(some))))
+    for scene, name, some in zip(scenes, unique_names(scenes), parts, strict=True):
+        rows = tuple(replace(row, scene=name) for row in chain(*islice(ready, len(some))))
         left = tuple(left_out(scene, ["all"]))
-        reports.append(SceneReport(scene.name, scene.title, rows, plan(scene).files, left))
+        reports.append(SceneReport(name, scene.title, rows, plan(scene).files, left))
     return reports
+
+
+def unique_names(scenes: Sequence[Scene]) -> list[str]:
+    """A name for the rows and files of every scene: its own, numbered where others share it."""
+    taken: dict[str, list[Path | None]] = {}
+    names = []
+    for scene in scenes:
+        place = scene.path.resolve() if scene.path else None
+        places = taken.setdefault(scene.name, [])
+        if place not in places:
+            places.append(place)
+        number = places.index(place) + 1
+        names.append(scene.name if number == 1 else f"{scene.name}-{number}")
+    return names
 
 
 def _refuse_unchecked(scene: Scene) -> None:

@@ -13,7 +13,7 @@ from ...models.papers.settling import settling_time
 from ...models.weights import alignment
 from ..errors import SimulationError
 from ..master.cosimulation import CoSimulation
-from ..master.schedule import schedule, steps_per_rev
+from ..master.schedule import at_fixed_steps, schedule, steps_per_rev
 from ..scene import Scene
 from ..scene.balancer import WeightBalancer
 from .decay import WINDOW, Decay, below, decay
@@ -100,7 +100,7 @@ def run_batch(batch: Batch) -> list[SettlingRun]:
     """Every start of a batch."""
     balls = batch.scene.balancer[0]
     assert isinstance(balls, WeightBalancer)
-    with CoSimulation(batch.scene) as units:
+    with CoSimulation(at_fixed_steps(batch.scene)) as units:
         return [_run(units, batch, balls, start) for start in batch.starts]
 
 

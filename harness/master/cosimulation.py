@@ -7,8 +7,9 @@ decides whether they are compared with the prediction and the step is taken agai
 from __future__ import annotations
 
 import time as clock
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import ExitStack
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -25,12 +26,13 @@ from .resolution import Resolution
 from .result import Result
 from .runtime import runtime
 from .scales import ROUNDING, largest_force
-from .schedule import Drive, end_time, milestones, schedule, step_size
+from .schedule import Drive, as_run, end_time, milestones, schedule, step_size
+from .schemes.adaptive import Adaptive
+from .schemes.prescribed import SLIVER, Prescribed
 from .schemes.protocol import Scheme, choose, refuse_loose_tolerance
 from .schemes.startup import substeps
 from .system import System
 
-SLIVER = 1e-12  # of a time: rounding, not a step
 REPORTED = 256  # steps between two reports of progress: some ten a second
 Progress = Callable[[float], None]
 
@@ -49,8 +51,9 @@ class CoSimulation(Closing):
     """
 
     def __init__(self, scene: Scene, *, fmus: Path | None = None, watch: bool = True) -> None:
+        self.scene = scene = as_run(scene)
         refuse_loose_tolerance(scene)
-        self.scene, self.profile = scene, scene.profile()
+        self.profile = scene.profile()
         self.plan = plan(scene)
         self.runtime = runtime(scene.coupling.units)
         self.paths = find_or_build(self.plan.units, fmus, self.runtime.backend)
@@ -72,10 +75,13 @@ class CoSimulation(Closing):
         self,
         changes: Mapping[str, Mapping[str, float | bool]] | None = None,
         step: float | None = None,
+        points: tuple[Sequence[float], float] | None = None,
     ) -> None:
         """Restart all units from the scene's start values, `changes` by unit name on top.
 
-        `step` is the communication step to come [s], by default the scene's.
+        `step` is the communication step to come [s], by default the scene's; a scheme that chooses
+        its steps meets `points` instead, where they are given: times [s], and the residual, of the
+        largest force, that may stay in the loop.
 
         Raises:
             SimulationError: a unit refuses its parameters, or no consistent start exists.
@@ -87,6 +93,8 @@ class CoSimulation(Closing):
         self.drive = Drive(self.scene, self.system)
         step = step or step_size(self.scene)
         self.scheme = self._prepare(step)
+        if points is not None and isinstance(self.scheme, Adaptive):
+            self.scheme = Prescribed(self.scheme.iterated, *points)
         for unit in self.units.values():
             unit.start()
         share = self.scheme.miss_per_error if self.system.order == 3 else 0.0
@@ -186,6 +194,18 @@ class CoSimulation(Closing):
             recorder.take(self.time)
             yield part
 
+    def record(self, recorder: Recorder, progress: Progress | None) -> None:
+        """`rows` to the end, with a report of `progress` now and then.
+
+        Raises:
+            UserError: the record will not fit into memory.
+        """
+        for count, part in enumerate(self.rows(recorder), start=1):
+            if count % REPORTED == 0:
+                recorder.refuse_too_much(part)
+                if progress:
+                    progress(part)
+
     def facts(self) -> Facts:
         """What the run since the last start did."""
         units = self.units.values()
@@ -249,18 +269,23 @@ def cosimulate(
 def run_once(
     scene: Scene, names: list[str], fmus: Path | None, progress: Progress | None
 ) -> Result:
-    """One run, recording `names`, see `cosimulate`."""
+    """A scene run as its coupling asks, recording `names`, see `cosimulate`."""
     refuse_unknown(names, plan(scene).variables_by_unit())
     with CoSimulation(scene, fmus=fmus) as cosim:
-        recorder = Recorder(cosim.units, names)
-        begun = clock.perf_counter()
-        cosim.start()
-        for count, part in enumerate(cosim.rows(recorder), start=1):
-            if count % REPORTED == 0:
-                recorder.refuse_too_much(part)
-                if progress:
-                    progress(part)
+        begun, controlled = clock.perf_counter(), None
+        if cosim.scene.coupling.tolerance is not None and cosim.system.exchanges:
+            from .global_error import Controlled  # it runs co-simulations itself
+
+            controlled = Controlled(cosim, names)
+            recorder = controlled.run(progress)
+        else:
+            recorder = Recorder(cosim.units, names)
+            cosim.start()
+            cosim.record(recorder, progress)
         seconds = clock.perf_counter() - begun
         if progress:
             progress(1.0)
-        return result(recorder, cosim.facts(), seconds)
+        facts = cosim.facts()
+        if controlled:
+            facts = replace(facts, estimated_error=controlled.error)
+        return result(recorder, facts, seconds)

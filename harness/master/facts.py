@@ -53,7 +53,7 @@ def result(recorder: Recorder, facts: Facts, seconds: float) -> Result:
     return Result(
         scene_title=facts.scene.title,
         time=time,
-        signals=signals,
+        signals={name: signals[name] for name in recorder.names},
         seconds=seconds,
         left_out=tuple(left_out(facts.scene, recorder.names)),
         units=facts.files,
@@ -63,7 +63,7 @@ def result(recorder: Recorder, facts: Facts, seconds: float) -> Result:
         calls=dict(facts.calls),
         unconverged=facts.unconverged,
         estimated_error=facts.estimated_error,
-        signal_units=recorder.signal_units,
+        signal_units={name: recorder.signal_units[name] for name in recorder.names},
     )
 
 
@@ -80,7 +80,15 @@ def events(facts: Facts) -> list[str]:
             f"{facts.unconverged} of {facts.steps} steps left a residual above {LOOSE:g} of the "
             f"force (worst {facts.worst_residual:.2g}): use smaller steps or more corrections"
         )
-    if facts.estimated_error >= SAID:
+    tolerance = facts.scene.coupling.tolerance
+    if tolerance is not None:
+        if facts.estimated_error > tolerance:
+            notes.append(
+                f"tolerance = {tolerance:g} is not kept: the motion errs by about "
+                f"{facts.estimated_error:.1g} of itself, and shorter steps change it: neighbouring "
+                "motions part; a shorter run, or statistics, can be relied on"
+            )
+    elif facts.estimated_error >= SAID:
         notes.append(
             "steps too long for signals that vary faster: the motion errs by about "
             f"{facts.estimated_error:.1g} of itself: use more steps_per_rev, or a tolerance"

@@ -157,6 +157,7 @@ class Fmu(Closing):
     def _check(self, status: int, action: str) -> None:
         if status > _WARNING:
             reason = "; ".join(self.messages[-3:]) or "no reason was logged"
+            del self.messages[-1:]  # the error tells it; a run that does without the step need not
             raise SimulationError(
                 f"{self.name} at t = {self.time:g} s: {action} failed "
                 f"({_STATUS[min(status, 5)]}): {reason}"

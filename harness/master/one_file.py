@@ -12,6 +12,7 @@ from ..errors import SceneError
 from ..scene import Scene
 from ..scene.run import FEWEST_CHOSEN
 from .plan import ROTOR, plan
+from .schedule import end_time, step_size
 
 
 def composition(scene: Scene) -> Composition:
@@ -22,7 +23,7 @@ def composition(scene: Scene) -> Composition:
     """
     coupling, profile = scene.coupling, scene.profile()
     if coupling.order != 3:
-        raise SceneError(f"{scene.name}: coupling.order = {coupling.order}: one file has order 3")
+        raise SceneError(f"{scene.name}: coupling.order = {coupling.order}: of one file must be 3")
     found = plan(scene)
     exchanging = {c.source.unit for c in found.of_kind("signal")}
     following = {c.target.unit for c in found.of_kind("value")}
@@ -47,9 +48,16 @@ def composition(scene: Scene) -> Composition:
         for unit in found.units
     ]
     try:
-        return Composition(tuple(parts), coupling.scheme, coupling.corrections, start)
+        return Composition(
+            tuple(parts),
+            coupling.scheme,
+            coupling.corrections,
+            start,
+            end_time(scene),
+            step_size(scene),
+        )
     except ValueError as error:
-        raise SceneError(f"{scene.name}: one file: {error}") from None
+        raise SceneError(f"{scene.name}: {error}") from None
 
 
 def build_one_file(

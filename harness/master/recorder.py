@@ -46,19 +46,23 @@ class Recorder:
     Args:
         units: by name.
         names: `unit.variable`.
+        watched: others that are only compared, not asked for.
 
     Attributes:
+        names: those asked for, by unit.
         signal_units: what each signal is measured in.
 
     Raises:
         SceneError: a name is not `unit.variable` of this scene.
     """
 
-    def __init__(self, units: Mapping[str, Fmu], names: Sequence[str]) -> None:
-        names = list(dict.fromkeys(names))
-        refuse_unknown(names, {name: unit.variables for name, unit in units.items()})
-        wanted = by_unit(names)
-        self._row, end = np.zeros(1 + len(names)), 1  # time, then every unit's signals
+    def __init__(
+        self, units: Mapping[str, Fmu], names: Sequence[str], watched: Sequence[str] = ()
+    ) -> None:
+        every = list(dict.fromkeys([*names, *watched]))
+        refuse_unknown(every, {name: unit.variables for name, unit in units.items()})
+        wanted = by_unit(every)
+        self._row, end = np.zeros(1 + len(every)), 1  # time, then every unit's signals
         self._bytes = self._row.data.cast("B")
         self.groups = []
         for unit, variables in wanted.items():
@@ -69,7 +73,7 @@ class Recorder:
             for unit, variables in wanted.items()
             for v in variables
         }
-        self.names = list(self.signal_units)
+        self.names = [name for name in self.signal_units if name in names]
         self.rows = array("d")
 
     def take(self, time: float) -> None:
@@ -93,6 +97,8 @@ class Recorder:
             )
 
     def columns(self) -> tuple[Signal, dict[str, Signal]]:
-        """Times [s], and every signal by name."""
-        table = np.array(self.rows).reshape(-1, 1 + len(self.names))
-        return table[:, 0].copy(), {n: table[:, i].copy() for i, n in enumerate(self.names, 1)}
+        """Times [s], and every signal by name, those watched as well."""
+        table = np.array(self.rows).reshape(-1, 1 + len(self.signal_units))
+        return table[:, 0].copy(), {
+            n: table[:, i].copy() for i, n in enumerate(self.signal_units, 1)
+        }

@@ -42,8 +42,8 @@ class Result:
         passes: steps including corrector passes and rejected ones.
         calls: number of FMI calls by kind.
         unconverged: steps in which the coupling loop did not converge.
-        estimated_error: of the motion, relative to itself, where steps are too long for the
-            signals; 0 where nothing is estimated.
+        estimated_error: of the motion, relative to itself: of a run with a tolerance, or where
+            given steps are too long for the signals; 0 where nothing is estimated.
         signal_units: what each signal is measured in.
         verification: what a second, finer run says of this one; None without `verify`.
     """

@@ -11,6 +11,8 @@ from ..scene import Scene
 
 ROUNDING = 1e-14  # of the largest force there can be: what a unit's sums leave of cancelling parts
 
+STILL = 1e-9  # of the largest motion there can be: a rotor that moves less stands still
+
 
 def largest_force(scene: Scene) -> float:
     """What the balancers can pull at most [N], by the weights, the unbalance and the start values.
@@ -33,6 +35,15 @@ def largest_force(scene: Scene) -> float:
     pushed += out * _largest_row(rotor.stiffness_x, rotor.stiffness_y)
     pushed += motion * _largest_row(rotor.damping_x, rotor.damping_y)
     return own + carried * (own + pushed) / float(rotor.mass.sum())
+
+
+def least_motion(scene: Scene) -> dict[str, float]:
+    """By unit of measurement, values below which a signal is cancellation, not motion."""
+    profile, mass = scene.profile(), float(scene.assembly().loaded_rotor.mass.sum())
+    speed, acceleration = max(profile.start, profile.end), STILL * largest_force(scene) / mass
+    least = {"m": acceleration / speed**2, "m/s": acceleration / speed, "m/s^2": acceleration}
+    # an angle's error counts in rad
+    return {**least, "kg m": STILL * scene.assembly().capacity, "rad": 1.0, "rad/s": STILL * speed}
 
 
 def _largest_row(*matrices: np.ndarray) -> float:

@@ -25,6 +25,22 @@ class Drive:
         return self.acceleration != before
 
 
+def as_run(scene: Scene) -> Scene:
+    """The scene, its coupling chosen where it asks for nothing: a tolerance, which is the default.
+
+    Weights that can touch or stick make the force jump, and no step is short enough for a
+    tolerance: they are given steps.
+    """
+    if scene.asks_for_coupling or not any(balancer.can_touch for balancer in scene.balancer):
+        return scene
+    return at_fixed_steps(scene)
+
+
+def at_fixed_steps(scene: Scene) -> Scene:
+    """The scene with given steps, the default number where it has a tolerance."""
+    return scene.replace({"coupling.steps_per_rev": steps_per_rev(scene)})
+
+
 def steps_per_rev(scene: Scene) -> int:
     """Communication steps a revolution (at the highest speed of a run-up)."""
     return scene.coupling.steps_per_rev or DEFAULT_STEPS

@@ -7,10 +7,11 @@ from typing import Any, TypeGuard
 
 import typer
 
-from .files import picture_format
+from ..errors import UserError
+from .files import PICTURES, picture_format
 from .terminal import ready_to_write
 
-STORE = ".zarr"
+STORE, TABLE = ".zarr", ".csv"
 SCENE = typer.Argument(help="Scene file, or the name of a bundled scene.")
 
 
@@ -49,6 +50,9 @@ def _storable(path: Path) -> None:
 
 def _drawable_or_store(paths: list[Path] | None) -> list[Path] | None:
     for path in paths or ():
+        if not is_store(path) and path.suffix.removeprefix(".").lower() not in PICTURES:
+            kinds = ", ".join(f".{kind}" for kind in PICTURES)
+            raise UserError(f"{path}: must end in {kinds}, or {STORE} for a store")
         _storable(path) if is_store(path) else _drawable(path)
     return paths
 
@@ -79,6 +83,23 @@ def table_or_store(of: str) -> Any:
         help=f"Every {of} as CSV; or in FILE.zarr as it comes: the same command goes on where it "
         "was ended.",
         callback=_writable_or_store,
+    )
+
+
+def _any_place(paths: list[Path] | None) -> list[Path] | None:
+    for path in paths or ():
+        _writable(path) if path.suffix == TABLE else _drawable_or_store([path])
+    return paths
+
+
+def picture_table_or_store(of: str) -> Any:
+    """Pictures, tables, and a store of the same."""
+    return typer.Option(
+        *("--output", "-o"),
+        metavar="FILE",
+        help=f"Picture (png, svg, pdf); FILE.csv with every {of}; or FILE.zarr, which keeps them "
+        "as they come: the same command goes on where it was ended. Can be given several times.",
+        callback=_any_place,
     )
 
 

@@ -95,12 +95,14 @@ def refuse_store(path: Path) -> None:
     """Refuse a place where no store can be begun or gone on with.
 
     Raises:
-        UserError: no library for stores, or the place cannot be written to.
+        UserError: no library for stores, a file is there, or the place cannot be written to.
     """
     try:
         import zarr  # noqa: F401
     except ImportError:
         raise UserError(f"{path}: needs Zarr, and that Python 3.11: {EXTRA}") from None
+    if path.is_file():
+        raise UserError(f"{path}: is a file and no store: name another place, or remove it")
     refuse_unwritable(path / "anything" if path.is_dir() else path)
 
 

@@ -10,8 +10,10 @@ from ...models.assembly import SpeedProfile
 from ...models.reference.coupled import Start
 from .quantities import Angle, NotNegative, Positive, Real, Table, Text, Unit, Whole, refusal
 
+DEFAULT_TOLERANCE = 1e-4  # of the motion: no picture shows it
 DEFAULT_STEPS = 40  # a revolution: 1e-6 on the two-ball scene with cubic signals
 UNCORRECTED = ("jacobi", "gauss-seidel", "compensated")  # schemes that take one pass
+STEPS = ("steps_per_rev", "tolerance")  # one or the other
 FEWEST_STEPS = 4  # fewer do not resolve one revolution
 FEWEST_CHOSEN = 8  # steps a revolution with a tolerance: fewer would not show one in a record
 LOOSEST_TOLERANCE = 0.1
@@ -65,9 +67,10 @@ class Coupling(Table):
     scheme: Literal["auto", "jacobi", "gauss-seidel", "compensated", "iterated"] = "auto"
     """How forces are guessed and corrected; `auto` looks at the loop gain."""
     tolerance: Annotated[Positive | None, Field(le=LOOSEST_TOLERANCE)] = None
-    """Relative error a step may make, which chooses the steps; this or `steps_per_rev`."""
+    """Error the motion may have, of itself; chooses the steps.  This or `steps_per_rev`; default:
+    1e-4, unless another scheme, an order or corrections are given."""
     steps_per_rev: Annotated[Whole | None, Field(ge=FEWEST_STEPS, le=1_000_000)] = None
-    """Communication steps in the fastest revolution; default: 40 without a tolerance."""
+    """Communication steps in the fastest revolution; default: 40 where no tolerance is kept."""
     fewest_steps_per_rev: Annotated[Whole | None, Field(ge=1, le=1_000_000)] = None
     """With a tolerance: steps in the fastest revolution where longer ones would do; default: 8."""
     order: Annotated[Literal[0, 1, 3], BeforeValidator(_whole_choice)] = 3
@@ -81,10 +84,12 @@ class Coupling(Table):
     @model_validator(mode="before")
     @classmethod
     def _default_steps(cls, values: Any) -> Any:
-        keys = ("tolerance", "steps_per_rev")
-        if not isinstance(values, dict) or any(values.get(key) is not None for key in keys):
+        if not isinstance(values, dict) or any(values.get(key) is not None for key in STEPS):
             return values
-        return {**values, "steps_per_rev": DEFAULT_STEPS}
+        own = [key for key in ("order", "corrections") if values.get(key) is not None]
+        if own or values.get("scheme", "auto") not in ("auto", "iterated"):
+            return {**values, "steps_per_rev": DEFAULT_STEPS}
+        return {**values, "tolerance": DEFAULT_TOLERANCE}
 
     @model_validator(mode="after")
     def _fits_together(self) -> Coupling:

@@ -132,6 +132,11 @@ class Scene(Table):
         """Speed against time."""
         return self._profile
 
+    @property
+    def asks_for_coupling(self) -> bool:
+        """Whether anything is said of how the units are coupled; which units does not count."""
+        return bool(set(self._document.get("coupling", {})) - {"units"})
+
     def replace(self, changes: Mapping[str, Any]) -> Scene:
         """A validated copy with values replaced, for example {"rotor.unbalance": 0.1}.
 

@@ -18,7 +18,7 @@ from ..errors import SimulationError
 from ..master.cosimulation import CoSimulation
 from ..master.fmu import Closing
 from ..master.names import stations, weight
-from ..master.schedule import steps_per_rev
+from ..master.schedule import at_fixed_steps, steps_per_rev
 from ..scene import Scene
 
 Vector = NDArray[np.float64]
@@ -91,8 +91,7 @@ class Revolution(Closing):
 
     def __init__(self, scene: Scene, *, steps: int | None = None) -> None:
         # the map is that of a constant speed, and every start must meet the same points
-        constant = {"operation.speed": scene.profile().end, "coupling.tolerance": None}
-        self.scene = scene = scene.replace(constant)
+        self.scene = scene = at_fixed_steps(scene.replace({"operation.speed": scene.profile().end}))
         self.steps = steps or steps_per_rev(scene)
         self.cosim = CoSimulation(scene, watch=False)
         self.states = states(scene)

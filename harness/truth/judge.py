@@ -130,15 +130,16 @@ def _compared(scene: Scene, verdict: Verdict, verify: bool) -> Verdict:
         return replace(verdict, outcome="unknown", words=str(error))
     errors = deviations(result, right)
     verdict = replace(verdict, measured=rightly_measured(result, right, own))
+    said = scene.coupling.tolerance or SAID
     where = max(errors, key=lambda name: errors[name])
     verdict = replace(
         verdict,
         error=errors[where],
         where=where,
-        stated=result.estimated_error if result.estimated_error >= SAID else 0.0,
+        stated=result.estimated_error if result.estimated_error >= said else 0.0,
         words="; ".join(result.events),
     )
-    outcome = classify(verdict, scene.coupling.tolerance)
+    outcome = classify(verdict, scene.coupling.tolerance if scene.asks_for_coupling else None)
     if outcome in MISSES and growth(scene, result.time) > CHAOTIC:
         outcome = "chaotic"
     return replace(verdict, outcome=outcome)

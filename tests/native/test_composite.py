@@ -170,3 +170,14 @@ def test_a_file_of_another_scene_or_other_sources_is_told_from_this_one(tmp_path
     assert not is_present_composite(other, composition(scene), "two_balls")
     with pytest.raises(Exception, match="Failed to instantiate"):
         packaging.Host(other)
+
+
+def test_a_rotor_without_balancers_is_a_composite_too(hosted):
+    scene = load_scene("two_balls").replace({"run.revolutions": 3}).without_balancers()
+    expected = cosimulate(scene)
+    host = hosted(scene)
+    assert host.get("coupling.loop_gain") == [0.0]
+    found = driven(host, expected.time, ["rotor.x", "rotor.y"])
+    for k, signal in enumerate(("rotor.x", "rotor.y")):
+        error = np.abs(found[:, k] - expected[signal]).max()
+        assert error <= RANGE * np.ptp(expected[signal])

@@ -5,7 +5,8 @@ from __future__ import annotations
 import math
 
 import pytest
-from fmpy import platform_tuple
+from fmpy import platform_tuple, simulate_fmu
+from fmpy.fmi1 import FMICallException
 
 from autobalancer.harness import Scene, load_scene
 from autobalancer.harness.errors import SimulationError
@@ -103,6 +104,15 @@ def test_after_a_refusal_the_state_is_that_before(instance):
 
     host.refused(run)
     assert host.outputs() == seen[-1]
+
+
+@pytest.mark.parametrize("fmi", [2, 3])
+def test_a_tool_that_repeats_discarded_steps_ends_too(tmp_path, fmi):
+    """FMPy repeats for ever what FMI 2.0 lets it try again."""
+    scene = load_scene("liquid_heavy_force").replace(REFUSED[0][1])
+    path = build_one_file(scene, tmp_path / "one.fmu", fmi, platforms=[platform_tuple])
+    with pytest.raises(FMICallException, match=f"fmi{fmi}DoStep.*error"):
+        simulate_fmu(path, stop_time=1.0, output_interval=1e-3, timeout=10.0, logger=print)
 
 
 WRONG = [

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import zipfile
 from pathlib import Path
 
@@ -58,6 +59,9 @@ def test_a_scene_is_one_file_on_request(tmp_path, fmi):
     assert outcome.exit_code == 0, outcome.output
     description = read_model_description(str(tmp_path / "two_balls.fmu"))
     assert description.modelName == "two_balls"
+    proposed = description.defaultExperiment  # 20 revolutions at 3 rad/s, in 20 steps each
+    found = float(proposed.stopTime), float(proposed.stepSize)
+    assert found == pytest.approx((20 * 2 * math.pi / 3, 2 * math.pi / 3 / 20), rel=1e-14)
     starts = {v.name: v.start for v in description.modelVariables}
     assert float(starts["rotor.mass"]) == 0.95
     assert float(starts["coupling.steps_per_rev"]) == 20.0
@@ -66,12 +70,17 @@ def test_a_scene_is_one_file_on_request(tmp_path, fmi):
 def test_one_file_needs_a_scene_that_it_can_couple(tmp_path):
     for wrong in (("--one-file",), ("two_balls", "--one-file", "--python")):
         assert "give a scene" in invoke(*wrong, "-o", tmp_path).output
-    scene = tmp_path / "held.toml"
-    text = find("two_balls").read_text().replace("order = 3", "order = 1")
-    scene.write_text(text.replace("corrections = 1", ""))
-    outcome = invoke(scene, "--one-file", "-o", tmp_path)
-    assert outcome.exit_code == 2
-    assert "coupling.order = 1: one file has order 3" in outcome.output
+    text = find("two_balls").read_text().replace("corrections = 1", "")
+    for key, mine, other, allowed in (
+        ("order", "3", "1", "must be 3"),
+        ("scheme", '"iterated"', '"jacobi"', "must be one of 'auto', 'iterated', 'compensated'"),
+    ):
+        scene = tmp_path / "other.toml"
+        scene.write_text(text.replace(f"{key} = {mine}", f"{key} = {other}"))
+        outcome = invoke(scene, "--one-file", "-o", tmp_path)
+        assert outcome.exit_code == 2
+        said = f"coupling.{key} = {other}: of one file {allowed}".replace('"', "'")
+        assert said in outcome.output
     assert not list(tmp_path.glob("*.fmu"))
 
 

@@ -15,7 +15,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 
-from ...errors import LoopError
+from ...errors import LoopError, SimulationError
 from ..signals import Knot, SignalState, end_of, extrapolated
 from ..system import System
 from .iterated import MAX_PASSES, Iterated, Trial
@@ -25,6 +25,7 @@ AIM = 0.5  # of what is allowed, so that few steps are rejected
 RUNGS = 4  # of the ladder of step sizes per factor 2, so that the rotor's matrices are reused
 LOWEST = 40 * RUNGS  # steps 2^40 times shorter than the longest are no way to finish
 GROWTH = 2.0  # at most, from one step to the next: a lucky zero of f'''' must not mislead
+SLOWEST = 1e3  # times the residual allowed: passes then lead nowhere, with the Jacobian they have
 RESIDUAL_SHARE = 0.01  # of the tolerance that may stay in the loop
 
 
@@ -37,6 +38,9 @@ class Adaptive:
         gain: of the loop; where force and reaction nearly cancel, an error of the force is that
             much larger in the motion that is left.
         mass: of the loaded rotor [kg], which forces that are rounding can accelerate.
+
+    Attributes:
+        share: of the tolerance that one step may err.
     """
 
     name = "iterated"
@@ -47,12 +51,11 @@ class Adaptive:
     def __init__(
         self, iterated: Iterated, tolerance: float, gain: float = 0.0, mass: float = math.inf
     ) -> None:
-        self.iterated, self.tolerance = iterated, tolerance
+        self.iterated, self.tolerance, self.share = iterated, tolerance, LOCAL_SHARE
         self._cancelled = max(1.0, gain)
-        iterated.tolerance = RESIDUAL_SHARE * tolerance
+        iterated.allow(RESIDUAL_SHARE * tolerance)
         self.rung: float = 10 * RUNGS  # start short: nothing is known of the signals yet
         self.rejected = 0
-        iterated.largest = iterated.rounding / iterated.tolerance
         self._largest_motion = iterated.largest / mass
 
     def cross_jump(self, system: System, time: float, step: float) -> None:
@@ -76,7 +79,7 @@ class Adaptive:
         Raises:
             LoopError: no step is short enough for the tolerance.
         """
-        allowed, remaining = LOCAL_SHARE * self.tolerance, step
+        allowed, remaining = self.share * self.tolerance, step
         while True:
             step = longest * 2.0 ** (-self.rung / RUNGS)
             # do not leave a sliver for the last step
@@ -84,18 +87,31 @@ class Adaptive:
                 step = remaining
             elif step > 0.5 * remaining:
                 step = 0.5 * remaining
+            failed = False
             with system.saved() as states:
-                trial = self.iterated.attempt(system, states, time, step, MAX_PASSES)
-                error = self._error(system, trial)
-                change = GROWTH
-                if error > 0.0:
-                    change = min(GROWTH, (AIM * allowed / error) ** 0.25)
-                wanted = RUNGS * math.log2(longest / (step * change))
-                if error <= allowed and trial.residual <= self.iterated.tolerance:
-                    self.rung = max(0, math.ceil(wanted - 1e-9))
-                    trial.accept(system)
-                    return step, trial.residual
-                system.restore(states)
+                try:
+                    trial = self.iterated.attempt(system, states, time, step, MAX_PASSES)
+                except SimulationError:  # a unit cannot follow a loop that diverges
+                    system.restore(states)
+                    if self.rung + 2 * RUNGS > LOWEST:
+                        raise
+                    failed = True
+                else:
+                    error = self._error(system, trial)
+                    change = GROWTH
+                    if error > 0.0:
+                        change = min(GROWTH, (AIM * allowed / error) ** 0.25)
+                    wanted = RUNGS * math.log2(longest / (step * change))
+                    if error <= allowed and trial.residual <= self.iterated.tolerance:
+                        self.rung = max(0, math.ceil(wanted - 1e-9))
+                        trial.accept(system)
+                        return step, trial.residual
+                    system.restore(states)
+            if failed or trial.residual > SLOWEST * self.iterated.tolerance:
+                self.iterated.after_start(system, time, 0.5 * step)
+            if failed:
+                self.rung += 2 * RUNGS
+                continue
             self.rejected += 1
             self.rung = max(math.ceil(wanted), self.rung + 1)
             if self.rung > LOWEST:

@@ -73,7 +73,7 @@ class Iterated:
         tolerance: float = CONVERGED,
         rounding: float = 0.0,
     ) -> None:
-        self.tolerance = max(tolerance, ROUNDING * loop_gain(jacobian))
+        self._least = ROUNDING * loop_gain(jacobian)
         self.with_slopes = order == 3
         if not self.with_slopes:
             values = np.tile([True, True, False, False], len(jacobian) // 4)
@@ -81,7 +81,12 @@ class Iterated:
         self.newton = QuasiNewton(jacobian, step)
         self.corrections = corrections
         self.rounding = rounding
-        self.largest = rounding / (self.tolerance if corrections is None else LOOSE)
+        self.allow(tolerance)
+
+    def allow(self, residual: float) -> None:
+        """From the start on, count as converged what leaves so much of the largest force."""
+        self.tolerance = max(residual, self._least)
+        self.largest = self.rounding / (self.tolerance if self.corrections is None else LOOSE)
 
     def step(self, system: System, time: float, step: float, longest: float) -> tuple[float, float]:
         """One step, and the residual it leaves of the forces over the largest so far."""

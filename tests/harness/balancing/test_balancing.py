@@ -9,7 +9,8 @@ import numpy as np
 import pytest
 
 from autobalancer.harness import SceneError, SimulationError, load_scene
-from autobalancer.harness.balancing.cycles import balance, permissible, support_levers
+from autobalancer.harness.balancing.cycles import balance, support_levers
+from autobalancer.harness.balancing.grade import permissible
 from autobalancer.harness.balancing.machine import Machine
 from autobalancer.harness.scene import Scene
 from autobalancer.harness.stability.revolution import Revolution

@@ -15,16 +15,14 @@ from autobalancer.harness.errors import UserError
 from autobalancer.harness.output.costs import limited, seconds_of, within
 
 
-def test_a_run_of_1e12_revolutions_is_refused_within_seconds(monkeypatch):
+def test_a_run_of_1e12_revolutions_is_refused_after_its_first_steps(monkeypatch):
     monkeypatch.setattr("autobalancer.harness.master.recorder.free_memory", lambda: math.inf)
-    begun = time.perf_counter()
     setting = ["--set", "run.revolutions=1e12", "--set", "run.record=[]"]
     outcome = CliRunner().invoke(app, ["run", "two_balls", *setting])
     assert outcome.exit_code == 2, outcome.output
     assert "run.revolutions = 1e+12: would take about" in outcome.stderr
     assert "more than --at-most 1h" in outcome.stderr
     assert len(outcome.stderr.splitlines()) == 1
-    assert time.perf_counter() - begun < 30.0
 
 
 def test_a_record_that_does_not_fit_into_memory_is_refused_with_its_keys(monkeypatch):

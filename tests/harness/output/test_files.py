@@ -11,7 +11,7 @@ import pytest
 from typer.testing import CliRunner
 
 from autobalancer.harness import load_scene
-from autobalancer.harness.checks.pictures import unique_names
+from autobalancer.harness.checks.runner import check_all, unique_names
 from autobalancer.harness.cli import app
 from autobalancer.harness.errors import SimulationError, UserError
 from autobalancer.harness.output.files import write_whole
@@ -111,6 +111,11 @@ def same_names(tmp_path: Path) -> list[Path]:
 def test_scenes_that_share_a_file_name_have_pictures_of_their_own(tmp_path):
     first, second = map(load_scene, same_names(tmp_path))
     assert unique_names([first, second, first]) == ["same", "same-2", "same"]
+
+
+def test_scenes_that_share_a_file_name_have_headings_of_their_own(tmp_path):
+    reports = check_all([load_scene(path) for path in same_names(tmp_path)], workers=1)
+    assert [{row.scene for row in report.rows} for report in reports] == [{"same"}, {"same-2"}]
 
 
 def test_a_picture_that_cannot_be_measured_does_not_cost_the_report(tmp_path, monkeypatch):

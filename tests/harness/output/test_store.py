@@ -122,6 +122,17 @@ def test_the_command_says_whose_store_it_is_and_where_one_cannot_be(tmp_path):
     assert (nowhere.exit_code, "cannot be written" in nowhere.output) == (2, True)
 
 
+@pytest.mark.parametrize(
+    ("name", "why"),
+    [("a.zarr", "is a file and no store"), ("a.nc", "must end in .png, .svg, .pdf, or .zarr")],
+)
+def test_a_place_that_can_be_neither_picture_nor_store_is_refused_in_words(tmp_path, name, why):
+    (tmp_path / name).touch()
+    command = ["map", "filimonikhina", "--x", "speed=2:3:2", "--y", "weights.drag=1e-3:1:3:log"]
+    done = CliRunner().invoke(app, [*command, "-o", str(tmp_path / name)])
+    assert (done.exit_code, why in " ".join(done.output.split())) == (2, True)
+
+
 def test_a_study_from_its_store_is_the_study(tmp_path):
     study = Study({"planar": 2, "liquid": 1}, seed=3)
     path = tmp_path / "study.zarr"

@@ -132,7 +132,14 @@ def test_speed_and_run_up_take_each_other_s_place():
 def test_tolerance_takes_the_place_of_steps():
     scene = load_scene("two_balls").replace({"coupling.tolerance": 1e-4})
     assert scene.coupling.steps_per_rev is None
-    assert load_scene("liquid_disc").coupling.steps_per_rev == 40
+
+
+def test_where_nothing_is_asked_a_tolerance_is_kept_by_what_can_keep_one():
+    scene = load_scene("liquid_disc")
+    assert (scene.coupling.tolerance, scene.coupling.steps_per_rev) == (1e-4, None)
+    for asked in ({"scheme": "jacobi"}, {"order": 1}, {"corrections": 2}):
+        coupling = scene.replace({f"coupling.{k}": v for k, v in asked.items()}).coupling
+        assert (coupling.tolerance, coupling.steps_per_rev) == (None, 40)
 
 
 def test_scene_survives_the_way_into_another_process():

@@ -1,0 +1,72 @@
+"""Scenes that differ in numbers alone, run together by the coupling in C."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+from numpy.typing import NDArray
+
+from ..errors import UserError
+from ..scene import Scene
+from .many import cosimulate_many
+from .plan import plan
+
+_DRIVE = ("speed", "acceleration")  # of the composite, which tells its units
+
+
+def cosimulate_alike(
+    scenes: Sequence[Scene], results: Sequence[str], threads: int | None = None
+) -> dict[str, NDArray]:
+    """`cosimulate_many` for scenes instead of rows of the composite's variables.
+
+    Args:
+        scenes: at least one; the same units, connections, coupling and revolutions, and the same
+            run-up where there is one.
+
+    Raises:
+        UserError: they differ in more than numbers; or as `cosimulate_many`.
+    """
+    first = scenes[0]
+    common = _common(first)
+    if any(_common(scene) != common for scene in scenes):
+        raise UserError(
+            f"{first.name}: only numbers of the rotor and the balancers, run.initial and a "
+            "constant speed may differ between runs in C"
+        )
+    starts = [_start(scene) for scene in scenes]
+    changed = [name for name in starts[0] if any(s[name] != starts[0][name] for s in starts)]
+    table = {name: [s[name] for s in starts] for name in changed or list(starts[0])[:1]}
+    return cosimulate_many(first, table, results=results, threads=threads)
+
+
+def refuse_unvaried(scene: Scene, path: str) -> None:
+    """Refuse a path in whose values the runs of `cosimulate_alike` cannot differ.
+
+    Raises:
+        UserError: it is one.
+    """
+    holders = ["rotor", *(balancer.label for balancer in scene.balancer)]
+    allowed = (*(f"{holder}." for holder in holders), "run.initial.")
+    if path != "operation.speed" and not path.startswith(allowed):
+        raise UserError(
+            f"{path}: cannot be varied; must be speed or begin with one of: {', '.join(allowed)}"
+        )
+
+
+def _common(scene: Scene) -> Any:
+    found, profile = plan(scene), scene.profile()
+    units = [(unit.name, unit.model, unit.sizes) for unit in found.units]
+    run_up = None if profile.start == profile.end else profile
+    return units, found.connections, scene.coupling, scene.run.revolutions, run_up
+
+
+def _start(scene: Scene) -> dict[str, float]:
+    """Start values by the composite's names."""
+    values = {
+        f"{unit.name}.{name}": float(value)
+        for unit in plan(scene).units
+        for name, value in unit.start.items()
+        if name not in _DRIVE
+    }
+    return values | {"speed": scene.profile().speed(0.0)}

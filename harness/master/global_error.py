@@ -1,0 +1,161 @@
+"""A tolerance that is kept: the error of a whole run, from runs that meet at common points.
+
+What a step errs says little of the end: lightly damped motion gathers errors, motion that is not
+stable multiplies them.  So the run is done twice.  The first chooses its steps by what each of them
+errs (`schemes.adaptive`); the second takes every one of them in two, and is the result.  Where they
+meet they differ by 15 times the error of the second, for the coupling is of order 4 (of order 1
+where weights collide).  If that is more than the tolerance, every step is divided again, into as
+many parts as it takes.
+
+Hairer, Norsett & Wanner 1993, II.4: Richardson's extrapolation, here of the run as a whole.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping, Sequence
+from itertools import pairwise
+
+import numpy as np
+
+from ..errors import SimulationError
+from ..scene import Scene
+from .cosimulation import CoSimulation
+from .names import kin, stations
+from .recorder import Recorder, Signal
+from .scales import least_motion
+from .schemes.adaptive import RESIDUAL_SHARE, Adaptive
+from .schemes.prescribed import SLIVER
+
+ORDER = 4
+ORDER_OF_CONTACTS = 1  # a collision's pulse comes at the end of its step
+SHARES = (10.0, 1.0, 0.1)  # of the tolerance, what a step of the first run may err; halved, 1/16
+AIM = 0.3  # of the tolerance: what further parts are to leave
+MOST_TIMES = 4  # as many parts as in the run before, which is to be confirmed
+MOST_PARTS = 128  # of a step of the first run
+PARTING = 32  # parts that should be enough to see runs come together
+ASYMPTOTIC = 0.03  # of the motion: runs that differ by more need not differ by their order
+Report = Callable[[float], None]
+
+
+class Controlled:
+    """The runs of one scene, each finer than the one before, until the tolerance is kept.
+
+    Args:
+        cosim: to be run, with a tolerance.
+        names: what is recorded.
+
+    Attributes:
+        error: estimated, the largest of all signals, over the largest value of each; of x and y,
+            and of the parts of a vector in the rotor, over the larger; of an angle in rad.
+        parts: of each step of the first run.
+    """
+
+    def __init__(self, cosim: CoSimulation, names: Sequence[str]) -> None:
+        assert cosim.scene.coupling.tolerance is not None
+        self.cosim, self.names = cosim, names
+        self.tolerance = cosim.scene.coupling.tolerance
+        touching = any(balancer.can_touch for balancer in cosim.scene.balancer)
+        self.order = ORDER_OF_CONTACTS if touching else ORDER
+        self.parts, self.error = 1, math.inf
+        self._done = 0  # work, in first runs
+
+    def run(self, progress: Report | None) -> Recorder:
+        """Run as often as it takes; what the last run recorded.
+
+        Raises:
+            SimulationError: as `CoSimulation.run`.
+        """
+        recorder = self._first(progress)
+        grid, signals = recorder.columns()
+        least = least_motion(self.cosim.scene)
+        scale = {name: least.get(unit, 0.0) for name, unit in recorder.signal_units.items()}
+        parts = 1
+        while True:
+            parts = max(2 * parts, self._next_parts())
+            try:
+                recorder = self._run(parts, _divided(grid, parts), progress)
+            except SimulationError:  # steps that the tolerance allowed are too long for the loop
+                if parts >= PARTING:
+                    raise
+                continue
+            times, finer = recorder.columns()
+            at = np.searchsorted(times, grid * (1.0 - SLIVER))
+            finer = {name: values[at] for name, values in finer.items()}
+            apart = _apart(signals, finer, scale)
+            far = apart >= ASYMPTOTIC
+            self.error = apart if far else apart / ((parts / self.parts) ** self.order - 1.0)
+            self.parts, signals = parts, finer
+            # of motions that part no run says more than the one before
+            if self.error <= self.tolerance or parts >= (PARTING if far else MOST_PARTS):
+                return recorder
+
+    def _first(self, progress: Report | None) -> Recorder:
+        """The run that chooses its steps, which shorter ones may bring to its end."""
+        for share in SHARES[:-1]:
+            try:
+                return self._run(1, None, progress, share)
+            except SimulationError:
+                continue
+        return self._run(1, None, progress, SHARES[-1])
+
+    def _next_parts(self) -> int:
+        """Parts of each step of the first run that should keep the tolerance."""
+        if self.parts == 1:
+            return 2
+        wanted = self.parts * (self.error / (AIM * self.tolerance)) ** (1.0 / self.order)
+        return math.ceil(min(MOST_TIMES * self.parts, wanted))
+
+    def _run(
+        self,
+        parts: int,
+        points: Sequence[float] | None,
+        progress: Report | None,
+        share: float = 0.0,
+    ) -> Recorder:
+        """One run, of all that is asked for and all that is compared."""
+        cosim = self.cosim
+        recorder = Recorder(cosim.units, self.names, _motion(cosim.scene))
+        # what is left in the loop must shrink with the rest, or no run would show it
+        residual = RESIDUAL_SHARE * self.tolerance / parts**ORDER
+        cosim.start(points=(points, residual) if points else None)
+        if isinstance(cosim.scheme, Adaptive):
+            cosim.scheme.share = share
+        # of a first run it is certain that another follows
+        done, work = self._done, max(3, self._done + parts)
+        report = progress and (lambda part: progress((done + part * parts) / work))
+        cosim.record(recorder, report)
+        self._done += parts
+        return recorder
+
+
+def _motion(scene: Scene) -> list[str]:
+    """Signals that together are the motion of a scene."""
+    prefixes = stations(len(scene.rotor.stations))
+    names = [f"rotor.{prefix}{axis}" for prefix in prefixes for axis in "xy"]
+    return names + [f"{b.label}.{v}" for b in scene.balancer for v in b.records if v != "clearance"]
+
+
+def _divided(grid: Signal, parts: int) -> list[float]:
+    """Points that divide every step between those of a grid."""
+    shares = np.arange(parts) / parts
+    inner = [begin + shares * (end - begin) for begin, end in pairwise(grid.tolist())]
+    return [*np.concatenate(inner).tolist(), float(grid[-1])]
+
+
+def _apart(
+    one: Mapping[str, Signal], other: Mapping[str, Signal], least: Mapping[str, float]
+) -> float:
+    """Largest difference of signals at common times, each over the largest value of its kind.
+
+    `least` is by signal the smallest that this value is taken to be.
+    """
+    # the rotor's angle is exact, and a clearance what is left of a gap
+    compared = [n for n in other if n != "rotor.angle" and not n.endswith(".clearance")]
+    sizes = {n: max(least[n], float(np.abs(other[n]).max())) for n in compared}
+    worst = 0.0
+    for name in compared:
+        gap = float(np.abs(other[name] - one[name]).max())
+        scale = max(sizes[related] for related in kin(name, compared))
+        worst = max(worst, gap / scale if scale else gap)
+    return worst

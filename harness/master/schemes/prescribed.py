@@ -1,0 +1,67 @@
+"""Prescribed: the communication points of an earlier run, with others between them.
+
+The same step as with a tolerance, solved as far, but of given length: two runs that meet at common
+points differ by their errors alone.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from ..system import System
+from .iterated import MAX_PASSES, Iterated
+
+SLIVER = 1e-12  # of a time: rounding, not a step
+
+
+class Prescribed:
+    """Steps from one of the given points [s] to the next.
+
+    Args:
+        iterated: the scheme that takes a step.
+        points: ascending.
+        residual: of the largest force, that may stay in the loop.
+    """
+
+    name = "iterated"
+    chooses_steps = True
+    startup_halvings = 0
+    miss_per_error = 0.0  # runs are compared instead
+
+    def __init__(self, iterated: Iterated, points: Sequence[float], residual: float) -> None:
+        self.iterated, self.points = iterated, points
+        iterated.allow(residual)
+        self._next = 0
+
+    def cross_jump(self, system: System, time: float, step: float) -> None:
+        """One step of given length, where nothing of the past can be used."""
+        self.iterated.cross_jump(system, time, step)
+
+    def after_start(self, system: System, time: float, step: float) -> None:
+        """Nothing: the points say how long the first steps are."""
+
+    def amplification(self, eigenvalues: Sequence[complex], order: int) -> float:
+        """Nothing: the loop is solved."""
+        return 0.0
+
+    def judge(self, system: System, time: float, residual: float) -> bool:
+        """Whether the loop has converged, as `Iterated.judge`."""
+        return self.iterated.judge(system, time, residual)
+
+    def step(self, system: System, time: float, step: float, longest: float) -> tuple[float, float]:
+        """One step to the next point, or as far as is left (`step`)."""
+        while self._next < len(self.points) and self.points[self._next] <= time * (1.0 + SLIVER):
+            self._next += 1
+        if self._next < len(self.points):
+            step = min(step, self.points[self._next] - time)
+        for measured in (False, True):
+            if measured:
+                # what passes have made of the loop's Jacobian leads nowhere
+                self.iterated.after_start(system, time, step)
+            with system.saved() as states:
+                trial = self.iterated.attempt(system, states, time, step, MAX_PASSES)
+                if measured or trial.residual <= self.iterated.tolerance:
+                    break
+                system.restore(states)
+        trial.accept(system)
+        return step, trial.residual

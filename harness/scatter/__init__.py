@@ -1,0 +1,1 @@
+"""Machines as they leave the factory: a scene whose values scatter within their tolerances."""

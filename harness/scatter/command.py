@@ -1,0 +1,76 @@
+"""`autobalancer scatter`: machines as they leave the factory, with tolerances on their values."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from ..errors import UserError
+from ..output import costs, options
+from ..output.terminal import progress_bar, say, show
+
+VARY = "PATH=NAME(NUMBERS)"
+
+
+def command(
+    scene: Annotated[str, options.SCENE],
+    vary: Annotated[
+        list[str],
+        typer.Option(
+            metavar=VARY,
+            help="A value and its distribution: normal(mean,deviation[,low,high]), "
+            "uniform(low,high), triangular(low,mode,high), lognormal(median,deviation), or one of "
+            "scipy.stats such as weibull_min(c=1.8,scale=0.02). Can be given several times.",
+        ),
+    ],
+    n: Annotated[int, typer.Option("-n", min=1, help="Machines.")] = 10_000,
+    seed: Annotated[int, typer.Option(min=0, help="Another seed draws other machines.")] = 1,
+    output: Annotated[list[Path] | None, options.picture_table_or_store("machine")] = None,
+    json: Annotated[Path | None, options.json("what is said")] = None,
+    cluster: Annotated[str | None, options.cluster()] = None,
+    at_most: Annotated[str, options.at_most()] = costs.DEFAULT,
+) -> None:
+    """Machines with scattering values: residual vibration, ISO grades met, what matters most."""
+    from ..output.cluster import who_works
+    from ..output.files import write_json
+    from ..scene import load_scene
+    from .importance import importances
+    from .report import document, grade_table, importance_table, lines
+    from .study import scatter
+    from .vary import Variation
+
+    places = output or []
+    stores = [path for path in places if options.is_store(path)]
+    if len(stores) > 1:
+        raise UserError(f"{stores[1]}: one store is enough")
+    loaded, variations = load_scene(scene), [Variation.parse(text) for text in vary]
+    with progress_bar(f"machines of {loaded.name}") as progress, who_works(cluster) as workers:
+        found = scatter(
+            loaded,
+            variations,
+            n,
+            seed=seed,
+            workers=workers,
+            progress=costs.within(at_most, f"-n {n}", progress),
+            store=stores[0] if stores else None,
+        )
+    said = document(found, *importances(found))
+    for line in lines(said):
+        say(line)
+    if said["grades"]:
+        show(grade_table(said))
+    if said["importance"]:
+        show(importance_table(said))
+    say(f"Run in C as one composite: {', '.join(u.label for u in loaded.balancer) or 'the rotor'}")
+    for path in places:
+        if path.suffix == options.TABLE:
+            found.to_csv(path)
+        elif path not in stores:
+            from .plot import plot_scatter
+
+            plot_scatter(found, said, path)
+        say(f"Written: {path}")
+    if json is not None:
+        write_json(said, json)

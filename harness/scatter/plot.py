@@ -1,0 +1,70 @@
+"""The picture of a scatter: how machines vibrate, which grade they meet, what matters most."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from matplotlib.figure import Figure
+
+from ..output.plot import metres, save
+from .grade import GRADES
+from .study import Scatter
+
+BINS = 60
+
+
+def plot_scatter(found: Scatter, said: Mapping[str, Any], path: Path) -> Path:
+    """Histogram of residual vibration, cumulative share over the grade, importance of the values.
+
+    Args:
+        said: by `report.document`.
+
+    Raises:
+        UserError: the format is unknown, or the file cannot be written.
+    """
+    figure = Figure(figsize=(12.0, 4.2), layout="constrained")
+    left, middle, right = figure.subplots(1, 3)
+    residual = found.residual[found.ran]
+    factor, unit = metres(float(residual.max()))
+    left.hist(residual * factor, bins=BINS, color="C0")
+    for name, style in (("0.5", "-"), ("0.95", "--"), ("0.99", ":")):
+        label = f"{100 * float(name):g} % below"
+        left.axvline(said["residual"][name] * factor, color="black", ls=style, lw=1.2, label=label)
+    left.set(xlabel=f"residual amplitude [{unit}]", ylabel="machines")
+    left.legend(fontsize="small")
+    _grades(middle, found)
+    _importance(right, said)
+    failed = f", {said['failed']} failed" if said["failed"] else ""
+    figure.suptitle(f"{found.title}\n{said['machines']} machines{failed}")
+    return save(figure, path)
+
+
+def _grades(axes: Any, found: Scatter) -> None:
+    if found.left_out:
+        axes.text(0.5, 0.5, f"no grades:\n{found.left_out}", ha="center", va="center")
+        axes.set_axis_off()
+        return
+    grade = np.sort(found.grade[found.ran])
+    axes.step(grade, np.arange(1, len(grade) + 1) / len(found.grade), where="post")
+    low, high = grade[0], grade[-1]
+    shown = [g for g in GRADES if 0.5 * low <= g <= 2.0 * high]
+    for g in shown:
+        axes.axvline(g, color="0.6", lw=0.8)
+        axes.annotate(f"G{g:g}", (g, 0.02), rotation=90, va="bottom", ha="right", fontsize="small")
+    if low > 0.0:
+        axes.set_xscale("log")
+    axes.set(xlabel="grade just met [mm/s]", ylabel="share of all machines", ylim=(0.0, 1.02))
+
+
+def _importance(axes: Any, said: Mapping[str, Any]) -> None:
+    rows = said["importance"][::-1]
+    indexed = not said["no_first_order"]
+    key = "first_order" if indexed else "rank_correlation"
+    spread = [one["uncertainty"] for one in rows] if indexed else None
+    axes.barh([one["path"] for one in rows], [one[key] for one in rows], xerr=spread, color="C1")
+    words = "share of the variance alone (Sobol, first order)" if indexed else "rank correlation"
+    axes.set_xlabel(f"{words},\nof the residual amplitude")
+    axes.axvline(0.0, color="black", lw=0.8)

@@ -1,0 +1,123 @@
+"""A scatter in words and tables, and as a document for JSON."""
+
+from __future__ import annotations
+
+import re
+from collections import Counter
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+
+from ..output.table import Sheet
+from .grade import GRADES
+from .importance import Importance
+from .study import Scatter
+
+QUANTILES = (0.05, 0.5, 0.95, 0.99)
+CONFIDENCE = 0.95
+MOST_REASONS = 5  # said; the table has all
+_NUMBER = re.compile(r"-?\d+(?:\.\d+)?(?:e[+-]?\d+)?")
+
+
+def document(found: Scatter, important: Sequence[Importance], missing: str) -> dict[str, Any]:
+    """Everything that the command says.
+
+    Args:
+        important, missing: by `importances`.
+    """
+    return {
+        "scene": found.title,
+        "machines": len(found.values),
+        "seed": found.seed,
+        "vary": [one.text for one in found.variations],
+        "failed": int((~found.ran).sum()),
+        "reasons": _reasons(found),
+        "settled": float(found.settled[found.ran].mean()),
+        "residual": {f"{q:g}": float(np.quantile(found.residual[found.ran], q)) for q in QUANTILES},
+        "grades": [] if found.left_out else _grades(found),
+        "no_grades": found.left_out,
+        "importance": [
+            {
+                "path": one.path,
+                "rank_correlation": one.rank_correlation,
+                "first_order": one.first_order,
+                "uncertainty": one.uncertainty,
+            }
+            for one in important
+        ],
+        "no_first_order": missing,
+    }
+
+
+def _reasons(found: Scatter) -> list[dict[str, Any]]:
+    """Most frequent first; reasons that differ in numbers alone are one, shown by an example."""
+    failures = found.failure[~found.ran].tolist()
+    kinds = Counter(_NUMBER.sub("", text) for text in failures)
+    examples = {_NUMBER.sub("", text): text for text in reversed(failures)}
+    return [{"machines": n, "such_as": examples[kind]} for kind, n in kinds.most_common()]
+
+
+def _grades(found: Scatter) -> list[dict[str, Any]]:
+    """Share of all machines within each grade, and its interval; one that failed is in none."""
+    from scipy.stats import binomtest
+
+    rows = []
+    for grade in GRADES:
+        within = int((found.grade <= grade).sum())
+        interval = binomtest(within, len(found.grade)).proportion_ci(CONFIDENCE, "wilson")
+        rows.append(
+            {
+                "grade": f"G{grade:g}",
+                "share": within / len(found.grade),
+                "low": float(interval.low),
+                "high": float(interval.high),
+            }
+        )
+    return rows
+
+
+def grade_table(said: Mapping[str, Any]) -> Sheet:
+    """Grades between the last that no machine meets and the first that all meet."""
+    shares = [row["share"] for row in said["grades"]]
+    begin = sum(share == 0.0 for share in shares) - 1
+    end = max(begin, shares.index(max(shares))) + 1
+    rows = [
+        [row["grade"], *map(_per_cent, (row["share"], row["low"], row["high"]))]
+        for row in said["grades"][max(0, begin) : end]
+    ]
+    return Sheet(("ISO 21940-11", "machines within", "95 % from", "to"), rows, "lrrr")
+
+
+def importance_table(said: Mapping[str, Any]) -> Sheet:
+    """Most important first."""
+    rows = []
+    for one in said["importance"]:
+        index = "-"
+        if one["first_order"] is not None:
+            index = f"{one['first_order']:.3f} ± {one['uncertainty']:.3f}"
+        rows.append([one["path"], index, f"{one['rank_correlation']:+.3f}"])
+    heads = ("value", "share of variance alone (Sobol, first order)", "rank correlation")
+    return Sheet(heads, rows, "lrr")
+
+
+def lines(said: Mapping[str, Any]) -> list[str]:
+    """What the tables do not say."""
+    q = {name: f"{1e3 * value:.4g}" for name, value in said["residual"].items()}
+    found = [
+        f"{said['machines']} machines, seed {said['seed']}: {said['failed']} failed, "
+        f"{_per_cent(said['settled'])} of the others have settled",
+        f"Residual amplitude [mm]: median {q['0.5']}, 5 % {q['0.05']}, 95 % {q['0.95']}, "
+        f"99 % {q['0.99']}",
+    ]
+    if said["no_grades"]:
+        found.append(f"No grades: {said['no_grades']}")
+    if said["no_first_order"]:
+        found.append(f"No share of the variance: {said['no_first_order']}")
+    for one in said["reasons"][:MOST_REASONS]:
+        found.append(f"{one['machines']} failed, such as: {one['such_as']}")
+    return found
+
+
+def _per_cent(share: float) -> str:
+    return f"{100.0 * share:.4g} %"

@@ -1,0 +1,48 @@
+"""The store of a scatter: every chunk of machines as it comes, for xarray to open."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+
+import numpy as np
+import tomli_w
+from numpy.typing import NDArray
+
+from ..output.store import Part, Variable, open_store
+from ..scene import Scene
+from .vary import Variation
+
+
+def open_scatter(
+    path: Path,
+    scene: Scene,
+    variations: Sequence[Variation],
+    seed: int,
+    values: NDArray[np.float64],
+    chunk: int,
+) -> Part:
+    """The machines' outcomes in chunks, begun or gone on with.
+
+    Args:
+        values: (machines, variations).
+
+    Raises:
+        UserError: the store is another's, or none.
+    """
+    along = ("machine",), (len(values),), "machine"
+    outcomes = {
+        "residual": Variable(*along, chunk=chunk, meaning="amplitude, last revolution [m]"),
+        "grade": Variable(*along, chunk=chunk, meaning="of ISO 21940-11, just met [mm/s]"),
+        "settled": Variable(*along, chunk=chunk, meaning="1: the last two revolutions are alike"),
+        "failure": Variable(*along, "str", chunk, "why the run failed"),
+    }
+    made_for = {
+        "content": "scatter",
+        "scene": tomli_w.dumps(scene.document),
+        "variations": "\n".join(one.text for one in variations),
+        "seed": str(seed),
+        "number of machines": str(len(values)),
+    }
+    drawn = {one.path: ("machine", values[:, k]) for k, one in enumerate(variations)}
+    return open_store(path, made_for, {"part": outcomes}, drawn)["part"]

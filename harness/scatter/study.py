@@ -1,0 +1,149 @@
+"""Many machines drawn from a scene's tolerances, each run by the coupling in C."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..errors import SceneError, SimulationError
+from ..master.alike import cosimulate_alike
+from ..master.one_file import composition
+from ..output.table import Sheet
+from ..output.workers import Progress, Workers, in_order
+from ..scene import Scene
+from .grade import moments, residual_grade
+from .store import open_scatter
+from .vary import Variation, drawn, refuse_wrong
+
+CHUNK = 200  # machines worked on together: some seconds at most
+Vector = NDArray[np.float64]
+Outcome = tuple[Vector, Vector, Vector, NDArray[np.object_]]  # residual, grade, settled, failure
+
+
+@dataclass(frozen=True, eq=False)
+class Scatter:
+    """Machines of a scene, and what came of each.
+
+    Attributes:
+        title: of the scene.
+        variations, seed: what the machines were drawn from.
+        values: (n, variations) of every machine.
+        residual: (n,) largest amplitude in the last revolution [m]; NaN where the run failed.
+        grade: (n,) of ISO 21940-11 that the residual unbalance at the end just meets [mm/s]; NaN
+            where the run failed or the scene's balancers do not tell their unbalance.
+        settled: (n,) 1 where the last two revolutions are alike.
+        failure: (n,) why a run failed; else empty.
+        left_out: why there are no grades; else empty.
+    """
+
+    title: str
+    variations: tuple[Variation, ...]
+    seed: int
+    values: Vector
+    residual: Vector
+    grade: Vector
+    settled: Vector
+    failure: NDArray[np.object_]
+    left_out: str = ""
+
+    @cached_property
+    def ran(self) -> NDArray[np.bool_]:
+        """(n,) which runs did not fail."""
+        return np.asarray(self.failure == "")
+
+    def to_csv(self, path: Path) -> Path:
+        """One line a machine.
+
+        Raises:
+            UserError: the file cannot be written.
+        """
+        heads = [one.path for one in self.variations]
+        numbers = np.column_stack([self.values, self.residual, self.grade, self.settled])
+        rows = [
+            ["" if math.isnan(number) else number for number in row] + [failure]
+            for row, failure in zip(numbers.tolist(), self.failure, strict=True)
+        ]
+        heads += ["residual amplitude [m]", "grade [mm/s]", "settled", "failure"]
+        return Sheet(heads, rows).write_csv(path)
+
+
+def scatter(
+    scene: Scene,
+    variations: Sequence[Variation],
+    count: int,
+    *,
+    seed: int = 1,
+    workers: Workers = 1,
+    progress: Progress | None = None,
+    store: Path | None = None,
+) -> Scatter:
+    """Draw machines and run each; the same seed draws the same ones.
+
+    Args:
+        count: machines.
+        workers: processes, or an executor.
+        progress: called with the finished fraction.
+        store: keeps every outcome as it comes; what it holds already is not computed again.
+
+    Raises:
+        UserError: a path is unknown or cannot be varied, the scene cannot be run in C, or the store
+            is another's.
+        SimulationError: every machine has failed.
+    """
+    composition(refuse_wrong(scene, variations))
+    values = drawn(variations, count, seed)
+    paths = [one.path for one in variations]
+    jobs = [(scene, paths, values[i : i + CHUNK]) for i in range(0, count, CHUNK)]
+    kept = None if store is None else open_scatter(store, scene, variations, seed, values, CHUNK)
+    parts = in_order(_machines, jobs, workers, progress, kept)
+    # what a store has of one machine is no array
+    residual, grade, settled, failure = (
+        np.concatenate(list(map(np.atleast_1d, column))) for column in zip(*parts, strict=True)
+    )
+    left_out = "" if moments(scene) is not None else "a liquid does not tell its unbalance"
+    found = Scatter(
+        scene.heading,
+        tuple(variations),
+        seed,
+        values,
+        residual,
+        grade,
+        settled,
+        failure,
+        left_out,
+    )
+    if not found.ran.any():
+        raise SimulationError(f"{scene.name}: no machine could be run: {found.failure[0]}")
+    return found
+
+
+def _machines(job: tuple[Scene, list[str], Vector]) -> Outcome:
+    """Outcomes of some machines; one that cannot be costs itself alone."""
+    scene, paths, values = job
+    failure = np.full(len(values), "", dtype=object)
+    machines: dict[int, Scene] = {}
+    for k, row in enumerate(values.tolist()):
+        try:
+            machines[k] = scene.replace(dict(zip(paths, row, strict=True)))
+        except SceneError as error:
+            failure[k] = str(error)
+    residual, grade, settled = np.full((3, len(values)), np.nan)
+    if machines:
+        asked, rows = moments(scene), list(machines)
+        results = ["residual", "settled", *(asked or ())]
+        found = cosimulate_alike(list(machines.values()), results, threads=1)
+        residual[rows], settled[rows], failure[rows] = (
+            found[name] for name in ("residual", "settled", "failure")
+        )
+        if asked is not None:
+            grade[rows] = [
+                residual_grade(machine, {name: found[name][place] for name in asked})
+                for place, machine in enumerate(machines.values())
+            ]
+    return residual, grade, settled, failure

@@ -1,0 +1,190 @@
+"""What varies, and how: a value of the scene and its distribution, as a user writes them."""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from difflib import get_close_matches
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..errors import UserError
+from ..master.alike import refuse_unvaried
+from ..scene import Scene
+from ..stability.axis import SPEED
+
+EXAMPLE = "PATH=NAME(NUMBER,...), such as balls.drag=normal(0.2,0.02)"
+_TEXT = re.compile(r"(?P<path>[^=]+)=\s*(?P<name>\w+)\s*\((?P<arguments>[^()]*)\)\s*")
+_LOCATION = {"loc": 0.0, "scale": 1.0}  # what every distribution of SciPy has beside its shapes
+
+
+@dataclass(frozen=True)
+class Variation:
+    """A value of the scene that scatters.
+
+    Attributes:
+        path: as for `Scene.replace`.
+        text: as it was written.
+        distribution: SciPy's, with its parameters.
+    """
+
+    path: str
+    text: str
+    distribution: Any
+
+    @classmethod
+    def parse(cls, text: str) -> Variation:
+        """PATH=NAME(NUMBER,...), where parameters can also be given as KEY=NUMBER.
+
+        `normal(mean, deviation, low, high)`, cut off at low and high if they are given,
+        `uniform(low, high)`, `triangular(low, mode, high)`, `lognormal(median, deviation)` with the
+        deviation of the logarithm; or a continuous distribution of `scipy.stats` by its name there
+        with its own parameters, `loc` and `scale` last.
+
+        Raises:
+            UserError: it is not written like that; what is allowed is said.
+        """
+        found = _TEXT.fullmatch(text.strip())
+        if found is None:
+            raise UserError(f"{text}: must be {EXAMPLE}")
+        path = found["path"].strip()
+        makers = _makers()
+        if found["name"] not in makers:
+            near = get_close_matches(found["name"], makers, 3)
+            raise UserError(
+                f"{text}: {found['name']!r}: unknown; must be one of {', '.join(_OWN)}, or a "
+                f"continuous distribution of scipy.stats{', such as ' if near else ''}"
+                f"{', '.join(near)}"
+            )
+        names, defaults, make = makers[found["name"]]
+        given = _bound(text, found["arguments"], names)
+        missing = [name for name in names if name not in {**defaults, **given}]
+        if missing:
+            raise UserError(f"{text}: {', '.join(missing)}: missing; takes {', '.join(names)}")
+        try:
+            distribution = make(**{**defaults, **given})
+            fits = math.isfinite(distribution.ppf(0.5))
+        except ValueError as error:
+            raise UserError(f"{text}: {error}") from None
+        if not fits:
+            raise UserError(f"{text}: no distribution has these parameters: {', '.join(names)}")
+        return cls(SPEED if path == "speed" else path, text.strip(), distribution)
+
+    @property
+    def typical(self) -> float:
+        """The median."""
+        return float(self.distribution.ppf(0.5))
+
+
+def drawn(variations: Sequence[Variation], count: int, seed: int) -> NDArray[np.float64]:
+    """(count, variations) values; each variation has a stream of its own."""
+    streams = np.random.default_rng(seed).spawn(len(variations))
+    values = [
+        one.distribution.rvs(size=count, random_state=stream)
+        for one, stream in zip(variations, streams, strict=True)
+    ]
+    return np.array(values, float).T
+
+
+def refuse_wrong(scene: Scene, variations: Sequence[Variation]) -> Scene:
+    """The typical machine, with every value at its median.
+
+    Raises:
+        UserError: nothing varies, a path twice, one that cannot be, or medians that are wrong.
+    """
+    if not variations:
+        raise UserError(f"--vary: nothing varies; give at least one {EXAMPLE}")
+    paths = [one.path for one in variations]
+    for path in paths:
+        refuse_unvaried(scene, path)
+        if paths.count(path) > 1:
+            raise UserError(f"--vary {path}: given {paths.count(path)} times")
+    return scene.replace({one.path: one.typical for one in variations})
+
+
+Maker = tuple[tuple[str, ...], dict[str, float], Callable[..., Any]]  # names, defaults
+
+
+def _bound(text: str, arguments: str, names: Sequence[str]) -> dict[str, float]:
+    """Numbers by the parameters' names."""
+    given: dict[str, float] = {}
+    parts = [part.strip() for part in arguments.split(",")] if arguments.strip() else []
+    for place, part in enumerate(parts):
+        key, _, number = (piece.strip() for piece in part.rpartition("="))
+        if not key and place < len(names):
+            key = names[place]
+        if key not in names:
+            raise UserError(f"{text}: {part!r}: too many or unknown; takes {', '.join(names)}")
+        if key in given:
+            raise UserError(f"{text}: {key}: given twice")
+        try:
+            given[key] = float(number)
+        except ValueError:
+            raise UserError(f"{text}: {part!r}: must be a number") from None
+        if not math.isfinite(given[key]):
+            raise UserError(f"{text}: {part!r}: must be finite")
+    return given
+
+
+def _normal(mean: float, deviation: float, low: float, high: float) -> Any:
+    from scipy.stats import norm, truncnorm
+
+    if not deviation > 0.0:
+        raise ValueError(f"deviation = {deviation:g}: must be above 0")
+    if not low < high:
+        raise ValueError(f"low = {low:g}: must be below high = {high:g}")
+    if low == -math.inf and high == math.inf:
+        return norm(mean, deviation)
+    return truncnorm((low - mean) / deviation, (high - mean) / deviation, mean, deviation)
+
+
+def _uniform(low: float, high: float) -> Any:
+    from scipy.stats import uniform
+
+    if not low < high:
+        raise ValueError(f"low = {low:g}: must be below high = {high:g}")
+    return uniform(low, high - low)
+
+
+def _triangular(low: float, mode: float, high: float) -> Any:
+    from scipy.stats import triang
+
+    if not (low <= mode <= high and low < high):
+        raise ValueError(f"must be rising: low = {low:g}, mode = {mode:g}, high = {high:g}")
+    return triang((mode - low) / (high - low), low, high - low)
+
+
+def _lognormal(median: float, deviation: float) -> Any:
+    from scipy.stats import lognorm
+
+    if not (median > 0.0 and deviation > 0.0):
+        raise ValueError(f"median = {median:g}, deviation = {deviation:g}: must be above 0")
+    return lognorm(deviation, scale=median)
+
+
+_OWN: dict[str, Maker] = {
+    "normal": (
+        ("mean", "deviation", "low", "high"),
+        {"low": -math.inf, "high": math.inf},
+        _normal,
+    ),
+    "uniform": (("low", "high"), {}, _uniform),
+    "triangular": (("low", "mode", "high"), {}, _triangular),
+    "lognormal": (("median", "deviation"), {}, _lognormal),
+}
+
+
+def _makers() -> dict[str, Maker]:
+    """Distributions by name: SciPy's, and before them those that an engineer's words describe."""
+    from scipy import stats
+
+    found: dict[str, Maker] = {}
+    for name, one in vars(stats).items():
+        if isinstance(one, stats.rv_continuous):
+            shapes = tuple(part.strip() for part in (one.shapes or "").split(",") if part.strip())
+            found[name] = ((*shapes, *_LOCATION), dict(_LOCATION), one)
+    return found | _OWN

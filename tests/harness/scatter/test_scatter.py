@@ -1,0 +1,234 @@
+"""Machines of a linear rotor scatter as its closed form says; stores, failures, the command."""
+
+import csv
+import json
+import math
+
+import numpy as np
+import pytest
+from scipy import stats
+
+from autobalancer.harness import SimulationError, UserError, cosimulate, load_scene
+from autobalancer.harness.scatter import study
+from autobalancer.harness.scatter.grade import residual_grade
+from autobalancer.harness.scatter.importance import importances
+from autobalancer.harness.scatter.study import scatter
+from autobalancer.harness.scatter.vary import Variation
+
+MASS, STIFFNESS, DAMPING, SPEED = 2.0, 800.0, 12.0, 50.0
+
+
+@pytest.fixture
+def linear():
+    """A rotor without balancers whose transient has died out, e^(-zeta w t) = 1e-8."""
+    return (
+        load_scene("two_balls")
+        .without_balancers()
+        .replace(
+            {
+                "rotor.mass": MASS,
+                "rotor.stiffness": STIFFNESS,
+                "rotor.damping": DAMPING,
+                "operation.speed": SPEED,
+                "run.revolutions": 50,
+                "coupling.steps_per_rev": 20,
+            }
+        )
+    )
+
+
+def amplitude(unbalance, damping=DAMPING, speed=SPEED):
+    dynamic = STIFFNESS - MASS * speed**2 + 1j * damping * speed
+    return unbalance * speed**2 / abs(dynamic)
+
+
+def vary(*texts):
+    return [Variation.parse(text) for text in texts]
+
+
+def test_amplitudes_of_linear_rotors_are_distributed_as_their_closed_form(linear):
+    found = scatter(linear, vary("rotor.unbalance=normal(0.02,0.002)"), 500, seed=3)
+    np.testing.assert_allclose(found.residual, amplitude(found.values[:, 0]), rtol=1e-6)
+    expected = stats.norm(amplitude(0.02), amplitude(0.002))
+    assert stats.kstest(found.residual, expected.cdf).pvalue > 0.01
+
+
+def test_speed_and_damping_enter_as_in_the_closed_form(linear):
+    longer = linear.replace({"run.revolutions": 100})  # the least damped: e^-26
+    found = scatter(longer, vary("speed=uniform(45,60)", "rotor.damping=uniform(10,14)"), 40)
+    speed, damping = found.values.T
+    expected = amplitude(linear.rotor.unbalance, damping, speed)
+    np.testing.assert_allclose(found.residual, expected, rtol=1e-6)
+
+
+def test_share_within_a_grade_is_that_of_the_unbalance(linear):
+    """A bare rotor keeps its unbalance: U w / M, uniform, meets G250 for 0.6 of the machines."""
+    low, high = (0.25 * MASS / SPEED + step * 0.001 for step in (-6.0, 4.0))
+    found = scatter(linear, vary(f"rotor.unbalance=uniform({low!r},{high!r})"), 600, seed=2)
+    np.testing.assert_allclose(found.grade, 1e3 * found.values[:, 0] * SPEED / MASS, rtol=1e-12)
+    within = int((found.grade <= 250.0).sum())
+    assert stats.binomtest(within, 600, 0.6).pvalue > 0.01
+
+
+def test_every_machine_is_the_run_of_its_scene():
+    scene = load_scene("two_balls").replace({"run.revolutions": 12})
+    texts = ("weights.drag=uniform(0.01,0.03)", "rotor.stiffness[2]=uniform(40,60)")
+    found = scatter(scene, vary(*texts), 3)
+    for (drag, stiffness), residual, grade in zip(
+        found.values, found.residual, found.grade, strict=True
+    ):
+        changed = scene.replace({"weights.drag": drag, "rotor.stiffness[2]": stiffness})
+        run = cosimulate(changed)
+        motion = np.hypot(run["rotor.x"], run["rotor.y"])[-20:].max()
+        left = complex(
+            scene.rotor.unbalance + run["weights.moment_xi"][-1], run["weights.moment_eta"][-1]
+        )
+        assert residual == pytest.approx(motion, rel=1e-8)
+        assert grade == pytest.approx(1e3 * abs(left) * 3.0 / 0.95, rel=1e-8)
+
+
+def test_a_two_plane_grade_is_judged_at_either_support():
+    """Drum: 0.18/0.4 of the weight is on support 2, and 0.12/0.4 of the unbalance 0.06 kg m."""
+    scene = load_scene("drum")
+    held = dict.fromkeys([f"{b}.moment_{a}" for b in ("front", "back") for a in ("xi", "eta")], 0.0)
+    first = 0.06 * 0.7 / 0.55 * 125.0 / 40.0
+    assert residual_grade(scene, held) == pytest.approx(1e3 * first, rel=1e-12)
+    # what balances support 1 leaves support 2: rings at -0.02 and 0.42 m
+    amount = -0.06 * 0.7 / (1.0 + 0.02 / 0.4) * np.exp(0.4j)
+    held |= {"front.moment_xi": amount.real, "front.moment_eta": amount.imag}
+    second = abs(0.06 * 0.3 * np.exp(0.4j) + amount * -0.02 / 0.4)
+    assert residual_grade(scene, held) == pytest.approx(1e3 * second / 0.45 * 125 / 40, rel=1e-12)
+
+
+def test_a_liquid_has_no_grade_and_that_is_said():
+    found = scatter(load_scene("liquid_disc"), vary("rotor.unbalance=uniform(1e-4,2e-4)"), 2)
+    assert found.left_out
+    assert np.isnan(found.grade).all()
+    assert np.isfinite(found.residual).all()
+
+
+def test_a_machine_that_cannot_be_costs_itself_alone(linear):
+    found = scatter(linear, vary("rotor.damping=normal(1,1)"), 60, seed=5)
+    wrong = found.values[:, 0] < 0.0
+    assert 0 < wrong.sum() < 30
+    np.testing.assert_array_equal(found.ran, ~wrong)
+    assert all("damping" in text and "must be 0 or more" in text for text in found.failure[wrong])
+    assert np.isnan(found.residual[wrong]).all()
+    assert np.isfinite(found.residual[~wrong]).all()
+
+
+def test_nothing_that_runs_is_an_error(linear, monkeypatch):
+    monkeypatch.setattr(study, "refuse_wrong", lambda scene, variations: scene)
+    with pytest.raises(SimulationError, match=r"no machine could be run: .*must be 0 or more"):
+        scatter(linear, vary("rotor.damping=uniform(-2,-1)"), 3)
+
+
+def test_the_seed_alone_decides(linear, monkeypatch):
+    one, two = (scatter(linear, vary("rotor.mass=uniform(1,3)"), 30, seed=4) for _ in range(2))
+    assert one.residual.tobytes() == two.residual.tobytes()
+    monkeypatch.setattr(study, "CHUNK", 7)
+    parts = scatter(linear, vary("rotor.mass=uniform(1,3)"), 30, seed=4)
+    assert parts.residual.tobytes() == one.residual.tobytes()
+    other = scatter(linear, vary("rotor.mass=uniform(1,3)"), 30, seed=5)
+    assert (other.residual != one.residual).all()
+
+
+def test_variance_of_linear_rotors_is_shared_as_their_closed_form_says(linear):
+    """A = U |H(w)|, narrow tolerances: a value's share is what it does with the other fixed."""
+    pytest.importorskip("SALib")
+    found = scatter(linear, vary("rotor.unbalance=normal(0.02,0.002)", "speed=normal(50,1)"), 2000)
+    unbalance, speed = found.values.T
+    np.testing.assert_allclose(found.residual, amplitude(unbalance, DAMPING, speed), rtol=1e-6)
+    by_unbalance = np.var(amplitude(unbalance))
+    by_speed = np.var(amplitude(0.02, DAMPING, speed))
+    shares = np.array([by_unbalance, by_speed]) / np.var(found.residual)
+    rows, missing = importances(found)
+    assert not missing
+    assert [row.path for row in rows] == ["rotor.unbalance", "operation.speed"]
+    for row, share in zip(rows, shares, strict=True):
+        assert row.first_order == pytest.approx(share, abs=0.05)
+    assert rows[0].rank_correlation > 0.9
+
+
+def test_without_salib_rank_correlations_are_given_and_said(linear, monkeypatch):
+    monkeypatch.setitem(__import__("sys").modules, "SALib.analyze", None)
+    found = scatter(linear, vary("rotor.unbalance=uniform(0.01,0.02)"), 200)
+    rows, missing = importances(found)
+    assert "needs SALib" in missing
+    assert rows[0].rank_correlation == pytest.approx(1.0)
+    assert rows[0].first_order is None
+
+
+def test_a_store_that_was_ended_is_gone_on_with_to_the_same_bytes(linear, monkeypatch, tmp_path):
+    xarray = pytest.importorskip("xarray")
+    pytest.importorskip("zarr")
+    monkeypatch.setattr(study, "CHUNK", 10)
+    variations = vary("rotor.damping=normal(2,2)")
+    work, done = study._machines, []
+    whole, ended = tmp_path / "whole.zarr", tmp_path / "ended.zarr"
+    alone = scatter(linear, variations, 31, store=whole)
+
+    def dies(job):
+        if len(done) == 2:
+            raise KeyboardInterrupt
+        done.append(job)
+        return work(job)
+
+    monkeypatch.setattr(study, "_machines", dies)
+    with pytest.raises(KeyboardInterrupt):
+        scatter(linear, variations, 31, store=ended)
+    monkeypatch.setattr(study, "_machines", lambda job: done.append(job) or work(job))
+    resumed = scatter(linear, variations, 31, store=ended)
+    assert len(done) == 4  # two before, two after
+    assert resumed.residual.tobytes() == alone.residual.tobytes()
+    assert list(resumed.failure) == list(alone.failure)
+    contents = [
+        {str(p.relative_to(at)): p.read_bytes() for p in at.rglob("*") if p.is_file()}
+        for at in (whole, ended)
+    ]
+    assert contents[0] == contents[1]
+    with xarray.open_zarr(ended) as data:
+        np.testing.assert_array_equal(data["residual"], alone.residual)
+        np.testing.assert_array_equal(data["rotor.damping"], alone.values[:, 0])
+    with pytest.raises(UserError, match="another seed"):
+        scatter(linear, variations, 31, seed=2, store=ended)
+
+
+def test_command_writes_picture_table_and_document(invoke, tmp_path, monkeypatch):
+    monkeypatch.setattr("os.cpu_count", lambda: 1)
+    picture, table, document = (tmp_path / name for name in ("a.png", "a.csv", "a.json"))
+    outcome = invoke(
+        "scatter", "two_balls", "--vary", "weights.drag=normal(0.0125,0.01)",
+        "--vary", "rotor.unbalance=uniform(0.01,0.03)", "-n", 120, "--seed", 2,
+        "-o", picture, "-o", table, "--json", document,
+    )  # fmt: skip
+    assert outcome.exit_code == 0, outcome.output
+    assert picture.read_bytes().startswith(b"\x89PNG")
+    said = json.loads(document.read_text())
+    with table.open() as stream:
+        rows = list(csv.DictReader(stream))
+    assert len(rows) == said["machines"] == 120
+    failed = [row for row in rows if row["failure"]]
+    assert len(failed) == said["failed"] == sum(one["machines"] for one in said["reasons"]) > 0
+    assert len(said["reasons"]) == 1  # they differ in numbers alone
+    assert all(row["residual amplitude [m]"] == "" for row in failed)
+    within = sum(float(row["grade [mm/s]"] or math.inf) <= 6.3 for row in rows)
+    (g63,) = (row for row in said["grades"] if row["grade"] == "G6.3")
+    assert g63["share"] == pytest.approx(within / 120)
+    assert g63["low"] < g63["share"] < g63["high"]
+    assert "120 machines, seed 2" in outcome.output
+    assert "G6.3" in outcome.output
+
+
+@pytest.mark.parametrize(
+    ("arguments", "said"),
+    [
+        (["--vary", "weights.drag=gauss(1,2)"], "'gauss': unknown"),
+        (["--vary", "wheels.drag=uniform(1,2)"], "cannot be varied"),
+        (["--vary", "weights.drag=uniform(1,2)", "-o", "a.bmp"], "pictures end in"),
+    ],
+)
+def test_command_refuses_what_is_wrong(invoke, arguments, said):
+    outcome = invoke("scatter", "two_balls", *arguments)
+    assert outcome.exit_code == 2
+    assert said in " ".join(outcome.output.split())

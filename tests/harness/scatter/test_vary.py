@@ -1,0 +1,88 @@
+"""Distributions as they are written: what they mean, and what is refused with what is allowed."""
+
+import math
+
+import numpy as np
+import pytest
+from scipy import stats
+
+from autobalancer.harness import UserError, load_scene
+from autobalancer.harness.scatter.vary import Variation, drawn, refuse_wrong
+
+
+@pytest.mark.parametrize(
+    ("text", "cumulative"),
+    [
+        ("normal(0.2,0.02)", lambda x: 0.5 * (1 + math.erf((x - 0.2) / 0.02 / math.sqrt(2)))),
+        ("normal(deviation=0.02, mean=0.2)", stats.norm(0.2, 0.02).cdf),
+        ("uniform(0.15,0.25)", lambda x: (x - 0.15) / 0.1),
+        ("triangular(0.1,0.2,0.4)", lambda x: (x - 0.1) ** 2 / (0.3 * 0.1)),
+        ("lognormal(0.2,0.1)", stats.norm(math.log(0.2), 0.1).cdf),
+        ("weibull_min(1.8,scale=0.2)", lambda x: 1 - math.exp(-((x / 0.2) ** 1.8))),
+    ],
+)
+def test_a_distribution_is_what_its_words_say(text, cumulative):
+    found = Variation.parse(f"weights.drag={text}")
+    assert found.path == "weights.drag"
+    for x in (0.16, 0.18, 0.199):
+        value = math.log(x) if text.startswith("lognormal") else x
+        assert found.distribution.cdf(x) == pytest.approx(cumulative(value), rel=1e-9)
+
+
+def test_a_normal_distribution_can_be_cut_off():
+    one = Variation.parse("rotor.mass=normal(1,0.1,low=0.9,high=1.05)")
+    values = drawn([one], 4000, 1)[:, 0]
+    assert 0.9 <= values.min() < 0.901
+    assert 1.049 < values.max() <= 1.05
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        ("weights.drag", "must be PATH=NAME"),
+        ("weights.drag=0.2", "must be PATH=NAME"),
+        ("weights.drag=norml(1,2)", "'norml': unknown; must be one of normal, uniform.*such as"),
+        ("weights.drag=normal(1)", "deviation: missing; takes mean, deviation, low, high"),
+        ("weights.drag=normal(1,x)", "'x': must be a number"),
+        ("weights.drag=normal(1,nan)", "must be finite"),
+        ("weights.drag=normal(1,2,3,4,5)", "'5': too many or unknown; takes mean"),
+        ("weights.drag=normal(1,sigma=2)", "'sigma=2': too many or unknown; takes mean"),
+        ("weights.drag=normal(1,mean=2)", "mean: given twice"),
+        ("weights.drag=normal(1,-2)", "deviation = -2: must be above 0"),
+        ("weights.drag=normal(1,2,4,3)", "low = 4: must be below high = 3"),
+        ("weights.drag=uniform(2,1)", "low = 2: must be below high = 1"),
+        ("weights.drag=uniform(loc=1,scale=1)", "takes low, high"),
+        ("weights.drag=triangular(1,3,2)", "must be rising"),
+        ("weights.drag=lognormal(-1,1)", "must be above 0"),
+        ("weights.drag=weibull_min(scale=1)", "c: missing; takes c, loc, scale"),
+        ("weights.drag=weibull_min(-1)", "no distribution has these parameters: c, loc, scale"),
+    ],
+)
+def test_a_wrong_variation_is_refused_with_what_is_allowed(text, said):
+    with pytest.raises(UserError, match=said):
+        Variation.parse(text)
+
+
+@pytest.mark.parametrize(
+    ("texts", "said"),
+    [
+        ([], "nothing varies"),
+        (["weights.drag=uniform(1,2)"] * 2, "given 2 times"),
+        (["coupling.tolerance=uniform(1,2)"], "cannot be varied; must be speed or begin with"),
+        (["run.revolutions=uniform(1,2)"], "cannot be varied"),
+        (["weights.drg=uniform(1,2)"], 'did you mean "drag"'),
+        (["weights.drag=uniform(-2,-1)"], "must be 0 or more"),
+        (["weights.count=uniform(1,3)"], "count"),
+    ],
+)
+def test_what_cannot_vary_is_refused_before_the_work(texts, said):
+    with pytest.raises(UserError, match=said):
+        refuse_wrong(load_scene("two_balls"), [Variation.parse(text) for text in texts])
+
+
+def test_a_value_is_drawn_alike_whatever_else_varies_after_it():
+    drag, mass = (Variation.parse(t) for t in ("a.drag=normal(1,1)", "b.mass=uniform(0,1)"))
+    together = drawn([drag, mass], 50, 7)
+    np.testing.assert_array_equal(together[:, :1], drawn([drag], 50, 7))
+    assert abs(np.corrcoef(together.T)[0, 1]) < 0.5
+    assert (drawn([drag], 50, 8) != together[:, :1]).all()
