@@ -87,28 +87,31 @@ class Adaptive:
                 step = remaining
             elif step > 0.5 * remaining:
                 step = 0.5 * remaining
+            failed = False
             with system.saved() as states:
                 try:
                     trial = self.iterated.attempt(system, states, time, step, MAX_PASSES)
                 except SimulationError:  # a unit cannot follow a loop that diverges
                     system.restore(states)
-                    self.rung += 2 * RUNGS
-                    if self.rung > LOWEST:
+                    if self.rung + 2 * RUNGS > LOWEST:
                         raise
-                    self.iterated.after_start(system, time, 0.25 * step)
-                    continue
-                error = self._error(system, trial)
-                change = GROWTH
-                if error > 0.0:
-                    change = min(GROWTH, (AIM * allowed / error) ** 0.25)
-                wanted = RUNGS * math.log2(longest / (step * change))
-                if error <= allowed and trial.residual <= self.iterated.tolerance:
-                    self.rung = max(0, math.ceil(wanted - 1e-9))
-                    trial.accept(system)
-                    return step, trial.residual
-                system.restore(states)
-                if trial.residual > SLOWEST * self.iterated.tolerance:
-                    self.iterated.after_start(system, time, 0.5 * step)
+                    failed = True
+                else:
+                    error = self._error(system, trial)
+                    change = GROWTH
+                    if error > 0.0:
+                        change = min(GROWTH, (AIM * allowed / error) ** 0.25)
+                    wanted = RUNGS * math.log2(longest / (step * change))
+                    if error <= allowed and trial.residual <= self.iterated.tolerance:
+                        self.rung = max(0, math.ceil(wanted - 1e-9))
+                        trial.accept(system)
+                        return step, trial.residual
+                    system.restore(states)
+            if failed or trial.residual > SLOWEST * self.iterated.tolerance:
+                self.iterated.after_start(system, time, 0.5 * step)
+            if failed:
+                self.rung += 2 * RUNGS
+                continue
             self.rejected += 1
             self.rung = max(math.ceil(wanted), self.rung + 1)
             if self.rung > LOWEST:

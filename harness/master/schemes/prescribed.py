@@ -54,12 +54,14 @@ class Prescribed:
             self._next += 1
         if self._next < len(self.points):
             step = min(step, self.points[self._next] - time)
-        with system.saved() as states:
-            trial = self.iterated.attempt(system, states, time, step, MAX_PASSES)
-            if trial.residual > self.iterated.tolerance:
-                # what passes have made of the loop's Jacobian leads nowhere: it is measured anew
-                system.restore(states)
+        for measured in (False, True):
+            if measured:
+                # what passes have made of the loop's Jacobian leads nowhere
                 self.iterated.after_start(system, time, step)
+            with system.saved() as states:
                 trial = self.iterated.attempt(system, states, time, step, MAX_PASSES)
+                if measured or trial.residual <= self.iterated.tolerance:
+                    break
+                system.restore(states)
         trial.accept(system)
         return step, trial.residual

@@ -89,7 +89,8 @@ def coupled(scene: Scene) -> Structure:
     made = composition(scene)
     layout = made.described("Composite").layout
     given = {f"{part.name}.{k}": v for part in made.parts for k, v in part.start.items()}
-    start = {k: v for k, v in {**given, **made.start}.items() if k in layout.index}
+    settable = {v.name for v in layout.variables if v.causality != "output"}
+    start = {k: v for k, v in {**given, **made.start}.items() if k in settable}
     element = Element(scene.name, layout, start, tuple(recorded(scene)))
     return _structure(scene, [element], _drive(scene, [element.name]))
 
