@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any, TypeGuard
 
@@ -54,17 +55,17 @@ def _storable(path: Path) -> None:
     refuse_store(path)
 
 
-def _refuse_unknown_end(path: Path, tables: str = "") -> None:
-    if not is_store(path) and path.suffix.removeprefix(".").lower() not in PICTURES:
-        kinds = ", ".join(f".{kind}" for kind in PICTURES)
-        raise UserError(f"{path}: must end in {kinds}, {tables}or {STORE} for a store")
-
-
 def _drawable_or_store(paths: list[Path] | None) -> list[Path] | None:
     for path in paths or ():
-        _refuse_unknown_end(path)
+        _refuse_ending(path, f"{STORE} for a store", (*PICTURES, STORE.removeprefix(".")))
         _storable(path) if is_store(path) else _drawable(path)
     return paths
+
+
+def _refuse_ending(path: Path, others: str, known: Sequence[str]) -> None:
+    if path.suffix.removeprefix(".").lower() not in known:
+        kinds = ", ".join(f".{kind}" for kind in PICTURES)
+        raise UserError(f"{path}: must end in {kinds}, or {others}")
 
 
 def _writable_or_store(path: Path | None) -> Path | None:
@@ -97,12 +98,10 @@ def table_or_store(of: str) -> Any:
 
 
 def _any_place(paths: list[Path] | None) -> list[Path] | None:
+    kinds = [*PICTURES, *(each.removeprefix(".") for each in (STORE, TABLE))]
     for path in paths or ():
-        if path.suffix == TABLE:
-            _writable(path)
-        else:
-            _refuse_unknown_end(path, f"{TABLE} for a table, ")
-            _drawable_or_store([path])
+        _refuse_ending(path, f"{TABLE} for a table, {STORE} for a store", kinds)
+        _writable(path) if path.suffix == TABLE else _drawable_or_store([path])
     return paths
 
 

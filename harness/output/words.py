@@ -1,14 +1,17 @@
-"""Text of a user's, such as a title, made harmless where it is shown."""
+"""Text of a user's, such as a title, made harmless where it is shown; many messages in few."""
 
 from __future__ import annotations
 
 import re
+from collections import Counter
+from collections.abc import Iterable
 
 # also what turns the direction of writing, and bytes of a file's name that are no UTF-8
 _CONTROL = re.compile(
     r"[\x00-\x08\x0b-\x1f\x7f-\x9f\u200e\u200f\u202a-\u202e\u2066-\u2069\ud800-\udfff]"
 )
 _TAG = re.compile(r"<(?=[A-Za-z/!?])")  # what CommonMark takes for HTML
+_NUMBER = re.compile(r"-?\d+(?:\.\d+)?(?:e[+-]?\d+)?")
 _LINK = re.compile(r"([\[\]])")
 
 
@@ -25,3 +28,13 @@ def in_markdown(text: str) -> str:
 def in_link(text: str) -> str:
     """As the words of a link or of a picture."""
     return _LINK.sub(r"\\\1", in_markdown(text))
+
+
+def kinds_of(texts: Iterable[str]) -> list[tuple[int, str]]:
+    """How often each kind of message occurs, and an example: they differ in numbers alone."""
+    kinds, examples = Counter[str](), dict[str, str]()
+    for text in texts:
+        kind = _NUMBER.sub("", text)
+        kinds[kind] += 1
+        examples.setdefault(kind, text)
+    return [(count, examples[kind]) for kind, count in kinds.most_common()]

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import re
-from collections import Counter
 from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
 
 from ..output.table import Sheet
+from ..output.words import kinds_of
 from .grade import GRADES
 from .importance import Importance
 from .study import Scatter
@@ -17,7 +16,6 @@ from .study import Scatter
 QUANTILES = (0.05, 0.5, 0.95, 0.99)
 CONFIDENCE = 0.95
 MOST_REASONS = 5  # said; the table has all
-_NUMBER = re.compile(r"-?\d+(?:\.\d+)?(?:e[+-]?\d+)?")
 
 
 def document(found: Scatter, important: Sequence[Importance], missing: str) -> dict[str, Any]:
@@ -32,7 +30,10 @@ def document(found: Scatter, important: Sequence[Importance], missing: str) -> d
         "seed": found.seed,
         "vary": [one.text for one in found.variations],
         "failed": int((~found.ran).sum()),
-        "reasons": _reasons(found),
+        "reasons": [
+            {"machines": count, "such_as": text}
+            for count, text in kinds_of(found.failure[~found.ran])
+        ],
         "settled": float(found.settled[found.ran].mean()),
         "residual": {f"{q:g}": float(np.quantile(found.residual[found.ran], q)) for q in QUANTILES},
         "grades": [] if found.left_out else _grades(found),
@@ -48,14 +49,6 @@ def document(found: Scatter, important: Sequence[Importance], missing: str) -> d
         ],
         "no_first_order": missing,
     }
-
-
-def _reasons(found: Scatter) -> list[dict[str, Any]]:
-    """Most frequent first; reasons that differ in numbers alone are one, shown by an example."""
-    failures = found.failure[~found.ran].tolist()
-    kinds = Counter(_NUMBER.sub("", text) for text in failures)
-    examples = {_NUMBER.sub("", text): text for text in reversed(failures)}
-    return [{"machines": n, "such_as": examples[kind]} for kind, n in kinds.most_common()]
 
 
 def _grades(found: Scatter) -> list[dict[str, Any]]:

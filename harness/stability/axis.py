@@ -67,3 +67,16 @@ class Axis:
         unit = unit_of(field) if field else ""
         name = "speed" if self.path == SPEED else self.path
         return f"{name} [{unit}]" if unit else name
+
+
+def refuse_axes(x: Axis, y: Axis) -> None:
+    """Refuse axes that make no map.
+
+    Raises:
+        UserError: both are the same, or a speed is not above 0.
+    """
+    if x.path == y.path:
+        raise UserError(f"{x.path}: both axes are the same")
+    for axis in (x, y):
+        if axis.path == SPEED and not axis.values[0] > 0.0:
+            raise UserError(f"speed = {axis.values[0]:g} rad/s: must be greater than 0")

@@ -13,11 +13,11 @@ from numpy.typing import NDArray
 
 from ...models.assembly import Assembly
 from ...models.stability import growth_map
-from ..errors import SimulationError, UserError
+from ..errors import SimulationError
 from ..output.table import Sheet
 from ..output.workers import Progress, Workers, in_order
 from ..scene import Scene
-from .axis import SPEED, Axis
+from .axis import SPEED, Axis, refuse_axes
 from .boundaries import criterion_of
 from .main_motion import MainMotion
 from .map_store import open_map
@@ -119,11 +119,7 @@ def stability_map(
         UserError: a path is unknown, a value on an axis is wrong, both axes are the same, or the
             store is another map's.
     """
-    if x.path == y.path:
-        raise UserError(f"{x.path}: both axes are the same")
-    for axis in (x, y):
-        if axis.path == SPEED and not axis.values[0] > 0.0:
-            raise UserError(f"speed = {axis.values[0]:g} rad/s: must be greater than 0")
+    refuse_axes(x, y)
     report = progress or (lambda done: None)
     share = 1.0 if not cosim else 0.5
     transposed = y.path == SPEED  # a strip runs along the speed if that takes part

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from enum import Enum
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -18,24 +19,39 @@ _MOST_SAID = 10  # points without a growth rate
 AXIS = "PATH=LOW:HIGH:N[:log]"
 
 
+class Method(str, Enum):
+    """What is known of every point of a map."""
+
+    FLOQUET = "floquet"
+    COSIM_RUN = "cosim-run"
+
+
 def command(
     scene: Annotated[str, options.SCENE],
     x: Annotated[str, typer.Option(metavar=AXIS, help="Such as speed=0.5:12:100 (rad/s).")],
     y: Annotated[str, typer.Option(metavar=AXIS, help="Such as weights.drag=1e-4:1:100:log.")],
     output: Annotated[list[Path] | None, options.pictures_or_store()] = None,
     csv: Annotated[Path | None, options.output(".csv", "Every point.")] = None,
+    method: Annotated[
+        Method,
+        typer.Option(help="Growth rates, or what still vibrates after the scene's run, in C."),
+    ] = Method.FLOQUET,
     cosim: Annotated[
         int, typer.Option(min=0, metavar="K", help="Co-simulate K points of the map, too.")
     ] = 0,
     cluster: Annotated[str | None, options.cluster()] = None,
     at_most: Annotated[str, options.at_most()] = costs.DEFAULT,
 ) -> None:
-    """Draw where balancing is stable over two parameters, by criterion, Floquet and the units."""
+    """Draw over two parameters where balancing is stable, or how far it has come after a run."""
     from ..output.cluster import who_works
     from ..scene import load_scene
     from .axis import Axis
     from .map import stability_map
+    from .run_map import RunMap, run_map
 
+    in_runs = method is Method.COSIM_RUN
+    if in_runs and cosim:
+        raise UserError(f"--cosim {cosim}: belongs to --method floquet; here every point is run")
     stores = [path for path in output or () if options.is_store(path)]
     if len(stores) > 1:
         raise UserError(f"{stores[1]}: one store is enough")
@@ -51,15 +67,18 @@ def command(
             raise UserError(f"{option} {error}") from error
     loaded = load_scene(scene)
     with progress_bar(f"mapping {loaded.name}") as progress, who_works(cluster) as workers:
-        data = stability_map(
-            loaded,
-            *axes,
-            cosim=cosim,
-            workers=workers,
-            progress=costs.within(at_most, f"--x {x} --y {y} --cosim {cosim}", progress),
-            store=stores[0] if stores else None,
-        )
-    _say(data)
+        key = f"--x {x} --y {y}" + (f" --cosim {cosim}" if cosim else "")
+        report, store = costs.within(at_most, key, progress), stores[0] if stores else None
+        data: StabilityMap | RunMap
+        if in_runs:
+            data = run_map(loaded, *axes, workers=workers, progress=report, store=store)
+            for line in data.lines():
+                say(line)
+        else:
+            data = stability_map(
+                loaded, *axes, cosim=cosim, workers=workers, progress=report, store=store
+            )
+            _say(data)
     if cosim:
         from ..master.plan import plan
 
@@ -69,10 +88,14 @@ def command(
     for store in stores:
         say(f"Store: {store}")
     if pictures:
-        from .plot import plot_map
+        from .plot import plot_map, plot_run_map
 
         for picture in pictures:
-            say(f"Picture: {plot_map(data, picture)}")
+            if isinstance(data, RunMap):
+                plot_run_map(data, picture)
+            else:
+                plot_map(data, picture)
+            say(f"Picture: {picture}")
 
 
 def _say(data: StabilityMap) -> None:

@@ -42,15 +42,38 @@ def open_map(
     i, j = np.array(places, dtype=int).reshape(-1, 2).T
     along = {"x": ("x", x.values), "y": ("y", y.values)}
     made_for = {
-        "content": "stability map",
-        "scene": tomli_w.dumps(scene.document),
-        **{f"{name} axis": _words(axis) for name, axis in (("x", x), ("y", y))},
+        **_made_for("stability map", scene, x, y),
         "number of co-simulated points": str(len(places)),
     }
     parts = {"strip": strips, "point": points} if places else {"strip": strips}
     if places:
         along |= {"point_x": ("point", x.values[i]), "point_y": ("point", y.values[j])}
     return open_store(path, made_for, parts, along)
+
+
+def open_run_map(path: Path, scene: Scene, x: Axis, y: Axis) -> Part:
+    """The rows of a map of runs, one for every value of y, begun or gone on with.
+
+    Raises:
+        UserError: the store is another map's, or none.
+    """
+    grid = ("y", "x"), (len(y.values), len(x.values)), "y"
+    rows = {
+        "residual": Variable(*grid, meaning="amplitude in the last revolution [m]"),
+        "settled": Variable(*grid, meaning="1: the last two revolutions are alike"),
+        "failure": Variable(*grid, "str", meaning="why the run failed"),
+    }
+    along = {"x": ("x", x.values), "y": ("y", y.values)}
+    return open_store(path, _made_for("map of runs", scene, x, y), {"row": rows}, along)["row"]
+
+
+def _made_for(content: str, scene: Scene, x: Axis, y: Axis) -> dict[str, str]:
+    return {
+        "content": content,
+        "scene": tomli_w.dumps(scene.document),
+        "x axis": _words(x),
+        "y axis": _words(y),
+    }
 
 
 def _words(axis: Axis) -> str:

@@ -1,4 +1,4 @@
-"""Picture of a stability map: growth rates as colour, boundaries as lines, co-simulated points."""
+"""Pictures of maps: growth rates with boundaries and co-simulated points; what runs leave."""
 
 from __future__ import annotations
 
@@ -8,13 +8,14 @@ from typing import Any
 
 import numpy as np
 from matplotlib.artist import Artist
-from matplotlib.colors import SymLogNorm
+from matplotlib.colors import LogNorm, SymLogNorm
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
-from ..output.plot import save
+from ..output.plot import metres, save
 from .map import StabilityMap
+from .run_map import RunMap
 
 DECADES = 3.0  # of growth rates told apart on either side of zero
 
@@ -51,6 +52,35 @@ def plot_map(data: StabilityMap, path: Path) -> Path:
     figure.legend(
         handles=handles, loc="outside lower center", ncols=min(3, len(handles)), fontsize="small"
     )
+    return save(figure, path)
+
+
+def plot_run_map(data: RunMap, path: Path) -> Path:
+    """Residual amplitude as colour; runs that have not settled are dotted, failed ones hatched."""
+    figure = Figure(figsize=(8.6, 5.6), layout="constrained")
+    axes = figure.subplots()
+    x, y = data.x.values, data.y.values
+    shown = np.ma.masked_invalid(data.residual)
+    factor, unit = metres(float(shown.max()) if shown.count() else 1.0)
+    shown = shown * factor
+    positive = shown[shown > 0.0]
+    norm = LogNorm(positive.min(), positive.max()) if positive.count() else None
+    colours = axes.pcolormesh(x, y, shown, cmap="viridis", norm=norm, rasterized=True)
+    figure.colorbar(colours, ax=axes, pad=0.015, label=f"residual amplitude [{unit}]")
+    handles: list[Artist] = []
+    j, i = np.nonzero(data.settled == 0.0)
+    if len(i):
+        handles += axes.plot(x[i], y[j], ".", color="white", ms=2.0, mec="0.3", mew=0.3)
+        handles[-1].set_label("not settled")
+    if shown.mask.any():
+        look: Any = {"facecolor": "0.85", "edgecolor": "0.6", "hatch": "///"}
+        axes.patch.set(**look)
+        handles.append(Patch(**look, label="failed"))
+    scales = ["log" if axis.log else "linear" for axis in (data.x, data.y)]
+    axes.set(xscale=scales[0], yscale=scales[1], title=data.title)
+    axes.set(xlabel=data.labels[0], ylabel=data.labels[1])
+    if handles:
+        figure.legend(handles=handles, loc="outside lower center", ncols=2, fontsize="small")
     return save(figure, path)
 
 

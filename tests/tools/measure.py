@@ -7,11 +7,12 @@ import os
 import shutil
 import subprocess
 import sys
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from functools import cache
 from importlib.util import find_spec
 from pathlib import Path
+from typing import Literal
 
 import numpy as np
 from fmpy import platform_tuple
@@ -29,34 +30,58 @@ SCENE = "two_balls"
 SIGNALS = ("rotor.x", "rotor.y")
 VALUES, SLOPES = "SSP, values alone", "SSP, values and slopes"
 ONE_SSP, ONE_FMU, OSP = "SSP, composite", "composite FMU", "units, values alone"
+COFMUPY = "COFMUPY_PYTHON"  # it needs older versions of FMPy and pythonfmu than we do
 _TIMEOUT = 600  # s
+
+
+_FOUND_BY: dict[str, Callable[[str], object]] = {
+    "module": find_spec,
+    "program": shutil.which,
+    "variable": os.environ.get,
+}
 
 
 @dataclass(frozen=True)
 class Tool:
-    """A tool: the module or program it needs, by which it is found, and what it runs by what."""
+    """A tool: what it is found by, and what it runs by which driver.
+
+    Attributes:
+        needs: a module, a program on PATH, or a variable of the environment that names the Python
+            of a tool with an environment of its own.
+    """
 
     name: str
     needs: str
     runs: dict[str, str]
-    program: bool = False
+    by: Literal["module", "program", "variable"] = "module"
 
     @property
     def present(self) -> bool:
         """Whether this machine has it."""
-        return bool(shutil.which(self.needs) if self.program else find_spec(self.needs))
+        return bool(_FOUND_BY[self.by](self.needs))
+
+    @property
+    def python(self) -> str:
+        """The interpreter that drives it."""
+        return os.environ[self.needs] if self.by == "variable" else sys.executable
+
+
+def _separate(driver: str) -> dict[str, str]:
+    return dict.fromkeys((VALUES, SLOPES), driver)
 
 
 def _packages(driver: str) -> dict[str, str]:
-    return dict.fromkeys((VALUES, SLOPES, ONE_SSP), driver)
+    return {**_separate(driver), ONE_SSP: driver}
 
 
 TOOLS = (
     Tool("FMPy", "fmpy", {**_packages("fmpy_ssp"), ONE_FMU: "fmpy_fmu"}),
     Tool("libcosim", "libcosimpy", {OSP: "", **_packages("libcosim")}),
     Tool("ecos", "ecospy", _packages("ecos")),
-    Tool("OMSimulator", "OMSimulator", _packages("omsimulator"), program=True),
-    Tool("fmusim", "fmusim", {ONE_FMU: "fmusim"}, program=True),
+    Tool("CoFMuPy, jacobi", COFMUPY, _separate("cofmupy_jacobi"), by="variable"),
+    Tool("CoFMuPy, gauss_seidel", COFMUPY, _separate("cofmupy_gauss_seidel"), by="variable"),
+    Tool("OMSimulator", "OMSimulator", _packages("omsimulator"), by="program"),
+    Tool("fmusim", "fmusim", {ONE_FMU: "fmusim"}, by="program"),
 )
 
 
@@ -95,9 +120,8 @@ class Bench:
             else:
                 prefix = f"{scene.name}." if what == ONE_SSP else ""
                 names = [prefix + name for name in SIGNALS]
-                seconds, rows = _driven(
-                    tool.runs[what], self._file(what, steps), step, count, names
-                )
+                file = self._file(what, steps)
+                seconds, rows = _driven(tool, what, file, step, count, names)
         except SimulationError as error:
             return Row(None, said=str(error))
         right = self._right(steps)
@@ -142,12 +166,12 @@ def _osp(scene: Scene) -> tuple[float, np.ndarray]:
 
 
 def _driven(
-    driver: str, file: Path, step: float, count: int, names: list[str]
+    tool: Tool, what: str, file: Path, step: float, count: int, names: list[str]
 ) -> tuple[float, np.ndarray]:
     # libraries that pip puts beside the interpreter's, as TBB for ecos, are not searched by default
     beside = [f"{sys.prefix}/lib", os.environ.get("LD_LIBRARY_PATH", "")]
     done = subprocess.run(
-        [sys.executable, drivers.__file__, driver, str(file), repr(step), str(count), *names],
+        [tool.python, drivers.__file__, tool.runs[what], str(file), repr(step), str(count), *names],
         env={**os.environ, "LD_LIBRARY_PATH": os.pathsep.join(filter(None, beside))},
         capture_output=True,
         text=True,

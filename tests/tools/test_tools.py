@@ -37,7 +37,7 @@ def test_the_composite_keeps_its_error_at_any_step_of_the_tool(bench, tool, what
     assert row.error < 1e-4
 
 
-@pytest.mark.parametrize("name", ["libcosim", "ecos"])
+@pytest.mark.parametrize("name", ["libcosim", "ecos", "CoFMuPy, jacobi"])
 def test_slopes_give_masters_that_step_side_by_side_another_order(bench, name):
     """The error of held values falls with the step, that of slopes with its square."""
     tool = _named(name)
@@ -45,6 +45,12 @@ def test_slopes_give_masters_that_step_side_by_side_another_order(bench, name):
     assert 1.6 < held[0] / held[1] < 2.6
     assert 3.0 < sloped[0] / sloped[1] < 5.0
     assert sloped[1] < held[1] / 3.0
+
+
+def test_slopes_harm_a_master_that_steps_one_unit_after_the_other(bench):
+    tool = _named("CoFMuPy, gauss_seidel")
+    held, sloped = (bench.run(tool, what, 20).error for what in (VALUES, SLOPES))
+    assert sloped > 1.2 * held
 
 
 def test_libcosim_reads_from_the_package_what_it_reads_from_its_own_structure(bench):

@@ -1,0 +1,114 @@
+"""What still vibrates after a scene's run, over two of its parameters: every point run in C."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..master.alike import cosimulate_alike, refuse_unvaried
+from ..master.one_file import composition
+from ..output.table import Sheet
+from ..output.words import kinds_of
+from ..output.workers import Progress, Workers, in_order
+from ..scene import Scene
+from .axis import Axis, refuse_axes
+from .map_store import open_run_map
+
+_RESULTS = ("residual", "settled", "failure")
+Rows = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class RunMap:
+    """Runs over two parameters.
+
+    Attributes:
+        title: of the scene.
+        x, y: axes, and their labels.
+        residual: (len(y), len(x)) largest amplitude in the last revolution [m]; NaN where the run
+            failed.
+        settled: (len(y), len(x)) 1 where the last two revolutions are alike.
+        failure: (len(y), len(x)) why a run failed; else empty.
+    """
+
+    title: str
+    x: Axis
+    y: Axis
+    labels: tuple[str, str]
+    residual: Rows
+    settled: Rows
+    failure: NDArray[np.object_]
+
+    def lines(self) -> Iterator[str]:
+        """What came of the runs, in words."""
+        failed = self.failure[self.failure != ""]
+        ran, settled = self.residual.size - failed.size, int(np.nansum(self.settled))
+        yield (
+            f"{self.residual.size} runs in C as one composite: {settled} settled, "
+            f"{ran - settled} not, {failed.size} failed"
+        )
+        if ran:
+            low, high = 1e3 * np.nanmin(self.residual), 1e3 * np.nanmax(self.residual)
+            yield f"Residual amplitude: {low:.4g} to {high:.4g} mm"
+        for count, reason in kinds_of(failed)[:3]:
+            yield f"{count} failed, such as: {reason}"
+
+    def to_csv(self, path: Path) -> Path:
+        """One line a point of the grid.
+
+        Raises:
+            UserError: the file cannot be written.
+        """
+        rows = []
+        for (j, i), failure in np.ndenumerate(self.failure):
+            numbers = (self.residual[j, i], self.settled[j, i])
+            shown = ("", "") if failure else (f"{number:.10g}" for number in numbers)
+            place = (f"{self.x.values[i]:.10g}", f"{self.y.values[j]:.10g}")
+            rows.append((*place, *shown, failure))
+        heads = (*self.labels, "residual amplitude [m]", "settled", "failure")
+        return Sheet(heads, rows).write_csv(path)
+
+
+def run_map(
+    scene: Scene,
+    x: Axis,
+    y: Axis,
+    *,
+    workers: Workers = 1,
+    progress: Progress | None = None,
+    store: Path | None = None,
+) -> RunMap:
+    """Run the scene at every point of a grid.
+
+    Args:
+        workers, progress, store: as `stability_map`.
+
+    Raises:
+        UserError: a path is unknown or cannot be varied, a value on an axis is wrong, both axes are
+            the same, the scene cannot be run in C, or the store is another map's.
+    """
+    refuse_axes(x, y)
+    for axis in (x, y):
+        refuse_unvaried(scene, axis.path)
+    for ends in itertools.product((0, -1), repeat=2):  # what is wrong is so before the work
+        at = {axis.path: axis.values[end] for axis, end in zip((x, y), ends, strict=True)}
+        composition(scene.replace(at))
+    jobs = [(scene, x, y.path, value) for value in y.values.tolist()]
+    kept = None if store is None else open_run_map(store, scene, x, y)
+    rows = in_order(_row, jobs, workers, progress, kept)
+    residual, settled, failure = (np.concatenate(column) for column in zip(*rows, strict=True))
+    labels = x.label(scene), y.label(scene)
+    return RunMap(scene.heading, x, y, labels, residual, settled, failure)
+
+
+def _row(job: tuple[Scene, Axis, str, float]) -> tuple[NDArray, ...]:
+    """Results (1, len(x)) of the runs along x."""
+    scene, x, path, value = job
+    scenes = [scene.replace({x.path: each, path: value}) for each in x.values.tolist()]
+    found = cosimulate_alike(scenes, ("residual", "settled"), threads=1)
+    return tuple(found[name][None] for name in _RESULTS)
