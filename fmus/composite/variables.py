@@ -112,6 +112,7 @@ def _of_part(name: str, variable: Variable) -> Variable:
     return replace(
         variable,
         name=f"{der}{name}.{variable.name.removeprefix(der)}",
+        description=f"{name}: {variable.description}",
         derivative_of=variable.derivative_of and f"{name}.{variable.derivative_of}",
         depends=(),
         begins=(),

@@ -64,6 +64,8 @@ def test_a_scene_is_one_file_on_request(tmp_path, fmi):
     assert found == pytest.approx((20 * 2 * math.pi / 3, 2 * math.pi / 3 / 20), rel=1e-14)
     starts = {v.name: v.start for v in description.modelVariables}
     assert float(starts["rotor.mass"]) == 0.95
+    said = {v.name: v.description for v in description.modelVariables}
+    assert said["weights.mass"].startswith("weights: ")
     assert float(starts["coupling.steps_per_rev"]) == 20.0
 
 
