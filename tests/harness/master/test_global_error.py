@@ -32,6 +32,18 @@ def error_of(scene, result):
     return max(deviations(result, motion(scene, result)).values())
 
 
+@pytest.mark.parametrize("tolerance", [1e-1, 1e-2])
+def test_steps_that_are_taken_back_do_not_loosen_those_to_come(tolerance):
+    """Rejected trials under a loose tolerance reach a thousand times the forces there are."""
+    scene = UNSTABLE.replace({"coupling.tolerance": tolerance})
+    with CoSimulation(scene) as cosim:
+        cosim.start()
+        for _ in cosim.run():
+            pass
+        assert cosim.steps < 300
+    assert error_of(scene, cosimulate(scene)) < tolerance
+
+
 def test_a_tolerance_is_kept_where_steps_that_keep_it_lose_the_motion():
     steps = UNSTABLE.replace({"coupling.tolerance": 1e-3})
     with CoSimulation(steps) as cosim:
