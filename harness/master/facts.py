@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 
 from ..errors import LoopError
 from ..scene import Scene
+from ..scene.run import LOOSEST_TOLERANCE
 from .left_out import left_out
 from .recorder import Recorder
 from .resolution import SAID
@@ -84,9 +86,10 @@ def events(facts: Facts) -> list[str]:
     if tolerance is not None:
         if facts.estimated_error > tolerance:
             notes.append(
-                f"tolerance = {tolerance:g} is not kept: the motion errs by about "
-                f"{facts.estimated_error:.1g} of itself, and shorter steps change it: neighbouring "
-                "motions part; a shorter run, or statistics, can be relied on"
+                f"tolerance = {tolerance:g} is not kept: runs with ever shorter steps still "
+                f"differ, the motion errs by about {facts.estimated_error:.1g} of itself: use "
+                f"{_looser(facts.estimated_error)}a smaller run.revolutions, or verify, which "
+                "measures every signal's error and says whether neighbouring motions part"
             )
     elif facts.estimated_error >= SAID:
         notes.append(
@@ -104,6 +107,12 @@ def events(facts: Facts) -> list[str]:
             "gather over many revolutions are not estimated: verify measures them"
         )
     return notes
+
+
+def _looser(error: float) -> str:
+    """The tolerance that such an error keeps, as advice; empty where none so loose is allowed."""
+    kept = 10.0 ** math.ceil(math.log10(error))
+    return f"coupling.tolerance = {kept:g}, " if kept <= LOOSEST_TOLERANCE else ""
 
 
 def advice(error: Exception, scene: Scene) -> str:

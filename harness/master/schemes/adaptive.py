@@ -97,7 +97,7 @@ class Adaptive:
                         raise
                     failed = True
                 else:
-                    error = self._error(system, trial)
+                    error, largest_motion = self._error(system, trial)
                     change = GROWTH
                     if error > 0.0:
                         change = min(GROWTH, (AIM * allowed / error) ** 0.25)
@@ -105,6 +105,7 @@ class Adaptive:
                     if error <= allowed and trial.residual <= self.iterated.tolerance:
                         self.rung = max(0, math.ceil(wanted - 1e-9))
                         trial.accept(system)
+                        self._largest_motion = largest_motion
                         return step, trial.residual
                     system.restore(states)
             if failed or trial.residual > SLOWEST * self.iterated.tolerance:
@@ -120,16 +121,17 @@ class Adaptive:
                     f"{step:.3g} s still err by {error:.3g}, loop residual {trial.residual:.3g}"
                 )
 
-    def _error(self, system: System, trial: Trial) -> float:
-        """Largest relative error of the signals' cubics over the step."""
+    def _error(self, system: System, trial: Trial) -> tuple[float, float]:
+        """Largest relative error of the signals' cubics over the step, and the largest motion."""
         forces = [end for _, end in trial.forces]
         motion = [end for _, end in trial.motion]
         largest = max((abs(end[0]) for end in motion), default=0.0)
-        self._largest_motion = max(self._largest_motion, largest)
-        return max(
-            self._cancelled * _worst(system.forces, forces, trial.step, self.iterated.largest),
-            _worst(system.accelerations, motion, trial.step, self._largest_motion),
+        largest = max(self._largest_motion, largest)
+        error = max(
+            self._cancelled * _worst(system.forces, forces, trial.step, trial.largest),
+            _worst(system.accelerations, motion, trial.step, largest),
         )
+        return error, largest
 
 
 def _worst(

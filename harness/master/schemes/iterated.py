@@ -35,16 +35,20 @@ class Trial:
     Attributes:
         motion, forces: cubic over the step and end, of every plane and exchange.
         residual: of the forces, relative to the largest so far.
+        largest: force [N] so far, this step's included.
     """
 
+    scheme: Iterated
     time: float
     step: float
     motion: list[tuple[Cubic, Knot]]
     forces: list[tuple[Cubic, Knot]]
     residual: float
+    largest: float
 
     def accept(self, system: System) -> None:
         """Go on from the end of the step."""
+        self.scheme.largest = self.largest
         system.accept(self.motion, self.forces, self.time, self.step)
 
 
@@ -134,8 +138,9 @@ class Iterated:
             accelerations, ends, answers = self._pass(system, starts, u, time, step)
             g_u = self._pack(answers, step)
             residual = difference(g_u, u)
-            self.largest = max(self.largest, size(g_u))
-            error = size(residual) / self.largest if self.largest else 0.0
+            # of passes and steps that are taken back none counts: they can be far too large
+            largest = max(self.largest, size(g_u))
+            error = size(residual) / largest if largest else 0.0
             if previous and error > max(self.tolerance, SLOW * previous[2]):
                 self.newton.learn(previous[0], previous[1], residual)
             if number == passes or not error > self.tolerance:
@@ -145,7 +150,8 @@ class Iterated:
             u = [a + b for a, b in zip(u, du, strict=True)]
             system.restore(states)
         motion = list(zip(accelerations, ends, strict=True))
-        return Trial(time, step, motion, joined(system.forces, answers, step), error)
+        forces = joined(system.forces, answers, step)
+        return Trial(self, time, step, motion, forces, error, largest)
 
     def after_start(self, system: System, time: float, step: float) -> None:
         """Take the loop's Jacobian from steps of this length, all of them taken back.

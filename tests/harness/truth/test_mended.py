@@ -203,6 +203,41 @@ RIGHT = {
         "coupling": {"tolerance": 0.001},
         "run": {"revolutions": 9.0},
     },
+    "a light pendulum on stiff, all but undamped supports": {
+        "rotor": {
+            "kind": "planar",
+            "mass": 1.0,
+            "stiffness": [2.2e6, 4.6e7],
+            "damping": 0.0044,
+            "unbalance": 2.1e-5,
+        },
+        "balancer": [
+            {"kind": "pendulums", "count": 1, "mass": 0.011, "track_radius": 0.2, "drag": 0.0034}
+        ],
+        "operation": {"speed": 100.0},
+        "run": {"revolutions": 3.0},
+    },
+    "heavy liquid as a force on a lightly damped rotor": {
+        "rotor": {
+            "kind": "planar",
+            "mass": 1.0,
+            "stiffness": 1.0e6,
+            "damping": 5.0,
+            "unbalance": 0.001,
+        },
+        "balancer": [
+            {
+                "kind": "liquid",
+                "chamber_radius": 0.1,
+                "float_radius": 0.09,
+                "height": 0.4,
+                "density": 1000.0,
+                "inertia_as_force": True,
+            }
+        ],
+        "operation": {"speed": 50.0},
+        "run": {"revolutions": 3.0},
+    },
 }
 
 
