@@ -38,9 +38,12 @@ FLAGS = ("-std=c99", "-O2", "-ffp-contract=off", "-fno-math-errno")
 _WARNINGS = ("-Wall", "-Wextra", "-Wpedantic")
 # macOS headers would call checking variants of memcpy
 _OBJECT = ("-fPIC", "-fvisibility=hidden", "-D_FORTIFY_SOURCE=0")
+# nothing unwinds the stack of C; Windows wants its tables
+_NO_TABLES = ("-fno-asynchronous-unwind-tables", "-fno-unwind-tables")
 _LINK = ("-shared", "-nostdlib", "-s")
 # else the path of the output would stand in the library
 _INSTALL_NAME = ("-Wl,-install_name,@rpath/autobalancer.dylib",)
+_MACOS = (_NO_TABLES, _INSTALL_NAME)
 
 
 @dataclass(frozen=True)
@@ -50,21 +53,22 @@ class Platform:
     Attributes:
         target: name that zig has for the platform, with the oldest system it serves.
         library: file name.
-        link: further options.
+        compiler, link: further options of either.
     """
 
     target: str
     library: str
+    compiler: tuple[str, ...] = ()
     link: tuple[str, ...] = ()
 
 
 # by their names in FMI 3.0
 PLATFORMS = {
-    "x86_64-linux": Platform("x86_64-linux-gnu.2.17", "autobalancer.so"),
-    "aarch64-linux": Platform("aarch64-linux-gnu.2.17", "autobalancer.so"),
+    "x86_64-linux": Platform("x86_64-linux-gnu.2.17", "autobalancer.so", _NO_TABLES),
+    "aarch64-linux": Platform("aarch64-linux-gnu.2.17", "autobalancer.so", _NO_TABLES),
     "x86_64-windows": Platform("x86_64-windows-gnu", "autobalancer.dll"),
-    "x86_64-darwin": Platform("x86_64-macos.11.0", "autobalancer.dylib", _INSTALL_NAME),
-    "aarch64-darwin": Platform("aarch64-macos.11.0", "autobalancer.dylib", _INSTALL_NAME),
+    "x86_64-darwin": Platform("x86_64-macos.11.0", "autobalancer.dylib", *_MACOS),
+    "aarch64-darwin": Platform("aarch64-macos.11.0", "autobalancer.dylib", *_MACOS),
 }
 
 _STAMP = '#ifndef STAMP_H\n#define STAMP_H\n\n#define STAMP "{}"\n\n#endif\n'
@@ -163,7 +167,7 @@ def _compiled(platform: Platform, environment: dict[str, str]) -> bytes:
 
         def compiled(file: str) -> str:
             output = str(Path(folder) / f"{Path(file).stem}.o")
-            options = (*FLAGS, *_WARNINGS, *_OBJECT, "-I", str(GENERATED))
+            options = (*FLAGS, *_WARNINGS, *_OBJECT, *platform.compiler, "-I", str(GENERATED))
             _zig([*target, *options, "-c", file, "-o", output], environment)
             return output
 

@@ -14,7 +14,7 @@ static int positive(const char *name, double value, Failure *failure)
                : fail(failure, FAILURE_NOT_POSITIVE, name, 0, value, 0.0, 0.0, 0.0);
 }
 
-static int finite(const char *name, double value, Failure *failure)
+static int demand_finite(const char *name, double value, Failure *failure)
 {
     return is_finite(value) ? FINE
                             : fail(failure, FAILURE_NOT_FINITE, name, 0, value, 0.0, 0.0, 0.0);
@@ -46,11 +46,11 @@ static int check_unbalances(int count, const double *unbalances, Failure *failur
     for (k = 0; k < count && !code; k++) {
         code = not_negative("unbalances: amount", unbalances[3 * k + 1], failure);
         if (!code) {
-            code = finite("unbalances: angle", unbalances[3 * k + 2], failure);
+            code = demand_finite("unbalances: angle", unbalances[3 * k + 2], failure);
         }
     }
     for (k = 0; k < count && !code; k++) {
-        code = finite("unbalances: position", unbalances[3 * k], failure);
+        code = demand_finite("unbalances: position", unbalances[3 * k], failure);
     }
     return code;
 }
@@ -79,10 +79,10 @@ static int check_two_support(const TwoSupport *v, int plane_count, Failure *fail
         code = positive("span", v->span, failure);
     }
     if (!code) {
-        code = finite("com", v->com, failure);
+        code = demand_finite("com", v->com, failure);
     }
     if (!code) {
-        code = finite("polar_inertia", v->polar_inertia, failure);
+        code = demand_finite("polar_inertia", v->polar_inertia, failure);
     }
     if (!code && !(v->polar_inertia >= 0.0 && v->polar_inertia <= 2.0 * v->inertia)) {
         code = fail(failure, FAILURE_POLAR_INERTIA, "polar_inertia", 0, v->polar_inertia,
@@ -92,7 +92,7 @@ static int check_two_support(const TwoSupport *v, int plane_count, Failure *fail
         code = per_support("stiffness", v->stiffness, "damping", v->damping, failure);
     }
     for (k = 0; k < plane_count && !code; k++) {
-        code = finite("planes", v->planes[k], failure);
+        code = demand_finite("planes", v->planes[k], failure);
     }
     return code ? code : check_unbalances(v->unbalance_count, v->unbalances, failure);
 }
@@ -136,7 +136,7 @@ static int check_discs(int n, const Flexible *v, Failure *failure)
     const int p = v->supports[0], q = v->supports[1];
     int k, code = FINE;
     for (k = 0; k < n && !code; k++) {
-        code = finite("stations", v->stations[k], failure);
+        code = demand_finite("stations", v->stations[k], failure);
     }
     if (code) {
         return code;
