@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import brentq
 
-from autobalancer.models.contact.spacing import SLACK, half_angle, least_distance
+from autobalancer.models.contact.spacing import SLACK, closest, half_angle
 from autobalancer.models.criteria import Criterion
 from autobalancer.models.papers.capacity import capacity, demand_fit, packed_sine, weight_mass
 from autobalancer.models.papers.influence import Complex, unbalance_from_response
@@ -111,7 +111,7 @@ def completed_angles(
     half = math.acos(min(1.0, abs(left) / 2.0))
     middle = cmath.phase(left)
     angles = [*free, middle - half, middle + half]
-    nearest = least_distance(angles)
+    nearest = closest(angles)[0]
     apart = 2.0 * half_angle(radius, weights.track_radius)
     if nearest < apart * (1.0 - SLACK):
         raise ValueError(f"free: weights overlap, {nearest:.6g} rad apart instead of {apart:.6g}")

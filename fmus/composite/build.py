@@ -5,9 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from pathlib import Path
 
-from ..build import native_contents, opened, written
-from ..native.package import platforms_of
-from ..xml.archive import digest
+from ..build import native_contents, written
 from ..xml.description import Capabilities
 from .composition import Composition
 
@@ -38,18 +36,6 @@ def build_composite(
         OSError: the file cannot be written; nothing is left behind.
     """
     return written(_contents(composition, name, fmi, platforms), destination, name)
-
-
-def is_present_composite(path: Path | str, composition: Composition, name: str) -> bool:
-    """Whether an FMU file (FMI 2.0) is what `build_composite` would write from the present sources.
-
-    Raises:
-        ValueError: the file is not an FMU.
-        OSError: it cannot be read.
-    """
-    files = opened(path)[0]
-    platforms = platforms_of(files)
-    return bool(platforms) and digest(files) == digest(_contents(composition, name, 2, platforms))
 
 
 def _contents(

@@ -29,12 +29,13 @@ def own_variables(sizes: CompositeSizes) -> list[Variable]:
             "1",
             "Relative error a step may make, which chooses the steps; 0: not used",
             minimum=0.0,
+            maximum=0.1,
         ),
         parameter(
             "coupling.steps_per_rev",
             0.0,
             "1",
-            "Steps in the fastest revolution; 0: not used",
+            "Steps in the fastest revolution: a whole number, at least 4; 0: not used",
             minimum=0.0,
         ),
         parameter(
@@ -111,6 +112,7 @@ def _of_part(name: str, variable: Variable) -> Variable:
     return replace(
         variable,
         name=f"{der}{name}.{variable.name.removeprefix(der)}",
+        description=f"{name}: {variable.description}",
         derivative_of=variable.derivative_of and f"{name}.{variable.derivative_of}",
         depends=(),
         begins=(),

@@ -10,6 +10,7 @@
 static const double POINT_OF_STEP = 1e-10, POINT_OF_TIME = 4e-16, SAME_SPEED = 1e-9;
 static const double MOST_STEPS = 1e8; /* within a step of the host: minutes */
 static const double LOOSEST = 0.1; /* tolerance */
+static const double FEWEST_STEPS = 4.0; /* fewer do not resolve one revolution */
 static const double WEAK_LOOP = 0.1; /* one corrector pass then leaves 1 % of the prediction's error */
 static const double ROUNDING = 1e-14; /* of the largest force there can be */
 
@@ -116,10 +117,15 @@ static int refuse(Unit *unit, const char *why)
 static int parameters(Unit *unit)
 {
     Composite *c = unit->own;
+    const double steps = unit->real[c->steps_per_rev];
     int k;
-    if ((unit->real[c->tolerance] > 0.0) == (unit->real[c->steps_per_rev] > 0.0)) {
+    if ((unit->real[c->tolerance] > 0.0) == (steps > 0.0)) {
         return refuse(unit, "coupling.tolerance, coupling.steps_per_rev: one must be above 0, and "
                             "the other 0 (not used)");
+    }
+    if (steps > 0.0 && !(steps >= FEWEST_STEPS && steps == nearest(steps))) {
+        return refuse(unit, "coupling.steps_per_rev: must be 0 (not used) or a whole number, at "
+                            "least 4");
     }
     if (unit->real[c->tolerance] > LOOSEST) {
         return refuse(unit, "coupling.tolerance: must be at most 0.1");
@@ -459,4 +465,4 @@ static int slope(Unit *unit, size_t reference, double *value)
 
 const Equations COMPOSITE_EQUATIONS = {
     "Composite", memory_size, own_size, starts,  allocate,    parameters, begin,
-    step,        outputs,     observe,  signals, directional, slope, STATUS_ERROR};
+    step,        outputs,     observe,  signals, directional, slope};

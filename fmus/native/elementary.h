@@ -5,18 +5,39 @@
 #ifndef AUTOBALANCER_ELEMENTARY_H
 #define AUTOBALANCER_ELEMENTARY_H
 
+#include <math.h> /* sqrt and fabs, which are instructions */
+
 #include "complex_number.h"
 
 #define PI 3.14159265358979323846
 #define TAU 6.28318530717958647692 /* 2 pi */
 
 /* True when x is neither infinite nor NaN. */
-int is_finite(double x);
+static inline int is_finite(double x)
+{
+    return x - x == 0.0;
+}
 
-double square_root(double x); /* correctly rounded, an instruction of the processor */
-double absolute(double x);
-double larger(double a, double b);  /* a unless b > a */
-double smaller(double a, double b); /* a unless b < a */
+static inline double square_root(double x) /* correctly rounded */
+{
+    return sqrt(x);
+}
+
+static inline double absolute(double x)
+{
+    return fabs(x);
+}
+
+static inline double larger(double a, double b) /* a unless b > a */
+{
+    return b > a ? b : a;
+}
+
+static inline double smaller(double a, double b) /* a unless b < a */
+{
+    return b < a ? b : a;
+}
+
 double copy_sign(double size, double sign);
 double nearest(double x); /* integer, halves to even: Python's round */
 double infinity(void);

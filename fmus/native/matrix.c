@@ -91,11 +91,34 @@ void add_multiples(int parts, int count, int terms, const double *factors, const
     }
 }
 
+/* result (rows,) = a (rows, inner) b (inner,), summed in the order of `add_multiples`. */
+static void matrix_vector(int parts, int rows, int inner, const double *a, const double *b,
+                          double *result)
+{
+    int i, k;
+    for (i = 0; i < rows; i++, a += (size_t)inner * parts, result += parts) {
+        double re = 0.0, im = 0.0;
+        for (k = 0; k < inner && parts == 1; k++) {
+            re += a[k] * b[k];
+        }
+        for (k = 0; k < 2 * inner && parts == 2; k += 2) {
+            re += a[k] * b[k] - a[k + 1] * b[k + 1];
+            im += a[k] * b[k + 1] + a[k + 1] * b[k];
+        }
+        result[0] = re;
+        result[parts - 1] = parts == 1 ? re : im;
+    }
+}
+
 void matrix_product(int parts, int rows, int inner, int columns, const double *a, const double *b,
                     double *result)
 {
     const size_t across = (size_t)columns * parts;
     int i;
+    if (columns == 1) {
+        matrix_vector(parts, rows, inner, a, b, result);
+        return;
+    }
     fill_doubles(rows * across, 0.0, result);
     for (i = 0; i < rows; i++) {
         add_multiples(parts, columns, inner, a + (size_t)i * inner * parts, b, across,

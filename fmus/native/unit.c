@@ -250,7 +250,6 @@ int unit_advance(Unit *unit, double step)
 Status unit_step(Unit *unit, double time, double step)
 {
     int failed = 0;
-    Status status = STATUS_DISCARD;
     if (!(step > 0.0 && is_finite(step))) {
         Text *reason = unit_reason(unit);
         text_put(reason, "communication step size = ");
@@ -259,10 +258,8 @@ Status unit_step(Unit *unit, double time, double step)
         failed = 1;
     } else if (out_of_place(unit, time, step)) {
         failed = 1;
-        status = STATUS_ERROR;
     } else {
         failed = unit_refresh(unit, COMPUTED) || unit_advance(unit, step);
-        status = unit->equations->failing;
     }
     if (failed) {
         char words[64];
@@ -270,7 +267,7 @@ Status unit_step(Unit *unit, double time, double step)
         text_put(&what, "step of ");
         text_number(&what, step);
         text_put(&what, " s failed");
-        return unit_report(unit, status, words);
+        return unit_report(unit, STATUS_ERROR, words);
     }
     unit->time = time + unit->made;
     unit->stale = OBSERVED;

@@ -59,8 +59,6 @@ typedef struct {
     int (*directional)(Unit *unit, const double *seed, double *change);
     /* Time derivative of an output that is no signal; 1 when it has none. */
     int (*slope)(Unit *unit, size_t reference, double *value);
-    /* What a step that fails is to the host: STATUS_DISCARD where a shorter one may do. */
-    Status failing;
 } Equations;
 
 /* Writes a message for people; `host` is what the front keeps. */
@@ -119,8 +117,8 @@ Status unit_enter_initialisation(Unit *unit);
 /* Check every parameter and start the equations. */
 Status unit_exit_initialisation(Unit *unit);
 Status unit_terminate(Unit *unit);
-/* One communication step; equations->failing with the reason logged when it fails.  After a failure the
-   state is that of before the step. */
+/* One communication step; STATUS_ERROR with the reason logged when it fails: hosts repeat what is
+   discarded, some for ever.  After a failure the state is that of before the step. */
 Status unit_step(Unit *unit, double time, double step);
 /* STATUS_OK when `function` may be called in one of these phases. */
 Status unit_allowed(Unit *unit, const char *function, int phases);

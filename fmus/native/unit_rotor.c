@@ -197,5 +197,4 @@ static size_t signals(const Layout *layout, size_t *first)
 
 const Equations ROTOR_EQUATIONS = {
     "RotorOnSupports", memory_size, own_size, rotor_starts,  allocate,    parameters, begin,
-    step,              outputs,     observe,  signals, rotor_directional, rotor_slope,
-    STATUS_DISCARD};
+    step,              outputs,     observe,  signals, rotor_directional, rotor_slope};

@@ -256,5 +256,4 @@ static size_t signals(const Layout *layout, size_t *first)
 
 const Equations WEIGHTS_EQUATIONS = {
     "BallBalancer", memory_size, own_size, starts,  allocate,    parameters, begin,
-    step,           outputs,     observe,  signals, weights_directional, weights_slope,
-    STATUS_DISCARD};
+    step,           outputs,     observe,  signals, weights_directional, weights_slope};

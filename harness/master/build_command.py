@@ -11,7 +11,7 @@ import typer
 from ...fmus.catalogue import CATALOGUE
 from ..errors import UserError
 from ..output.table import Sheet
-from ..output.terminal import directory_to_fill, progress_bars, say, show
+from ..output.terminal import progress_bars, say, show
 
 
 def command(
@@ -58,10 +58,11 @@ def command(
             )
         _build_ssp(scene, output, one_file, backend, platform)
         return
-    directory_to_fill(output)
     if one_file:
-        if scene is None or python or arrays:
-            raise UserError("--one-file: give a scene, and neither --python nor --arrays")
+        if scene is None:
+            raise UserError("--one-file: give the scene whose units are to be coupled")
+        if python or arrays:
+            raise UserError("--one-file: goes with neither --python nor --arrays")
         _build_one_file(scene, output, fmi, platform)
         return
     wanted, left_out = _wanted(scene)
@@ -110,7 +111,7 @@ def _build_ssp(
     scene = load_scene(name)
     path = output
     if output.suffix != ".ssp":
-        path = directory_to_fill(output) / f"{scene.name}.ssp"
+        path = output / f"{scene.name}.ssp"
     form: dict[str, Any] = {"one_file": one_file, "backend": backend, "platforms": platforms}
     _written(path, lambda to: build_ssp(scene, to, **form))
     units = "coupled inside" if one_file else "connected, with slopes"

@@ -10,7 +10,7 @@ from __future__ import annotations
 import shutil
 import zipfile
 from collections.abc import Sequence
-from ctypes import Array, byref, c_double, c_int, c_size_t, c_uint, c_void_p, create_string_buffer
+from ctypes import Array, byref, c_double, c_int, c_size_t, c_uint, c_void_p
 from pathlib import Path
 from tempfile import mkdtemp
 from typing import TYPE_CHECKING
@@ -305,15 +305,6 @@ class Fmu(Closing):
     def start(self) -> None:
         """Leave initialisation mode: the unit checks its parameters now."""
         self._check(self.fmu.dll.fmi2ExitInitializationMode(self._component), "initialisation")
-
-    def serialise(self, state: c_void_p) -> bytes:
-        """A saved state as bytes."""
-        size = c_size_t()
-        dll, component = self.fmu.dll, self._component
-        self._check(dll.fmi2SerializedFMUstateSize(component, state, byref(size)), "serialising")
-        buffer = create_string_buffer(size.value)
-        self._check(dll.fmi2SerializeFMUstate(component, state, buffer, size.value), "serialising")
-        return buffer.raw
 
     def close(self) -> None:
         """Free the instance and remove the extracted files."""

@@ -12,15 +12,18 @@ from ..errors import SceneError
 from ..scene import Scene
 from ..scene.run import FEWEST_CHOSEN
 from .plan import ROTOR, plan
-from .schedule import end_time, step_size
+from .schedule import as_run, end_time, step_size
 
 
 def composition(scene: Scene) -> Composition:
-    """What a scene's composite FMU is made from.
+    """What a scene's composite FMU is made from, with the steps or the tolerance that a run takes.
+
+    A tolerance is of a step here: nothing is run again for that of the whole run.
 
     Raises:
         SceneError: the scene is coupled in a way that a composite does not have.
     """
+    scene = as_run(scene)
     coupling, profile = scene.coupling, scene.profile()
     if coupling.order != 3:
         raise SceneError(f"{scene.name}: coupling.order = {coupling.order}: of one file must be 3")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any, TypeGuard
 
@@ -20,6 +21,12 @@ def _writable(path: Path | None) -> Path | None:
     return path
 
 
+def _no_store(path: Path | None) -> Path | None:
+    if is_store(path):
+        raise UserError(f"{path}: this command writes no store: name the file otherwise")
+    return _writable(path)
+
+
 def _drawable(path: Path | None) -> Path | None:
     ready_to_write(path)
     if path is not None:
@@ -29,7 +36,7 @@ def _drawable(path: Path | None) -> Path | None:
 
 def output(kind: str, help: str, *names: str) -> Any:
     """A file to write, ending in `kind`, under these names of the option or the parameter's."""
-    return typer.Option(*names, metavar=f"FILE{kind}", help=help, callback=_writable)
+    return typer.Option(*names, metavar=f"FILE{kind}", help=help, callback=_no_store)
 
 
 def picture(help: str, *names: str) -> Any:
@@ -50,11 +57,15 @@ def _storable(path: Path) -> None:
 
 def _drawable_or_store(paths: list[Path] | None) -> list[Path] | None:
     for path in paths or ():
-        if not is_store(path) and path.suffix.removeprefix(".").lower() not in PICTURES:
-            kinds = ", ".join(f".{kind}" for kind in PICTURES)
-            raise UserError(f"{path}: must end in {kinds}, or {STORE} for a store")
+        _refuse_ending(path, f"{STORE} for a store", (*PICTURES, STORE.removeprefix(".")))
         _storable(path) if is_store(path) else _drawable(path)
     return paths
+
+
+def _refuse_ending(path: Path, others: str, known: Sequence[str]) -> None:
+    if path.suffix.removeprefix(".").lower() not in known:
+        kinds = ", ".join(f".{kind}" for kind in PICTURES)
+        raise UserError(f"{path}: must end in {kinds}, or {others}")
 
 
 def _writable_or_store(path: Path | None) -> Path | None:
@@ -87,7 +98,9 @@ def table_or_store(of: str) -> Any:
 
 
 def _any_place(paths: list[Path] | None) -> list[Path] | None:
+    kinds = [*PICTURES, *(each.removeprefix(".") for each in (STORE, TABLE))]
     for path in paths or ():
+        _refuse_ending(path, f"{TABLE} for a table, {STORE} for a store", kinds)
         _writable(path) if path.suffix == TABLE else _drawable_or_store([path])
     return paths
 

@@ -43,8 +43,3 @@ def closest(angles: Sequence[float]) -> tuple[float, int, int]:
     gaps = [(within[j] - within[i], i, j) for i, j in pairwise(order)]
     first, last = order[0], order[-1]
     return min([*gaps, (within[first] + math.tau - within[last], last, first)])
-
-
-def least_distance(angles: Sequence[float]) -> float:
-    """Smallest angle between neighbours on the circle [rad]; a full turn for one weight."""
-    return closest(angles)[0]

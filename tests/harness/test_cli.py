@@ -180,6 +180,7 @@ def test_build_makes_exactly_the_units_of_a_scene_and_run_takes_them(invoke, tmp
         (["run", "two_balls", "-o", "/nowhere/at/all.csv"], "there is no directory /nowhere/at"),
         (["check", "liquid_disc", "--json", "/"], "it is a directory"),
         (["check", "liquid_disc", "--report", "/dev/null/x"], "cannot be made a directory"),
+        (["run", "two_balls", "-o", "x.zarr"], "x.zarr: this command writes no store"),
         (["run", "two_balls", "--plot", "out.doc"], ".doc"),
         (["run", "two_balls", "--fmus", "/nowhere"], "is not a directory with FMUs"),
     ],

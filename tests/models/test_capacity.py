@@ -8,7 +8,7 @@ import math
 import numpy as np
 import pytest
 
-from autobalancer.models.contact.spacing import least_distance
+from autobalancer.models.contact.spacing import closest
 from autobalancer.models.papers.capacity import (
     best_ratio,
     capacity,
@@ -92,7 +92,7 @@ def test_capacity_is_the_largest_moment_of_weights_side_by_side():
     moment = 0.02 * 0.3 * sum(cmath.exp(1j * x) for x in angles)
     limit = capacity(0.02, 0.3, radius, 5)
     assert moment == pytest.approx(-limit * cmath.exp(0.7j), rel=1e-13)
-    assert least_distance(angles) == pytest.approx(2 * alpha, rel=1e-12)
+    assert closest(angles)[0] == pytest.approx(2 * alpha, rel=1e-12)
     rng = np.random.default_rng(0)
     for _ in range(300):  # no other position without overlap has more
         spare = rng.dirichlet(np.ones(5)) * (math.tau - 10 * alpha)
@@ -193,7 +193,7 @@ def test_every_unbalance_up_to_the_capacity_is_balanced_without_overlap():
         angles = fan_angles(weights, radius, share * limit, 0.4)
         moment = 0.006 * sum(cmath.exp(1j * x) for x in angles)
         assert moment == pytest.approx(-share * limit * cmath.exp(0.4j), abs=1e-14)
-        assert least_distance(angles) >= 2 * half_angle(radius, 0.3) * (1 - 1e-9)
+        assert closest(angles)[0] >= 2 * half_angle(radius, 0.3) * (1 - 1e-9)
         assert residual_unbalance(weights, radius, share * limit) == 0.0
     assert residual_unbalance(weights, radius, 1.2 * limit) == pytest.approx(0.2 * limit)
     with pytest.raises(ValueError, match="balance 0 to"):

@@ -12,7 +12,7 @@ from fmpy import platform_tuple
 from autobalancer.harness import Scene, load_scene
 from autobalancer.harness.errors import SimulationError
 from autobalancer.harness.master.cosimulation import CoSimulation
-from autobalancer.harness.master.one_file import build_one_file
+from autobalancer.harness.master.one_file import build_one_file, composition
 from autobalancer.harness.master.recorder import Recorder, recorded
 
 
@@ -109,3 +109,16 @@ def test_a_tolerance_that_contacts_forbid_is_refused_where_the_harness_refuses_i
     reason = host.refused(lambda: [host.step(step) for _ in range(40)])
     assert "tolerance 1e-08 cannot be met: steps of" in reason
     assert host.time <= end <= host.time + step
+
+
+@pytest.mark.parametrize(("name", "steps"), [("two_balls", 0.0), ("finite_weights", 40.0)])
+def test_a_scene_that_asks_for_nothing_gets_what_a_run_of_it_gets(name, steps):
+    """A tolerance, or steps where weights can touch."""
+    document = load_scene(name).document
+    del document["coupling"]
+    scene = Scene.from_document(document)
+    start = composition(scene).start
+    with CoSimulation(scene) as cosim:
+        chosen = cosim.scene.coupling
+    assert start["coupling.steps_per_rev"] == (chosen.steps_per_rev or 0.0) == steps
+    assert start["coupling.tolerance"] == (chosen.tolerance or 0.0) == (0.0 if steps else 1e-4)

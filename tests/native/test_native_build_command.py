@@ -64,12 +64,15 @@ def test_a_scene_is_one_file_on_request(tmp_path, fmi):
     assert found == pytest.approx((20 * 2 * math.pi / 3, 2 * math.pi / 3 / 20), rel=1e-14)
     starts = {v.name: v.start for v in description.modelVariables}
     assert float(starts["rotor.mass"]) == 0.95
+    said = {v.name: v.description for v in description.modelVariables}
+    assert said["weights.mass"].startswith("weights: ")
     assert float(starts["coupling.steps_per_rev"]) == 20.0
 
 
 def test_one_file_needs_a_scene_that_it_can_couple(tmp_path):
-    for wrong in (("--one-file",), ("two_balls", "--one-file", "--python")):
-        assert "give a scene" in invoke(*wrong, "-o", tmp_path).output
+    assert "give the scene whose units" in invoke("--one-file", "-o", tmp_path).output
+    refused = invoke("two_balls", "--one-file", "--python", "-o", tmp_path).output
+    assert "goes with neither --python nor --arrays" in refused
     text = find("two_balls").read_text().replace("corrections = 1", "")
     for key, mine, other, allowed in (
         ("order", "3", "1", "must be 3"),
@@ -108,10 +111,14 @@ def test_python_units_on_request(tmp_path):
         (["--python", "--platform", "x86_64-linux"], "native units"),
         (["--python", "--fmi", "3"], "fmi = 3"),
         (["--arrays"], "only FMI 3.0 has them"),
+        (["nowhere"], "nowhere"),
+        (["two_balls", "--one-file", "--python"], "goes with neither"),
+        (["two_balls", "--one-file", "--platform", "amiga"], "platform = 'amiga'"),
+        (["two_balls", "--ssp", "--platform", "amiga"], "platform = 'amiga'"),
     ],
 )
 def test_what_cannot_be_built_is_refused_and_nothing_is_left(tmp_path, arguments, message):
-    outcome = invoke("-o", tmp_path, *arguments)
+    outcome = invoke("-o", tmp_path / "new", *arguments)
     assert outcome.exit_code != 0
     assert message in str(outcome.exception) + outcome.output
     assert list(tmp_path.iterdir()) == []

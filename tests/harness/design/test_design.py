@@ -35,7 +35,7 @@ from autobalancer.harness.scene.check import (
     SizesCheck,
     SlowRootCheck,
 )
-from autobalancer.models.contact.spacing import least_distance
+from autobalancer.models.contact.spacing import closest
 from autobalancer.models.weights import alignment
 from tests.papers import fan_angles
 
@@ -49,7 +49,7 @@ def rows_of(measure, check, scene, *workers):
 def test_random_starts_never_overlap_and_reach_the_whole_circle():
     rng, alpha = random.Random(2), 0.3
     starts = [random_start(5, alpha, rng) for _ in range(500)]
-    assert min(map(least_distance, starts)) >= 2 * alpha - 1e-12
+    assert min(closest(angles)[0] for angles in starts) >= 2 * alpha - 1e-12
     resultant = np.mean([np.exp(1j * np.array(s)).sum() for s in starts])
     assert abs(resultant) < 0.3
 
@@ -58,7 +58,7 @@ def test_facing_starts_never_overlap_and_have_a_larger_spread():
     rng, alpha = random.Random(2), 0.2
     for count in range(2, 9):
         starts = [facing_start(count, alpha, rng) for _ in range(50)]
-        assert min(map(least_distance, starts)) >= 2 * alpha - 1e-12
+        assert min(closest(angles)[0] for angles in starts) >= 2 * alpha - 1e-12
         others = [random_start(count, alpha, rng) for _ in range(50)]
         medians = [np.median([alignment(start) for start in some]) for some in (starts, others)]
         assert medians[0] > medians[1] + 0.1

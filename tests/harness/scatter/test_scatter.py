@@ -225,7 +225,10 @@ def test_command_writes_picture_table_and_document(invoke, tmp_path, monkeypatch
     [
         (["--vary", "weights.drag=gauss(1,2)"], "'gauss': unknown"),
         (["--vary", "wheels.drag=uniform(1,2)"], "cannot be varied"),
-        (["--vary", "weights.drag=uniform(1,2)", "-o", "a.bmp"], "pictures end in"),
+        (
+            ["--vary", "weights.drag=uniform(1,2)", "-o", "a.bmp"],
+            "or .csv for a table, .zarr",
+        ),
     ],
 )
 def test_command_refuses_what_is_wrong(invoke, arguments, said):

@@ -174,7 +174,7 @@ VALUES = [
     ),
     (
         '"auto"',
-        '"auto"\nfewest_steps_per_rev = 2',
+        '"auto"\nsteps_per_rev = 20\nfewest_steps_per_rev = 2',
         "coupling.fewest_steps_per_rev = 2: needs a tolerance, which chooses the steps",
     ),
     ('"auto"', '"auto"\ntolerance = 0.5', "coupling.tolerance = 0.5: must be 0.1 or less"),
