@@ -106,8 +106,7 @@ def test_a_run_that_comes_to_rest_keeps_its_tolerance_in_fewer_steps_than_eight_
     tolerance = {"tolerance": 1e-3, "steps_per_rev": None}
     result = runs.run({**tolerance, "fewest_steps_per_rev": 1})
     assert runs.of_range(result) <= 1e-3
-    assert result.steps < 400
-    assert runs.run(tolerance).steps >= 800
+    assert result.steps < 0.5 * runs.run(tolerance).steps
 
 
 def test_a_tighter_tolerance_costs_order_4_steps():

@@ -183,7 +183,7 @@ def test_a_loop_of_gain_19_ends_an_explicit_run_with_time_signal_and_gain(
 
 
 def test_a_step_refused_by_a_unit_names_time_signal_and_gain():
-    with started(load_scene("liquid_heavy_force")) as cosim:
+    with started(load_scene("liquid_heavy_force").replace({"coupling.steps_per_rev": 40})) as cosim:
         for _ in range(3):
             cosim.step(1e-3)
         cosim.system.forces[0].now = (complex("nan"), 0j)
