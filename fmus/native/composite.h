@@ -59,6 +59,7 @@ typedef struct {
     double rounding;           /* of forces that cancel [N] */
     double tolerance;          /* residual that counts as converged */
     double largest;            /* force so far, as the scheme knows it */
+    double reached;            /* the same with the step that is being tried */
     double residual;           /* of the forces in the last step, relative to it */
     double solved_step;        /* the step that the loop's inverse is for [s] */
     double missed_step;        /* length of the step before [s], 0 when it missed nothing */
@@ -202,6 +203,8 @@ int iterated_judge(Unit *unit);
 int iterated_cross(Unit *unit, double step);
 /* Take a step with as many passes as it takes; its residual, below 0 where it failed. */
 double iterated_attempt(Unit *unit, double step);
+/* Go on from the end of what was attempted. */
+int iterated_accept(Unit *unit, double step);
 /* Back to the begin of the step. */
 void composite_restore(Composite *c);
 void adaptive_begin(Unit *unit);

@@ -35,16 +35,17 @@ static double worst(const Signal *signals, const Knot *ends, int count, double s
     return scale > 0.0 ? largest / scale : 0.0;
 }
 
-static double error_of(Composite *c, double step)
+static double error_of(const Composite *c, double step, double *largest_motion)
 {
-    Course *course = c->course;
+    const Course *course = c->course;
     int k;
+    *largest_motion = course->largest_motion;
     for (k = 0; k < c->planes; k++) {
-        course->largest_motion = larger(course->largest_motion, magnitude(c->ends[k].value));
+        *largest_motion = larger(*largest_motion, magnitude(c->ends[k].value));
     }
     return larger(larger(1.0, course->gain) *
-                      worst(c->forces, c->answers, c->exchanges, step, course->largest),
-                  worst(c->accelerations, c->ends, c->planes, step, course->largest_motion));
+                      worst(c->forces, c->answers, c->exchanges, step, course->reached),
+                  worst(c->accelerations, c->ends, c->planes, step, *largest_motion));
 }
 
 /* Whole number of rungs up that an error of this ratio to the one aimed at allows; `slack` as a
@@ -77,20 +78,21 @@ int adaptive_step(Unit *unit, double longest)
     for (;;) {
         const int rung = (int)course->rung;
         const double step = scaled_by_power(longest * ROOTS[rung % RUNGS], -(rung / RUNGS));
-        double residual, error, ratio;
+        double residual, error, ratio, largest_motion;
         int lower;
         residual = iterated_attempt(unit, step);
         if (residual < 0.0) {
             return 1;
         }
-        error = error_of(c, step);
+        error = error_of(c, step, &largest_motion);
         ratio = error > 0.0 ? AIM * allowed / error : infinity();
         if (error <= allowed && residual <= course->tolerance) {
             const int higher = error > 0.0 ? rise(ratio, 1.0 + 1e-9) : MOST_RISE;
             course->rung = rung > higher ? rung - higher : 0;
             course->error = larger(course->error, error);
             course->length = step;
-            return composite_accept(unit, c->ends, c->answers, step);
+            course->largest_motion = largest_motion;
+            return iterated_accept(unit, step);
         }
         composite_restore(c);
         lower = error > 0.0 ? -rise(ratio, 1.0) : 1;

@@ -64,8 +64,9 @@ static double attempt(Unit *unit, double step, int passes)
         for (i = 0; i < count; i++) {
             c->residual[i] = c->g_u[i] - c->u[i];
         }
-        course->largest = larger(course->largest, loop_size(c->g_u, half));
-        error = course->largest > 0.0 ? loop_size(c->residual, half) / course->largest : 0.0;
+        /* of passes and steps that are taken back none counts: they can be far too large */
+        course->reached = larger(course->largest, loop_size(c->g_u, half));
+        error = course->reached > 0.0 ? loop_size(c->residual, half) / course->reached : 0.0;
         if (number > 1 && error > larger(course->tolerance, SLOW * error_before)) {
             loop_learn(c, c->du, c->old, c->residual);
         }
@@ -115,7 +116,14 @@ int iterated_step(Unit *unit, double step)
     /* a first step has no past to be predicted from and would cost an order */
     const int all = course->corrections < 0.0 || (course->no_past > 0.0 && course->corrections > 0.0);
     course->residual = attempt(unit, step, all ? MAX_PASSES : (int)course->corrections + 1);
-    return course->residual < 0.0 || composite_accept(unit, c->ends, c->answers, step);
+    return course->residual < 0.0 || iterated_accept(unit, step);
+}
+
+int iterated_accept(Unit *unit, double step)
+{
+    Composite *c = unit->own;
+    c->course->largest = c->course->reached;
+    return composite_accept(unit, c->ends, c->answers, step);
 }
 
 double iterated_attempt(Unit *unit, double step)
@@ -125,9 +133,7 @@ double iterated_attempt(Unit *unit, double step)
 
 int iterated_cross(Unit *unit, double step)
 {
-    Composite *c = unit->own;
-    return attempt(unit, step, MAX_PASSES) < 0.0 ||
-           composite_accept(unit, c->ends, c->answers, step);
+    return attempt(unit, step, MAX_PASSES) < 0.0 || iterated_accept(unit, step);
 }
 
 static int respond(Unit *unit, const double *u, double step, double *answer)

@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import logging
 import os
+import signal
 import tempfile
 from collections.abc import Iterator
 from contextlib import ExitStack, contextmanager
+from multiprocessing import resource_tracker
 
 from ..errors import UserError
 from .store import EXTRA
@@ -38,17 +40,18 @@ def who_works(cluster: str | None) -> Iterator[Workers]:
         raise UserError(f"--cluster {cluster}: needs Dask: {EXTRA}") from None
     with ExitStack() as stack:
         if cluster == LOCAL:
-            address: str | LocalCluster = stack.enter_context(
-                LocalCluster(
-                    n_workers=cores,
-                    threads_per_worker=1,
-                    dashboard_address=None,
-                    silence_logs=logging.CRITICAL,
-                    local_directory=tempfile.gettempdir(),
-                    env={"TMPDIR": tempfile.gettempdir()},
-                    preload=_IN_PEACE,
+            with _deaf_children():
+                address: str | LocalCluster = stack.enter_context(
+                    LocalCluster(
+                        n_workers=cores,
+                        threads_per_worker=1,
+                        dashboard_address=None,
+                        silence_logs=logging.CRITICAL,
+                        local_directory=tempfile.gettempdir(),
+                        env={"TMPDIR": tempfile.gettempdir()},
+                        preload=_IN_PEACE,
+                    )
                 )
-            )
         else:
             address = cluster
         try:
@@ -56,3 +59,17 @@ def who_works(cluster: str | None) -> Iterator[Workers]:
         except (OSError, ValueError) as error:
             raise UserError(f"--cluster {cluster}: no scheduler answers: {error}") from error
         yield client.get_executor()
+
+
+@contextmanager
+def _deaf_children() -> Iterator[None]:
+    """Processes begun meanwhile never hear Ctrl-C, not even before their own code runs."""
+    if not hasattr(signal, "pthread_sigmask"):  # Windows
+        yield
+        return
+    resource_tracker.ensure_running()  # its start, else with the first process, would end the block
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+    try:
+        yield
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)

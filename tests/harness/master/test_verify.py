@@ -153,7 +153,7 @@ def test_the_error_of_weights_that_collide_is_right_within_a_factor_of_three(res
     assert max(result.verification.relative.values()) > 1e-3  # without collisions: 1e-7
 
 
-@pytest.mark.parametrize("changes", [{}, {"coupling.tolerance": 1e-5}, {"operation.speed": 8.0}])
+@pytest.mark.parametrize("changes", [{}, {"coupling.steps_per_rev": 60}, {"operation.speed": 8.0}])
 def test_chaotic_runs_part_at_the_rate_of_neighbouring_motions(changes):
     """That of a disturbance of 1e-9 in the motion integrated in one piece, over the same time."""
     scene = Scene.from_document(CHAOTIC).replace(changes)
