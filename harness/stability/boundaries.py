@@ -12,9 +12,10 @@ cosim-run: growth fitted to a run of the coupled units, for many weights.
 from __future__ import annotations
 
 import functools
+import itertools
 import math
 from collections.abc import Callable, Iterable, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from itertools import pairwise
 from typing import Any, Literal
 
@@ -32,6 +33,7 @@ from ..output.workers import Progress, Workers, in_order
 from ..scene import Scene
 from .in_time import growth_in_run
 from .main_motion import MainMotion, NoMainMotion
+from .whirl import WhirlMotion, Whirls, touching, whirls
 
 METHODS = ("criterion", "floquet", "cosim", "cosim-run")
 DEFAULT_METHODS = METHODS[:3]
@@ -54,6 +56,8 @@ class Speeds:
         methods: crossings of every method that applies, ascending.
         lowest: what each of these finds at the low end of the range.
         refused: why each other method does not apply.
+        whirl: what remains where the weights cannot balance; None where they can, or where the
+            method floquet was not asked.
     """
 
     scene: str
@@ -61,6 +65,7 @@ class Speeds:
     methods: dict[str, tuple[Crossing, ...]] = field(default_factory=dict)
     lowest: dict[str, Side] = field(default_factory=dict)
     refused: dict[str, str] = field(default_factory=dict)
+    whirl: Whirls | None = None
 
     def as_json(self) -> dict[str, Any]:
         """Plain lists and numbers."""
@@ -73,6 +78,7 @@ class Speeds:
             },
             "below_first": dict(self.lowest),
             "not_applicable": dict(self.refused),
+            "whirl": None if self.whirl is None else self.whirl.as_json(),
         }
 
     def rows(self) -> list[dict[str, Crossing]]:
@@ -148,14 +154,18 @@ def speeds(
     result = Speeds(scene.name, (low, high))
     if "criterion" in wanted:
         _by_criterion(scene, result)
-    if "floquet" in wanted:
-        _by_floquet(scene, result, narrowest)
+    whirl = _by_floquet(scene, result, narrowest) if "floquet" in wanted else None
     nodes = np.linspace(low, high, scan + 1)
     if "floquet" in result.methods:
         nodes = nodes_around([c.speed for c in result.methods["floquet"]], low, high)
     for method in (m for m in wanted if m.startswith("cosim")):
-        _by_units(scene, result, method, nodes, steps, workers, progress)
-    return result
+        if whirl is None:
+            _by_units(scene, result, method, nodes, steps, workers, progress)
+        else:
+            result.refused[method] = whirl.why
+    if whirl is not None and "floquet" in whirl.methods and "cosim" in wanted:
+        _whirl_by_units(scene, whirl, result.range, steps, workers, progress)
+    return replace(result, whirl=whirl)
 
 
 def _side(growth: float) -> Side:
@@ -184,15 +194,38 @@ def _by_criterion(scene: Scene, result: Speeds) -> None:
     result.lowest["criterion"] = _side(float(criterion.value(low)))
 
 
-def _by_floquet(scene: Scene, result: Speeds, narrowest: float | None) -> None:
+def _by_floquet(scene: Scene, result: Speeds, narrowest: float | None) -> Whirls | None:
+    """Fills in the result; what remains of the vibration where the weights cannot balance."""
     assembly = scene.assembly()
     try:
         found = balancing_boundaries(assembly, *result.range, narrowest=narrowest)
     except (CannotBalance, ArithmeticError) as error:
         result.refused["floquet"] = str(error)
-        return
+        if isinstance(error, CannotBalance):
+            return whirls(scene, result.range, str(error), narrowest)
+        return None
     result.methods["floquet"] = tuple(found)
     result.lowest["floquet"] = _side(float(growth_rates(assembly, result.range[0])[0]))
+    return None
+
+
+def _whirl_by_units(
+    scene: Scene,
+    whirl: Whirls,
+    span: tuple[float, float],
+    steps: int | None,
+    workers: Workers,
+    progress: Progress | None,
+) -> None:
+    """Both sides of every boundary of the whirl, where no weights touch in it."""
+    nodes = nodes_around([c.speed for c in whirl.methods["floquet"]], *span).tolist()
+    free = itertools.groupby(nodes, lambda speed: not touching(scene, speed))
+    spans = [list(group) for apart, group in free if apart]
+    if sum(map(len, spans)) < len(nodes):
+        whirl.refused["cosim"] = "where weights touch in the whirl, and at the boundaries beside it"
+    work = functools.partial(_search, scene, "cosim", steps, None, motion_of=WhirlMotion)
+    found = in_order(work, spans, workers, progress)
+    whirl.methods["cosim"] = tuple(c for crossings, _ in found for c in crossings)
 
 
 def nodes_around(guesses: Sequence[float], low: float, high: float) -> NDArray[np.float64]:
@@ -234,9 +267,14 @@ def _by_units(
 
 
 def _search(
-    scene: Scene, method: str, steps: int | None, progress: Progress | None, nodes: list[float]
+    scene: Scene,
+    method: str,
+    steps: int | None,
+    progress: Progress | None,
+    nodes: list[float],
+    motion_of: type[MainMotion] = MainMotion,
 ) -> tuple[list[Crossing], Side]:
-    with MainMotion(scene, steps=steps) as motion:
+    with motion_of(scene, steps=steps) as motion:
         in_run = functools.partial(growth_in_run, motion)
         return crossings(motion.growth if method == "cosim" else in_run, nodes, progress)
 

@@ -1,0 +1,187 @@
+"""Which whirl remains: where the weights undo what they can.
+
+Seen as a mean over half a revolution the planes' acceleration is linear in their moments.  Those
+that would take it away, or as much of them as the weights can make, are the first start of Newton's
+method; weights all together, in four directions, and those of the scene are the others.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from functools import partial
+from typing import NamedTuple
+
+import numpy as np
+
+from ..assembly import Assembly
+from ..linear.balanced import WeightTable, balanced_angles
+from ..linear.boundaries import Crossing, growth_boundaries, scan_speeds
+from ..papers.touching import Packed, merged, packed_groups
+from .response import Array, Response
+from .steady import NoWhirl, Whirl, whirl_near
+from .variation import growth_rate
+
+_ALIKE = 1e-6  # of the larger amplitude: the same whirl, found twice
+_RANK = 1e-9  # planes that act alike share what is needed
+_TOUCH = 1e-9  # rad
+_GRID = 100  # intervals of a scan: a whirl costs a hundred times what a balanced position does
+_TOLERANCE = 1e-7  # of the speeds
+
+
+class NotCovered(ValueError):
+    """Weights that share a plane's moment in many ways, on an anisotropic rotor.
+
+    The plane then swings a little, which pushes them along the family of such positions a thousand
+    times slower than all else: nothing that a run shows is one whirl.
+    """
+
+
+class MainWhirl(NamedTuple):
+    """The whirl that remains, and the growth rate of small deviations from it [1/s]."""
+
+    whirl: Whirl
+    growth: float
+
+    @property
+    def stable(self) -> bool:
+        """Whether small deviations decay."""
+        return self.growth < 0.0
+
+
+def main_whirl(assembly: Assembly, speed: float) -> MainWhirl:
+    """The steady whirl that weights leave which cannot undo the unbalance.
+
+    The one next to the weights' best mean position if it is stable; else of all that were found the
+    stable one of least vibration; else the one that grows slowest.  Weights of finite size that
+    would overlap there stand side by side, as one.
+
+    Args:
+        speed: w [rad/s], positive.
+
+    Raises:
+        NoWhirl: none was found: the weights then keep moving in the rotor, or there are none.
+        NotCovered: three and more weights could keep their plane at rest in the mean.
+        ValueError: an undamped rotor has no bounded response.
+    """
+    if not assembly.weights:
+        raise NoWhirl("no weights")
+    found: list[MainWhirl] = []
+    starts, drifting = _starts(assembly, speed)
+    for start in starts:
+        try:
+            whirl = _apart(assembly, whirl_near(assembly, speed, start))
+        except NoWhirl:
+            continue
+        size = float(whirl.amplitude.max())
+        if any(abs(size - float(f.whirl.amplitude.max())) <= _ALIKE * size for f in found):
+            continue
+        found.append(MainWhirl(whirl, growth_rate(whirl)))
+        if len(found) == 1 and found[0].stable:
+            break
+    stable = [f for f in found if f.stable]
+    if stable:
+        return min(stable, key=lambda f: float(f.whirl.amplitude.max()))
+    if drifting:
+        raise NotCovered(
+            f"at {speed:g} rad/s {drifting} weights of an anisotropic rotor could keep their "
+            "planes at rest in the mean in many ways, among which they drift: run the scene"
+        )
+    if not found:
+        raise NoWhirl(f"no steady whirl at {speed:g} rad/s: the weights keep moving in the rotor")
+    return min(found, key=lambda f: f.growth)
+
+
+def whirl_growth(assembly: Assembly, speed: float) -> float:
+    """Growth rate [1/s] of deviations from the whirl; where there is none, an e-fold a radian."""
+    try:
+        return main_whirl(assembly, speed).growth
+    except NoWhirl:
+        return speed
+
+
+def whirl_boundaries(
+    assembly: Assembly, low: float, high: float, *, narrowest: float | None = None
+) -> list[Crossing]:
+    """Every speed from `low` to `high` at which a stable whirl begins or ends, ascending.
+
+    Args:
+        low, high: range of speeds [rad/s], 0 < low < high.
+        narrowest: spacing of the scan [rad/s], as for `balancing_boundaries`; a hundredth of the
+            range by default.
+
+    Raises:
+        ValueError: the range is empty or not positive; an undamped rotor has no bounded response.
+    """
+    growth = np.vectorize(partial(whirl_growth, assembly), otypes=[float])
+    return growth_boundaries(growth, scan_speeds(low, high, narrowest, _GRID), _TOLERANCE)
+
+
+def _starts(assembly: Assembly, speed: float) -> tuple[list[Array], int]:
+    """Angles of the weights (K,) [rad] to start from, the most likely ones first.
+
+    And how many weights share the moment that keeps their planes at rest in many ways, on an
+    anisotropic rotor, where none of these is a start.
+    """
+    table, needed = WeightTable.of(assembly), _needed(assembly, speed)
+    within = []
+    for plane in np.unique(table.plane).tolist():
+        lengths = table.moment[table.plane == plane]
+        most = float(lengths.sum())
+        least = max(0.0, 2.0 * float(lengths.max()) - most)
+        size = abs(needed[plane])
+        within += [plane] if least < size < most else []
+        needed[plane] *= min(1.0, most / size) if size > least else least / size if size else 0.0
+    together = [np.angle(needed)[table.plane] + turn * math.pi / 2.0 for turn in range(4)]
+    count = int(np.isin(table.plane, within).sum())
+    if not assembly.rotor.isotropic and count > 2 * np.linalg.matrix_rank(
+        assembly.rotor.planes[within]
+    ):
+        return together, count
+    rotor = replace(assembly.rotor, planes=np.eye(len(needed)), unbalance=-needed)
+    return [balanced_angles(replace(assembly, rotor=rotor)), table.angle, *together], 0
+
+
+def _needed(assembly: Assembly, speed: float) -> np.ndarray:
+    """Moments (p,) [kg m] of the weights that would keep the planes at rest in the mean."""
+    rotor = assembly.loaded_rotor
+    compliance = Response.of(rotor, speed, 2).direct[0]
+    planes = np.unique(WeightTable.of(assembly).plane)
+    rows, unbalance = rotor.planes[planes], rotor.unbalance.copy()
+    for mounted in assembly.weights:
+        unbalance += mounted.device.added_mass * mounted.offset * rotor.planes[mounted.plane]
+    moved = rows @ compliance @ unbalance
+    needed = np.zeros(rotor.plane_count, complex)
+    needed[planes] = np.linalg.lstsq(rows @ compliance @ rows.T, -moved, rcond=_RANK)[0]
+    return needed
+
+
+def _apart(assembly: Assembly, whirl: Whirl) -> Whirl:
+    """The whirl with weights of finite size side by side where points would overlap.
+
+    Raises:
+        NoWhirl: weights overlap that are not the only balancer's, or the joined ones do again.
+    """
+    first = 0
+    for mounted in assembly.weights:
+        angles = whirl.angles[first : first + len(mounted.angles)]
+        first += len(mounted.angles)
+        alpha = mounted.half_angle
+        groups = packed_groups(angles.tolist(), alpha, _TOUCH)
+        if alpha == 0.0 or len(groups) == len(angles):
+            continue
+        if len(assembly.balancers) > 1 or mounted.offset:
+            raise NoWhirl(f"{mounted.name}: weights that touch beside another balancer")
+        joined = merged(assembly, alpha, groups)
+        whirl = whirl_near(joined, whirl.speed, np.array([g.middle for g in groups]))
+        _refuse_overlap(whirl, groups, alpha)
+    return whirl
+
+
+def _refuse_overlap(whirl: Whirl, groups: list[Packed], alpha: float) -> None:
+    order = np.argsort(whirl.angles % math.tau)
+    middles = (whirl.angles % math.tau)[order]
+    sizes = np.array([g.size for g in groups])[order]
+    gaps = np.diff([*middles, middles[0] + math.tau])
+    if len(groups) > 1 and (gaps < alpha * (sizes + np.roll(sizes, -1)) - _TOUCH).any():
+        raise NoWhirl("groups of weights that touch would overlap")
