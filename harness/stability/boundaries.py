@@ -25,7 +25,7 @@ from scipy.optimize import brentq
 
 from ...models.assembly import Assembly
 from ...models.criteria import Criterion
-from ...models.linear.balanced import CannotBalance
+from ...models.linear.balanced import CannotBalance, balanced_angles
 from ...models.linear.boundaries import Crossing, balancing_boundaries
 from ...models.stability import growth_rates
 from ..errors import UserError
@@ -154,16 +154,21 @@ def speeds(
     result = Speeds(scene.name, (low, high))
     if "criterion" in wanted:
         _by_criterion(scene, result)
-    whirl = _by_floquet(scene, result, narrowest) if "floquet" in wanted else None
+    if "floquet" in wanted:
+        _by_floquet(scene, result, narrowest)
     nodes = np.linspace(low, high, scan + 1)
     if "floquet" in result.methods:
         nodes = nodes_around([c.speed for c in result.methods["floquet"]], low, high)
+    why = _why_no_rest(scene) if "floquet" in wanted else ""
     for method in (m for m in wanted if m.startswith("cosim")):
-        if whirl is None:
-            _by_units(scene, result, method, nodes, steps, workers, progress)
+        if why:
+            result.refused[method] = why
         else:
-            result.refused[method] = whirl.why
-    if whirl is not None and "floquet" in whirl.methods and "cosim" in wanted:
+            _by_units(scene, result, method, nodes, steps, workers, progress)
+    if not why:
+        return result
+    whirl = whirls(scene, result.range, why, narrowest, progress)
+    if "floquet" in whirl.methods and "cosim" in wanted:
         _whirl_by_units(scene, whirl, result.range, steps, workers, progress)
     return replace(result, whirl=whirl)
 
@@ -194,19 +199,28 @@ def _by_criterion(scene: Scene, result: Speeds) -> None:
     result.lowest["criterion"] = _side(float(criterion.value(low)))
 
 
-def _by_floquet(scene: Scene, result: Speeds, narrowest: float | None) -> Whirls | None:
-    """Fills in the result; what remains of the vibration where the weights cannot balance."""
+def _by_floquet(scene: Scene, result: Speeds, narrowest: float | None) -> None:
     assembly = scene.assembly()
     try:
         found = balancing_boundaries(assembly, *result.range, narrowest=narrowest)
     except (CannotBalance, ArithmeticError) as error:
         result.refused["floquet"] = str(error)
-        if isinstance(error, CannotBalance):
-            return whirls(scene, result.range, str(error), narrowest)
-        return None
+        return
     result.methods["floquet"] = tuple(found)
     result.lowest["floquet"] = _side(float(growth_rates(assembly, result.range[0])[0]))
-    return None
+
+
+def _why_no_rest(scene: Scene) -> str:
+    """Why the rotor cannot rest whatever the speed; empty where the weights can balance."""
+    assembly = scene.assembly()
+    try:
+        balanced_angles(assembly)
+    except CannotBalance as error:
+        return str(error)
+    except ArithmeticError:
+        return ""
+    off = [f"{m.name} by {1e3 * abs(m.offset):.3g} mm" for m in assembly.weights if m.offset]
+    return f"tracks are off centre: {', '.join(off)}" if off else ""
 
 
 def _whirl_by_units(

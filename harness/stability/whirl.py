@@ -17,10 +17,11 @@ from typing import Any
 import numpy as np
 
 from ...models.linear.boundaries import Crossing
-from ...models.whirl.search import MainWhirl, NotCovered, main_whirl, whirl_boundaries
+from ...models.whirl.search import MainWhirl, NotCovered, decays, main_whirl, whirl_boundaries
 from ...models.whirl.steady import NoWhirl
 from ...models.whirl.variation import neutral_turns
 from ..errors import SimulationError
+from ..output.workers import Progress
 from ..scene import Scene
 from .main_motion import MainMotion
 from .revolution import Revolution, Vector
@@ -48,7 +49,7 @@ class WhirlAt:
     @property
     def stable(self) -> bool:
         """Whether it exists and small deviations decay."""
-        return self.growth < 0.0
+        return decays(self.growth, self.speed)
 
     def as_json(self) -> dict[str, Any]:
         """Plain lists and numbers; null where there is no whirl."""
@@ -130,15 +131,23 @@ def whirl_at(scene: Scene, speed: float) -> WhirlAt:
     return WhirlAt(speed, growth, tuple(whirl.amplitude.tolist()), tuple(angles.tolist()))
 
 
-def whirls(scene: Scene, span: tuple[float, float], why: str, narrowest: float | None) -> Whirls:
+def whirls(
+    scene: Scene,
+    span: tuple[float, float],
+    why: str,
+    narrowest: float | None = None,
+    progress: Progress | None = None,
+) -> Whirls:
     """The whirl of a scene over a range of speeds [rad/s], by the equations.
 
     Args:
         why: the weights cannot balance.
         narrowest: spacing of the scan [rad/s]; a hundredth of the range by default.
+        progress: called with the finished fraction.
     """
+    report = progress or (lambda done: None)
     try:
-        found = whirl_boundaries(scene.assembly(), *span, narrowest=narrowest)
+        found = whirl_boundaries(scene.assembly(), *span, narrowest=narrowest, progress=report)
     except (ValueError, ArithmeticError) as error:
         return Whirls(why, (), {}, {"floquet": str(error)})
     edges = [span[0], *(c.speed for c in found), span[1]]

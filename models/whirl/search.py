@@ -7,17 +7,18 @@ method; weights all together, in four directions, and those of the scene are the
 
 from __future__ import annotations
 
+import itertools
 import math
+from collections.abc import Callable
 from dataclasses import replace
-from functools import partial
 from typing import NamedTuple
 
 import numpy as np
 
 from ..assembly import Assembly
 from ..linear.balanced import WeightTable, balanced_angles
-from ..linear.boundaries import Crossing, growth_boundaries, scan_speeds
-from ..papers.touching import Packed, merged, packed_groups
+from ..linear.boundaries import MARGIN, Crossing, growth_boundaries, scan_speeds
+from ..papers.touching import merged, packed_groups
 from .response import Array, Response
 from .steady import NoWhirl, Whirl, whirl_near
 from .variation import growth_rate
@@ -45,8 +46,13 @@ class MainWhirl(NamedTuple):
 
     @property
     def stable(self) -> bool:
-        """Whether small deviations decay."""
-        return self.growth < 0.0
+        """Whether small deviations decay, by more than rounding."""
+        return decays(self.growth, self.whirl.speed)
+
+
+def decays(growth: float, speed: float) -> bool:
+    """Whether a growth rate [1/s] is below 0 by more than rounding; not if it is NaN."""
+    return growth * 2.0 * math.pi < -MARGIN * speed
 
 
 def main_whirl(assembly: Assembly, speed: float) -> MainWhirl:
@@ -101,7 +107,12 @@ def whirl_growth(assembly: Assembly, speed: float) -> float:
 
 
 def whirl_boundaries(
-    assembly: Assembly, low: float, high: float, *, narrowest: float | None = None
+    assembly: Assembly,
+    low: float,
+    high: float,
+    *,
+    narrowest: float | None = None,
+    progress: Callable[[float], None] = lambda done: None,
 ) -> list[Crossing]:
     """Every speed from `low` to `high` at which a stable whirl begins or ends, ascending.
 
@@ -109,12 +120,19 @@ def whirl_boundaries(
         low, high: range of speeds [rad/s], 0 < low < high.
         narrowest: spacing of the scan [rad/s], as for `balancing_boundaries`; a hundredth of the
             range by default.
+        progress: called with the finished fraction of the scan, and on with 1.
 
     Raises:
         ValueError: the range is empty or not positive; an undamped rotor has no bounded response.
+        NotCovered: as `main_whirl`.
     """
-    growth = np.vectorize(partial(whirl_growth, assembly), otypes=[float])
-    return growth_boundaries(growth, scan_speeds(low, high, narrowest, _GRID), _TOLERANCE)
+    scan, done = scan_speeds(low, high, narrowest, _GRID), itertools.count(1)
+
+    def growth(speed: float) -> float:
+        progress(min(1.0, next(done) / len(scan)))
+        return whirl_growth(assembly, speed)
+
+    return growth_boundaries(np.vectorize(growth, otypes=[float]), scan, _TOLERANCE)
 
 
 def _starts(assembly: Assembly, speed: float) -> tuple[list[Array], int]:
@@ -150,7 +168,8 @@ def _needed(assembly: Assembly, speed: float) -> np.ndarray:
     rows, unbalance = rotor.planes[planes], rotor.unbalance.copy()
     for mounted in assembly.weights:
         unbalance += mounted.device.added_mass * mounted.offset * rotor.planes[mounted.plane]
-    moved = rows @ compliance @ unbalance
+    offsets = {m.plane: m.offset for m in assembly.weights}  # the track's centre is to rest
+    moved = rows @ compliance @ unbalance + np.array([offsets[plane] for plane in planes.tolist()])
     needed = np.zeros(rotor.plane_count, complex)
     needed[planes] = np.linalg.lstsq(rows @ compliance @ rows.T, -moved, rcond=_RANK)[0]
     return needed
@@ -160,28 +179,40 @@ def _apart(assembly: Assembly, whirl: Whirl) -> Whirl:
     """The whirl with weights of finite size side by side where points would overlap.
 
     Raises:
-        NoWhirl: weights overlap that are not the only balancer's, or the joined ones do again.
+        NoWhirl: it is lost on the way, or groups of weights overlap in it or are driven apart.
     """
-    first = 0
+    joined, angles = assembly, whirl.angles.tolist()
+    tracks: list[tuple[float, list[int]]] = []  # half angle, and sizes of the groups
     for mounted in assembly.weights:
-        angles = whirl.angles[first : first + len(mounted.angles)]
-        first += len(mounted.angles)
-        alpha = mounted.half_angle
-        groups = packed_groups(angles.tolist(), alpha, _TOUCH)
-        if alpha == 0.0 or len(groups) == len(angles):
-            continue
-        if len(assembly.balancers) > 1 or mounted.offset:
-            raise NoWhirl(f"{mounted.name}: weights that touch beside another balancer")
-        joined = merged(assembly, alpha, groups)
-        whirl = whirl_near(joined, whirl.speed, np.array([g.middle for g in groups]))
-        _refuse_overlap(whirl, groups, alpha)
-    return whirl
+        own, angles = angles[: len(mounted.angles)], angles[len(mounted.angles) :]
+        groups = packed_groups(own, mounted.half_angle, _TOUCH)
+        at = joined.balancers.index(mounted)
+        if len(groups) < len(own):
+            joined = merged(joined, mounted.half_angle, groups, at)
+            tracks.append((mounted.half_angle, [g.size for g in groups]))
+        else:
+            placed = replace(mounted, angles=tuple(own))
+            others = joined.balancers
+            joined = replace(joined, balancers=(*others[:at], placed, *others[at + 1 :]))
+            tracks.append((mounted.half_angle, [1] * len(own)))
+    size = np.concatenate([sizes for _, sizes in tracks])
+    if size.max() == 1:
+        return whirl
+    found = whirl_near(joined, whirl.speed, WeightTable.of(joined).angle)
+    # what drives the outer ones apart; in the mean, as a gap of half a turn stays small
+    apart = (found.acceleration * np.exp(-1j * found.theta)).real.mean(axis=0)
+    if (apart[size > 1] >= 0.0).any():
+        raise NoWhirl("weights that touch are driven apart")
+    first = 0
+    for alpha, sizes in tracks:
+        _refuse_overlap(found.angles[first : first + len(sizes)], np.array(sizes), alpha)
+        first += len(sizes)
+    return found
 
 
-def _refuse_overlap(whirl: Whirl, groups: list[Packed], alpha: float) -> None:
-    order = np.argsort(whirl.angles % math.tau)
-    middles = (whirl.angles % math.tau)[order]
-    sizes = np.array([g.size for g in groups])[order]
+def _refuse_overlap(angles: Array, sizes: np.ndarray, alpha: float) -> None:
+    order = np.argsort(angles % math.tau)
+    middles, sizes = (angles % math.tau)[order], sizes[order]
     gaps = np.diff([*middles, middles[0] + math.tau])
-    if len(groups) > 1 and (gaps < alpha * (sizes + np.roll(sizes, -1)) - _TOUCH).any():
+    if len(sizes) > 1 and (gaps < alpha * (sizes + np.roll(sizes, -1)) - _TOUCH).any():
         raise NoWhirl("groups of weights that touch would overlap")

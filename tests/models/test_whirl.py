@@ -154,6 +154,16 @@ def test_beyond_their_reach_all_weights_stand_together_where_nothing_drives_them
     assert np.ptp(found.whirl.angles) < 1e-9
 
 
+def test_weights_that_would_be_driven_apart_do_not_stand_side_by_side():
+    """A rig's two balls on a track 5 um off centre: joined they would keep still at 160 rad/s."""
+    rotor = LinearRotor.planar(1.28, (43000.0, 31600.0), (10.75, 7.9), unbalance=3.72e-5)
+    device = Weights(2, 0.44e-3, 0.0428, 7.8e-3, 1.4)
+    mounted = Mounted("balls", device, 0, (-0.2, 0.2), (), 5e-6, math.asin(2.38 / 42.8))
+    found = main_whirl(Assembly(rotor, (mounted,)), 160.0)
+    assert len(found.whirl.angles) == 2
+    assert not found.stable
+
+
 @pytest.mark.parametrize("count", [3, 5])
 def test_turns_that_change_nothing_are_left_out_by_structure(count):
     assembly = couple("isotropic", count)
