@@ -33,7 +33,7 @@ from ..output.workers import Progress, Workers, in_order
 from ..scene import Scene
 from .in_time import growth_in_run
 from .main_motion import MainMotion, NoMainMotion
-from .whirl import WhirlMotion, Whirls, touching, whirls
+from .whirl import WhirlMotion, Whirls, has_map, whirls
 
 METHODS = ("criterion", "floquet", "cosim", "cosim-run")
 DEFAULT_METHODS = METHODS[:3]
@@ -231,12 +231,14 @@ def _whirl_by_units(
     workers: Workers,
     progress: Progress | None,
 ) -> None:
-    """Both sides of every boundary of the whirl, where no weights touch in it."""
+    """Both sides of every boundary of the whirl, where no weights touch or drift in it."""
     nodes = nodes_around([c.speed for c in whirl.methods["floquet"]], *span).tolist()
-    free = itertools.groupby(nodes, lambda speed: not touching(scene, speed))
+    free = itertools.groupby(nodes, lambda speed: has_map(scene, speed))
     spans = [list(group) for apart, group in free if apart]
     if sum(map(len, spans)) < len(nodes):
-        whirl.refused["cosim"] = "where weights touch in the whirl, and at the boundaries beside it"
+        whirl.refused["cosim"] = (
+            "where weights touch or drift in the whirl, and at the boundaries beside it"
+        )
     work = functools.partial(_search, scene, "cosim", steps, None, motion_of=WhirlMotion)
     found = in_order(work, spans, workers, progress)
     whirl.methods["cosim"] = tuple(c for crossings, _ in found for c in crossings)

@@ -39,12 +39,14 @@ class WhirlAt:
         growth: largest growth rate of a small deviation [1/s]; NaN where none was found.
         amplitude: largest distance of each station from its middle [m]; empty without a whirl.
         angles: mean angles of the weights in the rotor [rad]; those that touch are one.
+        drift: of three and more weights among positions of the same moment [rad/s].
     """
 
     speed: float
     growth: float = math.nan
     amplitude: tuple[float, ...] = ()
     angles: tuple[float, ...] = ()
+    drift: float = 0.0
 
     @property
     def stable(self) -> bool:
@@ -61,6 +63,7 @@ class WhirlAt:
             "growth": self.growth,
             "amplitude": list(self.amplitude),
             "angles": list(self.angles),
+            "drift": self.drift,
         }
 
 
@@ -107,6 +110,16 @@ class Whirls:
             f"The weights cannot balance: {self.why}.",
             f"A whirl of {sizes} (at {most.speed:.4g} rad/s) remains where it is stable, "
             f"{_bands(self.at[0], self.at[-1], self.methods['floquet'])}.",
+            *self._drift(),
+        ]
+
+    def _drift(self) -> list[str]:
+        fastest = max(one.drift for one in self.at)
+        if not fastest:
+            return []
+        return [
+            "Its weights could stand in many ways, among which they drift by up to "
+            f"{fastest:.2g} rad/s; the vibration stays."
         ]
 
 
@@ -128,7 +141,9 @@ def whirl_at(scene: Scene, speed: float) -> WhirlAt:
     except (NoWhirl, NotCovered):
         return WhirlAt(speed)
     angles = np.angle(np.exp(1j * whirl.angles))
-    return WhirlAt(speed, growth, tuple(whirl.amplitude.tolist()), tuple(angles.tolist()))
+    return WhirlAt(
+        speed, growth, tuple(whirl.amplitude.tolist()), tuple(angles.tolist()), whirl.drift
+    )
 
 
 def whirls(
@@ -157,10 +172,11 @@ def whirls(
     return Whirls(why, tuple(map(partial(whirl_at, scene), shown)), {"floquet": tuple(found)})
 
 
-def touching(scene: Scene, speed: float) -> bool:
-    """Whether weights of finite size stand side by side in the whirl at a speed [rad/s]."""
+def has_map(scene: Scene, speed: float) -> bool:
+    """Whether the units' one-revolution map tells of the whirl: no weights touch or drift in it."""
     one = whirl_at(scene, speed)
-    return 0 < len(one.angles) < sum(len(m.angles) for m in scene.assembly().weights)
+    count = sum(len(m.angles) for m in scene.assembly().weights)
+    return len(one.angles) in (0, count) and one.drift == 0.0
 
 
 class WhirlMotion(MainMotion):

@@ -12,10 +12,12 @@ an isotropic rotor the weights stand still in it.
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ..assembly import Assembly
 from ..linear.balanced import WeightTable
@@ -26,6 +28,7 @@ _NEWTON = 40  # iterations: quadratic near the end, half a radian a step before 
 _LONGEST_TURN = 0.5  # rad per iteration: a longer one leaves the neighbourhood of the start
 _BALANCED = 1e-9  # of w^2: what is left of a weight's equation; rounding leaves 1e-13
 _RANK = 1e-9  # turns of weights on a plane that rests change nothing: least turns among them
+_UNFELT = 1e-9  # smaller singular values of the moments by the angles are rounding
 _RESOLVED = 1e-9  # rad: the highest harmonics of the weights' angles
 FEWEST, MOST = 16, 128  # points over half a revolution
 
@@ -44,6 +47,9 @@ class Whirl:
         theta: (N, K) angles of the weights in the rotor at `response.points` [rad].
         z: (N, n) coefficients of the stations' displacement, rotor's frame [m].
         acceleration: (N, K) of the centres of the weights' tracks at the points, the same [m/s^2].
+        family: (K, m) orthonormal turns along which the weights drift among positions of the same
+            moments, and were held.
+        drift: how fast they do [rad/s].
     """
 
     assembly: Assembly
@@ -51,6 +57,8 @@ class Whirl:
     theta: Array
     z: Complex
     acceleration: Complex
+    family: Array
+    drift: float
 
     @property
     def angles(self) -> Array:
@@ -96,9 +104,10 @@ def _slopes(count: int) -> Complex:
 class _Equations:
     """Residual and Jacobian of all weights' equations at N points."""
 
-    def __init__(self, assembly: Assembly, speed: float, count: int) -> None:
+    def __init__(self, assembly: Assembly, speed: float, count: int, planes: Sequence[int]) -> None:
         self.assembly, self.speed, self.count = assembly, speed, count
         self.table = table = WeightTable.of(assembly)
+        self.drifting = np.isin(table.plane, planes)
         self.rotor = rotor = assembly.loaded_rotor
         self.response = response = Response.of(rotor, speed, count)
         self.rows = rotor.planes[table.plane]  # (K, n): of each weight
@@ -141,21 +150,56 @@ class _Equations:
             jacobian[here, k, here, k] -= across[:, k].real
         return residual.ravel(), jacobian.reshape(theta.size, theta.size)
 
+    def family(self, theta: Array) -> Array:
+        """Turns (K, m), orthonormal, of weights that may drift: they change no mean moment."""
+        return unfelt_turns(self.table, self.rows, theta.mean(axis=0), self.drifting)
+
+    def held(self, theta: Array) -> Array:
+        """The same as turns at all points (N K, m), orthonormal."""
+        everywhere = np.full((self.count, 1), 1.0 / math.sqrt(self.count))
+        return np.kron(everywhere, self.family(theta)).astype(float)
+
     def whirl(self, theta: Array) -> Whirl:
         """The motion with the weights there."""
         moments = self.fixed + np.fft.fft(
             (self.table.moment * np.exp(1j * theta)) @ self.rows, axis=0, norm="forward"
         )
         z = self.response.displacement(moments)
-        return Whirl(self.assembly, self.speed, theta, z, self.acceleration(theta))
+        family = self.family(theta)
+        pushed = family @ (family.T @ self(theta)[0].reshape(theta.shape).mean(axis=0))
+        drift = np.abs(pushed) / np.maximum(self.table.damping_rate, np.finfo(float).tiny)
+        largest = float(drift.max(initial=0.0))
+        return Whirl(self.assembly, self.speed, theta, z, self.acceleration(theta), family, largest)
 
 
-def whirl_near(assembly: Assembly, speed: float, theta: Array) -> Whirl:
+def unfelt_turns(table: WeightTable, rows: Array, angles: Array, which: NDArray) -> Array:
+    """Turns (K, m), orthonormal, of some weights (K,) that change the moment of no station.
+
+    Args:
+        rows: (K, n), of each weight's plane.
+        angles: of the weights (K,) [rad].
+    """
+    on = np.flatnonzero(which)
+    if not len(on):
+        return np.zeros((len(angles), 0))
+    moments = (1j * np.exp(1j * angles[on]) * table.moment[on])[:, None] * rows[on]
+    _, values, turns = np.linalg.svd(np.vstack([moments.real.T, moments.imag.T]))
+    rank = int((values > _UNFELT * values.max()).sum())
+    found = np.zeros((len(angles), len(on) - rank))
+    found[on] = turns[rank:].T
+    return found
+
+
+def whirl_near(
+    assembly: Assembly, speed: float, theta: Array, drifting: Sequence[int] = ()
+) -> Whirl:
     """The whirl that Newton's method finds from angles of the weights.
 
     Args:
         speed: w [rad/s].
         theta: (K,) [rad], or (N, K) at the points of another whirl.
+        drifting: planes whose weights are held where they would drift among positions of the same
+            moment.
 
     Raises:
         NoWhirl: it does not converge, or its harmonics need more than `MOST` points.
@@ -163,7 +207,7 @@ def whirl_near(assembly: Assembly, speed: float, theta: Array) -> Whirl:
     """
     count = FEWEST if not assembly.rotor.isotropic else 2
     while count <= MOST:
-        equations = _Equations(assembly, speed, count)
+        equations = _Equations(assembly, speed, count, drifting)
         found = _newton(equations, _resampled(np.atleast_2d(theta), count))
         if found is None:
             raise NoWhirl(f"no steady whirl found at {speed:g} rad/s from these angles")
@@ -178,12 +222,18 @@ def whirl_near(assembly: Assembly, speed: float, theta: Array) -> Whirl:
 def _newton(equations: _Equations, theta: Array) -> Array | None:
     for _ in range(_NEWTON):
         residual, jacobian = equations(theta)
+        if equations.drifting.any():
+            held = equations.held(theta)
+            residual = residual - held @ (held.T @ residual)
+            jacobian = jacobian - held @ (held.T @ jacobian)
+            jacobian = jacobian - (jacobian @ held) @ held.T
         turn = np.linalg.lstsq(jacobian, -residual, rcond=_RANK)[0].reshape(theta.shape)
         longest = float(np.abs(turn).max(initial=0.0))
         theta = theta + turn * min(1.0, _LONGEST_TURN / longest if longest > 0.0 else 1.0)
         if longest <= _CONVERGED:
-            left, scale = np.abs(equations(theta)[0]).max(), equations.speed**2
-            return theta if left <= _BALANCED * scale else None
+            left, held = equations(theta)[0], equations.held(theta)
+            left = np.abs(left - held @ (held.T @ left)).max()
+            return theta if left <= _BALANCED * equations.speed**2 else None
     return None
 
 

@@ -25,12 +25,11 @@ from ..linear.balanced import WeightTable
 from ..linear.floquet import NODES, half_turn, half_turn_steps
 from ..linear.modes import modes
 from .response import Array, series
-from .steady import Whirl
+from .steady import Whirl, unfelt_turns
 
 _TURN = np.array([[0.0, -1.0], [1.0, 0.0]])  # i
 _RESTS = 1e-9  # of w^2 kappa R: a plane that is accelerated less drives no weight
 _FOLLOWED = 15.0  # times w: faster motions are nothing to weights that the whirl holds
-_RANK = 1e-9  # smaller singular values of the moments by the angles are rounding
 
 
 def multipliers(whirl: Whirl) -> NDArray[np.complex128]:
@@ -69,19 +68,13 @@ def growth_rate(whirl: Whirl) -> float:
 
 
 def neutral_turns(whirl: Whirl) -> Array:
-    """Turns (K, m) of the weights that change nothing, orthonormal."""
+    """Turns (K, m) of the weights that change nothing, orthonormal; those held where they drift."""
+    if whirl.family.shape[1]:
+        return whirl.family
     table = WeightTable.of(whirl.assembly)
     resting = np.abs(whirl.acceleration).max(axis=0) <= _RESTS * table.kappa_radius * whirl.speed**2
-    if not resting.any():
-        return np.zeros((len(table.angle), 0))
-    on = np.flatnonzero(resting)
-    reach = whirl.assembly.rotor.planes[table.plane[on]] * table.moment[on, None]
-    moments = (1j * np.exp(1j * whirl.angles[on])[:, None] * reach).T
-    _, values, rows = np.linalg.svd(np.vstack([moments.real, moments.imag]))
-    rank = int((values > _RANK * values.max()).sum())
-    neutral = np.zeros((len(table.angle), len(on) - rank))
-    neutral[on] = rows[rank:].T
-    return neutral
+    rows = whirl.assembly.rotor.planes[table.plane]
+    return unfelt_turns(table, rows, whirl.angles, resting)
 
 
 def coefficients(whirl: Whirl, beta: Array) -> Array:

@@ -186,6 +186,25 @@ def test_a_rotor_without_weights_has_none_that_whirl():
         main_whirl(Assembly(couple("isotropic").rotor), 10.0)
 
 
-def test_weights_that_drift_among_many_positions_are_refused_in_words():
-    with pytest.raises(NotCovered, match="3 weights of an anisotropic rotor"):
-        main_whirl(couple("anisotropic", 3), 30.0)
+@pytest.mark.parametrize("count", [3, 6])
+def test_weights_that_share_a_moment_drift_as_slowly_as_it_says(count):
+    """Two weights whirl as many do; of many the full equations show the drift, and no more."""
+    assembly, speed = couple("anisotropic", count), 30.0
+    whirl, growth = main_whirl(assembly, speed)
+    assert growth < 0.0
+    assert whirl.family.shape[1] == count - 2
+    pair = main_whirl(couple("anisotropic"), speed).whirl
+    np.testing.assert_allclose(whirl.amplitude, pair.amplitude, rtol=1e-4)
+    places, state = [], state_of(whirl)
+    for _ in range(20):
+        state = after_a_revolution(assembly, speed, state)
+        places.append(state[8 : 8 + count])
+    moved = np.abs(places[-1] - places[9]).max() / (10 * 2.0 * math.pi / speed)
+    assert moved == pytest.approx(whirl.drift, rel=0.02)
+    back = (state - state_of(whirl))[:8] / scales(whirl)[:8]
+    assert np.abs(back).max() < 1e-4
+
+
+def test_weights_that_nothing_drags_drift_too_fast_for_a_whirl():
+    with pytest.raises(NotCovered, match="drift among them"):
+        main_whirl(couple("anisotropic", 3, drag=0.0), 30.0)
