@@ -27,6 +27,15 @@ class Drawing {
     context.fillStyle = colours.faint;
     context.textAlign = "left";
     context.fillText(`Displacement × ${shown(this.magnification)}`, 8, height - 8);
+    if (this.machine.data.heavy !== null) this.key(width - 90, height - 8);
+  }
+
+  key(x, y) {
+    const { context: c, colours } = this;
+    c.fillStyle = colours.heavy;
+    triangle(c, x, y - 10, 0, -1);
+    c.fillStyle = colours.faint;
+    c.fillText("heavy side", x + 12, y);
   }
 
   /* Follow the largest displacement, so slowly that a motion that dies away is seen to do so; a
@@ -51,7 +60,7 @@ class Drawing {
 
   front(plane, cx, cy, size) {
     const { context: c, colours, machine, magnification: m } = this;
-    const scale = (0.72 * size) / plane.radius;
+    const scale = (0.76 * size) / plane.radius;
     const { x, y } = machine.now.pairs[plane.place];
     const view = this.turning ? -machine.now.angle : 0;
     const point = (px, py) => {
@@ -104,13 +113,8 @@ class Drawing {
     const { heavy } = machine.data;
     if (heavy === null) return;
     const [ux, uy] = [Math.cos(angle + heavy), -Math.sin(angle + heavy)];
-    const [tip, base, half] = [radius - 2, radius - 13, 7];
     c.fillStyle = colours.heavy;
-    c.beginPath();
-    c.moveTo(x + tip * ux, y + tip * uy);
-    c.lineTo(x + base * ux - half * uy, y + base * uy + half * ux);
-    c.lineTo(x + base * ux + half * uy, y + base * uy - half * ux);
-    c.fill();
+    triangle(c, x + (radius - 2) * ux, y + (radius - 2) * uy, ux, uy);
   }
 
   trail(plane, point) {
@@ -252,6 +256,16 @@ function circle(c, x, y, radius) {
 function dot(c, x, y, radius) {
   c.beginPath();
   c.arc(x, y, radius, 0, TURN);
+  c.fill();
+}
+
+/* With its tip at x, y, along u. */
+function triangle(c, x, y, ux, uy) {
+  const [long, half] = [11, 7];
+  c.beginPath();
+  c.moveTo(x, y);
+  c.lineTo(x - long * ux - half * uy, y - long * uy + half * ux);
+  c.lineTo(x - long * ux + half * uy, y - long * uy - half * ux);
   c.fill();
 }
 

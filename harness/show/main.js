@@ -16,7 +16,7 @@ class Page {
     this.view = { pace: 1, slow: false, running, place: 0 };
     this.machine = new Machine(module, data);
     this.drawing = new Drawing(element("machine"), this.machine);
-    this.cost = { part: 0, frame: FRAME, rate: 0 };
+    this.cost = { frame: FRAME, took: 0, moved: 0 };
     this.controls();
     this.placeChoice();
     this.buttons();
@@ -159,15 +159,16 @@ class Page {
     }
     const took = performance.now() - began;
     const moved = this.machine.time - before;
-    this.cost.frame += 0.05 * (passed - this.cost.frame);
-    this.cost.part += 0.05 * (took - this.cost.part);
-    this.cost.moved = (this.cost.moved ?? moved) + 0.05 * (moved - (this.cost.moved ?? moved));
+    const { cost } = this; // the clock is coarse: only sums over many frames tell
+    cost.frame += 0.05 * (passed - cost.frame);
+    cost.took = 0.99 * cost.took + took;
+    cost.moved = 0.99 * cost.moved + moved;
   }
 
   facts() {
     const { now, time, stations } = this.machine;
     const { x, y } = now.pairs[this.view.place];
-    const speedup = (1000 * (this.cost.moved ?? 0)) / (this.cost.part || Infinity);
+    const speedup = (1000 * this.cost.moved) / (this.cost.took || Infinity);
     const rows = {
       Time: shown(time, "s"),
       "Speed now": `${shown(now.speed)} rad/s`,
@@ -177,7 +178,7 @@ class Page {
       "Loop gain": shown(now.gain),
       "Coupling steps": shown(now.steps),
       "Frames a second": shown(Math.round(1000 / this.cost.frame)),
-      "Can run at": speedup ? `${shown(speedup)} × real time` : "–",
+      "Can run at": speedup ? `${shown(speedup)} × real time` : "not measured yet",
     };
     element("facts").replaceChildren(...Object.entries(rows).map(([name, value]) =>
       make("div", {}, make("dt", { textContent: name }), make("dd", { textContent: value }))));

@@ -1,7 +1,8 @@
 /* Signals against time, and their spectrum. */
 
 const WINDOW = 30; // revolutions shown, at the scene's speed
-const TRANSFORMED = 4096; // samples of a spectrum, a power of two
+const LISTENED = 1024; // last samples that a spectrum is of,
+const TRANSFORMED = 4096; // filled up with zeros to these, a power of two
 const MARGIN = { left: 12, right: 30, top: 24, bottom: 20 };
 
 /* Axes over a cleared canvas; what maps values to pixels. */
@@ -16,6 +17,7 @@ function axes(canvas, colours, title, [x1, x2], [y1, y2], unit) {
   c.textAlign = "center";
   const step = niceStep(x2 - x1 || 1, Math.max(2, (right - left) / 90));
   for (let x = Math.ceil(x1 / step) * step; x <= x2; x += step) {
+    if (px(x) > right - 24) break; // the unit stands there
     line(c, px(x), bottom, px(x), bottom + 4);
     c.fillText(shown(Math.abs(x) < 1e-9 * step ? 0 : x), px(x), height - 4);
   }
@@ -117,7 +119,7 @@ function plotAngles(canvas, colours, machine) {
 
 function plotSpectrum(canvas, colours, machine, place) {
   const { history } = machine;
-  const [xs] = machine.last(TRANSFORMED, history.x[place]);
+  const [xs] = machine.last(LISTENED, history.x[place]);
   const highest = (1.5 * machine.data.window.high) / TURN;
   const { frequencies, amplitudes } = spectrum(xs, machine.step);
   const within = frequencies.findIndex((f) => f > highest);
@@ -134,8 +136,7 @@ function plotSpectrum(canvas, colours, machine, place) {
   curve(area, frequencies.subarray(0, count), amplitudes.subarray(0, count), colours.x);
 }
 
-/* Amplitudes by frequency of evenly spaced samples, Hann window; fewer samples than a power of two
-   are filled up with zeros. */
+/* Amplitudes by frequency of evenly spaced samples, Hann window. */
 function spectrum(samples, step) {
   const size = TRANSFORMED;
   const [re, im] = [new Float64Array(size), new Float64Array(size)];
