@@ -41,7 +41,6 @@ def content(scene: Scene) -> dict[str, Any]:
     made, profile, found = composition(scene), scene.profile(), window(scene)
     own = tuple(b.count for b in scene.balancer if isinstance(b, WeightBalancer))
     return {
-        "name": scene.name,
         "tokens": [
             {"weights": count, "token": each.token(stamp())}
             for count, each in _variants(scene, made, own)

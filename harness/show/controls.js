@@ -33,7 +33,7 @@ class Slider {
   show(value) {
     const part = this.log ? Math.log(value / this.low) / Math.log(this.high / this.low)
       : (value - this.low) / (this.high - this.low);
-    const position = this.whole ? value : Math.round(POSITIONS * part);
+    const position = this.whole ? value ?? this.low : Math.round(POSITIONS * part);
     // a value that the slider stands at stays as it is said
     if (Number(this.input.value) !== position) this.input.value = position;
     this.output.value = this.say(value);
@@ -73,7 +73,7 @@ function sliders(machine, view, change) {
   const counts = data.tokens.map((t) => t.weights).filter((n) => n !== null);
   if (counts.length > 1) {
     found.weights = new Slider("weights", "Weights on every track", {
-      low: 1, high: Math.max(...counts), whole: true, value: data.tokens[0].weights ?? 1,
+      low: 1, high: Math.max(...counts), whole: true, value: data.tokens[0].weights,
       say: (count) => (count === null ? "as in the scene" : String(count)),
       set: (count) => change({ variant: data.tokens.findIndex((t) => t.weights === count) }),
     });

@@ -146,10 +146,9 @@ class Machine {
   /* Change the speed towards that of the settings. */
   drive() {
     const { speed } = this.now;
-    const most = this.data.rate;
+    const { rate } = this.data;
     const wanted = (this.settings.speed - speed) / this.step;
-    const near = Math.abs(wanted * this.step) < 1e-9 * this.data.window.high;
-    const acceleration = near ? 0 : Math.max(-most, Math.min(most, wanted));
+    const acceleration = Math.max(-rate, Math.min(rate, wanted));
     if (acceleration !== 0 || this.told) this.units.set({ speed, acceleration });
     this.told = acceleration;
   }

@@ -24,7 +24,7 @@ def page(scene: Scene) -> str:
         SceneError, NotCompiled: as `content`.
     """
     known = content(scene)
-    # no </script> can end the data, whatever a scene is called
+    # no </script> can end the data, whatever is in it
     data = json.dumps(plain(known), ensure_ascii=False, allow_nan=False).replace("<", "\\u003c")
     parts = {
         "TITLE": html.escape(scene.heading),

@@ -1,6 +1,9 @@
 """What a page is given, and the command that writes it."""
 
+import json
+
 from autobalancer.harness import load_scene
+from autobalancer.harness.show import page as show_page
 from autobalancer.harness.show.content import content
 from autobalancer.harness.show.window import window
 from autobalancer.harness.stability.main_motion import MainMotion
@@ -39,6 +42,14 @@ def test_the_slider_offers_as_many_weights_as_fit():
     counts = [each["weights"] for each in content(load_scene("goncharov_balls"))["tokens"]]
     # Goncharov 2017: radius 45.5 mm on 79.5 mm, of which five touch
     assert counts == [3, 1, 2, 4, 5]
+
+
+def test_no_text_ends_the_data_early(monkeypatch):
+    words = "</script><!-- {{UNITS}}"
+    monkeypatch.setattr(show_page, "content", lambda scene: {"words": words})
+    text = show_page.page(load_scene("two_balls"))
+    data = text.split('id="data">')[1].split("</script>")[0]
+    assert json.loads(data) == {"words": words}
 
 
 def test_the_command_writes_a_page_without_an_address_in_it(invoke, tmp_path):

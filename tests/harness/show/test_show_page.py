@@ -100,6 +100,27 @@ def test_a_run_up_begins_at_rest_and_takes_another_speed_on_its_way(opened):
     assert shown.refusal() == ""
 
 
+def test_a_value_changed_on_the_way_up_does_not_end_the_run_up(opened):
+    shown = opened("run_up")  # to 150 rad/s in 2 s
+    shown("machine.advance(0.5, Infinity)")
+    assert shown.value("rotor.speed") == pytest.approx(37.5, rel=0.05)
+    shown.slide("value_1", 0.6)
+    assert shown.value("rotor.speed") == pytest.approx(37.5, rel=0.05)
+    shown("machine.advance(3, Infinity)")
+    assert shown.value("rotor.speed") == pytest.approx(150.0)
+    assert shown.refusal() == ""
+
+
+def test_tracks_with_different_numbers_of_weights_are_left_so_until_the_slider_moves(opened):
+    scene = load_scene("three_mass_shaft").replace({"right.count": 3, "right.angles": None})
+    shown = opened(scene)
+    assert shown.said("weights") == "as in the scene"
+    assert len(shown("return machine.now.angles")) == 5
+    shown.slide("weights", 3 / 7)
+    assert shown.said("weights") == "4"
+    assert len(shown("return machine.now.angles")) == 8
+
+
 def test_a_kick_changes_the_momentum_by_its_impulse(opened):
     shown = opened("two_balls")
     run = "machine.restart(); {} machine.stepOnce(); return machine.units.value('rotor.vx')"
