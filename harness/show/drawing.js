@@ -2,6 +2,8 @@
 
 const SHOWN_AS = 0.22; // of the rotor's radius: what the largest displacement is drawn as
 const TRAIL = 3; // revolutions
+const GAP = 0.2; // of a chamber's radius: a narrower gap is drawn wider, up to this
+const WITHIN = 0.9; // of a gap: what a displacement that is less is drawn within
 
 /* Draws a machine; remembers how it magnifies. */
 class Drawing {
@@ -26,7 +28,11 @@ class Drawing {
     if (side) this.side(0, height - side - 16, width, side);
     context.fillStyle = colours.faint;
     context.textAlign = "left";
-    context.fillText(`Displacement × ${shown(this.magnification)}`, 8, height - 8);
+    const wider = this.machine.data.balancers.filter((b) => b.chamber_radius)
+      .map((b) => gapTimes(b, this.magnification)).filter((times) => times > 1);
+    const words = [`Displacement × ${shown(this.magnification)}`,
+      ...wider.map((times) => `gap × ${shown(times)}`)];
+    context.fillText(words.join(", "), 8, height - 8);
     if (this.machine.data.heavy !== null) this.key(width - 90, height - 8);
   }
 
@@ -39,14 +45,15 @@ class Drawing {
   }
 
   /* Follow the largest displacement, so slowly that a motion that dies away is seen to do so; a
-     liquid's gap is not crossed. */
+     liquid's gap is not drawn crossed before it is. */
   magnify() {
     const { machine } = this;
     if (!machine.largest) return;
-    const gaps = machine.data.balancers.filter((b) => b.chamber_radius)
-      .map((b) => 0.9 * (b.chamber_radius - b.float_radius));
-    const room = Math.min(SHOWN_AS * this.radius, ...gaps);
-    const wanted = Math.max(1, room / machine.largest);
+    const gaps = machine.data.balancers.filter((b) => b.chamber_radius).map((b) => {
+      const gap = b.chamber_radius - b.float_radius;
+      return (WITHIN * gap * gapTimes(b)) / Math.min(machine.largest, WITHIN * gap);
+    });
+    const wanted = Math.min((SHOWN_AS * this.radius) / machine.largest, ...gaps);
     this.magnification += (this.magnification ? 0.05 : 1) * (wanted - this.magnification);
   }
 
@@ -139,16 +146,18 @@ class Drawing {
   balancer(b, plane, [x, y], [ox, oy], scale, view) {
     const { context: c, colours, machine } = this;
     if (b.chamber_radius) { // the float stays on the axis of rotation
+      const gap = (b.chamber_radius - b.float_radius) * gapTimes(b, this.magnification);
+      const float = (b.chamber_radius - gap) * scale;
       c.fillStyle = colours.liquid;
       c.globalAlpha = 0.8;
       c.beginPath();
       c.arc(x, y, b.chamber_radius * scale, 0, TURN);
-      c.arc(ox, oy, b.float_radius * scale, 0, TURN, true);
+      c.arc(ox, oy, float, 0, TURN, true);
       c.fill("evenodd");
       c.globalAlpha = 1;
       c.strokeStyle = colours.ink;
       circle(c, x, y, b.chamber_radius * scale);
-      circle(c, ox, oy, b.float_radius * scale);
+      circle(c, ox, oy, float);
       return;
     }
     const turned = machine.now.angle + view;
@@ -219,6 +228,12 @@ class Drawing {
     machine.stations.forEach((_, k) => dot(c, ...at(data.stations[k], machine.now.pairs[k]), 4));
     c.lineWidth = 1;
   }
+}
+
+/* How many times wider the gap is drawn than it is: no more than displacements are. */
+function gapTimes({ chamber_radius, float_radius }, magnification = Infinity) {
+  const most = (GAP * chamber_radius) / (chamber_radius - float_radius);
+  return Math.max(1, Math.min(most, magnification));
 }
 
 /* What a front view shows: each plane with balancers; of a bare rotor its first station. */

@@ -179,8 +179,9 @@ class Machine {
     this.places = [...this.stations, ...this.planes.map((k) => `rotor.plane[${k}]`)];
     const facts = ["rotor.angle", "rotor.speed", "coupling.loop_gain", "coupling.error",
       "coupling.steps"];
+    this.clearances = units.names.filter((name) => name.endsWith(".clearance"));
     this.readAll = units.reader([...facts, ...this.places.flatMap((p) => [`${p}.x`, `${p}.y`]),
-      ...weights]);
+      ...weights, ...this.clearances]);
     const before = new Map(this.weights?.map(({ name }, k) => [name, this.history.angles[k]]));
     this.weights = weights.map((name) => ({
       name, label: name.split(".")[0], number: Number(name.match(/\[(\d+)\]/)[1]),
@@ -200,8 +201,9 @@ class Machine {
   read() {
     const [angle, speed, gain, error, steps, ...rest] = this.readAll();
     const pairs = this.places.map((_, k) => ({ x: rest[2 * k], y: rest[2 * k + 1] }));
-    const angles = rest.slice(2 * this.places.length);
-    this.now = { angle, speed, gain, error, steps, pairs, angles };
+    const angles = rest.slice(2 * this.places.length, rest.length - this.clearances.length);
+    const clearance = Math.min(...rest.slice(rest.length - this.clearances.length));
+    this.now = { angle, speed, gain, error, steps, pairs, angles, clearance };
   }
 
   remember() {

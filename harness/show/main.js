@@ -4,6 +4,7 @@ const FRAME = 1000 / 60; // ms
 const BUDGET = 0.6 * FRAME; // of a frame for the motion; the rest is for drawing
 const LONGEST = 100; // ms: a page that was hidden goes on from where it was
 const SLOW = 0.1; // of the pace
+const FAR = 10; // times the rotor's radius: displacements are taken as small
 const KEYS = { " ": "start", s: "slow", u: "run_up", k: "kick", t: "turning", r: "restart" };
 
 const element = (id) => document.getElementById(id);
@@ -151,6 +152,9 @@ class Page {
     try {
       const enough = this.machine.advance(this.shownTime, BUDGET);
       if (!enough) this.shownTime = this.machine.time;
+      const warning = this.machine.units.words();
+      if (warning) this.refuse(warning);
+      this.stopFar();
     } catch (error) {
       if (!(error instanceof Refusal)) throw error;
       this.view.running = false;
@@ -165,6 +169,18 @@ class Page {
     cost.moved = 0.99 * cost.moved + moved;
   }
 
+  /* A motion that grows without bound ends in words, long before it ends in infinity. */
+  stopFar() {
+    const { now } = this.machine;
+    const far = Math.max(...now.pairs.map(({ x, y }) => Math.hypot(x, y)));
+    if (far <= FAR * this.drawing.radius) return;
+    this.view.running = false;
+    this.showRunning();
+    this.refuse(`Paused: the displacement, ${shown(far, "m", true)}, is more than ${FAR} times the ` +
+      "rotor's radius, and the equations are for small ones. The rotor is unstable at this speed, " +
+      "or was driven too hard: change it and restart.");
+  }
+
   facts() {
     const { now, time, stations } = this.machine;
     const { x, y } = now.pairs[this.view.place];
@@ -174,6 +190,7 @@ class Page {
       "Speed now": `${shown(now.speed)} rad/s`,
       [stations.length > 1 ? `At station ${this.view.place + 1}` : "Displacement"]:
         shown(Math.hypot(x, y), "m", true),
+      ...(this.machine.clearances.length && { Clearance: shown(now.clearance, "m", true) }),
       "Error, estimated": shown(now.error),
       "Loop gain": shown(now.gain),
       "Coupling steps": shown(now.steps),

@@ -19,7 +19,7 @@ function axes(canvas, colours, title, [x1, x2], [y1, y2], unit) {
   for (let x = Math.ceil(x1 / step) * step; x <= x2; x += step) {
     if (px(x) > right - 24) break; // the unit stands there
     line(c, px(x), bottom, px(x), bottom + 4);
-    c.fillText(shown(Math.abs(x) < 1e-9 * step ? 0 : x), px(x), height - 4);
+    c.fillText(x.toFixed(Math.max(0, -Math.floor(Math.log10(step)))), px(x), height - 4);
   }
   line(c, left, bottom, right, bottom);
   c.textAlign = "left";

@@ -151,6 +151,23 @@ def test_a_step_that_fails_pauses_the_page_and_says_why(opened):
     assert shown("return document.getElementById('start').innerText") == "Start"
 
 
+def test_what_the_units_warn_of_is_said_and_the_motion_goes_on(opened):
+    shown = opened("liquid_touch", running=True)
+    said = shown.wait("return document.getElementById('refusal').textContent")
+    assert "the float touches the chamber" in said
+    time = shown("return machine.time")
+    shown.wait(f"return machine.time > {time}")
+
+
+def test_a_motion_that_grows_without_bound_is_ended_in_words(opened):
+    shown = opened("liquid_closed")  # unstable above 109 rad/s
+    shown.slide("speed", 1.0)
+    shown("machine.advance(25, Infinity); page.shownTime = machine.time; page.view.running = true")
+    said = "return document.getElementById('refusal').textContent"
+    shown.wait(f"return ({said[7:]}).startsWith('Paused: the displacement')")
+    assert shown("return page.view.running") is False
+
+
 def test_keys_do_what_the_buttons_do(opened):
     shown = opened("two_balls", running=True)
     shown.press(" ")
