@@ -127,6 +127,7 @@ class Drawing {
   trail(plane, point) {
     const { context: c, colours, machine, magnification: m } = this;
     const { x, y } = machine.history;
+    const now = machine.now.pairs[plane.place];
     const [xs, ys] = machine.last(this.samples(), x[plane.place], y[plane.place]);
     c.strokeStyle = colours.trail;
     c.lineWidth = 2;
@@ -137,6 +138,7 @@ class Drawing {
       const last = Math.min(xs.length - 1, Math.floor(((piece + 1) * xs.length) / pieces));
       c.beginPath();
       for (let k = first; k <= last; k++) c.lineTo(...point(m * xs[k], m * ys[k]));
+      if (piece === pieces - 1) c.lineTo(...point(m * now.x, m * now.y));
       c.stroke();
     }
     c.globalAlpha = 1;

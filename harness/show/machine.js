@@ -2,6 +2,7 @@
 
 const TURN = 2 * Math.PI;
 const SAMPLES = 16; // of the motion in a revolution at the highest speed of the slider
+const NEGLIGIBLE = 1e-3; // of a sample's time
 const REMEMBERED = 8192; // samples
 const FADING = Math.exp(-1 / REMEMBERED); // of the largest displacement, a sample
 
@@ -72,7 +73,8 @@ class Machine {
     this.settings = settings;
     // a rotor that speeds up by itself takes no speed from outside
     this.free = !(units.value("rise_time") > 0);
-    this.told = null;
+    this.sampled = time;
+    this.told = 0;
     this.pushed = false;
     this.read();
   }
@@ -125,35 +127,40 @@ class Machine {
 
   /* -- motion -------------------------------------------------------------------------------- */
 
-  /* Step to a time [s], for at most so many milliseconds; whether it was enough. */
+  /* Go to a time [s], for at most so many milliseconds; whether it was enough.  Samples are evenly
+     spread; a picture between two of them is a step of its own. */
   advance(time, budget) {
     const late = performance.now() + budget;
-    while (this.time + 0.5 * this.step < time) {
-      this.stepOnce();
+    while (time - this.time > NEGLIGIBLE * this.step) {
       if (performance.now() > late) return false;
+      const next = this.sampled + this.step;
+      this.stepTo(next - time < NEGLIGIBLE * this.step ? next : time, next);
     }
     return true;
   }
 
-  stepOnce() {
-    if (this.free) this.drive();
-    if (this.pushed || this.push) this.pressOn();
-    this.units.advance(this.time + this.step);
+  stepTo(until, next) {
+    const begins = this.time === this.sampled;
+    if (this.free) this.drive(begins);
+    if (begins && (this.pushed || this.push)) this.pressOn();
+    this.units.advance(until);
     this.read();
-    this.remember();
+    if (until === next) this.remember();
   }
 
-  /* Change the speed towards that of the settings. */
-  drive() {
+  /* Change the speed towards that of the settings; how fast is chosen as a sample begins. */
+  drive(begins) {
     const { speed } = this.now;
     const { rate } = this.data;
-    const wanted = (this.settings.speed - speed) / this.step;
-    const acceleration = Math.max(-rate, Math.min(rate, wanted));
-    if (acceleration !== 0 || this.told) this.units.set({ speed, acceleration });
-    this.told = acceleration;
+    const before = this.told;
+    if (begins) {
+      const wanted = (this.settings.speed - speed) / this.step;
+      this.told = Math.max(-rate, Math.min(rate, wanted));
+    }
+    if (this.told || before) this.units.set({ speed, acceleration: this.told });
   }
 
-  /* Push the rotor over one step; the step after it lets it go. */
+  /* Push the rotor over one sample; the one after it lets it go. */
   kick() {
     this.push = true;
   }
@@ -215,6 +222,7 @@ class Machine {
       this.largest = Math.max(this.largest, Math.hypot(x, y));
     });
     this.largest *= FADING;
+    this.sampled = this.time;
     this.now.angles.forEach((angle, k) => (this.history.angles[k][at] = angle));
     this.filled++;
   }

@@ -87,6 +87,22 @@ def test_the_speed_goes_to_where_its_slider_stands(opened):
     assert shown.value("acceleration") == 0.0
 
 
+def test_slow_motion_shows_what_is_between_samples(opened):
+    shown = opened("two_balls")
+    ways = []
+    for parts in (1, 7):
+        shown("machine.change({ speed: machine.data.speed }); machine.restart()")
+        shown.slide("speed", 0.5)
+        part = "machine.advance((k + 1) * 41.3 * machine.step / parts, Infinity)"
+        shown(f"const parts = {parts} * 40; for (let k = 0; k < parts; k++) {part}")
+        state = "const { x, y } = machine.now.pairs[0]; return [x, y, ...machine.now.angles]"
+        ways.append(shown(state))
+        assert shown("return machine.filled") == 41
+    assert ways[1] == pytest.approx(ways[0], rel=1e-6)
+    times = shown("return Array.from(machine.last(41, machine.history.time)[0])")
+    assert np.diff(times) == pytest.approx(shown("return machine.step"), rel=1e-9)
+
+
 def test_a_run_up_begins_at_rest_and_takes_another_speed_on_its_way(opened):
     shown = opened("two_balls")
     shown("machine.runUp()")
@@ -123,7 +139,8 @@ def test_tracks_with_different_numbers_of_weights_are_left_so_until_the_slider_m
 
 def test_a_kick_changes_the_momentum_by_its_impulse(opened):
     shown = opened("two_balls")
-    run = "machine.restart(); {} machine.stepOnce(); return machine.units.value('rotor.vx')"
+    step = "machine.advance(machine.step, Infinity)"
+    run = "machine.restart(); {} " + step + "; return machine.units.value('rotor.vx')"
     pushed, left = shown(run.format("machine.kick();")), shown(run.format(""))
     impulse, step = shown("return [machine.data.kick, machine.step]")
     scene = load_scene("two_balls")
