@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import cmath
 import math
 import re
 from collections.abc import Iterator
@@ -55,11 +56,11 @@ def content(scene: Scene) -> dict[str, Any]:
             "words": found.words,
         },
         "sliders": list(_sliders(scene, made)),
-        "kick": KICK * _moment(scene) * profile.end,
+        "kick": KICK * _moment(scene, made) * profile.end,
         "stations": scene.rotor.stations,
         "supports": scene.rotor.supports,
         "balancers": list(_balancers(scene)),
-        "heavy": _heavy(scene),
+        "heavy": _heavy(made),
     }
 
 
@@ -91,7 +92,7 @@ def _sliders(scene: Scene, made: Composition) -> Iterator[dict[str, Any]]:
         base = {v.name: float(v.start or 0.0) for v in parameters if re.fullmatch(pattern, v.name)}
         value = 1.0
         if label == "Unbalance" and not any(base.values()):
-            base, value = dict.fromkeys(base, _moment(scene)), 0.0
+            base, value = dict.fromkeys(base, _moment(scene, made)), 0.0
         if any(base.values()):
             least = 1.0 / most if log else 0.0
             yield {
@@ -104,20 +105,28 @@ def _sliders(scene: Scene, made: Composition) -> Iterator[dict[str, Any]]:
             }
 
 
-def _moment(scene: Scene) -> float:
+def _unbalances(made: Composition) -> list[complex]:
+    """Of the rotor, those of nothing left out [kg m]."""
+    start = made.parts[0].start
+    angle_of = {"unbalance": "unbalance_angle"}  # of a planar rotor
+    angle_of |= {n: n.replace("amount", "angle") for n in start if n.endswith("].amount")}
+    pairs = [(start[a], start[b]) for a, b in angle_of.items() if a in start]
+    return [cmath.rect(amount, angle) for amount, angle in pairs if amount]
+
+
+def _moment(scene: Scene, made: Composition) -> float:
     """Unbalance that the scene is about: the rotor's, else what its weights can balance [kg m]."""
-    unbalance = sum(abs(complex(u)) for u in scene.assembly().rotor.unbalance)
+    unbalance = sum(map(abs, _unbalances(made)))
     capacity = sum(
         b.count * b.mass * b.track_radius for b in scene.balancer if isinstance(b, WeightBalancer)
     )
     return unbalance or capacity or scene.rotor.mass * BARE
 
 
-def _heavy(scene: Scene) -> float | None:
+def _heavy(made: Composition) -> float | None:
     """Direction of the unbalance in the rotor [rad]; None where there are several, or none."""
-    places = [complex(u) for u in scene.assembly().rotor.unbalance if abs(complex(u)) > 0.0]
-    angles = [math.atan2(u.imag, u.real) for u in places]
-    return angles[0] if angles and max(angles) - min(angles) < 1e-9 else None
+    found = _unbalances(made)
+    return cmath.phase(found[0]) if len(found) == 1 else None
 
 
 def _balancers(scene: Scene) -> Iterator[dict[str, Any]]:

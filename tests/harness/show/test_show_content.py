@@ -2,6 +2,8 @@
 
 import json
 
+import pytest
+
 from autobalancer.harness import load_scene
 from autobalancer.harness.show import page as show_page
 from autobalancer.harness.show.content import content
@@ -36,6 +38,15 @@ def test_without_an_answer_the_strip_says_why():
     found = window(load_scene("contact_order"))
     assert found.ends == ()
     assert "at most 0.102 kg m" in found.words
+
+
+@pytest.mark.parametrize(
+    ("name", "heavy"),
+    [("two_balls", 0.0), ("drum", 0.4), ("grinder", 1.0), ("three_mass_shaft", None)],
+)
+def test_the_heavy_side_is_that_of_the_one_unbalance(name, heavy):
+    found = content(load_scene(name))
+    assert found["heavy"] == (None if heavy is None else pytest.approx(heavy))
 
 
 def test_the_slider_offers_as_many_weights_as_fit():
