@@ -13,8 +13,10 @@ from numpy.typing import ArrayLike, NDArray
 from ..errors import UserError
 from ..output.files import write_whole
 from ..scene.messages import did_you_mean
+from .result_pictures import Pictures
 
 if TYPE_CHECKING:
+    from ..scene import Scene
     from .verify import Verification
 
 Signal = NDArray[np.float64]
@@ -27,7 +29,7 @@ class UnknownSignalError(UserError, KeyError):
 
 
 @dataclass(frozen=True, eq=False)
-class Result:
+class Result(Pictures):
     """A finished run.
 
     Attributes:
@@ -46,6 +48,7 @@ class Result:
             given steps are too long for the signals; 0 where nothing is estimated.
         signal_units: what each signal is measured in.
         verification: what a second, finer run says of this one; None without `verify`.
+        scene: that was run, as it was run.
     """
 
     scene_title: str
@@ -62,6 +65,7 @@ class Result:
     estimated_error: float = 0.0
     signal_units: dict[str, str] = field(default_factory=dict)
     verification: Verification | None = None
+    scene: Scene | None = None
 
     @property
     def error(self) -> dict[str, float] | None:
@@ -97,22 +101,6 @@ class Result:
             writer.writerow(["time", *self.signals])
             writer.writerows(np.column_stack([self.time, *self.signals.values()]).tolist())
         return Path(path)
-
-    def plot(self, path: str | Path) -> Path:
-        """Draw the time history into a picture file.
-
-        Raises:
-            UserError: the file cannot be written, or nothing that can be drawn was recorded.
-        """
-        from ..output.plot import plot_run  # matplotlib is loaded only to plot
-
-        return plot_run(
-            self.time,
-            self.signals,
-            {name: self.signal_units.get(name, "") for name in self.signals},
-            self.scene_title or "run",
-            Path(path),
-        )
 
     def assert_close(self, name: str, reference: ArrayLike, relative: float) -> None:
         """Fail unless a signal stays within `relative` of the reference's largest magnitude.

@@ -12,7 +12,7 @@ from ..errors import UserError
 from ..output import costs, options
 from ..output.files import write_json
 from ..output.table import Sheet
-from ..output.terminal import progress_bar, say, say_facts, show
+from ..output.terminal import progress_bar, progress_bars, say, say_facts, show
 
 if TYPE_CHECKING:
     from ..scene import Scene
@@ -21,6 +21,7 @@ if TYPE_CHECKING:
 
 
 ON_PYTHON = {"coupling.units": "python"}  # what --python changes in a scene
+_PICTURE = options.picture_or_page
 _LONGEST_SHOWN = 200  # characters of what was typed
 
 
@@ -40,10 +41,31 @@ def command(
     json_file: Annotated[Path | None, options.json("facts, signals and errors")] = None,
     python: Annotated[bool, options.python()] = False,
     at_most: Annotated[str, options.at_most()] = costs.DEFAULT,
+    weights: Annotated[
+        Path | None, _PICTURE("Displacement and angles of all weights against time.")
+    ] = None,
+    weights_over_speed: Annotated[
+        Path | None, _PICTURE("Angles of all weights against speed.")
+    ] = None,
+    waterfall: Annotated[Path | None, _PICTURE("Spectra over the speed of a run-up.")] = None,
+    orders: Annotated[Path | None, _PICTURE("Amplitudes of orders over the speed.")] = None,
+    polar: Annotated[Path | None, _PICTURE("Synchronous amplitude and phase (Nyquist).")] = None,
+    orbits: Annotated[Path | None, _PICTURE("Last orbits along the shaft, in space.")] = None,
+    settling: Annotated[
+        Path | None, _PICTURE("Settling time over the first two weights' angles at the start.")
+    ] = None,
 ) -> None:
-    """Run a scene by co-simulation."""
+    """Run a scene by co-simulation.
+
+    Pictures are png, svg or pdf; all but --plot also html, to turn and to look into.
+    """
     from .cosimulation import cosimulate
 
+    wanted = {
+        "weights": weights, "weights_over_speed": weights_over_speed, "waterfall": waterfall,
+        "orders": orders, "polar": polar, "orbits": orbits, "settling": settling,
+    }  # fmt: skip
+    pictures = {kind: path for kind, path in wanted.items() if path is not None}
     loaded = changed_scene(scene, changes)
     if python:
         loaded = loaded.replace(ON_PYTHON)
@@ -52,7 +74,8 @@ def command(
     with progress_bar(f"running {loaded.name}") as progress:
         key = f"run.revolutions = {loaded.run.revolutions:g}"
         limited = costs.within(at_most, key, progress)
-        result = cosimulate(loaded, fmus=fmus, progress=limited, verify=verify)
+        record = _record(loaded) if pictures else None
+        result = cosimulate(loaded, record=record, fmus=fmus, progress=limited, verify=verify)
     show(summary(result))
     if result.verification is not None and result.verification.parting is not None:
         show(statistics(result.verification))
@@ -72,6 +95,19 @@ def command(
         write_json(as_json(result), json_file)
     if plot is not None:
         say(f"Picture: {result.plot(plot)}")
+    with progress_bars() as bars:
+        for kind, path in pictures.items():
+            task = bars.add_task(f"drawing {kind.replace('_', ' ')}", total=None)
+            getattr(result, f"plot_{kind}")().save(path)
+            bars.remove_task(task)
+            say(f"Picture: {path}")
+
+
+def _record(scene: Scene) -> list[str]:
+    """What the scene asks for, and what pictures are drawn from."""
+    from .recorder import recorded
+
+    return list(dict.fromkeys([*recorded(scene), *recorded(scene.replace({"run.record": None}))]))
 
 
 def changed_scene(scene: str, changes: list[str] | None) -> Scene:

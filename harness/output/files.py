@@ -20,6 +20,7 @@ _DESCRIPTOR = re.compile(r"/dev/(?P<name>stdout|stderr)$|(?:/dev|/proc/self)/fd/
 _STANDARD = {"stdout": 1, "stderr": 2}
 _LONGEST_NAME = 255  # bytes, on every usual file system
 PICTURES = ("png", "svg", "pdf")
+PAGE = ".html"  # a picture to turn and to look into
 
 
 def picture_format(path: Path) -> str:

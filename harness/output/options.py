@@ -9,7 +9,7 @@ from typing import Any, TypeGuard
 import typer
 
 from ..errors import UserError
-from .files import PICTURES, picture_format
+from .files import PAGE, PICTURES, picture_format
 from .terminal import ready_to_write
 
 STORE, TABLE = ".zarr", ".csv"
@@ -42,6 +42,20 @@ def output(kind: str, help: str, *names: str) -> Any:
 def picture(help: str, *names: str) -> Any:
     """A picture to draw."""
     return typer.Option(*names, metavar="FILE.png", help=help, callback=_drawable)
+
+
+def _drawable_or_page(path: Path | None) -> Path | None:
+    if path is None or path.suffix.lower() != PAGE:
+        return _drawable(path)
+    from .interactive import refuse_missing
+
+    refuse_missing()
+    return _writable(path)
+
+
+def picture_or_page(help: str, *names: str) -> Any:
+    """A picture to draw, or a page to turn it in."""
+    return typer.Option(*names, metavar="FILE", help=help, callback=_drawable_or_page)
 
 
 def is_store(path: Path | None) -> TypeGuard[Path]:
