@@ -16,6 +16,9 @@ from ..scene.messages import did_you_mean
 from .result_pictures import Pictures
 
 if TYPE_CHECKING:
+    from pandas import DataFrame
+    from xarray import Dataset
+
     from ..scene import Scene
     from .verify import Verification
 
@@ -101,6 +104,52 @@ class Result(Pictures):
             writer.writerow(["time", *self.signals])
             writer.writerows(np.column_stack([self.time, *self.signals.values()]).tolist())
         return Path(path)
+
+    def to_pandas(self) -> DataFrame:
+        """A frame of the signals over time [s]; `attrs` hold title and units.
+
+        Raises:
+            UserError: pandas is not installed.
+        """
+        from .result_files import to_pandas
+
+        return to_pandas(self)
+
+    def to_xarray(self) -> Dataset:
+        """A data set of the signals over time, each with its unit and measured error.
+
+        Raises:
+            UserError: xarray is not installed.
+        """
+        from .result_files import to_xarray
+
+        return to_xarray(self)
+
+    def save(self, path: str | Path) -> Path:
+        """Write a netCDF file with everything the result holds, completely or not at all.
+
+        Raises:
+            UserError: the file cannot be written, or xarray is not installed.
+        """
+        from .result_files import save
+
+        return save(self, Path(path))
+
+    @classmethod
+    def load(cls, path: str | Path) -> Result:
+        """The result that `save` has written: signals, units, scene, facts and errors.
+
+        Raises:
+            UserError: the file cannot be read or holds no result, or xarray is not installed.
+        """
+        from .result_files import load
+
+        return load(Path(path), cls)
+
+    def _repr_html_(self) -> str:
+        from .result_page import html
+
+        return html(self)
 
     def assert_close(self, name: str, reference: ArrayLike, relative: float) -> None:
         """Fail unless a signal stays within `relative` of the reference's largest magnitude.

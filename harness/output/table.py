@@ -77,6 +77,20 @@ class Sheet:
             lines.append(f"| {' | '.join(cells)} |")
         return "\n".join(lines)
 
+    def html(self) -> str:
+        """As a table of HTML, every text escaped."""
+        from html import escape
+
+        def cells(kind: str, texts: Sequence[Any]) -> str:
+            styles = (f' style="text-align:{_JUSTIFY[letter]}"' for letter in self._align)
+            pairs = zip(texts, styles, strict=True)
+            return "".join(f"<{kind}{s}>{escape(printable(str(t)))}</{kind}>" for t, s in pairs)
+
+        rows = "\n".join(f"<tr>{cells('td', row)}</tr>" for row in self.rows)
+        caption = f"<caption>{escape(printable(self.title))}</caption>" if self.title else ""
+        head = f"<thead><tr>{cells('th', self.columns)}</tr></thead>"
+        return f"<table>{caption}{head}<tbody>\n{rows}\n</tbody></table>"
+
     def write_csv(self, path: Path) -> Path:
         """As CSV, completely or not at all; numbers keep every digit.
 

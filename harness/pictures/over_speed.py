@@ -89,9 +89,8 @@ def orders(motion: Motion, wanted: Sequence[float] = ORDERS) -> Picture:
     degrees = np.degrees(np.angle(found.amplitude[:, 0])).T
     turned = [unbroken(each + 180.0) - 180.0 for each in degrees]
     lines = _curves(across, turned, names, named=False)
-    phase = Axis(
-        f"order {wanted[0]:g}, phase to the rotor", "deg", range(-180, 181, 90), limits=(-190.0, 190.0)
-    )
+    name, ticks = f"order {wanted[0]:g}, phase to the rotor", range(-180, 181, 90)
+    phase = Axis(name, "deg", ticks, limits=(-190.0, 190.0))
     panels.insert(1, Panel((axis, phase), lines))
     return Picture(f"{motion.title}\norders of the vibration", panels, height=2.6)
 

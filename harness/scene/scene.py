@@ -98,6 +98,11 @@ class Scene(Table):
         return self._path
 
     @property
+    def label(self) -> str:
+        """What messages call the scene."""
+        return self._label
+
+    @property
     def name(self) -> str:
         """Short name: the file's stem."""
         return self._path.stem if self._path else self._label
