@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -119,6 +119,26 @@ class Pictures(_Result):
         failed = sum(map(bool, found["failure"]))
         seconds = found["settling_time"].reshape(points, points)
         return settling_map(scene, names, angles, seconds, failed, end_time(scene))
+
+    def movie(
+        self,
+        path: str | Path,
+        axes: Literal["rotor", "fixed"] = "rotor",
+        seconds: float = 8.0,
+        progress: Callable[[float], None] | None = None,
+    ) -> Path:
+        """Write the run as a moving picture of so many seconds: gif, webp, or mp4 by ffmpeg.
+
+        Args:
+            axes: that turn with the rotor, or stand still.
+            progress: called with the finished fraction.
+
+        Raises:
+            UserError: it cannot be made here or written, or frames are too few for fixed axes.
+        """
+        from ..pictures.movie import write_movie
+
+        return write_movie(self._motion(), Path(path), axes, seconds, progress)
 
     def _motion(self) -> Motion:
         from ..pictures.motion import Motion

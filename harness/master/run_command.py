@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import asdict, astuple
+from enum import Enum
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -12,7 +13,7 @@ from ..errors import UserError
 from ..output import costs, options
 from ..output.files import write_json
 from ..output.table import Sheet
-from ..output.terminal import progress_bar, progress_bars, say, say_facts, show
+from ..output.terminal import progress_bar, progress_bars, ready_to_write, say, say_facts, show
 
 if TYPE_CHECKING:
     from ..scene import Scene
@@ -21,8 +22,26 @@ if TYPE_CHECKING:
 
 
 ON_PYTHON = {"coupling.units": "python"}  # what --python changes in a scene
+_MOVIE_SECONDS = 8.0
 _PICTURE = options.picture_or_page
 _LONGEST_SHOWN = 200  # characters of what was typed
+
+
+class MovieAxes(str, Enum):
+    """From where a movie is seen."""
+
+    ROTOR = "rotor"
+    FIXED = "fixed"
+
+
+def _movie(path: Path | None) -> Path | None:
+    """Refuse a movie that cannot be made or written, before the run."""
+    if path is not None:
+        from ..pictures.movie import refuse_unwritable
+
+        refuse_unwritable(path)
+        ready_to_write(path)
+    return path
 
 
 def command(
@@ -54,6 +73,14 @@ def command(
     settling: Annotated[
         Path | None, _PICTURE("Settling time over the first two weights' angles at the start.")
     ] = None,
+    movie: Annotated[
+        Path | None,
+        typer.Option(metavar="FILE.gif", help="Moving picture: gif, webp, mp4.", callback=_movie),
+    ] = None,
+    movie_axes: Annotated[
+        MovieAxes, typer.Option(help="Turn with the rotor, or stand still.")
+    ] = MovieAxes.ROTOR,
+    movie_seconds: Annotated[float, typer.Option(help="The movie takes.")] = _MOVIE_SECONDS,
 ) -> None:
     """Run a scene by co-simulation.
 
@@ -74,7 +101,7 @@ def command(
     with progress_bar(f"running {loaded.name}") as progress:
         key = f"run.revolutions = {loaded.run.revolutions:g}"
         limited = costs.within(at_most, key, progress)
-        record = _record(loaded) if pictures else None
+        record = _record(loaded) if pictures or movie else None
         result = cosimulate(loaded, record=record, fmus=fmus, progress=limited, verify=verify)
     show(summary(result))
     if result.verification is not None and result.verification.parting is not None:
@@ -101,6 +128,10 @@ def command(
             getattr(result, f"plot_{kind}")().save(path)
             bars.remove_task(task)
             say(f"Picture: {path}")
+    if movie is not None:
+        with progress_bar(f"drawing {movie.name}") as progress:
+            result.movie(movie, movie_axes.value, movie_seconds, progress)
+        say(f"Movie: {movie}")
 
 
 def _record(scene: Scene) -> list[str]:

@@ -39,7 +39,7 @@ def save(figure: Figure, path: Path) -> Path:
         UserError: the format is unknown, or the file cannot be written.
     """
     kind = picture_format(path)
-    _harmless(figure)
+    harmless(figure)
     with write_whole(path, "wb") as stream:
         figure.savefig(stream, format=kind, dpi=_RESOLUTION)
     return path
@@ -47,13 +47,14 @@ def save(figure: Figure, path: Path) -> Path:
 
 def as_png(figure: Figure) -> bytes:
     """A figure as the bytes of a PNG file."""
-    _harmless(figure)
+    harmless(figure)
     stream = io.BytesIO()
     figure.savefig(stream, format="png", dpi=_RESOLUTION)
     return stream.getvalue()
 
 
-def _harmless(figure: Figure) -> None:
+def harmless(figure: Figure) -> None:
+    """Have titles shown as they are: a user's text may hold what obeys or looks like formulas."""
     for text in (figure._suptitle, *(axes.title for axes in figure.axes)):  # type: ignore[attr-defined]
         if text is not None:
             text.set_parse_math(False)  # a title's $ is a $
