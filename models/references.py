@@ -38,7 +38,7 @@ class Reference:
         parts = [f"{known['author'].replace(' and ', ', ')} ({known['year']}): {known['title']}"]
         parts += [", ".join(place)] if place else []
         parts += [f"doi:{known['doi']}"] if "doi" in known else []
-        return ". ".join(parts)
+        return ". ".join(parts).replace("\\&", "&")
 
 
 @cache

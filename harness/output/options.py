@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from contextvars import ContextVar
 from pathlib import Path
 from typing import Any, TypeGuard
 
@@ -12,6 +13,7 @@ from ..errors import UserError
 from .files import PAGE, PICTURES, picture_format
 from .terminal import ready_to_write
 
+typed: ContextVar[tuple[str, ...]] = ContextVar("typed", default=())  # after the program's name
 STORE, TABLE = ".zarr", ".csv"
 SCENE = typer.Argument(help="Scene file, or the name of a bundled scene.")
 
@@ -135,6 +137,14 @@ def cluster() -> Any:
     return typer.Option(
         "--cluster", metavar="ADDRESS", help="Work on this Dask cluster, or `local`: one made here."
     )
+
+
+def report() -> Any:
+    """`--report DIR`."""
+    return typer.Option(
+        "--report", metavar="DIR", help="Also write report.html there, a page to pass on, "
+        "with its pictures.",
+    )  # fmt: skip
 
 
 def json(what: str) -> Any:

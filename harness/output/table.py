@@ -17,6 +17,8 @@ if TYPE_CHECKING:
 _JUSTIFY = {"l": "left", "r": "right"}
 _RULES = {"l": "---", "r": "---:"}
 GOOD, BAD = "green", "bold red"
+_SHORT = 14  # characters that stay on one line
+_CLASSES = {GOOD: "good", BAD: "bad"}
 
 
 @dataclass(frozen=True)
@@ -78,13 +80,17 @@ class Sheet:
         return "\n".join(lines)
 
     def html(self) -> str:
-        """As a table of HTML, every text escaped."""
+        """As a table of HTML, every text escaped; cells are of class good, bad, short."""
         from html import escape
 
         def cells(kind: str, texts: Sequence[Any]) -> str:
-            styles = (f' style="text-align:{_JUSTIFY[letter]}"' for letter in self._align)
-            pairs = zip(texts, styles, strict=True)
-            return "".join(f"<{kind}{s}>{escape(printable(str(t)))}</{kind}>" for t, s in pairs)
+            made = []
+            for name, letter, text in zip(self.columns, self._align, texts, strict=True):
+                colour = _CLASSES.get(self.colours.get(name, {}).get(str(text), ""), "")
+                short = "short" if len(str(text)) <= _SHORT else ""
+                look = f'class="{colour} {short}" style="text-align:{_JUSTIFY[letter]}"'
+                made.append(f"<{kind} {look}>{escape(printable(str(text)))}</{kind}>")
+            return "".join(made)
 
         rows = "\n".join(f"<tr>{cells('td', row)}</tr>" for row in self.rows)
         caption = f"<caption>{escape(printable(self.title))}</caption>" if self.title else ""
