@@ -68,7 +68,7 @@ class Result(Pictures):
     estimated_error: float = 0.0
     signal_units: dict[str, str] = field(default_factory=dict)
     verification: Verification | None = None
-    scene: Scene | None = None
+    scene: Scene | None = field(default=None, repr=False)
 
     @property
     def error(self) -> dict[str, float] | None:

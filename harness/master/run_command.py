@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import asdict, astuple
-from enum import Enum
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -13,7 +12,8 @@ from ..errors import UserError
 from ..output import costs, options
 from ..output.files import write_json
 from ..output.table import Sheet
-from ..output.terminal import progress_bar, progress_bars, ready_to_write, say, say_facts, show
+from ..output.terminal import progress_bar, say, say_facts, show
+from . import run_pictures as drawings
 
 if TYPE_CHECKING:
     from ..scene import Scene
@@ -22,26 +22,7 @@ if TYPE_CHECKING:
 
 
 ON_PYTHON = {"coupling.units": "python"}  # what --python changes in a scene
-_MOVIE_SECONDS = 8.0
-_PICTURE = options.picture_or_page
 _LONGEST_SHOWN = 200  # characters of what was typed
-
-
-class MovieAxes(str, Enum):
-    """From where a movie is seen."""
-
-    ROTOR = "rotor"
-    FIXED = "fixed"
-
-
-def _movie(path: Path | None) -> Path | None:
-    """Refuse a movie that cannot be made or written, before the run."""
-    if path is not None:
-        from ..pictures.movie import refuse_unwritable
-
-        refuse_unwritable(path)
-        ready_to_write(path)
-    return path
 
 
 def command(
@@ -61,26 +42,33 @@ def command(
     python: Annotated[bool, options.python()] = False,
     at_most: Annotated[str, options.at_most()] = costs.DEFAULT,
     weights: Annotated[
-        Path | None, _PICTURE("Displacement and angles of all weights against time.")
+        Path | None, options.figure("Displacement and angles of all weights against time.")
     ] = None,
     weights_over_speed: Annotated[
-        Path | None, _PICTURE("Angles of all weights against speed.")
+        Path | None, options.figure("Angles of all weights against speed.")
     ] = None,
-    waterfall: Annotated[Path | None, _PICTURE("Spectra over the speed of a run-up.")] = None,
-    orders: Annotated[Path | None, _PICTURE("Amplitudes of orders over the speed.")] = None,
-    polar: Annotated[Path | None, _PICTURE("Synchronous amplitude and phase (Nyquist).")] = None,
-    orbits: Annotated[Path | None, _PICTURE("Last orbits along the shaft, in space.")] = None,
+    waterfall: Annotated[Path | None, options.figure("Spectra over the speed of a run-up.")] = None,
+    orders: Annotated[Path | None, options.figure("Amplitudes of orders over the speed.")] = None,
+    polar: Annotated[
+        Path | None, options.figure("Synchronous amplitude and phase (Nyquist).")
+    ] = None,
+    orbits: Annotated[Path | None, options.figure("Last orbits along the shaft, in space.")] = None,
     settling: Annotated[
-        Path | None, _PICTURE("Settling time over the first two weights' angles at the start.")
+        Path | None,
+        options.figure("Settling time over the start angles of two weights."),
     ] = None,
     movie: Annotated[
         Path | None,
-        typer.Option(metavar="FILE.gif", help="Moving picture: gif, webp, mp4.", callback=_movie),
+        typer.Option(
+            metavar="FILE.gif",
+            help="Moving picture: gif, webp, mp4.",
+            callback=drawings.place,
+        ),
     ] = None,
     movie_axes: Annotated[
-        MovieAxes, typer.Option(help="Turn with the rotor, or stand still.")
-    ] = MovieAxes.ROTOR,
-    movie_seconds: Annotated[float, typer.Option(help="The movie takes.")] = _MOVIE_SECONDS,
+        drawings.MovieAxes, typer.Option(help="That the movie is seen from.")
+    ] = drawings.MovieAxes.ROTOR,
+    movie_seconds: Annotated[float, typer.Option(metavar="S", help="Length of the movie.")] = 8.0,
 ) -> None:
     """Run a scene by co-simulation.
 
@@ -98,10 +86,12 @@ def command(
         loaded = loaded.replace(ON_PYTHON)
     if fmus is not None and not fmus.is_dir():
         raise UserError(f"{fmus}: is not a directory with FMUs")
+    if movie is not None:
+        drawings.refuse_movie(loaded, movie_axes, movie_seconds)
     with progress_bar(f"running {loaded.name}") as progress:
         key = f"run.revolutions = {loaded.run.revolutions:g}"
         limited = costs.within(at_most, key, progress)
-        record = _record(loaded) if pictures or movie else None
+        record = drawings.record(loaded) if pictures or movie else None
         result = cosimulate(loaded, record=record, fmus=fmus, progress=limited, verify=verify)
     show(summary(result))
     if result.verification is not None and result.verification.parting is not None:
@@ -122,23 +112,9 @@ def command(
         write_json(as_json(result), json_file)
     if plot is not None:
         say(f"Picture: {result.plot(plot)}")
-    with progress_bars() as bars:
-        for kind, path in pictures.items():
-            task = bars.add_task(f"drawing {kind.replace('_', ' ')}", total=None)
-            getattr(result, f"plot_{kind}")().save(path)
-            bars.remove_task(task)
-            say(f"Picture: {path}")
+    drawings.draw(result, pictures, at_most)
     if movie is not None:
-        with progress_bar(f"drawing {movie.name}") as progress:
-            result.movie(movie, movie_axes.value, movie_seconds, progress)
-        say(f"Movie: {movie}")
-
-
-def _record(scene: Scene) -> list[str]:
-    """What the scene asks for, and what pictures are drawn from."""
-    from .recorder import recorded
-
-    return list(dict.fromkeys([*recorded(scene), *recorded(scene.replace({"run.record": None}))]))
+        drawings.film(result, movie, movie_axes, movie_seconds)
 
 
 def changed_scene(scene: str, changes: list[str] | None) -> Scene:

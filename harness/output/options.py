@@ -55,7 +55,7 @@ def _drawable_or_page(path: Path | None) -> Path | None:
     return _writable(path)
 
 
-def picture_or_page(help: str, *names: str) -> Any:
+def figure(help: str, *names: str) -> Any:
     """A picture to draw, or a page to turn it in."""
     return typer.Option(*names, metavar="FILE", help=help, callback=_drawable_or_page)
 

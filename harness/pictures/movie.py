@@ -23,11 +23,13 @@ from ..errors import UserError
 from ..output.files import movie_format, write_whole
 from ..output.picture import GREY, colour, unbroken
 from ..output.plot import harmless, metres
+from ..scene import Scene
 from ..scene.balancer import LiquidBalancer, WeightBalancer
 from .motion import Array, Motion
 
 Axes = Literal["rotor", "fixed"]
 FRAMES_PER_SECOND = 20
+SHORTEST, LONGEST = 0.5, 600.0  # s, of a movie
 FEWEST_PER_REVOLUTION = 8  # frames, in fixed axes: fewer look like another motion
 REACH = 0.45  # of the radius: the largest displacement as it is drawn
 _RESOLUTION = 80  # dots an inch
@@ -69,6 +71,28 @@ def refuse_unwritable(path: Path) -> None:
         raise UserError(f"{path}: an mp4 needs ffmpeg, and there is none: take .gif or .webp")
 
 
+def refuse_unseen(scene: Scene, turns: float, axes: Axes, seconds: float) -> None:
+    """Refuse a movie that would show nothing, or another motion.
+
+    Args:
+        turns: revolutions to be shown.
+
+    Raises:
+        UserError: there is no balancer, or frames are too few for fixed axes.
+    """
+    if not scene.balancer:
+        raise UserError(f"{scene.heading}: has no balancer to show")
+    if not SHORTEST <= seconds <= LONGEST:
+        raise UserError(f"seconds of the movie = {seconds:g}: must be {SHORTEST:g} to {LONGEST:g}")
+    if axes == "fixed" and seconds * FRAMES_PER_SECOND < FEWEST_PER_REVOLUTION * turns:
+        needed = math.ceil(FEWEST_PER_REVOLUTION * turns / FRAMES_PER_SECOND)
+        raise UserError(
+            f"in fixed axes {turns:.4g} revolutions need {needed} seconds of movie "
+            f"({FEWEST_PER_REVOLUTION} frames a revolution): give more seconds, a smaller "
+            "run.revolutions, or take the rotor's axes"
+        )
+
+
 def write_movie(
     motion: Motion,
     path: Path,
@@ -82,18 +106,9 @@ def write_movie(
         UserError: it cannot be written, the scene has no balancer, or frames are too few.
     """
     refuse_unwritable(path)
-    if not 0.5 <= seconds <= 600.0:
-        raise UserError(f"seconds of the movie = {seconds:g}: must be 0.5 to 600")
+    refuse_unseen(motion.scene, (motion.angle[-1] - motion.angle[0]) / math.tau, axes, seconds)
     count = round(seconds * FRAMES_PER_SECOND)
     times = np.linspace(motion.time[0], motion.time[-1], count)
-    turns = (motion.angle[-1] - motion.angle[0]) / math.tau
-    if axes == "fixed" and count < FEWEST_PER_REVOLUTION * turns:
-        needed = math.ceil(FEWEST_PER_REVOLUTION * turns / FRAMES_PER_SECOND)
-        raise UserError(
-            f"in fixed axes {turns:.4g} revolutions need {needed} seconds of movie "
-            f"({FEWEST_PER_REVOLUTION} frames a revolution): give more seconds, a smaller "
-            "run.revolutions, or take the rotor's axes"
-        )
     factor, seen = views(motion, times, axes)
     figure, move = _stage(motion, times, seen, factor, axes)
     kind: Any = FFMpegWriter if movie_format(path) == "mp4" else PillowWriter
@@ -112,14 +127,8 @@ def write_movie(
 
 
 def views(motion: Motion, times: Array, axes: Axes) -> tuple[float, list[View]]:
-    """How often displacements are magnified, and every balancer at the times (F,).
-
-    Raises:
-        UserError: there is no balancer.
-    """
+    """How often displacements are magnified, and every balancer at the times (F,)."""
     scene = motion.scene
-    if not scene.balancer:
-        raise UserError(f"{motion.title}: has no balancer to show")
     planes = scene.assembly().rotor.planes
     z = motion.displacement[:, 0] + 1j * motion.displacement[:, 1]
     # straight between records in the rotor, where all of it is slow
@@ -155,7 +164,7 @@ def _radius(balancer: WeightBalancer | LiquidBalancer) -> float:
     return balancer.chamber_radius
 
 
-def _factor(scene: Any, moved: Any) -> float:
+def _factor(scene: Scene, moved: Any) -> float:
     """1, 2 or 5 times a power of ten that has the largest displacement fill `REACH`."""
     largest = [(_radius(b), float(np.abs(moved[b.at - 1]).max())) for b in scene.balancer]
     wanted = min(REACH * radius / max(size, 1e-12 * radius) for radius, size in largest)

@@ -31,10 +31,10 @@ def command(
     orbit: Annotated[Path | None, options.picture("Orbits of the stations.")] = None,
     run_up: Annotated[Path | None, options.picture("Displacement while the speed rises.")] = None,
     modes: Annotated[
-        Path | None, options.picture_or_page("Mode shapes along the shaft, with their whirl.")
+        Path | None, options.figure("Mode shapes along the shaft, with their whirl.")
     ] = None,
     polar: Annotated[
-        Path | None, options.picture_or_page("Amplitude and phase by unbalance as polar curves.")
+        Path | None, options.figure("Amplitude and phase by unbalance as polar curves.")
     ] = None,
     limits: Annotated[
         tuple[float, float] | None,

@@ -109,6 +109,22 @@ def test_what_cannot_be_made_is_refused_before_the_run(
     assert message in done.output
 
 
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        (["--movie-axes", "fixed", "--set", "run.revolutions=500"], "500 revolutions need 200 sec"),
+        (["--movie-seconds", "0"], "seconds of the movie = 0: must be 0.5 to 600"),
+    ],
+)
+def test_what_would_not_show_the_run_is_refused_before_it(
+    invoke, tmp_path, monkeypatch, options, message
+):
+    monkeypatch.setattr("autobalancer.harness.master.cosimulation.cosimulate", None)
+    done = invoke("run", "two_balls", "--movie", tmp_path / "a.gif", *options)
+    assert done.exit_code == 2, done.output
+    assert message in done.output
+
+
 def test_command_makes_a_movie_of_liquid(invoke, tmp_path):
     done = invoke(
         *("run", "liquid_disc", "--movie", tmp_path / "a.gif", "--movie-seconds", 0.5),
