@@ -20,7 +20,8 @@ _KINDS = {"plane": "xy", "polar": "polar", "space": "scene"}
 _DASHES = {"solid": "solid", "dashed": "dash", "dotted": "dot"}
 _SIZES = {"dots": 3, "marks": 6}
 _SPACE = {"x": 1.8, "y": 1, "z": 1}
-_EYE = {"x": 1.2, "y": -2.2, "z": 1.0}  # from where space is looked at
+_CAMERA = {"eye": {"x": 1.2, "y": -2.6, "z": 1.0}, "center": {"x": 0, "y": 0, "z": -0.12}}
+_TITLE = {"font": {"size": 15}, "y": 1.0, "yanchor": "top", "pad": {"t": 12}}
 _INCH = 80  # pixels
 
 
@@ -77,10 +78,11 @@ def figure(picture: Picture) -> Figure:
             made.add_trace(_trace(panel, line, line.label not in named), row, column)
             named.add(line.label)
         _axes(made, panel, row, column)
+    made.update_annotations(font_size=12)  # titles of panels
     made.update_layout(
-        title=_text(picture.title),
+        title={"text": _text(picture.title), **_TITLE},
         template="plotly_white",
-        margin={"t": _INCH, "b": _INCH // 2},
+        margin={"t": 1.3 * _INCH, "b": _INCH // 2},
         height=_INCH * (1.5 + picture.height * rows),
     )
     return made
@@ -137,12 +139,8 @@ def _axes(made: Figure, panel: Panel, row: int, column: int) -> None:
     if panel.kind == "space":
         names = ("xaxis", "yaxis", "zaxis")
         axes = {name: _axis(a) for name, a in zip(names, panel.axes, strict=True)}
-        made.update_scenes(
-            **axes, aspectmode="manual", aspectratio=_SPACE, camera={"eye": _EYE}, **where
-        )
-    elif panel.kind == "polar":
-        made.update_polars(radialaxis={"title": {"text": _text(panel.axes[1].label)}}, **where)
-    else:
+        made.update_scenes(**axes, aspectmode="manual", aspectratio=_SPACE, camera=_CAMERA, **where)
+    elif panel.kind == "plane":
         x, y = (_axis(axis) for axis in panel.axes)
         made.update_xaxes(**x, **where)
         if panel.equal:

@@ -54,6 +54,10 @@ def test_orders_of_a_known_vibration_are_found_whatever_the_speed_does():
     found = tracked(angle, signal[None], (0.5, 1.0, 2.0, 3.0)).amplitude[:, :, 0]
     expected = [0.2, 2.0 * np.exp(0.3j), 0.5 * np.exp(-1.0j), 0.0]
     np.testing.assert_allclose(found, np.broadcast_to(expected, found.shape), atol=2e-4)
+    lines = spectra(angle, signal)
+    for order, amplitude in ((0.5, 0.2), (1.0, 2.0), (2.0, 0.5), (3.0, 0.0)):
+        line = lines.amplitude[:, np.isclose(lines.orders, order)]
+        np.testing.assert_allclose(line, amplitude, atol=2e-4)
 
 
 def test_order_tracking_equals_the_amplitude_of_a_steady_run():
