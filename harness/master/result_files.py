@@ -61,11 +61,16 @@ def load(path: Path, kind: type[Result]) -> Result:
     try:
         # a time in seconds is no date
         stored = xarray.load_dataset(path, engine="scipy", decode_times=False)
-        facts = json.loads(stored.attrs[FACTS])
+        return _result(stored, json.loads(stored.attrs[FACTS]), kind)
     except OSError as error:
         raise UserError(f"{path}: cannot be read: {error.strerror or error}") from error
-    except (TypeError, ValueError, KeyError) as error:
-        raise UserError(f"{path}: is not a result that `Result.save` has written") from error
+    except (TypeError, ValueError, KeyError, AttributeError) as error:
+        raise UserError(
+            f"{path}: is not a result that `Result.save` of this version has written"
+        ) from error
+
+
+def _result(stored: Dataset, facts: dict[str, Any], kind: type[Result]) -> Result:
     scene = facts.pop("scene")
     facts |= {name: tuple(facts[name]) for name in _TUPLES}
     return kind(

@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 
+from ..errors import UserError
 from ..output.picture import GREY, Axis, Field, Line, Panel, Picture, colour, unbroken
 from ..output.plot import metres
 from .motion import Array, Motion, station_names
@@ -30,6 +31,8 @@ def waterfall(motion: Motion, signal: str | None = None) -> Picture:
     rising = motion.rise
     signal = signal or _largest(rising)
     found = spectra(rising.angle, rising.recorded[signal])
+    if not found.amplitude.any():
+        raise UserError(f"{signal}: does not vibrate: there is no spectrum to show")
     factor, unit = metres(float(found.amplitude.max()))
     axis, values = rising.across
     across = np.interp(found.angle, rising.angle, values)

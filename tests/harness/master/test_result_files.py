@@ -52,9 +52,13 @@ def test_what_is_no_result_is_refused(tmp_path):
     with pytest.raises(UserError, match="cannot be read: No such file"):
         Result.load(path)
     path.write_bytes(b"nothing of the kind")
-    with pytest.raises(UserError, match=r"is not a result that `Result\.save` has written"):
+    with pytest.raises(UserError, match=r"is not a result that `Result\.save` of this"):
         Result.load(path)
     xarray.Dataset({"x": ("t", [1.0])}).to_netcdf(path, engine="scipy")
+    with pytest.raises(UserError, match="is not a result"):
+        Result.load(path)
+    facts = '{"left_out": [], "units": [], "events": [], "signal_units": {}, "other": 1}'
+    xarray.Dataset(attrs={"autobalancer_run": facts}).to_netcdf(path, engine="scipy")
     with pytest.raises(UserError, match="is not a result"):
         Result.load(path)
 

@@ -227,6 +227,14 @@ def test_what_was_not_recorded_is_said():
         cosimulate(disc(2.0)).plot_orders()
 
 
+def test_a_rotor_at_rest_has_no_waterfall_and_all_other_pictures():
+    result = cosimulate(disc(8.0).replace({"rotor.unbalance": 0.0}))
+    with pytest.raises(UserError, match=r"rotor\.x: does not vibrate"):
+        result.plot_waterfall()
+    for picture in (result.plot_orders(), result.plot_polar(), result.plot_orbits()):
+        assert picture._repr_png_()
+
+
 def test_both_libraries_draw_the_same_points_under_the_same_words(slow_run_up):
     pytest.importorskip("plotly")
     for picture in (slow_run_up.plot_orders(), slow_run_up.plot_waterfall()):
