@@ -41,6 +41,7 @@ def command(
     service_speed: Annotated[
         float | None, typer.Option(help="For --grade, rad/s; default: the fastest one measured.")
     ] = None,
+    report: Annotated[Path | None, options.report()] = None,
 ) -> None:
     """Balance a scene's rotor on a virtual machine, or find corrections from measured runs.
 
@@ -58,23 +59,28 @@ def command(
 
         if changes:
             raise UserError("--set: belongs to a scene; measured runs have nothing to replace")
-        balance_measured(Path(scene), given, output, json_file)
+        balance_measured(Path(scene), given, output, json_file, report)
         return
     if unfit := [name for name, value in given.items() if value is not None]:
         raise UserError(f"{', '.join(unfit)}: belong to measured runs (FILE.csv), not to a scene")
+    from ..output.report import Report
     from .cycles import balance
 
     loaded = changed_scene(scene, changes)
+    page = Report(report, f"Balancing: {loaded.heading}", [loaded])
     with (
         costs.limited(at_most, "balancing.revolutions"),
         progress_bar(f"balancing {loaded.name}") as progress,
     ):
         result = balance(loaded, progress=progress)
-    _print(result)
-    if output is not None:
+    with page.keeping():
+        _print(result)
+    for path in filter(None, (output, page.picture(f"{loaded.name}_balance"))):
         from .plot import plot_corrections
 
-        say(f"Picture: {plot_corrections(result, output)}")
+        say(f"Picture: {plot_corrections(result, path)}")
+    page.cited = "Polushkin 2016; ISO 21940-11"
+    page.write()
     if json_file is not None:
         write_json(as_json(loaded.name, result), json_file)
     if not all(t.actually_met for t in result.technologies):

@@ -22,7 +22,11 @@ _MOST_ANGLES = 1000
 
 
 def balance_measured(
-    path: Path, given: Mapping[str, Any], output: Path | None, json_file: Path | None
+    path: Path,
+    given: Mapping[str, Any],
+    output: Path | None,
+    json_file: Path | None,
+    report: Path | None,
 ) -> None:
     """Read, correct, say.
 
@@ -33,6 +37,7 @@ def balance_measured(
         UserError: as `read_measured` and `correct`.
         typer.Exit: the grade is not expected to be met.
     """
+    from ..output.report import Report
     from .correction import correct
     from .measured import read_measured
 
@@ -48,11 +53,15 @@ def balance_measured(
         mass=given["--mass"],
         service_speed=given["--service-speed"],
     )
-    _print(result, path)
-    if output is not None:
+    page = Report(report, f"Balancing: {path.name}", [])
+    with page.keeping():
+        _print(result, path)
+    for picture in filter(None, (output, page.picture(f"{path.stem}_balance"))):
         from .plot_measured import plot_correction
 
-        say(f"Picture: {plot_correction(result, output)}")
+        say(f"Picture: {plot_correction(result, picture)}")
+    page.cited = "Feese & Grazier 2004; ISO 21940-11"
+    page.write()
     if json_file is not None:
         write_json(as_json(result), json_file)
     if result.grade is not None and not result.grade.met:
