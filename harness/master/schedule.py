@@ -5,7 +5,8 @@ from __future__ import annotations
 import math
 
 from ..scene import Scene
-from ..scene.run import DEFAULT_STEPS
+from ..scene.run import DEFAULT_STEPS, UNCORRECTED
+from .runtime import runtime
 from .system import System
 
 
@@ -34,6 +35,12 @@ def as_run(scene: Scene) -> Scene:
     if scene.asks_for_coupling or not any(balancer.can_touch for balancer in scene.balancer):
         return scene
     return at_fixed_steps(scene)
+
+
+def meets_contacts(scene: Scene) -> bool:
+    """Whether steps end where weights collide: native units tell, and a scheme that goes back asks."""
+    corrects = scene.coupling.scheme not in UNCORRECTED
+    return corrects and runtime(scene.coupling.units).backend == "native"
 
 
 def at_fixed_steps(scene: Scene) -> Scene:

@@ -19,6 +19,8 @@ from .names import components, signals
 from .plan import ROTOR, Plan, Port
 from .signals import Cubic, Knot, SignalState
 
+STOP = "stop_at_contact"
+
 
 @dataclass(slots=True)
 class Exchange:
@@ -45,6 +47,7 @@ class System:
         units: the loaded units by name.
         order: of the exchanged signals, 0, 1 or 3.
         watch: also tell balancers where their plane is that report their clearance.
+        stop: have balancers that can end a step at a collision.
 
     Attributes:
         exchanges: balancers that exchange force, in order; `forces` and `force_names` are theirs.
@@ -57,12 +60,18 @@ class System:
     """
 
     def __init__(
-        self, plan: Plan, units: Mapping[str, Fmu], order: int, watch: bool = True
+        self,
+        plan: Plan,
+        units: Mapping[str, Fmu],
+        order: int,
+        watch: bool = True,
+        stop: bool = False,
     ) -> None:
         self.plan, self.units, self.order, self.has_no_past = plan, dict(units), order, True
         self.rotor = units[ROTOR]
         self.balancers = [unit for name, unit in units.items() if name != ROTOR]
         self.masses: dict[str, float] = {}
+        self._stop = stop
         slopes = 0 if order == 0 else 1
         exchanged = plan.of_kind("signal")
         followed = {c.target.unit: c.source.variable for c in exchanged if c.source.unit == ROTOR}
@@ -275,8 +284,12 @@ class System:
         carried = {c.source.unit: c for c in self.plan.of_kind("mass")}
         for one in reversed(self.plan.units):  # the rotor last: it needs the others' masses
             unit = self.units[one.name]
-            masses = self.masses if unit is self.rotor else {}
-            unit.restart({**one.start, **changes.get(one.name, {}), **masses})
+            start = {**one.start, **changes.get(one.name, {})}
+            if unit is self.rotor:
+                start |= self.masses
+            elif self._stop and STOP in unit.variables:
+                start[STOP] = True
+            unit.restart(start)
             if unit is not self.rotor:
                 source, target = carried[one.name].source, carried[one.name].target.variable
                 mass = unit.get(unit.group([source.variable]))[0]

@@ -16,6 +16,7 @@ import math
 from collections.abc import Sequence
 
 from ...errors import LoopError, SimulationError
+from ..fmu import EndedEarly
 from ..signals import Knot, SignalState, end_of, extrapolated
 from ..system import System
 from .iterated import MAX_PASSES, Iterated, Trial
@@ -79,7 +80,7 @@ class Adaptive:
         Raises:
             LoopError: no step is short enough for the tolerance.
         """
-        allowed, remaining = self.share * self.tolerance, step
+        allowed, remaining, met = self.share * self.tolerance, step, False
         while True:
             step = longest * 2.0 ** (-self.rung / RUNGS)
             # do not leave a sliver for the last step
@@ -91,6 +92,12 @@ class Adaptive:
             with system.saved() as states:
                 try:
                     trial = self.iterated.attempt(system, states, time, step, MAX_PASSES)
+                except EndedEarly as early:
+                    system.restore(states)
+                    met, remaining = True, self.iterated.contacts.before(early.length)
+                    if remaining:
+                        continue
+                    return self.iterated.strike(system, time)
                 except SimulationError:  # a unit cannot follow a loop that diverges
                     system.restore(states)
                     if self.rung + 2 * RUNGS > LOWEST:
@@ -104,9 +111,8 @@ class Adaptive:
                     wanted = RUNGS * math.log2(longest / (step * change))
                     if error <= allowed and trial.residual <= self.iterated.tolerance:
                         self.rung = max(0, math.ceil(wanted - 1e-9))
-                        trial.accept(system)
                         self._largest_motion = largest_motion
-                        return step, trial.residual
+                        return self.iterated.go_on(system, trial, met and step == remaining)
                     system.restore(states)
             if failed or trial.residual > SLOWEST * self.iterated.tolerance:
                 self.iterated.after_start(system, time, 0.5 * step)

@@ -15,9 +15,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from ...errors import LoopError
+from ..fmu import EndedEarly
 from ..loop import QuasiNewton, Vector, difference, jacobian, loop_gain, pack, size, unpack
 from ..signals import MISS_PER_ERROR, Cubic, Knot, end_of, interpolated, joined, predicted
 from ..system import System
+from .contacts import Contacts
 
 CONVERGED = 1e-10  # residual of the forces relative to the largest force so far
 MAX_PASSES = 30  # quasi-Newton meets CONVERGED in two to six; more means it does not converge
@@ -83,6 +85,7 @@ class Iterated:
             values = np.tile([True, True, False, False], len(jacobian) // 4)
             jacobian = np.where(np.outer(values, values), jacobian, 0.0)
         self.newton = QuasiNewton(jacobian, step)
+        self.contacts = Contacts(step)
         self.corrections = corrections
         self.rounding = rounding
         self.allow(tolerance)
@@ -94,10 +97,30 @@ class Iterated:
 
     def step(self, system: System, time: float, step: float, longest: float) -> tuple[float, float]:
         """One step, and the residual it leaves of the forces over the largest so far."""
-        with system.saved() as states:
-            trial = self.attempt(system, states, time, step, self._passes(system))
+        met = False
+        while True:
+            with system.saved() as states:
+                try:
+                    trial = self.attempt(system, states, time, step, self._passes(system))
+                except EndedEarly as early:
+                    system.restore(states)
+                    met, step = True, self.contacts.before(early.length)
+                    if step:
+                        continue
+                    return self.strike(system, time)
+            return self.go_on(system, trial, met)
+
+    def go_on(self, system: System, trial: Trial, met: bool) -> tuple[float, float]:
+        """Accept a step, and go behind the collision that it ends at, if it does (`met`)."""
         trial.accept(system)
-        return step, trial.residual
+        if not met:
+            return trial.step, trial.residual
+        behind, residual = self.strike(system, trial.time + trial.step)
+        return trial.step + behind, max(residual, trial.residual)
+
+    def strike(self, system: System, time: float) -> tuple[float, float]:
+        """Go behind a collision that is here; time taken [s] and the residual it leaves."""
+        return self.contacts.strike(self, system, time, MAX_PASSES)
 
     def cross_jump(self, system: System, time: float, step: float) -> None:
         """One step with as many passes as it takes, where nothing of the past can be used."""
