@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "elementary.h"
+#include "unit_rotor.h"
 
 /* Parts of a step and of a time: within them a point of the host is the end of a step; and of the
    speed: what differs less is no jump. */
@@ -353,7 +354,9 @@ static int show(Unit *unit, double time, int end)
 {
     Composite *c = unit->own;
     Course *course = c->course;
+    Rotor *rotor = c->parts->unit->own;
     const size_t size = c->state_count * sizeof(double);
+    int wrong;
     if (end && course->within == 0.0) {
         return 0;
     }
@@ -362,7 +365,10 @@ static int show(Unit *unit, double time, int end)
     }
     memcpy(c->states, c->at_begin, size);
     course->within = end ? 0.0 : 1.0;
-    return composite_move(unit, end ? course->length : time - course->begin);
+    rotor->whole = end ? 0.0 : course->length;
+    wrong = composite_move(unit, end ? course->length : time - course->begin);
+    rotor->whole = 0.0;
+    return wrong;
 }
 
 static int refuse_length(Unit *unit, double own)
@@ -399,6 +405,7 @@ static int step(Unit *unit, double length)
 {
     Course *course = ((Composite *)unit->own)->course;
     const double end = unit->time + length, top = course->rises_until;
+    int wrong;
     if (meet_inputs(unit)) {
         return 1;
     }
@@ -406,7 +413,11 @@ static int step(Unit *unit, double length)
         return refuse_length(unit, startup_size(unit));
     }
     if (course->acceleration != 0.0 && unit->time < top && top <= end) {
-        if (reach(unit, top)) {
+        const unsigned *asked = unit->asked;
+        unit->asked = NULL; /* steps begin there: all units must be */
+        wrong = reach(unit, top);
+        unit->asked = asked;
+        if (wrong) {
             return 1;
         }
         course->speed += (top - course->told) * course->acceleration;
@@ -429,9 +440,11 @@ static void observe(Unit *unit)
     for (k = 0; k < c->part_count; k++) {
         Unit *part = c->parts[k].unit;
         const size_t first = part->layout.computed.first;
-        part->equations->observe(part);
-        memcpy(unit->real + c->parts[k].observed, part->real + first,
-               (part->layout.real_count - first) * sizeof(double));
+        if (composite_asked(unit, c->parts + k)) {
+            part->equations->observe(part);
+            memcpy(unit->real + c->parts[k].observed, part->real + first,
+                   (part->layout.real_count - first) * sizeof(double));
+        }
     }
     results[0] = c->course->speed + (unit->time - c->course->told) * c->course->acceleration;
     results[1] = c->course->gain;

@@ -135,7 +135,10 @@ int composite_rotor_pass(Unit *unit, const Complex *forces, double step);
 int composite_balancer_pass(Unit *unit, const Complex *accelerations, double step);
 /* Step the balancers that exchange none, once the others have finished. */
 int composite_follow(Unit *unit, double step);
-/* Step all units from the begin of the last step under the signals they have; for a time in it. */
+/* Whether an output of a part may be read. */
+int composite_asked(const Unit *unit, const Part *part);
+/* Step all units of which that is so from the begin of the last step under the signals they have; for
+   a time in it. */
 int composite_move(Unit *unit, double step);
 /* Tell a balancer where its plane is, if it follows that. */
 void composite_place(const Composite *c, const Part *part);
