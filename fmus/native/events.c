@@ -7,7 +7,6 @@
 #include "roots.h"
 
 #define LOCATED 1e-12     /* of the substep */
-#define AT_END 1e-6        /* of a step: a collision so near its end is met there */
 #define MOST_PARTS 100000 /* substeps and events within a communication step */
 
 EventStepper event_stepper(WeightsInOrder *weights, const CentreMotion *motion, int stop_at_contact)
@@ -167,6 +166,9 @@ int run(EventStepper *stepper, double step)
     const Failure *failure = stepper->weights->failure;
     int k;
     if (approaching(stepper->weights)) {
+        if (stepper->stop_at_contact == STOP_BEFORE) {
+            return failure->code;
+        }
         settle_now(stepper, -1);
     }
     for (k = 0; k < MOST_PARTS && !failure->code; k++) {
@@ -175,8 +177,7 @@ int run(EventStepper *stepper, double step)
         if (count) {
             const int kind = part(stepper, count == 1 ? step : stepper->time + left / count);
             if (failure->code || stepper->time >= step ||
-                (stepper->stop_at_contact && kind == GAP_CLOSES &&
-                 stepper->time < (1.0 - AT_END) * step)) {
+                (stepper->stop_at_contact && kind == GAP_CLOSES)) {
                 return failure->code;
             }
         }

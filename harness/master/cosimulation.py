@@ -26,7 +26,7 @@ from .resolution import Resolution
 from .result import Result
 from .runtime import runtime
 from .scales import ROUNDING, largest_force
-from .schedule import Drive, as_run, end_time, meets_contacts, milestones, schedule, step_size
+from .schedule import Drive, as_run, brief_step, end_time, milestones, schedule, step_size
 from .schemes.adaptive import Adaptive
 from .schemes.prescribed import SLIVER, Prescribed
 from .schemes.protocol import Scheme, choose, refuse_loose_tolerance
@@ -63,7 +63,7 @@ class CoSimulation(Closing):
                 for path, one in zip(self.paths, self.plan.units, strict=True)
             }
             self.system = System(
-                self.plan, self.units, scene.coupling.order, watch, meets_contacts(scene)
+                self.plan, self.units, scene.coupling.order, watch, brief_step(scene)
             )
             stack.callback(self.system.free_states)
             self._stack = stack.pop_all()

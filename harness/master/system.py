@@ -19,8 +19,6 @@ from .names import components, signals
 from .plan import ROTOR, Plan, Port
 from .signals import Cubic, Knot, SignalState
 
-STOP = "stop_at_contact"
-
 
 @dataclass(slots=True)
 class Exchange:
@@ -47,7 +45,8 @@ class System:
         units: the loaded units by name.
         order: of the exchanged signals, 0, 1 or 3.
         watch: also tell balancers where their plane is that report their clearance.
-        stop: have balancers that can end a step at a collision.
+        brief: step that is taken whole [s]: balancers that can end longer ones at a collision; 0:
+            none does.
 
     Attributes:
         exchanges: balancers that exchange force, in order; `forces` and `force_names` are theirs.
@@ -65,13 +64,13 @@ class System:
         units: Mapping[str, Fmu],
         order: int,
         watch: bool = True,
-        stop: bool = False,
+        brief: float = 0.0,
     ) -> None:
         self.plan, self.units, self.order, self.has_no_past = plan, dict(units), order, True
         self.rotor = units[ROTOR]
         self.balancers = [unit for name, unit in units.items() if name != ROTOR]
         self.masses: dict[str, float] = {}
-        self._stop = stop
+        self.brief = brief
         slopes = 0 if order == 0 else 1
         exchanged = plan.of_kind("signal")
         followed = {c.target.unit: c.source.variable for c in exchanged if c.source.unit == ROTOR}
@@ -287,8 +286,8 @@ class System:
             start = {**one.start, **changes.get(one.name, {})}
             if unit is self.rotor:
                 start |= self.masses
-            elif self._stop and STOP in unit.variables:
-                start[STOP] = True
+            elif self.brief and "stop_at_contact" in unit.variables:
+                start |= {"stop_at_contact": True, "shortest_stopped_step": 1.5 * self.brief}
             unit.restart(start)
             if unit is not self.rotor:
                 source, target = carried[one.name].source, carried[one.name].target.variable

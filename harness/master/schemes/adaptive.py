@@ -19,6 +19,7 @@ from ...errors import LoopError, SimulationError
 from ..fmu import EndedEarly
 from ..signals import Knot, SignalState, end_of, extrapolated
 from ..system import System
+from .contacts import before
 from .iterated import MAX_PASSES, Iterated, Trial
 
 LOCAL_SHARE = 0.2  # of the tolerance that one step may err: the errors of many steps add up
@@ -94,7 +95,7 @@ class Adaptive:
                     trial = self.iterated.attempt(system, states, time, step, MAX_PASSES)
                 except EndedEarly as early:
                     system.restore(states)
-                    met, remaining = True, self.iterated.contacts.before(early.length)
+                    met, remaining = True, before(system, early.length)
                     if remaining:
                         continue
                     return self.iterated.strike(system, time)

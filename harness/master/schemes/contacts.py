@@ -13,75 +13,71 @@ from copy import copy
 from typing import TYPE_CHECKING
 
 from ...errors import SimulationError
-from ..fmu import EndedEarly
 from ..system import System
 
 if TYPE_CHECKING:
     from .iterated import Iterated, Trial
 
-BRIEF = 1e-6  # of a communication step
-CALM = 4  # brief steps without another: the two of a pulse, one for what it does, one to spare
-BEYOND = 1.0 + 5e-7  # of the way to a collision: it is then met at the end of the step
-MOST = 1000  # brief steps at once; weights that bounce ever faster come to rest in their unit
+QUIET = 3  # brief steps in which nothing jumps: the collision and its pulse are over
+AWAITED = 20  # brief steps for a collision that corrector passes have put off
+JUMP = 1e-6  # of the largest force: a smooth one changes by less in a brief step
+SHORTER = (1.0, 0.6, 0.36)  # of a brief step, until passes agree on whether it holds a collision
+AGREED = 1e-6  # residual of such a step
+MOST = 1000  # brief steps: weights that bounce ever faster come to rest in their unit
+ROUNDING = 1e-5  # of a pulse: a residual of 1e-10 of that is above what doubles leave
 
 
-class Contacts:
-    """Meets the collisions of one run.
+def before(system: System, ahead: float) -> float:
+    """Step [s] that ends before a collision so far ahead [s]; 0: it is here."""
+    return ahead - 0.5 * system.brief if ahead > 2.0 * system.brief else 0.0
+
+
+def strike(scheme: Iterated, system: System, time: float, passes: int) -> tuple[float, float]:
+    """Go behind a collision that is here; time taken [s] and the largest residual.
 
     Args:
-        step: usual length of a communication step [s].
+        passes: allowed in every brief step.
+
+    Raises:
+        SimulationError: one collision follows another without end.
     """
-
-    def __init__(self, step: float) -> None:
-        self.brief = BRIEF * step
-
-    def before(self, ahead: float) -> float:
-        """Step [s] that ends before a collision so far ahead [s]; 0: it is here."""
-        return ahead - 0.5 * self.brief if ahead > 2.0 * self.brief else 0.0
-
-    def strike(
-        self, scheme: Iterated, system: System, time: float, passes: int
-    ) -> tuple[float, float]:
-        """Go behind a collision that is here; time taken [s] and the largest residual.
-
-        Args:
-            passes: allowed in every brief step.
-
-        Raises:
-            SimulationError: one collision follows another without end.
-        """
-        signals = [*system.forces, *system.accelerations]
-        sizes, largest = [signal.largest for signal in signals], scheme.largest
-        learned = copy(scheme.newton)
-        step, calm, residual, now = self.brief, 0, 0.0, time
-        for _ in range(MOST):
-            trial = _attempted(scheme, system, now, step, passes)
-            if isinstance(trial, float):
-                step, calm = BEYOND * trial, 0
-                continue
-            trial.accept(system)
-            # a pulse is no measure of what forces may err by, nor of how the loop answers them
-            scheme.largest, scheme.newton = largest, copy(learned)
-            residual = max(residual, trial.residual)
-            now, calm = now + step, calm + (step == self.brief)
-            if calm == CALM:
-                break
-            step = self.brief
-        else:
-            raise SimulationError(f"weights collide without end at t = {now:g} s")
-        for signal, size in zip(signals, sizes, strict=True):
-            signal.largest, signal.prediction_error = max(size, abs(signal.now[0])), 0.0
-        system.drop_past()
-        return now - time, residual
+    signals = [*system.forces, *system.accelerations]
+    sizes, largest = [signal.largest for signal in signals], scheme.largest
+    learned, residual, pulse, quiet, awaited = copy(scheme.newton), 0.0, 0.0, 0, AWAITED
+    now = time
+    for _ in range(MOST):
+        trial = _brief(scheme, system, now, passes)
+        now += trial.step
+        past = [force.now[0] for force in system.forces]
+        trial.accept(system)
+        residual = max(residual, trial.residual * trial.largest / max(trial.largest, pulse))
+        pulse = max(abs(force.now[0]) for force in system.forces)
+        # a pulse is no measure of what forces may err by, but for its own rounding, nor of how the
+        # loop answers them
+        scheme.largest, scheme.newton = max(largest, ROUNDING * pulse), copy(learned)
+        moved = max(abs(f.now[0] - b) for f, b in zip(system.forces, past, strict=True))
+        quiet += 1
+        if moved > JUMP * largest:
+            quiet, awaited = 0, QUIET
+        if quiet == awaited:
+            break
+    else:
+        raise SimulationError(f"weights collide without end at t = {time:g} s")
+    scheme.largest = largest
+    for signal, size in zip(signals, sizes, strict=True):
+        signal.largest, signal.prediction_error = max(size, abs(signal.now[0])), 0.0
+    system.drop_past()
+    return now - time, residual
 
 
-def _attempted(
-    scheme: Iterated, system: System, time: float, step: float, passes: int
-) -> Trial | float:
-    """A trial, or the time to a collision within the step [s], the units as before it."""
+def _brief(scheme: Iterated, system: System, time: float, passes: int) -> Trial:
+    """A brief step, not yet accepted."""
+    newton = copy(scheme.newton)
     with system.saved() as states:
-        try:
-            return scheme.attempt(system, states, time, step, passes)
-        except EndedEarly as early:
+        for share in SHORTER:
+            trial = scheme.attempt(system, states, time, share * system.brief, passes)
+            if trial.residual <= AGREED or share == SHORTER[-1]:
+                break
             system.restore(states)
-            return early.length
+            scheme.newton = copy(newton)
+    return trial

@@ -19,7 +19,7 @@ from ..fmu import EndedEarly
 from ..loop import QuasiNewton, Vector, difference, jacobian, loop_gain, pack, size, unpack
 from ..signals import MISS_PER_ERROR, Cubic, Knot, end_of, interpolated, joined, predicted
 from ..system import System
-from .contacts import Contacts
+from .contacts import before, strike
 
 CONVERGED = 1e-10  # residual of the forces relative to the largest force so far
 MAX_PASSES = 30  # quasi-Newton meets CONVERGED in two to six; more means it does not converge
@@ -85,7 +85,6 @@ class Iterated:
             values = np.tile([True, True, False, False], len(jacobian) // 4)
             jacobian = np.where(np.outer(values, values), jacobian, 0.0)
         self.newton = QuasiNewton(jacobian, step)
-        self.contacts = Contacts(step)
         self.corrections = corrections
         self.rounding = rounding
         self.allow(tolerance)
@@ -104,7 +103,7 @@ class Iterated:
                     trial = self.attempt(system, states, time, step, self._passes(system))
                 except EndedEarly as early:
                     system.restore(states)
-                    met, step = True, self.contacts.before(early.length)
+                    met, step = True, before(system, early.length)
                     if step:
                         continue
                     return self.strike(system, time)
@@ -120,7 +119,7 @@ class Iterated:
 
     def strike(self, system: System, time: float) -> tuple[float, float]:
         """Go behind a collision that is here; time taken [s] and the residual it leaves."""
-        return self.contacts.strike(self, system, time, MAX_PASSES)
+        return strike(self, system, time, MAX_PASSES)
 
     def cross_jump(self, system: System, time: float, step: float) -> None:
         """One step with as many passes as it takes, where nothing of the past can be used."""
@@ -191,9 +190,12 @@ class Iterated:
                 system.restore(states)
                 return self._pack(ends, step)
 
-            g_u = respond(u)
-            change = CHANGE * max(size(u), size(g_u), self.largest)
-            self.newton = QuasiNewton(jacobian(respond, u, g_u, change), step)
+            try:
+                g_u = respond(u)
+                change = CHANGE * max(size(u), size(g_u), self.largest)
+                self.newton = QuasiNewton(jacobian(respond, u, g_u, change), step)
+            except EndedEarly:  # a collision within the step: what is known of the loop serves on
+                system.restore(states)
 
     def _passes(self, system: System) -> int:
         """Passes allowed; a first step has no past to be predicted from and would cost an order."""

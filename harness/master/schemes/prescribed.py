@@ -10,6 +10,7 @@ from collections.abc import Sequence
 
 from ..fmu import EndedEarly
 from ..system import System
+from .contacts import before
 from .iterated import MAX_PASSES, Iterated
 
 SLIVER = 1e-12  # of a time: rounding, not a step
@@ -62,7 +63,7 @@ class Prescribed:
                     trial = self.iterated.attempt(system, states, time, step, MAX_PASSES)
                 except EndedEarly as early:
                     system.restore(states)
-                    met, step = True, self.iterated.contacts.before(early.length)
+                    met, step = True, before(system, early.length)
                     if step:
                         continue
                     return self.iterated.strike(system, time)
