@@ -12,7 +12,7 @@ from autobalancer.harness.output.table import Sheet
 from autobalancer.harness.precision.report import machine
 from tests.tools.measure import SCENE, TOOLS, Bench, every_run
 
-STEPS = (20, 40)
+STEPS = (5, 20, 40, 1000)
 
 
 def main() -> None:
