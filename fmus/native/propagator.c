@@ -40,6 +40,28 @@ static void upper_product(int parts, int size, int upper, const double *a, const
     }
 }
 
+/* result = a b/divisor for a matrix a whose elements are mostly zero; blocks as above. */
+static void sparse_product(int parts, int size, int upper, const double *a, const double *b,
+                           double divisor, double *result)
+{
+    const size_t width = (size_t)size * parts;
+    double factor[2] = {0.0, 0.0};
+    int i, k;
+    fill_doubles(width * size, 0.0, result);
+    for (i = 0; i < size; i++) {
+        const int from = i < upper ? 0 : upper;
+        for (k = from; k < size; k++) {
+            const double *element = a + i * width + (size_t)k * parts;
+            if (element[0] != 0.0 || element[parts - 1] != 0.0) {
+                factor[0] = element[0] / divisor;
+                factor[1] = element[parts - 1] / divisor;
+                add_multiple(parts, size - from, factor, b + k * width + (size_t)from * parts,
+                             result + i * width + (size_t)from * parts);
+            }
+        }
+    }
+}
+
 int exponential(int parts, int size, int upper, double *matrix, double *scratch, Failure *failure)
 {
     const size_t count = (size_t)size * size * parts;
@@ -56,9 +78,8 @@ int exponential(int parts, int size, int upper, double *matrix, double *scratch,
         scaled[i] = term[i] = matrix[i] = scaled_by_power(matrix[i], -doublings);
     }
     for (k = 2; k <= TAYLOR_TERMS; k++) {
-        upper_product(parts, size, upper, term, scaled, product);
+        sparse_product(parts, size, upper, scaled, term, k, product);
         for (i = 0; i < count; i++) {
-            product[i] /= k;
             matrix[i] += product[i];
         }
         kept = term;
