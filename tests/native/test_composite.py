@@ -223,3 +223,28 @@ def test_a_rotor_without_balancers_is_a_composite_too(hosted):
     for k, signal in enumerate(("rotor.x", "rotor.y")):
         error = np.abs(found[:, k] - expected[signal]).max()
         assert error <= RANGE * np.ptp(expected[signal])
+
+
+ROTORS = [
+    ("two_balls", {}),
+    ("goncharov_balls", {}),  # isotropic
+    ("two_balls", {"rotor.stiffness": [1e5, 1e7]}),  # too stiff for a series
+    ("two_plane_rodrigues", {}),
+    ("three_mass_shaft", {}),
+]
+
+
+@pytest.mark.parametrize(("name", "changes"), ROTORS)
+def test_within_a_step_the_rotor_is_where_a_step_as_short_would_take_it(hosted, name, changes):
+    """By a series there, by a matrix here; without balancers both are exact."""
+    scene = load_scene(name).replace({**changes, "coupling.scheme": "auto"}).without_balancers()
+    names = [f"rotor.plane[1].{v}" for v in ("x", "y", "a_xi")] + ["der(rotor.plane[1].a_eta)"]
+    runs = [
+        driven(
+            hosted(scene.replace({"coupling.steps_per_rev": steps})), turning(scene, 140, 2), names
+        )
+        for steps in (20, 140)
+    ]
+    size = np.abs(runs[1]).max(axis=0)
+    assert (size > 0.0).all()
+    assert (np.abs(runs[0] - runs[1]).max(axis=0) <= 1e-11 * size).all()
