@@ -144,7 +144,8 @@ class MonolithRunner:
 def coupling_methods(exchanges_force: bool) -> list[Method]:
     """Every scheme, order and step; one of each step where no force is exchanged."""
     if not exchanges_force:
-        return [Method("auto", steps_per_rev=n) for n in (4, 10, 20, 40)]
+        ways, steps = (False, True), (4, 10, 20, 40)
+        return [Method("auto", steps_per_rev=n, one_file=one) for one in ways for n in steps]
     found = [Method(ALONG_FIXED_AXES, 0, n) for n in EXPLICIT_STEPS]
     found += [
         Method(scheme, order, n)

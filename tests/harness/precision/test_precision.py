@@ -276,4 +276,4 @@ def test_the_composite_errs_as_the_separate_units_do(short):
     assert [p.work for p in pair] == [one.work, other.work]
     words = one_file_words(found)
     assert words in markdown(found, [])
-    assert "at 0.001 (compensated" in words
+    assert " at 0.001 (" in words
