@@ -9,10 +9,10 @@ import tempfile
 from pathlib import Path
 
 from autobalancer.harness import load_scene
+from autobalancer.harness.output.machine import machine
 from autobalancer.harness.output.table import Sheet
 from autobalancer.harness.precision.measure import TARGETS, precision
 from autobalancer.harness.precision.methods import one_file_methods
-from autobalancer.harness.precision.report import machine
 from tests.one_piece.integrator import OnePiece
 
 STEPS = tuple(round(4 * 1.12**k) for k in range(36))  # a revolution
