@@ -24,7 +24,7 @@ from ..steps.radau import radau
 from .linearised import Linearised
 
 STAGES = 6
-_RADIANS = 0.75  # of the fastest motion per step: collocation then damps it by 1e-13 a step
+_RADIANS = 1.25  # of the fastest motion per step: collocation then damps it by 1e-10 a step
 _FEWEST = 8  # the harmonics of the anisotropy need them, whatever the natural frequencies
 MOST_STEPS = 2048  # resolves natural frequencies up to about 500 w
 _HELD_ANGLES = 8  # over half a turn, for the motions faster than that
