@@ -68,7 +68,8 @@ static int allocate(Unit *unit)
     for (k = 0; k < KEPT_MATRICES; k++) {
         own->kept[k].added_mass = doubles(unit, planes);
         own->kept[k].matrix = doubles(unit, matrix);
-        missing |= !own->kept[k].added_mass || !own->kept[k].matrix;
+        own->kept[k].sag = doubles(unit, 2 * stations);
+        missing |= !own->kept[k].added_mass || !own->kept[k].matrix || !own->kept[k].sag;
     }
     for (k = 0; k < 4; k++) {
         own->ends[k] = doubles(unit, 4 * planes);
@@ -83,6 +84,7 @@ static int allocate(Unit *unit)
 static int parameters(Unit *unit)
 {
     Rotor *own = unit->own;
+    Failure failure;
     int k;
     if (rotor_of_parameters(unit)) {
         return 1;
@@ -95,6 +97,10 @@ static int parameters(Unit *unit)
         own->kept[k].used = 0;
     }
     own->variable_made = 0;
+    if (linear_rotor_heavy(&own->rotor) &&
+        linear_rotor_sag(&own->rotor, 0.0, own->state, own->matrix_scratch, &failure)) {
+        return unit_failed(unit, &failure, NULL, 0);
+    }
     return 0;
 }
 

@@ -23,6 +23,7 @@ typedef struct {
     double speed, step;
     double *added_mass; /* (p,) */
     double *matrix;
+    double *sag; /* (2n,) of the stations, where there is gravity */
 } Kept;
 
 typedef struct {
@@ -59,7 +60,8 @@ double *rotor_drive(Unit *unit);
 /* Step matrix with x and y alternating in rows and columns; NULL with the reason. */
 const double *rotor_matrix(Unit *unit, double speed, double step);
 /* Motion of the stations, and acceleration and jerk of the planes, after `step` [s], in
-   own->result; all in fixed axes, x and y alternating. */
+   own->result; all in fixed axes, x and y alternating; the acceleration is less gravity's, which
+   every body on the rotor feels: what an accelerometer would read. */
 int rotor_propagate(Unit *unit, double step);
 /* Vectors (x, y alternating) turned by the angle with this cosine and sine. */
 void rotor_rotated(double *pairs, size_t count, double c, double s);

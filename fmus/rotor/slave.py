@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from functools import lru_cache
 
 import numpy as np
@@ -30,7 +31,12 @@ class RotorOnSupports(Slave):
     sizes: RotorSizes
 
     def parameters(self) -> None:
-        self.rotor = ROTORS[self.sizes.kind](self.parameter_values(), self.sizes)
+        values = self.parameter_values()
+        self.gravity = complex(values["gravity_x"], values["gravity_y"])
+        rotor = ROTORS[self.sizes.kind](values, self.sizes)
+        self.rotor = replace(rotor, gravity=self.gravity)
+        if self.gravity:
+            self.rotor.sag(0.0)  # refuses supports that carry nothing
         self.turning = self.sizes.frame == "rotor"
         size = (4 * self.sizes.stations) + 2 * ORDERS * self.sizes.planes + 2
         self._vector = np.empty(size)
@@ -75,7 +81,8 @@ class RotorOnSupports(Slave):
     def _propagate(self, step: float) -> tuple[list[float], list[float]]:
         """Motion of the stations, and acceleration and jerk of the planes, after `step` [s].
 
-        Both in fixed axes, x and y alternating.
+        Both in fixed axes, x and y alternating; the acceleration is less gravity's, which every
+        body on the rotor feels: what an accelerometer would read.
         """
         inputs = self.real[self.layout.inputs]
         p = self.sizes.planes
@@ -88,10 +95,15 @@ class RotorOnSupports(Slave):
         if self.turning:
             forces = _rotated(forces, c, s)
         self._vector[:] = [*self.memory[3:], *forces, c, s]
+        n = 4 * self.sizes.stations
+        if self.gravity:  # the rotor moves about its sag as it would about zero without gravity
+            sag = _sag(self.rotor, tuple(inputs[:p]), speed)
+            self._vector[: n // 2] -= sag
         matrix = _matrix(self.rotor, tuple(inputs[:p]), speed, step, self.turning)
         result = matrix.dot(self._operand).view(float).tolist()
-        n = 4 * self.sizes.stations
-        return result[:n], result[n:]
+        if self.gravity:
+            result[: n // 2] = (result[: n // 2] + sag).tolist()
+        return result[:n], self._felt(result[n:])
 
     def _propagate_variable(
         self, step: float, inputs: list[float]
@@ -106,7 +118,15 @@ class RotorOnSupports(Slave):
             state = method.advance(state, drive, step)
         acceleration, jerk = method.plane_motion(state, drive, step)
         planes = np.concatenate([acceleration, jerk])
-        return _from_axes(state, method.axes), _from_axes(planes, method.axes)
+        return _from_axes(state, method.axes), self._felt(_from_axes(planes, method.axes))
+
+    def _felt(self, planes: list[float]) -> list[float]:
+        """Acceleration and jerk of the planes, the acceleration less gravity's."""
+        if self.gravity:
+            for k in range(0, 2 * self.sizes.planes, 2):
+                planes[k] -= self.gravity.real
+                planes[k + 1] -= self.gravity.imag
+        return planes
 
     def _put(self, planes: list[float], angle: float, speed: float) -> None:
         """Computed outputs from acceleration and jerk of the planes in fixed axes."""
@@ -152,6 +172,14 @@ def _matrix(
     return np.ascontiguousarray(matrix)
 
 
+@lru_cache(maxsize=256)
+def _sag(rotor: LinearRotor, added_mass: tuple[float, ...], speed: float) -> NDArray:
+    """Sag of the stations, x and y alternating [m]."""
+    axes = 1 if rotor.isotropic else 2
+    sag = _loaded(rotor, added_mass).sag(speed)
+    return np.array(_from_axes(sag, axes, 1))
+
+
 @lru_cache(maxsize=64)
 def _variable(
     rotor: LinearRotor, added_mass: tuple[float, ...], turning: bool
@@ -176,8 +204,8 @@ def _to_axes(pairs: NDArray, axes: int) -> NDArray:
     return pairs.reshape(2, -1, 2).transpose(0, 2, 1).ravel()
 
 
-def _from_axes(values: NDArray, axes: int) -> list[float]:
-    """The inverse of `_to_axes`."""
+def _from_axes(values: NDArray, axes: int, blocks: int = 2) -> list[float]:
+    """The inverse of `_to_axes`, of so many blocks."""
     if axes == 1:
         return np.ascontiguousarray(values).view(float).tolist()
-    return values.reshape(2, 2, -1).transpose(0, 2, 1).ravel().tolist()
+    return values.reshape(blocks, 2, -1).transpose(0, 2, 1).ravel().tolist()

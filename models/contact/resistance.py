@@ -10,7 +10,7 @@ Yang 2005).  A weight at e + R e^{i theta} in the rotor (e: offset of the track'
 with a_c the acceleration of the track's centre, m |n| the force between weight and race (either
 wall of the race may carry it), and mu the coefficient of rolling resistance: lever arm of the
 resistance over the weight's radius for balls and rollers (5e-6 m to 5e-5 m for hardened steel),
-friction times journal radius over R for pendulums.  The load is planar: no gravity.
+friction times journal radius over R for pendulums.  The load is that in the plane.
 
 Balance.  a_c = 0 balances the weights, so an offset leaves the track's centre on the axis of
 rotation and the rotor's displacement is -e, whatever the unbalance.  With resistance any position

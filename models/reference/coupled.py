@@ -106,7 +106,10 @@ class Monolith:
         speed = max(abs(self.profile.start), abs(self.profile.end))
         state = np.abs(self.initial(start))
         n = self.stations
-        length = max(moment / mass, float(state[: 2 * n].max())) or 1.0
+        length = max(moment / mass, float(state[: 2 * n].max()))
+        if rotor.gravity:
+            length = max(length, float(np.abs(self.assembly.loaded_rotor.sag(speed)).max()))
+        length = length or 1.0
         velocity = max(length * speed, float(state[2 * n : 4 * n].max())) or length
         ones = np.ones(len(self._plane))
         turning = max([speed, *state[4 * n + len(ones) :]]) or 1.0
@@ -115,6 +118,8 @@ class Monolith:
 
     def accelerations(self, t: float, y: Array, push: Array | float = 0.0) -> tuple[Array, Array]:
         """x'' and y'' of the stations, (2, n) [m/s^2], and phi'' of the weights (N,) [rad/s^2].
+
+        Gravity acts as if everything were accelerated against it: it is added where all is solved.
 
         Args:
             push: what else would accelerate each weight along its track on a rotor that is held,
@@ -149,6 +154,8 @@ class Monolith:
         f_y -= self._damping_y @ v_y - gyro @ v_x + rotor.stiffness_y @ q_y - inner @ q_x
         a = np.linalg.solve(mass, np.concatenate([f_x, f_y])).reshape(2, n)
         a_x, a_y = (a @ lateral.T)[:, self._plane]
+        if rotor.gravity:
+            a = a + np.array([[rotor.gravity.real], [rotor.gravity.imag]])
         return a, self._lever * ((a_x + off.real) * s - (a_y + off.imag) * c) - slip
 
     def array_rhs(self, t: float, y: Array) -> Array:
@@ -168,6 +175,7 @@ class Monolith:
         c_x, c_y = float(self._damping_x[0, 0]), float(self._damping_y[0, 0])
         inner, start = float(rotor.internal_damping[0, 0]), self.angle
         u, u_angle = abs(complex(rotor.unbalance[0])), float(np.angle(rotor.unbalance[0]))
+        g_x, g_y = rotor.gravity.real, rotor.gravity.imag
         table = (self._pull, self._share, self._drag, self._lever)
         rows = list(zip(*(column.tolist() for column in table), strict=True))
         first_rate, profile = 4 + len(rows), self.profile
@@ -206,7 +214,8 @@ class Monolith:
             a_x = (m_yy * f_x - m_xy * f_y) * scale
             a_y = (m_xx * f_y - m_xy * f_x) * scale
             return [
-                v_x, v_y, a_x, a_y, *rates, *[a_x * s - a_y * c - slip for s, c, slip in held]
+                v_x, v_y, a_x + g_x, a_y + g_y, *rates,
+                *[a_x * s - a_y * c - slip for s, c, slip in held],
             ]  # fmt: skip
 
         return rhs

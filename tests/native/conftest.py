@@ -108,6 +108,7 @@ LinearRotor = _struct(
         ],
         _D,
     ),
+    gravity=c_double * 2,
 )
 Planar = _struct(
     "Planar",
@@ -144,7 +145,7 @@ Flexible = _struct(
 VariableSpeedStep = _struct(
     "VariableSpeedStep",
     **dict.fromkeys(["turning_force", "axes", "parts", "dof", "plane_count"], c_int),
-    **dict.fromkeys(["still", "per_speed", "planes", "force", "unbalance"], _D),
+    **dict.fromkeys(["still", "per_speed", "planes", "force", "unbalance", "falling"], _D),
 )
 Weights = _struct(
     "Weights",
@@ -256,7 +257,8 @@ class Core:
         memory = np.zeros(self("linear_rotor_size", n, p))
         made = self("linear_rotor_in", memory, n, p)
         made.memory = memory
-        for name, _ in LinearRotor._fields_[3:]:
+        made.gravity[:] = rotor.gravity.real, rotor.gravity.imag
+        for name, _ in LinearRotor._fields_[3:-1]:
             if name != "deflection":
                 values = np.ascontiguousarray(getattr(rotor, name)).view(float).ravel()
                 ctypes.memmove(getattr(made, name), values.ctypes.data, values.nbytes)
