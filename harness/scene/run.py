@@ -54,7 +54,9 @@ class Operation(Table):
     @property
     def field(self) -> complex:
         """Gravity gx + i gy [m/s^2]."""
-        return self.gravity * (-1j if self.gravity_angle is None else rect(1.0, self.gravity_angle))
+        if self.gravity_angle is None:
+            return complex(0.0, 0.0 - self.gravity)
+        return rect(self.gravity, self.gravity_angle)
 
     def profile(self) -> SpeedProfile:
         """Speed against time."""
