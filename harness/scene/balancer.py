@@ -194,7 +194,8 @@ class WeightBalancer(Balancer):
     @property
     def device(self) -> Weights:
         """The weights, for the models."""
-        return Weights(self.count, self.mass, self.track_radius, self.drag, self.kappa)
+        radius = self.weight_radius or 0.0
+        return Weights(self.count, self.mass, self.track_radius, self.drag, self.kappa, radius)
 
     def build(self) -> Mounted:
         """The weights on their plane."""

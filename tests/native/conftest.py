@@ -150,7 +150,7 @@ VariableSpeedStep = _struct(
 Weights = _struct(
     "Weights",
     count=c_int,
-    **dict.fromkeys(["mass", "track_radius", "drag", "kappa"], c_double),
+    **dict.fromkeys(["mass", "track_radius", "drag", "kappa", "radius"], c_double),
 )
 Quadrature = _struct("Quadrature", damping_rate=c_double, step=c_double, response=c_double * 10)
 Liquid = _struct("Liquid", "chamber_radius float_radius height density")
@@ -159,7 +159,7 @@ Track = _struct(
     weights=Weights,
     **dict.fromkeys(["weight_radius", "restitution", "rolling_resistance"], c_double),
     offset=Complex,
-    **dict.fromkeys(["alpha", "lever", "grip", "damping_rate", "moment"], c_double),
+    **dict.fromkeys(["alpha", "lever", "grip", "damping_rate", "moment", "spin_share"], c_double),
     **dict.fromkeys(["solid", "full", "eventful"], c_int),
 )
 Moved = _struct(
