@@ -23,7 +23,6 @@ typedef struct {
     double speed, step;
     double *added_mass; /* (p,) */
     double *matrix;
-    double *sag; /* (2n,) of the stations, where there is gravity */
 } Kept;
 
 typedef struct {
@@ -42,6 +41,9 @@ typedef struct {
     int variable_made;
     double *variable_mass, *variable_memory, *variable_scratch; /* (p,) and its own */
     double *state, *acceleration, *jerk;
+    double *sag, *sag_mass; /* (2n,) of the stations under gravity, and the added masses (p,) */
+    double sag_speed;       /* and the speed that it belongs to */
+    int sag_known, lifted;
     double *ends[4]; /* outputs at other speeds, for derivatives */
 } Rotor;
 
@@ -72,6 +74,15 @@ int rotor_outputs_now(Unit *unit, double *out);
 /* Rows of a matrix (count, n) times vectors (x, y alternating). */
 void rotor_vectors_at(const double *rows, int count, int n, const double *vectors,
                       double *result);
+
+/* -- unit_rotor_gravity.c --------------------------------------------------------------------- */
+
+/* Take the sag off the displacements in own->operand: about it the rotor moves as it would about
+   zero without gravity.  0, or 1 with the reason. */
+int rotor_lift(Unit *unit);
+/* Put it back on those in own->result, where it was taken off, and take gravity off the planes'
+   acceleration. */
+void rotor_lower(Rotor *own);
 
 /* -- unit_rotor_derivatives.c: as in `Equations` --------------------------------------------- */
 

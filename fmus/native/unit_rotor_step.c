@@ -63,6 +63,44 @@ static Kept *oldest(Rotor *own)
     return found;
 }
 
+const double *rotor_matrix(Unit *unit, double speed, double step)
+{
+    Rotor *own = unit->own;
+    const size_t size = (size_t)own->planes * sizeof(double);
+    const double *masses = added_masses(unit);
+    LinearRotor loaded;
+    Failure failure;
+    Kept *kept;
+    int k;
+    own->clock++;
+    for (k = 0; k < KEPT_MATRICES; k++) {
+        kept = own->kept + k;
+        if (kept->used && kept->speed == speed && kept->step == step &&
+            !memcmp(kept->added_mass, masses, size)) {
+            kept->last = own->clock;
+            return kept->matrix;
+        }
+    }
+    kept = oldest(own);
+    kept->used = 0;
+    loaded = linear_rotor_with_added_mass(&own->rotor, masses, own->loaded_mass);
+    if (step_matrix(&loaded, speed, step, own->turning,
+                    own->axes == 1 ? kept->matrix : own->unsorted, own->matrix_scratch,
+                    &failure)) {
+        unit_failed(unit, &failure, NULL, 0);
+        return NULL;
+    }
+    if (own->axes == 2) {
+        sort_matrix(own, own->unsorted, kept->matrix);
+    }
+    memcpy(kept->added_mass, masses, size);
+    kept->speed = speed;
+    kept->step = step;
+    kept->last = own->clock;
+    kept->used = 1;
+    return kept->matrix;
+}
+
 /* (x..., y...) a block from x and y alternating, or back; complex numbers stay as they are. */
 static void to_axes(const double *pairs, int axes, int blocks, int size, double *values)
 {
@@ -86,58 +124,6 @@ static void from_axes(const double *values, int axes, int blocks, int size, doub
     }
 }
 
-/* The step matrix and the sag; NULL with the reason. */
-static const Kept *kept_of(Unit *unit, double speed, double step)
-{
-    Rotor *own = unit->own;
-    const size_t size = (size_t)own->planes * sizeof(double);
-    const double *masses = added_masses(unit);
-    LinearRotor loaded;
-    Failure failure;
-    Kept *kept;
-    int k;
-    own->clock++;
-    for (k = 0; k < KEPT_MATRICES; k++) {
-        kept = own->kept + k;
-        if (kept->used && kept->speed == speed && kept->step == step &&
-            !memcmp(kept->added_mass, masses, size)) {
-            kept->last = own->clock;
-            return kept;
-        }
-    }
-    kept = oldest(own);
-    kept->used = 0;
-    loaded = linear_rotor_with_added_mass(&own->rotor, masses, own->loaded_mass);
-    if (step_matrix(&loaded, speed, step, own->turning,
-                    own->axes == 1 ? kept->matrix : own->unsorted, own->matrix_scratch,
-                    &failure)) {
-        unit_failed(unit, &failure, NULL, 0);
-        return NULL;
-    }
-    if (own->axes == 2) {
-        sort_matrix(own, own->unsorted, kept->matrix);
-    }
-    if (linear_rotor_heavy(&loaded)) {
-        if (linear_rotor_sag(&loaded, speed, own->state, own->matrix_scratch, &failure)) {
-            unit_failed(unit, &failure, NULL, 0);
-            return NULL;
-        }
-        from_axes(own->state, own->axes, 1, own->stations, kept->sag);
-    }
-    memcpy(kept->added_mass, masses, size);
-    kept->speed = speed;
-    kept->step = step;
-    kept->last = own->clock;
-    kept->used = 1;
-    return kept;
-}
-
-const double *rotor_matrix(Unit *unit, double speed, double step)
-{
-    const Kept *kept = kept_of(unit, speed, step);
-    return kept ? kept->matrix : NULL;
-}
-
 static int make_variable(Unit *unit)
 {
     Rotor *own = unit->own;
@@ -159,19 +145,8 @@ static int make_variable(Unit *unit)
     return 0;
 }
 
-/* The planes' acceleration in own->result, less gravity's. */
-static void take_gravity_off(Rotor *own)
-{
-    double *planes = own->result + 4 * own->stations;
-    int k;
-    if (linear_rotor_heavy(&own->rotor)) {
-        for (k = 0; k < 2 * own->planes; k++) {
-            planes[k] -= own->rotor.gravity[k % 2];
-        }
-    }
-}
-
-/* `rotor_propagate` at changing speed. */
+/* Motion of the stations, and acceleration and jerk of the planes, after `step` [s], in
+   own->result; all in fixed axes, x and y alternating. */
 static int propagate_variable(Unit *unit, double step)
 {
     Rotor *own = unit->own;
@@ -195,7 +170,6 @@ static int propagate_variable(Unit *unit, double step)
     from_axes(own->state, own->axes, 2, n, own->result);
     from_axes(own->acceleration, own->axes, 1, p, planes);
     from_axes(own->jerk, own->axes, 1, p, planes + 2 * p);
-    take_gravity_off(own);
     return 0;
 }
 
@@ -209,20 +183,19 @@ void rotor_rotated(double *pairs, size_t count, double c, double s)
     }
 }
 
-int rotor_propagate(Unit *unit, double step)
+/* `rotor_propagate`, the acceleration with gravity's. */
+static int propagate(Unit *unit, double step)
 {
     Rotor *own = unit->own;
     const size_t n = (size_t)own->stations, p = (size_t)own->planes;
     const size_t forces = 4 * n, turn = forces + 2 * SIGNAL_ORDERS * p;
     const Complex turned = rect(1.0, unit->memory[REST]);
-    const int heavy = linear_rotor_heavy(&own->rotor);
-    const Kept *kept;
-    size_t k;
+    const double *matrix;
     if (rotor_drive(unit)[1] != 0.0) {
         return propagate_variable(unit, step);
     }
-    kept = kept_of(unit, rotor_drive(unit)[0], step);
-    if (!kept) {
+    matrix = rotor_matrix(unit, rotor_drive(unit)[0], step);
+    if (!matrix) {
         return 1;
     }
     memcpy(own->operand, unit->memory + MOTION, forces * sizeof(double));
@@ -232,15 +205,23 @@ int rotor_propagate(Unit *unit, double step)
     }
     own->operand[turn] = turned.re;
     own->operand[turn + 1] = turned.im;
-    /* a rotor moves about its sag as it would about zero without gravity */
-    for (k = 0; heavy && k < 2 * n; k++) {
-        own->operand[k] -= kept->sag[k];
+    if (linear_rotor_heavy(&own->rotor) && rotor_lift(unit)) {
+        return 1;
     }
-    matrix_product(own->parts, own->rows, own->columns, 1, kept->matrix, own->operand, own->result);
-    for (k = 0; heavy && k < 2 * n; k++) {
-        own->result[k] += kept->sag[k];
+    matrix_product(own->parts, own->rows, own->columns, 1, matrix, own->operand, own->result);
+    return 0;
+}
+
+int rotor_propagate(Unit *unit, double step)
+{
+    Rotor *own = unit->own;
+    own->lifted = 0;
+    if (propagate(unit, step)) {
+        return 1;
     }
-    take_gravity_off(own);
+    if (linear_rotor_heavy(&own->rotor)) {
+        rotor_lower(own);
+    }
     return 0;
 }
 

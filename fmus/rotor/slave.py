@@ -84,6 +84,15 @@ class RotorOnSupports(Slave):
         Both in fixed axes, x and y alternating; the acceleration is less gravity's, which every
         body on the rotor feels: what an accelerometer would read.
         """
+        motion, planes = self._propagate_all(step)
+        if self.gravity:
+            for k in range(0, 2 * self.sizes.planes, 2):
+                planes[k] -= self.gravity.real
+                planes[k + 1] -= self.gravity.imag
+        return motion, planes
+
+    def _propagate_all(self, step: float) -> tuple[list[float], list[float]]:
+        """As `_propagate`, the acceleration with gravity's."""
         inputs = self.real[self.layout.inputs]
         p = self.sizes.planes
         speed, spin_up = inputs[p : p + 2]
@@ -100,10 +109,11 @@ class RotorOnSupports(Slave):
             sag = _sag(self.rotor, tuple(inputs[:p]), speed)
             self._vector[: n // 2] -= sag
         matrix = _matrix(self.rotor, tuple(inputs[:p]), speed, step, self.turning)
-        result = matrix.dot(self._operand).view(float).tolist()
+        result = matrix.dot(self._operand).view(float)
         if self.gravity:
-            result[: n // 2] = (result[: n // 2] + sag).tolist()
-        return result[:n], self._felt(result[n:])
+            result[: n // 2] += sag
+        result = result.tolist()
+        return result[:n], result[n:]
 
     def _propagate_variable(
         self, step: float, inputs: list[float]
@@ -118,15 +128,7 @@ class RotorOnSupports(Slave):
             state = method.advance(state, drive, step)
         acceleration, jerk = method.plane_motion(state, drive, step)
         planes = np.concatenate([acceleration, jerk])
-        return _from_axes(state, method.axes), self._felt(_from_axes(planes, method.axes))
-
-    def _felt(self, planes: list[float]) -> list[float]:
-        """Acceleration and jerk of the planes, the acceleration less gravity's."""
-        if self.gravity:
-            for k in range(0, 2 * self.sizes.planes, 2):
-                planes[k] -= self.gravity.real
-                planes[k + 1] -= self.gravity.imag
-        return planes
+        return _from_axes(state, method.axes), _from_axes(planes, method.axes)
 
     def _put(self, planes: list[float], angle: float, speed: float) -> None:
         """Computed outputs from acceleration and jerk of the planes in fixed axes."""
