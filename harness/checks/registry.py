@@ -19,6 +19,7 @@ from .largest_spread import check_largest_spread
 from .liquid_window import check_liquid_window
 from .measured_error import check_measured_error
 from .ranking import check_ranking
+from .rig import check_rig, rig_parts
 from .row import Row, Rows
 from .runtimes import check_runtimes
 from .slow_root import check_slow_root
@@ -31,6 +32,7 @@ CHECKS: dict[str, Callable[..., Iterator[Row]]] = {
     "capacity": check_capacity,
     "goncharov_table": check_sizes,
     "contact_order": check_contact_order,
+    "rig": check_rig,
     "runtimes": check_runtimes,
     "measured_error": check_measured_error,
 }
@@ -41,7 +43,10 @@ SHARING: dict[str, Callable[..., Iterator[Row]]] = {
     "largest_spread": check_largest_spread,
 }
 # check -> options of every part that can be done on its own
-SPLIT: dict[str, Callable[[Any], list[dict[str, Any]]]] = {"filimonikhina_table": table_rows}
+SPLIT: dict[str, Callable[[Any], list[dict[str, Any]]]] = {
+    "filimonikhina_table": table_rows,
+    "rig": rig_parts,
+}
 
 
 @dataclass(frozen=True)

@@ -145,6 +145,15 @@ class ContactOrderCheck(Table):
         return self
 
 
+class RigCheck(Table):
+    """The rig that Rodrigues, Champneys, Friswell and Wilson 2010 measured: a rigid rotor on two
+    supports with two balls named `balls`; its first unbalance is the washers'."""
+
+    kind: Literal["rig"]
+    flexible: Text
+    """Scene of the same rig with a shaft that bends: a file, or a bundled one."""
+
+
 class RuntimesCheck(Table):
     """Native units against the units in Python, to rounding."""
 
@@ -171,6 +180,7 @@ AnyCheck = Annotated[
     | SlowRootCheck
     | LargestSpreadCheck
     | ContactOrderCheck
+    | RigCheck
     | RuntimesCheck
     | MeasuredErrorCheck,
     Field(discriminator="kind"),
