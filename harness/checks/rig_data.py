@@ -19,6 +19,7 @@ from ..master.many import cosimulate_many
 from ..master.names import station_residuals
 from ..master.sweep import sweep_alike
 from ..scene import Scene
+from ..scene.balancer import WeightBalancer
 
 Array = NDArray[np.float64]
 Curve = tuple[Array, Array]  # speeds that rise, amplitudes
@@ -114,5 +115,6 @@ def swept(
 def _balanced_half_angle(scene: Scene, washers: int) -> float:
     """Of two balls about the light spot: 2 m R cos(half) is the washers' unbalance."""
     (balls,) = scene.balancer
+    assert isinstance(balls, WeightBalancer)  # the check has set its drag
     balanced = math.acos(min(1.0, washers * WASHER / (balls.count * balls.device.moment)))
     return max(balanced, 1.01 * balls.half_angle)

@@ -45,5 +45,4 @@ def plot_rig(scene: Scene, _check: RigCheck, path: Path) -> Path:
     for axes in grid[-1]:
         axes.set_xlabel(f"speed [rpm], changing by {RATE:g} rpm/s")
     grid[0, 0].legend(fontsize="small")
-    figure.suptitle(scene.title)
     return save(figure, path)
