@@ -31,7 +31,9 @@ def plot_fit(found: Fit, measured: Measured, differ: Difference, title: str, pat
     begin = 0
     for number, (name, x) in enumerate(zip(measured.amplitudes, columns, strict=True)):
         part = slice(begin, begin := begin + len(x))
-        upper.plot(x, factor * values[part], "o", ms=3.5, color=f"C{number}", label=f"{name}, measured")
+        upper.plot(
+            x, factor * values[part], "o", ms=3.5, color=f"C{number}", label=f"{name}, measured"
+        )
         upper.plot(x, factor * found.simulated[part], "x", ms=5, color=f"C{number}")
         lower.plot(x, differ(found.simulated)[part], ".", color=f"C{number}")
     upper.plot([], [], "kx", label="fitted")
