@@ -57,7 +57,7 @@ def invoke() -> Callable[..., object]:
     return run
 
 
-# a shaft whose fastest mode turns 25 times as fast as the rotor needs one digit more
+# a shaft whose fastest mode turns fifty times as fast as the rotor needs one digit more
 TIGHTER = {"bristol_flexible": 1e-13}
 
 

@@ -42,6 +42,10 @@ class CriticalSpeedsCheck(Table):
     """Speeds at which the growth rate is also fitted to a run in time."""
     runs_from_rest: Annotated[tuple[Positive, ...], Unit("rad/s")] = ()
     """Speeds at which a run from rest must end as predicted."""
+    published: Annotated[tuple[Positive, ...], Unit("rad/s")] = ()
+    """Boundaries that the scene's source gives; the nearest co-simulated one is compared."""
+    published_within: Positive = 1e-3
+    """Of a published one: to what it could be read, or what its theory leaves out."""
 
 
 class TableCheck(Table):
