@@ -39,7 +39,8 @@ def check_critical_speeds(
     yield from speed_rows(rows, found, prefix)
     boundaries = [row["cosim"].speed for row in found.rows() if "cosim" in row]
     for speed in check.published:
-        nearest = min(boundaries, key=lambda one, speed=speed: abs(one - speed), default=math.nan)
+        pairs = ((abs(boundary - speed), boundary) for boundary in boundaries)
+        _, nearest = min(pairs, default=(math.inf, math.nan))
         quantity = f"{prefix}published critical speed [rad/s]"
         yield rows.number(quantity, speed, nearest, check.published_within, scene.source)
     kinds = ((growth_row, check.growth_runs), (rest_row, check.runs_from_rest))

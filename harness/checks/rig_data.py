@@ -24,7 +24,7 @@ from ..scene.balancer import WeightBalancer
 Array = NDArray[np.float64]
 Curve = tuple[Array, Array]  # speeds that rise, amplitudes
 
-SOURCE = "Rodrigues, Champneys, Friswell, Wilson 2010"
+SOURCE = "run as one composite, against Rodrigues, Champneys, Friswell, Wilson 2010"
 RPM = math.pi / 30.0  # rad/s
 WASHER = 12.4e-6  # kg m
 SETTLED = 200  # revolutions: the rotor alone, to 0.1 % at 5000 rpm
