@@ -20,6 +20,7 @@ from .largest_spread import check_largest_spread
 from .liquid_window import check_liquid_window
 from .measured_error import check_measured_error
 from .ranking import check_ranking
+from .rig import check_rig, rig_parts
 from .row import Row, Rows
 from .runtimes import check_runtimes
 from .slow_root import check_slow_root
@@ -32,6 +33,7 @@ CHECKS: dict[str, Callable[..., Iterator[Row]]] = {
     "capacity": check_capacity,
     "goncharov_table": check_sizes,
     "contact_order": check_contact_order,
+    "rig": check_rig,
     "runtimes": check_runtimes,
     "measured_error": check_measured_error,
 }
@@ -44,7 +46,10 @@ SHARING: dict[str, Callable[..., Iterator[Row]]] = {
 # compare runs with runs; the theory of the others knows no gravity
 UNDER_GRAVITY = ("contact_order", "runtimes", "measured_error")
 # check -> options of every part that can be done on its own
-SPLIT: dict[str, Callable[[Any], list[dict[str, Any]]]] = {"filimonikhina_table": table_rows}
+SPLIT: dict[str, Callable[[Any], list[dict[str, Any]]]] = {
+    "filimonikhina_table": table_rows,
+    "rig": rig_parts,
+}
 
 
 @dataclass(frozen=True)

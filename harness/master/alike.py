@@ -27,6 +27,15 @@ def cosimulate_alike(
     Raises:
         UserError: they differ in more than numbers; or as `cosimulate_many`.
     """
+    return cosimulate_many(scenes[0], table_of(scenes), results=results, threads=threads)
+
+
+def table_of(scenes: Sequence[Scene]) -> dict[str, list[float]]:
+    """By the composite's names, the values in which scenes differ; where they do not, one of them.
+
+    Raises:
+        UserError: they differ in more than numbers.
+    """
     first, plans = scenes[0], [plan(scene) for scene in scenes]
     common = _common(first, plans[0])
     if any(_common(*pair) != common for pair in zip(scenes, plans, strict=True)):
@@ -36,8 +45,7 @@ def cosimulate_alike(
         )
     starts = [_start(*pair) for pair in zip(scenes, plans, strict=True)]
     changed = [name for name in starts[0] if any(s[name] != starts[0][name] for s in starts)]
-    table = {name: [s[name] for s in starts] for name in changed or list(starts[0])[:1]}
-    return cosimulate_many(first, table, results=results, threads=threads)
+    return {name: [s[name] for s in starts] for name in changed or list(starts[0])[:1]}
 
 
 def refuse_unvaried(scene: Scene, path: str) -> None:
