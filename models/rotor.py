@@ -24,6 +24,22 @@ from . import rotor_kinds
 Matrix = NDArray[np.float64]
 
 
+@dataclass(frozen=True)
+class Slider:
+    """Dry friction at a station along one axis: a slider, rigid or behind a spring (Jenkins 1962).
+
+    Attributes:
+        station, axis: from 0; axis 0 is x, 1 is y.
+        limit: force at which it slips [N]; 0: there is none.
+        stiffness: of the spring in series [N/m]; 0: none, the slider is rigid.
+    """
+
+    station: int
+    axis: int
+    limit: float
+    stiffness: float = 0.0
+
+
 @dataclass(frozen=True, eq=False)
 class LinearRotor:
     """Matrices and planes of a linear rotor with n stations and p correction planes.
@@ -37,6 +53,7 @@ class LinearRotor:
         planes: (p, n) matrix S: displacement of the planes from that of the stations.
         unbalance: (n,) complex generalised unbalance u in the rotor frame [kg m].
         deflection: (d, n) rows whose largest modulus is the shaft's bending.
+        sliders: dry friction in the supports.
     """
 
     mass: Matrix
@@ -49,6 +66,7 @@ class LinearRotor:
     planes: Matrix
     unbalance: NDArray[np.complex128]
     deflection: Matrix
+    sliders: tuple[Slider, ...] = ()
 
     @classmethod
     def planar(
@@ -103,7 +121,7 @@ class LinearRotor:
     @property
     def isotropic(self) -> bool:
         """True when both axes are alike, so that z = x + i y needs no conjugate."""
-        return bool(
+        return not self.sliders and bool(
             np.array_equal(self.stiffness_x, self.stiffness_y)
             and np.array_equal(self.damping_x, self.damping_y)
         )
