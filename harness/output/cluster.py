@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import logging
+import multiprocessing
 import os
 import signal
 import tempfile
@@ -14,8 +15,9 @@ from ..errors import UserError
 from .store import EXTRA
 from .workers import Workers
 
+SIGNALS_WAIT = True  # an interrupt while a cluster begins would leave its processes behind
 LOCAL = "local"
-_IN_PEACE = "import signal; signal.signal(signal.SIGINT, signal.SIG_IGN)"  # this process answers
+_IN_PEACE = "import signal\nfor n in (2, 15): signal.signal(n, signal.SIG_IGN)"  # we answer
 _PATIENCE = 10.0  # s for a scheduler to answer
 
 
@@ -40,6 +42,7 @@ def who_works(cluster: str | None) -> Iterator[Workers]:
         raise UserError(f"--cluster {cluster}: needs Dask: {EXTRA}") from None
     with ExitStack() as stack:
         if cluster == LOCAL:
+            stack.callback(_outlive)
             with _deaf_children():
                 address: str | LocalCluster = stack.enter_context(
                     LocalCluster(
@@ -61,14 +64,21 @@ def who_works(cluster: str | None) -> Iterator[Workers]:
         yield client.get_executor()
 
 
+def _outlive() -> None:
+    """See every process begun here end: a late one writes into folders removed by then."""
+    for process in multiprocessing.active_children():
+        process.kill()
+        process.join()
+
+
 @contextmanager
 def _deaf_children() -> Iterator[None]:
-    """Processes begun meanwhile never hear Ctrl-C, not even before their own code runs."""
+    """Processes begun meanwhile never hear Ctrl-C or SIGTERM, not even before their code runs."""
     if not hasattr(signal, "pthread_sigmask"):  # Windows
         yield
         return
     resource_tracker.ensure_running()  # its start, else with the first process, would end the block
-    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT, signal.SIGTERM})
     try:
         yield
     finally:

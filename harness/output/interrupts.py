@@ -165,6 +165,11 @@ def interruptible() -> Iterator[None]:
         for number in answered:
             signal.signal(number, block.answer)
         yield
+    except Exception as error:
+        if not block.number:
+            raise
+        # a C module that the interrupt met while it was imported turns it into an ImportError
+        raise Interrupted(block.number) from error
     finally:
         _block = None
         block.leave()
