@@ -132,6 +132,11 @@ class LinearRotor:
         u = self.unbalance[:, None]
         return u if self.isotropic else np.block([[u.real, -u.imag], [u.imag, u.real]])
 
+    def refuse_sliders(self, what: str) -> None:
+        """Raise ValueError, where the supports have dry friction, for what knows none."""
+        if self.sliders:
+            raise ValueError(f"sliders: {what} knows no dry friction in the supports")
+
     def with_added_mass(self, added_mass: ArrayLike) -> LinearRotor:
         """The same rotor carrying `added_mass` [kg] (p,) rigidly at its planes."""
         added = np.asarray(added_mass, float)

@@ -21,6 +21,7 @@ typedef struct {
     double *planes;                    /* (p, n) */
     double *unbalance;                 /* (n,) complex [kg m] */
     double *deflection;                /* (d, n) */
+    int sliders;                       /* whether its supports have dry friction, each axis its own */
 } LinearRotor;
 
 /* Doubles that the matrices of a rotor take, and a rotor of zeros in such an array. */

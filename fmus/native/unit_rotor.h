@@ -2,6 +2,7 @@
 #ifndef AUTOBALANCER_UNIT_ROTOR_H
 #define AUTOBALANCER_UNIT_ROTOR_H
 
+#include "friction.h"
 #include "linear_rotor.h"
 #include "signals.h"
 #include "unit.h"
@@ -13,7 +14,7 @@ enum { PLANAR, TWO_SUPPORT, FLEXIBLE };
 enum { KEPT_MATRICES = 8 };
 
 /* In memory: the angle, then displacements and velocities of the stations, x and y alternating,
-   then the speed the outputs belong to. */
+   then the speed the outputs belong to, then of every slider along x and y what friction.h says. */
 enum { TURNS, REST, CARRY, MOTION };
 
 /* A step matrix with x and y alternating in rows and columns, and what it is of. */
@@ -41,6 +42,11 @@ typedef struct {
     int variable_made;
     double *variable_mass, *variable_memory, *variable_scratch; /* (p,) and its own */
     double *state, *acceleration, *jerk;
+    int slider_count; /* two for each of the unit's: along x and y */
+    Slider *sliders;
+    FrictionStep friction;
+    double *friction_memory, *held; /* held: as it is after what was propagated last */
+    int frozen; /* whether outputs keep to how the sliders were found, for derivatives */
     double *ends[4]; /* outputs at other speeds, for derivatives */
 } Rotor;
 
@@ -49,6 +55,8 @@ typedef struct {
 int rotor_kind(const Layout *layout);
 /* Start values that depend on index and size. */
 void rotor_starts(const Layout *layout, double *real);
+/* Value reference of the first slider's first parameter. */
+size_t rotor_slider_parameters(const Unit *unit);
 /* Make unit->own's rotor from the parameters; 0, or 1 with the reason. */
 int rotor_of_parameters(Unit *unit);
 
@@ -61,10 +69,17 @@ const double *rotor_matrix(Unit *unit, double speed, double step);
 /* Motion of the stations, and acceleration and jerk of the planes, after `step` [s], in
    own->result; all in fixed axes, x and y alternating. */
 int rotor_propagate(Unit *unit, double step);
+/* Directions and forces of the sliders in the unit's memory. */
+double *rotor_held(const Unit *unit);
+/* The variable-speed step and the friction step for the masses that the planes carry now. */
+int rotor_make_variable(Unit *unit);
 /* Vectors (x, y alternating) turned by the angle with this cosine and sine. */
 void rotor_rotated(double *pairs, size_t count, double c, double s);
 /* Computed outputs from acceleration and jerk of the planes in fixed axes. */
 void rotor_put(const Rotor *own, const double *planes, double angle, double speed, double *out);
+/* Change of acceleration and jerk of the planes, in own->result behind the stations, by a change of
+   the forces' values and slopes, (2p,) each. */
+int rotor_friction_response(Unit *unit, const double *values, const double *slopes);
 /* The computed outputs as they are with the present inputs. */
 int rotor_outputs_now(Unit *unit, double *out);
 /* Rows of a matrix (count, n) times vectors (x, y alternating). */

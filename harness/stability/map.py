@@ -119,6 +119,7 @@ def stability_map(
         UserError: a path is unknown, a value on an axis is wrong, both axes are the same, or the
             store is another map's.
     """
+    scene.refuse_friction("a map of growth rates is that")
     refuse_axes(x, y)
     report = progress or (lambda done: None)
     share = 1.0 if not cosim else 0.5

@@ -108,6 +108,7 @@ LinearRotor = _struct(
         ],
         _D,
     ),
+    sliders=c_int,
 )
 Planar = _struct(
     "Planar",
