@@ -24,6 +24,8 @@ def first_fall(coefficients: NDArray, until: float) -> float:
         coefficients: of powers of s, on a stretch of length 1.
     """
     sizes = np.abs(coefficients)
+    if coefficients[0] > sizes[1:].sum():
+        return math.inf
     (counted,) = np.nonzero(sizes > _NEGLIGIBLE * sizes.max())
     if not len(counted):
         return math.inf
