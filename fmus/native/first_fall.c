@@ -4,7 +4,6 @@
 #include "matrix.h"
 #include "roots.h"
 
-static const double NEGLIGIBLE = 1e-12; /* of the largest term: a root so near has happened */
 static const double TOUCH = 1e-13; /* a polynomial that is negative on less only touches 0 */
 static const double TO_ROUNDING = 1e-15; /* of an interval; brackets cannot be much shorter */
 
@@ -66,18 +65,21 @@ static double fall_within(const double *coefficients, int count, double begin, d
     return is_finite(found) ? found : fall_within(coefficients, count, middle, end);
 }
 
-double first_fall(const double *coefficients, int count, double until)
+double first_fall(const double *coefficients, int count, double until, const double *rounding)
 {
-    double most = 0.0;
-    int k;
-    for (k = 0; k < count; k++) {
-        most = larger(most, absolute(coefficients[k]));
+    double others = 0.0;
+    int first = 0, k;
+    while (first < count &&
+           !(absolute(coefficients[first]) > (first < 3 ? rounding[first] : 0.0))) {
+        first++;
     }
-    for (k = 0; k < count && !(absolute(coefficients[k]) > NEGLIGIBLE * most); k++) {
+    for (k = first + 1; k < count; k++) {
+        others += absolute(coefficients[k]);
     }
-    if (k == count) {
+    if (first == count || coefficients[first] > others) {
         return infinity();
     }
-    return coefficients[k] < 0.0 ? 0.0
-                                 : fall_within(coefficients + k, count - k, 0.0, until);
+    return coefficients[first] < 0.0
+               ? 0.0
+               : fall_within(coefficients + first, count - first, 0.0, until);
 }

@@ -6,10 +6,10 @@
 #define MOST_COEFFICIENTS 19
 
 /* First s in 0..until (at most 1) at which a polynomial, not negative at first, falls below 0;
-   infinite when it does not.  What has just become 0 is judged by its first term that is not
-   rounding.
+   infinite when it does not.  What has just become 0 is judged by its first term that is not 0.
 
-   coefficients: (count,) of powers of s, count at most MOST_COEFFICIENTS. */
-double first_fall(const double *coefficients, int count, double until);
+   coefficients: (count,) of powers of s, count at most MOST_COEFFICIENTS.
+   rounding: sizes up to which the first three count as 0. */
+double first_fall(const double *coefficients, int count, double until, const double *rounding);
 
 #endif

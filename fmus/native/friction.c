@@ -7,6 +7,7 @@
 enum { TERMS = MOST_COEFFICIENTS - 1 }; /* 0.5^18/18! is far below rounding */
 enum { MOST_STRETCHES = 10000, SWEEPS = 10000 };
 static const double REACH = 0.5, SETTLED = 1e-15;
+static const double ROUNDING = 1e-12; /* of a limit: a force so near to it has reached it */
 
 static int place_of(const FrictionStep *method, int j)
 {
@@ -376,15 +377,31 @@ static void column(const double *from, int stride, double sign, double base, dou
     to[0] += base;
 }
 
-/* When, as a fraction of the stretch, which slider changes first: -1 for none. */
-static double first_event(const FrictionStep *method, const double *held, double until, int *which)
+/* Acceleration by all limits at the place of a slider. */
+static double mobility_of(const FrictionStep *method, int j)
+{
+    double limits = 0.0;
+    int k;
+    for (k = 0; k < method->count; k++) {
+        limits += place_of(method, k) == place_of(method, j) ? method->sliders[k].limit : 0.0;
+    }
+    return method->push[place_of(method, j) * method->count + j] * limits;
+}
+
+/* When, as a fraction of a stretch [s], which slider changes first: -1 for none. */
+static double first_event(const FrictionStep *method, const double *held, double stretch, int *which)
 {
     const int m = method->count, dof = method->smooth->dof;
-    double function[TERMS + 1], first = until;
+    double function[TERMS + 1], first = 1.0;
     int j, side;
     *which = -1;
     for (j = 0; j < m; j++) {
         const double limit = method->sliders[j].limit, slips = held[2 * j + SLIPS];
+        /* where a slider starts from rest the first acceleration may be rounding, too */
+        const double still = ROUNDING * stretch * mobility_of(method, j);
+        const double sticking[3] = {ROUNDING * limit, 0.0,
+                                    0.5 * still * stretch * method->sliders[j].stiffness};
+        const double slipping[3] = {0.0, still, 0.0};
         for (side = 0; side < (slips != 0.0 ? 1 : 2) && limit > 0.0; side++) {
             double found;
             if (slips != 0.0) {
@@ -392,7 +409,7 @@ static double first_event(const FrictionStep *method, const double *held, double
             } else {
                 column(method->forces + j, m, side ? 1.0 : -1.0, limit, function);
             }
-            found = first_fall(function, TERMS + 1, first);
+            found = first_fall(function, TERMS + 1, first, slips != 0.0 ? slipping : sticking);
             if (found < first) {
                 first = found;
                 *which = j;
@@ -413,11 +430,10 @@ static int change(FrictionStep *method, double *state, double *held, const Drive
         return FINE;
     }
     own[SLIPS] = 0.0;
-    if (!is_rigid(method->sliders + j)) {
-        return FINE;
-    }
     state[method->smooth->dof + place_of(method, j)] = 0.0;
-    return arrived ? friction_resolve(method, state, held, drive, t, failure) : FINE;
+    return arrived && is_rigid(method->sliders + j)
+               ? friction_resolve(method, state, held, drive, t, failure)
+               : FINE;
 }
 
 static double value_at(const double *from, int stride, double s)
@@ -437,15 +453,16 @@ int friction_advance(FrictionStep *method, double *state, double *held, const Dr
     double time = 0.0;
     int count, k, code = friction_resolve(method, state, held, drive, 0.0, failure);
     for (count = 0; count < MOST_STRETCHES && !code; count++) {
-        const double stretch = stretch_of(method, drive, time);
-        const int last = step - time <= stretch;
+        /* no longer than what is left: forces of short steps may have any slope */
+        const double stretch = smaller(stretch_of(method, drive, time), step - time);
+        const int last = stretch == step - time;
         double fraction;
         int which;
         code = set_series(method, state, held, drive, time, stretch, TERMS, failure);
         if (code) {
             return code;
         }
-        fraction = first_event(method, held, last ? (step - time) / stretch : 1.0, &which);
+        fraction = first_event(method, held, stretch, &which);
         for (k = 0; k < 2 * dof; k++) {
             state[k] = value_at(method->motion + k, 2 * dof, fraction);
         }

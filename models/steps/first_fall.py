@@ -3,33 +3,35 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ..contact.roots import crossing
 
-_NEGLIGIBLE = 1e-12  # of the largest term: a root so near has happened
 _TOUCH = 1e-13  # a polynomial that is negative on less only touches 0
 _TO_ROUNDING = 1e-15  # of an interval; brackets cannot be much shorter
 
 
-def first_fall(coefficients: NDArray, until: float) -> float:
+def first_fall(coefficients: NDArray, until: float, rounding: Sequence[float] = ()) -> float:
     """First s in 0..until at which a polynomial, not negative at first, falls below 0.
 
     What has just become 0 (a slider that sticks now or lets go now) is judged by its first term
-    that is not rounding.  Infinite when it does not fall.
+    that is not 0.  Infinite when it does not fall.
 
     Args:
         coefficients: of powers of s, on a stretch of length 1.
+        rounding: sizes up to which the first coefficients count as 0.
     """
     sizes = np.abs(coefficients)
-    if coefficients[0] > sizes[1:].sum():
+    floors = np.zeros(len(sizes))
+    floors[: len(rounding)] = rounding
+    (counted,) = np.nonzero(sizes > floors)
+    first = counted[0] if len(counted) else 0
+    rest = coefficients[first:]
+    if not len(counted) or rest[0] > sizes[first + 1 :].sum():
         return math.inf
-    (counted,) = np.nonzero(sizes > _NEGLIGIBLE * sizes.max())
-    if not len(counted):
-        return math.inf
-    rest = coefficients[counted[0] :]
     return 0.0 if rest[0] < 0.0 else _fall_within(rest, 0.0, until)
 
 

@@ -23,6 +23,7 @@ from .variable_speed import Drive, VariableSpeedStep
 
 TERMS = 18  # 0.5**18/18! is far below rounding
 _REACH = 0.5  # of a stretch, by the fastest rate
+_ROUNDING = 1e-12  # of a limit: a force so near to it has reached it
 _SWEEPS, _SETTLED = 10_000, 1e-15  # over sliders at rest, and of their limits
 MOST_STRETCHES = 10_000  # of a step, events included
 
@@ -84,6 +85,10 @@ class FrictionStep:
                 "limits; give that, or a stiffness"
             )
         self.push = self.smooth.inverse[:, self.at]  # acceleration by the sliders' forces
+        # acceleration by all limits at the place of each slider
+        self.mobility = np.diag(self.push[self.at]) * np.array(
+            [self.limit[self.at == place].sum() for place in self.at]
+        )
         still, per_speed = self.smooth.still.copy(), self.smooth.per_speed
         np.add.at(still.T, self.at, -(self.push * self.stiffness).T)
         self._norms = [_norm(m[:, half]) for half in (slice(dof), slice(dof, None))
@@ -101,15 +106,14 @@ class FrictionStep:
         time = 0.0
         held = self.resolved(state, held, drive, 0.0)
         for _ in range(MOST_STRETCHES):
-            stretch = self._stretch(drive, time)
+            # no longer than what is left: forces of short steps may have any slope
+            stretch = min(self._stretch(drive, time), step - time)
             series = self._series(state, held, drive, time, stretch, TERMS)
-            last = step - time <= stretch
-            until = (step - time) / stretch if last else 1.0
-            fraction, which = self._first_event(series, held, until)
+            fraction, which = self._first_event(series, held, stretch)
             powers = fraction ** np.arange(TERMS + 1)
             state = np.concatenate([powers @ series.places, powers @ series.rates])
             held = held._replace(force=powers @ series.forces)
-            if which < 0 and last:
+            if which < 0 and stretch == step - time:
                 return state, held
             time += fraction * stretch
             if which >= 0:
@@ -193,20 +197,24 @@ class FrictionStep:
                 motion[k + 1, dof:] = h / (k + 1) * rate
         return _Series(motion[:, :dof], motion[:, dof:], forces)
 
-    def _first_event(self, series: _Series, held: Held, until: float) -> tuple[float, int]:
+    def _first_event(self, series: _Series, held: Held, stretch: float) -> tuple[float, int]:
         """When, as a fraction of the stretch, which slider changes first: -1 for none."""
-        first, which = until, -1
+        first, which = 1.0, -1
         for j, limit in enumerate(self.limit):
             if limit == 0.0:
                 continue
+            # where a slider starts from rest the first acceleration may be rounding, too
+            still = _ROUNDING * stretch * self.mobility[j]
+            rounding = [_ROUNDING * limit, 0.0, 0.5 * still * stretch * self.stiffness[j]]
             if held.slips[j]:
+                rounding = [0.0, still]
                 functions = [held.slips[j] * series.rates[:, self.at[j]]]
             else:
                 functions = [-series.forces[:, j], series.forces[:, j].copy()]
                 for function in functions:
                     function[0] += limit
             for function in functions:
-                found = first_fall(function, first)
+                found = first_fall(function, first, rounding)
                 if found < first:
                     first, which = found, j
         return first, which
@@ -220,12 +228,9 @@ class FrictionStep:
             slips[j] = -math.copysign(1.0, force[j])
             force[j] = -slips[j] * self.limit[j]
             return Held(slips, force)
-        slips[j] = 0.0
-        if not self.rigid[j]:
-            return Held(slips, force)
-        state[self.smooth.dof + self.at[j]] = 0.0
+        slips[j] = state[self.smooth.dof + self.at[j]] = 0.0
         held = Held(slips, force)
-        return self.resolved(state, held, drive, t) if arrived else held
+        return self.resolved(state, held, drive, t) if arrived and self.rigid[j] else held
 
 
 def _pushes(smooth: VariableSpeedStep, drive: Drive, t: float, h: float, terms: int) -> NDArray:

@@ -280,11 +280,14 @@ def test_two_rigid_sliders_at_one_place_are_refused():
         ([1.0, -2.0], 0.5),
         ([0.0, -1.0], 0.0),  # has just reached the limit
         ([0.0, 1.0, -2.0], 0.5),  # leaves it and comes back
-        ([1e-17, 0.0, 0.3, -1.0], 0.3),  # but for rounding, too
+        ([0.0, 1e-17, 0.3, -1.0], 0.3),  # but for rounding, too
+        ([0.0, -1e-17, 0.3, -1.0], 0.3),
         ([0.250001, -1.0, 1.0], math.inf),  # all but touches
         ([0.24, -1.0, 1.0], 0.4),  # a dip between
         ([0.0, 0.0, 0.0], math.inf),
     ],
 )
 def test_first_fall_of_a_polynomial(coefficients, expected):
-    assert first_fall(np.array(coefficients), 1.0) == pytest.approx(expected, abs=1e-14)
+    assert first_fall(np.array(coefficients), 1.0, [0.0, 1e-15]) == pytest.approx(
+        expected, abs=1e-14
+    )

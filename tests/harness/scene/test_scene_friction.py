@@ -109,3 +109,15 @@ def test_a_jump_within_a_step_costs_orders_but_not_the_result():
         run = cosimulate(scene.replace({"coupling.steps_per_rev": steps}))
         ends.append(run["rotor.x"][:: steps // 40])
     assert abs(ends[0] - ends[1]).max() < 2e-3 * np.ptp(ends[1])
+
+
+def test_a_tolerance_is_met_across_a_jump():
+    """A step over a jump never fits; one that is short enough for nothing to move is taken."""
+    scene = two_balls({"limit": 0.01}).replace({"run.revolutions": 0.4})
+    fine = cosimulate(scene.replace({"coupling.steps_per_rev": 20000}))
+    scene = scene.replace({"coupling.tolerance": 1e-6})
+    ends = {"separate units": cosimulate(scene)["rotor.x"][-1]}
+    one = cosimulate_many(scene, {"speed": [3.0]}, results=["rotor.x"])
+    ends["composite"] = one["rotor.x"][0]
+    expected, size = fine["rotor.x"][-1], np.ptp(fine["rotor.x"])
+    assert ends == pytest.approx(dict.fromkeys(ends, expected), abs=2e-6 * size)
