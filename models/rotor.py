@@ -25,6 +25,22 @@ from . import rotor_kinds
 Matrix = NDArray[np.float64]
 
 
+@dataclass(frozen=True)
+class Slider:
+    """Dry friction at a station along one axis: a slider, rigid or behind a spring (Jenkins 1962).
+
+    Attributes:
+        station, axis: from 0; axis 0 is x, 1 is y.
+        limit: force at which it slips [N]; 0: there is none.
+        stiffness: of the spring in series [N/m]; 0: none, the slider is rigid.
+    """
+
+    station: int
+    axis: int
+    limit: float
+    stiffness: float = 0.0
+
+
 @dataclass(frozen=True, eq=False)
 class LinearRotor:
     """Matrices and planes of a linear rotor with n stations and p correction planes.
@@ -39,6 +55,7 @@ class LinearRotor:
         unbalance: (n,) complex generalised unbalance u in the rotor frame [kg m].
         deflection: (d, n) rows whose largest modulus is the shaft's bending.
         gravity: acceleration of what falls, across the axis in fixed axes, gx + i gy [m/s^2].
+        sliders: dry friction in the supports.
     """
 
     mass: Matrix
@@ -52,6 +69,7 @@ class LinearRotor:
     unbalance: NDArray[np.complex128]
     deflection: Matrix
     gravity: complex = 0j
+    sliders: tuple[Slider, ...] = ()
 
     @classmethod
     def planar(
@@ -106,7 +124,7 @@ class LinearRotor:
     @property
     def isotropic(self) -> bool:
         """True when both axes are alike, so that z = x + i y needs no conjugate."""
-        return bool(
+        return not self.sliders and bool(
             np.array_equal(self.stiffness_x, self.stiffness_y)
             and np.array_equal(self.damping_x, self.damping_y)
         )
@@ -138,6 +156,11 @@ class LinearRotor:
             raise ValueError(
                 "gravity: supports without stiffness cannot carry the rotor's weight"
             ) from None
+
+    def refuse_sliders(self, what: str) -> None:
+        """Raise ValueError, where the supports have dry friction, for what knows none."""
+        if self.sliders:
+            raise ValueError(f"sliders: {what} knows no dry friction in the supports")
 
     def with_added_mass(self, added_mass: ArrayLike) -> LinearRotor:
         """The same rotor carrying `added_mass` [kg] (p,) rigidly at its planes."""

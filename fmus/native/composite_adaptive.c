@@ -2,9 +2,10 @@
    twin of harness/master/schemes/adaptive.py, which derives the estimate. */
 #include "composite.h"
 #include "elementary.h"
+#include "unit_rotor.h"
 
 static const double LOCAL_SHARE = 0.2, AIM = 0.5, RESIDUAL_SHARE = 0.01;
-enum { RUNGS = 4, FIRST_RUNG = 40, LOWEST = 160, MOST_RISE = 4, HOPELESS = 40 };
+enum { RUNGS = 4, FIRST_RUNG = 40, MINUTE = 80, LOWEST = 160, MOST_RISE = 4, HOPELESS = 40 };
 
 /* 2^(-k/4) */
 static const double ROOTS[RUNGS] = {1.0, 0.8408964152537145, 0.7071067811865476, 0.5946035575013605};
@@ -73,6 +74,7 @@ static int refuse(Unit *unit, double step, double error, double residual)
 int adaptive_step(Unit *unit, double longest)
 {
     Composite *c = unit->own;
+    const int jumps = ((const Rotor *)c->parts->unit->own)->slider_count > 0;
     Course *course = c->course;
     const double allowed = LOCAL_SHARE * course->allowed;
     double remaining = infinity(); /* before a collision */
@@ -82,7 +84,7 @@ int adaptive_step(Unit *unit, double longest)
         /* do not leave a sliver for the last step */
         const double step = own >= remaining ? remaining : own > 0.5 * remaining ? 0.5 * remaining : own;
         double residual, error, ratio, largest_motion;
-        int lower;
+        int lower, minute;
         residual = iterated_attempt(unit, step);
         if (residual < 0.0) {
             if (course->ahead < 0.0) {
@@ -98,10 +100,15 @@ int adaptive_step(Unit *unit, double longest)
         }
         error = error_of(c, step, &largest_motion);
         ratio = error > 0.0 ? AIM * allowed / error : infinity();
-        if (error <= allowed && residual <= course->tolerance) {
+        minute = jumps && rung >= MINUTE; /* what such a step misses of a jump moves nothing */
+        if ((error <= allowed || minute) && residual <= course->tolerance) {
             const int higher = error > 0.0 ? rise(ratio, 1.0 + 1e-9) : MOST_RISE;
             course->rung = rung > higher ? rung - higher : 0;
-            course->error = larger(course->error, error);
+            if (minute) {
+                course->rung = smaller(course->rung, MINUTE);
+            } else {
+                course->error = larger(course->error, error);
+            }
             course->residual = residual;
             course->largest_motion = largest_motion;
             return iterated_go_on(unit, step, step == remaining);

@@ -121,6 +121,16 @@ void failure_words(Text *text, const Failure *failure, const double *values, siz
         text_number(text, value[0]);
         text_put(text, ": must be within 0 to 1");
         break;
+    case FAILURE_RIGID_SLIDERS:
+        text_put(text, "sliders: two rigid ones at one support and axis are one with the sum of "
+                       "their limits; give that, or a stiffness");
+        break;
+    case FAILURE_STRETCHES:
+        text_put(text, "more than ");
+        text_integer(text, (unsigned long)failure->where);
+        put_rounded(text, " stretches and events of the sliders in ", value[0], 6, " s, ");
+        put_rounded(text, "", value[1], 6, " s reached: use smaller communication steps");
+        break;
     case FAILURE_OVERLAP:
         put_rounded(text, "weights overlap by ", value[0], 3, " rad: neighbours need ");
         put_rounded(text, "", value[1], 6, " rad");

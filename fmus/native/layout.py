@@ -19,19 +19,21 @@ from ..composite.variables import COMPOSITE
 from ..unit import SizedUnit
 from ..variables import Layout, Variable
 
-_STATIONS, _PLANES, _UNBALANCES, _WEIGHTS = 5, 3, 7, 11
+_STATIONS, _PLANES, _UNBALANCES, _WEIGHTS, _SLIDERS = 5, 3, 7, 11, 13
 _REPEATS = {
     _STATIONS: "SIZE_STATIONS",
     _PLANES: "SIZE_PLANES",
     _UNBALANCES: "SIZE_UNBALANCES",
     _WEIGHTS: "SIZE_WEIGHTS",
+    _SLIDERS: "SIZE_SLIDERS",
     2: "SIZE_TWO",
 }
-_ROTOR = {"planes": _PLANES, "stations": _STATIONS, "unbalances": _UNBALANCES}
+_PLANAR = {"planes": _PLANES, "sliders": _SLIDERS, "stations": 1}
+_ROTOR = {**_PLANAR, "stations": _STATIONS, "unbalances": _UNBALANCES}
 
 # what the C library holds: unit, and options of the sizes looked at
 TABLES: tuple[tuple[str, dict[str, Any]], ...] = (
-    ("RotorOnSupports", {"kind": "planar", "planes": _PLANES, "stations": 1}),
+    ("RotorOnSupports", {**_PLANAR, "kind": "planar"}),
     ("RotorOnSupports", {**_ROTOR, "kind": "two_support", "stations": 2}),
     ("RotorOnSupports", {**_ROTOR, "kind": "flexible", "shaft": "uniform"}),
     ("RotorOnSupports", {**_ROTOR, "kind": "flexible", "shaft": "compliance"}),

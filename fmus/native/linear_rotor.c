@@ -33,6 +33,7 @@ LinearRotor linear_rotor_in(double *memory, int stations, int planes)
     rotor.unbalance = rotor.planes + (size_t)planes * stations;
     rotor.deflection = rotor.unbalance + 2 * (size_t)stations;
     rotor.gravity[0] = rotor.gravity[1] = 0.0;
+    rotor.sliders = 0;
     return rotor;
 }
 
@@ -58,6 +59,9 @@ int linear_rotor_isotropic(const LinearRotor *rotor)
 {
     const int square = rotor->stations * rotor->stations;
     int k;
+    if (rotor->sliders) {
+        return 0;
+    }
     for (k = 0; k < square; k++) {
         if (rotor->stiffness_x[k] != rotor->stiffness_y[k] ||
             rotor->damping_x[k] != rotor->damping_y[k]) {

@@ -22,6 +22,7 @@ typedef struct {
     double *unbalance;                 /* (n,) complex [kg m] */
     double *deflection;                /* (d, n) */
     double gravity[2]; /* acceleration of what falls, x and y [m/s^2] */
+    int sliders;                       /* whether its supports have dry friction, each axis its own */
 } LinearRotor;
 
 /* Doubles that the matrices of a rotor take, and a rotor of zeros in such an array. */

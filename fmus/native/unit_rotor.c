@@ -11,7 +11,7 @@ static const double TURN_ROUNDING = 2.4492935982947064e-16;
 
 static size_t memory_size(const Layout *layout)
 {
-    return MOTION + 4 * (size_t)layout->sizes.stations + 1;
+    return MOTION + 4 * (size_t)layout->sizes.stations + 1 + 4 * (size_t)layout->sizes.sliders;
 }
 
 static size_t own_size(void)
@@ -51,6 +51,13 @@ static int allocate(Unit *unit)
     own->planes = p;
     own->unbalances = sizes->unbalances;
     own->turning = !sizes->fixed_frame;
+    own->slider_count = 2 * sizes->sliders;
+    if (own->slider_count) {
+        own->sliders = unit_allocate(unit, (size_t)own->slider_count, sizeof(Slider));
+        own->friction_memory = doubles(unit, friction_size(n, p, own->slider_count));
+        own->held = doubles(unit, 2 * (size_t)own->slider_count);
+        missing |= !own->sliders || !own->friction_memory || !own->held;
+    }
     own->rotor_memory = doubles(unit, linear_rotor_size(n, p));
     own->loaded_mass = doubles(unit, stations * stations);
     own->values = doubles(unit, 2 * stations + 3 * (size_t)sizes->unbalances + free * free +
@@ -111,7 +118,7 @@ static int parameters(Unit *unit)
         linear_rotor_sag(&own->rotor, 0.0, own->state, own->matrix_scratch, &failure)) {
         return unit_failed(unit, &failure, NULL, 0);
     }
-    return 0;
+    return own->slider_count ? rotor_make_variable(unit) : 0;
 }
 
 /* The angle (turns, remainder, carry) turned by `by` [rad]; Kahan's summation. */
@@ -150,6 +157,7 @@ static int begin(Unit *unit)
     memset(unit->memory, 0, MOTION * sizeof(double));
     turn_by(unit->memory, start[-1]);
     memcpy(unit->memory + MOTION, start, motion * sizeof(double));
+    friction_at_start(own->sliders, own->slider_count, start + motion / 2, rotor_held(unit));
     return 0;
 }
 
@@ -165,6 +173,9 @@ static int step(Unit *unit, double length)
     turn_by(unit->memory, length * (speed + 0.5 * spin_up * length));
     memcpy(unit->memory + MOTION, own->result, motion * sizeof(double));
     *end_speed = speed + spin_up * length;
+    if (own->slider_count) {
+        memcpy(rotor_held(unit), own->held, 2 * (size_t)own->slider_count * sizeof(double));
+    }
     rotor_put(own, own->result + motion, unit->memory[REST], *end_speed,
         unit->real + unit->layout.computed.first);
     return 0;
@@ -197,12 +208,17 @@ static void observe(Unit *unit)
     const double *memory = unit->memory, *motion = memory + MOTION;
     const size_t count = 4 * (size_t)own->stations;
     double *out = unit->real + unit->layout.observed.first;
+    int k;
     out[0] = memory[TURNS] * TAU +
              (memory[REST] + (memory[TURNS] * TURN_ROUNDING - memory[CARRY]));
     memcpy(out + 1, motion, count * sizeof(double));
     out += 1 + count;
     rotor_vectors_at(own->rotor.planes, own->planes, own->stations, motion, out);
     out[2 * own->planes] = largest_bending(own, motion);
+    out += 2 * own->planes + 1;
+    for (k = 0; k < own->slider_count; k++) {
+        out[k] = rotor_held(unit)[2 * k + HOLDS];
+    }
 }
 
 static size_t signals(const Layout *layout, size_t *first)

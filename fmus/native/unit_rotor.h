@@ -2,6 +2,7 @@
 #ifndef AUTOBALANCER_UNIT_ROTOR_H
 #define AUTOBALANCER_UNIT_ROTOR_H
 
+#include "friction.h"
 #include "linear_rotor.h"
 #include "signals.h"
 #include "unit.h"
@@ -13,7 +14,7 @@ enum { PLANAR, TWO_SUPPORT, FLEXIBLE };
 enum { KEPT_MATRICES = 8 };
 
 /* In memory: the angle, then displacements and velocities of the stations, x and y alternating,
-   then the speed the outputs belong to. */
+   then the speed the outputs belong to, then of every slider along x and y what friction.h says. */
 enum { TURNS, REST, CARRY, MOTION };
 
 /* A step matrix with x and y alternating in rows and columns, and what it is of. */
@@ -61,6 +62,11 @@ typedef struct {
     double *sag, *sag_mass; /* (2n,) of the stations under gravity, and the added masses (p,) */
     double sag_speed;       /* and the speed that it belongs to */
     int sag_known, lifted;
+    int slider_count; /* two for each of the unit's: along x and y */
+    Slider *sliders;
+    FrictionStep friction;
+    double *friction_memory, *held; /* held: as it is after what was propagated last */
+    int frozen; /* whether outputs keep to how the sliders were found, for derivatives */
     Rates rates;
     double whole;    /* length of the step within which the unit is moved, 0: over all of it [s] */
     double *ends[4]; /* outputs at other speeds, for derivatives */
@@ -71,6 +77,8 @@ typedef struct {
 int rotor_kind(const Layout *layout);
 /* Start values that depend on index and size. */
 void rotor_starts(const Layout *layout, double *real);
+/* Value reference of the first slider's first parameter. */
+size_t rotor_slider_parameters(const Unit *unit);
 /* Make unit->own's rotor from the parameters; 0, or 1 with the reason. */
 int rotor_of_parameters(Unit *unit);
 
@@ -88,10 +96,17 @@ void rotor_apply(Rotor *own, const double *matrix);
    own->result; all in fixed axes, x and y alternating; the acceleration is less gravity's, which
    every body on the rotor feels: what an accelerometer would read. */
 int rotor_propagate(Unit *unit, double step);
+/* Directions and forces of the sliders in the unit's memory. */
+double *rotor_held(const Unit *unit);
+/* The variable-speed step and the friction step for the masses that the planes carry now. */
+int rotor_make_variable(Unit *unit);
 /* Vectors (x, y alternating) turned by the angle with this cosine and sine. */
 void rotor_rotated(double *pairs, size_t count, double c, double s);
 /* Computed outputs from acceleration and jerk of the planes in fixed axes. */
 void rotor_put(Rotor *own, const double *planes, double angle, double speed, double *out);
+/* Change of acceleration and jerk of the planes, in own->result behind the stations, by a change of
+   the forces' values and slopes, (2p,) each. */
+int rotor_friction_response(Unit *unit, const double *values, const double *slopes);
 /* The computed outputs as they are with the present inputs. */
 int rotor_outputs_now(Unit *unit, double *out);
 /* Rows of a matrix (count, n) times vectors (x, y alternating). */

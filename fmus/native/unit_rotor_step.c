@@ -126,7 +126,12 @@ static void from_axes(const double *values, int axes, int blocks, int size, doub
     }
 }
 
-static int make_variable(Unit *unit)
+double *rotor_held(const Unit *unit)
+{
+    return unit->memory + MOTION + 4 * ((const Rotor *)unit->own)->stations + 1;
+}
+
+int rotor_make_variable(Unit *unit)
 {
     Rotor *own = unit->own;
     const size_t size = (size_t)own->planes * sizeof(double);
@@ -139,7 +144,10 @@ static int make_variable(Unit *unit)
     own->variable_made = 0;
     loaded = linear_rotor_with_added_mass(&own->rotor, masses, own->loaded_mass);
     if (variable_speed_step(&loaded, own->turning, own->variable_memory, own->variable_scratch,
-                            &own->variable, &failure)) {
+                            &own->variable, &failure) ||
+        (own->slider_count &&
+         friction_step(&loaded, &own->variable, own->sliders, own->slider_count,
+                       own->friction_memory, &own->friction, &failure))) {
         return unit_failed(unit, &failure, NULL, 0);
     }
     memcpy(own->variable_mass, masses, size);
@@ -158,7 +166,7 @@ static int propagate_variable(Unit *unit, double step)
     const double *forces = rotor_drive(unit) + 2;
     double *planes = own->result + 4 * n;
     Failure failure;
-    if (make_variable(unit)) {
+    if (rotor_make_variable(unit)) {
         return 1;
     }
     to_axes(unit->memory + MOTION, own->axes, 2, n, own->state);
@@ -172,6 +180,64 @@ static int propagate_variable(Unit *unit, double step)
     from_axes(own->state, own->axes, 2, n, own->result);
     from_axes(own->acceleration, own->axes, 1, p, planes);
     from_axes(own->jerk, own->axes, 1, p, planes + 2 * p);
+    return 0;
+}
+
+/* The same with friction, what it is after the step in own->held. */
+static int propagate_friction(Unit *unit, double step)
+{
+    Rotor *own = unit->own;
+    const int n = own->stations, p = own->planes;
+    double *planes = own->result + 4 * n;
+    Drive drive;
+    Failure failure;
+    int code = FINE;
+    if (rotor_make_variable(unit)) {
+        return 1;
+    }
+    drive.forces = rotor_drive(unit) + 2;
+    drive.angle = unit->memory[REST];
+    drive.speed = rotor_drive(unit)[0];
+    drive.angular_acceleration = rotor_drive(unit)[1];
+    to_axes(unit->memory + MOTION, 2, 2, n, own->state);
+    if (!own->frozen) {
+        memcpy(own->held, rotor_held(unit), 2 * (size_t)own->slider_count * sizeof(double));
+        code = step != 0.0 ? friction_advance(&own->friction, own->state, own->held, &drive, step,
+                                              &failure)
+                           : friction_resolve(&own->friction, own->state, own->held, &drive, 0.0,
+                                              &failure);
+    }
+    if (code || friction_plane_motion(&own->friction, own->state, own->held, &drive, step,
+                                      own->acceleration, own->jerk, &failure)) {
+        return unit_failed(unit, &failure, NULL, 0);
+    }
+    from_axes(own->state, 2, 2, n, own->result);
+    from_axes(own->acceleration, 2, 1, p, planes);
+    from_axes(own->jerk, 2, 1, p, planes + 2 * p);
+    return 0;
+}
+
+int rotor_friction_response(Unit *unit, const double *values, const double *slopes)
+{
+    Rotor *own = unit->own;
+    const int p = own->planes;
+    const size_t size = 2 * (size_t)p * sizeof(double);
+    double *planes = own->result + 4 * own->stations, *forces = own->operand;
+    Drive drive;
+    Failure failure;
+    memset(forces, 0, 4 * size);
+    memcpy(forces, values, size);
+    memcpy(forces + 2 * p, slopes, size);
+    drive.forces = forces;
+    drive.angle = unit->memory[REST];
+    drive.speed = rotor_drive(unit)[0];
+    drive.angular_acceleration = 0.0;
+    if (friction_plane_motion(&own->friction, NULL, own->held, &drive, 0.0, own->acceleration,
+                              own->jerk, &failure)) {
+        return unit_failed(unit, &failure, NULL, 0);
+    }
+    from_axes(own->acceleration, 2, 1, p, planes);
+    from_axes(own->jerk, 2, 1, p, planes + 2 * p);
     return 0;
 }
 
@@ -249,6 +315,9 @@ static int propagate(Unit *unit, double step)
 {
     Rotor *own = unit->own;
     const double *matrix;
+    if (own->slider_count) {
+        return propagate_friction(unit, step);
+    }
     if (rotor_drive(unit)[1] != 0.0) {
         return propagate_variable(unit, step);
     }

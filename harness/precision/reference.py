@@ -32,6 +32,7 @@ def right_motion(
     Raises:
         SimulationError: nobody knows it; the message says why.
     """
+    scene.refuse_friction("no error can be told: the reference is that")
     for balancer in scene.balancer:
         if isinstance(balancer, WeightBalancer):
             _refuse_what_the_reference_lacks(scene, balancer)

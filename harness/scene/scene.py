@@ -177,6 +177,14 @@ class Scene(Table):
             raise SceneError(f"{self._label}: {error}") from None
         return Scene._of(document, self._path, self._label)
 
+    def refuse_friction(self, what: str) -> None:
+        """Raise SceneError, where the supports have dry friction, for what takes a linear rotor."""
+        if self.rotor.friction:
+            raise SceneError(
+                f"{self.path or self.name}: rotor.friction: {what} of a linear rotor, and dry "
+                "friction is not; run the scene instead, or leave friction out"
+            )
+
     def without_balancers(self) -> Scene:
         """The bare rotor, with nothing to check."""
         return self.without(*(balancer.label for balancer in self.balancer))
@@ -205,6 +213,8 @@ class Scene(Table):
         except ValueError as error:
             return [f"rotor: {error}"]
         lines = self.balancing.problems(self.rotor) if self.balancing else []
+        if self.operation.gravity and self.rotor.friction:
+            lines.append("operation.gravity, rotor.friction: take one out, no unit has both")
         one_liquid = [b.kind for b in self.balancer] == ["liquid"]
         fits = one_liquid and rotor.isotropic and self.rotor.kind == "planar"
         lines += [

@@ -133,11 +133,12 @@ def speeds(
         progress: called with the finished fraction of the co-simulation.
 
     Raises:
-        UserError: the range is empty, or a method is unknown.
+        UserError: the range is empty, a method is unknown, or the supports have dry friction.
         SceneError: gravity swings the weights.
         SimulationError: a co-simulation cannot be completed correctly.
     """
     refuse_gravity(scene, "speeds")
+    scene.refuse_friction("boundaries of balancing are those")
     low, high = range
     if not 0.0 < low < high < math.inf:
         raise UserError(f"range {low:g} to {high:g} rad/s: must be positive and rising")

@@ -128,6 +128,7 @@ def stability_map(
             store is another map's.
         SceneError: gravity swings the weights.
     """
+    scene.refuse_friction("a map of growth rates is that")
     refuse_axes(x, y)
     report = progress or (lambda done: None)
     share = 1.0 if not cosim else 0.5

@@ -181,6 +181,7 @@ def linearise(assembly: Assembly) -> Linearised:
         CannotBalance: the weights cannot undo the unbalance.
     """
     rotor = assembly.loaded_rotor
+    rotor.refuse_sliders("linear stability")
     angles = balanced_angles(assembly)
     in_rotor = len(angles) > 0
     c = _couplings(assembly, WeightTable.of(assembly), angles)

@@ -56,6 +56,7 @@ class Monolith:
     def __init__(self, assembly: Assembly, profile: SpeedProfile, angle: float = 0.0) -> None:
         """Set up the matrices; `angle` [rad] is the rotor's at time 0."""
         rotor = assembly.rotor
+        rotor.refuse_sliders("the motion in one piece")
         self.assembly, self.profile, self.angle = assembly, profile, angle
         self.stations = rotor.stations
         mounted = [m for m in assembly.weights for _ in range(_weights(m.device).count)]

@@ -109,6 +109,7 @@ LinearRotor = _struct(
         _D,
     ),
     gravity=c_double * 2,
+    sliders=c_int,
 )
 Planar = _struct(
     "Planar",

@@ -39,6 +39,9 @@ TOGETHER = [
     (ROTOR, FLEXIBLE | {"stations": 2}, {"internal_damping": 1.0}),
     (ROTOR, MATRIX, SOFT | {"compliance[1,2]": 1.0}),
     (ROTOR, MATRIX, SOFT | {"compliance[1,1]": -1e-6}),
+    (ROTOR, {"sliders": 1}, {"slider[1].support": 2.0}),
+    (ROTOR, TWO | {"sliders": 1}, {"slider[1].support": 1.5}),
+    (ROTOR, {"sliders": 2}, {"slider[1].limit_x": 1.0, "slider[2].limit_x": 2.0}),
     (ROTOR, {}, {"stiffness_x": 1e308, "damping_x": 1e308}),
 ]
 
