@@ -152,6 +152,10 @@ int composite_balancer_pass(Unit *unit, const Complex *accelerations, double ste
         if (advance(unit, part, step)) {
             return 1;
         }
+        if (part->unit->made < step) {
+            c->course->ahead = part->unit->made;
+            return 1;
+        }
     }
     composite_read_forces(c, c->answers);
     return 0;

@@ -99,6 +99,9 @@ void failure_words(Text *text, const Failure *failure, const double *values, siz
     case FAILURE_CANNOT_BEND:
         text_put(text, "internal_damping: a shaft with discs at its supports only cannot bend");
         break;
+    case FAILURE_NOT_CARRIED:
+        text_put(text, "gravity: supports without stiffness cannot carry the rotor's weight");
+        break;
     case FAILURE_ADDED_MASS:
         text_put(text, "added_mass = ");
         text_number(text, value[0]);

@@ -58,6 +58,9 @@ typedef struct {
     int variable_made;
     double *variable_mass, *variable_memory, *variable_scratch; /* (p,) and its own */
     double *state, *acceleration, *jerk;
+    double *sag, *sag_mass; /* (2n,) of the stations under gravity, and the added masses (p,) */
+    double sag_speed;       /* and the speed that it belongs to */
+    int sag_known, lifted;
     Rates rates;
     double whole;    /* length of the step within which the unit is moved, 0: over all of it [s] */
     double *ends[4]; /* outputs at other speeds, for derivatives */
@@ -82,7 +85,8 @@ const double *rotor_matrix(Unit *unit, double speed, double step);
 /* own->result = matrix own->operand. */
 void rotor_apply(Rotor *own, const double *matrix);
 /* Motion of the stations, and acceleration and jerk of the planes, after `step` [s], in
-   own->result; all in fixed axes, x and y alternating. */
+   own->result; all in fixed axes, x and y alternating; the acceleration is less gravity's, which
+   every body on the rotor feels: what an accelerometer would read. */
 int rotor_propagate(Unit *unit, double step);
 /* Vectors (x, y alternating) turned by the angle with this cosine and sine. */
 void rotor_rotated(double *pairs, size_t count, double c, double s);
@@ -94,6 +98,14 @@ int rotor_outputs_now(Unit *unit, double *out);
 void rotor_vectors_at(const double *rows, int count, int n, const double *vectors,
                       double *result);
 
+/* -- unit_rotor_gravity.c --------------------------------------------------------------------- */
+
+/* Take the sag off the displacements in own->operand: about it the rotor moves as it would about
+   zero without gravity.  0, or 1 with the reason. */
+int rotor_lift(Unit *unit);
+/* Put it back on those in own->result, where it was taken off, and take gravity off the planes'
+   acceleration. */
+void rotor_lower(Rotor *own);
 /* -- unit_rotor_within.c ---------------------------------------------------------------------- */
 
 /* Elements of Z that are not 0, at most. */

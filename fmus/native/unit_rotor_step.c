@@ -227,8 +227,8 @@ void rotor_apply(Rotor *own, const double *matrix)
     }
 }
 
-/* State, forces and turn that a step begins with, in own->operand. */
-static void set_operand(Unit *unit)
+/* State, forces and turn that a step begins with, in own->operand, less the sag; 1 with the reason. */
+static int set_operand(Unit *unit)
 {
     Rotor *own = unit->own;
     const size_t p = (size_t)own->planes, forces = 4 * (size_t)own->stations;
@@ -241,16 +241,20 @@ static void set_operand(Unit *unit)
     }
     own->operand[turn] = turned.re;
     own->operand[turn + 1] = turned.im;
+    return linear_rotor_heavy(&own->rotor) && rotor_lift(unit);
 }
 
-int rotor_propagate(Unit *unit, double step)
+/* `rotor_propagate`, the acceleration with gravity's. */
+static int propagate(Unit *unit, double step)
 {
     Rotor *own = unit->own;
     const double *matrix;
     if (rotor_drive(unit)[1] != 0.0) {
         return propagate_variable(unit, step);
     }
-    set_operand(unit);
+    if (set_operand(unit)) {
+        return 1;
+    }
     if (own->whole > 0.0) {
         if (rotor_rates(unit)) {
             return 1;
@@ -258,13 +262,28 @@ int rotor_propagate(Unit *unit, double step)
         if (rotor_within(own, step)) {
             return 0;
         }
-        set_operand(unit);
+        if (set_operand(unit)) {
+            return 1;
+        }
     }
     matrix = rotor_matrix(unit, rotor_drive(unit)[0], step);
     if (!matrix) {
         return 1;
     }
     rotor_apply(own, matrix);
+    return 0;
+}
+
+int rotor_propagate(Unit *unit, double step)
+{
+    Rotor *own = unit->own;
+    own->lifted = 0;
+    if (propagate(unit, step)) {
+        return 1;
+    }
+    if (linear_rotor_heavy(&own->rotor)) {
+        rotor_lower(own);
+    }
     return 0;
 }
 

@@ -52,6 +52,7 @@ class VariableSpeedStep:
 
     def __init__(self, rotor: LinearRotor, turning_force: bool = True) -> None:
         self.turning_force = turning_force
+        self._falling = rotor.falling if rotor.gravity else None
         self.axes = 1 if rotor.isotropic else 2
         mass, damping, stiffness = rotor.coefficients(0.0)
         _, damping_1, stiffness_1 = rotor.coefficients(1.0)
@@ -69,7 +70,7 @@ class VariableSpeedStep:
         return value if self.axes == 1 else np.concatenate([value.real, value.imag])
 
     def _drive(self, drive: Drive, t: float) -> tuple[NDArray, NDArray, float]:
-        """Acceleration by unbalance and plane forces at time t, its derivative, and the speed."""
+        """Acceleration by unbalance, plane forces and gravity at t, its derivative, the speed."""
         forces, angle, speed, angular_acceleration = drive
         w = speed + angular_acceleration * t
         turn = np.exp(1j * (angle + speed * t + 0.5 * angular_acceleration * t * t))
@@ -83,6 +84,8 @@ class VariableSpeedStep:
             self._force @ self._axes_of(force) + self._unbalance @ self._axes_of(unbalance)
             for force, unbalance in ((value, pull), (slope, pull_slope))
         )
+        if self._falling is not None:
+            push = push + self._falling
         return push, push_slope, w
 
     def advance(self, state: NDArray, drive: Drive, step: float) -> NDArray:
