@@ -117,6 +117,7 @@ void moved(WeightsInOrder *weights, int i, const Instant *now, const Instant *la
            double angular_acceleration, double step, double *middle, double *rate)
 {
     const Groups *groups = &weights->groups;
+    const double spin_up[4] = {angular_acceleration, 0.0, 0.0, 0.0};
     const double *response;
     Complex ends[4];
     *middle = groups->middle[i];
@@ -135,7 +136,7 @@ void moved(WeightsInOrder *weights, int i, const Instant *now, const Instant *la
         sliding_substep(&group, middle, rate, ends, now->rotor_speed, angular_acceleration,
                         response, step, weights->sides, weights->failure);
     } else {
-        weights_substep(middle, rate, ends, group_lever(weights, i), angular_acceleration, response,
+        weights_substep(middle, rate, ends, group_lever(weights, i), spin_up, response,
                         step, weights->failure);
     }
 }

@@ -19,12 +19,13 @@ from ..composite.variables import COMPOSITE
 from ..unit import SizedUnit
 from ..variables import Layout, Variable
 
-_STATIONS, _PLANES, _UNBALANCES, _WEIGHTS = 5, 3, 7, 11
+_STATIONS, _PLANES, _UNBALANCES, _WEIGHTS, _POINTS = 5, 3, 7, 11, 13
 _REPEATS = {
     _STATIONS: "SIZE_STATIONS",
     _PLANES: "SIZE_PLANES",
     _UNBALANCES: "SIZE_UNBALANCES",
     _WEIGHTS: "SIZE_WEIGHTS",
+    _POINTS: "SIZE_POINTS",
     2: "SIZE_TWO",
 }
 _ROTOR = {"planes": _PLANES, "stations": _STATIONS, "unbalances": _UNBALANCES}
@@ -37,6 +38,7 @@ TABLES: tuple[tuple[str, dict[str, Any]], ...] = (
     ("RotorOnSupports", {**_ROTOR, "kind": "flexible", "shaft": "compliance"}),
     ("LiquidBalancer", {}),
     ("BallBalancer", {"weights": _WEIGHTS}),
+    ("Motor", {"points": _POINTS}),
     ("Composite", {"planes": _PLANES}),
 )
 
@@ -52,6 +54,8 @@ _STARTS_IN_C = (
     "unbalance[#].amount",
     "compliance[#,#]",
     "weight[#].angle0",
+    "point[#].speed",
+    "point[#].torque",
 )
 _FNV_START, _FNV_PRIME = 0xCBF29CE484222325, 0x100000001B3
 

@@ -2,6 +2,7 @@
 #ifndef AUTOBALANCER_UNIT_ROTOR_H
 #define AUTOBALANCER_UNIT_ROTOR_H
 
+#include "angle.h"
 #include "linear_rotor.h"
 #include "signals.h"
 #include "unit.h"
@@ -13,8 +14,8 @@ enum { PLANAR, TWO_SUPPORT, FLEXIBLE };
 enum { KEPT_MATRICES = 8 };
 
 /* In memory: the angle, then displacements and velocities of the stations, x and y alternating,
-   then the speed the outputs belong to. */
-enum { TURNS, REST, CARRY, MOTION };
+   then the speed the outputs belong to, and how long ago the inputs were set. */
+enum { MOTION = ANGLE_SIZE };
 
 /* A step matrix with x and y alternating in rows and columns, and what it is of. */
 typedef struct {
@@ -54,7 +55,9 @@ int rotor_of_parameters(Unit *unit);
 
 /* -- unit_rotor_step.c ----------------------------------------------------------------------- */
 
-/* Inputs: added masses, then speed and acceleration, then forces. */
+enum { SPIN_UP = 1, SPUN = 5 }; /* behind the speed: its acceleration, and what comes after both */
+
+/* Inputs: added masses, then speed, acceleration and its derivatives, then forces. */
 double *rotor_drive(Unit *unit);
 /* Step matrix with x and y alternating in rows and columns; NULL with the reason. */
 const double *rotor_matrix(Unit *unit, double speed, double step);
@@ -67,6 +70,8 @@ void rotor_rotated(double *pairs, size_t count, double c, double s);
 void rotor_put(const Rotor *own, const double *planes, double angle, double speed, double *out);
 /* The computed outputs as they are with the present inputs. */
 int rotor_outputs_now(Unit *unit, double *out);
+/* Torque on the shaft and its slope at the present time; 1 with the reason. */
+int rotor_torque_now(Unit *unit, double *torque);
 /* Rows of a matrix (count, n) times vectors (x, y alternating). */
 void rotor_vectors_at(const double *rows, int count, int n, const double *vectors,
                       double *result);

@@ -4,9 +4,10 @@
 #include "elementary.h"
 #include "matrix.h"
 #include "propagator.h"
+#include "spin.h"
 #include "unit_rotor.h"
 
-/* Inputs: added masses, then speed and acceleration, then forces. */
+/* Inputs: added masses, then speed, acceleration and its derivatives, then forces. */
 static const double *added_masses(const Unit *unit)
 {
     return unit->real + unit->layout.inputs.first;
@@ -151,9 +152,9 @@ static int propagate_variable(Unit *unit, double step)
 {
     Rotor *own = unit->own;
     const int n = own->stations, p = own->planes;
-    const double speed = rotor_drive(unit)[0], spin_up = rotor_drive(unit)[1];
+    const double speed = rotor_drive(unit)[0], *spin_up = rotor_drive(unit) + SPIN_UP;
     const double angle = unit->memory[REST];
-    const double *forces = rotor_drive(unit) + 2;
+    const double *forces = rotor_drive(unit) + SPUN;
     double *planes = own->result + 4 * n;
     Failure failure;
     if (make_variable(unit)) {
@@ -170,6 +171,22 @@ static int propagate_variable(Unit *unit, double step)
     from_axes(own->state, own->axes, 2, n, own->result);
     from_axes(own->acceleration, own->axes, 1, p, planes);
     from_axes(own->jerk, own->axes, 1, p, planes + 2 * p);
+    return 0;
+}
+
+int rotor_torque_now(Unit *unit, double *torque)
+{
+    Rotor *own = unit->own;
+    const double speed = rotor_drive(unit)[0], *spin_up = rotor_drive(unit) + SPIN_UP;
+    const double ago = unit->memory[MOTION + 4 * own->stations + 1];
+    const double turned = ago * (speed + 0.5 * spin_up[0] * ago) + drift(spin_up, ago).angle;
+    if (make_variable(unit)) {
+        return 1;
+    }
+    to_axes(unit->memory + MOTION, own->axes, 2, own->stations, own->state);
+    variable_speed_torque(&own->variable, &own->rotor, own->state, rotor_drive(unit) + SPUN,
+                          unit->memory[REST] - turned, speed, spin_up, ago, torque,
+                          own->variable_scratch);
     return 0;
 }
 
@@ -190,7 +207,7 @@ int rotor_propagate(Unit *unit, double step)
     const size_t forces = 4 * n, turn = forces + 2 * SIGNAL_ORDERS * p;
     const Complex turned = rect(1.0, unit->memory[REST]);
     const double *matrix;
-    if (rotor_drive(unit)[1] != 0.0) {
+    if (rotor_drive(unit)[SPIN_UP] != 0.0 || drifts(rotor_drive(unit) + SPIN_UP)) {
         return propagate_variable(unit, step);
     }
     matrix = rotor_matrix(unit, rotor_drive(unit)[0], step);
@@ -198,7 +215,7 @@ int rotor_propagate(Unit *unit, double step)
         return 1;
     }
     memcpy(own->operand, unit->memory + MOTION, forces * sizeof(double));
-    memcpy(own->operand + forces, rotor_drive(unit) + 2, (turn - forces) * sizeof(double));
+    memcpy(own->operand + forces, rotor_drive(unit) + SPUN, (turn - forces) * sizeof(double));
     if (own->turning) {
         rotor_rotated(own->operand + forces, SIGNAL_ORDERS * p, turned.re, turned.im);
     }

@@ -32,6 +32,8 @@ static size_t repeats(int repeat, const Sizes *sizes)
         return (size_t)sizes->unbalances;
     case SIZE_WEIGHTS:
         return (size_t)sizes->weights;
+    case SIZE_POINTS:
+        return (size_t)sizes->points;
     case SIZE_TRIANGLE:
         return free * (free + 1) / 2;
     default:

@@ -2,6 +2,7 @@
 
 #include "cubic.h"
 #include "elementary.h"
+#include "spin.h"
 
 #define MAX_SUBSTEPS 1000000
 #define FAR 1e4 /* rad: beyond, whole turns are taken off while a step is computed */
@@ -123,9 +124,10 @@ void along_track(Complex a, Complex da, double angle, double speed, double lever
 }
 
 int weights_substep(double *angle, double *angle_rate, const Complex *ends, double lever,
-                    double angular_acceleration, const double *response, double step,
+                    const double *spin_up, const double *response, double step,
                     Failure *failure)
 {
+    const double angular_acceleration = spin_up[0];
     const double *s = response + 1, *t = response + 6; /* to g0..g3 */
     double g0, g1, free_rate, free_angle, new_rate, new_angle;
     double change = 1.0; /* a weight moves less than 0.15 rad in a substep: it contracts fast */
@@ -134,6 +136,10 @@ int weights_substep(double *angle, double *angle_rate, const Complex *ends, doub
     g0 -= angular_acceleration;
     free_rate = response[0] * *angle_rate + s[0] * g0 + s[1] * g1;
     free_angle = *angle + response[5] * *angle_rate + t[0] * g0 + t[1] * g1;
+    if (drifts(spin_up)) {
+        free_rate -= s[1] * spin_up[1] + s[2] * spin_up[2] + s[3] * spin_up[3];
+        free_angle -= t[1] * spin_up[1] + t[2] * spin_up[2] + t[3] * spin_up[3];
+    }
     new_angle = free_angle;
     new_rate = free_rate;
     g0 += angular_acceleration;
@@ -186,8 +192,10 @@ double fastest_rate(int count, const double *speeds, const Complex *signal, doub
 
 /* Move one weight over `count` substeps of h. */
 static int move(double *angle, double *speed, int count, double h, const Complex *signal,
-                double lever, double angular_acceleration, const double *response, Failure *failure)
+                double lever, const double *spin_up, const double *response, Failure *failure)
 {
+    const int varies = drifts(spin_up);
+    double now[4] = {spin_up[0], spin_up[1], spin_up[2], spin_up[3]};
     Complex ends[4];
     int j, code = FINE;
     ends[0] = signal[0];
@@ -195,8 +203,14 @@ static int move(double *angle, double *speed, int count, double h, const Complex
     for (j = 1; j <= count && !code; j++) {
         ends[2] = cubic_value(signal, j * h);
         ends[3] = cubic_slope(signal, j * h);
-        code =
-            weights_substep(angle, speed, ends, lever, angular_acceleration, response, h, failure);
+        if (varies) {
+            const double time = (j - 1) * h;
+            const Drift more = drift(spin_up, time);
+            now[0] = spin_up[0] + more.acceleration;
+            now[1] = more.slope;
+            now[2] = spin_up[2] + time * spin_up[3];
+        }
+        code = weights_substep(angle, speed, ends, lever, now, response, h, failure);
         ends[0] = ends[2];
         ends[1] = ends[3];
     }
@@ -204,7 +218,7 @@ static int move(double *angle, double *speed, int count, double h, const Complex
 }
 
 int weights_advance(const Weights *weights, const double *angles, const double *speeds,
-                    const Complex *signal, double angular_acceleration, double step,
+                    const Complex *signal, const double *spin_up, double step,
                     double *new_angles, double *new_speeds, Quadrature *memory, Failure *failure)
 {
     const double lever = -1.0 / (weights->kappa * weights->track_radius);
@@ -212,7 +226,7 @@ int weights_advance(const Weights *weights, const double *angles, const double *
     const int n = weights->count;
     const double *response;
     double strongest, turns, h, sum = 0.0;
-    const double fastest = fastest_rate(n, speeds, signal, lever, angular_acceleration,
+    const double fastest = fastest_rate(n, speeds, signal, lever, spin_up[0],
                                         damping_rate, step, &strongest);
     int k, count, far, code = FINE;
     for (k = 0; k < n; k++) {
@@ -235,7 +249,7 @@ int weights_advance(const Weights *weights, const double *angles, const double *
         const double behind = far ? TAU * nearest(angles[k] / TAU) : 0.0;
         double angle = angles[k] - behind, speed = speeds[k];
         code =
-            move(&angle, &speed, count, h, signal, lever, angular_acceleration, response, failure);
+            move(&angle, &speed, count, h, signal, lever, spin_up, response, failure);
         new_angles[k] = angle + behind;
         new_speeds[k] = speed;
     }
@@ -244,7 +258,8 @@ int weights_advance(const Weights *weights, const double *angles, const double *
 
 void weights_reaction(const Weights *weights, const double *angles, const double *speeds,
                       Complex acceleration, Complex slope, double speed,
-                      double angular_acceleration, Complex *force, Complex *force_slope)
+                      double angular_acceleration, double change, Complex *force,
+                      Complex *force_slope)
 {
     const double lever = -1.0 / (weights->kappa * weights->track_radius);
     const double damping_rate = weights_damping_rate(weights);
@@ -264,7 +279,7 @@ void weights_reaction(const Weights *weights, const double *angles, const double
         const Complex rates[3] = {
             {0.0, nu},
             {-squared, bend},
-            {-3.0 * nu * bend, torque_slope - damping_rate * bend - nu * squared}};
+            {-3.0 * nu * bend, torque_slope - damping_rate * bend - change - nu * squared}};
         moment = complex_sum(moment, unit);
         first = complex_sum(first, complex_product(rates[0], unit));
         second = complex_sum(second, complex_product(rates[1], unit));
@@ -276,5 +291,22 @@ void weights_reaction(const Weights *weights, const double *angles, const double
     sum = complex_sum(third, complex_product(turn, second));
     sum = complex_sum(sum, complex_product(pull_slope, first));
     sum = complex_difference(sum, complex_scaled(2.0 * speed * angular_acceleration, moment));
+    sum = complex_sum(sum, complex_product(complex_of(0.0, change), moment));
     *force_slope = complex_scaled(scale, sum);
+}
+
+void weights_torque(const Weights *weights, const double *angles, const double *speeds,
+                    Complex acceleration, double angular_acceleration, double *torque)
+{
+    const double factor = weights->drag * weights->track_radius * weights->track_radius;
+    const double lever = -1.0 / (weights->kappa * weights->track_radius);
+    double rate = 0.0, pull = 0.0;
+    int k;
+    for (k = 0; k < weights->count; k++) {
+        rate += speeds[k];
+        pull += complex_product(acceleration, rect(lever, -angles[k])).im;
+    }
+    torque[0] = factor * rate;
+    torque[1] = factor * (pull - weights->count * angular_acceleration -
+                          weights_damping_rate(weights) * rate);
 }

@@ -48,9 +48,10 @@ void along_track(Complex a, Complex da, double angle, double angle_rate, double 
 /* Angle and rate of one weight after `step`, in place; order 4.
 
    ends: acceleration of the track's centre and its slope at the start, and at the end; lever:
-   -1/(kappa R), times a group's factor; response: of `quadrature`. */
+   -1/(kappa R), times a group's factor; spin_up (4,): angular acceleration of the rotor at the start
+   and its derivatives of order 1 to 3; response: of `quadrature`. */
 int weights_substep(double *angle, double *angle_rate, const Complex *ends, double lever,
-                    double angular_acceleration, const double *response, double step,
+                    const double *spin_up, const double *response, double step,
                     Failure *failure);
 
 /* Whether the next iteration of a substep would change no more than rounding: a linear one changes
@@ -73,9 +74,9 @@ double fastest_rate(int count, const double *speeds, const Complex *signal, doub
 
    angles, speeds: (N,), and new_angles, new_speeds (N,) for the result, which may be the same
    arrays; without meaning after a failure.  signal: acceleration of the track's centre in the rotor
-   frame at the start of the step and its derivatives of order 1 to 3. */
+   frame at the start of the step and its derivatives of order 1 to 3; spin_up (4,) likewise. */
 int weights_advance(const Weights *weights, const double *angles, const double *speeds,
-                    const Complex *signal, double angular_acceleration, double step,
+                    const Complex *signal, const double *spin_up, double step,
                     double *new_angles, double *new_speeds, Quadrature *memory, Failure *failure);
 
 /* Residual force on the rotor in the rotor frame and its exact slope; N m is not in it.
@@ -84,6 +85,12 @@ int weights_advance(const Weights *weights, const double *angles, const double *
    the rotor. */
 void weights_reaction(const Weights *weights, const double *angles, const double *speeds,
                       Complex acceleration, Complex slope, double speed,
-                      double angular_acceleration, Complex *force, Complex *force_slope);
+                      double angular_acceleration, double change, Complex *force,
+                      Complex *force_slope);
+
+/* Torque of the drag on the rotor about the track's centre and its slope; contacts between weights
+   take no part. */
+void weights_torque(const Weights *weights, const double *angles, const double *speeds,
+                    Complex acceleration, double angular_acceleration, double *torque);
 
 #endif

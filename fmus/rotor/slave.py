@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...models.rotor import LinearRotor
+from ...models.spin import Drift, drift
 from ...models.steps.propagator import step_matrix
 from ...models.steps.variable_speed import Drive, VariableSpeedStep
 from ..python.slave import Slave
@@ -23,7 +24,7 @@ class RotorOnSupports(Slave):
     """Linear rotor with n stations and p planes; exact step at constant speed.
 
     Its `memory` is the angle (whole turns, remainder, rounding carried along), then displacements
-    and velocities of the stations, x and y alternating.
+    and velocities of the stations, x and y alternating, and how long ago the inputs were set.
     """
 
     unit = ROTOR
@@ -40,23 +41,35 @@ class RotorOnSupports(Slave):
     def begin(self) -> None:
         first = self.layout.parameters.stop - 4 * self.sizes.stations - 1
         angle, *motion = self.real[first : self.layout.parameters.stop]
-        self.memory = turned([0.0, 0.0, 0.0], angle) + motion
+        self.memory = turned([0.0, 0.0, 0.0], angle) + motion + [0.0]
 
     def step(self, step: float) -> None:
         speed, spin_up = self._drive()
+        more = self._drift(step)
         motion, planes = self._propagate(step)
-        angle = turned(self.memory[:3], step * (speed + 0.5 * spin_up * step))
-        self.memory = angle + motion
-        self._put(planes, angle[1], speed + spin_up * step)
+        angle = turned(self.memory[:3], step * (speed + 0.5 * spin_up * step) + more.angle)
+        self.memory = angle + motion + [step]
+        self._put(planes, angle[1], speed + spin_up * step + more.speed)
 
     def outputs(self) -> None:
+        self.memory = [*self.memory[:-1], 0.0]
         _, planes = self._propagate(0.0)
         self._put(planes, self.memory[1], self._drive()[0])
 
     def observe(self) -> None:
-        angle, motion = total(self.memory[:3]), self.memory[3:]
+        angle, motion = total(self.memory[:3]), self.memory[3:-1]
         places, bending = self._shape(motion[: 2 * self.sizes.stations])
-        self.real[self.layout.observed] = [angle, *motion, *places, bending]
+        self.real[self.layout.observed] = [angle, *motion, *places, bending, *self._torque()]
+
+    def _torque(self) -> tuple[float, float]:
+        """Torque on the shaft and its slope, of inputs that were set `memory[-1]` ago."""
+        inputs, t = self.real[self.layout.inputs], self.memory[-1]
+        speed, spin_up = self._drive()
+        more = self._drift(t)
+        angle = turned(self.memory[:3], -t * (speed + 0.5 * spin_up * t) - more.angle)[1]
+        method, drive = self._changing(inputs, angle)
+        state = _to_axes(np.array(self.memory[3:-1]), method.axes)
+        return method.torque(state, drive, t)
 
     def _shape(self, stations: list[float]) -> tuple[list[float], float]:
         """Displacements of the planes and largest bending, from those of the stations."""
@@ -72,6 +85,11 @@ class RotorOnSupports(Slave):
         first = self.layout.inputs.start + self.sizes.planes
         return self.real[first : first + 2]
 
+    def _drift(self, time: float) -> Drift:
+        """What the change of the angular acceleration has done `time` after the inputs were set."""
+        first = self.layout.inputs.start + self.sizes.planes + 2
+        return drift(tuple(self.real[first : first + 3]), time)
+
     def _propagate(self, step: float) -> tuple[list[float], list[float]]:
         """Motion of the stations, and acceleration and jerk of the planes, after `step` [s].
 
@@ -79,15 +97,15 @@ class RotorOnSupports(Slave):
         """
         inputs = self.real[self.layout.inputs]
         p = self.sizes.planes
-        speed, spin_up = inputs[p : p + 2]
-        if spin_up:
+        speed, *spin_up = inputs[p : p + 5]
+        if any(spin_up):
             return self._propagate_variable(step, inputs)
         rest = self.memory[1]
         c, s = math.cos(rest), math.sin(rest)
-        forces = inputs[p + 2 :]
+        forces = inputs[p + 5 :]
         if self.turning:
             forces = _rotated(forces, c, s)
-        self._vector[:] = [*self.memory[3:], *forces, c, s]
+        self._vector[:] = [*self.memory[3:-1], *forces, c, s]
         matrix = _matrix(self.rotor, tuple(inputs[:p]), speed, step, self.turning)
         result = matrix.dot(self._operand).view(float).tolist()
         n = 4 * self.sizes.stations
@@ -96,17 +114,21 @@ class RotorOnSupports(Slave):
     def _propagate_variable(
         self, step: float, inputs: list[float]
     ) -> tuple[list[float], list[float]]:
-        p = self.sizes.planes
-        speed, spin_up = inputs[p : p + 2]
-        method = _variable(self.rotor, tuple(inputs[:p]), self.turning)
-        forces = np.array(inputs[p + 2 :]).view(complex).reshape(ORDERS, p)
-        drive = Drive(forces, self.memory[1], speed, spin_up)
-        state = _to_axes(np.array(self.memory[3:]), method.axes)
+        method, drive = self._changing(inputs, self.memory[1])
+        state = _to_axes(np.array(self.memory[3:-1]), method.axes)
         if step:
             state = method.advance(state, drive, step)
         acceleration, jerk = method.plane_motion(state, drive, step)
         planes = np.concatenate([acceleration, jerk])
         return _from_axes(state, method.axes), _from_axes(planes, method.axes)
+
+    def _changing(self, inputs: list[float], angle: float) -> tuple[VariableSpeedStep, Drive]:
+        """What moves the rotor while its speed changes, from this angle on."""
+        p = self.sizes.planes
+        speed, spin_up, *rates = inputs[p : p + 5]
+        forces = np.array(inputs[p + 5 :]).view(complex).reshape(ORDERS, p)
+        method = _variable(self.rotor, tuple(inputs[:p]), self.turning)
+        return method, Drive(forces, angle, speed, spin_up, (rates[0], rates[1], rates[2]))
 
     def _put(self, planes: list[float], angle: float, speed: float) -> None:
         """Computed outputs from acceleration and jerk of the planes in fixed axes."""
