@@ -22,6 +22,7 @@ from .ranges import demand
 from .weights import quadrature
 
 MOST_CROSSINGS = 1000  # of points of the characteristic, in a step
+LOOKS = 8  # in a step, for a speed that leaves its line and comes back
 _BRACKET = 1e-15  # of a step: where a point is crossed
 
 
@@ -93,15 +94,19 @@ def advance(
     if not math.isfinite(speed + sum(torque)):
         raise ArithmeticError(f"the motor's speed {speed!r} rad/s or the torque is not finite")
     angle = begin = 0.0
-    piece = motor.piece(speed)
+    piece, looks = motor.piece(speed), LOOKS if len(motor.speeds) > 2 else 1
     for _ in range(MOST_CROSSINGS):
-        here = _later(torque, begin)
-        end, turned = _on_line(motor, piece, speed, here, step - begin)
-        beyond = _left(motor, piece, end)
-        if not beyond:
+        here, left = _later(torque, begin), step - begin
+        for look in range(1, looks + 1):
+            until = left * look / looks
+            end, turned = _on_line(motor, piece, speed, here, until)
+            beyond = _left(motor, piece, end)
+            if beyond:
+                break
+        else:
             return end, angle + turned
         bound = motor.speeds[piece + max(beyond, 0)]
-        part = _until(motor, piece, speed, here, step - begin, bound, beyond)
+        part = _until(motor, piece, speed, here, until, bound, beyond)
         angle += _on_line(motor, piece, speed, here, part)[1]
         begin, speed, piece = begin + part, bound, piece + beyond
     raise ArithmeticError(

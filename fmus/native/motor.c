@@ -4,6 +4,7 @@
 #include "roots.h"
 
 #define MOST_CROSSINGS 1000 /* of points of the characteristic, in a step */
+#define LOOKS 8 /* in a step, for a speed that leaves its line and comes back */
 #define BRACKET 1e-15       /* of a step: where a point is crossed */
 
 /* One line of the characteristic from the present time on. */
@@ -96,6 +97,7 @@ int motor_advance(Motor *motor, double *speed, double *angle, const double *torq
 {
     const double sum = *speed + torque[0] + torque[1] + torque[2] + torque[3];
     double begin = 0.0;
+    const int looks = motor->count > 2 ? LOOKS : 1;
     Line line;
     int k;
     if (!is_finite(sum)) {
@@ -107,25 +109,30 @@ int motor_advance(Motor *motor, double *speed, double *angle, const double *torq
     *angle = 0.0;
     for (k = 0; k < MOST_CROSSINGS; k++) {
         const double left = step - begin;
-        double end, turned, part;
+        double end = 0.0, turned = 0.0, until = left, part;
+        int look;
         line.torque[0] = torque[0] + begin * (torque[1] + begin * (torque[2] / 2.0 +
                                                                    begin * torque[3] / 6.0));
         line.torque[1] = torque[1] + begin * (torque[2] + begin * torque[3] / 2.0);
         line.torque[2] = torque[2] + begin * torque[3];
         line.torque[3] = torque[3];
-        on_line(&line, left, &end, &turned);
-        line.beyond =
-            line.piece < motor->count - 2 && end > speed_at(motor, line.piece + 1) ? 1
-            : line.piece > 0 && end < speed_at(motor, line.piece)                  ? -1
-                                                                                  : 0;
+        line.beyond = 0;
+        for (look = 1; look <= looks && !line.beyond; look++) {
+            until = left * look / looks;
+            on_line(&line, until, &end, &turned);
+            line.beyond =
+                line.piece < motor->count - 2 && end > speed_at(motor, line.piece + 1) ? 1
+                : line.piece > 0 && end < speed_at(motor, line.piece)                  ? -1
+                                                                                      : 0;
+        }
         if (!line.beyond) {
             *speed = end;
             *angle += turned;
             return FINE;
         }
         line.bound = speed_at(motor, line.piece + (line.beyond > 0));
-        part = crossing(short_of, &line, larger(0.0, line.beyond * (line.bound - line.speed)), left,
-                        BRACKET * left);
+        part = crossing(short_of, &line, larger(0.0, line.beyond * (line.bound - line.speed)), until,
+                        BRACKET * until);
         on_line(&line, part, &end, &turned);
         *angle += turned;
         begin += part;

@@ -11,11 +11,12 @@ from ..scene.run import UNCORRECTED
 
 def left_out(scene: Scene, recorded: Sequence[str]) -> list[str]:
     """In words; `recorded` are the signals of the record."""
-    present = {"Motor", scene.rotor.model, *(balancer.model for balancer in scene.balancer)}
+    motor = scene.operation.motor is not None
+    present = {scene.rotor.model, *(balancer.model for balancer in scene.balancer)}
+    present |= {"Motor"} if motor else set()
     notes = [f"{model} (none in the scene)" for model in CATALOGUE if model not in present]
     exchanging = any(balancer.exchanges_force for balancer in scene.balancer)
     coupling, profile = scene.coupling, scene.profile()
-    motor = scene.operation.motor is not None
     if not exchanging:
         alone = "the liquid acts as added mass alone" if scene.balancer else "no balancer"
         notes += [f"force exchange ({alone})"]

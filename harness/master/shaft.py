@@ -44,6 +44,11 @@ class Shaft:
         self.speed = self._next_speed = 0.0
         self._now = self._end = ZERO  # torque on the shaft
 
+    def restart(self) -> None:
+        """The speed of a motor that was restarted."""
+        self.motor.fetch(self._answer)
+        self.speed = self._answer.reals[-1]
+
     def tell(self, spin: Cubic) -> None:
         """Tell all units how the rotor turns in the step to come."""
         values = [self.speed, *(k.real / self._scale for k in spin[: self.order + 1])]
@@ -55,9 +60,7 @@ class Shaft:
         self._now = self._end = self._torques()
         self.motor.set(self._torque, [k.real for k in (*self._now, 0j, 0j)[: self.order + 1]])
         self.motor.fetch(self._answer)
-        knot = self._knot()
-        self.speed = self._next_speed
-        return knot
+        return self._knot()
 
     def step(self, time: float, step: float) -> Knot:
         """Step the motor once all others have done the step; its acceleration at the end."""

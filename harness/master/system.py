@@ -303,6 +303,8 @@ class System:
                 source, target = carried[one.name].source, carried[one.name].target.variable
                 mass = unit.get(unit.group([source.variable]))[0]
                 self.masses[target] = self.masses.get(target, 0.0) + mass
+        if self.shaft:
+            self.shaft.restart()
 
 
 class SavedStates:

@@ -94,8 +94,10 @@ class Operation(Table):
     def _one_of_them(self) -> Operation:
         given = [drive for drive in (self.speed, self.run_up, self.motor) if drive is not None]
         if len(given) != 1:
-            both = "not both" if given else "neither is there"
-            raise refusal("run_up", f"give either speed (rad/s) or run_up or motor: {both}")
+            how = "not both" if given else "neither is there"
+            raise refusal(
+                "run_up", f"give either speed (rad/s) or run_up: {how} (or a motor alone)"
+            )
         return self
 
     def profile(self) -> SpeedProfile:
