@@ -23,12 +23,17 @@ class Drift(NamedTuple):
     slope: float
 
 
+_NONE = Drift(0.0, 0.0, 0.0, 0.0)
+
+
 def drift(rates: Rates, time: float) -> Drift:
     """The drift `time` after the start of a step [s].
 
     Args:
         rates: derivatives of the angular acceleration of order 1 to 3 there [rad/s^3, ...].
     """
+    if rates == STEADY:
+        return _NONE
     first, second, third = rates
     return Drift(
         time**3 * (first / 6.0 + time * (second / 24.0 + time * third / 120.0)),

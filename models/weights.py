@@ -286,8 +286,8 @@ def advance(
         # the iteration's end is judged by the angle: turns behind a weight must not loosen it
         behind = [2.0 * math.pi * round(angle / (2.0 * math.pi)) for angle in angles]
         near = [angle - turned for angle, turned in zip(angles, behind, strict=True)]
-        moved, rates = advance(weights, near, speeds, signal, angular_acceleration, step, rates)
-        return [angle + turned for angle, turned in zip(moved, behind, strict=True)], rates
+        moved, end_rates = advance(weights, near, speeds, signal, angular_acceleration, step, rates)
+        return [angle + turned for angle, turned in zip(moved, behind, strict=True)], end_rates
     count = substeps(weights, speeds, signal, angular_acceleration, step, step, _MAX_SUBSTEPS)
     h = step / count
     lever, damping_rate = weights.lever, weights.damping_rate

@@ -45,11 +45,11 @@ class RotorOnSupports(Slave):
 
     def step(self, step: float) -> None:
         speed, spin_up = self._drive()
-        more = self._drift(step)
+        gone, faster, _, _ = self._drift(step)
         motion, planes = self._propagate(step)
-        angle = turned(self.memory[:3], step * (speed + 0.5 * spin_up * step) + more.angle)
-        self.memory = angle + motion + [step]
-        self._put(planes, angle[1], speed + spin_up * step + more.speed)
+        angle = turned(self.memory[:3], step * (speed + 0.5 * spin_up * step) + gone)
+        self.memory = [*angle, *motion, step]
+        self._put(planes, angle[1], speed + spin_up * step + faster)
 
     def outputs(self) -> None:
         self.memory = [*self.memory[:-1], 0.0]
@@ -88,7 +88,8 @@ class RotorOnSupports(Slave):
     def _drift(self, time: float) -> Drift:
         """What the change of the angular acceleration has done `time` after the inputs were set."""
         first = self.layout.inputs.start + self.sizes.planes + 2
-        return drift(tuple(self.real[first : first + 3]), time)
+        one, two, three = self.real[first : first + 3]
+        return drift((one, two, three), time)
 
     def _propagate(self, step: float) -> tuple[list[float], list[float]]:
         """Motion of the stations, and acceleration and jerk of the planes, after `step` [s].
@@ -97,8 +98,8 @@ class RotorOnSupports(Slave):
         """
         inputs = self.real[self.layout.inputs]
         p = self.sizes.planes
-        speed, *spin_up = inputs[p : p + 5]
-        if any(spin_up):
+        speed = inputs[p]
+        if any(inputs[p + 1 : p + 5]):
             return self._propagate_variable(step, inputs)
         rest = self.memory[1]
         c, s = math.cos(rest), math.sin(rest)

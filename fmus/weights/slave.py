@@ -9,7 +9,7 @@ from ...models.contact import motion
 from ...models.contact.pulse import discharge
 from ...models.contact.track import Track
 from ...models.cubic import at, hermite
-from ...models.spin import Rates, drift
+from ...models.spin import drift
 from ...models.weights import Weights, alignment
 from ..python.signals import orders
 from ..python.slave import Slave
@@ -75,29 +75,26 @@ class BallBalancer(Slave):
         self.memory += [0.0]
 
     def step(self, step: float) -> None:
-        *signal, angle, speed, spin_up, _, _, _ = self.real[self.layout.inputs]
-        rates = self._rates()
-        more = drift(rates, step)
+        now = self._at(step)
+        *signal, angle, speed, spin_up, first, second, third = self.real[self.layout.inputs]
         cubic = orders(signal)
-        end, end_slope = at(cubic, step)
-        turn = step * (speed + 0.5 * spin_up * step) + more.angle
-        speed_end = speed + spin_up * step + more.speed
         if self.sizes.frame == "fixed":
-            end, end_slope = _rotating(end, end_slope, angle + turn, speed_end)
             start = _rotating(*cubic[:2], angle, speed)
-            cubic = (*start, *hermite(*start, end, end_slope, step))
+            cubic = (*start, *hermite(*start, now.acceleration, now.slope, step))
+        rates = (first, second, third)
         moved = motion.advance(self.track, *self._state(), cubic, speed, spin_up, step, rates)
         memory = [*moved.angles, *moved.speeds, *moved.contacts]
         if not self.plain:
             owed, pulse = complex(*self.memory[-5:-3]), complex(*self.memory[-3:-1])
+            turn = step * (speed + 0.5 * spin_up * step) + drift(rates, step).angle
             owed, pulse = discharge(owed, pulse, moved.impulse, turn, step)
             memory += [owed.real, owed.imag, pulse.real, pulse.imag]
         self.memory = [*memory, step]
-        self._put(self._now())
+        self._put(now)
 
     def outputs(self) -> None:
         self.memory = [*self.memory[:-1], 0.0]
-        self._put(self._now())
+        self._put(self._at(0.0))
 
     def observe(self) -> None:
         angles, speeds, _ = self._state()
@@ -108,33 +105,20 @@ class BallBalancer(Slave):
     def _torque(self) -> tuple[float, float]:
         """Torque on the rotor and its slope."""
         angles, speeds, _ = self._state()
-        now = self._now()
+        now = self._at(self.memory[-1])
         force = self._force(now)
         return motion.torque(self.track, angles, speeds, now[:2], force, now.speed, now.spin_up)
 
-    def _rates(self) -> Rates:
-        """Derivatives of the rotor's angular acceleration at the start of the step."""
-        first, second, third = self.real[self.layout.inputs][-3:]
-        return first, second, third
-
-    def _now(self) -> _Now:
-        """The rotor's motion at the present time, of inputs that were set `memory[-1]` ago."""
-        *signal, angle, speed, spin_up, _, _, _ = self.real[self.layout.inputs]
-        time = self.memory[-1]
-        more = drift(self._rates(), time)
+    def _at(self, time: float) -> _Now:
+        """The rotor's motion so long after the inputs were set."""
+        *signal, angle, speed, spin_up, first, second, third = self.real[self.layout.inputs]
         acceleration, slope = at(orders(signal), time)
-        now = _Now(
-            acceleration,
-            slope,
-            angle + time * (speed + 0.5 * spin_up * time) + more.angle,
-            speed + spin_up * time + more.speed,
-            spin_up + more.acceleration,
-            more.slope,
-        )
-        if self.sizes.frame == "rotor":
-            return now
-        turned = _rotating(acceleration, slope, now.angle, now.speed)
-        return now._replace(acceleration=turned[0], slope=turned[1])
+        gone, faster, more, change = drift((first, second, third), time)
+        angle += time * (speed + 0.5 * spin_up * time) + gone
+        speed += spin_up * time + faster
+        if self.sizes.frame == "fixed":
+            acceleration, slope = _rotating(acceleration, slope, angle, speed)
+        return _Now(acceleration, slope, angle, speed, spin_up + more, change)
 
     def _state(self) -> tuple[list[float], list[float], list[float]]:
         """Angles, speeds and contacts of the weights; no contacts where there can be none."""

@@ -14,6 +14,7 @@ from fmpy.validation import validate_fmu
 
 CASES: list[tuple[str, dict[str, Any]]] = [
     ("LiquidBalancer", {}),
+    ("Motor", {"points": 4}),
     ("LiquidBalancer", {"frame": "fixed"}),
     ("BallBalancer", {"weights": 1}),
     ("BallBalancer", {"weights": 2}),
@@ -50,6 +51,8 @@ def drawn(rng, name: str, k: int) -> float:
         return 300.0 + value
     if name == "acceleration":
         return 20.0 * value * (k % 4 == 1)
+    if name.startswith("der(acceleration"):
+        return 100.0 * value * 10.0 ** name.count("der") * (k % 4 == 1)
     if name in ("x", "y"):
         return 1e-4 * value
     return value * 10.0 ** name.count("der")

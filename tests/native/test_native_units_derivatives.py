@@ -15,6 +15,7 @@ CASES = [
     ("RotorOnSupports", {"planes": 1, "frame": "fixed"}),
     ("RotorOnSupports", {"kind": "two_support", "stations": 2, "planes": 2}),
     ("RotorOnSupports", {"kind": "two_support", "stations": 2, "planes": 2, "frame": "fixed"}),
+    ("Motor", {"points": 3}),
 ]
 TOUCHING = {"weight_radius": 0.0125, "track_offset_xi": 1e-4, "track_offset_eta": 2e-4}
 POLYNOMIAL = 5  # outputs are at most cubic in any input but added_mass and angle
@@ -25,7 +26,9 @@ def somewhere(fmus, packaging, case, seed: int, spin_up: float, more: dict | Non
     unit, options = case
     rng = np.random.default_rng(seed)
     host = packaging.Host(fmus.native(unit, **options))
-    start = {"inertia_as_force": True} if unit != "RotorOnSupports" else {"internal_damping": 7.0}
+    start = {"RotorOnSupports": {"internal_damping": 7.0}, "Motor": {"speed0": 40.0}}.get(
+        unit, {"inertia_as_force": True}
+    )
     if options.get("kind"):
         start = {"support[1].stiffness_x": 3e5}
     if unit == "BallBalancer":

@@ -13,8 +13,10 @@ CASES = [
     ("BallBalancer", {"weights": 3}),
     ("RotorOnSupports", {"planes": 2}),
     ("RotorOnSupports", {"kind": "flexible", "stations": 3, "planes": 1}),
+    ("Motor", {"points": 3}),
 ]
 MOVED = {
+    "Motor": {"torque": 3.0, "der(torque)": 20.0},
     "LiquidBalancer": {"a_xi": 3.0, "der(a_eta)": 20.0, "x": 1e-3},
     "BallBalancer": {"a_xi": 3.0, "der(a_eta)": 20.0, "acceleration": 2.0},
     "RotorOnSupports": {"plane[1].F_xi": 5.0, "der(plane[1].F_eta)": 40.0, "acceleration": 3.0},

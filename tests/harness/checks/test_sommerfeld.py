@@ -1,4 +1,4 @@
-"""The bundled scene of the Sommerfeld effect holds, and a scene without a closed form is refused."""
+"""The bundled scene of the Sommerfeld effect holds; one without a closed form is refused."""
 
 import pytest
 
