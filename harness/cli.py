@@ -29,6 +29,7 @@ from .output.terminal import say
 from .precision import command as precision
 from .rotor import command as rotor
 from .scatter import command as scatter
+from .show import command as show
 from .stability import map_command
 from .stability import speeds_command as speeds
 from .stress import command as stress
@@ -96,6 +97,7 @@ app.command("rotor")(rotor.command)
 app.command("design")(design.command)
 app.command("scatter")(scatter.command)
 app.command("precision")(precision.command)
+app.command("show")(show.command)
 app.command("stress")(stress.command)
 
 

@@ -34,11 +34,13 @@ def get_requires_for_build_editable(config_settings=None) -> list[str]:
 
 def build_wheel(wheel_directory, config_settings=None, metadata_directory=None) -> str:
     native.libraries()
+    native.page_library()
     return build_meta.build_wheel(wheel_directory, config_settings, metadata_directory)
 
 
 def build_editable(wheel_directory, config_settings=None, metadata_directory=None) -> str:
     native.libraries()
+    native.page_library()
     return build_meta.build_editable(wheel_directory, config_settings, metadata_directory)
 
 

@@ -1,5 +1,7 @@
 """Compiler of the native units: one library a platform, from any machine, always the same bytes.
 
+A further one is for web pages, in WebAssembly, with a front of its own.
+
 `zig cc` (the wheel `ziglang`) compiles for all platforms.  No library is linked with a C run-time
 library: the C has its own elementary functions, so that results have the same bits everywhere,
 and the few names it needs (calloc, memcpy, strlen) are in every process.  A stamp, the hash of the
@@ -40,10 +42,11 @@ _WARNINGS = ("-Wall", "-Wextra", "-Wpedantic")
 _OBJECT = ("-fPIC", "-fvisibility=hidden", "-D_FORTIFY_SOURCE=0")
 # nothing unwinds the stack of C; Windows wants its tables
 _NO_TABLES = ("-fno-asynchronous-unwind-tables", "-fno-unwind-tables")
-_LINK = ("-shared", "-nostdlib", "-s")
+_LINK = ("-nostdlib", "-s")
+_SHARED = ("-shared",)
 # else the path of the output would stand in the library
 _INSTALL_NAME = ("-Wl,-install_name,@rpath/autobalancer.dylib",)
-_MACOS = (_NO_TABLES, _INSTALL_NAME)
+_MACOS = (_NO_TABLES, (*_SHARED, *_INSTALL_NAME))
 
 
 @dataclass(frozen=True)
@@ -54,22 +57,34 @@ class Platform:
         target: name that zig has for the platform, with the oldest system it serves.
         library: file name.
         compiler, link: further options of either.
+        folder: of sources for it alone.
     """
 
     target: str
     library: str
     compiler: tuple[str, ...] = ()
-    link: tuple[str, ...] = ()
+    link: tuple[str, ...] = _SHARED
+    folder: str = ""
 
 
 # by their names in FMI 3.0
 PLATFORMS = {
     "x86_64-linux": Platform("x86_64-linux-gnu.2.17", "autobalancer.so", _NO_TABLES),
     "aarch64-linux": Platform("aarch64-linux-gnu.2.17", "autobalancer.so", _NO_TABLES),
-    "x86_64-windows": Platform("x86_64-windows-gnu", "autobalancer.dll"),
+    "x86_64-windows": Platform("x86_64-windows-gnu", "autobalancer.dll", folder="windows"),
     "x86_64-darwin": Platform("x86_64-macos.11.0", "autobalancer.dylib", *_MACOS),
     "aarch64-darwin": Platform("aarch64-macos.11.0", "autobalancer.dylib", *_MACOS),
 }
+# a function of the page's calls each; of WASI only its headers
+PAGE = "wasm32"
+_PAGE = Platform(
+    "wasm32-wasi",
+    "autobalancer.wasm",
+    ("-fno-pic",),
+    ("-Wl,--no-entry", "-Wl,-z,stack-size=1048576"),
+    "wasm",
+)
+_TARGETS = {**PLATFORMS, PAGE: _PAGE}
 
 _STAMP = '#ifndef STAMP_H\n#define STAMP_H\n\n#define STAMP "{}"\n\n#endif\n'
 
@@ -92,20 +107,28 @@ def libraries(platforms: Iterable[str] = PLATFORMS) -> dict[str, Path]:
         NotCompiled: one is stale and ziglang is not installed.
         subprocess.CalledProcessError: the compiler refuses the sources; its words are on stderr.
     """
-    names = _known(platforms)
+    return _made(_known(platforms))
+
+
+def page_library() -> Path:
+    """The library for web pages; raises as `libraries`."""
+    return _made([PAGE])[PAGE]
+
+
+def _made(names: list[str]) -> dict[str, Path]:
     if not _current():
         generate()
     current = stamp()
-    compile([name for name in names if _made_from(name) != current])
+    _compile([name for name in names if _made_from(name) != current])
     return {name: _library(name) for name in names}
 
 
-def stale(platforms: Iterable[str] = PLATFORMS) -> bool:
+def stale(platforms: Iterable[str] = _TARGETS) -> bool:
     """Whether `libraries` would have to generate or compile."""
     if not _current():
         return True
     current = stamp()
-    return any(_made_from(name) != current for name in _known(platforms))
+    return any(_made_from(name) != current for name in _known(platforms, _TARGETS))
 
 
 def stamp() -> str:
@@ -115,10 +138,11 @@ def stamp() -> str:
         OSError: layout.h has not been generated yet.
     """
     total = hashlib.sha256()
-    for text in (COMPILER, *FLAGS, *_OBJECT, *_LINK, *map(repr, PLATFORMS.values())):
+    for text in (COMPILER, *FLAGS, *_OBJECT, *_LINK, *map(repr, _TARGETS.values())):
         total.update(text.encode() + b"\0")
-    windows = {path.name: source(path) for path in sorted((SOURCES / "windows").iterdir())}
-    for name, text in {**sources(), **windows, "layout.h": generated("layout.h")}.items():
+    folders = sorted(platform.folder for platform in _TARGETS.values() if platform.folder)
+    own = {p.name: source(p) for f in folders for p in sorted((SOURCES / f).iterdir())}
+    for name, text in {**sources(), **own, "layout.h": generated("layout.h")}.items():
         total.update(f"{name}\0{len(text)}\0{text}".encode())
     return total.hexdigest()[:16]
 
@@ -145,14 +169,17 @@ def compile(platforms: Iterable[str] = PLATFORMS) -> None:
     Raises:
         As `libraries`.
     """
-    names = _known(platforms)
+    _compile(_known(platforms))
+
+
+def _compile(names: list[str]) -> None:
     if not names:
         return
     _installed()
     current = stamp()
     with _caches() as environment:
         for name in names:
-            library = _compiled(PLATFORMS[name], environment)
+            library = _compiled(_TARGETS[name], environment)
             _write(_library(name), library)
             _write(BINARIES / name / "stamp", current.encode())
 
@@ -160,7 +187,10 @@ def compile(platforms: Iterable[str] = PLATFORMS) -> None:
 def _compiled(platform: Platform, environment: dict[str, str]) -> bytes:
     """Bytes of a library; the compiler runs in the folder of the sources, so no path is in them."""
     windows = platform.library.endswith(".dll")
-    files = [path.name for path in sorted(SOURCES.glob("*.c"))] + ["windows/entry.c"] * windows
+    files = [path.name for path in sorted(SOURCES.glob("*.c"))]
+    if platform.folder:
+        own = sorted((SOURCES / platform.folder).glob("*.c"))
+        files += [path.relative_to(SOURCES).as_posix() for path in own]
     target = ("cc", "-target", platform.target, "-g0")
 
     with tempfile.TemporaryDirectory() as folder:
@@ -221,16 +251,16 @@ def _installed() -> None:
     )
 
 
-def _known(platforms: Iterable[str]) -> list[str]:
+def _known(platforms: Iterable[str], known: Iterable[str] = PLATFORMS) -> list[str]:
     names = list(dict.fromkeys(platforms))
     for name in names:
-        if name not in PLATFORMS:
-            raise ValueError(f"platform = {name!r}: must be one of {alternatives(PLATFORMS)}")
+        if name not in known:
+            raise ValueError(f"platform = {name!r}: must be one of {alternatives(known)}")
     return names
 
 
 def _library(platform: str) -> Path:
-    return BINARIES / platform / PLATFORMS[platform].library
+    return BINARIES / platform / _TARGETS[platform].library
 
 
 def _made_from(platform: str) -> str | None:
@@ -254,5 +284,5 @@ def _write(path: Path, data: bytes) -> None:
 
 
 if __name__ == "__main__":
-    for platform_, path_ in libraries(sys.argv[1:] or PLATFORMS).items():
+    for platform_, path_ in _made(_known(sys.argv[1:] or _TARGETS, _TARGETS)).items():
         print(f"{platform_:15} {path_.stat().st_size:7} bytes  {path_}")

@@ -1,0 +1,1 @@
+"""A scene as a web page that runs the units."""

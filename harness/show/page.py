@@ -1,0 +1,46 @@
+"""A scene as one page: template, style, scripts, units and data in one text."""
+
+from __future__ import annotations
+
+import base64
+import html
+import json
+from pathlib import Path
+
+from ...fmus.native.compile import page_library
+from ..output.files import plain
+from ..scene import Scene
+from .content import content
+
+_FOLDER = Path(__file__).parent
+# in the order in which one builds on another; all are one module
+_SCRIPTS = ("units", "machine", "format", "drawing", "plots", "controls", "main")
+
+
+def page(scene: Scene) -> str:
+    """A page that runs a scene's units in the browser; it asks no network for anything.
+
+    Raises:
+        SceneError, NotCompiled: as `content`.
+    """
+    known = content(scene)
+    # no </script> can end the data, whatever is in it
+    data = json.dumps(plain(known), ensure_ascii=False, allow_nan=False).replace("<", "\\u003c")
+    parts = {
+        "TITLE": html.escape(scene.heading),
+        "SOURCE": html.escape(scene.source),
+        "STYLE": _read("page.css"),
+        "SCRIPT": "\n".join(_read(f"{name}.js") for name in _SCRIPTS),
+        "DATA": data,
+        "UNITS": base64.b64encode(page_library().read_bytes()).decode("ascii"),
+    }
+    before, *pieces = _read("page.html").split("{{")
+    filled = [before]
+    for piece in pieces:  # one pass: what is filled in is not looked at again
+        name, _, rest = piece.partition("}}")
+        filled += [parts[name], rest]
+    return "".join(filled)
+
+
+def _read(name: str) -> str:
+    return (_FOLDER / name).read_text(encoding="utf-8")

@@ -1,0 +1,179 @@
+/* Signals against time, and their spectrum. */
+
+const WINDOW = 30; // revolutions shown, at the scene's speed
+const LISTENED = 1024; // last samples that a spectrum is of,
+const TRANSFORMED = 4096; // filled up with zeros to these, a power of two
+const MARGIN = { left: 12, right: 30, top: 24, bottom: 20 };
+
+/* Axes over a cleared canvas; what maps values to pixels. */
+function axes(canvas, colours, title, [x1, x2], [y1, y2], unit) {
+  const { context: c, width, height } = cleared(canvas);
+  const [left, right] = [MARGIN.left, width - MARGIN.right];
+  const [top, bottom] = [MARGIN.top, height - MARGIN.bottom];
+  const px = (x) => left + ((x - x1) / (x2 - x1 || 1)) * (right - left);
+  const py = (y) => bottom - ((y - y1) / (y2 - y1 || 1)) * (bottom - top);
+  c.strokeStyle = colours.line;
+  c.fillStyle = colours.faint;
+  c.textAlign = "center";
+  const step = niceStep(x2 - x1 || 1, Math.max(2, (right - left) / 90));
+  for (let x = Math.ceil(x1 / step) * step; x <= x2; x += step) {
+    if (px(x) > right - 24) break; // the unit stands there
+    line(c, px(x), bottom, px(x), bottom + 4);
+    c.fillText(x.toFixed(Math.max(0, -Math.floor(Math.log10(step)))), px(x), height - 4);
+  }
+  line(c, left, bottom, right, bottom);
+  c.textAlign = "left";
+  c.fillText(`[${unit}]`, right - 6, height - 4);
+  c.fillStyle = colours.ink;
+  c.fillText(title, left, 15);
+  return { c, px, py, left, right, top, bottom, titled: left + c.measureText(title).width };
+}
+
+function curve({ c, px, py }, xs, ys, colour, wrap = Infinity) {
+  c.strokeStyle = colour;
+  c.lineWidth = 1.5;
+  c.beginPath();
+  for (let k = 0; k < xs.length; k++) {
+    if (k && Math.abs(ys[k] - ys[k - 1]) > wrap) c.moveTo(px(xs[k]), py(ys[k]));
+    else c.lineTo(px(xs[k]), py(ys[k]));
+  }
+  c.stroke();
+  c.lineWidth = 1;
+}
+
+/* A dashed line at a value, with words at its left end. */
+function level({ c, py, left, right }, colours, value, words) {
+  c.strokeStyle = colours.line;
+  c.setLineDash([4, 4]);
+  line(c, left, py(value), right, py(value));
+  c.setLineDash([]);
+  c.fillStyle = colours.faint;
+  c.textAlign = "left";
+  c.fillText(words, left + 2, py(value) - 3);
+}
+
+function samplesShown(machine) {
+  return Math.min(REMEMBERED, Math.ceil((WINDOW * TURN) / (machine.data.speed * machine.step)));
+}
+
+/* The times shown: from the first sample, or as many as there is room for. */
+function timesShown(machine, times) {
+  const span = samplesShown(machine) * machine.step;
+  const end = Math.max(times.at(-1) ?? 0, span);
+  return [end - span, end];
+}
+
+function plotVibration(canvas, colours, machine, place) {
+  const { history } = machine;
+  const [times, xs, ys] = machine.last(samplesShown(machine), history.time, history.x[place],
+    history.y[place]);
+  let largest = 0;
+  xs.forEach((x, k) => (largest = Math.max(largest, Math.abs(x), Math.abs(ys[k]))));
+  const height = 1.15 * (largest || 1);
+  const area = axes(canvas, colours, `Displacement, within ± ${shown(largest, "m", true)}`,
+    timesShown(machine, times), [-height, height], "s");
+  named(area, colours, [["x", colours.x], ["y", colours.y]]);
+  level(area, colours, 0, "");
+  curve(area, times, xs, colours.x);
+  curve(area, times, ys, colours.y);
+}
+
+/* Names in their colours behind the title. */
+function named({ c, titled }, colours, names) {
+  let at = titled + 12;
+  c.textAlign = "left";
+  for (const [name, colour] of names) {
+    c.fillStyle = colour;
+    c.fillRect(at, 6, 12, 9);
+    c.fillStyle = colours.ink;
+    c.fillText(name, at + 16, 15);
+    at += 40;
+  }
+}
+
+function plotAngles(canvas, colours, machine) {
+  const { history, data } = machine;
+  const heavy = data.heavy ?? 0;
+  const title = data.heavy === null ? "Angles of the weights in the rotor, degrees"
+    : "Angles of the weights from the heavy side, degrees";
+  const [times, ...rows] = machine.last(samplesShown(machine), history.time, ...history.angles);
+  const area = axes(canvas, colours, title, timesShown(machine, times), [-190, 250], "s");
+  level(area, colours, 180, data.heavy === null ? "180" : "180: light side");
+  level(area, colours, 0, data.heavy === null ? "0" : "0: heavy side");
+  level(area, colours, -180, "");
+  const ends = [];
+  rows.forEach((row, k) => {
+    const degrees = row.map((a) => (Math.atan2(Math.sin(a - heavy), Math.cos(a - heavy)) * 360) / TURN);
+    curve(area, times, degrees, weightColour(colours, k), 180);
+    if (degrees.length) ends.push([k, degrees.at(-1)]);
+  });
+  const several = data.balancers.filter((b) => b.track_radius).length > 1;
+  area.c.textAlign = "left";
+  for (const [k, value] of ends) {
+    area.c.fillStyle = weightColour(colours, k);
+    const { label, number } = machine.weights[k];
+    const end = Math.min(area.px(times.at(-1)) + 3, area.right + 3);
+    area.c.fillText(several ? `${label[0]}${number}` : number, end, area.py(value) + 4);
+  }
+}
+
+function plotSpectrum(canvas, colours, machine, place) {
+  const { history } = machine;
+  const [xs] = machine.last(LISTENED, history.x[place]);
+  const highest = (1.5 * machine.data.window.high) / TURN;
+  const { frequencies, amplitudes } = spectrum(xs, machine.step);
+  const within = frequencies.findIndex((f) => f > highest);
+  const count = within < 0 ? frequencies.length : within;
+  const largest = Math.max(0, ...amplitudes.subarray(0, count));
+  const area = axes(canvas, colours, `Spectrum of x, up to ${shown(largest, "m", true)}`,
+    [0, highest], [0, 1.15 * (largest || 1)], "Hz");
+  const once = machine.now.speed / TURN;
+  area.c.strokeStyle = area.c.fillStyle = colours.faint;
+  area.c.setLineDash([2, 3]);
+  line(area.c, area.px(once), area.top, area.px(once), area.bottom);
+  area.c.setLineDash([]);
+  area.c.fillText("once a revolution", area.px(once) + 4, area.top + 8);
+  curve(area, frequencies.subarray(0, count), amplitudes.subarray(0, count), colours.x);
+}
+
+/* Amplitudes by frequency of evenly spaced samples, Hann window. */
+function spectrum(samples, step) {
+  const size = TRANSFORMED;
+  const [re, im] = [new Float64Array(size), new Float64Array(size)];
+  const n = samples.length;
+  const mean = samples.reduce((sum, value) => sum + value, 0) / (n || 1);
+  let weight = 0;
+  samples.forEach((value, k) => {
+    const hann = 0.5 - 0.5 * Math.cos((TURN * (k + 0.5)) / n);
+    re[k] = (value - mean) * hann;
+    weight += hann;
+  });
+  transform(re, im);
+  const frequencies = Float64Array.from({ length: size / 2 }, (_, k) => k / (size * step));
+  const amplitudes = frequencies.map((_, k) => (2 * Math.hypot(re[k], im[k])) / (weight || 1));
+  return { frequencies, amplitudes };
+}
+
+/* Fourier transform in place, radix 2. */
+function transform(re, im) {
+  const n = re.length;
+  for (let i = 1, j = 0; i < n; i++) {
+    let bit = n >> 1;
+    for (; j & bit; bit >>= 1) j ^= bit;
+    j ^= bit;
+    if (i < j) {
+      [re[i], re[j]] = [re[j], re[i]];
+      [im[i], im[j]] = [im[j], im[i]];
+    }
+  }
+  for (let size = 2; size <= n; size *= 2) {
+    for (let k = 0; k < size / 2; k++) {
+      const [c, s] = [Math.cos((TURN * k) / size), -Math.sin((TURN * k) / size)];
+      for (let a = k, b = k + size / 2; b < n; a += size, b += size) {
+        const [x, y] = [re[b] * c - im[b] * s, re[b] * s + im[b] * c];
+        [re[b], im[b]] = [re[a] - x, im[a] - y];
+        [re[a], im[a]] = [re[a] + x, im[a] + y];
+      }
+    }
+  }
+}

@@ -1,0 +1,65 @@
+"""Where a scene's balancers work, as the strip under the page's speed slider shows it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal
+
+from ...models.papers.window import LiquidWindow
+from ..rotor.study import speed_range
+from ..scene import Scene
+from ..stability.boundaries import speeds
+
+FOLLOWED = 1.15  # times the upper limit of a window: what is beyond it is seen
+OPEN_END = 5.0  # times the lower limit: a window that ends far above is not followed to its end
+
+Kind = Literal["good", "poor", "unstable"]
+
+
+@dataclass(frozen=True)
+class Window:
+    """Speeds from `low` to `high` [rad/s] and what the balancers do there.
+
+    Attributes:
+        ends: (n,) upper ends of what `kinds` tells, ascending; empty where there is no answer.
+        kinds: (n,) good: they balance, or the liquid lessens the bending; poor: stable, and does
+            not; unstable.
+        words: what was asked, or why there is no answer.
+    """
+
+    low: float
+    high: float
+    ends: tuple[float, ...]
+    kinds: tuple[Kind, ...]
+    words: str
+
+
+def window(scene: Scene) -> Window:
+    """Of liquids by Dubovik 2006 (10), (11), of weights by Floquet."""
+    low, high = speed_range(scene)
+    if not scene.balancer:
+        return Window(low, high, (), (), "the scene has no balancer")
+    if not scene.assembly().weights:
+        try:
+            return _liquid(LiquidWindow.of(scene.assembly()), low, high)
+        except ValueError as error:
+            return Window(low, high, (), (), str(error))
+    found = speeds(scene, (low, high), ["floquet"])
+    if "floquet" not in found.methods:
+        return Window(low, high, (), (), found.refused["floquet"])
+    crossings = found.methods["floquet"]
+    sides = [found.lowest["floquet"], *(c.above for c in crossings)]
+    kinds: tuple[Kind, ...] = tuple("good" if s == "stable" else "unstable" for s in sides)
+    return Window(low, high, (*(c.speed for c in crossings), high), kinds, "exact stability")
+
+
+def _liquid(found: LiquidWindow, low: float, high: float) -> Window:
+    upper = found.upper
+    if upper is not None and upper < OPEN_END * found.lower:
+        high = max(high, FOLLOWED * upper)
+    limits = sorted({s for s in (found.lower, upper, high) if s is not None and s <= high})
+    kinds: list[Kind] = []
+    for end in limits:
+        stable = upper is None or end <= upper
+        kinds.append("unstable" if not stable else "good" if end > found.lower else "poor")
+    return Window(low, high, tuple(limits), tuple(kinds), "window of Dubovik 2006")

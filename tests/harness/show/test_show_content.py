@@ -1,0 +1,81 @@
+"""What a page is given, and the command that writes it."""
+
+import json
+
+import pytest
+
+from autobalancer.harness import load_scene
+from autobalancer.harness.show import page as show_page
+from autobalancer.harness.show.content import content
+from autobalancer.harness.show.window import window
+from autobalancer.harness.stability.main_motion import MainMotion
+from autobalancer.models.papers.window import LiquidWindow
+
+
+def test_within_each_part_of_the_strip_the_coupled_units_do_what_it_says():
+    scene = load_scene("two_balls")
+    found = window(scene)
+    assert found.kinds == ("unstable", "good", "unstable")
+    with MainMotion(scene) as motion:
+        for low, high, kind in zip((0.5, *found.ends), found.ends, found.kinds, strict=False):
+            assert (motion.growth(0.5 * (low + high)) < 0.0) == (kind == "good")
+
+
+def test_the_strip_shows_the_window_of_dubovik():
+    scene = load_scene("liquid_disc")
+    theory = LiquidWindow.of(scene.assembly())
+    found = window(scene)
+    assert found.kinds == ("poor", "good", "unstable")
+    assert found.ends[:2] == (theory.lower, theory.upper)
+
+
+def test_an_empty_window_is_nowhere_good():
+    found = window(load_scene("liquid_closed"))
+    assert found.kinds == ("poor", "unstable", "unstable")
+
+
+def test_without_an_answer_the_strip_says_why():
+    found = window(load_scene("contact_order"))
+    assert found.ends == ()
+    assert "at most 0.102 kg m" in found.words
+
+
+@pytest.mark.parametrize(
+    ("name", "heavy"),
+    [("two_balls", 0.0), ("drum", 0.4), ("grinder", 1.0), ("three_mass_shaft", None)],
+)
+def test_the_heavy_side_is_that_of_the_one_unbalance(name, heavy):
+    found = content(load_scene(name))
+    assert found["heavy"] == (None if heavy is None else pytest.approx(heavy))
+
+
+def test_the_slider_offers_as_many_weights_as_fit():
+    counts = [each["weights"] for each in content(load_scene("goncharov_balls"))["tokens"]]
+    # Goncharov 2017: radius 45.5 mm on 79.5 mm, of which five touch
+    assert counts == [3, 1, 2, 4, 5]
+
+
+def test_no_text_ends_the_data_early(monkeypatch):
+    words = "</script><!-- {{UNITS}}"
+    monkeypatch.setattr(show_page, "content", lambda scene: {"words": words})
+    text = show_page.page(load_scene("two_balls"))
+    data = text.split('id="data">')[1].split("</script>")[0]
+    assert json.loads(data) == {"words": words}
+
+
+def test_the_command_writes_a_page_without_an_address_in_it(invoke, tmp_path):
+    path = tmp_path / "page.html"
+    outcome = invoke("show", "two_balls", "-o", path, "--set", "weights.drag=0.02")
+    assert outcome.exit_code == 0, outcome.output
+    text = path.read_text(encoding="utf-8")
+    assert "http://" not in text
+    assert "https://" not in text
+    assert '"weights.drag": 0.02' in text
+
+
+def test_a_scene_that_one_file_cannot_couple_is_refused(invoke, tmp_path):
+    path = tmp_path / "page.html"
+    outcome = invoke("show", "two_balls", "-o", path, "--set", "coupling.scheme=jacobi")
+    assert outcome.exit_code == 2
+    assert "coupling.scheme" in outcome.output
+    assert not path.exists()

@@ -1,0 +1,224 @@
+"""The page in a browser: it runs the units themselves, and does what its controls say."""
+
+import math
+
+import numpy as np
+import pytest
+
+from autobalancer.fmus.composite.batch import Runs
+from autobalancer.harness import bundled_scenes, load_scene
+from autobalancer.harness.master.one_file import composition
+
+MOST_BYTES = 600_000
+
+
+@pytest.mark.parametrize("name", bundled_scenes())
+def test_every_bundled_scene_is_a_page_that_runs(opened, name):
+    shown = opened(name, running=True)
+    assert shown.path.stat().st_size <= MOST_BYTES
+    shown.wait("return machine.time > 0 && page.frames > 8")
+    assert shown("return page.view.running") is True  # a warning may stand there, as of a float
+    assert shown("return performance.getEntriesByType('resource').length") == 0
+    # no assertion: `pytest -s` says how fast this machine is
+    print(f"{name}: {shown('return page.measured(120)'):.3g} ms a frame at real time")
+
+
+@pytest.mark.parametrize("name", ["two_balls", "liquid_disc", "three_mass_shaft", "drum", "run_up"])
+def test_numbers_are_those_of_the_composite_to_the_last_bit(opened, name):
+    made = composition(load_scene(name))
+    layout = made.described("Composite").layout
+    asked = [v.name for v in layout.variables if v.causality == "output"]
+    points, end = 200, made.stop / 4.0
+    mass = next(v for v in layout.variables if v.name.endswith("mass"))
+    runs = Runs(made, [mass.name], asked, points)
+    ((expected,), (reason,)) = runs([[mass.start]], [end])
+    rows = opened(name)("return page.recorded(...arguments)", end, points, asked)
+    assert reason == ""
+    assert np.array_equal(rows, expected)
+
+
+def test_sliders_set_what_they_say_and_the_motion_goes_on(opened):
+    shown = opened("two_balls")
+    shown("machine.advance(5, Infinity)")
+    before = shown("return [machine.now.pairs[0].x, ...machine.now.angles]")
+    labels = {"value_0": "rotor.unbalance", "value_1": "weights.drag"}
+    for slider, variable in labels.items():
+        start = shown.value(variable)
+        shown.slide(slider, 0.9)
+        said = float(shown.said(slider).split()[0])
+        assert said == pytest.approx(shown.value(variable), rel=5e-3)
+        assert shown.value(variable) > 2.0 * start
+    shown.slide("value_2", 0.75)  # half way in the logarithm from 1 to 4
+    assert shown.said("value_2") == "2 × the scene's"
+    stiffness = [shown.value(f"rotor.stiffness_{axis}") for axis in "xy"]
+    assert stiffness == pytest.approx([2.0, 98.0])
+    assert shown("return machine.time") == pytest.approx(5.0, abs=0.05)
+    assert shown("return [machine.now.pairs[0].x, ...machine.now.angles]") == before
+
+
+def test_weights_that_join_stand_in_the_widest_gap(opened):
+    shown = opened("two_balls")
+    shown("machine.advance(5, Infinity)")
+    first, second = shown("return machine.now.angles")
+    shown.slide("weights", 2 / 7)
+    assert shown.said("weights") == "3"
+    angles = shown("return machine.now.angles")
+    assert angles[:2] == [first, second]
+    to_others = [math.remainder(angles[2] - angle, math.tau) for angle in (first, second)]
+    assert min(map(abs, to_others)) >= math.pi / 2
+    assert sum(to_others) == pytest.approx(0.0, abs=1e-9)
+    shown("machine.advance(6, Infinity)")
+    shown.slide("weights", 0.0)
+    assert len(shown("return machine.now.angles")) == 1
+    assert shown.refusal() == ""
+
+
+def test_the_speed_goes_to_where_its_slider_stands(opened):
+    shown = opened("two_balls")
+    shown.slide("speed", 0.5)
+    wanted = shown("return machine.settings.speed")
+    assert float(shown.said("speed").split()[0]) == pytest.approx(wanted, rel=5e-3)
+    shown("machine.advance(1, Infinity)")
+    assert 3.0 < shown.value("rotor.speed") < wanted
+    assert shown.value("acceleration") == pytest.approx(shown("return machine.data.rate"))
+    shown("machine.advance(60, Infinity)")
+    assert shown.value("rotor.speed") == pytest.approx(wanted, rel=1e-9)
+    assert shown.value("acceleration") == 0.0
+
+
+def test_slow_motion_shows_what_is_between_samples(opened):
+    shown = opened("two_balls")
+    ways = []
+    for parts in (1, 7):
+        shown("machine.change({ speed: machine.data.speed }); machine.restart()")
+        shown.slide("speed", 0.5)
+        part = "machine.advance((k + 1) * 41.3 * machine.step / parts, Infinity)"
+        shown(f"const parts = {parts} * 40; for (let k = 0; k < parts; k++) {part}")
+        state = "const { x, y } = machine.now.pairs[0]; return [x, y, ...machine.now.angles]"
+        ways.append(shown(state))
+        assert shown("return machine.filled") == 41
+    assert ways[1] == pytest.approx(ways[0], rel=1e-6)
+    times = shown("return Array.from(machine.last(41, machine.history.time)[0])")
+    assert np.diff(times) == pytest.approx(shown("return machine.step"), rel=1e-9)
+
+
+def test_a_run_up_begins_at_rest_and_takes_another_speed_on_its_way(opened):
+    shown = opened("two_balls")
+    shown("machine.runUp()")
+    assert shown.value("rotor.speed") == 0.0
+    shown("machine.advance(10, Infinity)")
+    reached = shown.value("rotor.speed")
+    assert reached == pytest.approx(10.0 * shown("return machine.data.rate"), rel=1e-2)
+    shown.slide("speed", 0.1)
+    shown("machine.advance(120, Infinity)")
+    assert shown.value("rotor.speed") == pytest.approx(shown("return machine.settings.speed"))
+    assert shown.refusal() == ""
+
+
+def test_a_value_changed_on_the_way_up_does_not_end_the_run_up(opened):
+    shown = opened("run_up")  # to 150 rad/s in 2 s
+    shown("machine.advance(0.5, Infinity)")
+    assert shown.value("rotor.speed") == pytest.approx(37.5, rel=0.05)
+    shown.slide("value_1", 0.6)
+    assert shown.value("rotor.speed") == pytest.approx(37.5, rel=0.05)
+    shown("machine.advance(3, Infinity)")
+    assert shown.value("rotor.speed") == pytest.approx(150.0)
+    assert shown.refusal() == ""
+
+
+def test_tracks_with_different_numbers_of_weights_are_left_so_until_the_slider_moves(opened):
+    scene = load_scene("three_mass_shaft").replace({"right.count": 3, "right.angles": None})
+    shown = opened(scene)
+    assert shown.said("weights") == "as in the scene"
+    assert len(shown("return machine.now.angles")) == 5
+    shown.slide("weights", 3 / 7)
+    assert shown.said("weights") == "4"
+    assert len(shown("return machine.now.angles")) == 8
+
+
+def test_a_kick_changes_the_momentum_by_its_impulse(opened):
+    shown = opened("two_balls")
+    step = "machine.advance(machine.step, Infinity)"
+    run = "machine.restart(); {} " + step + "; return machine.units.value('rotor.vx')"
+    pushed, left = shown(run.format("machine.kick();")), shown(run.format(""))
+    impulse, step = shown("return [machine.data.kick, machine.step]")
+    scene = load_scene("two_balls")
+    mass = scene.rotor.mass + sum(b.count * b.mass for b in scene.balancer)
+    # damping and weights take a little of it within the step
+    assert (pushed - left) * mass == pytest.approx(impulse, rel=0.1)
+    assert step < 0.1
+
+
+def test_what_the_units_refuse_is_said_and_the_former_values_stay(opened):
+    shown = opened("two_balls")
+    shown("page.change({ factors: [-1, 1, 1, 1] })")
+    assert "rotor.unbalance = -0.025 kg.m" in shown.refusal()
+    assert shown.value("rotor.unbalance") == 0.025
+    shown("machine.advance(1, Infinity)")
+    shown("page.change({ factors: [0.5, 1, 1, 1] })")
+    assert shown.refusal() == ""
+
+
+def test_a_step_that_fails_pauses_the_page_and_says_why(opened):
+    shown = opened("two_balls")
+    shown("machine.data.kick = 1e306; machine.kick(); page.view.running = true")
+    assert "failed" in shown.wait("return document.getElementById('refusal').textContent")
+    assert shown("return page.view.running") is False
+    assert shown("return document.getElementById('start').innerText") == "Start"
+
+
+def test_what_the_units_warn_of_is_said_and_the_motion_goes_on(opened):
+    shown = opened("liquid_touch", running=True)
+    said = shown.wait("return document.getElementById('refusal').textContent")
+    assert "the float touches the chamber" in said
+    time = shown("return machine.time")
+    shown.wait(f"return machine.time > {time}")
+
+
+def test_a_motion_that_grows_without_bound_is_ended_in_words(opened):
+    shown = opened("liquid_closed")  # unstable above 109 rad/s
+    shown.slide("speed", 1.0)
+    shown("machine.advance(25, Infinity); page.shownTime = machine.time; page.view.running = true")
+    said = "return document.getElementById('refusal').textContent"
+    shown.wait(f"return ({said[7:]}).startsWith('Paused: the displacement')")
+    assert shown("return page.view.running") is False
+
+
+def test_keys_do_what_the_buttons_do(opened):
+    shown = opened("two_balls", running=True)
+    shown.press(" ")
+    assert shown("return page.view.running") is False
+    speed = shown("return machine.settings.speed")
+    shown.press("ArrowRight")
+    assert shown("return machine.settings.speed") > speed
+    shown.press("s")
+    assert shown("return page.view.slow") is True
+    assert shown("return document.getElementById('slow').getAttribute('aria-pressed')") == "true"
+    shown.press("r")
+    shown.wait("return page.view.running && machine.time < 5")
+
+
+def test_the_page_fits_a_phone(opened, browser):
+    phone = {"width": 390, "height": 844, "deviceScaleFactor": 2, "mobile": True}
+    browser.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", phone)
+    try:
+        shown = opened("three_mass_shaft", running=True)
+        shown.wait("return page.frames > 4")
+        assert shown("return document.documentElement.scrollWidth") <= 390
+        sizes = shown(
+            "return [...document.querySelectorAll('button, input')].map((e) => e.offsetHeight)"
+        )
+        assert min(sizes) >= 32
+    finally:
+        browser.execute_cdp_cmd("Emulation.clearDeviceMetricsOverride", {})
+
+
+def test_what_a_scene_is_called_is_text_and_no_code(opened):
+    document = load_scene("two_balls").document
+    title = "</script><img src=x onerror=alert(1)> {{DATA}} & <b>"
+    document["title"], document["source"] = title, title
+    scene = type(load_scene("two_balls")).from_document(document, label="named")
+    shown = opened(scene)
+    assert shown("return document.title") == title
+    assert shown("return document.querySelector('h1').textContent") == title
+    assert shown("return document.querySelectorAll('img, b').length") == 0
