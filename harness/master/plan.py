@@ -57,6 +57,11 @@ class UnitPlan:
         return "speed" in self.start
 
     @property
+    def meets(self) -> bool:
+        """Whether it has weights that can touch, which take no change of w' within a step."""
+        return bool(self.start.get("weight_radius"))
+
+    @property
     def file_name(self) -> str:
         """Name of the FMU file it is built as, such as `BallBalancer-weights-3.fmu`."""
         return "-".join([self.model, *(f"{k}-{v}" for k, v in sorted(self.sizes.items()))]) + ".fmu"

@@ -7,6 +7,7 @@ force by `Plan.spin_scale`; the imaginary part of what is complex elsewhere is 0
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 
 from .fmu import Fmu
@@ -38,6 +39,8 @@ class Shaft:
         felt = [units[c.source.unit] for c in plan.of_kind("torque")]
         spun = ["speed", *derivatives("acceleration", order)]
         self._told = [(unit, unit.group(spun)) for unit in told]
+        meeting = {one.name for one in plan.units if one.meets}
+        self._steady = [unit.name in meeting for unit in told]
         self._felt = [(unit, unit.group(derivatives("torque", slopes))) for unit in felt]
         self._torque = self.motor.group(derivatives("torque", order))
         self._answer = self.motor.group([*derivatives("acceleration", slopes), "speed"])
@@ -49,11 +52,19 @@ class Shaft:
         self.motor.fetch(self._answer)
         self.speed = self._answer.reals[-1]
 
-    def tell(self, spin: Cubic) -> None:
-        """Tell all units how the rotor turns in the step to come."""
-        values = [self.speed, *(k.real / self._scale for k in spin[: self.order + 1])]
-        for unit, group in self._told:
-            unit.set(group, values)
+    def tell(self, spin: Cubic, step: float = 0.0) -> None:
+        """Tell all units how the rotor turns in the step to come [s].
+
+        Weights that can touch are told the mean of its acceleration: of order 1, as contacts are.
+        """
+        rates = [k.real / self._scale for k in spin[: self.order + 1]]
+        for (unit, group), steady in zip(self._told, self._steady, strict=True):
+            told = rates
+            if steady:
+                parts = enumerate(rates)
+                mean = sum(rate * step**k / math.factorial(k + 1) for k, rate in parts)
+                told = [mean] + [0.0] * self.order
+            unit.set(group, [self.speed, *told])
 
     def begin(self) -> Knot:
         """The angular acceleration of units in initialisation mode, and its slope."""

@@ -148,7 +148,7 @@ class System:
     def rotor_pass(self, forces: Sequence[Cubic], time: float, step: float) -> list[Knot]:
         """Step the rotor under the cubics of `forces`; accelerations of the planes."""
         if self.shaft:
-            self.shaft.tell(forces[-1])
+            self.shaft.tell(forces[-1], step)
         if not self.exchanges:
             self.rotor.step(time, step)
             return []

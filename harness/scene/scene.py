@@ -214,10 +214,10 @@ class Scene(Table):
         if motor is None:
             return []
         lines = [
-            f"balancer[{i}]: operation.motor drives point weights alone: leave weight_radius and "
-            "rolling_resistance out"
+            f"balancer[{i}].rolling_resistance: its torque on the rotor is not known, which "
+            "operation.motor needs: leave it out"
             for i, balancer in enumerate(self.balancer, start=1)
-            if balancer.can_touch
+            if getattr(balancer, "rolling_resistance", 0.0)
         ]
         u = rotor.unbalance
         least = float((u.conj() @ np.linalg.solve(rotor.mass, u)).real)

@@ -148,7 +148,7 @@ def integral(times, values):
 
 
 WRONG = [
-    ({"balls.weight_radius": 0.001}, "operation.motor drives point weights alone"),
+    ({"balls.rolling_resistance": 1e-3}, "its torque on the rotor is not known"),
     ({"operation.motor.inertia": 1e-6}, "operation.motor.inertia = 1e-06 kg m^2: must be above"),
     ({"coupling.scheme": "compensated"}, "does not know operation.motor"),
     ({"operation.motor.table": [[0.0, 1.0], [9.0, 0.0]]}, "give either table, or stall_torque"),
@@ -159,6 +159,20 @@ WRONG = [
 def test_what_a_motor_cannot_drive_is_refused(changes, words):
     with pytest.raises(SceneError, match=words.replace("^", r"\^")):
         Scene.from_document(SCENE).replace(changes)
+
+
+def test_weights_of_finite_size_that_do_not_meet_move_as_points_to_their_order():
+    points = Scene.from_document({**SCENE, "coupling": {"steps_per_rev": 200}})
+    record = ["motor.speed", "balls.weight[1].angle"]
+    exact, errors = cosimulate(points, record=record), []
+    for steps in (50, 100):
+        finite = points.replace({"balls.weight_radius": 1e-4, "coupling.steps_per_rev": steps})
+        found = cosimulate(finite, record=record)
+        errors.append(
+            [abs(found[name][-1] - exact[name][-1]) / abs(exact[name][-1]) for name in record]
+        )
+    assert np.array(errors[1]).max() < 1e-4
+    assert (np.array(errors[1]) < 0.6 * np.array(errors[0])).all()
 
 
 def test_a_composite_refuses_a_motor():
