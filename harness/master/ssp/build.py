@@ -39,7 +39,6 @@ def build_ssp(
         SceneError: the scene cannot be expressed; the message says what.
         ValueError, NotCompiled, OSError: as `build`.
     """
-    scene.refuse_motor("an SSP")
     structure = coupled(scene) if one_file else separate(scene, slopes)
     files = {
         "SystemStructure.ssd": description(structure),
