@@ -24,6 +24,7 @@ from .design import command as design
 from .errors import SimulationError, UserError
 from .master import build_command as build
 from .master import run_command as run
+from .output import options
 from .output.interrupts import Interrupted, interruptible, temporary_files
 from .output.terminal import say
 from .precision import command as precision
@@ -37,6 +38,10 @@ from .stress import command as stress
 
 class Commands(TyperGroup):
     """Turns the package's own errors into a message and an exit code, for every command alike."""
+
+    def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
+        options.typed.set(tuple(args))
+        return super().parse_args(ctx, args)
 
     def invoke(self, ctx: Any) -> Any:
         try:

@@ -19,8 +19,8 @@ if TYPE_CHECKING:  # loaded where it is used: tests of the models alone need no 
 SLOW = (  # folders and files that take most of the time: `-m "not slow"` leaves them out
     "fmus/test_host", "fmus/test_rotor", "harness/checks", "harness/design",
     "harness/master/test_master",
-    "harness/master/test_schemes", "harness/output", "harness/precision", "harness/rotor",
-    "harness/show/test_show_page",
+    "harness/master/test_schemes", "harness/output", "harness/pictures",
+    "harness/precision", "harness/rotor", "harness/show/test_show_page",
     "harness/stability", "harness/stress", "harness/test_cli", "harness/test_fuzz", "harness/truth",
     "models/test_contact", "models/test_finite_elements", "models/test_monolith",
     "models/test_papers_tables", "models/test_stability", "native/test_native_build",

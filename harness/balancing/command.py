@@ -26,21 +26,27 @@ def command(
     json_file: Annotated[Path | None, options.json("all")] = None,
     changes: Annotated[list[str] | None, options.changes("balancing.noise=1e-7")] = None,
     at_most: Annotated[str, options.at_most()] = costs.DEFAULT,
+    report: Annotated[Path | None, options.report()] = None,
 ) -> None:
     """Balance a scene's rotor on a virtual machine; exit code 1 if the grade is not met."""
+    from ..output.report import Report
     from .cycles import balance
 
     loaded = changed_scene(scene, changes)
+    page = Report(report, f"Balancing: {loaded.heading}", [loaded])
     with (
         costs.limited(at_most, "balancing.revolutions"),
         progress_bar(f"balancing {loaded.name}") as progress,
     ):
         result = balance(loaded, progress=progress)
-    _print(result)
-    if output is not None:
+    with page.keeping():
+        _print(result)
+    for path in filter(None, (output, page.picture(f"{loaded.name}_balance"))):
         from .plot import plot_corrections
 
-        say(f"Picture: {plot_corrections(result, output)}")
+        say(f"Picture: {plot_corrections(result, path)}")
+    page.cited = "Polushkin 2016; ISO 21940-11"
+    page.write()
     if json_file is not None:
         write_json(as_json(loaded.name, result), json_file)
     if not all(t.actually_met for t in result.technologies):

@@ -27,7 +27,10 @@ def command(
     ] = None,
     json_file: Annotated[Path | None, options.json("the rows")] = None,
     report: Annotated[
-        Path | None, typer.Option(metavar="DIR", help="Also write table and pictures there.")
+        Path | None,
+        typer.Option(
+            metavar="DIR", help="Also write report.html, a page to pass on, tables and pictures."
+        ),
     ] = None,
     verify: Annotated[
         bool, typer.Option("--verify", help="Also measure the errors of each scene's own run.")
@@ -70,10 +73,13 @@ def command(
 def _write_report(
     scenes: list[Scene], results: list[SceneReport], rows: list[Row], directory: Path
 ) -> None:
+    from ..output.report import Report
     from .pictures import draw_pictures
-    from .report import as_json, markdown
+    from .report import as_json, by_scene, markdown, sourced, verdict
 
-    text = markdown(rows)
+    text, page = markdown(rows), Report(directory, "Checks", scenes)
+    page.parts += [verdict(rows), *map(sourced, by_scene(rows).values())]
+    page.parts += [f"{r.scene} left out: {'; '.join(r.left_out)}" for r in results if r.left_out]
     with progress_bars() as bars:
         for scene, result in zip(scenes, results, strict=True):
             task = bars.add_task(f"drawing {scene.name}", total=None)
@@ -81,6 +87,7 @@ def _write_report(
                 try:
                     for picture in draw_pictures(scene, directory, result.scene):
                         text += f"\n![{in_link(scene.title)}]({quote(picture.name)})\n"
+                        page.pictures.append(picture)
                 except SimulationError as error:  # the rows stand all the same
                     text += f"\nNo picture of {in_markdown(scene.heading)}: {error}\n"
             bars.remove_task(task)
@@ -88,3 +95,4 @@ def _write_report(
         stream.write(text)
     write_json(as_json(rows), directory / "report.json")
     say(f"Report: {directory / 'report.md'}")
+    page.write()

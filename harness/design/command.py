@@ -37,8 +37,10 @@ def command(
         Path | None, options.picture("Picture (png, svg, pdf).", "--output", "-o")
     ] = None,
     at_most: Annotated[str, options.at_most()] = costs.DEFAULT,
+    report: Annotated[Path | None, options.report()] = None,
 ) -> None:
     """Compare numbers of balls or rollers: capacity, spread, predicted and measured settling."""
+    from ..output.report import Report
     from ..scene import load_scene
     from .choices import design
     from .recommendation import words
@@ -47,6 +49,7 @@ def command(
         if value is not None and not 0.0 < value < math.inf:
             raise UserError(f"{name} {value:g}: must be above 0")
     loaded = load_scene(scene)
+    page = Report(report, f"Design: {loaded.heading}", [loaded])
     key = f"--starts {starts} --most {most}, run.revolutions = {loaded.run.revolutions:g}"
     limit = costs.limited(at_most, key)  # one batch of runs may be too long by itself
     with limit, progress_bar(f"designing for {loaded.name}") as progress:
@@ -61,14 +64,17 @@ def command(
             workers=os.cpu_count() or 1,
             progress=costs.within(at_most, key, progress),
         )
-    show(table(data, starts))
-    for line in words(data):
-        say(line)
-    say(f"FMUs loaded: {', '.join(data.units) or 'none'}")
-    if output is not None:
+    with page.keeping():
+        show(table(data, starts))
+        for line in words(data):
+            say(line)
+        say(f"FMUs loaded: {', '.join(data.units) or 'none'}")
+    for path in filter(None, (output, page.picture(f"{loaded.name}_design"))):
         from .plot import plot_design
 
-        say(f"Picture: {plot_design(data, output)}")
+        say(f"Picture: {plot_design(data, path)}")
+    page.cited = "Goncharov 2017"
+    page.write()
 
 
 def table(data: Design, starts: int) -> Sheet:

@@ -66,6 +66,7 @@ def result(recorder: Recorder, facts: Facts, seconds: float) -> Result:
         unconverged=facts.unconverged,
         estimated_error=facts.estimated_error,
         signal_units={name: recorder.signal_units[name] for name in recorder.names},
+        scene=facts.scene,
     )
 
 

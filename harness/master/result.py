@@ -13,8 +13,13 @@ from numpy.typing import ArrayLike, NDArray
 from ..errors import UserError
 from ..output.files import write_whole
 from ..scene.messages import did_you_mean
+from .result_pictures import Pictures
 
 if TYPE_CHECKING:
+    from pandas import DataFrame
+    from xarray import Dataset
+
+    from ..scene import Scene
     from .verify import Verification
 
 Signal = NDArray[np.float64]
@@ -27,7 +32,7 @@ class UnknownSignalError(UserError, KeyError):
 
 
 @dataclass(frozen=True, eq=False)
-class Result:
+class Result(Pictures):
     """A finished run.
 
     Attributes:
@@ -46,6 +51,7 @@ class Result:
             given steps are too long for the signals; 0 where nothing is estimated.
         signal_units: what each signal is measured in.
         verification: what a second, finer run says of this one; None without `verify`.
+        scene: that was run, as it was run.
     """
 
     scene_title: str
@@ -62,6 +68,7 @@ class Result:
     estimated_error: float = 0.0
     signal_units: dict[str, str] = field(default_factory=dict)
     verification: Verification | None = None
+    scene: Scene | None = field(default=None, repr=False)
 
     @property
     def error(self) -> dict[str, float] | None:
@@ -98,21 +105,51 @@ class Result:
             writer.writerows(np.column_stack([self.time, *self.signals.values()]).tolist())
         return Path(path)
 
-    def plot(self, path: str | Path) -> Path:
-        """Draw the time history into a picture file.
+    def to_pandas(self) -> DataFrame:
+        """A frame of the signals over time [s]; `attrs` hold title and units.
 
         Raises:
-            UserError: the file cannot be written, or nothing that can be drawn was recorded.
+            UserError: pandas is not installed.
         """
-        from ..output.plot import plot_run  # matplotlib is loaded only to plot
+        from .result_files import to_pandas
 
-        return plot_run(
-            self.time,
-            self.signals,
-            {name: self.signal_units.get(name, "") for name in self.signals},
-            self.scene_title or "run",
-            Path(path),
-        )
+        return to_pandas(self)
+
+    def to_xarray(self) -> Dataset:
+        """A data set of the signals over time, each with its unit and measured error.
+
+        Raises:
+            UserError: xarray is not installed.
+        """
+        from .result_files import to_xarray
+
+        return to_xarray(self)
+
+    def save(self, path: str | Path) -> Path:
+        """Write a netCDF file with everything the result holds, completely or not at all.
+
+        Raises:
+            UserError: the file cannot be written, or xarray is not installed.
+        """
+        from .result_files import save
+
+        return save(self, Path(path))
+
+    @classmethod
+    def load(cls, path: str | Path) -> Result:
+        """The result that `save` has written: signals, units, scene, facts and errors.
+
+        Raises:
+            UserError: the file cannot be read or holds no result, or xarray is not installed.
+        """
+        from .result_files import load
+
+        return load(Path(path), cls)
+
+    def _repr_html_(self) -> str:
+        from .result_page import html
+
+        return html(self)
 
     def assert_close(self, name: str, reference: ArrayLike, relative: float) -> None:
         """Fail unless a signal stays within `relative` of the reference's largest magnitude.

@@ -13,6 +13,7 @@ from ..output import costs, options
 from ..output.files import write_json
 from ..output.table import Sheet
 from ..output.terminal import progress_bar, say, say_facts, show
+from . import run_pictures as drawings
 
 if TYPE_CHECKING:
     from ..scene import Scene
@@ -40,19 +41,58 @@ def command(
     json_file: Annotated[Path | None, options.json("facts, signals and errors")] = None,
     python: Annotated[bool, options.python()] = False,
     at_most: Annotated[str, options.at_most()] = costs.DEFAULT,
+    weights: Annotated[
+        Path | None, options.figure("Displacement and angles of all weights against time.")
+    ] = None,
+    weights_over_speed: Annotated[
+        Path | None, options.figure("Angles of all weights against speed.")
+    ] = None,
+    waterfall: Annotated[Path | None, options.figure("Spectra over the speed of a run-up.")] = None,
+    orders: Annotated[Path | None, options.figure("Amplitudes of orders over the speed.")] = None,
+    polar: Annotated[
+        Path | None, options.figure("Synchronous amplitude and phase (Nyquist).")
+    ] = None,
+    orbits: Annotated[Path | None, options.figure("Last orbits along the shaft, in space.")] = None,
+    settling: Annotated[
+        Path | None,
+        options.figure("Settling time over the start angles of two weights."),
+    ] = None,
+    movie: Annotated[
+        Path | None,
+        typer.Option(
+            metavar="FILE.gif",
+            help="Moving picture: gif, webp, mp4.",
+            callback=drawings.place,
+        ),
+    ] = None,
+    movie_axes: Annotated[
+        drawings.MovieAxes, typer.Option(help="That the movie is seen from.")
+    ] = drawings.MovieAxes.ROTOR,
+    movie_seconds: Annotated[float, typer.Option(metavar="S", help="Length of the movie.")] = 8.0,
 ) -> None:
-    """Run a scene by co-simulation."""
+    """Run a scene by co-simulation.
+
+    Pictures are png, svg or pdf; all but --plot also html, to turn and to look into.
+    """
     from .cosimulation import cosimulate
 
+    wanted = {
+        "weights": weights, "weights_over_speed": weights_over_speed, "waterfall": waterfall,
+        "orders": orders, "polar": polar, "orbits": orbits, "settling": settling,
+    }  # fmt: skip
+    pictures = {kind: path for kind, path in wanted.items() if path is not None}
     loaded = changed_scene(scene, changes)
     if python:
         loaded = loaded.replace(ON_PYTHON)
     if fmus is not None and not fmus.is_dir():
         raise UserError(f"{fmus}: is not a directory with FMUs")
+    if movie is not None:
+        drawings.refuse_movie(loaded, movie_axes, movie_seconds)
     with progress_bar(f"running {loaded.name}") as progress:
         key = f"run.revolutions = {loaded.run.revolutions:g}"
         limited = costs.within(at_most, key, progress)
-        result = cosimulate(loaded, fmus=fmus, progress=limited, verify=verify)
+        record = drawings.record(loaded) if pictures or movie else None
+        result = cosimulate(loaded, record=record, fmus=fmus, progress=limited, verify=verify)
     show(summary(result))
     if result.verification is not None and result.verification.parting is not None:
         show(statistics(result.verification))
@@ -72,6 +112,9 @@ def command(
         write_json(as_json(result), json_file)
     if plot is not None:
         say(f"Picture: {result.plot(plot)}")
+    drawings.draw(result, pictures, at_most)
+    if movie is not None:
+        drawings.film(result, movie, movie_axes, movie_seconds)
 
 
 def changed_scene(scene: str, changes: list[str] | None) -> Scene:

@@ -10,7 +10,7 @@ import os
 import re
 import sys
 import tempfile
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import IO, Any
 
@@ -20,6 +20,8 @@ _DESCRIPTOR = re.compile(r"/dev/(?P<name>stdout|stderr)$|(?:/dev|/proc/self)/fd/
 _STANDARD = {"stdout": 1, "stderr": 2}
 _LONGEST_NAME = 255  # bytes, on every usual file system
 PICTURES = ("png", "svg", "pdf")
+MOVIES = ("gif", "webp", "mp4")
+PAGE = ".html"  # a picture to turn and to look into
 
 
 def picture_format(path: Path) -> str:
@@ -28,9 +30,22 @@ def picture_format(path: Path) -> str:
     Raises:
         UserError: it is none of those known.
     """
+    return _format(path, "pictures", PICTURES)
+
+
+def movie_format(path: Path) -> str:
+    """Format of a movie by the end of its name.
+
+    Raises:
+        UserError: it is none of those known.
+    """
+    return _format(path, "movies", MOVIES)
+
+
+def _format(path: Path, what: str, known: Sequence[str]) -> str:
     kind = path.suffix.removeprefix(".").lower()
-    if kind not in PICTURES:
-        raise UserError(f"{path}: pictures end in {', '.join('.' + name for name in PICTURES)}")
+    if kind not in known:
+        raise UserError(f"{path}: {what} end in {', '.join('.' + name for name in known)}")
     return kind
 
 

@@ -3,15 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from contextvars import ContextVar
 from pathlib import Path
 from typing import Any, TypeGuard
 
 import typer
 
 from ..errors import UserError
-from .files import PICTURES, picture_format
+from .files import PAGE, PICTURES, picture_format
 from .terminal import ready_to_write
 
+typed: ContextVar[tuple[str, ...]] = ContextVar("typed", default=())  # after the program's name
 STORE, TABLE = ".zarr", ".csv"
 SCENE = typer.Argument(help="Scene file, or the name of a bundled scene.")
 
@@ -42,6 +44,20 @@ def output(kind: str, help: str, *names: str) -> Any:
 def picture(help: str, *names: str) -> Any:
     """A picture to draw."""
     return typer.Option(*names, metavar="FILE.png", help=help, callback=_drawable)
+
+
+def _drawable_or_page(path: Path | None) -> Path | None:
+    if path is None or path.suffix.lower() != PAGE:
+        return _drawable(path)
+    from .interactive import refuse_missing
+
+    refuse_missing()
+    return _writable(path)
+
+
+def figure(help: str, *names: str) -> Any:
+    """A picture to draw, or a page to turn it in."""
+    return typer.Option(*names, metavar="FILE", help=help, callback=_drawable_or_page)
 
 
 def is_store(path: Path | None) -> TypeGuard[Path]:
@@ -121,6 +137,14 @@ def cluster() -> Any:
     return typer.Option(
         "--cluster", metavar="ADDRESS", help="Work on this Dask cluster, or `local`: one made here."
     )
+
+
+def report() -> Any:
+    """`--report DIR`."""
+    return typer.Option(
+        "--report", metavar="DIR", help="Also write report.html there, a page to pass on, "
+        "with its pictures.",
+    )  # fmt: skip
 
 
 def json(what: str) -> Any:

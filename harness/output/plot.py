@@ -1,26 +1,35 @@
-"""What pictures share, and the time history of signals; every picture is written by `save`.
+"""Pictures drawn by matplotlib; every one is written by `save`.
 
 Figures are made without pyplot, so that neither a display nor a global state is touched.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+import io
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
 import numpy as np
+from matplotlib.cm import ScalarMappable
+from matplotlib.colors import LogNorm, Normalize
 from matplotlib.figure import Figure
-from numpy.typing import NDArray
 
-from ..errors import UserError
 from .files import picture_format, write_whole
+from .picture import Axis, Field, Line, Panel, Picture
 from .words import printable
 
-Signal = NDArray[np.float64]
-Signals = Mapping[str, Signal]
-_MOST_LINES = 12  # in one panel; more cannot be told apart
 _PREFIXES = ((1.0, "m"), (1e-3, "mm"), (1e-6, "µm"), (1e-9, "nm"))
+_STYLES: dict[str, dict[str, Any]] = {
+    "solid": {"ls": "-"},
+    "dashed": {"ls": "--"},
+    "dotted": {"ls": ":"},
+    "dots": {"ls": "", "marker": ".", "ms": 2.5},
+    "marks": {"ls": "", "marker": "o", "ms": 5.0},
+}
+_VIEW = {"elev": 22.0, "azim": -62.0}  # degrees, from where space is looked at
+_MOST_OVER, _MOST_BESIDE = 2, 12  # entries of a legend, over the lines and beside them
+_RESOLUTION = 150  # dots an inch
 
 
 def save(figure: Figure, path: Path) -> Path:
@@ -30,13 +39,26 @@ def save(figure: Figure, path: Path) -> Path:
         UserError: the format is unknown, or the file cannot be written.
     """
     kind = picture_format(path)
+    harmless(figure)
+    with write_whole(path, "wb") as stream:
+        figure.savefig(stream, format=kind, dpi=_RESOLUTION)
+    return path
+
+
+def as_png(figure: Figure) -> bytes:
+    """A figure as the bytes of a PNG file."""
+    harmless(figure)
+    stream = io.BytesIO()
+    figure.savefig(stream, format="png", dpi=_RESOLUTION)
+    return stream.getvalue()
+
+
+def harmless(figure: Figure) -> None:
+    """Have titles shown as they are: a user's text may hold what obeys or looks like formulas."""
     for text in (figure._suptitle, *(axes.title for axes in figure.axes)):  # type: ignore[attr-defined]
         if text is not None:
             text.set_parse_math(False)  # a title's $ is a $
             text.set_text(printable(text.get_text()))
-    with write_whole(path, "wb") as stream:
-        figure.savefig(stream, format=kind, dpi=150)
-    return path
 
 
 def metres(largest: float) -> tuple[float, str]:
@@ -50,57 +72,88 @@ def readable(largest: float, units: Sequence[tuple[float, str]]) -> tuple[float,
     return 1.0 / size, unit
 
 
-def _panels(units: Mapping[str, str]) -> dict[str, list[str]]:
-    """Signals by panel title: what belongs together stands together."""
-    panels: dict[str, list[str]] = {}
-    for name, unit in units.items():
-        if unit == "m" and name.endswith((".x", ".y")):
-            title = "displacement"
-        elif ".weight[" in name and name.endswith(".angle"):
-            title = "weights, angle in the rotor"
-        else:
-            title = name.rpartition(".")[2].removesuffix("_xi").removesuffix("_eta")
-        panels.setdefault(f"{title}\t{unit}", []).append(name)
-    return panels
+def drawn(picture: Picture) -> Figure:
+    """A picture as a figure of matplotlib."""
+    rows = -(-len(picture.panels) // picture.columns)
+    size = (picture.width * picture.columns, 1.0 + picture.height * rows)
+    figure = Figure(figsize=size, layout="constrained")
+    above: Any = None
+    alike = picture.columns == 1 and len({(p.kind, p.axes[0].label) for p in picture.panels}) == 1
+    for number, panel in enumerate(picture.panels, start=1):
+        projection = {"polar": "polar", "space": "3d"}.get(panel.kind)
+        shared = {"sharex": above} if alike and above is not None else {}
+        axes = figure.add_subplot(rows, picture.columns, number, projection=projection, **shared)
+        _draw(figure, axes, panel)
+        if shared:
+            above.set_xlabel("")
+            above.tick_params(labelbottom=False)
+        above = axes
+    figure.suptitle(picture.title)
+    return figure
 
 
-def _draw(axes: Any, time: Signal, signals: Signals, title: str, unit: str) -> None:
-    largest = max(float(np.max(np.abs(values), initial=0.0)) for values in signals.values())
-    factor, shown = metres(largest) if unit == "m" else (1.0, unit)
-    for name in list(signals)[:_MOST_LINES]:
-        values = signals[name] * factor
-        label = name
-        if title == "displacement":
-            label += f", 0-peak {np.max(np.abs(values)):.3g} {shown}"
-        axes.plot(time, values, label=label, linewidth=1.0)
-    if len(signals) > _MOST_LINES:
-        axes.plot([], [], " ", label=f"and {len(signals) - _MOST_LINES} more, not drawn")
-    axes.set_ylabel(f"{title} [{shown}]" if shown else title)
-    axes.grid(alpha=0.3)
-    axes.legend(loc="upper right", fontsize="small")
+def _draw(figure: Figure, axes: Any, panel: Panel) -> None:
+    if panel.field is not None:
+        _colours(figure, axes, panel.field)
+    for line in panel.lines:
+        _line(axes, line)
+    for letter, axis in zip("xyz", panel.axes, strict=False):
+        if panel.kind != "polar":
+            _axis(axes, letter, axis)
+    if panel.kind == "polar":
+        axes.set_title(panel.title or panel.axes[1].label, fontsize="medium")
+    else:
+        axes.set_title(panel.title, fontsize="medium")
+    if panel.kind == "space":
+        axes.view_init(**_VIEW)
+        axes.set_box_aspect((1.8, 1.0, 1.0), zoom=1.1)
+        axes.locator_params(nbins=5)
+    elif panel.equal:
+        axes.set_aspect("equal")
+    if panel.field is None:
+        axes.grid(alpha=0.3)
+    if any(line.label for line in panel.lines):
+        _legend(figure, axes, panel)
 
 
-def plot_run(
-    time: Signal, signals: Signals, units: Mapping[str, str], title: str, path: Path
-) -> Path:
-    """Time history of everything recorded: displacements, weights' angles, the rest by quantity.
+def _legend(figure: Figure, axes: Any, panel: Panel) -> None:
+    """Where it hides nothing: in a corner of space, beside many lines, else over a few."""
+    count = sum(bool(line.label) for line in panel.lines)
+    look: dict[str, Any] = {"fontsize": "small", "ncols": 1 + count // (2 * _MOST_BESIDE)}
+    if panel.kind == "polar":
+        figure.legend(*axes.get_legend_handles_labels(), loc="outside right upper", **look)
+    elif panel.kind == "space":
+        axes.legend(loc="upper left", **look)
+    elif count > _MOST_OVER:
+        axes.legend(loc="upper left", bbox_to_anchor=(1.0, 1.03), **look)
+    else:
+        axes.legend(loc="upper right", **look)
 
-    Args:
-        time: (T,) [s].
-        signals: (T,) each, by name.
-        units: of measurement, by the signals' names.
 
-    Raises:
-        UserError: nothing was recorded, or the file cannot be written.
-    """
-    panels = _panels(units)
-    if not panels:
-        raise UserError(f"{path}: nothing to draw: the run recorded no signal")
-    figure = Figure(figsize=(9.0, 1.0 + 2.4 * len(panels)), layout="constrained")
-    grid = figure.subplots(len(panels), 1, sharex=True, squeeze=False)[:, 0]
-    for axes, (heading, names) in zip(grid, panels.items(), strict=True):
-        quantity, unit = heading.split("\t")
-        _draw(axes, time, {name: signals[name] for name in names}, quantity, unit)
-    grid[-1].set_xlabel("time [s]")
-    figure.suptitle(title)
-    return save(figure, path)
+def _colours(figure: Figure, axes: Any, field: Field) -> None:
+    shown = np.ma.masked_invalid(field.values)
+    low, high = field.quantity.limits or (float(shown.min()), float(shown.max()))
+    norm: Normalize = (LogNorm if field.quantity.log else Normalize)(low, high)
+    axes.pcolormesh(field.x, field.y, shown, norm=norm, cmap="viridis", rasterized=True)
+    axes.set_facecolor("0.85")
+    mappable = ScalarMappable(norm, "viridis")
+    figure.colorbar(mappable, ax=axes, pad=0.015, label=field.quantity.label)
+
+
+def _line(axes: Any, line: Line) -> None:
+    look = _STYLES[line.style]
+    label = line.label or None
+    axes.plot(*line.points, color=line.colour, lw=line.width, label=label, **look)
+    for *place, text in zip(*line.points, line.texts, strict=False):
+        near = {"xytext": (5, 4), "textcoords": "offset points"}
+        axes.annotate(text, place, color=line.text_colour, fontsize="small", **near)
+
+
+def _axis(axes: Any, letter: str, axis: Axis) -> None:
+    getattr(axes, f"set_{letter}label")(axis.label)
+    if axis.log:
+        getattr(axes, f"set_{letter}scale")("log")
+    if axis.ticks is not None:
+        getattr(axes, f"set_{letter}ticks")(axis.ticks)
+    if axis.limits is not None:
+        getattr(axes, f"set_{letter}lim")(*axis.limits)

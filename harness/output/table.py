@@ -17,6 +17,8 @@ if TYPE_CHECKING:
 _JUSTIFY = {"l": "left", "r": "right"}
 _RULES = {"l": "---", "r": "---:"}
 GOOD, BAD = "green", "bold red"
+_SHORT = 14  # characters that stay on one line
+_CLASSES = {GOOD: "good", BAD: "bad"}
 
 
 @dataclass(frozen=True)
@@ -76,6 +78,24 @@ class Sheet:
             cells = (in_markdown(str(cell)).replace("|", "\\|") for cell in row)
             lines.append(f"| {' | '.join(cells)} |")
         return "\n".join(lines)
+
+    def html(self) -> str:
+        """As a table of HTML, every text escaped; cells are of class good, bad, short."""
+        from html import escape
+
+        def cells(kind: str, texts: Sequence[Any]) -> str:
+            made = []
+            for name, letter, text in zip(self.columns, self._align, texts, strict=True):
+                colour = _CLASSES.get(self.colours.get(name, {}).get(str(text), ""), "")
+                short = "short" if len(str(text)) <= _SHORT else ""
+                look = f'class="{colour} {short}" style="text-align:{_JUSTIFY[letter]}"'
+                made.append(f"<{kind} {look}>{escape(printable(str(text)))}</{kind}>")
+            return "".join(made)
+
+        rows = "\n".join(f"<tr>{cells('td', row)}</tr>" for row in self.rows)
+        caption = f"<caption>{escape(printable(self.title))}</caption>" if self.title else ""
+        head = f"<thead><tr>{cells('th', self.columns)}</tr></thead>"
+        return f"<table>{caption}{head}<tbody>\n{rows}\n</tbody></table>"
 
     def write_csv(self, path: Path) -> Path:
         """As CSV, completely or not at all; numbers keep every digit.

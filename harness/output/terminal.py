@@ -6,6 +6,7 @@ import os
 import sys
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
+from contextvars import ContextVar
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -19,6 +20,7 @@ if TYPE_CHECKING:
 
     from .table import Sheet
 
+_kept: ContextVar[list[str | Sheet] | None] = ContextVar("kept", default=None)
 PIPED_WIDTH = 160  # columns of a table that no terminal limits
 
 
@@ -64,14 +66,32 @@ def progress_bar(words: str) -> Iterator[Callable[..., None]]:
         yield move
 
 
+@contextmanager
+def keeping(parts: list[str | Sheet]) -> Iterator[None]:
+    """What is said and shown within the block is appended to `parts` as well."""
+    before = _kept.set(parts)
+    try:
+        yield
+    finally:
+        _kept.reset(before)
+
+
 def show(sheet: Sheet) -> None:
     """A table on standard output."""
+    _keep(sheet)
     console().print(sheet.rich())
 
 
 def say(text: str, style: str = "", error: bool = False) -> None:
     """One line of plain text."""
+    _keep(text)
     console(error).print(printable(text), style=style or None, markup=False, soft_wrap=True)
+
+
+def _keep(part: str | Sheet) -> None:
+    parts = _kept.get()
+    if parts is not None and part:
+        parts.append(part)
 
 
 def say_facts(units: Iterable[str], left_out: Iterable[str]) -> None:

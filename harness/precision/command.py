@@ -9,6 +9,7 @@ import typer
 
 from ..output import costs, options
 from ..output.files import write_json, write_whole
+from ..output.machine import machine
 from ..output.terminal import progress_bar, say, show
 
 if TYPE_CHECKING:
@@ -51,7 +52,7 @@ def command(
     show(report.table(found))
     show(report.split_table(splits))
     say(report.reference_words(found))
-    say(report.machine())
+    say(machine())
     if csv_file is not None:
         report.write_csv(found, csv_file)
     if json_file is not None:

@@ -23,9 +23,9 @@ from tempfile import TemporaryDirectory
 from ..master.cosimulation import CoSimulation
 from ..master.facts import result
 from ..master.recorder import Recorder, recorded
+from ..output.machine import machine
 from ..output.table import Sheet
 from ..scene import Scene, load_scene
-from .report import machine
 
 ROUNDS = 7  # of time, both ways in turns
 _MODULE = "autobalancer.harness.precision.omissions"

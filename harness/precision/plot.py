@@ -8,10 +8,10 @@ from typing import Any
 
 from matplotlib.figure import Figure
 
+from ..output.machine import machine
 from ..output.plot import save
 from .measure import TWO_DECADES, Point, Precision
 from .methods import ALONG_FIXED_AXES
-from .report import machine
 
 _COLOURS = {
     "jacobi": "tab:red",

@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import platform
 from collections.abc import Iterable, Sequence
-from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
@@ -18,7 +16,6 @@ KEYS = (
     "error", "seconds", "status",
 )  # fmt: skip
 SHARES = ("steps", "FMI calls", "us a step", "rotor", "balancers", "master")
-PACKAGES = ("numpy", "scipy", "fmpy", "pythonfmu")
 
 
 def row(point: Point) -> dict[str, Any]:
@@ -138,20 +135,6 @@ def _way(point: Point) -> str:
     assert point.seconds is not None
     name = point.method.family.removeprefix("monolith ")
     return f"{name}, {point.method.setting} ({1e3 * point.seconds:.0f} ms, {point.error:.1e})"
-
-
-def machine() -> str:
-    """Processor, Python and the versions that matter."""
-    processor = platform.processor() or platform.machine()
-    try:
-        for line in Path("/proc/cpuinfo").read_text().splitlines():
-            if line.startswith("model name"):
-                processor = line.partition(":")[2].strip()
-                break
-    except OSError:
-        pass
-    versions = ", ".join(f"{name} {version(name)}" for name in PACKAGES)
-    return f"{processor}; Python {platform.python_version()}, {versions}"
 
 
 def markdown(found: Precision, splits: Sequence[Split]) -> str:

@@ -30,6 +30,12 @@ def command(
     ] = None,
     orbit: Annotated[Path | None, options.picture("Orbits of the stations.")] = None,
     run_up: Annotated[Path | None, options.picture("Displacement while the speed rises.")] = None,
+    modes: Annotated[
+        Path | None, options.figure("Mode shapes along the shaft, with their whirl.")
+    ] = None,
+    polar: Annotated[
+        Path | None, options.figure("Amplitude and phase by unbalance as polar curves.")
+    ] = None,
     limits: Annotated[
         tuple[float, float] | None,
         typer.Option("--range", metavar="LOW HIGH", help="Speeds of the pictures [rad/s]."),
@@ -42,6 +48,7 @@ def command(
     from .study import modes_at, speed_range
 
     wanted = {"campbell": campbell, "response": response, "orbit": orbit, "run-up": run_up}
+    wanted |= {"modes": modes, "polar": polar}
     loaded = changed_scene(scene, changes)
     low, high = limits or speed_range(loaded)
     if not 0.0 < low < high:
@@ -63,6 +70,7 @@ def command(
 
 
 def _draw(kind: str, scene: Scene, low: float, high: float, path: Path) -> None:
+    from ..pictures.in_space import mode_shapes
     from . import plot, plot_motion, study
 
     if kind == "campbell":
@@ -71,6 +79,10 @@ def _draw(kind: str, scene: Scene, low: float, high: float, path: Path) -> None:
         plot.plot_response(study.response_of(scene, low, high), path)
     elif kind == "orbit":
         plot_motion.plot_orbits(study.orbits_of(scene), path)
+    elif kind == "modes":
+        mode_shapes(scene).save(path)
+    elif kind == "polar":
+        plot.polar_response(study.response_of(scene, low, high)).save(path)
     else:
         plot_motion.plot_run_up(study.run_up_of(scene, low, high), path)
 

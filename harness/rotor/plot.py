@@ -11,7 +11,9 @@ from matplotlib.lines import Line2D
 from numpy.typing import NDArray
 
 from ...models.linear.modes import Campbell
+from ..output.picture import Axis, Picture
 from ..output.plot import metres, save
+from ..pictures.over_speed import polar_picture
 from .study import Array, Response
 
 COLOURS = ("tab:blue", "tab:orange", "tab:green", "tab:purple", "tab:brown", "tab:pink")
@@ -103,6 +105,13 @@ def plot_response(data: Response, path: Path) -> Path:
     grid[0, 0].legend(fontsize="small")
     figure.suptitle(f"{data.title}\nunbalance response of the rotor without balancers")
     return save(figure, path)
+
+
+def polar_response(data: Response) -> Picture:
+    """The same as one curve a station (Nyquist), by the equations."""
+    title = f"{data.title}\nunbalance response of the rotor without balancers"
+    axis = Axis("speed", "rad/s")
+    return polar_picture(title, data.speeds, axis, data.amplitude, data.stations)
 
 
 def _response_lines(above: Any, below: Any, data: Response, along: int, factor: float) -> None:

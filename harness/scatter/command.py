@@ -31,10 +31,12 @@ def command(
     json: Annotated[Path | None, options.json("what is said")] = None,
     cluster: Annotated[str | None, options.cluster()] = None,
     at_most: Annotated[str, options.at_most()] = costs.DEFAULT,
+    report: Annotated[Path | None, options.report()] = None,
 ) -> None:
     """Machines with scattering values: residual vibration, ISO grades met, what matters most."""
     from ..output.cluster import who_works
     from ..output.files import write_json
+    from ..output.report import Report
     from ..scene import load_scene
     from .importance import importances
     from .report import document, grade_table, importance_table, lines
@@ -46,6 +48,7 @@ def command(
     if len(stores) > 1:
         raise UserError(f"{stores[1]}: one store is enough")
     loaded, variations = load_scene(scene), [Variation.parse(text) for text in vary]
+    page = Report(report, f"Tolerances: {loaded.heading}", [loaded])
     with progress_bar(f"machines of {loaded.name}") as progress, who_works(cluster) as workers:
         found = scatter(
             loaded,
@@ -57,14 +60,16 @@ def command(
             store=stores[0] if stores else None,
         )
     said = document(found, *importances(found))
-    for line in lines(said):
-        say(line)
-    if said["grades"]:
-        show(grade_table(said))
-    if said["importance"]:
-        show(importance_table(said))
-    say(f"Run in C as one composite: {', '.join(u.label for u in loaded.balancer) or 'the rotor'}")
-    for path in places:
+    with page.keeping():
+        for line in lines(said):
+            say(line)
+        if said["grades"]:
+            show(grade_table(said))
+        if said["importance"]:
+            show(importance_table(said))
+        together = ", ".join(u.label for u in loaded.balancer) or "the rotor"
+        say(f"Run in C as one composite: {together}")
+    for path in filter(None, (*places, page.picture(f"{loaded.name}_scatter"))):
         if path.suffix == options.TABLE:
             found.to_csv(path)
         elif path not in stores:
@@ -72,5 +77,7 @@ def command(
 
             plot_scatter(found, said, path)
         say(f"Written: {path}")
+    page.cited = "ISO 21940-11; Tissot & Prieur 2012"
+    page.write()
     if json is not None:
         write_json(said, json)

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import copy
 from collections.abc import Mapping
+from contextlib import suppress
 from functools import cached_property
 from pathlib import Path
 from typing import Any
@@ -99,6 +100,11 @@ class Scene(Table):
         return self._path
 
     @property
+    def label(self) -> str:
+        """What messages call the scene."""
+        return self._label
+
+    @property
     def name(self) -> str:
         """Short name: the file's stem."""
         return self._path.stem if self._path else self._label
@@ -107,6 +113,16 @@ class Scene(Table):
     def document(self) -> dict[str, Any]:
         """What the scene was made from, as a TOML file would say it."""
         return copy.deepcopy(self._document)
+
+    @property
+    def toml(self) -> str:
+        """As a file says it: in its own words where nothing was replaced."""
+        from tomli_w import dumps
+
+        with suppress(SceneError, OSError):  # the file may have changed since
+            if self._path is not None and read(self._path) == self._document:
+                return self._path.read_text(encoding="utf-8-sig")
+        return dumps(self._document)
 
     @property
     def heading(self) -> str:

@@ -41,9 +41,11 @@ def command(
     ] = 0,
     cluster: Annotated[str | None, options.cluster()] = None,
     at_most: Annotated[str, options.at_most()] = costs.DEFAULT,
+    report: Annotated[Path | None, options.report()] = None,
 ) -> None:
     """Draw over two parameters where balancing is stable, or how far it has come after a run."""
     from ..output.cluster import who_works
+    from ..output.report import Report
     from ..scene import load_scene
     from .axis import Axis
     from .map import stability_map
@@ -56,7 +58,7 @@ def command(
     if len(stores) > 1:
         raise UserError(f"{stores[1]}: one store is enough")
     pictures = [path for path in output or () if path not in stores]
-    if not output and csv is None:
+    if not output and csv is None and report is None:
         pictures = [Path("map.png")]
         ready_to_write(pictures[0])
     axes = []
@@ -66,19 +68,22 @@ def command(
         except UserError as error:
             raise UserError(f"{option} {error}") from error
     loaded = load_scene(scene)
+    page = Report(report, f"Map: {loaded.heading}", [loaded])
     with progress_bar(f"mapping {loaded.name}") as progress, who_works(cluster) as workers:
         key = f"--x {x} --y {y}" + (f" --cosim {cosim}" if cosim else "")
-        report, store = costs.within(at_most, key, progress), stores[0] if stores else None
+        moved, store = costs.within(at_most, key, progress), stores[0] if stores else None
         data: StabilityMap | RunMap
         if in_runs:
-            data = run_map(loaded, *axes, workers=workers, progress=report, store=store)
-            for line in data.lines():
-                say(line)
+            data = run_map(loaded, *axes, workers=workers, progress=moved, store=store)
+            with page.keeping():
+                for line in data.lines():
+                    say(line)
         else:
             data = stability_map(
-                loaded, *axes, cosim=cosim, workers=workers, progress=report, store=store
+                loaded, *axes, cosim=cosim, workers=workers, progress=moved, store=store
             )
-            _say(data)
+            with page.keeping():
+                _say(data)
     if cosim:
         from ..master.plan import plan
 
@@ -87,6 +92,9 @@ def command(
         say(f"Points: {data.to_csv(csv)}")
     for store in stores:
         say(f"Store: {store}")
+    drawn = page.picture(f"{loaded.name}_map")
+    if drawn is not None:
+        pictures.append(drawn)
     if pictures:
         from .plot import plot_map, plot_run_map
 
@@ -96,6 +104,7 @@ def command(
             else:
                 plot_map(data, picture)
             say(f"Picture: {picture}")
+    page.write()
 
 
 def _say(data: StabilityMap) -> None:

@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 import autobalancer.models as models
-from tests.models.bibliography import citations, references
+from autobalancer.models.references import citations, references
 
 ROOT = Path(models.__file__).resolve().parents[1]
 TEXTS = [

@@ -8,8 +8,8 @@ from __future__ import annotations
 import tempfile
 from pathlib import Path
 
+from autobalancer.harness.output.machine import machine
 from autobalancer.harness.output.table import Sheet
-from autobalancer.harness.precision.report import machine
 from tests.tools.measure import SCENE, TOOLS, Bench, every_run
 
 STEPS = (20, 40)

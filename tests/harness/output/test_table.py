@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import csv
 import io
+import re
 
 import pytest
 from rich.console import Console
 
-from autobalancer.harness.output.table import Sheet
+from autobalancer.harness.output.table import BAD, GOOD, Sheet
 
 SHEET = Sheet(
     ("case [1/s]", "value", "holds"),
@@ -62,3 +63,15 @@ def test_csv_keeps_every_digit(tmp_path):
 def test_cells_and_alignment_must_fit_the_columns(rows, align):
     with pytest.raises(ValueError, match=r"cells|letter"):
         Sheet(("x", "y"), rows, align)
+
+
+def test_html_escapes_every_text_and_marks_good_and_bad():
+    sheet = Sheet(
+        ("<i>", "holds"), [["<b>&\x1b", "yes"], ["", "NO"]], "lr", "<u>",
+        {"holds": {"yes": GOOD, "NO": BAD}},
+    )  # fmt: skip
+    page = sheet.html()
+    assert "&lt;b&gt;&amp;\\x1b" in page
+    assert not {"<i>", "<b>", "<u>"} & set(re.findall(r"<.>", page))
+    assert re.search(r'class="good short" style="text-align:right">yes<', page)
+    assert re.search(r'class="bad short" style="text-align:right">NO<', page)

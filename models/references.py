@@ -7,9 +7,7 @@ from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
 
-import autobalancer.models as models
-
-_FILE = Path(models.__file__).with_name("REFERENCES.bib")
+_FILE = Path(__file__).with_name("REFERENCES.bib")
 _ENTRY = re.compile(r"^@(\w+)\{([^,\s]+),\n(.*?)^\}", re.MULTILINE | re.DOTALL)
 _FIELD = re.compile(r"^\s*(\w+) = \{(.*)\},$", re.MULTILINE)
 _OTHERS = r"(?:(?:,|\s+(?:&|and))\s+[A-Z][a-zß]+)*(?:\s+et\s+al\.)?"
@@ -40,7 +38,7 @@ class Reference:
         parts = [f"{known['author'].replace(' and ', ', ')} ({known['year']}): {known['title']}"]
         parts += [", ".join(place)] if place else []
         parts += [f"doi:{known['doi']}"] if "doi" in known else []
-        return ". ".join(parts)
+        return ". ".join(parts).replace("\\&", "&")
 
 
 @cache

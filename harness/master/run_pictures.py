@@ -1,0 +1,81 @@
+"""Pictures and movies of `autobalancer run`."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from enum import Enum
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from ..output import costs
+from ..output.terminal import progress_bar, progress_bars, ready_to_write, say
+
+if TYPE_CHECKING:
+    from ..scene import Scene
+    from .result import Result
+
+
+class MovieAxes(str, Enum):
+    """From where a movie is seen."""
+
+    ROTOR = "rotor"
+    FIXED = "fixed"
+
+
+def place(path: Path | None) -> Path | None:
+    """Refuse a movie that cannot be made or written, before the run.
+
+    Raises:
+        UserError: so it is.
+    """
+    if path is not None:
+        from ..pictures.movie import refuse_unwritable
+
+        refuse_unwritable(path)
+        ready_to_write(path)
+    return path
+
+
+def refuse_movie(scene: Scene, axes: MovieAxes, seconds: float) -> None:
+    """Refuse a movie that would not show the run, before it.
+
+    Raises:
+        UserError: so it is.
+    """
+    from ..pictures.movie import refuse_unseen
+
+    refuse_unseen(scene, scene.run.revolutions, axes.value, seconds)
+
+
+def record(scene: Scene) -> list[str]:
+    """What the scene asks for, and what pictures are drawn from."""
+    from .recorder import recorded
+
+    return list(dict.fromkeys([*recorded(scene), *recorded(scene.replace({"run.record": None}))]))
+
+
+def draw(result: Result, pictures: Mapping[str, Path], at_most: str) -> None:
+    """Pictures by kind, each to its place.
+
+    Raises:
+        UserError: one cannot be drawn or written, or takes longer than `at_most`.
+    """
+    with progress_bars() as bars:
+        for kind, path in pictures.items():
+            words = kind.replace("_", "-")
+            task = bars.add_task(f"drawing {words}", total=None)
+            with costs.limited(at_most, f"--{words}"):
+                getattr(result, f"plot_{kind}")().save(path)
+            bars.remove_task(task)
+            say(f"Picture: {path}")
+
+
+def film(result: Result, path: Path, axes: MovieAxes, seconds: float) -> None:
+    """The movie, under a bar.
+
+    Raises:
+        UserError: it cannot be written.
+    """
+    with progress_bar(f"drawing {path.name}") as progress:
+        result.movie(path, axes.value, seconds, progress)
+    say(f"Movie: {path}")

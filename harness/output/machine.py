@@ -1,0 +1,31 @@
+"""What a result was made on."""
+
+from __future__ import annotations
+
+import platform
+from importlib.metadata import PackageNotFoundError, version
+from pathlib import Path
+
+PACKAGES = ("numpy", "scipy", "fmpy", "pythonfmu")
+
+
+def machine() -> str:
+    """Processor, Python and the versions that matter."""
+    processor = platform.processor() or platform.machine()
+    try:
+        for line in Path("/proc/cpuinfo").read_text().splitlines():
+            if line.startswith("model name"):
+                processor = line.partition(":")[2].strip()
+                break
+    except OSError:
+        pass
+    versions = ", ".join(f"{name} {version(name)}" for name in PACKAGES)
+    return f"{processor}; Python {platform.python_version()}, {versions}"
+
+
+def requirement() -> str:
+    """This program as pip knows it."""
+    try:
+        return f"autobalancer=={version('autobalancer')}"
+    except PackageNotFoundError:  # run from a checkout
+        return "autobalancer"

@@ -1,0 +1,140 @@
+"""What pictures see of a run: its scene, and signals by name."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..errors import UserError
+from ..output.picture import Axis
+from ..scene import Scene
+from ..scene.balancer import WeightBalancer
+
+Array = NDArray[np.float64]
+Place = tuple[float, str, Array]
+
+
+class Signals(Protocol):
+    """Recorded values by name; an unknown name is an error that says what there is."""
+
+    def __getitem__(self, name: str) -> Array: ...
+
+
+@dataclass(frozen=True, eq=False)
+class Motion:
+    """A run of a scene.
+
+    Attributes:
+        time: (T,) [s].
+        recorded: (T,) each, by name.
+    """
+
+    scene: Scene
+    time: Array
+    recorded: Signals
+
+    @property
+    def title(self) -> str:
+        """Of the scene."""
+        return self.scene.heading
+
+    @cached_property
+    def speed(self) -> Array:
+        """Of the rotor, (T,) [rad/s]."""
+        return np.array([self.scene.profile().speed(t) for t in self.time.tolist()])
+
+    @cached_property
+    def angle(self) -> Array:
+        """Of the rotor, (T,) [rad]."""
+        turned = self.scene.profile().angle
+        return self.scene.run.initial.angle + np.array([turned(t) for t in self.time.tolist()])
+
+    @property
+    def rises(self) -> bool:
+        """Whether the speed does."""
+        profile = self.scene.profile()
+        return profile.start != profile.end
+
+    @cached_property
+    def rise(self) -> Motion:
+        """The run as long as the speed rises; all of it where the speed is constant."""
+        if not self.rises:
+            return self
+        last = self.time <= self.scene.profile().seconds * (1.0 + 1e-12)
+        return Motion(self.scene, self.time[last], _Part(self.recorded, last))
+
+    @property
+    def across(self) -> tuple[Axis, Array]:
+        """Speed (T,) where it rises, else time."""
+        if self.rises:
+            return Axis("speed", "rad/s"), self.speed
+        return Axis("time", "s"), self.time
+
+    @property
+    def prefixes(self) -> list[str]:
+        """Of every station's signals."""
+        count = len(self.scene.rotor.stations)
+        return [f"rotor.station[{j}]." for j in range(1, count + 1)] if count > 1 else ["rotor."]
+
+    @cached_property
+    def displacement(self) -> Array:
+        """x and y of every station, (T, 2, n) [m].
+
+        Raises:
+            UnknownSignalError: one was not recorded.
+        """
+        both = [[self.recorded[f"{p}{axis}"] for p in self.prefixes] for axis in "xy"]
+        return np.moveaxis(np.array(both), 2, 0)
+
+    def weights(self) -> Iterator[tuple[WeightBalancer, Array]]:
+        """Every balancer with weights, and their angles in the rotor (N, T) [rad].
+
+        Raises:
+            UserError: the scene has no weights.
+            UnknownSignalError: an angle was not recorded.
+        """
+        balancers = [b for b in self.scene.balancer if isinstance(b, WeightBalancer)]
+        if not balancers:
+            raise UserError(f"{self.title}: has no balancer with weights to show")
+        for b in balancers:
+            names = (f"{b.label}.weight[{k}].angle" for k in range(1, b.count + 1))
+            yield b, np.array([self.recorded[name] for name in names])
+
+    @property
+    def light_side(self) -> float | None:
+        """Opposite of a disc's unbalance [rad]; None for a rotor that has no one direction."""
+        unbalance = self.scene.assembly().rotor.unbalance
+        alone = len(unbalance) == 1 and abs(unbalance[0]) > 0.0
+        return float(np.angle(-unbalance[0])) if alone else None
+
+
+def places(scene: Scene) -> list[Place]:
+    """Places along the shaft that move: position [m], name, and row over the stations (n,)."""
+    rotor, planes = scene.rotor, scene.assembly().rotor.planes
+    found = list(
+        zip(rotor.stations, station_names(scene), np.eye(len(rotor.stations)), strict=True)
+    )
+    for number, (z, row) in enumerate(zip(rotor.planes, planes, strict=True), start=1):
+        if z not in rotor.stations:
+            found.append((z, f"plane {number}", row))
+    return sorted(found, key=lambda place: place[0])
+
+
+def station_names(scene: Scene) -> list[str]:
+    """Of a rotor's stations, for people."""
+    count = len(scene.rotor.stations)
+    return [f"station {j}" for j in range(1, count + 1)] if count > 1 else ["rotor"]
+
+
+@dataclass(frozen=True)
+class _Part:
+    whole: Signals
+    shown: NDArray[np.bool_]
+
+    def __getitem__(self, name: str) -> Array:
+        return self.whole[name][self.shown]

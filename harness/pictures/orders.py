@@ -1,0 +1,120 @@
+"""Orders of a vibration: its amplitude at multiples of the rotor's speed, and its spectra.
+
+A run is looked at through windows of whole revolutions.  Signals are first put on equal steps of
+the rotor's angle, so that an order stays one line however the speed changes within a window
+(computed order tracking: Fyfe & Munck 1997).
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.lib.stride_tricks import sliding_window_view
+from numpy.typing import NDArray
+from scipy.interpolate import CubicSpline
+from scipy.signal.windows import hann
+
+from ..errors import UserError
+
+Array = NDArray[np.float64]
+POINTS = 64  # a revolution
+SPECTRA, POINTS_TRACKED = 120, 1000  # of a run, about
+PADDED = 4  # times as long: what lies between two lines of a spectrum is seen
+LONGEST, SHORTEST = 8, 2  # revolutions of a window for spectra
+TRACKED = 4  # revolutions of a window for one order
+WINDOWS = 6  # that a run should have room for, one behind the other
+
+
+@dataclass(frozen=True, eq=False)
+class Tracked:
+    """Amplitudes of orders over a run.
+
+    Attributes:
+        angle: (k,) of the rotor, in the middle of each window [rad].
+        orders: (m,) multiples of the speed.
+        amplitude: (k, m, s) complex, 0-peak: signal = Re(A e^{i order angle}).
+    """
+
+    angle: Array
+    orders: tuple[float, ...]
+    amplitude: NDArray[np.complex128]
+
+
+@dataclass(frozen=True, eq=False)
+class Spectra:
+    """Spectra along a run.
+
+    Attributes:
+        angle: (k,) of the rotor, in the middle of each window [rad].
+        orders: (m,) frequency over speed.
+        amplitude: (k, m), 0-peak.
+    """
+
+    angle: Array
+    orders: Array
+    amplitude: Array
+
+
+def tracked(angle: Array, samples: Array, orders: Sequence[float]) -> Tracked:
+    """Amplitudes of orders, each over windows of four revolutions, by Hann's window.
+
+    Orders half a turn apart do not show in each other, nor does a constant in any.
+
+    Args:
+        angle: (T,) of the rotor, rising [rad].
+        samples: (s, T).
+        orders: multiples of the speed: 0.5, 1, 1.5 and so on, below 32.
+
+    Raises:
+        UserError: an order is none of these, or the run is shorter than a window.
+    """
+    for order in orders:
+        if not 0.0 < order < POINTS / 2.0 or 2.0 * order % 1.0:
+            raise UserError(f"order {order:g}: must be 0.5, 1, 1.5 or so on, below {POINTS // 2}")
+    grid, windows = _windows(angle, samples, TRACKED, POINTS_TRACKED)
+    weight = hann(grid.shape[1], sym=False)
+    turn = np.exp(-1j * np.outer(grid[:, 0], orders))[:, :, None]
+    within = (grid[0] - grid[0, 0])[:, None] * np.asarray(orders)
+    fourier = (2.0 * weight / weight.sum())[:, None] * np.exp(-1j * within)
+    amplitude = turn * np.einsum("skp,pm->kms", windows, fourier)
+    return Tracked(grid.mean(axis=1), tuple(orders), amplitude)
+
+
+def spectra(angle: Array, samples: Array, highest: float = 4.0) -> Spectra:
+    """Spectra of one signal up to an order, by Hann's window; an order's line has its amplitude.
+
+    Args:
+        angle, samples: (T,) of the rotor, rising [rad], and of the signal.
+
+    Raises:
+        UserError: the run is shorter than a window.
+    """
+    turns = (angle[-1] - angle[0]) / math.tau
+    revolutions = int(np.clip(turns / WINDOWS, SHORTEST, LONGEST))
+    grid, windows = _windows(angle, samples[None], revolutions, SPECTRA)
+    length = grid.shape[1]
+    weight = hann(length, sym=False)
+    flat = windows[0] - windows[0].mean(axis=1, keepdims=True)
+    lines = np.abs(np.fft.rfft(flat * weight, PADDED * length, axis=1)) * 2.0 / weight.sum()
+    orders = np.arange(lines.shape[1]) / (PADDED * revolutions)
+    shown = orders <= highest
+    return Spectra(grid.mean(axis=1), orders[shown], lines[:, shown])
+
+
+def _windows(angle: Array, samples: Array, revolutions: int, most: int) -> tuple[Array, Array]:
+    """Angles (k, p) of about `most` overlapping windows, and the signals there (s, k, p)."""
+    step, length = math.tau / POINTS, POINTS * revolutions
+    count = int((angle[-1] - angle[0]) / step * (1.0 + 1e-12)) + 1
+    if count < length:
+        raise UserError(
+            f"{(angle[-1] - angle[0]) / math.tau:.3g} revolutions are too few: orders are looked "
+            f"at over {revolutions}"
+        )
+    even = angle[0] + step * np.arange(count)
+    values = CubicSpline(angle, samples, axis=1)(np.minimum(even, angle[-1]))
+    hop = max(1, (count - length) // most)
+    grid = sliding_window_view(even, length)[::hop]
+    return grid, sliding_window_view(values, length, axis=1)[:, ::hop]

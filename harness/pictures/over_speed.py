@@ -1,0 +1,181 @@
+"""Pictures of a run-up: waterfall, orders, polar diagram, and the weights' angles.
+
+At constant speed the same stand over time.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from ..errors import UserError
+from ..output.picture import GREY, Axis, Field, Line, Panel, Picture, colour, unbroken
+from ..output.plot import metres
+from .motion import Array, Motion, station_names
+from .orders import spectra, tracked
+
+SHOWN = 24  # spectra behind each other in space
+MARKED = 7  # speeds along a polar curve
+ORDERS = (1.0, 2.0, 3.0)
+_FRACTION = 1e-3  # of the largest amplitude: less is dark
+
+
+def waterfall(motion: Motion, signal: str | None = None) -> Picture:
+    """Spectra of a signal behind each other, and as colours over speed and frequency.
+
+    Args:
+        signal: a displacement [m]; by default the largest.
+    """
+    rising = motion.rise
+    signal = signal or _largest(rising)
+    found = spectra(rising.angle, rising.recorded[signal])
+    if not found.amplitude.any():
+        raise UserError(f"{signal}: does not vibrate: there is no spectrum to show")
+    factor, unit = metres(float(found.amplitude.max()))
+    axis, values = rising.across
+    across = np.interp(found.angle, rising.angle, values)
+    speed = np.interp(found.angle, rising.angle, rising.speed)
+    frequency = found.orders * speed[:, None]
+    heights = found.amplitude * factor
+    amplitude = Axis("amplitude, 0-peak", unit)
+    upward = Axis("frequency", "rad/s", limits=(0.0, float(frequency.max())))
+    chosen = np.unique(np.linspace(0, len(across) - 1, SHOWN).round().astype(int))
+    lines = [
+        Line((frequency[k], np.full_like(frequency[k], across[k]), heights[k]), width=0.9)
+        for k in chosen[::-1]
+    ]
+    stack = Panel((upward, axis, amplitude), lines, title=f"{signal}: spectra", kind="space")
+    field = _field(across, frequency, heights, amplitude)
+    middle = len(across) // 2
+    lines = []
+    for order in (1, 2):
+        at = across[middle : middle + 1], order * speed[middle : middle + 1]
+        lines.append(Line((across, order * speed), "", "#FFFFFF", "dotted", 0.9))
+        text = (f"order {order}",)
+        lines.append(Line(at, "", "#FFFFFF", "dots", texts=text, text_colour="#FFFFFF"))
+    flat = Panel((axis, upward), lines, field, title=f"{signal}: amplitude over frequency")
+    return Picture(f"{motion.title}\nwaterfall", [stack, flat], height=5.2)
+
+
+def _field(across: Array, frequency: Array, heights: Array, amplitude: Axis) -> Field:
+    """Spectra over one and the same frequencies; none above what a window has seen."""
+    even = np.linspace(0.0, float(frequency.max()), 400)
+    columns = [np.interp(even, f, h, right=np.nan) for f, h in zip(frequency, heights, strict=True)]
+    top = float(heights.max())
+    quantity = Axis(amplitude.name, amplitude.unit, log=True, limits=(_FRACTION * top, top))
+    return Field(across, even, np.maximum(np.array(columns).T, _FRACTION * top), quantity)
+
+
+def _largest(motion: Motion) -> str:
+    size = np.abs(motion.displacement).max(axis=0)
+    axis, station = np.unravel_index(int(size.argmax()), size.shape)
+    return f"{motion.prefixes[station]}{'xy'[axis]}"
+
+
+def orders(motion: Motion, wanted: Sequence[float] = ORDERS) -> Picture:
+    """Amplitude of the stations' orders, and the phase of the first of them."""
+    rising = motion.rise
+    rows = np.moveaxis(rising.displacement, 0, 2).reshape(-1, len(rising.time))
+    found = tracked(rising.angle, rows, wanted)
+    axis, values = rising.across
+    across = np.interp(found.angle, rising.angle, values)
+    names = [f"{name}.{letter}" for letter in "xy" for name in station_names(motion.scene)]
+    panels = []
+    for m, order in enumerate(wanted):
+        size = np.abs(found.amplitude[:, m])
+        factor, unit = metres(float(size.max()))
+        lines = _curves(across, size.T * factor, names, named=m == 0)
+        upward = Axis(f"order {order:g}, 0-peak", unit)
+        panels.append(Panel((axis, upward), lines))
+    degrees = np.degrees(np.angle(found.amplitude[:, 0])).T
+    turned = [unbroken(each + 180.0) - 180.0 for each in degrees]
+    lines = _curves(across, turned, names, named=False)
+    name, ticks = f"order {wanted[0]:g}, phase to the rotor", range(-180, 181, 90)
+    phase = Axis(name, "deg", ticks, limits=(-190.0, 190.0))
+    panels.insert(1, Panel((axis, phase), lines))
+    return Picture(f"{motion.title}\norders of the vibration", panels, height=2.6)
+
+
+def _curves(across: Array, rows: Any, names: Sequence[str], named: bool) -> list[Line]:
+    """One line a name: a colour a station, y dashed."""
+    half = len(names) // 2
+    labels = names if named else [""] * len(names)
+    return [
+        Line((across, row), label, colour(k % half), "solid" if k < half else "dashed")
+        for k, (row, label) in enumerate(zip(rows, labels, strict=True))
+    ]
+
+
+def polar(motion: Motion) -> Picture:
+    """Synchronous amplitude and phase as one curve a station, along x and along y (Nyquist)."""
+    rising = motion.rise
+    rows = np.moveaxis(rising.displacement, 0, 2).reshape(-1, len(rising.time))
+    found = tracked(rising.angle, rows, (1.0,))
+    axis, values = rising.across
+    across = np.interp(found.angle, rising.angle, values)
+    amplitude = found.amplitude[:, 0].reshape(len(across), 2, -1)
+    return polar_picture(
+        f"{motion.title}\nsynchronous vibration",
+        across,
+        axis,
+        amplitude,
+        station_names(motion.scene),
+    )
+
+
+def polar_picture(
+    title: str, across: Array, axis: Axis, amplitude: Any, names: Sequence[str]
+) -> Picture:
+    """Polar diagrams of complex amplitudes (k, 2, n) [m] along x and y, marked by `across`."""
+    factor, unit = metres(float(np.abs(amplitude).max()))
+    largest = np.abs(amplitude).max(axis=0).argmax(axis=1)  # the station that is marked
+    panels = []
+    for column, letter in enumerate("xy"):
+        lines = []
+        for j, name in enumerate(names):
+            curve = amplitude[:, column, j]
+            points = np.angle(curve), np.abs(curve) * factor
+            label = name if column and len(names) > 1 else ""
+            lines.append(Line(points, label, colour(j)))
+            if j == largest[column]:
+                marked = _apart(curve)
+                texts = tuple(f"{across[k]:.4g}" for k in marked)
+                there = points[0][marked], points[1][marked]
+                lines.append(Line(there, "", colour(j), "marks", texts=texts))
+        heading = f"along {letter}: 0-peak [{unit}], phase to the rotor; marks: {axis.label}"
+        axes = (Axis("phase", "deg"), Axis("amplitude, 0-peak", unit))
+        panels.append(Panel(axes, lines, title=heading, kind="polar"))
+    return Picture(title, panels, columns=2, height=5.4, width=6.4)
+
+
+def _apart(curve: Any) -> Array:
+    """Points of a curve at equal distances along it."""
+    way = np.concatenate([[0.0], np.cumsum(np.abs(np.diff(curve)))])
+    return np.unique(np.searchsorted(way, np.linspace(0.0, way[-1], MARKED)))
+
+
+def weights(motion: Motion) -> Picture:
+    """Angles of all weights in the rotor against speed."""
+    rising = motion.rise
+    axis, across = rising.across
+    return Picture(f"{motion.title}\nweights in the rotor", weight_panels(rising, axis, across))
+
+
+def weight_panels(motion: Motion, axis: Axis, across: Array) -> list[Panel]:
+    """One panel a balancer, all weights in it."""
+    panels = []
+    for balancer, angles in motion.weights():
+        lines = [
+            Line((across, unbroken(np.degrees(angle))), f"weight {k + 1}", colour(k), width=1.0)
+            for k, angle in enumerate(angles)
+        ]
+        light = motion.light_side
+        if light is not None:
+            ends = np.array([across[0], across[-1]])
+            level = np.full(2, np.degrees(light) % 360.0)
+            lines.append(Line((ends, level), "opposite the unbalance", GREY, "dashed"))
+        upward = Axis("angle in the rotor", "deg", range(0, 361, 90), limits=(-5.0, 365.0))
+        panels.append(Panel((axis, upward), lines, title=balancer.label))
+    return panels

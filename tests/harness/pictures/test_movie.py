@@ -1,0 +1,134 @@
+"""Movies show the run's motion, say how much it is magnified, and appear whole or not at all."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+from PIL import Image
+
+from autobalancer.harness import UserError, cosimulate, load_scene
+from autobalancer.harness.pictures.motion import Motion
+from autobalancer.harness.pictures.movie import FRAMES_PER_SECOND, REACH, views
+
+RADIUS = 0.1  # m, the run-up's track
+
+
+@pytest.fixture(scope="module")
+def result():
+    names = ["rotor.x", "rotor.y", "weights.weight[1].angle", "weights.weight[2].angle"]
+    return cosimulate(load_scene("run_up"), record=names)
+
+
+@pytest.mark.parametrize("axes", ["rotor", "fixed"])
+def test_weights_are_seen_on_the_track_about_the_displaced_centre(result, axes):
+    """At the end either side of the light side by arccos(U/(2 m R))."""
+    motion = Motion(result.scene, result.time, result)
+    factor, (view,) = views(motion, result.time, axes)
+    turn = np.exp(1j * motion.angle) if axes == "fixed" else 1.0
+    z = (result["rotor.x"] + 1j * result["rotor.y"]) * np.exp(-1j * motion.angle) * turn
+    np.testing.assert_allclose(view.trail[:, -1], factor * z, atol=1e-12)
+    np.testing.assert_allclose(np.abs(view.weights - view.trail[:, -1]), RADIUS, rtol=1e-12)
+    ends = np.angle(
+        view.weights[:, -1] / (turn[-1] if axes == "fixed" else 1.0) * np.exp(-1j * np.pi)
+    )
+    assert sorted(ends) == pytest.approx([-math.acos(0.625), math.acos(0.625)], abs=1e-3)
+
+
+def test_magnification_is_a_round_number_that_fills_the_track(result):
+    motion = Motion(result.scene, result.time, result)
+    factor, _ = views(motion, result.time, "rotor")
+    largest = np.hypot(result["rotor.x"], result["rotor.y"]).max()
+    assert REACH * RADIUS / 2.5 < factor * largest <= REACH * RADIUS
+    assert factor == 5.0
+
+
+def test_trail_is_the_last_revolution(result):
+    motion = Motion(result.scene, result.time, result)
+    factor, (view,) = views(motion, result.time, "fixed")
+    past = np.interp(motion.angle[-1] - math.tau, motion.angle, result.time)
+    before = [np.interp(past, result.time, result[f"rotor.{axis}"]) for axis in "xy"]
+    assert view.trail[-1, 0] == pytest.approx(factor * complex(*before), abs=1e-9)
+
+
+@pytest.mark.parametrize("kind", ["gif", "webp"])
+def test_movie_has_the_length_asked_for(result, tmp_path, kind):
+    done = []
+    path = result.movie(tmp_path / f"a.{kind}", seconds=0.5, progress=done.append)
+    with Image.open(path) as movie:
+        assert movie.n_frames == 0.5 * FRAMES_PER_SECOND
+        movie.load()  # only then Pillow knows the duration of a webp
+        assert movie.info["duration"] == 1000 / FRAMES_PER_SECOND
+    assert done[-1] == 1.0
+    assert done == sorted(done)
+
+
+def test_movie_that_is_interrupted_leaves_what_was_there(result, tmp_path):
+    path = tmp_path / "a.gif"
+    path.write_text("old", encoding="utf-8")
+
+    def stop(done: float) -> None:
+        if done > 0.3:
+            raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        result.movie(path, seconds=0.5, progress=stop)
+    assert [each.name for each in tmp_path.iterdir()] == ["a.gif"]
+    assert path.read_text(encoding="utf-8") == "old"
+
+
+def test_fixed_axes_need_frames_for_every_revolution(result, tmp_path):
+    with pytest.raises(UserError, match=r"150 revolutions need 60 seconds of movie .8 frames a"):
+        result.movie(tmp_path / "a.gif", axes="fixed")
+
+
+def test_there_must_be_something_to_see(tmp_path):
+    scene = load_scene("two_balls").without_balancers()
+    with pytest.raises(UserError, match="has no balancer to show"):
+        cosimulate(scene).movie(tmp_path / "a.gif")
+
+
+@pytest.mark.parametrize(
+    ("place", "message"),
+    [
+        ("a.mp4", "an mp4 needs ffmpeg, and there is none: take .gif or .webp"),
+        ("a.avi", "movies end in .gif, .webp, .mp4"),
+        ("no/a.gif", "there is no directory"),
+    ],
+)
+def test_what_cannot_be_made_is_refused_before_the_run(
+    invoke, tmp_path, monkeypatch, place, message
+):
+    monkeypatch.setattr(
+        "autobalancer.harness.pictures.movie.FFMpegWriter.isAvailable", lambda: False
+    )
+    monkeypatch.setattr("autobalancer.harness.master.cosimulation.cosimulate", None)
+    done = invoke("run", "two_balls", "--movie", tmp_path / place)
+    assert done.exit_code == 2, done.output
+    assert message in done.output
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        (["--movie-axes", "fixed", "--set", "run.revolutions=500"], "500 revolutions need 200 sec"),
+        (["--movie-seconds", "0"], "seconds of the movie = 0: must be 0.5 to 600"),
+    ],
+)
+def test_what_would_not_show_the_run_is_refused_before_it(
+    invoke, tmp_path, monkeypatch, options, message
+):
+    monkeypatch.setattr("autobalancer.harness.master.cosimulation.cosimulate", None)
+    done = invoke("run", "two_balls", "--movie", tmp_path / "a.gif", *options)
+    assert done.exit_code == 2, done.output
+    assert message in done.output
+
+
+def test_command_makes_a_movie_of_liquid(invoke, tmp_path):
+    done = invoke(
+        *("run", "liquid_disc", "--movie", tmp_path / "a.gif", "--movie-seconds", 0.5),
+    )
+    assert done.exit_code == 0, done.output
+    with Image.open(tmp_path / "a.gif") as movie:
+        assert movie.n_frames >= 2

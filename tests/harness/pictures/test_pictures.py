@@ -1,0 +1,289 @@
+"""Pictures of a run show what closed forms say: orders, spectra, polar curves, orbits, modes."""
+
+from __future__ import annotations
+
+import json
+import math
+import sys
+
+import numpy as np
+import pytest
+
+from autobalancer.harness import UserError, cosimulate, load_scene
+from autobalancer.harness.master.result import UnknownSignalError
+from autobalancer.harness.output.picture import Picture
+from autobalancer.harness.output.plot import drawn
+from autobalancer.harness.pictures.in_space import mode_shapes
+from autobalancer.harness.pictures.orders import spectra, tracked
+from autobalancer.harness.rotor.plot import polar_response
+from autobalancer.harness.rotor.study import response_of
+from autobalancer.harness.scene import Scene
+
+M, K, C, U, ALPHA = 2.0, 2.0, 1.6, 0.01, 0.5  # disc: natural frequency 1 rad/s, damping ratio 0.4
+
+
+def disc(revolutions: float = 30.0, **operation: object) -> Scene:
+    rotor = {"kind": "planar", "mass": M, "stiffness": K, "damping": C,
+             "unbalance": U, "unbalance_angle": ALPHA}  # fmt: skip
+    driven, run = operation or {"speed": 1.5}, {"revolutions": revolutions}
+    return Scene.from_document({"rotor": rotor, "operation": driven, "run": run})
+
+
+def linear_response(speed):
+    """Amplitude A of the steady x = Re(A e^{i angle})."""
+    return U * np.exp(1j * ALPHA) * speed**2 / (K - M * speed**2 + 1j * C * speed)
+
+
+@pytest.fixture(scope="module")
+def slow_run_up():
+    """600 revolutions from 0.3 to 3 rad/s: the vibration has time to become the steady one."""
+    revolutions = 600
+    seconds = math.tau * revolutions / 1.65
+    return cosimulate(disc(revolutions, run_up={"from": 0.3, "to": 3.0, "seconds": seconds}))
+
+
+def lines(picture: Picture, panel: int = 0, style: str | None = None):
+    return [line for line in picture.panels[panel].lines if style in (None, line.style)]
+
+
+def test_orders_of_a_known_vibration_are_found_whatever_the_speed_does():
+    time = np.linspace(0.0, 20.0, 4000)
+    angle = 3.0 * time + 0.9 * time**2
+    signal = 2.0 * np.cos(angle + 0.3) + 0.5 * np.cos(2.0 * angle - 1.0)
+    signal += 0.2 * np.cos(0.5 * angle) + 7.0
+    found = tracked(angle, signal[None], (0.5, 1.0, 2.0, 3.0)).amplitude[:, :, 0]
+    expected = [0.2, 2.0 * np.exp(0.3j), 0.5 * np.exp(-1.0j), 0.0]
+    np.testing.assert_allclose(found, np.broadcast_to(expected, found.shape), atol=2e-4)
+    lines = spectra(angle, signal)
+    for order, amplitude in ((0.5, 0.2), (1.0, 2.0), (2.0, 0.5), (3.0, 0.0)):
+        line = lines.amplitude[:, np.isclose(lines.orders, order)]
+        np.testing.assert_allclose(line, amplitude, atol=2e-4)
+
+
+def test_order_tracking_equals_the_amplitude_of_a_steady_run():
+    result = cosimulate(disc(40.0))
+    amplitude = lines(result.plot_orders(orders=(1.0,)))[0].points[1][-1]
+    late = result.time > 0.9 * result.time[-1]
+    exact = abs(linear_response(1.5))
+    assert np.abs(result["rotor.x"][late]).max() == pytest.approx(exact, rel=5e-3)
+    assert amplitude == pytest.approx(1e3 * exact, rel=1e-3)  # drawn in mm
+
+
+def test_waterfalls_ridge_at_order_one_is_the_linear_response(slow_run_up):
+    """A slow run-up follows the steady response; at its peak, in time too, within 2 %."""
+    result = slow_run_up
+    angle = np.array([result.scene.profile().angle(t) for t in result.time])
+    speed = np.array([result.scene.profile().speed(t) for t in result.time])
+    found = spectra(angle, result["rotor.x"])
+    at = np.interp(found.angle, angle, speed)
+    ridge = found.amplitude[:, found.orders == 1.0][:, 0]
+    np.testing.assert_allclose(ridge, np.abs(linear_response(at)), rtol=0.02)
+    assert (found.orders[found.amplitude.argmax(axis=1)] == 1.0).all()
+
+
+def test_waterfall_draws_frequency_speed_and_amplitude(slow_run_up):
+    picture = slow_run_up.plot_waterfall()
+    assert [axis.label for axis in picture.panels[0].axes] == [
+        "frequency [rad/s]", "speed [rad/s]", "amplitude, 0-peak [mm]",
+    ]  # fmt: skip
+    for line in lines(picture):
+        frequency, speed, height = line.points
+        top = height.argmax()
+        assert frequency[top] == pytest.approx(speed[0], rel=0.04)
+        assert height[top] == pytest.approx(1e3 * abs(linear_response(speed[0])), rel=0.03)
+    field = picture.panels[1].field
+    column = int(np.searchsorted(field.x, 1.0))
+    ridge = field.y[np.nanargmax(field.values[:, column])]
+    assert ridge == pytest.approx(field.x[column], rel=0.03)
+
+
+def on_circle(speed, curve):
+    """A/w is the mobility times u: a circle of diameter u/c through the origin, turned by alpha."""
+    turned = curve * np.exp(-1j * ALPHA) / speed
+    return np.abs(turned + 0.5j * U / C) / (0.5 * U / C)
+
+
+def test_polar_curve_of_a_disc_is_its_circle(slow_run_up):
+    data = response_of(disc(), 0.1, 3.0)
+    (line,) = lines(polar_response(data), style="solid")
+    curve = line.points[1] * np.exp(1j * line.points[0]) * 1e-3
+    np.testing.assert_allclose(on_circle(data.speeds, curve), 1.0, rtol=1e-9)
+
+
+def test_polar_curve_of_a_slow_run_up_is_that_circle_and_its_marks_say_the_speed(slow_run_up):
+    picture = slow_run_up.plot_polar()
+    (line,), (marks,) = lines(picture, style="solid"), lines(picture, style="marks")
+    curve = marks.points[1] * np.exp(1j * marks.points[0]) * 1e-3
+    speeds = np.array([float(text) for text in marks.texts])
+    np.testing.assert_allclose(on_circle(speeds, curve), 1.0, atol=0.02)
+    np.testing.assert_allclose(curve, linear_response(speeds), atol=0.03 * U / C)
+    assert len(line.points[0]) > 500
+    along_y = lines(picture, panel=1, style="solid")[0]
+    np.testing.assert_allclose(
+        np.mod(line.points[0] - along_y.points[0], math.tau), math.pi / 2, atol=0.02
+    )
+
+
+def test_two_weights_end_where_they_hold_the_unbalance():
+    """Either side of the light side by arccos(U/(2 m R)); NaN cuts the line at 360 degrees."""
+    scene = load_scene("run_up")
+    names = ["rotor.x", "rotor.y", "weights.weight[1].angle", "weights.weight[2].angle"]
+    result = cosimulate(scene, record=names)
+    panel = result.plot_weights().panels[2]
+    ends = sorted(line.points[1][-1] for line in panel.lines if line.label.startswith("weight"))
+    apart = math.degrees(math.acos(2.5e-3 / 4e-3))
+    assert ends == pytest.approx([180.0 - apart, 180.0 + apart], abs=0.1)
+    for line in panel.lines[:2]:
+        steps = np.abs(np.diff(line.points[1]))
+        assert np.nanmax(steps) < 180.0
+        assert np.isnan(steps).any()
+    over_speed = result.plot_weights_over_speed().panels[0]
+    assert over_speed.axes[0].label == "speed [rad/s]"
+    assert over_speed.lines[0].points[0][-1] == pytest.approx(150.0)
+
+
+def test_at_constant_speed_the_same_stand_over_time():
+    result = cosimulate("two_balls")
+    assert result.plot_weights_over_speed().panels[0].axes[0].label == "time [s]"
+    assert result.plot_orders().panels[0].axes[0].label == "time [s]"
+
+
+def test_orbits_of_a_rigid_shaft_lie_on_straight_lines_through_its_planes():
+    result = cosimulate("drum")
+    (panel,) = result.plot_orbits(revolutions=1.0).panels
+    bent = next(line for line in panel.lines if line.style == "marks")
+    z, x, y = bent.points
+    assert z.tolist() == [-0.02, 0.0, 0.40, 0.42]
+    for along in (x, y):
+        slope = (along[2] - along[1]) / 0.40
+        np.testing.assert_allclose(along, along[1] + slope * z, atol=1e-9 * np.abs(along).max())
+    micrometres = [1e6 * result[f"rotor.station[{j}].x"][-1] for j in (1, 2)]
+    np.testing.assert_allclose(x[1:3], micrometres, rtol=1e-12)
+    assert [axis.label for axis in panel.axes] == ["along the shaft [m]", "x [µm]", "y [µm]"]
+    orbit = panel.lines[1].points
+    assert len(orbit[1]) == 41  # one revolution of 40 steps
+
+
+def test_orbit_of_a_steady_disc_is_its_circle():
+    picture = cosimulate(disc(60.0)).plot_orbits()
+    x, y = lines(picture)[0].points
+    np.testing.assert_allclose(np.hypot(x, y), 1e3 * abs(linear_response(1.5)), rtol=1e-3)
+    assert picture.panels[0].equal
+
+
+def test_mode_shapes_turn_as_their_titles_say():
+    """Rodrigues' rotor has circular whirl in both senses."""
+    picture = mode_shapes(load_scene("two_plane_rodrigues"))
+    senses = set()
+    for panel in picture.panels:
+        sense = panel.title.rpartition(", ")[2]
+        senses.add(sense)
+        whirling = [line for line in panel.lines if line.style == "solid"][:2]
+        for line in whirling:
+            _, x, y = line.points
+            turned = np.sum(x[:-1] * np.diff(y) - y[:-1] * np.diff(x))
+            assert (turned > 0.0) == (sense == "forward")
+            np.testing.assert_allclose(np.hypot(x, y), np.hypot(x[0], y[0]), rtol=1e-6)
+    assert senses == {"forward", "backward"}
+
+
+def test_settling_map_is_the_same_when_equal_weights_change_places():
+    result = cosimulate("two_balls")
+    field = result.plot_settling(points=9).panels[0].field
+    np.testing.assert_allclose(field.values, field.values.T, rtol=1e-6)
+    np.testing.assert_allclose(field.values[0], field.values[-1], rtol=1e-6)  # 0 is 360 degrees
+    assert np.isfinite(field.values).any()
+    assert field.quantity.label == "settling time [s]"
+
+
+def test_settling_map_shows_when_a_run_from_there_settles():
+    scene = load_scene("two_balls")
+    field = cosimulate(scene).plot_settling(points=5).panels[0].field
+    j, i = np.argwhere(np.isfinite(field.values))[0]
+    angles = [math.radians(field.x[i]), math.radians(field.y[j])]
+    run = cosimulate(scene.replace({"weights.angles": angles, "coupling.steps_per_rev": 40}))
+    size = np.hypot(run["rotor.x"], run["rotor.y"])
+    period = run.time[-1] / 20
+    turn = np.minimum(run.time / period, 19.9).astype(int)
+    tops = np.array([size[turn == k].max() for k in range(20)])
+    away = np.flatnonzero(np.abs(tops - tops[-1]) > 0.05 * size.max())
+    assert field.values[j, i] == pytest.approx((away[-1] + 1) * period, abs=1.01 * period)
+
+
+@pytest.mark.parametrize(
+    ("kind", "message"),
+    [("weights", "no balancer with weights"), ("settling", "has no two weights")],
+)
+def test_what_a_scene_does_not_have_is_said(kind, message):
+    with pytest.raises(UserError, match=message):
+        getattr(cosimulate("liquid_disc"), f"plot_{kind}")()
+
+
+def test_what_was_not_recorded_is_said():
+    result = cosimulate(disc(2.0), record=["rotor.x"])
+    with pytest.raises(UnknownSignalError, match=r"rotor.y.*was not recorded"):
+        result.plot_orbits()
+    with pytest.raises(UserError, match="2 revolutions are too few: orders are looked at over 4"):
+        cosimulate(disc(2.0)).plot_orders()
+
+
+def test_a_rotor_at_rest_has_no_waterfall_and_all_other_pictures():
+    result = cosimulate(disc(8.0).replace({"rotor.unbalance": 0.0}))
+    with pytest.raises(UserError, match=r"rotor\.x: does not vibrate"):
+        result.plot_waterfall()
+    for picture in (result.plot_orders(), result.plot_polar(), result.plot_orbits()):
+        assert picture._repr_png_()
+
+
+def test_both_libraries_draw_the_same_points_under_the_same_words(slow_run_up):
+    pytest.importorskip("plotly")
+    for picture in (slow_run_up.plot_orders(), slow_run_up.plot_waterfall()):
+        ours, theirs = drawn(picture), picture.plotly()
+        first, trace = ours.axes[0].lines[0], theirs.data[0]
+        known = first.get_data_3d() if hasattr(first, "get_data_3d") else first.get_data()
+        for axis, values in zip("xyz", known, strict=False):
+            np.testing.assert_array_equal(np.asarray(trace[axis], float), np.asarray(values, float))
+        said = json.loads(theirs.to_json())["layout"]
+        assert ours.axes[0].get_ylabel() == picture.panels[0].axes[1].label
+        where = said["scene"] if hasattr(first, "get_data_3d") else said
+        assert where["yaxis"]["title"]["text"] == picture.panels[0].axes[1].label
+    names = {trace.type for trace in slow_run_up.plot_polar().plotly().data}
+    assert names == {"scatterpolar"}
+
+
+def test_a_page_takes_a_title_for_text(slow_run_up, tmp_path):
+    pytest.importorskip("plotly")
+    document = disc(8.0).document | {"title": "<script>alert(1)</script>"}
+    scene = Scene.from_document(document)
+    page = cosimulate(scene).plot_orders().save(tmp_path / "a.html").read_text(encoding="utf-8")
+    assert "<script>alert" not in page
+    assert "alert(1)" in page
+
+
+def test_without_plotly_a_page_is_refused_before_the_run(invoke, monkeypatch, tmp_path):
+    monkeypatch.setitem(sys.modules, "plotly.graph_objects", None)
+    done = invoke("run", "two_balls", "--orders", tmp_path / "a.html")
+    assert done.exit_code == 2
+    assert 'pip install "autobalancer[plotly]"' in done.output
+
+
+def test_run_draws_what_is_asked_for(invoke, tmp_path):
+    kinds = ("weights", "weights-over-speed", "waterfall", "orders", "polar", "orbits")
+    options = [part for kind in kinds for part in (f"--{kind}", str(tmp_path / f"{kind}.png"))]
+    # its scene records no angles of the weights: they are added
+    done = invoke("run", "run_up", *options)
+    assert done.exit_code == 0, done.output
+    for kind in kinds:
+        assert (tmp_path / f"{kind}.png").read_bytes().startswith(b"\x89PNG")
+
+
+def test_rotor_draws_modes_and_polar_response(invoke, tmp_path):
+    modes, polar = tmp_path / "modes.svg", tmp_path / "polar.svg"
+    done = invoke("rotor", "grinder", "--modes", modes, "--polar", polar)
+    assert done.exit_code == 0, done.output
+    assert "<!-- along the shaft [m] -->" in modes.read_text(encoding="utf-8")
+    assert "phase to the rotor; marks: speed [rad/s] -->" in polar.read_text(encoding="utf-8")
+
+
+def test_a_picture_shows_itself_in_a_notebook():
+    assert cosimulate(disc(8.0)).plot_orders()._repr_png_().startswith(b"\x89PNG")
