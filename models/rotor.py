@@ -1,10 +1,11 @@
 """A rotor on viscous-elastic supports as one linear system.
 
-    M q'' + (C + C_i - w G J) q' + (K - w C_i J) q = u (w^2 - i w') e^{i beta} + S^T F
+    M q'' + (C + C_i - w G J) q' + (K - w C_i J) q = u (w^2 - i w') e^{i beta} + S^T F + M g
 
-where J turns x into y and y into -x.  Filimonikhina 2017 (4), Dubovik 2006 (5), Polushkin 2016 and
-Filimonikhin 2011 (1) all describe a rotor of this form; they differ only in the matrices.  In
-complex notation z = x + i y the equation of an isotropic rotor reads
+with gravity g at every station, where J turns x into y and y into -x.  Filimonikhina 2017 (4),
+Dubovik 2006 (5), Polushkin 2016 and Filimonikhin 2011 (1) all describe a rotor of this form,
+without gravity; they differ only in the matrices.  In complex notation z = x + i y the equation of
+an isotropic rotor reads
 
     M z'' + (C + C_i - i w G) z' + (K - i w C_i) z = u (w^2 - i w') e^{i beta} + S^T F
 
@@ -37,6 +38,7 @@ class LinearRotor:
         planes: (p, n) matrix S: displacement of the planes from that of the stations.
         unbalance: (n,) complex generalised unbalance u in the rotor frame [kg m].
         deflection: (d, n) rows whose largest modulus is the shaft's bending.
+        gravity: acceleration of what falls, across the axis in fixed axes, gx + i gy [m/s^2].
     """
 
     mass: Matrix
@@ -49,6 +51,7 @@ class LinearRotor:
     planes: Matrix
     unbalance: NDArray[np.complex128]
     deflection: Matrix
+    gravity: complex = 0j
 
     @classmethod
     def planar(
@@ -113,6 +116,28 @@ class LinearRotor:
         """u by the turning unit vector: complex (n, 1) if isotropic, else (2n, 2) for x and y."""
         u = self.unbalance[:, None]
         return u if self.isotropic else np.block([[u.real, -u.imag], [u.imag, u.real]])
+
+    @property
+    def falling(self) -> NDArray:
+        """Gravity at every station [m/s^2]: (n,) complex if isotropic, else (2n,) for x and y."""
+        field = np.full(self.stations, self.gravity)
+        return field if self.isotropic else np.concatenate([field.real, field.imag])
+
+    def sag(self, speed: float) -> NDArray:
+        """Displacements at rest under gravity, ordered as `falling` [m].
+
+        Internal damping, which turns with the shaft, draws them aside in proportion to the speed.
+
+        Raises:
+            ValueError: the supports have no stiffness that would carry the weight.
+        """
+        mass, _, stiffness = self.coefficients(speed)
+        try:
+            return np.linalg.solve(stiffness, mass @ self.falling)
+        except np.linalg.LinAlgError:
+            raise ValueError(
+                "gravity: supports without stiffness cannot carry the rotor's weight"
+            ) from None
 
     def with_added_mass(self, added_mass: ArrayLike) -> LinearRotor:
         """The same rotor carrying `added_mass` [kg] (p,) rigidly at its planes."""

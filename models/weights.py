@@ -3,9 +3,11 @@
 Filimonikhina 2017 (4) with theta = phi - beta (angle of a weight in the rotor) reads
 
     theta'' + d theta' = g(t, theta),   d = b/(kappa m),
-    g = -Im(a e^{-i theta})/(kappa R) - w',
+    g = -Im(a e^{-i theta})/(kappa R) - s w',   s = (1 - (kappa - 1) r/R)/kappa,
 
-with a the acceleration of the track's centre seen in the rotor frame.  Drag is integrated exactly
+with a the acceleration of the track's centre seen in the rotor frame.  Printed is s = 1, which is
+right for pendulums: a body of radius r that rolls is also driven by a track that spins up (errata
+in README.md).  Drag is integrated exactly
 and g as a cubic with the exact values and slopes of both ends (a two-derivative exponential
 collocation of order 4), so the drag may be of any size.
 """
@@ -41,6 +43,7 @@ class Weights:
         track_radius: of the weights' centres R [m].
         drag: viscous force per speed along the track, of each, b [N s/m].
         kappa: 7/5 ball, 3/2 roller, 1 pendulum (`KAPPA`).
+        radius: of a body that rolls, r [m].
 
     Raises:
         ValueError: a value is not finite or out of its range.
@@ -51,12 +54,14 @@ class Weights:
     track_radius: float
     drag: float = 0.0
     kappa: float = 1.0
+    radius: float = 0.0
 
     def __post_init__(self) -> None:
         if self.count < 1:
             raise ValueError(f"count = {self.count!r}: must be at least 1")
         demand_all(self, "mass track_radius")
         demand("drag", self.drag, least=0.0)
+        demand("radius", self.radius, least=0.0)
         demand("kappa", self.kappa, least=1.0)
 
     @property
@@ -78,6 +83,11 @@ class Weights:
     def lever(self) -> float:
         """-1/(kappa R): what the acceleration across a weight turns into along its angle [1/m]."""
         return -1.0 / (self.kappa * self.track_radius)
+
+    @cached_property
+    def spin_share(self) -> float:
+        """s: part of the track's angular acceleration by which a free weight falls behind."""
+        return (1.0 - (self.kappa - 1.0) * self.radius / self.track_radius) / self.kappa
 
     @cached_property
     def damping_rate(self) -> float:
@@ -148,7 +158,7 @@ def substep(
     angle_rate: float,
     ends: tuple[complex, complex, complex, complex],
     lever: float,
-    angular_acceleration: float,
+    lag: float,
     damping_rate: float,
     step: float,
     rates: Rates = STEADY,
@@ -159,7 +169,7 @@ def substep(
         angle, angle_rate: at the start [rad, rad/s].
         ends: acceleration of the track's centre and its slope at the start, and at the end.
         lever: -1/(kappa R), times a group's factor [1/m].
-        angular_acceleration, rates: of the rotor, w' [rad/s^2], and its derivatives at the start.
+        lag, rates: s w', by which a free weight falls behind [rad/s^2], and its derivatives.
         damping_rate: d [1/s].
 
     Raises:
@@ -170,7 +180,7 @@ def substep(
     # `along_track` written out here and below: a run with weights spends its time here
     direction = rect(lever, -angle)
     along = a0 * direction
-    g0 = along.imag - angular_acceleration
+    g0 = along.imag - lag
     g1 = (da0 * direction).imag - along.real * angle_rate
     free_rate = e * angle_rate + s0 * g0 + s1 * g1
     free_angle = angle + t * angle_rate + t0 * g0 + t1 * g1
@@ -179,7 +189,7 @@ def substep(
         free_rate -= s1 * j1 + s2 * j2 + s3 * j3
         free_angle -= t1 * j1 + t2 * j2 + t3 * j3
     new_angle, new_rate = free_angle, free_rate
-    g0 += angular_acceleration
+    g0 += lag
     change = 1.0  # a weight moves less than 0.15 rad in a substep, which makes it contract fast
     for _ in range(MAX_ITERATIONS):
         direction = rect(lever, -new_angle)
@@ -217,18 +227,18 @@ def fastest_rate(
     speeds: Sequence[float],
     signal: Sequence[complex],
     lever: float,
-    angular_acceleration: float,
+    lag: float,
     damping_rate: float,
     step: float,
 ) -> tuple[float, float]:
     """Rate [rad/s] that no weight exceeds by much within a step, and the strongest acceleration.
 
-    Arguments as `advance`; `lever` and `damping_rate` are the weights'.
+    Arguments as `advance` and `substep`; `lever` and `damping_rate` are the weights'.
     """
     # value and slope only: corrector passes change the rest, and must not change the substeps
     strongest = abs(signal[0]) + step * abs(signal[1])
     # a run-up leaves free weights behind: they gain w' * step, or what the drag lets them
-    gained = abs(angular_acceleration) * (step if damping_rate * step < 1.0 else 1.0 / damping_rate)
+    gained = abs(lag) * (step if damping_rate * step < 1.0 else 1.0 / damping_rate)
     return max(map(abs, speeds)) + math.sqrt(-strongest * lever) + gained, strongest
 
 
@@ -243,9 +253,8 @@ def substeps(
 ) -> int:
     """Substeps in what is `left` of a step, below `most`; all else as `advance`."""
     lever, damping_rate = weights.lever, weights.damping_rate
-    fastest, strongest = fastest_rate(
-        speeds, signal, lever, angular_acceleration, damping_rate, step
-    )
+    lag = weights.spin_share * angular_acceleration
+    fastest, strongest = fastest_rate(speeds, signal, lever, lag, damping_rate, step)
     turns = left * fastest / TURN_PER_SUBSTEP
     if not turns < most:
         raise ArithmeticError(
@@ -291,17 +300,20 @@ def advance(
     count = substeps(weights, speeds, signal, angular_acceleration, step, step, _MAX_SUBSTEPS)
     h = step / count
     lever, damping_rate = weights.lever, weights.damping_rate
+    lag = weights.spin_share * angular_acceleration
     new_angles, new_speeds = list(angles), list(speeds)
     start = signal[0], signal[1]
-    spin_up, changes = angular_acceleration, rates
+    now, moving = lag, rates
+    share = weights.spin_share
+    lags = share * rates[0], share * rates[1], share * rates[2]
     for j in range(1, count + 1):
         end = at(signal, j * h)
         ends = (*start, *end)
         if rates != STEADY:
-            spin_up, changes = later(angular_acceleration, rates, (j - 1) * h)
+            now, moving = later(lag, lags, (j - 1) * h)
         for k in range(len(new_angles)):
             new_angles[k], new_speeds[k] = substep(
-                new_angles[k], new_speeds[k], ends, lever, spin_up, damping_rate, h, changes
+                new_angles[k], new_speeds[k], ends, lever, now, damping_rate, h, moving
             )  # fmt: skip
         start = end
     return new_angles, new_speeds
@@ -340,6 +352,7 @@ def reaction(
         F [N] and dF/dt [N/s], xi + i eta.
     """
     lever, damping_rate = weights.lever, weights.damping_rate
+    lag = weights.spin_share * angular_acceleration
     acceleration *= lever
     slope *= lever
     moment = first = second = third = 0j
@@ -348,13 +361,13 @@ def reaction(
         # `along_track` written out with e^{-i theta} = conj(unit)
         back = unit.conjugate()
         along = acceleration * back
-        theta_2 = along.imag - angular_acceleration - damping_rate * nu
+        theta_2 = along.imag - lag - damping_rate * nu
         torque_slope = (slope * back).imag - along.real * nu
         squared = nu * nu
         moment += unit
         first += complex(0.0, nu) * unit
         second += complex(-squared, theta_2) * unit
-        theta_3 = torque_slope - damping_rate * theta_2 - change
+        theta_3 = torque_slope - damping_rate * theta_2 - weights.spin_share * change
         third += complex(-3.0 * nu * theta_2, theta_3 - nu * squared) * unit
     turn = 2j * rotor_speed
     pull = 1j * angular_acceleration - rotor_speed * rotor_speed
@@ -375,22 +388,35 @@ def torque(
     weights: Weights,
     angles: Sequence[float],
     speeds: Sequence[float],
-    acceleration: complex,
+    motion: tuple[complex, complex],
     angular_acceleration: float,
+    change: float,
 ) -> tuple[float, float]:
-    """Torque of the drag on the rotor about the track's centre, sum b R^2 theta', and its slope.
+    """Torque on the rotor about the track's centre, and its slope; Lagrange's equations.
 
-    Contacts between weights take no part: what one gains of it the other loses.
+    Sum of b R^2 theta' - (kappa - 1) m (R + r) (r w' - R theta''): drag, and what a body that rolls
+    takes to turn.  Contacts between weights take no part: what one gains of it the other loses.
 
     Args:
-        acceleration: of the track's centre in the rotor frame [m/s^2].
-        angular_acceleration: w' [rad/s^2].
+        motion: acceleration of the track's centre and its slope, rotor frame [m/s^2, m/s^3].
+        angular_acceleration, change: w', w'' [rad/s^2, rad/s^3].
 
     Returns:
         [N m], [N m/s].
     """
-    factor = weights.drag * weights.track_radius**2
-    rate = sum(speeds)
-    pull = sum((acceleration * rect(weights.lever, -angle)).imag for angle in angles)
-    drawn = pull - weights.count * angular_acceleration - weights.damping_rate * rate
-    return factor * rate, factor * drawn
+    size, body, count, share = (
+        weights.track_radius, weights.radius, weights.count, weights.spin_share
+    )  # fmt: skip
+    rate, turned, jerk = sum(speeds), 0.0, 0.0
+    for angle, speed in zip(angles, speeds, strict=True):
+        drawn, drawn_slope = along_track(*motion, angle, speed, weights.lever)
+        turned += drawn
+        jerk += drawn_slope
+    turned -= count * share * angular_acceleration + weights.damping_rate * rate
+    jerk -= count * share * change + weights.damping_rate * turned
+    drag = weights.drag * size**2
+    rolling = (weights.kappa - 1.0) * weights.mass * (size + body)
+    return (
+        drag * rate - rolling * (count * body * angular_acceleration - size * turned),
+        drag * turned - rolling * (count * body * change - size * jerk),
+    )

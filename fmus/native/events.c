@@ -31,7 +31,8 @@ static int substeps_of(const EventStepper *stepper, double left, double step)
     double strongest;
     const double fastest =
         fastest_rate(weights->count, weights->angle_rate, motion->signal, track->lever,
-                     motion->angular_acceleration, track->damping_rate, step, &strongest);
+                     track->spin_share * motion->angular_acceleration, track->damping_rate, step,
+                     &strongest);
     const double turns = left * fastest / TURN_PER_SUBSTEP;
     if (!(turns < MOST_PARTS)) {
         fail(weights->failure, FAILURE_SUBSTEPS, "weights", 0, turns, left, strongest,

@@ -21,6 +21,7 @@ enum {
     FAILURE_COMPLIANCE,        /* compliance: must be finite and symmetric */
     FAILURE_NOT_ELASTIC,       /* compliance: must be positive definite */
     FAILURE_CANNOT_BEND,       /* internal_damping of a shaft with discs at its supports only */
+    FAILURE_NOT_CARRIED,       /* gravity: the supports have no stiffness */
     FAILURE_ADDED_MASS,        /* added_mass: must be at least 0 kg */
     FAILURE_WEIGHT_RADIUS,     /* weight_radius; value[1]: track radius; value[2]: largest */
     FAILURE_RESTITUTION,       /* restitution: must be within 0 to 1 */

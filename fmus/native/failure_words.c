@@ -123,6 +123,9 @@ void failure_words(Text *text, const Failure *failure, const double *values, siz
         text_rounded(text, value[0], 6);
         text_put(text, " s");
         break;
+    case FAILURE_NOT_CARRIED:
+        text_put(text, "gravity: supports without stiffness cannot carry the rotor's weight");
+        break;
     case FAILURE_ADDED_MASS:
         text_put(text, "added_mass = ");
         text_number(text, value[0]);

@@ -127,7 +127,7 @@ def digest(layout: Layout, text: str = "") -> str:
 def _described(layout: Layout) -> Iterator[str]:
     """A line a variable, as variables.c writes it."""
     for v in layout.reals:
-        start = "~" if _COMPUTED in v.name else bits(v.start or 0.0)
+        start = "~" if _COMPUTED in v.name else bits(0.0 if v.start is None else v.start)
         low = "-" if v.minimum is None else bits(v.minimum) + "+" * v.above
         yield f"{_group(v)} {v.name} {v.unit} {start} {low}\n"
     for v in layout.booleans:

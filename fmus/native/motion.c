@@ -128,14 +128,16 @@ int track_reaction(const Track *track, const double *angles, const double *speed
 
 void track_torque(const Track *track, const double *angles, const double *speeds,
                   const Complex *motion, const Complex *force, double rotor_speed,
-                  double angular_acceleration, double *torque)
+                  double angular_acceleration, double change, double *torque)
 {
     const Complex whirl = {-(rotor_speed * rotor_speed), angular_acceleration};
+    const Complex whirl_slope = {-2.0 * rotor_speed * angular_acceleration, change};
     const double carried = weights_added_mass(&track->weights);
+    Complex centre[2];
     int k;
-    weights_torque(&track->weights, angles, speeds,
-                   complex_sum(motion[0], complex_product(whirl, track->offset)),
-                   angular_acceleration, torque);
+    centre[0] = complex_sum(motion[0], complex_product(whirl, track->offset));
+    centre[1] = complex_sum(motion[1], complex_product(whirl_slope, track->offset));
+    weights_torque(&track->weights, angles, speeds, centre, angular_acceleration, change, torque);
     for (k = 0; k < 2; k++) {
         const Complex pull = complex_difference(force[k], complex_scaled(carried, motion[k]));
         torque[k] += complex_product(complex_conjugate(track->offset), pull).im;

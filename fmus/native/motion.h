@@ -55,6 +55,6 @@ int track_reaction(const Track *track, const double *angles, const double *speed
    motion, force: acceleration of the plane's centre, force of track_reaction, and their slopes. */
 void track_torque(const Track *track, const double *angles, const double *speeds,
                   const Complex *motion, const Complex *force, double rotor_speed,
-                  double angular_acceleration, double *torque);
+                  double angular_acceleration, double change, double *torque);
 
 #endif

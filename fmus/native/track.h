@@ -22,6 +22,7 @@ typedef struct {
     double grip;         /* mu/(kappa R): resistance over load, per angle [1/m] */
     double damping_rate; /* d = b/(kappa m) [1/s] */
     double moment;       /* m R [kg m] */
+    double spin_share;   /* s: part of w' by which a free weight falls behind */
     int solid;           /* there are weights that can meet */
     int full;            /* they fill the track: each touches both neighbours for ever */
     int eventful;        /* weights can collide or stick */

@@ -57,6 +57,8 @@ static int allocate(Unit *unit)
     own->matrix_scratch = doubles(unit, larger_of(step_matrix_scratch, n, p));
     own->operand = doubles(unit, 4 * stations + 2 * SIGNAL_ORDERS * planes + 2);
     own->result = doubles(unit, 4 * stations + 4 * planes);
+    own->sag = doubles(unit, 2 * stations);
+    own->sag_mass = doubles(unit, planes);
     own->variable_mass = doubles(unit, planes);
     own->variable_memory = doubles(unit, larger_of(variable_speed_size, n, p));
     own->variable_scratch = doubles(unit, larger_of(variable_speed_scratch, n, p));
@@ -72,7 +74,7 @@ static int allocate(Unit *unit)
         own->ends[k] = doubles(unit, 4 * planes);
         missing |= !own->ends[k];
     }
-    return missing || !own->rotor_memory || !own->loaded_mass || !own->values || !own->ports ||
+    return missing || !own->sag || !own->sag_mass || !own->rotor_memory || !own->loaded_mass || !own->values || !own->ports ||
            !own->unsorted || !own->matrix_scratch || !own->operand || !own->result ||
            !own->variable_mass || !own->variable_memory || !own->variable_scratch ||
            !own->state || !own->acceleration || !own->jerk;
@@ -81,6 +83,7 @@ static int allocate(Unit *unit)
 static int parameters(Unit *unit)
 {
     Rotor *own = unit->own;
+    Failure failure;
     int k;
     if (rotor_of_parameters(unit)) {
         return 1;
@@ -93,6 +96,11 @@ static int parameters(Unit *unit)
         own->kept[k].used = 0;
     }
     own->variable_made = 0;
+    own->sag_known = 0;
+    if (linear_rotor_heavy(&own->rotor) &&
+        linear_rotor_sag(&own->rotor, 0.0, own->state, own->matrix_scratch, &failure)) {
+        return unit_failed(unit, &failure, NULL, 0);
+    }
     return 0;
 }
 

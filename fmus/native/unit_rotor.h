@@ -42,6 +42,9 @@ typedef struct {
     int variable_made;
     double *variable_mass, *variable_memory, *variable_scratch; /* (p,) and its own */
     double *state, *acceleration, *jerk;
+    double *sag, *sag_mass; /* (2n,) of the stations under gravity, and the added masses (p,) */
+    double sag_speed;       /* and the speed that it belongs to */
+    int sag_known, lifted;
     double *ends[4]; /* outputs at other speeds, for derivatives */
 } Rotor;
 
@@ -62,7 +65,8 @@ double *rotor_drive(Unit *unit);
 /* Step matrix with x and y alternating in rows and columns; NULL with the reason. */
 const double *rotor_matrix(Unit *unit, double speed, double step);
 /* Motion of the stations, and acceleration and jerk of the planes, after `step` [s], in
-   own->result; all in fixed axes, x and y alternating. */
+   own->result; all in fixed axes, x and y alternating; the acceleration is less gravity's, which
+   every body on the rotor feels: what an accelerometer would read. */
 int rotor_propagate(Unit *unit, double step);
 /* Vectors (x, y alternating) turned by the angle with this cosine and sine. */
 void rotor_rotated(double *pairs, size_t count, double c, double s);
@@ -75,6 +79,15 @@ int rotor_torque_now(Unit *unit, double *torque);
 /* Rows of a matrix (count, n) times vectors (x, y alternating). */
 void rotor_vectors_at(const double *rows, int count, int n, const double *vectors,
                       double *result);
+
+/* -- unit_rotor_gravity.c --------------------------------------------------------------------- */
+
+/* Take the sag off the displacements in own->operand: about it the rotor moves as it would about
+   zero without gravity.  0, or 1 with the reason. */
+int rotor_lift(Unit *unit);
+/* Put it back on those in own->result, where it was taken off, and take gravity off the planes'
+   acceleration. */
+void rotor_lower(Rotor *own);
 
 /* -- unit_rotor_derivatives.c: as in `Equations` --------------------------------------------- */
 

@@ -239,7 +239,10 @@ static int flexible(Unit *unit)
 int rotor_of_parameters(Unit *unit)
 {
     Rotor *own = unit->own;
+    const double *gravity = unit->real + layout_index(&unit->layout, "gravity_x", 1);
     own->rotor = linear_rotor_in(own->rotor_memory, own->stations, own->planes);
+    own->rotor.gravity[0] = gravity[0];
+    own->rotor.gravity[1] = gravity[1];
     return own->kind == PLANAR        ? planar(unit)
            : own->kind == TWO_SUPPORT ? two_support(unit)
                                       : flexible(unit);

@@ -200,7 +200,8 @@ void rotor_rotated(double *pairs, size_t count, double c, double s)
     }
 }
 
-int rotor_propagate(Unit *unit, double step)
+/* `rotor_propagate`, the acceleration with gravity's. */
+static int propagate(Unit *unit, double step)
 {
     Rotor *own = unit->own;
     const size_t n = (size_t)own->stations, p = (size_t)own->planes;
@@ -221,7 +222,23 @@ int rotor_propagate(Unit *unit, double step)
     }
     own->operand[turn] = turned.re;
     own->operand[turn + 1] = turned.im;
+    if (linear_rotor_heavy(&own->rotor) && rotor_lift(unit)) {
+        return 1;
+    }
     matrix_product(own->parts, own->rows, own->columns, 1, matrix, own->operand, own->result);
+    return 0;
+}
+
+int rotor_propagate(Unit *unit, double step)
+{
+    Rotor *own = unit->own;
+    own->lifted = 0;
+    if (propagate(unit, step)) {
+        return 1;
+    }
+    if (linear_rotor_heavy(&own->rotor)) {
+        rotor_lower(own);
+    }
     return 0;
 }
 

@@ -258,7 +258,7 @@ static void observe(Unit *unit)
     out[0] = out[1] = not_a_number();
     if (!weights_force_now(unit, &now, force)) {
         track_torque(&own->track, unit->memory, unit->memory + count, motion, force, now.speed,
-                     now.spin_up, out);
+                     now.spin_up, now.change, out);
     }
 }
 

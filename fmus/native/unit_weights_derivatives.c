@@ -7,20 +7,25 @@
 
 /* Change of the torque and its slope by that of plane and rotor and of the force, rotor frame. */
 static void torque_response(const Unit *unit, const RotorMotion *now, const Instant *by,
-                            double by_spin_up, const Complex *by_force, double *change)
+                            double by_spin_up, double by_change, const Complex *by_force,
+                            double *change)
 {
     const Balls *own = unit->own;
     const Track *track = &own->track;
     const Complex by_whirl = {-2.0 * now->speed * by->rotor_speed, by_spin_up};
-    const Complex drawn =
-        complex_sum(by->acceleration, complex_product(by_whirl, track->offset));
-    const Complex by_motion[2] = {by->acceleration, by->slope};
+    const Complex by_whirl_slope = {
+        -2.0 * (now->speed * by_spin_up + by->rotor_speed * now->spin_up), by_change};
+    const Complex by_motion[2] = {by->acceleration, by->slope}, none[2] = {{0.0, 0.0}, {0.0, 0.0}};
     const double added = weights_added_mass(&track->weights);
-    double still[2], moved[2], *rates = unit->memory + own->count;
+    const double *rates = unit->memory + own->count;
+    double still[2], moved[2];
+    Complex centre[2];
     int k;
-    /* the drag's torque is linear in what the weights are driven by */
-    weights_torque(&track->weights, unit->memory, rates, complex_of(0.0, 0.0), 0.0, still);
-    weights_torque(&track->weights, unit->memory, rates, drawn, by_spin_up, moved);
+    centre[0] = complex_sum(by->acceleration, complex_product(by_whirl, track->offset));
+    centre[1] = complex_sum(by->slope, complex_product(by_whirl_slope, track->offset));
+    /* the weights' torque is linear in what they are driven by */
+    weights_torque(&track->weights, unit->memory, rates, none, 0.0, 0.0, still);
+    weights_torque(&track->weights, unit->memory, rates, centre, by_spin_up, by_change, moved);
     for (k = 0; k < 2; k++) {
         const Complex pull =
             complex_difference(by_force[k], complex_scaled(added, by_motion[k]));
@@ -62,7 +67,7 @@ int weights_directional(Unit *unit, const double *seed, double *change)
     }
     by_force[0] = force;
     by_force[1] = force_slope;
-    torque_response(unit, &now, &by, seed[ACCELERATION], by_force,
+    torque_response(unit, &now, &by, seed[ACCELERATION], seed[ACCELERATION + 1], by_force,
                     change + unit->layout.real_count - unit->layout.computed.first - 2);
     force = complex_difference(force, complex_scaled(own->sent, by.acceleration));
     force_slope = complex_difference(force_slope, complex_scaled(own->sent, by.slope));

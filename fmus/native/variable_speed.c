@@ -22,7 +22,7 @@ size_t variable_speed_size(int stations, int planes, int axes)
 {
     const size_t dof = (size_t)axes * stations, forces = (size_t)axes * planes;
     const size_t parts = axes == 1 ? 2 : 1;
-    return parts * dof * (4 * dof + 2 * forces + axes);
+    return parts * dof * (4 * dof + 2 * forces + axes + 1);
 }
 
 size_t variable_speed_scratch(int stations, int planes, int axes)
@@ -90,6 +90,10 @@ int variable_speed_step(const LinearRotor *rotor, int turning_force, double *mem
     made->planes = made->per_speed + 2 * square;
     made->force = made->planes + (size_t)forces * dof * parts;
     made->unbalance = made->force + (size_t)forces * dof * parts;
+    made->falling = linear_rotor_heavy(rotor) ? made->unbalance + (size_t)axes * dof * parts : NULL;
+    if (made->falling) {
+        linear_rotor_falling(rotor, made->falling);
+    }
     linear_rotor_coefficients(rotor, 1.0, mass, damping_1, stiffness_1);
     linear_rotor_coefficients(rotor, 0.0, mass, damping, stiffness);
     for (k = 0; k < square; k++) {
@@ -133,7 +137,7 @@ static void sum_drive(const VariableSpeedStep *method, const double *forces, con
     }
 }
 
-/* Acceleration (dof) by unbalance and plane forces at time t, its derivative, and the speed. */
+/* Acceleration (dof) by unbalance, plane forces and gravity at time t, its derivative, and the speed. */
 static double set_drive(const VariableSpeedStep *method, const double *forces, double angle,
                         double speed, const double *spin_up, double t, double *drive,
                         double *drive_slope, double *scratch)
@@ -167,6 +171,9 @@ static double set_drive(const VariableSpeedStep *method, const double *forces, d
     put(method, 1, 0, complex_product(complex_of(3.0 * w * angular_acceleration, w * w * w - more.slope), turn),
         pull_slopes);
     sum_drive(method, values, pulls, drive, work);
+    for (k = 0; method->falling && k < method->dof * method->parts; k++) {
+        drive[k] += method->falling[k];
+    }
     sum_drive(method, slopes, pull_slopes, drive_slope, work);
     return w;
 }
@@ -395,7 +402,9 @@ void variable_speed_torque(const VariableSpeedStep *method, const LinearRotor *r
         const Complex unbalance = complex_product(
             complex_of(rotor->unbalance[2 * i], rotor->unbalance[2 * i + 1]), turned);
         const Complex q = vector_of(method, state, i), v = vector_of(method, rates, i);
-        const Complex a = vector_of(method, rates + half, i), j = vector_of(method, jerks, i);
+        const Complex a = complex_difference(vector_of(method, rates + half, i),
+                                             complex_of(rotor->gravity[0], rotor->gravity[1]));
+        const Complex j = vector_of(method, jerks, i);
         /* -(u* (q'' ))', u* turning at -w */
         const Complex seen = complex_of(j.re + w * a.im, j.im - w * a.re);
         torque[0] -= crossed(unbalance, a);

@@ -33,6 +33,12 @@ double weights_added_mass(const Weights *weights)
     return weights->count * weights->mass;
 }
 
+double weights_spin_share(const Weights *weights)
+{
+    return (1.0 - (weights->kappa - 1.0) * weights->radius / weights->track_radius) /
+           weights->kappa;
+}
+
 double weights_damping_rate(const Weights *weights)
 {
     return weights->drag / (weights->kappa * weights->mass);
@@ -124,25 +130,24 @@ void along_track(Complex a, Complex da, double angle, double speed, double lever
 }
 
 int weights_substep(double *angle, double *angle_rate, const Complex *ends, double lever,
-                    const double *spin_up, const double *response, double step,
+                    const double *lag, const double *response, double step,
                     Failure *failure)
 {
-    const double angular_acceleration = spin_up[0];
     const double *s = response + 1, *t = response + 6; /* to g0..g3 */
     double g0, g1, free_rate, free_angle, new_rate, new_angle;
     double change = 1.0; /* a weight moves less than 0.15 rad in a substep: it contracts fast */
     int iteration;
     along_track(ends[0], ends[1], *angle, *angle_rate, lever, &g0, &g1);
-    g0 -= angular_acceleration;
+    g0 -= lag[0];
     free_rate = response[0] * *angle_rate + s[0] * g0 + s[1] * g1;
     free_angle = *angle + response[5] * *angle_rate + t[0] * g0 + t[1] * g1;
-    if (drifts(spin_up)) {
-        free_rate -= s[1] * spin_up[1] + s[2] * spin_up[2] + s[3] * spin_up[3];
-        free_angle -= t[1] * spin_up[1] + t[2] * spin_up[2] + t[3] * spin_up[3];
+    if (drifts(lag)) {
+        free_rate -= s[1] * lag[1] + s[2] * lag[2] + s[3] * lag[3];
+        free_angle -= t[1] * lag[1] + t[2] * lag[2] + t[3] * lag[3];
     }
     new_angle = free_angle;
     new_rate = free_rate;
-    g0 += angular_acceleration;
+    g0 += lag[0];
     for (iteration = 0; iteration < MAX_ITERATIONS; iteration++) {
         const double last_angle = new_angle, last_rate = new_rate, last_change = change;
         double along, slope, g2, g3;
@@ -178,24 +183,22 @@ double largest_of(int count, const double *values)
 }
 
 double fastest_rate(int count, const double *speeds, const Complex *signal, double lever,
-                    double angular_acceleration, double damping_rate, double step,
-                    double *strongest)
+                    double lag, double damping_rate, double step, double *strongest)
 {
     /* value and slope only: corrector passes change the rest, and must not change the substeps */
     const double strength = magnitude(signal[0]) + step * magnitude(signal[1]);
-    /* a run-up leaves free weights behind: they lever w' * step, or what the drag lets them */
-    const double gained =
-        absolute(angular_acceleration) * (damping_rate * step < 1.0 ? step : 1.0 / damping_rate);
+    /* a run-up leaves free weights behind: they gain s w' * step, or what the drag lets them */
+    const double gained = absolute(lag) * (damping_rate * step < 1.0 ? step : 1.0 / damping_rate);
     *strongest = strength;
     return largest_of(count, speeds) + square_root(-strength * lever) + gained;
 }
 
 /* Move one weight over `count` substeps of h. */
 static int move(double *angle, double *speed, int count, double h, const Complex *signal,
-                double lever, const double *spin_up, const double *response, Failure *failure)
+                double lever, const double *lag, const double *response, Failure *failure)
 {
-    const int varies = drifts(spin_up);
-    double now[4] = {spin_up[0], spin_up[1], spin_up[2], spin_up[3]};
+    const int varies = drifts(lag);
+    double now[4] = {lag[0], lag[1], lag[2], lag[3]};
     Complex ends[4];
     int j, code = FINE;
     ends[0] = signal[0];
@@ -205,10 +208,10 @@ static int move(double *angle, double *speed, int count, double h, const Complex
         ends[3] = cubic_slope(signal, j * h);
         if (varies) {
             const double time = (j - 1) * h;
-            const Drift more = drift(spin_up, time);
-            now[0] = spin_up[0] + more.acceleration;
+            const Drift more = drift(lag, time);
+            now[0] = lag[0] + more.acceleration;
             now[1] = more.slope;
-            now[2] = spin_up[2] + time * spin_up[3];
+            now[2] = lag[2] + time * lag[3];
         }
         code = weights_substep(angle, speed, ends, lever, now, response, h, failure);
         ends[0] = ends[2];
@@ -226,8 +229,11 @@ int weights_advance(const Weights *weights, const double *angles, const double *
     const int n = weights->count;
     const double *response;
     double strongest, turns, h, sum = 0.0;
-    const double fastest = fastest_rate(n, speeds, signal, lever, spin_up[0],
-                                        damping_rate, step, &strongest);
+    const double share = weights_spin_share(weights);
+    const double lag[4] = {share * spin_up[0], share * spin_up[1], share * spin_up[2],
+                           share * spin_up[3]};
+    const double fastest =
+        fastest_rate(n, speeds, signal, lever, lag[0], damping_rate, step, &strongest);
     int k, count, far, code = FINE;
     for (k = 0; k < n; k++) {
         sum += angles[k];
@@ -248,8 +254,7 @@ int weights_advance(const Weights *weights, const double *angles, const double *
     for (k = 0; k < n && !code; k++) {
         const double behind = far ? TAU * nearest(angles[k] / TAU) : 0.0;
         double angle = angles[k] - behind, speed = speeds[k];
-        code =
-            move(&angle, &speed, count, h, signal, lever, spin_up, response, failure);
+        code = move(&angle, &speed, count, h, signal, lever, lag, response, failure);
         new_angles[k] = angle + behind;
         new_speeds[k] = speed;
     }
@@ -263,6 +268,7 @@ void weights_reaction(const Weights *weights, const double *angles, const double
 {
     const double lever = -1.0 / (weights->kappa * weights->track_radius);
     const double damping_rate = weights_damping_rate(weights);
+    const double share = weights_spin_share(weights), lag = share * angular_acceleration;
     const double scale = -weights->mass * weights->track_radius;
     const Complex turn = {0.0, 2.0 * speed}, pull = {-speed * speed, angular_acceleration};
     const Complex pull_slope = {pull.re, 3.0 * angular_acceleration};
@@ -274,12 +280,12 @@ void weights_reaction(const Weights *weights, const double *angles, const double
         const double nu = speeds[k], squared = nu * nu;
         const Complex unit = rect(1.0, angles[k]), back = complex_conjugate(unit);
         const Complex along = complex_product(acceleration, back);
-        const double bend = along.im - angular_acceleration - damping_rate * nu;
+        const double bend = along.im - lag - damping_rate * nu;
         const double torque_slope = complex_product(slope, back).im - along.re * nu;
         const Complex rates[3] = {
             {0.0, nu},
             {-squared, bend},
-            {-3.0 * nu * bend, torque_slope - damping_rate * bend - change - nu * squared}};
+            {-3.0 * nu * bend, torque_slope - damping_rate * bend - share * change - nu * squared}};
         moment = complex_sum(moment, unit);
         first = complex_sum(first, complex_product(rates[0], unit));
         second = complex_sum(second, complex_product(rates[1], unit));
@@ -296,17 +302,25 @@ void weights_reaction(const Weights *weights, const double *angles, const double
 }
 
 void weights_torque(const Weights *weights, const double *angles, const double *speeds,
-                    Complex acceleration, double angular_acceleration, double *torque)
+                    const Complex *motion, double angular_acceleration, double change,
+                    double *torque)
 {
-    const double factor = weights->drag * weights->track_radius * weights->track_radius;
-    const double lever = -1.0 / (weights->kappa * weights->track_radius);
-    double rate = 0.0, pull = 0.0;
+    const double size = weights->track_radius, body = weights->radius, n = weights->count;
+    const double drag = weights->drag * size * size, share = weights_spin_share(weights);
+    const double rolling = (weights->kappa - 1.0) * weights->mass * (size + body);
+    const double lever = -1.0 / (weights->kappa * size);
+    const double damping_rate = weights_damping_rate(weights);
+    double rate = 0.0, turned = 0.0, jerk = 0.0;
     int k;
     for (k = 0; k < weights->count; k++) {
+        double drawn, drawn_slope;
+        along_track(motion[0], motion[1], angles[k], speeds[k], lever, &drawn, &drawn_slope);
         rate += speeds[k];
-        pull += complex_product(acceleration, rect(lever, -angles[k])).im;
+        turned += drawn;
+        jerk += drawn_slope;
     }
-    torque[0] = factor * rate;
-    torque[1] = factor * (pull - weights->count * angular_acceleration -
-                          weights_damping_rate(weights) * rate);
+    turned -= n * share * angular_acceleration + damping_rate * rate;
+    jerk -= n * share * change + damping_rate * turned;
+    torque[0] = drag * rate - rolling * (n * body * angular_acceleration - size * turned);
+    torque[1] = drag * turned - rolling * (n * body * change - size * jerk);
 }

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from functools import lru_cache
 
 import numpy as np
@@ -31,7 +32,12 @@ class RotorOnSupports(Slave):
     sizes: RotorSizes
 
     def parameters(self) -> None:
-        self.rotor = ROTORS[self.sizes.kind](self.parameter_values(), self.sizes)
+        values = self.parameter_values()
+        self.gravity = complex(values["gravity_x"], values["gravity_y"])
+        rotor = ROTORS[self.sizes.kind](values, self.sizes)
+        self.rotor = replace(rotor, gravity=self.gravity)
+        if self.gravity:
+            self.rotor.sag(0.0)  # refuses supports that carry nothing
         self.turning = self.sizes.frame == "rotor"
         size = (4 * self.sizes.stations) + 2 * ORDERS * self.sizes.planes + 2
         self._vector = np.empty(size)
@@ -94,8 +100,18 @@ class RotorOnSupports(Slave):
     def _propagate(self, step: float) -> tuple[list[float], list[float]]:
         """Motion of the stations, and acceleration and jerk of the planes, after `step` [s].
 
-        Both in fixed axes, x and y alternating.
+        Both in fixed axes, x and y alternating; the acceleration is less gravity's, which every
+        body on the rotor feels: what an accelerometer would read.
         """
+        motion, planes = self._propagate_all(step)
+        if self.gravity:
+            for k in range(0, 2 * self.sizes.planes, 2):
+                planes[k] -= self.gravity.real
+                planes[k + 1] -= self.gravity.imag
+        return motion, planes
+
+    def _propagate_all(self, step: float) -> tuple[list[float], list[float]]:
+        """As `_propagate`, the acceleration with gravity's."""
         inputs = self.real[self.layout.inputs]
         p = self.sizes.planes
         speed = inputs[p]
@@ -107,9 +123,15 @@ class RotorOnSupports(Slave):
         if self.turning:
             forces = _rotated(forces, c, s)
         self._vector[:] = [*self.memory[3:-1], *forces, c, s]
-        matrix = _matrix(self.rotor, tuple(inputs[:p]), speed, step, self.turning)
-        result = matrix.dot(self._operand).view(float).tolist()
         n = 4 * self.sizes.stations
+        if self.gravity:  # the rotor moves about its sag as it would about zero without gravity
+            sag = _sag(self.rotor, tuple(inputs[:p]), speed)
+            self._vector[: n // 2] -= sag
+        matrix = _matrix(self.rotor, tuple(inputs[:p]), speed, step, self.turning)
+        result = matrix.dot(self._operand).view(float)
+        if self.gravity:
+            result[: n // 2] += sag
+        result = result.tolist()
         return result[:n], result[n:]
 
     def _propagate_variable(
@@ -175,6 +197,14 @@ def _matrix(
     return np.ascontiguousarray(matrix)
 
 
+@lru_cache(maxsize=256)
+def _sag(rotor: LinearRotor, added_mass: tuple[float, ...], speed: float) -> NDArray:
+    """Sag of the stations, x and y alternating [m]."""
+    axes = 1 if rotor.isotropic else 2
+    sag = _loaded(rotor, added_mass).sag(speed)
+    return np.array(_from_axes(sag, axes, 1))
+
+
 @lru_cache(maxsize=64)
 def _variable(
     rotor: LinearRotor, added_mass: tuple[float, ...], turning: bool
@@ -199,8 +229,8 @@ def _to_axes(pairs: NDArray, axes: int) -> NDArray:
     return pairs.reshape(2, -1, 2).transpose(0, 2, 1).ravel()
 
 
-def _from_axes(values: NDArray, axes: int) -> list[float]:
-    """The inverse of `_to_axes`."""
+def _from_axes(values: NDArray, axes: int, blocks: int = 2) -> list[float]:
+    """The inverse of `_to_axes`, of so many blocks."""
     if axes == 1:
         return np.ascontiguousarray(values).view(float).tolist()
-    return values.reshape(2, 2, -1).transpose(0, 2, 1).ravel().tolist()
+    return values.reshape(blocks, 2, -1).transpose(0, 2, 1).ravel().tolist()

@@ -29,7 +29,7 @@ def variables(sizes: RotorSizes) -> list[Variable]:
     of_kind = PARAMETERS[sizes.kind](sizes)
     forces = [f"plane[{i}].F_{axis}" for i in range(1, planes + 1) for axis in axes]
     carried = [f"plane[{i}].added_mass" for i in range(1, planes + 1)]
-    parameters = [*of_kind, *_initial(stations)]
+    parameters = [*of_kind, *_gravity(), *_initial(stations)]
     names = tuple(v.name for v in parameters)
     drive = (*carried, "speed", "acceleration")
     changing = (*drive, "der(acceleration)")
@@ -55,8 +55,8 @@ def variables(sizes: RotorSizes) -> list[Variable]:
         *spin_inputs(),
         *signal_inputs(forces, "force", "Force on the plane"),
         *signal_outputs(
-            accelerations, "acceleration", "Acceleration of the plane", at_once * planes,
-            in_slope * planes, begins=names,
+            accelerations, "acceleration", "Acceleration of the plane, less gravity",
+            at_once * planes, in_slope * planes, begins=names,
         ),
         *_observed(stations, planes, of_kind),
         *torque_outputs(
@@ -64,6 +64,11 @@ def variables(sizes: RotorSizes) -> list[Variable]:
             "Of unbalance and internal damping on the shaft",
         ),
     ]  # fmt: skip
+
+
+def _gravity() -> list[Variable]:
+    text = "Of gravity across the axis: a horizontal rotor has -9.81 along y"
+    return [parameter(f"gravity_{axis}", 0.0, "m/s2", text) for axis in "xy"]
 
 
 def _initial(stations: int) -> list[Variable]:

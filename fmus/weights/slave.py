@@ -107,7 +107,9 @@ class BallBalancer(Slave):
         angles, speeds, _ = self._state()
         now = self._at(self.memory[-1])
         force = self._force(now)
-        return motion.torque(self.track, angles, speeds, now[:2], force, now.speed, now.spin_up)
+        return motion.torque(
+            self.track, angles, speeds, now[:2], force, now.speed, now.spin_up, now.change
+        )
 
     def _at(self, time: float) -> _Now:
         """The rotor's motion so long after the inputs were set."""

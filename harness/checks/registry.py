@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 from functools import partial
 from typing import Any
 
+from ..errors import SceneError
 from ..output.workers import Failed, Kinds, Progress, Workers, as_they_come, processes
 from ..scene import Scene
 from ..scene.check import AnyCheck
@@ -42,6 +43,8 @@ SHARING: dict[str, Callable[..., Iterator[Row]]] = {
     "slow_root": check_slow_root,
     "largest_spread": check_largest_spread,
 }
+# compare runs with runs; the theory of the others knows no gravity
+UNDER_GRAVITY = ("contact_order", "runtimes", "measured_error")
 # check -> options of every part that can be done on its own
 SPLIT: dict[str, Callable[[Any], list[dict[str, Any]]]] = {"filimonikhina_table": table_rows}
 
@@ -68,7 +71,17 @@ class Part:
 
 
 def parts_of(scene: Scene) -> list[Part]:
-    """Everything that a scene asks to be checked, in order."""
+    """Everything that a scene asks to be checked, in order.
+
+    Raises:
+        SceneError: gravity acts, and a check knows of none.
+    """
+    for number, check in enumerate(scene.check, start=1):
+        if scene.operation.gravity and check.kind not in UNDER_GRAVITY:
+            raise SceneError(
+                f'{scene.name}: check[{number}].kind = "{check.kind}": its theory knows no '
+                "gravity: take operation.gravity out"
+            )
     return [
         Part(scene, check, options)
         for check in scene.check

@@ -31,8 +31,8 @@ def cosimulate_alike(
     common = _common(first)
     if any(_common(scene) != common for scene in scenes):
         raise UserError(
-            f"{first.name}: only numbers of the rotor and the balancers, run.initial and a "
-            "constant speed may differ between runs in C"
+            f"{first.name}: only numbers of the rotor and the balancers, run.initial, "
+            "gravity and a constant speed may differ between runs in C"
         )
     starts = [_start(scene) for scene in scenes]
     changed = [name for name in starts[0] if any(s[name] != starts[0][name] for s in starts)]
@@ -48,6 +48,7 @@ def refuse_unvaried(scene: Scene, path: str) -> None:
     """
     holders = ["rotor", *(balancer.label for balancer in scene.balancer)]
     allowed = (*(f"{holder}." for holder in holders), "run.initial.")
+    allowed += ("operation.gravity",)
     if path != "operation.speed" and not path.startswith(allowed):
         raise UserError(
             f"{path}: cannot be varied; must be speed or begin with one of: {', '.join(allowed)}"

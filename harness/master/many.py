@@ -24,7 +24,7 @@ SETTLED = 0.05  # of the largest amplitude: how far from the last one a settled 
 STEADY = 0.005  # of it: what the amplitude of a settled one may change by in the last revolution
 
 RESULTS = {
-    "residual": "largest amplitude in the last revolution [m]",
+    "residual": "largest amplitude in the last revolution [m]; under gravity about its mean",
     "largest": "largest amplitude of the run [m]",
     "settling_time": "after which the amplitude stays near the last [s]; NaN: not settled",
     "settled": "1 where the last two revolutions are alike",
@@ -79,11 +79,12 @@ def cosimulate_many(
     turns = max(2, round(scene.run.revolutions))
     points = turns * (scene.coupling.steps_per_rev or POINTS_PER_REV)
     runs = Runs(made, list(columns), asked, points)
+    heavy = bool(scene.operation.gravity) or any("gravity" in name for name in columns)
 
     def chunk(first: int) -> dict[str, NDArray]:
         part = slice(first, first + CHUNK)
         signals, reasons = runs(values[part], ends[part])
-        reduced = _reduced(signals, turns, ends[part], asked)
+        reduced = _reduced(signals, turns, ends[part], asked, heavy)
         return {**{k: reduced[k].copy() for k in results}, "failure": np.array(reasons, object)}
 
     with ThreadPoolExecutor(threads or os.cpu_count()) as executor:
@@ -100,11 +101,13 @@ def _refuse_unknown(names: Any, known: Sequence[str]) -> None:
 
 
 def _reduced(
-    signals: NDArray, turns: int, ends: NDArray, asked: Sequence[str]
+    signals: NDArray, turns: int, ends: NDArray, asked: Sequence[str], heavy: bool
 ) -> dict[str, NDArray]:
-    """Results of runs from their outputs (runs, points + 1, asked)."""
+    """Results of runs from their outputs (runs, points + 1, asked); `heavy`: under gravity."""
     places = asked.index("coupling.error")
     pairs = signals[:, :, :places].reshape(*signals.shape[:2], -1, 2)
+    if heavy:  # a sag is no vibration
+        pairs = pairs - pairs[:, -((pairs.shape[1] - 1) // turns) :].mean(axis=1, keepdims=True)
     amplitude = np.hypot(pairs[..., 0], pairs[..., 1]).max(axis=2)
     envelope = amplitude[:, 1:].reshape(len(ends), turns, -1).max(axis=2)
     largest, residual = amplitude.max(axis=1), envelope[:, -1]

@@ -54,7 +54,7 @@ def right_motion(
 
 
 def _refuse_what_the_reference_lacks(scene: Scene, balancer: WeightBalancer) -> None:
-    for name in ("rolling_resistance", "track_offset_xi", "track_offset_eta"):
+    for name in ("rolling_resistance", "offset"):
         if getattr(balancer, name):
             raise SimulationError(
                 f"{scene.name}: no error can be told: the reference knows no {name} of "

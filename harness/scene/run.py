@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from cmath import rect
 from itertools import pairwise
 from typing import Annotated, Any, Literal
 
@@ -81,7 +82,7 @@ class LimitedMotor(Table):
 
 
 class Operation(Table):
-    """How the rotor is driven: at a constant speed, run up, or by a motor of limited power."""
+    """How the rotor is driven: at a constant speed, run up, or by a motor; and gravity."""
 
     speed: Annotated[Positive | None, Unit("rad/s")] = None
     """Constant speed; this, `run_up` or `motor`."""
@@ -89,6 +90,10 @@ class Operation(Table):
     """A speed that rises; this, `speed` or `motor`."""
     motor: LimitedMotor | None = None
     """A speed that the torques make; this, `speed` or `run_up`."""
+    gravity: Annotated[NotNegative, Unit("m/s^2")] = 0.0
+    """Across the axis: 9.81 for a horizontal rotor, 0 for a vertical one."""
+    gravity_angle: Annotated[Angle | None, Unit("rad")] = None
+    """Direction of gravity in fixed axes; default: downwards, -pi/2."""
 
     @model_validator(mode="after")
     def _one_of_them(self) -> Operation:
@@ -99,6 +104,13 @@ class Operation(Table):
                 "run_up", f"give either speed (rad/s) or run_up: {how} (or a motor alone)"
             )
         return self
+
+    @property
+    def field(self) -> complex:
+        """Gravity gx + i gy [m/s^2]."""
+        if self.gravity_angle is None:
+            return complex(0.0, 0.0 - self.gravity)
+        return rect(self.gravity, self.gravity_angle)
 
     def profile(self) -> SpeedProfile:
         """Speed against time; of a motor its no-load speed, which scales and steps go by."""

@@ -9,6 +9,7 @@ from __future__ import annotations
 import copy
 from collections.abc import Mapping
 from contextlib import suppress
+from dataclasses import replace
 from functools import cached_property
 from pathlib import Path
 from typing import Any
@@ -47,7 +48,7 @@ class Scene(Table):
     balancer: tuple[AnyBalancer, ...] = ()
     """A list of tables, by kind."""
     operation: Operation
-    """How the rotor is driven."""
+    """How the rotor is driven, and gravity."""
     coupling: Coupling = Coupling()
     """How the units exchange signals."""
     run: Run = Run()
@@ -131,7 +132,7 @@ class Scene(Table):
 
     @cached_property
     def _linear_rotor(self) -> LinearRotor:
-        return self.rotor.build()
+        return replace(self.rotor.build(), gravity=self.operation.field)
 
     @cached_property
     def _assembly(self) -> Assembly:

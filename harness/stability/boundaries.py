@@ -31,7 +31,7 @@ from ..errors import UserError
 from ..output.workers import Progress, Workers, in_order
 from ..scene import Scene
 from .in_time import growth_in_run
-from .main_motion import MainMotion, NoMainMotion
+from .main_motion import MainMotion, NoMainMotion, refuse_gravity
 
 METHODS = ("criterion", "floquet", "cosim", "cosim-run")
 DEFAULT_METHODS = METHODS[:3]
@@ -128,8 +128,10 @@ def speeds(
 
     Raises:
         UserError: the range is empty, or a method is unknown.
+        SceneError: gravity swings the weights.
         SimulationError: a co-simulation cannot be completed correctly.
     """
+    refuse_gravity(scene, "speeds")
     low, high = range
     if not 0.0 < low < high < math.inf:
         raise UserError(f"range {low:g} to {high:g} rad/s: must be positive and rising")

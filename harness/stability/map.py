@@ -19,7 +19,7 @@ from ..output.workers import Progress, Workers, in_order
 from ..scene import Scene
 from .axis import SPEED, Axis, refuse_axes
 from .boundaries import criterion_of
-from .main_motion import MainMotion
+from .main_motion import MainMotion, refuse_gravity
 from .map_store import open_map
 
 Vector = NDArray[np.float64]
@@ -118,6 +118,7 @@ def stability_map(
     Raises:
         UserError: a path is unknown, a value on an axis is wrong, both axes are the same, or the
             store is another map's.
+        SceneError: gravity swings the weights.
     """
     refuse_axes(x, y)
     report = progress or (lambda done: None)
@@ -158,6 +159,8 @@ def _strip(job: tuple[Scene, str, list[float], Axis]) -> tuple[Vector, Vector, R
     along = fast.path == SPEED
     others = [{}] if along else [{fast.path: value} for value in fast.values]
     scenes = [scene.replace({slow: v, **other}) for v, other in itertools.product(values, others)]
+    for each in scenes:
+        refuse_gravity(each, "a map of growth rates")
     assemblies = [s.assembly() for s in scenes]
     speeds = fast.values if along else np.array([scenes[0].profile().end])
     growth, why_not = _rates(assemblies, speeds)

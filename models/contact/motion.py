@@ -152,24 +152,27 @@ def torque(
     force: tuple[complex, complex],
     rotor_speed: float,
     angular_acceleration: float,
+    change: float,
 ) -> tuple[float, float]:
     """Torque of the weights on the rotor about the plane's centre and its slope, without impulses.
 
     Args:
         motion: acceleration of the plane's centre and its slope, rotor frame [m/s^2, m/s^3].
         force: as `reaction` gives it.
-        rotor_speed, angular_acceleration: w and w' [rad/s, rad/s^2].
+        rotor_speed, angular_acceleration, change: w, w', w'' [rad/s, rad/s^2, rad/s^3].
 
     Returns:
         [N m], [N m/s]; what rolling resistance does is not in it.
     """
     offset, carried = track.offset, track.weights.added_mass
     whirl = 1j * angular_acceleration - rotor_speed * rotor_speed
-    drawn, change = points.torque(
-        track.weights, angles, speeds, motion[0] + whirl * offset, angular_acceleration
+    whirl_slope = 1j * change - 2.0 * rotor_speed * angular_acceleration
+    centre = motion[0] + whirl * offset, motion[1] + whirl_slope * offset
+    drawn, slope = points.torque(
+        track.weights, angles, speeds, centre, angular_acceleration, change
     )
     if offset:  # the whole force goes through the track's centre
         pull, pull_slope = (f - carried * a for f, a in zip(force, motion, strict=True))
         drawn += (offset.conjugate() * pull).imag
-        change += (offset.conjugate() * pull_slope).imag
-    return drawn, change
+        slope += (offset.conjugate() * pull_slope).imag
+    return drawn, slope

@@ -55,6 +55,7 @@ class VariableSpeedStep:
 
     def __init__(self, rotor: LinearRotor, turning_force: bool = True) -> None:
         self.turning_force = turning_force
+        self._falling = rotor.falling if rotor.gravity else None
         self.axes = 1 if rotor.isotropic else 2
         mass, damping, stiffness = rotor.coefficients(0.0)
         _, damping_1, stiffness_1 = rotor.coefficients(1.0)
@@ -67,13 +68,13 @@ class VariableSpeedStep:
         self._planes = np.kron(np.eye(self.axes), rotor.planes)
         self._force = inverse @ self._planes.T
         self._unbalance = inverse @ rotor.unbalance_columns
-        self._torque_of = rotor.unbalance, rotor.internal_damping
+        self._torque_of = rotor.unbalance, rotor.internal_damping, rotor.gravity
 
     def _axes_of(self, value: NDArray) -> NDArray:
         return value if self.axes == 1 else np.concatenate([value.real, value.imag])
 
     def _drive(self, drive: Drive, t: float) -> tuple[NDArray, NDArray, float, float]:
-        """Acceleration by unbalance and plane forces at time t, its derivative, w and w'."""
+        """Acceleration by unbalance, plane forces and gravity at t, its derivative, w, w'."""
         forces, angle, speed, spin_up, rates = drive
         gone, faster, more, change = drift(rates, t)
         w, angular_acceleration = speed + spin_up * t + faster, spin_up + more
@@ -88,6 +89,8 @@ class VariableSpeedStep:
             self._force @ self._axes_of(force) + self._unbalance @ self._axes_of(unbalance)
             for force, unbalance in ((value, pull), (slope, pull_slope))
         )
+        if self._falling is not None:
+            push = push + self._falling
         return push, push_slope, w, angular_acceleration
 
     def advance(self, state: NDArray, drive: Drive, step: float) -> NDArray:
@@ -161,9 +164,9 @@ class VariableSpeedStep:
     def torque(self, state: NDArray, drive: Drive, t: float = 0.0) -> tuple[float, float]:
         """Torque of unbalance and internal damping on the shaft, and its slope [N m, N m/s].
 
-        -Im(u* e^{-i beta} q'') + Im(q* C_i (q' - i w q)), which with the work of the lateral forces
-        makes the energy balance of the rotor; gyroscopic moments do no work.  State and time as of
-        `plane_motion`.
+        -Im(u* e^{-i beta} (q'' - g)) + Im(q* C_i (q' - i w q)), which with the work of the lateral
+        forces makes the energy balance of the rotor; gyroscopic moments do no work.  State and time
+        as of `plane_motion`.
         """
         q, v, a, j = (
             self._vectors(x) for x in (*np.split(state, 2), *self.motion(state, drive, t))
@@ -172,12 +175,12 @@ class VariableSpeedStep:
         spin_up = drive.angular_acceleration + more
         w = drive.speed + drive.angular_acceleration * t + faster
         turned = drive.angle + t * (drive.speed + 0.5 * drive.angular_acceleration * t) + gone
-        unbalance, internal = self._torque_of
+        unbalance, internal, gravity = self._torque_of
         pull = unbalance.conj() * np.exp(-1j * turned)
         sheared, shearing = v - 1j * w * q, a - 1j * (w * v + spin_up * q)
-        value = np.vdot(q, internal @ sheared) - pull @ a
+        value = np.vdot(q, internal @ sheared) - pull @ (a - gravity)
         slope = np.vdot(v, internal @ sheared) + np.vdot(q, internal @ shearing)
-        return float(value.imag), float((slope - pull @ (j - 1j * w * a)).imag)
+        return float(value.imag), float((slope - pull @ (j - 1j * w * (a - gravity))).imag)
 
     def _vectors(self, values: NDArray) -> NDArray:
         """x + i y of the stations."""

@@ -213,6 +213,7 @@ def weights() -> tuple[list[dict], list[dict]]:
         _, speed, ramp = drive(k)
         phi, velocity = state[:2], state[2:]
         pull = -b * r * (velocity - speed - ramp * t) - m * (centre(t, k) * np.exp(-1j * phi)).imag
+        pull += (kappa - 1.0) * m * r * ramp  # points that roll in a track that spins up
         return np.concatenate([velocity, pull / (kappa * m * r)])
 
     def force(t, state, k):
@@ -222,15 +223,23 @@ def weights() -> tuple[list[dict], list[dict]]:
         total = (m * r * (state[2:] ** 2 - 1j * bend) * np.exp(1j * state[:2])).sum()
         return total * np.exp(-1j * (angle + speed * t + ramp * t * t / 2))
 
+    def torque(t, state, k):
+        """Of drag, and of what turns points that roll, all of it on the way there."""
+        _, speed, ramp = drive(k)
+        lag, turn = state[2:] - speed - ramp * t, rate(t, state, k)[2:] - ramp
+        return b * r * r * lag.sum() + (kappa - 1.0) * m * r * r * turn.sum()
+
     def outputs(k, t, state):
         angle, speed, ramp = drive(k)
         angle += speed * t + ramp * t * t / 2
         value, slope, h = force(t, state, k), 0.0, DIFFERENCE
+        torque_slope = 0.0
         for n, weight in ((1, 3 / 4), (2, -3 / 20), (3, 1 / 60)):
             for sign in (1, -1):
                 d = sign * n * h
                 end = moved(rate, (t, t + d), state, k)
                 slope += sign * weight / h * force(t + d, end, k)
+                torque_slope += sign * weight / h * torque(t + d, end, k)
         theta = state[:2] - angle
         moment = m * r * np.exp(1j * theta).sum()
         found = {"F_xi": value.real, "F_eta": value.imag}
@@ -239,8 +248,7 @@ def weights() -> tuple[list[dict], list[dict]]:
             found[f"weight[{i + 1}].angle"] = theta[i]
             found[f"weight[{i + 1}].speed"] = state[2 + i] - speed - ramp * t
         found |= {"moment_xi": moment.real, "moment_eta": moment.imag}
-        lag, turn = state[2:] - speed - ramp * t, rate(t, state, k)[2:] - ramp
-        found |= {"torque": b * r * r * lag.sum(), "der(torque)": b * r * r * turn.sum()}
+        found |= {"torque": torque(t, state, k), "der(torque)": torque_slope}
         return {**found, "spread": abs(np.exp(2j * theta).sum()) / 2}
 
     given, answers = [], [outputs(0, 0.0, state)]

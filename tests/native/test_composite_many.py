@@ -80,6 +80,11 @@ def test_a_run_up_is_driven_as_the_scene_says():
     assert found["rotor.x"] == pytest.approx([one["rotor.x"][-1]] * 2, abs=1e-3 * scale)
 
 
+def test_a_start_of_minus_zero_is_one_like_another(scene):
+    scene = scene.replace({"run.initial.x": -0.0})
+    assert list(cosimulate_many(scene, {"weights.drag": [0.01]})["failure"]) == [""]
+
+
 def test_speed_is_of_each_run_and_so_is_its_length(scene):
     found = cosimulate_many(scene, {"speed": [3.0, 4.0]}, results=["rotor.angle", "coupling.steps"])
     assert found["rotor.angle"] == pytest.approx([12 * math.tau] * 2, rel=1e-12)

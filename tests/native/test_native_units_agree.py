@@ -72,8 +72,9 @@ def parameters(rng, layout, anisotropic: bool) -> dict[str, float | bool]:
         factor = 1.0 + 0.2 * float(rng.random()) * (
             anisotropic or not v.name.endswith(("_x", "_y"))
         )
-        zero = {"m": 1e-5, "m/s": 1e-3, "rad": 0.3, "rad/s": 5.0, "N.s/m": 0.3}.get(v.unit, 0.0)
-        values[v.name] = start * factor if start else zero * float(rng.random())
+        zero = {"m": 1e-5, "m/s": 1e-3, "m/s2": 9.0, "rad": 0.3, "rad/s": 5.0, "N.s/m": 0.3}
+        size = zero.get(v.unit, 0.0)
+        values[v.name] = start * factor if start else size * float(rng.random())
     return values
 
 
