@@ -148,6 +148,7 @@ static int make_part(Unit *unit, Part *part, const char *name, const char *token
     part->unit = made;
     made->log = forward;
     made->host = unit;
+    made->may_end_early = 1;
     made->allocated = unit->allocated;
     wrong = unit_build(made, name, token);
     unit->allocated = made->allocated; /* what it needs goes with the composite */
@@ -155,7 +156,10 @@ static int make_part(Unit *unit, Part *part, const char *name, const char *token
         return refuse(unit, made->reason.at);
     }
     for (k = 0; k < made->layout.table->flag_count; k++) {
-        made->boolean[k] = (unsigned char)made->layout.table->flags[k].start;
+        /* steps that can be taken back end at collisions */
+        const int stops = ((Composite *)unit->own)->scheme != SCHEME_COMPENSATED &&
+                          !strcmp(made->layout.table->flags[k].name, "stop_at_contact");
+        made->boolean[k] = (unsigned char)(stops || made->layout.table->flags[k].start);
     }
     return 0;
 }
@@ -187,6 +191,7 @@ static int read_part(Unit *unit, Part *part, const char *at)
     }
     part->plane = (int)plane - 1;
     part->drive = reference(part->unit, "speed");
+    part->brief = reference(part->unit, "shortest_stopped_step");
     part->place = has(connections, 'v') ? reference(part->unit, "x") : -1;
     part->exchange = has(connections, 's') ? c->exchanges++ : -1;
     c->state_count += part->unit->memory_count;

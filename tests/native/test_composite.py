@@ -21,6 +21,7 @@ from autobalancer.harness.master.schedule import at_fixed_steps
 from tests.scenes import driven_scenes
 
 RANGE = 1e-11  # of a signal's range
+RANGE_MET = 1e-9  # where weights collide: a pulse, a million times the force, has its rounding
 
 
 @pytest.fixture
@@ -63,9 +64,10 @@ def test_a_scene_moves_as_the_harness_couples_it(hosted, name):
     host = hosted(scene)
     names = list(expected.signals)
     found = driven(host, expected.time, names)
+    allowed = RANGE_MET if any(b.can_meet for b in scene.balancer) else RANGE
     for k, signal in enumerate(names):
         size = max(np.ptp(expected[signal]), 1e-3 * np.abs(expected[signal]).max())
-        assert np.abs(found[:, k] - expected[signal]).max() <= RANGE * size, signal
+        assert np.abs(found[:, k] - expected[signal]).max() <= allowed * size, signal
     assert host.get("coupling.steps") == [expected.steps]
 
 
