@@ -128,6 +128,9 @@ typedef struct {
 /* -- composite_token.c ----------------------------------------------------------------------- */
 
 int composite_named(const char *token);
+/* Whether a token is the identity alone, and the identity of a composite whose text this is. */
+int composite_abbreviated(const char *token);
+void composite_identity(const char *text, Text *identity);
 /* Parts, layout and start values of a composite; 1 with the reason. */
 int composite_build(Unit *unit, const char *token);
 

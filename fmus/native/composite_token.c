@@ -1,5 +1,6 @@
-/* What the GUID or instantiation token of a composite says: its coupling, its parts with the tokens
-   of their own, where they are and what they start from.
+/* What a composite is made of: its coupling, its parts with the tokens of their own, where they are and
+   what they start from.  An FMU keeps the text among its resources; its GUID or instantiation token
+   is the identity alone, Composite/<hash of the text>, which tools use as a name of files.
 
        Composite;scheme=auto;corrections=-;part=rotor,0,-,RotorOnSupports/...;start=0:4028000000000000;
        part=balls,1,s,BallBalancer/...;own=1:4044000000000000;id=<digest>-<stamp>
@@ -42,6 +43,17 @@ static int has(const char *word, char letter)
 int composite_named(const char *token)
 {
     return token && after(token, "Composite;");
+}
+
+int composite_abbreviated(const char *token)
+{
+    return token && after(token, "Composite/");
+}
+
+void composite_identity(const char *text, Text *identity)
+{
+    text_put(identity, "Composite/");
+    text_hexadecimal(identity, hash_bytes(hash_start(), text, text_length(text)));
 }
 
 static int refuse(Unit *unit, const char *why)
@@ -396,8 +408,7 @@ int composite_build(Unit *unit, const char *token)
         return 1;
     }
     text = text_in(unit->token, sizeof unit->token);
-    text_put(&text, "Composite/");
-    text_hexadecimal(&text, hash_bytes(hash_start(), token, text_length(token)));
+    composite_identity(token, &text);
     unit->memory_count = composite_memory(c, NULL);
     return 0;
 }

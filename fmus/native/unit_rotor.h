@@ -82,7 +82,7 @@ double *rotor_drive(Unit *unit);
 int rotor_column(const Rotor *own, int k);
 /* Step matrix by columns, x and y alternating in rows and columns; NULL with the reason. */
 const double *rotor_matrix(Unit *unit, double speed, double step);
-/* own->result = matrix own->operand, without an infinity or NaN where there is a zero. */
+/* own->result = matrix own->operand. */
 void rotor_apply(Rotor *own, const double *matrix);
 /* Motion of the stations, and acceleration and jerk of the planes, after `step` [s], in
    own->result; all in fixed axes, x and y alternating. */

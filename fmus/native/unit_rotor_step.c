@@ -220,10 +220,28 @@ static Complex turned_by(Rotor *own, double angle)
 
 void rotor_apply(Rotor *own, const double *matrix)
 {
-    const size_t rows = (size_t)own->rows;
-    fill_doubles(rows * own->parts, 0.0, own->result);
-    add_multiples(own->parts, own->rows, own->columns, own->operand, matrix, rows * own->parts,
-                  own->result);
+    const int rows = own->rows, columns = own->columns;
+    int i, k;
+    if (own->axes == 1) {
+        fill_doubles(2 * (size_t)rows, 0.0, own->result);
+        add_multiples(2, rows, columns, own->operand, matrix, 2 * (size_t)rows, own->result);
+        return;
+    }
+    for (i = 0; i < rows; i += 4) { /* two axes: 4 rows a station and plane */
+        const double *m = matrix + i;
+        double a = 0.0, b = 0.0, c = 0.0, d = 0.0;
+        for (k = 0; k < columns; k++, m += rows) {
+            const double factor = own->operand[k];
+            a += factor * m[0];
+            b += factor * m[1];
+            c += factor * m[2];
+            d += factor * m[3];
+        }
+        own->result[i] = a;
+        own->result[i + 1] = b;
+        own->result[i + 2] = c;
+        own->result[i + 3] = d;
+    }
 }
 
 /* State, forces and turn that a step begins with, in own->operand. */
