@@ -153,6 +153,10 @@ class LinearRotor:
             damping = self.damping_x + self.internal_damping - 1j * speed * self.gyroscopic
             stiffness = self.stiffness_x - 1j * speed * self.internal_damping
             return self.mass.astype(complex), damping, stiffness
+        return self.real_coefficients(speed)
+
+    def real_coefficients(self, speed: float) -> tuple[NDArray, NDArray, NDArray]:
+        """The same for (x, y), real (2n, 2n) for every rotor."""
         internal = self.internal_damping
         turned, followed = speed * self.gyroscopic, speed * internal
         damped = [[self.damping_x + internal, turned], [-turned, self.damping_y + internal]]

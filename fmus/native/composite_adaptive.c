@@ -75,14 +75,26 @@ int adaptive_step(Unit *unit, double longest)
     Composite *c = unit->own;
     Course *course = c->course;
     const double allowed = LOCAL_SHARE * course->allowed;
+    double remaining = infinity(); /* before a collision */
     for (;;) {
         const int rung = (int)course->rung;
-        const double step = scaled_by_power(longest * ROOTS[rung % RUNGS], -(rung / RUNGS));
+        const double own = scaled_by_power(longest * ROOTS[rung % RUNGS], -(rung / RUNGS));
+        /* do not leave a sliver for the last step */
+        const double step = own >= remaining ? remaining : own > 0.5 * remaining ? 0.5 * remaining : own;
         double residual, error, ratio, largest_motion;
         int lower;
         residual = iterated_attempt(unit, step);
         if (residual < 0.0) {
-            return 1;
+            if (course->ahead < 0.0) {
+                return 1;
+            }
+            composite_restore(c);
+            remaining = contacts_before(unit);
+            if (remaining > 0.0) {
+                continue;
+            }
+            contacts_begin(unit, course->time);
+            return contacts_step(unit);
         }
         error = error_of(c, step, &largest_motion);
         ratio = error > 0.0 ? AIM * allowed / error : infinity();
@@ -90,9 +102,9 @@ int adaptive_step(Unit *unit, double longest)
             const int higher = error > 0.0 ? rise(ratio, 1.0 + 1e-9) : MOST_RISE;
             course->rung = rung > higher ? rung - higher : 0;
             course->error = larger(course->error, error);
-            course->length = step;
+            course->residual = residual;
             course->largest_motion = largest_motion;
-            return iterated_accept(unit, step);
+            return iterated_go_on(unit, step, step == remaining);
         }
         composite_restore(c);
         lower = error > 0.0 ? -rise(ratio, 1.0) : 1;

@@ -167,6 +167,9 @@ int run(EventStepper *stepper, double step)
     const Failure *failure = stepper->weights->failure;
     int k;
     if (approaching(stepper->weights)) {
+        if (stepper->stop_at_contact == STOP_BEFORE) {
+            return failure->code;
+        }
         settle_now(stepper, -1);
     }
     for (k = 0; k < MOST_PARTS && !failure->code; k++) {

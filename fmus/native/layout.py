@@ -118,8 +118,13 @@ def token(unit: SizedUnit, stamp: str, *, arrays: bool = False) -> str:
 
 def digest(layout: Layout, text: str = "") -> str:
     """FNV-1a of all names, units, start values and limits, and of a text: 16 hexadecimal digits."""
+    return hashed("".join([*_described(layout), text]))
+
+
+def hashed(text: str) -> str:
+    """FNV-1a of a text: 16 hexadecimal digits."""
     total = _FNV_START
-    for byte in "".join([*_described(layout), text]).encode("ascii"):
+    for byte in text.encode("ascii"):
         total = (total ^ byte) * _FNV_PRIME & 0xFFFFFFFFFFFFFFFF
     return f"{total:016x}"
 

@@ -42,6 +42,7 @@ static int allocate(Unit *unit)
     const int n = sizes->stations, p = sizes->planes;
     const size_t stations = (size_t)n, planes = (size_t)p, free = n > 2 ? stations - 2 : 0;
     const size_t matrix = larger_of(matrix_doubles, n, p);
+    const size_t size = 4 * stations + 2 * SIGNAL_ORDERS * planes + 2;
     int k, missing = 0;
     own->kind = rotor_kind(&unit->layout);
     own->stations = n;
@@ -55,7 +56,7 @@ static int allocate(Unit *unit)
     own->ports = unit_allocate(unit, planes, sizeof(int));
     own->unsorted = doubles(unit, matrix);
     own->matrix_scratch = doubles(unit, larger_of(step_matrix_scratch, n, p));
-    own->operand = doubles(unit, 4 * stations + 2 * SIGNAL_ORDERS * planes + 2);
+    own->operand = doubles(unit, size);
     own->result = doubles(unit, 4 * stations + 4 * planes);
     own->sag = doubles(unit, 2 * stations);
     own->sag_mass = doubles(unit, planes);
@@ -65,6 +66,11 @@ static int allocate(Unit *unit)
     own->state = doubles(unit, 4 * stations);
     own->acceleration = doubles(unit, 2 * planes);
     own->jerk = doubles(unit, 2 * planes);
+    own->rates.added_mass = doubles(unit, planes);
+    own->rates.first = unit_allocate(unit, size + 1, sizeof(int));
+    own->rates.column = unit_allocate(unit, rotor_rates_doubles(n, p), sizeof(int));
+    own->rates.value = doubles(unit, rotor_rates_doubles(n, p));
+    own->rates.work = doubles(unit, 2 * size);
     for (k = 0; k < KEPT_MATRICES; k++) {
         own->kept[k].added_mass = doubles(unit, planes);
         own->kept[k].matrix = doubles(unit, matrix);
@@ -75,7 +81,8 @@ static int allocate(Unit *unit)
         missing |= !own->ends[k];
     }
     return missing || !own->sag || !own->sag_mass || !own->rotor_memory || !own->loaded_mass || !own->values || !own->ports ||
-           !own->unsorted || !own->matrix_scratch || !own->operand || !own->result ||
+           !own->unsorted || !own->rates.added_mass || !own->rates.first || !own->rates.column ||
+           !own->rates.value || !own->rates.work || !own->matrix_scratch || !own->operand || !own->result ||
            !own->variable_mass || !own->variable_memory || !own->variable_scratch ||
            !own->state || !own->acceleration || !own->jerk;
 }
@@ -95,7 +102,8 @@ static int parameters(Unit *unit)
     for (k = 0; k < KEPT_MATRICES; k++) {
         own->kept[k].used = 0;
     }
-    own->variable_made = 0;
+    own->variable_made = own->rates.made = 0;
+    own->turned[0].angle = own->turned[1].angle = not_a_number();
     own->sag_known = 0;
     if (linear_rotor_heavy(&own->rotor) &&
         linear_rotor_sag(&own->rotor, 0.0, own->state, own->matrix_scratch, &failure)) {

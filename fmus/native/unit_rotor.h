@@ -26,6 +26,22 @@ typedef struct {
     double *matrix;
 } Kept;
 
+/* Z of the autonomous system that a step matrix is e^{Zt} of (propagator.h), and what it is of. */
+typedef struct {
+    int made, size;
+    double speed, *added_mass;
+    double quickest;     /* rate of change of the state [rad/s] */
+    int *first, *column; /* (size + 1,) of the elements of each row, and their columns */
+    double *value;
+    double *work; /* (2, size) */
+} Rates;
+
+/* e^{i angle}. */
+typedef struct {
+    double angle;
+    Complex turn;
+} Turned;
+
 typedef struct {
     int kind, stations, planes, unbalances, turning;
     LinearRotor rotor;
@@ -36,6 +52,7 @@ typedef struct {
     int *ports;
     Kept kept[KEPT_MATRICES];
     uint64_t clock;
+    Turned turned[2]; /* the last two: passes ask for the ends of a step again and again */
     double *unsorted, *matrix_scratch;
     double *operand, *result; /* of a step matrix */
     VariableSpeedStep variable;
@@ -45,6 +62,8 @@ typedef struct {
     double *sag, *sag_mass; /* (2n,) of the stations under gravity, and the added masses (p,) */
     double sag_speed;       /* and the speed that it belongs to */
     int sag_known, lifted;
+    Rates rates;
+    double whole;    /* length of the step within which the unit is moved, 0: over all of it [s] */
     double *ends[4]; /* outputs at other speeds, for derivatives */
 } Rotor;
 
@@ -62,8 +81,12 @@ enum { SPIN_UP = 1, SPUN = 5 }; /* behind the speed: its acceleration, and what 
 
 /* Inputs: added masses, then speed, acceleration and its derivatives, then forces. */
 double *rotor_drive(Unit *unit);
-/* Step matrix with x and y alternating in rows and columns; NULL with the reason. */
+/* Where the k-th column of a matrix, x and y alternating, stands among (x..., y...) blocks. */
+int rotor_column(const Rotor *own, int k);
+/* Step matrix by columns, x and y alternating in rows and columns; NULL with the reason. */
 const double *rotor_matrix(Unit *unit, double speed, double step);
+/* own->result = matrix own->operand. */
+void rotor_apply(Rotor *own, const double *matrix);
 /* Motion of the stations, and acceleration and jerk of the planes, after `step` [s], in
    own->result; all in fixed axes, x and y alternating; the acceleration is less gravity's, which
    every body on the rotor feels: what an accelerometer would read. */
@@ -71,7 +94,7 @@ int rotor_propagate(Unit *unit, double step);
 /* Vectors (x, y alternating) turned by the angle with this cosine and sine. */
 void rotor_rotated(double *pairs, size_t count, double c, double s);
 /* Computed outputs from acceleration and jerk of the planes in fixed axes. */
-void rotor_put(const Rotor *own, const double *planes, double angle, double speed, double *out);
+void rotor_put(Rotor *own, const double *planes, double angle, double speed, double *out);
 /* The computed outputs as they are with the present inputs. */
 int rotor_outputs_now(Unit *unit, double *out);
 /* Torque on the shaft and its slope at the present time; 1 with the reason. */
@@ -88,6 +111,15 @@ int rotor_lift(Unit *unit);
 /* Put it back on those in own->result, where it was taken off, and take gravity off the planes'
    acceleration. */
 void rotor_lower(Rotor *own);
+/* -- unit_rotor_within.c ---------------------------------------------------------------------- */
+
+/* Elements of Z that are not 0, at most. */
+size_t rotor_rates_doubles(int stations, int planes);
+/* Bring own->rates up to date; 1 with the reason. */
+int rotor_rates(Unit *unit);
+/* As rotor_apply with the matrix of a step to `time` [s] within own->whole; 0 where the state
+   changes too fast for that, and own->operand is lost. */
+int rotor_within(Rotor *own, double time);
 
 /* -- unit_rotor_derivatives.c: as in `Equations` --------------------------------------------- */
 

@@ -22,7 +22,7 @@ static int force_response(Unit *unit, const double *values, const double *slopes
     if (own->turning) {
         rotor_rotated(forces, 2 * p, c, s);
     }
-    matrix_product(own->parts, own->rows, own->columns, 1, matrix, own->operand, own->result);
+    rotor_apply(own, matrix);
     rotor_put(own, own->result + 4 * n, unit->memory[REST], speed, change);
     return 0;
 }

@@ -5,6 +5,7 @@
 #include "spin.h"
 
 #define MAX_SUBSTEPS 1000000
+#define NEARBY 0.16 /* rad: the series of a turn by less leave out less than 1e-16 */
 #define FAR 1e4 /* rad: beyond, whole turns are taken off while a step is computed */
 
 int weights_check(const Weights *weights, Failure *failure)
@@ -120,13 +121,32 @@ const double *quadrature(Quadrature *memory, double damping_rate, double step)
     return memory->response;
 }
 
+/* Pull along the track in this direction, and its slope. */
+static void along(Complex a, Complex da, Complex direction, double speed, double *value,
+                  double *slope)
+{
+    const Complex seen = complex_product(a, direction);
+    *value = seen.im;
+    *slope = complex_product(da, direction).im - seen.re * speed;
+}
+
 void along_track(Complex a, Complex da, double angle, double speed, double lever, double *value,
                  double *slope)
 {
-    const Complex direction = rect(lever, -angle);
-    const Complex along = complex_product(a, direction);
-    *value = along.im;
-    *slope = complex_product(da, direction).im - along.re * speed;
+    along(a, da, rect(lever, -angle), speed, value, slope);
+}
+
+/* rect(lever, -angle) from `direction`, the same `moved` radians before: a small turn is cheap. */
+static Complex direction_at(Complex direction, double moved, double lever, double angle)
+{
+    const double z = moved * moved;
+    double c, s;
+    if (!(absolute(moved) < NEARBY)) {
+        return rect(lever, -angle);
+    }
+    c = 1.0 - z * (1.0 / 2.0 - z * (1.0 / 24.0 - z * (1.0 / 720.0 - z * (1.0 / 40320.0 - z / 3628800.0))));
+    s = 1.0 - z * (1.0 / 6.0 - z * (1.0 / 120.0 - z * (1.0 / 5040.0 - z / 362880.0)));
+    return complex_product(direction, complex_of(c, -moved * s));
 }
 
 int weights_substep(double *angle, double *angle_rate, const Complex *ends, double lever,
@@ -135,9 +155,11 @@ int weights_substep(double *angle, double *angle_rate, const Complex *ends, doub
 {
     const double *s = response + 1, *t = response + 6; /* to g0..g3 */
     double g0, g1, free_rate, free_angle, new_rate, new_angle;
+    const double start = *angle;
+    const Complex direction = rect(lever, -start);
     double change = 1.0; /* a weight moves less than 0.15 rad in a substep: it contracts fast */
     int iteration;
-    along_track(ends[0], ends[1], *angle, *angle_rate, lever, &g0, &g1);
+    along(ends[0], ends[1], direction, *angle_rate, &g0, &g1);
     g0 -= lag[0];
     free_rate = response[0] * *angle_rate + s[0] * g0 + s[1] * g1;
     free_angle = *angle + response[5] * *angle_rate + t[0] * g0 + t[1] * g1;
@@ -150,9 +172,10 @@ int weights_substep(double *angle, double *angle_rate, const Complex *ends, doub
     g0 += lag[0];
     for (iteration = 0; iteration < MAX_ITERATIONS; iteration++) {
         const double last_angle = new_angle, last_rate = new_rate, last_change = change;
-        double along, slope, g2, g3;
-        along_track(ends[2], ends[3], new_angle, new_rate, lever, &along, &slope);
-        hermite(g0, g1, along, slope, step, &g2, &g3);
+        double pull, slope, g2, g3;
+        along(ends[2], ends[3],
+              direction_at(direction, new_angle - start, lever, new_angle), new_rate, &pull, &slope);
+        hermite(g0, g1, pull, slope, step, &g2, &g3);
         new_rate = free_rate + s[2] * g2 + s[3] * g3;
         new_angle = free_angle + t[2] * g2 + t[3] * g3;
         change = absolute(new_angle - last_angle) + absolute(new_rate - last_rate) * step;

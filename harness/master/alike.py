@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from ..errors import UserError
 from ..scene import Scene
 from .many import cosimulate_many
-from .plan import plan
+from .plan import Plan, plan
 
 _DRIVE = ("speed", "acceleration")  # of the composite, which tells its units
 
@@ -27,14 +27,14 @@ def cosimulate_alike(
     Raises:
         UserError: they differ in more than numbers; or as `cosimulate_many`.
     """
-    first = scenes[0]
-    common = _common(first)
-    if any(_common(scene) != common for scene in scenes):
+    first, plans = scenes[0], [plan(scene) for scene in scenes]
+    common = _common(first, plans[0])
+    if any(_common(*pair) != common for pair in zip(scenes, plans, strict=True)):
         raise UserError(
             f"{first.name}: only numbers of the rotor and the balancers, run.initial, "
             "gravity and a constant speed may differ between runs in C"
         )
-    starts = [_start(scene) for scene in scenes]
+    starts = [_start(*pair) for pair in zip(scenes, plans, strict=True)]
     changed = [name for name in starts[0] if any(s[name] != starts[0][name] for s in starts)]
     table = {name: [s[name] for s in starts] for name in changed or list(starts[0])[:1]}
     return cosimulate_many(first, table, results=results, threads=threads)
@@ -55,18 +55,18 @@ def refuse_unvaried(scene: Scene, path: str) -> None:
         )
 
 
-def _common(scene: Scene) -> Any:
-    found, profile = plan(scene), scene.profile()
+def _common(scene: Scene, found: Plan) -> Any:
+    profile = scene.profile()
     units = [(unit.name, unit.model, unit.sizes) for unit in found.units]
     run_up = None if profile.start == profile.end else profile
     return units, found.connections, scene.coupling, scene.run.revolutions, run_up
 
 
-def _start(scene: Scene) -> dict[str, float]:
+def _start(scene: Scene, found: Plan) -> dict[str, float]:
     """Start values by the composite's names."""
     values = {
         f"{unit.name}.{name}": float(value)
-        for unit in plan(scene).units
+        for unit in found.units
         for name, value in unit.start.items()
         if name not in _DRIVE
     }

@@ -42,7 +42,7 @@ class Balancer(Table):
         follows: what it is told of its plane's place, for its clearance alone.
         records: outputs that a run records where nothing else is asked for.
         exchanges_force: whether it sends force; else its whole effect is its added mass.
-        can_touch: whether its force can jump within a step, as weights touch or stick.
+        can_meet, can_stick: whether its force can jump, as weights collide, or stick and slip.
     """
 
     model: ClassVar[str]
@@ -57,7 +57,9 @@ class Balancer(Table):
         @property
         def exchanges_force(self) -> bool: ...
         @property
-        def can_touch(self) -> bool: ...
+        def can_meet(self) -> bool: ...
+        @property
+        def can_stick(self) -> bool: ...
 
     name: Annotated[Text, Field(min_length=1, pattern=r"^[A-Za-z_][A-Za-z0-9_-]*$")] = ""
     """Names its signals: a letter first, then letters, digits, _ and -; unique; default: the
@@ -184,9 +186,14 @@ class WeightBalancer(Balancer):
         return half_angle(self.weight_radius or 0.0, self.track_radius)
 
     @property
-    def can_touch(self) -> bool:
-        """Whether two of the weights can meet, or one stick."""
-        return bool((self.weight_radius and self.count > 1) or self.rolling_resistance)
+    def can_meet(self) -> bool:
+        """Whether two of the weights can collide."""
+        return bool(self.weight_radius) and self.count > 1
+
+    @property
+    def can_stick(self) -> bool:
+        """Whether a weight can come to rest and break away."""
+        return bool(self.rolling_resistance)
 
     @property
     def records(self) -> tuple[str, ...]:
@@ -239,7 +246,8 @@ class LiquidBalancer(Balancer):
     model: ClassVar[str] = "LiquidBalancer"
     follows: ClassVar[tuple[str, ...]] = ("x", "y")
     records: ClassVar[tuple[str, ...]] = ("clearance",)
-    can_touch: ClassVar[bool] = False
+    can_meet: ClassVar[bool] = False
+    can_stick: ClassVar[bool] = False
 
     kind: Literal["liquid"]
     chamber_radius: Annotated[Positive, Unit("m"), Feeds()]

@@ -76,15 +76,18 @@ class MainMotion(Closing):
         self.units = Revolution(scene, steps=steps)
         try:
             self._speed = abs(scene.profile().end)  # any will do for what follows
-            self._angles = [
-                i for i, s in enumerate(self.units.states) if s.unit != "rotor" and not s.is_rate
-            ]
+            self._angles = self._places_of_angles()
             self.state = self._balanced()
             self._rows, self._columns, self.neutral = self._split()
             self._refuse_false_neutral()
         except BaseException:
             self.units.close()
             raise
+
+    def _places_of_angles(self) -> list[int]:
+        """Which states are angles of weights."""
+        states = enumerate(self.units.states)
+        return [i for i, s in states if s.unit != "rotor" and not s.is_rate]
 
     def _read(self, state: Vector, groups: Outputs) -> Vector:
         """Outputs of the units at the very start of a motion from a state."""

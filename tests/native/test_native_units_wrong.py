@@ -114,10 +114,10 @@ def test_several_wrong_values_are_all_named_and_none_is_set(fmus, packaging):
         (lambda h: h.slave.setReal([0], [1.0]), "mass: fixed once initialisation has ended"),
         (lambda h: h.set({"plane[1].a_xi": 1.0}), "plane[1].a_xi: outputs cannot be set"),
         (lambda h: h.set({"bending": 1.0}), "bending: outputs cannot be set"),
-        (lambda h: h.slave.getReal([0, 36, 37]), "value references [36, 37]: unknown, there are 0 "
-         "to 35"),
+        (lambda h: h.slave.getReal([0, 41, 42]), "value references [41, 42]: unknown, there are 0 "
+         "to 40"),
         (lambda h: h.slave.setReal([99], [1.0]), "value references [99]: unknown, there are 0 to "
-         "35"),
+         "40"),
         (lambda h: h.slave.getBoolean([0]), "value references [0]: unknown, there are none"),
         (lambda h: h.slave.getInteger([0]), "the unit has Reals and Booleans only"),
         (lambda h: h.slave.setInteger([0], [1]), "the unit has Reals and Booleans only"),

@@ -16,8 +16,10 @@ import math
 from collections.abc import Sequence
 
 from ...errors import LoopError, SimulationError
+from ..fmu import EndedEarly
 from ..signals import Knot, SignalState, end_of, extrapolated
 from ..system import System
+from .contacts import before
 from .iterated import MAX_PASSES, Iterated, Trial
 
 LOCAL_SHARE = 0.2  # of the tolerance that one step may err: the errors of many steps add up
@@ -79,7 +81,7 @@ class Adaptive:
         Raises:
             LoopError: no step is short enough for the tolerance.
         """
-        allowed, remaining = self.share * self.tolerance, step
+        allowed, remaining, met = self.share * self.tolerance, step, False
         while True:
             step = longest * 2.0 ** (-self.rung / RUNGS)
             # do not leave a sliver for the last step
@@ -91,6 +93,12 @@ class Adaptive:
             with system.saved() as states:
                 try:
                     trial = self.iterated.attempt(system, states, time, step, MAX_PASSES)
+                except EndedEarly as early:
+                    system.restore(states)
+                    met, remaining = True, before(system, early.length)
+                    if remaining:
+                        continue
+                    return self.iterated.strike(system, time)
                 except SimulationError:  # a unit cannot follow a loop that diverges
                     system.restore(states)
                     if self.rung + 2 * RUNGS > LOWEST:
@@ -104,9 +112,8 @@ class Adaptive:
                     wanted = RUNGS * math.log2(longest / (step * change))
                     if error <= allowed and trial.residual <= self.iterated.tolerance:
                         self.rung = max(0, math.ceil(wanted - 1e-9))
-                        trial.accept(system)
                         self._largest_motion = largest_motion
-                        return step, trial.residual
+                        return self.iterated.go_on(system, trial, met and step == remaining)
                     system.restore(states)
             if failed or trial.residual > SLOWEST * self.iterated.tolerance:
                 self.iterated.after_start(system, time, 0.5 * step)
