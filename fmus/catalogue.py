@@ -8,11 +8,12 @@ from pathlib import Path
 from typing import Any
 
 from .liquid.variables import LIQUID
+from .motor.variables import MOTOR
 from .rotor.variables import ROTOR
 from .unit import SizedUnit, Unit, alternatives
 from .weights.variables import BALLS
 
-CATALOGUE: dict[str, Unit] = {unit.name: unit for unit in (ROTOR, LIQUID, BALLS)}
+CATALOGUE: dict[str, Unit] = {unit.name: unit for unit in (ROTOR, LIQUID, BALLS, MOTOR)}
 
 
 def sized_unit(name: str, **options: Any) -> SizedUnit:

@@ -9,13 +9,15 @@ from __future__ import annotations
 import hashlib
 import math
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import chain
 
 ORDERS = 4  # an input signal is a cubic: value and derivatives of order 1 to 3
 _SIGNALS = {  # units of value and derivatives
     "acceleration": ("m/s2", "m/s3", "m/s4", "m/s5"),
     "force": ("N", "N/s", "N/s2", "N/s3"),
+    "angular acceleration": ("rad/s2", "rad/s3", "rad/s4", "rad/s5"),
+    "torque": ("N.m", "N.m/s", "N.m/s2", "N.m/s3"),
 }
 
 
@@ -100,7 +102,7 @@ def derivative(name: str, order: int) -> str:
 
 
 def signal_inputs(names: Sequence[str], quantity: str, description: str) -> list[Variable]:
-    """Cubic input signals, acceleration | force: all values, then all first derivatives, and so on.
+    """Cubic input signals (`_SIGNALS`): all values, then all first derivatives, and so on.
 
     A master that holds its signals sets the leading part of this group only.
     """
@@ -116,6 +118,12 @@ def signal_inputs(names: Sequence[str], quantity: str, description: str) -> list
         for order, unit in enumerate(_SIGNALS[quantity])
         for name in names
     ]
+
+
+def spin_inputs() -> list[Variable]:
+    """How the rotor turns: its speed, and its angular acceleration as a cubic."""
+    speed = plain_input("speed", 300.0, "rad/s", "Of the rotor, at the start of the step")
+    return [speed, *signal_inputs(["acceleration"], "angular acceleration", "Of the rotor")]
 
 
 def output(name: str, unit: str, description: str, **more) -> Variable:
@@ -147,6 +155,14 @@ def signal_outputs(
 def observed(name: str, unit: str, description: str, begins: tuple[str, ...], **more) -> Variable:
     """An output for people and records, computed when it is read."""
     return output(name, unit, description, begins=begins, observed=True, **more)
+
+
+def torque_outputs(
+    depends: tuple[str, ...], slope_depends: tuple[str, ...], begins: tuple[str, ...], what: str
+) -> list[Variable]:
+    """Torque on the shaft and its slope, which a motor that is not ideal feels."""
+    pair = signal_outputs(["torque"], "torque", what, [depends], [slope_depends], begins=begins)
+    return [replace(variable, observed=True) for variable in pair]
 
 
 class Layout:

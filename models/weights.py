@@ -22,6 +22,7 @@ from functools import cached_property, lru_cache
 
 from .cubic import at, hermite
 from .ranges import demand, demand_all
+from .spin import STEADY, Rates, drift
 
 KAPPA = {"balls": 7.0 / 5.0, "rollers": 3.0 / 2.0, "pendulums": 1.0}
 
@@ -160,6 +161,7 @@ def substep(
     lag: float,
     damping_rate: float,
     step: float,
+    rates: Rates = STEADY,
 ) -> tuple[float, float]:
     """Angle and rate of one weight after `step`; order 4.
 
@@ -167,7 +169,7 @@ def substep(
         angle, angle_rate: at the start [rad, rad/s].
         ends: acceleration of the track's centre and its slope at the start, and at the end.
         lever: -1/(kappa R), times a group's factor [1/m].
-        lag: s w', by which a free weight falls behind [rad/s^2].
+        lag, rates: s w', by which a free weight falls behind [rad/s^2], and its derivatives.
         damping_rate: d [1/s].
 
     Raises:
@@ -182,6 +184,10 @@ def substep(
     g1 = (da0 * direction).imag - along.real * angle_rate
     free_rate = e * angle_rate + s0 * g0 + s1 * g1
     free_angle = angle + t * angle_rate + t0 * g0 + t1 * g1
+    if rates != STEADY:
+        j1, j2, j3 = rates
+        free_rate -= s1 * j1 + s2 * j2 + s3 * j3
+        free_angle -= t1 * j1 + t2 * j2 + t3 * j3
     new_angle, new_rate = free_angle, free_rate
     g0 += lag
     change = 1.0  # a weight moves less than 0.15 rad in a substep, which makes it contract fast
@@ -265,6 +271,7 @@ def advance(
     signal: Sequence[complex],
     angular_acceleration: float,
     step: float,
+    rates: Rates = STEADY,
 ) -> tuple[list[float], list[float]]:
     """Move every weight over one communication step.
 
@@ -272,8 +279,9 @@ def advance(
         angles, speeds: (N,) angles in the rotor [rad] and their rates [rad/s].
         signal: acceleration of the track's centre in the rotor frame at the start of the step and
             its derivatives of order 1 to 3 [m/s^2, m/s^3, ...].
-        angular_acceleration: angular acceleration of the rotor w' [rad/s^2].
+        angular_acceleration: of the rotor, w' [rad/s^2].
         step: length of the step [s].
+        rates: derivatives of w' of order 1 to 3 at the start of the step [rad/s^3, ...].
 
     Returns:
         Angles and rates at the end of the step.
@@ -287,23 +295,38 @@ def advance(
         # the iteration's end is judged by the angle: turns behind a weight must not loosen it
         behind = [2.0 * math.pi * round(angle / (2.0 * math.pi)) for angle in angles]
         near = [angle - turned for angle, turned in zip(angles, behind, strict=True)]
-        moved, rates = advance(weights, near, speeds, signal, angular_acceleration, step)
-        return [angle + turned for angle, turned in zip(moved, behind, strict=True)], rates
+        moved, end_rates = advance(weights, near, speeds, signal, angular_acceleration, step, rates)
+        return [angle + turned for angle, turned in zip(moved, behind, strict=True)], end_rates
     count = substeps(weights, speeds, signal, angular_acceleration, step, step, _MAX_SUBSTEPS)
     h = step / count
     lever, damping_rate = weights.lever, weights.damping_rate
     lag = weights.spin_share * angular_acceleration
     new_angles, new_speeds = list(angles), list(speeds)
     start = signal[0], signal[1]
+    now, moving = lag, rates
+    share = weights.spin_share
+    lags = share * rates[0], share * rates[1], share * rates[2]
     for j in range(1, count + 1):
         end = at(signal, j * h)
         ends = (*start, *end)
+        if rates != STEADY:
+            now, moving = later(lag, lags, (j - 1) * h)
         for k in range(len(new_angles)):
             new_angles[k], new_speeds[k] = substep(
-                new_angles[k], new_speeds[k], ends, lever, lag, damping_rate, h
-            )
+                new_angles[k], new_speeds[k], ends, lever, now, damping_rate, h, moving
+            )  # fmt: skip
         start = end
     return new_angles, new_speeds
+
+
+def later(angular_acceleration: float, rates: Rates, time: float) -> tuple[float, Rates]:
+    """Angular acceleration and its derivatives `time` after the start of a step."""
+    moved = drift(rates, time)
+    return angular_acceleration + moved.acceleration, (
+        moved.slope,
+        rates[1] + time * rates[2],
+        rates[2],
+    )
 
 
 def reaction(
@@ -314,6 +337,7 @@ def reaction(
     slope: complex,
     rotor_speed: float,
     angular_acceleration: float,
+    change: float = 0.0,
 ) -> tuple[complex, complex]:
     """Residual force on the rotor in the rotor frame and its exact slope, -(d/dt)^2 of the moment.
 
@@ -322,7 +346,7 @@ def reaction(
     Args:
         angles, speeds: (N,) [rad, rad/s].
         acceleration, slope: of the track's centre in the rotor frame [m/s^2, m/s^3].
-        rotor_speed, angular_acceleration: w and w' [rad/s, rad/s^2].
+        rotor_speed, angular_acceleration, change: w, w' and w'' [rad/s, rad/s^2, rad/s^3].
 
     Returns:
         F [N] and dF/dt [N/s], xi + i eta.
@@ -343,7 +367,7 @@ def reaction(
         moment += unit
         first += complex(0.0, nu) * unit
         second += complex(-squared, theta_2) * unit
-        theta_3 = torque_slope - damping_rate * theta_2
+        theta_3 = torque_slope - damping_rate * theta_2 - weights.spin_share * change
         third += complex(-3.0 * nu * theta_2, theta_3 - nu * squared) * unit
     turn = 2j * rotor_speed
     pull = 1j * angular_acceleration - rotor_speed * rotor_speed
@@ -354,5 +378,45 @@ def reaction(
         + (2j * angular_acceleration + pull) * first
         - 2.0 * rotor_speed * angular_acceleration * moment
     )
+    if change:
+        force_slope += 1j * change * moment
     scale = -weights.moment
     return scale * force, scale * force_slope
+
+
+def torque(
+    weights: Weights,
+    angles: Sequence[float],
+    speeds: Sequence[float],
+    motion: tuple[complex, complex],
+    angular_acceleration: float,
+    change: float,
+) -> tuple[float, float]:
+    """Torque on the rotor about the track's centre, and its slope; Lagrange's equations.
+
+    Sum of b R^2 theta' - (kappa - 1) m (R + r) (r w' - R theta''): drag, and what a body that rolls
+    takes to turn.  Contacts between weights take no part: what one gains of it the other loses.
+
+    Args:
+        motion: acceleration of the track's centre and its slope, rotor frame [m/s^2, m/s^3].
+        angular_acceleration, change: w', w'' [rad/s^2, rad/s^3].
+
+    Returns:
+        [N m], [N m/s].
+    """
+    size, body, count, share = (
+        weights.track_radius, weights.radius, weights.count, weights.spin_share
+    )  # fmt: skip
+    rate, turned, jerk = sum(speeds), 0.0, 0.0
+    for angle, speed in zip(angles, speeds, strict=True):
+        drawn, drawn_slope = along_track(*motion, angle, speed, weights.lever)
+        turned += drawn
+        jerk += drawn_slope
+    turned -= count * share * angular_acceleration + weights.damping_rate * rate
+    jerk -= count * share * change + weights.damping_rate * turned
+    drag = weights.drag * size**2
+    rolling = (weights.kappa - 1.0) * weights.mass * (size + body)
+    return (
+        drag * rate - rolling * (count * body * angular_acceleration - size * turned),
+        drag * turned - rolling * (count * body * change - size * jerk),
+    )

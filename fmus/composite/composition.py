@@ -77,6 +77,8 @@ class Composition:
         if not rotors or rotors != [True] + [False] * (len(rotors) - 1):
             raise ValueError("parts: the rotor must be the first of them, and the only one")
         planes = self.parts[0].unit.sizes.options["planes"]
+        if any(part.model == "Motor" for part in self.parts):
+            raise ValueError("parts: a Motor: the speed of a composite is prescribed")
         for part in self.parts:
             if not part.name.isidentifier() or not part.name.isascii():
                 raise ValueError(

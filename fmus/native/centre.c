@@ -1,6 +1,7 @@
 #include "centre.h"
 
 #include "cubic.h"
+#include "spin.h"
 
 Instant instant(const CentreMotion *motion, double time)
 {
@@ -16,9 +17,10 @@ double rotor_turned(const CentreMotion *motion, double time)
     return time * (motion->rotor_speed + 0.5 * motion->angular_acceleration * time);
 }
 
-void shifted(const Complex *signal, Complex offset, double rotor_speed, double angular_acceleration,
+void shifted(const Complex *signal, Complex offset, double rotor_speed, const double *spin_up,
              Complex *result)
 {
+    const double angular_acceleration = spin_up[0], w = rotor_speed;
     const Complex whirl = {-(rotor_speed * rotor_speed), angular_acceleration};
     result[0] = complex_sum(signal[0], complex_product(whirl, offset));
     result[1] = complex_difference(
@@ -26,4 +28,14 @@ void shifted(const Complex *signal, Complex offset, double rotor_speed, double a
     result[2] = complex_difference(
         signal[2], complex_scaled(2.0 * angular_acceleration * angular_acceleration, offset));
     result[3] = signal[3];
+    if (drifts(spin_up)) {
+        const Complex whirls[3] = {
+            {0.0, spin_up[1]},
+            {-2.0 * w * spin_up[1], spin_up[2]},
+            {-6.0 * angular_acceleration * spin_up[1] - 2.0 * w * spin_up[2], spin_up[3]}};
+        int k;
+        for (k = 0; k < 3; k++) {
+            result[k + 1] = complex_sum(result[k + 1], complex_product(whirls[k], offset));
+        }
+    }
 }

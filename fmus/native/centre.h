@@ -24,8 +24,9 @@ Instant instant(const CentreMotion *motion, double time);
 /* Angle by which the rotor has turned `time` after the start of the step [rad]. */
 double rotor_turned(const CentreMotion *motion, double time);
 
-/* Signal of the track's centre from that of the plane's: (i w' - w^2) e, exact for linear w. */
-void shifted(const Complex *signal, Complex offset, double rotor_speed, double angular_acceleration,
+/* Signal of the track's centre from that of the plane's: (i w' - w^2) e, exact for linear w;
+   spin_up (4,): w' at the start and its derivatives. */
+void shifted(const Complex *signal, Complex offset, double rotor_speed, const double *spin_up,
              Complex *result);
 
 #endif

@@ -349,7 +349,7 @@ static int describe(Unit *unit, const char *own_starts)
 {
     const Composite *c = unit->own;
     const Table *table = table_of("Composite", "", "");
-    Sizes sizes = {1, 1, 1, 1, 0, 0, 0};
+    Sizes sizes = {1, 1, 1, 1, 0, 2, 0, 0};
     Layout own;
     Variable *reals;
     double *starts;

@@ -26,6 +26,8 @@ enum {
     FAILURE_WEIGHT_RADIUS,     /* weight_radius; value[1]: track radius; value[2]: largest */
     FAILURE_RESTITUTION,       /* restitution: must be within 0 to 1 */
     FAILURE_RIGID_SLIDERS,     /* two rigid sliders at one support and axis */
+    FAILURE_SPIN,              /* der(acceleration): must be 0; where: 1 by friction, 0 by weights */
+    FAILURE_CHARACTERISTIC,    /* points of a motor; where: the first that does not ascend */
     FAILURE_OVERLAP,           /* value[0]: overlap, value[1]: angle neighbours need [rad] */
     /* OverflowError and LinAlgError of the rotor's matrices */
     FAILURE_MATRICES,          /* the rotor's matrices are not finite */
@@ -38,7 +40,10 @@ enum {
     FAILURE_SUBSTEPS,          /* value: substeps, step, acceleration, largest rate */
     FAILURE_NOT_CONVERGED,     /* value: step, angle, rate, acceleration */
     FAILURE_SLIDE,             /* the same for a sliding group */
-    FAILURE_EVENTS             /* value: step, time reached; where: largest number */
+    FAILURE_EVENTS,            /* value: step, time reached; where: largest number */
+    /* ArithmeticError of the motor */
+    FAILURE_MOTOR,             /* value: speed [rad/s]; it or the torque is not finite */
+    FAILURE_CROSSINGS          /* value: step, speed of the point crossed again and again */
 };
 
 typedef struct {

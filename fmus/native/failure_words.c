@@ -99,6 +99,32 @@ void failure_words(Text *text, const Failure *failure, const double *values, siz
     case FAILURE_CANNOT_BEND:
         text_put(text, "internal_damping: a shaft with discs at its supports only cannot bend");
         break;
+    case FAILURE_SPIN:
+        text_put(text, "der(acceleration) = ");
+        text_number(text, value[0]);
+        text_put(text, " rad/s3: must be 0 for ");
+        text_put(text, failure->where ? "dry friction in the supports" : "weights that touch or stick");
+        text_put(text, ", as all its derivatives");
+        break;
+    case FAILURE_CHARACTERISTIC:
+        text_put(text, "point[");
+        text_integer(text, (unsigned long)failure->where);
+        text_put(text, "].speed = ");
+        text_number(text, value[0]);
+        text_put(text, " rad/s: speeds must ascend");
+        break;
+    case FAILURE_MOTOR:
+        text_put(text, "the motor's speed ");
+        text_number(text, value[0]);
+        text_put(text, " rad/s or the torque is not finite");
+        break;
+    case FAILURE_CROSSINGS:
+        text_put(text, "the motor's speed crosses ");
+        text_rounded(text, value[1], 6);
+        text_put(text, " rad/s again and again within a step of ");
+        text_rounded(text, value[0], 6);
+        text_put(text, " s");
+        break;
     case FAILURE_NOT_CARRIED:
         text_put(text, "gravity: supports without stiffness cannot carry the rotor's weight");
         break;

@@ -200,9 +200,10 @@ static void set_pushes(FrictionStep *method, const Drive *drive, double t, doubl
     }
     if (!alone) {
         const double pull[3] = {w * w, 2.0 * w * spin_up, spin_up * spin_up};
+        const double turns[3] = {-drive->angular_acceleration, -drive->change * h, 0.0};
         for (m = 0; m < 3 && m <= terms; m++) {
-            add_turned(method->turn, terms, m, width, pull[m],
-                       m ? 0.0 : -drive->angular_acceleration, values + 2 * p, values + 2 * p + 1);
+            add_turned(method->turn, terms, m, width, pull[m], turns[m], values + 2 * p,
+                       values + 2 * p + 1);
         }
     }
     for (k = 0; k <= terms; k++, values += width) {
@@ -481,26 +482,33 @@ int friction_advance(FrictionStep *method, double *state, double *held, const Dr
                 : fail(failure, FAILURE_STRETCHES, "step", MOST_STRETCHES, step, time, 0.0, 0.0);
 }
 
+int friction_motion(FrictionStep *method, const double *state, const double *held,
+                    const Drive *drive, double t, double *rates, double *jerks, Failure *failure)
+{
+    const int dof = method->smooth->dof;
+    const double stretch = stretch_of(method, drive, t), *motion = method->motion;
+    int k, code = set_series(method, state, held, drive, t, stretch, 2, failure);
+    for (k = 0; k < dof && !code; k++) {
+        rates[k] = motion[dof + k];
+        rates[dof + k] = motion[3 * dof + k] / stretch;
+        jerks[k] = 2.0 * motion[5 * dof + k] / (stretch * stretch);
+    }
+    return code;
+}
+
 int friction_plane_motion(FrictionStep *method, const double *state, double *held,
                           const Drive *drive, double t, double *acceleration, double *jerk,
                           Failure *failure)
 {
     const VariableSpeedStep *smooth = method->smooth;
     const int dof = smooth->dof, planes = 2 * smooth->plane_count;
-    const double stretch = stretch_of(method, drive, t);
-    double *motion = method->motion, *rates = method->rate;
-    int k, code = set_series(method, state, held, drive, t, stretch, 2, failure);
+    double *rates = method->state, *jerks = method->rate;
+    int k, code = friction_motion(method, state, held, drive, t, rates, jerks, failure);
     if (code) {
         return code;
     }
-    for (k = 0; k < dof; k++) {
-        rates[k] = motion[3 * dof + k] / stretch;
-    }
-    matrix_product(1, planes, dof, 1, smooth->planes, rates, acceleration);
-    for (k = 0; k < dof; k++) {
-        rates[k] = 2.0 * motion[5 * dof + k] / (stretch * stretch);
-    }
-    matrix_product(1, planes, dof, 1, smooth->planes, rates, jerk);
+    matrix_product(1, planes, dof, 1, smooth->planes, rates + dof, acceleration);
+    matrix_product(1, planes, dof, 1, smooth->planes, jerks, jerk);
     for (k = 0; k < method->count && state; k++) {
         held[2 * k + HOLDS] = method->forces[k];
     }

@@ -20,6 +20,7 @@ typedef struct {
 typedef struct {
     const double *forces;
     double angle, speed, angular_acceleration;
+    double change; /* of the angular acceleration [rad/s^3]: for motion at one time; over a step 0 */
 } Drive;
 
 /* What friction remembers of each slider, in pairs: the direction in which it slips, -1 or 1, 0 while
@@ -58,6 +59,11 @@ int friction_advance(FrictionStep *method, double *state, double *held, const Dr
 /* Whether each rigid slider at rest sticks or slips at time t, in place. */
 int friction_resolve(FrictionStep *method, const double *state, double *held, const Drive *drive,
                      double t, Failure *failure);
+
+/* Velocity and acceleration, (2 dof,), and jerk, (dof,), of the stations at time t, x before y; with
+   state NULL what the forces alone add to them. */
+int friction_motion(FrictionStep *method, const double *state, const double *held,
+                    const Drive *drive, double t, double *rates, double *jerks, Failure *failure);
 
 /* Acceleration and jerk of the planes in fixed axes, (2 p,) each, x before y, and the friction
    forces, at time t; with state NULL what the forces alone add to them. */

@@ -119,6 +119,7 @@ void moved(WeightsInOrder *weights, int i, const Instant *now, const Instant *la
            double angular_acceleration, double step, double *middle, double *rate)
 {
     const Groups *groups = &weights->groups;
+    const double lag[4] = {weights->track->spin_share * angular_acceleration, 0.0, 0.0, 0.0};
     const double *response;
     Complex ends[4];
     *middle = groups->middle[i];
@@ -137,9 +138,8 @@ void moved(WeightsInOrder *weights, int i, const Instant *now, const Instant *la
         sliding_substep(&group, middle, rate, ends, now->rotor_speed, angular_acceleration,
                         response, step, weights->sides, weights->failure);
     } else {
-        weights_substep(middle, rate, ends, group_lever(weights, i),
-                        weights->track->spin_share * angular_acceleration, response, step,
-                        weights->failure);
+        weights_substep(middle, rate, ends, group_lever(weights, i), lag, response,
+                        step, weights->failure);
     }
 }
 

@@ -19,13 +19,14 @@ from ..composite.variables import COMPOSITE
 from ..unit import SizedUnit
 from ..variables import Layout, Variable
 
-_STATIONS, _PLANES, _UNBALANCES, _WEIGHTS, _SLIDERS = 5, 3, 7, 11, 13
+_STATIONS, _PLANES, _UNBALANCES, _WEIGHTS, _SLIDERS, _POINTS = 5, 3, 7, 11, 13, 17
 _REPEATS = {
     _STATIONS: "SIZE_STATIONS",
     _PLANES: "SIZE_PLANES",
     _UNBALANCES: "SIZE_UNBALANCES",
     _WEIGHTS: "SIZE_WEIGHTS",
     _SLIDERS: "SIZE_SLIDERS",
+    _POINTS: "SIZE_POINTS",
     2: "SIZE_TWO",
 }
 _PLANAR = {"planes": _PLANES, "sliders": _SLIDERS, "stations": 1}
@@ -39,6 +40,7 @@ TABLES: tuple[tuple[str, dict[str, Any]], ...] = (
     ("RotorOnSupports", {**_ROTOR, "kind": "flexible", "shaft": "compliance"}),
     ("LiquidBalancer", {}),
     ("BallBalancer", {"weights": _WEIGHTS}),
+    ("Motor", {"points": _POINTS}),
     ("Composite", {"planes": _PLANES}),
 )
 
@@ -54,6 +56,8 @@ _STARTS_IN_C = (
     "unbalance[#].amount",
     "compliance[#,#]",
     "weight[#].angle0",
+    "point[#].speed",
+    "point[#].torque",
 )
 _FNV_START, _FNV_PRIME = 0xCBF29CE484222325, 0x100000001B3
 

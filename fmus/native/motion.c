@@ -6,6 +6,7 @@
 #include "groups.h"
 #include "matrix.h"
 #include "ring.h"
+#include "spin.h"
 
 size_t track_scratch(int count)
 {
@@ -43,7 +44,7 @@ int track_first_contacts(const Track *track, const double *angles, const double 
 
 int track_advance(const Track *track, const double *angles, const double *speeds,
                   const double *contacts, const Complex *signal, double rotor_speed,
-                  double angular_acceleration, double step, int stop_at_contact, Moved *moved,
+                  const double *spin_up, double step, int stop_at_contact, Moved *moved,
                   double *scratch, Failure *failure)
 {
     CentreMotion motion;
@@ -51,12 +52,12 @@ int track_advance(const Track *track, const double *angles, const double *speeds
     EventStepper stepper;
     int k, code;
     motion.rotor_speed = rotor_speed;
-    motion.angular_acceleration = angular_acceleration;
+    motion.angular_acceleration = spin_up[0];
     for (k = 0; k < 4; k++) {
         motion.signal[k] = signal[k];
     }
     if (is_offset(track)) {
-        shifted(signal, track->offset, rotor_speed, angular_acceleration, motion.signal);
+        shifted(signal, track->offset, rotor_speed, spin_up, motion.signal);
     }
     moved->impulse = complex_of(0.0, 0.0);
     moved->events = 0;
@@ -64,8 +65,11 @@ int track_advance(const Track *track, const double *angles, const double *speeds
     if (!track->eventful) {
         Quadrature memory = quadrature_empty();
         copy_doubles((size_t)track->weights.count, contacts, moved->contacts);
-        return weights_advance(&track->weights, angles, speeds, motion.signal, angular_acceleration,
+        return weights_advance(&track->weights, angles, speeds, motion.signal, spin_up,
                                step, moved->angles, moved->speeds, &memory, failure);
+    }
+    if (drifts(spin_up)) {
+        return fail(failure, FAILURE_SPIN, "der(acceleration)", 0, spin_up[1], 0.0, 0.0, 0.0);
     }
     code = put_in_order(track, angles, speeds, contacts, scratch, &weights, failure);
     if (code) {
@@ -86,8 +90,8 @@ int track_advance(const Track *track, const double *angles, const double *speeds
 
 int track_reaction(const Track *track, const double *angles, const double *speeds,
                    const double *contacts, Complex acceleration, Complex slope, double rotor_speed,
-                   double angular_acceleration, Complex *force, Complex *force_slope,
-                   double *scratch, Failure *failure)
+                   double angular_acceleration, double change, Complex *force,
+                   Complex *force_slope, double *scratch, Failure *failure)
 {
     const int off = is_offset(track);
     const Complex whirl = {-(rotor_speed * rotor_speed), angular_acceleration};
@@ -95,6 +99,7 @@ int track_reaction(const Track *track, const double *angles, const double *speed
     if (off) {
         acceleration = complex_sum(acceleration, complex_product(whirl, track->offset));
         slope = complex_difference(slope, complex_scaled(whirl_slope, track->offset));
+        slope = complex_sum(slope, complex_product(complex_of(0.0, change), track->offset));
     }
     if (track->eventful) {
         WeightsInOrder weights;
@@ -109,12 +114,32 @@ int track_reaction(const Track *track, const double *angles, const double *speed
         ring_reaction(&weights, &now, angular_acceleration, force, force_slope);
     } else {
         weights_reaction(&track->weights, angles, speeds, acceleration, slope, rotor_speed,
-                         angular_acceleration, force, force_slope);
+                         angular_acceleration, change, force, force_slope);
     }
     if (off) {
         const Complex carried = complex_scaled(weights_added_mass(&track->weights), track->offset);
         *force = complex_difference(*force, complex_product(carried, whirl));
         *force_slope = complex_sum(*force_slope, complex_scaled(whirl_slope, carried));
+        *force_slope = complex_difference(*force_slope,
+                                          complex_product(complex_of(0.0, change), carried));
     }
     return FINE;
+}
+
+void track_torque(const Track *track, const double *angles, const double *speeds,
+                  const Complex *motion, const Complex *force, double rotor_speed,
+                  double angular_acceleration, double change, double *torque)
+{
+    const Complex whirl = {-(rotor_speed * rotor_speed), angular_acceleration};
+    const Complex whirl_slope = {-2.0 * rotor_speed * angular_acceleration, change};
+    const double carried = weights_added_mass(&track->weights);
+    Complex centre[2];
+    int k;
+    centre[0] = complex_sum(motion[0], complex_product(whirl, track->offset));
+    centre[1] = complex_sum(motion[1], complex_product(whirl_slope, track->offset));
+    weights_torque(&track->weights, angles, speeds, centre, angular_acceleration, change, torque);
+    for (k = 0; k < 2; k++) {
+        const Complex pull = complex_difference(force[k], complex_scaled(carried, motion[k]));
+        torque[k] += complex_product(complex_conjugate(track->offset), pull).im;
+    }
 }

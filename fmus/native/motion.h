@@ -35,17 +35,26 @@ int track_first_contacts(const Track *track, const double *angles, const double 
 
    angles, speeds, contacts: state, contacts all 0 for a fresh start; the arrays of `moved` may be
    the same, and have no meaning after a failure.  signal: (4,) acceleration of the plane's centre
-   in the rotor frame at the start of the step and its derivatives.  stop_at_contact: end behind
+   in the rotor frame at the start of the step and its derivatives.  spin_up: (4,) angular
+   acceleration of the rotor likewise, constant where weights can touch or stick.  stop_at_contact: end behind
    the first collision. */
 int track_advance(const Track *track, const double *angles, const double *speeds,
                   const double *contacts, const Complex *signal, double rotor_speed,
-                  double angular_acceleration, double step, int stop_at_contact, Moved *moved,
+                  const double *spin_up, double step, int stop_at_contact, Moved *moved,
                   double *scratch, Failure *failure);
 
 /* Residual force on the rotor in the rotor frame and its slope, without impulses. */
 int track_reaction(const Track *track, const double *angles, const double *speeds,
                    const double *contacts, Complex acceleration, Complex slope, double rotor_speed,
-                   double angular_acceleration, Complex *force, Complex *force_slope,
-                   double *scratch, Failure *failure);
+                   double angular_acceleration, double change, Complex *force,
+                   Complex *force_slope, double *scratch, Failure *failure);
+
+/* Torque of the weights on the rotor about the plane's centre and its slope, without impulses and
+   what rolling resistance does.
+
+   motion, force: acceleration of the plane's centre, force of track_reaction, and their slopes. */
+void track_torque(const Track *track, const double *angles, const double *speeds,
+                  const Complex *motion, const Complex *force, double rotor_speed,
+                  double angular_acceleration, double change, double *torque);
 
 #endif

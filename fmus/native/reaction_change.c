@@ -9,7 +9,7 @@
 /* What drives the weights, and a change of it. */
 typedef struct {
     Instant now, by;
-    double angular_acceleration, by_angular_acceleration;
+    double angular_acceleration, by_angular_acceleration, by_change;
 } Drive;
 
 /* Change of the mean drive of a group, per unit vector and wall, and of its time derivative. */
@@ -72,7 +72,8 @@ static void group_change(const WeightsInOrder *weights, int i, const Drive *d, d
         DriveChange sum = {0.0, 0.0, 0.0};
         add_term(d, rect(factor, -groups->middle[i]), lever, 0.0, groups->angle_rate[i], &sum);
         *change = sum.drive - weights->track->spin_share * d->by_angular_acceleration;
-        *slope_change = sum.slope - weights->track->damping_rate * *change;
+        *slope_change = sum.slope - weights->track->damping_rate * *change -
+                        weights->track->spin_share * d->by_change;
     }
 }
 
@@ -114,21 +115,22 @@ static void ring_change(WeightsInOrder *weights, const Drive *d, Complex *force,
     sum = complex_sum(sum, complex_product(turn, by_second));
     sum = complex_sum(sum, complex_product(by_pull_slope, first));
     sum = complex_difference(sum, complex_scaled(product, moment));
+    sum = complex_sum(sum, complex_product(complex_of(0.0, d->by_change), moment));
     *force_slope = complex_scaled(scale, sum);
 }
 
 int track_reaction_change(const Track *track, const double *angles, const double *speeds,
                           const double *contacts, Complex acceleration, Complex slope,
                           double rotor_speed, double angular_acceleration, const Instant *by,
-                          double by_angular_acceleration, Complex *force, Complex *force_slope,
-                          double *scratch, Failure *failure)
+                          double by_angular_acceleration, double by_change, Complex *force,
+                          Complex *force_slope, double *scratch, Failure *failure)
 {
     const Complex whirl = {-(rotor_speed * rotor_speed), angular_acceleration};
     const Complex by_whirl = {-2.0 * rotor_speed * by->rotor_speed, by_angular_acceleration};
     const double whirl_slope = 2.0 * rotor_speed * angular_acceleration;
     const double by_whirl_slope =
         2.0 * (by->rotor_speed * angular_acceleration + rotor_speed * by_angular_acceleration);
-    const Complex offset = track->offset;
+    const Complex offset = track->offset, by_turn = {0.0, by_change};
     const Complex carried = complex_scaled(weights_added_mass(&track->weights), offset);
     WeightsInOrder weights;
     Drive d;
@@ -141,11 +143,14 @@ int track_reaction_change(const Track *track, const double *angles, const double
     d.now.rotor_speed = rotor_speed;
     d.by.acceleration = complex_sum(by->acceleration, complex_product(by_whirl, offset));
     d.by.slope = complex_difference(by->slope, complex_scaled(by_whirl_slope, offset));
+    d.by.slope = complex_sum(d.by.slope, complex_product(by_turn, offset));
+    d.by_change = track->eventful ? 0.0 : by_change; /* which weights that meet do not take */
     d.by.rotor_speed = by->rotor_speed;
     d.angular_acceleration = angular_acceleration;
     d.by_angular_acceleration = by_angular_acceleration;
     ring_change(&weights, &d, force, force_slope);
     *force = complex_difference(*force, complex_product(carried, by_whirl));
     *force_slope = complex_sum(*force_slope, complex_scaled(by_whirl_slope, carried));
+    *force_slope = complex_difference(*force_slope, complex_product(by_turn, carried));
     return FINE;
 }

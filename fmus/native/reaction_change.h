@@ -8,12 +8,12 @@
 #include "track.h"
 
 /* Changes of force and slope by those of what drives the weights: `by` holds the changes of
-   acceleration, its slope and the rotor's speed, by_angular_acceleration that of w'.  The other
+   acceleration, its slope and the rotor's speed, by_angular_acceleration that of w', by_change that of w''.  The other
    arguments are those of track_reaction; weights that stick or slide go on to do so. */
 int track_reaction_change(const Track *track, const double *angles, const double *speeds,
                           const double *contacts, Complex acceleration, Complex slope,
                           double rotor_speed, double angular_acceleration, const Instant *by,
-                          double by_angular_acceleration, Complex *force, Complex *force_slope,
-                          double *scratch, Failure *failure);
+                          double by_angular_acceleration, double by_change, Complex *force,
+                          Complex *force_slope, double *scratch, Failure *failure);
 
 #endif

@@ -45,7 +45,7 @@ int token_read(const char *token, const Table **table, Sizes *sizes, Text *reaso
 {
     char unit[WORD_SIZE], key[WORD_SIZE], value[WORD_SIZE], kind[WORD_SIZE], shaft[WORD_SIZE];
     const char *at;
-    const Sizes none = {1, 1, 1, 1, 0, 0, 0};
+    const Sizes none = {1, 1, 1, 1, 0, 2, 0, 0};
     *sizes = none;
     kind[0] = shaft[0] = 0;
     at = token ? word_until(token, '/', unit) : NULL;
@@ -76,6 +76,7 @@ int token_read(const char *token, const Table **table, Sizes *sizes, Text *reaso
                         : text_equal(key, "unbalances") ? &sizes->unbalances
                         : text_equal(key, "weights")    ? &sizes->weights
                         : text_equal(key, "sliders")    ? &sizes->sliders
+                        : text_equal(key, "points")     ? &sizes->points
                                                         : NULL;
             if (!size) {
                 return refuse(reason, token, "has an option this library does not know");
@@ -92,7 +93,7 @@ int token_read(const char *token, const Table **table, Sizes *sizes, Text *reaso
     }
     if ((text_equal(kind, "planar") && sizes->stations != 1) ||
         (text_equal(kind, "two_support") && sizes->stations != 2) ||
-        (text_equal(kind, "flexible") && sizes->stations < 2) ||
+        (text_equal(kind, "flexible") && sizes->stations < 2) || sizes->points < 2 ||
         layout_count(*table, sizes, MOST_REALS) > MOST_REALS) {
         return refuse(reason, token, "has a size in which this unit does not exist");
     }
@@ -138,6 +139,8 @@ static void put_options(Text *text, const Layout *layout)
         }
     } else if (text_equal(table->unit, "BallBalancer")) {
         put_size(text, "weights=", sizes->weights);
+    } else if (text_equal(table->unit, "Motor")) {
+        put_size(text, "points=", sizes->points);
     }
 }
 

@@ -40,7 +40,8 @@ void unit_free(Unit *unit)
 
 static const Equations *equations_of(const char *name)
 {
-    const Equations *const all[] = {&ROTOR_EQUATIONS, &LIQUID_EQUATIONS, &WEIGHTS_EQUATIONS};
+    const Equations *const all[] = {&ROTOR_EQUATIONS, &LIQUID_EQUATIONS, &WEIGHTS_EQUATIONS,
+                                     &MOTOR_EQUATIONS};
     size_t k;
     for (k = 0; k < sizeof all / sizeof *all; k++) {
         if (text_equal(all[k]->name, name)) {

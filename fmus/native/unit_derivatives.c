@@ -70,6 +70,8 @@ Status unit_set_derivatives(Unit *unit, const unsigned *references, size_t count
         } else if (text_equal(unit->layout.reals[reference].declared->name, "speed") &&
                    orders[k] == 1) {
             unit->real[reference + 1] = values[k]; /* `acceleration` */
+        } else if (text_equal(unit->layout.reals[reference].declared->name, "acceleration")) {
+            unit->real[reference + (size_t)orders[k]] = values[k]; /* its derivatives follow it */
         }
         if (unit->stale < COMPUTED) {
             unit->stale = COMPUTED;

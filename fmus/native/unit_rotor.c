@@ -4,14 +4,12 @@
 
 #include "elementary.h"
 #include "propagator.h"
+#include "spin.h"
 #include "unit_rotor.h"
-
-/* 2 pi minus its floating-point value */
-static const double TURN_ROUNDING = 2.4492935982947064e-16;
 
 static size_t memory_size(const Layout *layout)
 {
-    return MOTION + 4 * (size_t)layout->sizes.stations + 1 + 4 * (size_t)layout->sizes.sliders;
+    return MOTION + 4 * (size_t)layout->sizes.stations + 2 + 4 * (size_t)layout->sizes.sliders;
 }
 
 static size_t own_size(void)
@@ -121,41 +119,12 @@ static int parameters(Unit *unit)
     return own->slider_count ? rotor_make_variable(unit) : 0;
 }
 
-/* The angle (turns, remainder, carry) turned by `by` [rad]; Kahan's summation. */
-static void turn_by(double *angle, double by)
-{
-    double turns = angle[TURNS], carry = angle[CARRY], total;
-    const double rest = angle[REST];
-    if (absolute(by) > PI) {
-        const double part = ieee_remainder(by, TAU), whole = nearest((by - part) / TAU);
-        by = part;
-        turns += whole;
-        carry += whole * TURN_ROUNDING;
-    }
-    by -= carry;
-    total = rest + by;
-    carry = (total - rest) - by;
-    if (total > PI) {
-        total -= TAU;
-        turns += 1.0;
-        carry += TURN_ROUNDING;
-    } else if (total < -PI) {
-        total += TAU;
-        turns -= 1.0;
-        carry -= TURN_ROUNDING;
-    }
-    angle[TURNS] = turns;
-    angle[REST] = total;
-    angle[CARRY] = carry;
-}
-
 static int begin(Unit *unit)
 {
     const Rotor *own = unit->own;
     const size_t motion = 4 * (size_t)own->stations;
     const double *start = unit->real + unit->layout.parameters.count - motion;
-    memset(unit->memory, 0, MOTION * sizeof(double));
-    turn_by(unit->memory, start[-1]);
+    angle_start(unit->memory, start[-1]);
     memcpy(unit->memory + MOTION, start, motion * sizeof(double));
     friction_at_start(own->sliders, own->slider_count, start + motion / 2, rotor_held(unit));
     return 0;
@@ -164,15 +133,17 @@ static int begin(Unit *unit)
 static int step(Unit *unit, double length)
 {
     Rotor *own = unit->own;
-    const double speed = rotor_drive(unit)[0], spin_up = rotor_drive(unit)[1];
+    const double speed = rotor_drive(unit)[0], spin_up = rotor_drive(unit)[SPIN_UP];
+    const Drift more = drift(rotor_drive(unit) + SPIN_UP, length);
     const size_t motion = 4 * (size_t)own->stations;
     double *end_speed = unit->memory + MOTION + motion;
     if (rotor_propagate(unit, length)) {
         return 1;
     }
-    turn_by(unit->memory, length * (speed + 0.5 * spin_up * length));
+    angle_turn(unit->memory, length * (speed + 0.5 * spin_up * length) + more.angle);
     memcpy(unit->memory + MOTION, own->result, motion * sizeof(double));
-    *end_speed = speed + spin_up * length;
+    end_speed[0] = speed + spin_up * length + more.speed;
+    end_speed[1] = length;
     if (own->slider_count) {
         memcpy(rotor_held(unit), own->held, 2 * (size_t)own->slider_count * sizeof(double));
     }
@@ -185,6 +156,7 @@ static int outputs(Unit *unit)
 {
     const Rotor *own = unit->own;
     unit->memory[MOTION + 4 * own->stations] = rotor_drive(unit)[0];
+    unit->memory[MOTION + 4 * own->stations + 1] = 0.0;
     return rotor_outputs_now(unit, unit->real + unit->layout.computed.first);
 }
 
@@ -209,21 +181,23 @@ static void observe(Unit *unit)
     const size_t count = 4 * (size_t)own->stations;
     double *out = unit->real + unit->layout.observed.first;
     int k;
-    out[0] = memory[TURNS] * TAU +
-             (memory[REST] + (memory[TURNS] * TURN_ROUNDING - memory[CARRY]));
+    out[0] = angle_total(memory);
     memcpy(out + 1, motion, count * sizeof(double));
     out += 1 + count;
     rotor_vectors_at(own->rotor.planes, own->planes, own->stations, motion, out);
-    out[2 * own->planes] = largest_bending(own, motion);
-    out += 2 * own->planes + 1;
+    out += 2 * own->planes;
+    *out++ = largest_bending(own, motion);
     for (k = 0; k < own->slider_count; k++) {
-        out[k] = rotor_held(unit)[2 * k + HOLDS];
+        *out++ = rotor_held(unit)[2 * k + HOLDS];
+    }
+    if (rotor_torque_now(unit, out)) {
+        out[0] = out[1] = not_a_number();
     }
 }
 
 static size_t signals(const Layout *layout, size_t *first)
 {
-    *first = layout->inputs.first + (size_t)layout->sizes.planes + 2;
+    *first = layout->inputs.first + (size_t)layout->sizes.planes + SPUN;
     return 2 * (size_t)layout->sizes.planes;
 }
 

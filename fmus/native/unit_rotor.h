@@ -2,6 +2,7 @@
 #ifndef AUTOBALANCER_UNIT_ROTOR_H
 #define AUTOBALANCER_UNIT_ROTOR_H
 
+#include "angle.h"
 #include "friction.h"
 #include "linear_rotor.h"
 #include "signals.h"
@@ -14,8 +15,9 @@ enum { PLANAR, TWO_SUPPORT, FLEXIBLE };
 enum { KEPT_MATRICES = 8 };
 
 /* In memory: the angle, then displacements and velocities of the stations, x and y alternating,
-   then the speed the outputs belong to, then of every slider along x and y what friction.h says. */
-enum { TURNS, REST, CARRY, MOTION };
+   then the speed the outputs belong to, how long ago the inputs were set, and of every slider along
+   x and y what friction.h says. */
+enum { MOTION = ANGLE_SIZE };
 
 /* A step matrix with x and y alternating in rows and columns, and what it is of. */
 typedef struct {
@@ -84,7 +86,9 @@ int rotor_of_parameters(Unit *unit);
 
 /* -- unit_rotor_step.c ----------------------------------------------------------------------- */
 
-/* Inputs: added masses, then speed and acceleration, then forces. */
+enum { SPIN_UP = 1, SPUN = 5 }; /* behind the speed: its acceleration, and what comes after both */
+
+/* Inputs: added masses, then speed, acceleration and its derivatives, then forces. */
 double *rotor_drive(Unit *unit);
 /* Where the k-th column of a matrix, x and y alternating, stands among (x..., y...) blocks. */
 int rotor_column(const Rotor *own, int k);
@@ -109,6 +113,8 @@ void rotor_put(Rotor *own, const double *planes, double angle, double speed, dou
 int rotor_friction_response(Unit *unit, const double *values, const double *slopes);
 /* The computed outputs as they are with the present inputs. */
 int rotor_outputs_now(Unit *unit, double *out);
+/* Torque on the shaft and its slope at the present time; 1 with the reason. */
+int rotor_torque_now(Unit *unit, double *torque);
 /* Rows of a matrix (count, n) times vectors (x, y alternating). */
 void rotor_vectors_at(const double *rows, int count, int n, const double *vectors,
                       double *result);

@@ -4,9 +4,10 @@
 #include "elementary.h"
 #include "matrix.h"
 #include "propagator.h"
+#include "spin.h"
 #include "unit_rotor.h"
 
-/* Inputs: added masses, then speed and acceleration, then forces. */
+/* Inputs: added masses, then speed, acceleration and its derivatives, then forces. */
 static const double *added_masses(const Unit *unit)
 {
     return unit->real + unit->layout.inputs.first;
@@ -128,7 +129,7 @@ static void from_axes(const double *values, int axes, int blocks, int size, doub
 
 double *rotor_held(const Unit *unit)
 {
-    return unit->memory + MOTION + 4 * ((const Rotor *)unit->own)->stations + 1;
+    return unit->memory + MOTION + 4 * ((const Rotor *)unit->own)->stations + 2;
 }
 
 int rotor_make_variable(Unit *unit)
@@ -161,9 +162,9 @@ static int propagate_variable(Unit *unit, double step)
 {
     Rotor *own = unit->own;
     const int n = own->stations, p = own->planes;
-    const double speed = rotor_drive(unit)[0], spin_up = rotor_drive(unit)[1];
+    const double speed = rotor_drive(unit)[0], *spin_up = rotor_drive(unit) + SPIN_UP;
     const double angle = unit->memory[REST];
-    const double *forces = rotor_drive(unit) + 2;
+    const double *forces = rotor_drive(unit) + SPUN;
     double *planes = own->result + 4 * n;
     Failure failure;
     if (rotor_make_variable(unit)) {
@@ -183,32 +184,51 @@ static int propagate_variable(Unit *unit, double step)
     return 0;
 }
 
+/* What moves a rotor with friction, whose angle `ago` later is that in memory. */
+static Drive friction_drive(Unit *unit, const double *forces, const double *spin_up, double ago)
+{
+    const Drift more = drift(spin_up, ago);
+    Drive drive;
+    drive.forces = forces;
+    drive.angular_acceleration = spin_up[0] + more.acceleration;
+    drive.change = more.slope;
+    drive.speed = rotor_drive(unit)[0] + more.speed - more.acceleration * ago;
+    drive.angle =
+        unit->memory[REST] - ago * (drive.speed + 0.5 * drive.angular_acceleration * ago);
+    return drive;
+}
+
+/* The sliders in own->held as they are `step` after the inputs were set, own->state with them. */
+static int friction_move(Unit *unit, const Drive *drive, double step, Failure *failure)
+{
+    Rotor *own = unit->own;
+    to_axes(unit->memory + MOTION, 2, 2, own->stations, own->state);
+    if (own->frozen) {
+        return FINE;
+    }
+    memcpy(own->held, rotor_held(unit), 2 * (size_t)own->slider_count * sizeof(double));
+    return step != 0.0
+               ? friction_advance(&own->friction, own->state, own->held, drive, step, failure)
+               : friction_resolve(&own->friction, own->state, own->held, drive, 0.0, failure);
+}
+
 /* The same with friction, what it is after the step in own->held. */
 static int propagate_friction(Unit *unit, double step)
 {
     Rotor *own = unit->own;
     const int n = own->stations, p = own->planes;
+    const double *spin_up = rotor_drive(unit) + SPIN_UP;
+    const Drive drive = friction_drive(unit, rotor_drive(unit) + SPUN, spin_up, 0.0);
     double *planes = own->result + 4 * n;
-    Drive drive;
     Failure failure;
-    int code = FINE;
     if (rotor_make_variable(unit)) {
         return 1;
     }
-    drive.forces = rotor_drive(unit) + 2;
-    drive.angle = unit->memory[REST];
-    drive.speed = rotor_drive(unit)[0];
-    drive.angular_acceleration = rotor_drive(unit)[1];
-    to_axes(unit->memory + MOTION, 2, 2, n, own->state);
-    if (!own->frozen) {
-        memcpy(own->held, rotor_held(unit), 2 * (size_t)own->slider_count * sizeof(double));
-        code = step != 0.0 ? friction_advance(&own->friction, own->state, own->held, &drive, step,
-                                              &failure)
-                           : friction_resolve(&own->friction, own->state, own->held, &drive, 0.0,
-                                              &failure);
-    }
-    if (code || friction_plane_motion(&own->friction, own->state, own->held, &drive, step,
-                                      own->acceleration, own->jerk, &failure)) {
+    if ((step != 0.0 && drifts(spin_up) &&
+         fail(&failure, FAILURE_SPIN, "der(acceleration)", 1, spin_up[1], 0.0, 0.0, 0.0)) ||
+        friction_move(unit, &drive, step, &failure) ||
+        friction_plane_motion(&own->friction, own->state, own->held, &drive, step,
+                              own->acceleration, own->jerk, &failure)) {
         return unit_failed(unit, &failure, NULL, 0);
     }
     from_axes(own->state, 2, 2, n, own->result);
@@ -223,21 +243,61 @@ int rotor_friction_response(Unit *unit, const double *values, const double *slop
     const int p = own->planes;
     const size_t size = 2 * (size_t)p * sizeof(double);
     double *planes = own->result + 4 * own->stations, *forces = own->operand;
-    Drive drive;
+    static const double steady[4] = {0.0, 0.0, 0.0, 0.0};
+    const Drive drive = friction_drive(unit, forces, steady, 0.0);
     Failure failure;
     memset(forces, 0, 4 * size);
     memcpy(forces, values, size);
     memcpy(forces + 2 * p, slopes, size);
-    drive.forces = forces;
-    drive.angle = unit->memory[REST];
-    drive.speed = rotor_drive(unit)[0];
-    drive.angular_acceleration = 0.0;
     if (friction_plane_motion(&own->friction, NULL, own->held, &drive, 0.0, own->acceleration,
                               own->jerk, &failure)) {
         return unit_failed(unit, &failure, NULL, 0);
     }
     from_axes(own->acceleration, 2, 1, p, planes);
     from_axes(own->jerk, 2, 1, p, planes + 2 * p);
+    return 0;
+}
+
+/* rotor_torque_now of a rotor with friction. */
+static int friction_torque(Unit *unit, double ago, double *torque)
+{
+    Rotor *own = unit->own;
+    const Drive drive =
+        friction_drive(unit, rotor_drive(unit) + SPUN, rotor_drive(unit) + SPIN_UP, ago);
+    double *rates = own->variable_scratch, *jerks = rates + 4 * own->stations;
+    Failure failure;
+    to_axes(unit->memory + MOTION, 2, 2, own->stations, own->state);
+    if (!own->frozen) {
+        memcpy(own->held, rotor_held(unit), 2 * (size_t)own->slider_count * sizeof(double));
+    }
+    if ((ago == 0.0 && !own->frozen &&
+         friction_resolve(&own->friction, own->state, own->held, &drive, 0.0, &failure)) ||
+        friction_motion(&own->friction, own->state, own->held, &drive, ago, rates, jerks,
+                        &failure)) {
+        return unit_failed(unit, &failure, NULL, 0);
+    }
+    shaft_torque(&own->variable, &own->rotor, own->state, rates, jerks, unit->memory[REST],
+                 drive.speed + drive.angular_acceleration * ago, drive.angular_acceleration,
+                 torque);
+    return 0;
+}
+
+int rotor_torque_now(Unit *unit, double *torque)
+{
+    Rotor *own = unit->own;
+    const double speed = rotor_drive(unit)[0], *spin_up = rotor_drive(unit) + SPIN_UP;
+    const double ago = unit->memory[MOTION + 4 * own->stations + 1];
+    const double angle = unit->memory[REST] - (ago * (speed + 0.5 * spin_up[0] * ago) +
+                                               drift(spin_up, ago).angle);
+    if (rotor_make_variable(unit)) {
+        return 1;
+    }
+    if (own->slider_count) {
+        return friction_torque(unit, ago, torque);
+    }
+    to_axes(unit->memory + MOTION, own->axes, 2, own->stations, own->state);
+    variable_speed_torque(&own->variable, &own->rotor, own->state, rotor_drive(unit) + SPUN,
+                          angle, speed, spin_up, ago, torque, own->variable_scratch);
     return 0;
 }
 
@@ -301,7 +361,7 @@ static int set_operand(Unit *unit)
     const size_t turn = forces + 2 * SIGNAL_ORDERS * p;
     const Complex turned = turned_by(own, unit->memory[REST]);
     memcpy(own->operand, unit->memory + MOTION, forces * sizeof(double));
-    memcpy(own->operand + forces, rotor_drive(unit) + 2, (turn - forces) * sizeof(double));
+    memcpy(own->operand + forces, rotor_drive(unit) + SPUN, (turn - forces) * sizeof(double));
     if (own->turning) {
         rotor_rotated(own->operand + forces, SIGNAL_ORDERS * p, turned.re, turned.im);
     }
@@ -318,7 +378,7 @@ static int propagate(Unit *unit, double step)
     if (own->slider_count) {
         return propagate_friction(unit, step);
     }
-    if (rotor_drive(unit)[1] != 0.0) {
+    if (rotor_drive(unit)[SPIN_UP] != 0.0 || drifts(rotor_drive(unit) + SPIN_UP)) {
         return propagate_variable(unit, step);
     }
     if (set_operand(unit)) {

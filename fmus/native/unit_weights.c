@@ -4,13 +4,14 @@
 
 #include "elementary.h"
 #include "pulse.h"
+#include "spin.h"
 #include "unit_weights.h"
 
-/* Angles, speeds, contacts (N,) each, and impulse owed and pulse given as xi, eta each; plain
-   weights use the first two. */
+/* Angles, speeds, contacts (N,) each, impulse owed and pulse given as xi, eta each, of which plain
+   weights use the first two; and how long ago the inputs were set. */
 static size_t memory_size(const Layout *layout)
 {
-    return 3 * (size_t)layout->sizes.weights + 4;
+    return 3 * (size_t)layout->sizes.weights + 5;
 }
 
 static size_t own_size(void)
@@ -111,54 +112,74 @@ void weights_rotating(double angle, double speed, Complex *value, Complex *slope
     *slope = complex_product(seen, turn);
 }
 
-/* Force of the weights and its slope, in the rotor frame; acceleration and slope too. */
-static int react(Unit *unit, Complex acceleration, Complex slope, double speed, double spin_up,
-                 Complex *force, Complex *force_slope)
+RotorMotion weights_motion_now(const Unit *unit)
+{
+    const double *in = unit->real + unit->layout.inputs.first, *spin_up = in + ACCELERATION;
+    const double ago = unit->memory[unit->memory_count - 1];
+    const Drift more = drift(spin_up, ago);
+    Complex cubic[SIGNAL_ORDERS];
+    RotorMotion now;
+    signal_orders(in, cubic);
+    signal_at(cubic, ago, &now.acceleration, &now.slope);
+    now.angle = in[ANGLE] + ago * (in[SPEED] + 0.5 * spin_up[0] * ago) + more.angle;
+    now.speed = in[SPEED] + spin_up[0] * ago + more.speed;
+    now.spin_up = spin_up[0] + more.acceleration;
+    now.change = more.slope;
+    if (unit->layout.sizes.fixed_frame) {
+        weights_rotating(now.angle, now.speed, &now.acceleration, &now.slope);
+    }
+    return now;
+}
+
+int weights_force_now(Unit *unit, const RotorMotion *now, Complex *force)
 {
     const Balls *own = unit->own;
     const size_t count = (size_t)own->count;
-    const double *angles = unit->memory, *pulse = unit->memory + 3 * count + 2;
+    const double *angles = unit->memory;
     Failure failure;
     if (own->plain) {
-        weights_reaction(&own->track.weights, angles, angles + count, acceleration, slope, speed,
-                         spin_up, force, force_slope);
-    } else {
-        if (track_reaction(&own->track, angles, angles + count, angles + 2 * count, acceleration,
-                           slope, speed, spin_up, force, force_slope, own->scratch, &failure)) {
-            return unit_failed(unit, &failure, angles, count);
-        }
-        *force = complex_sum(*force, complex_of(pulse[0], pulse[1]));
-    }
-    if (own->sent != 0.0) {
-        *force = complex_difference(*force, complex_scaled(own->sent, acceleration));
-        *force_slope = complex_difference(*force_slope, complex_scaled(own->sent, slope));
+        weights_reaction(&own->track.weights, angles, angles + count, now->acceleration, now->slope,
+                         now->speed, now->spin_up, now->change, force, force + 1);
+    } else if (track_reaction(&own->track, angles, angles + count, angles + 2 * count,
+                              now->acceleration, now->slope, now->speed, now->spin_up, now->change,
+                              force, force + 1, own->scratch, &failure)) {
+        return unit_failed(unit, &failure, angles, count);
     }
     return 0;
 }
 
-/* Computed outputs; acceleration and slope in the rotor frame. */
-static int put(Unit *unit, Complex acceleration, Complex slope, double angle, double speed,
-               double spin_up)
+/* Computed outputs. */
+static int put(Unit *unit)
 {
     const Balls *own = unit->own;
+    const double *pulse = unit->memory + 3 * own->count + 2;
+    const RotorMotion now = weights_motion_now(unit);
     double *out = unit->real + unit->layout.computed.first;
-    Complex force, force_slope;
-    if (react(unit, acceleration, slope, speed, spin_up, &force, &force_slope)) {
+    Complex force[2];
+    if (weights_force_now(unit, &now, force)) {
         return 1;
     }
-    if (unit->layout.sizes.fixed_frame) {
-        weights_rotating(-angle, -speed, &force, &force_slope);
+    if (!own->plain) {
+        force[0] = complex_sum(force[0], complex_of(pulse[0], pulse[1]));
     }
-    out[FORCE] = force.re;
-    out[FORCE + 1] = force.im;
-    out[FORCE_SLOPE] = force_slope.re;
-    out[FORCE_SLOPE + 1] = force_slope.im;
+    if (own->sent != 0.0) {
+        force[0] = complex_difference(force[0], complex_scaled(own->sent, now.acceleration));
+        force[1] = complex_difference(force[1], complex_scaled(own->sent, now.slope));
+    }
+    if (unit->layout.sizes.fixed_frame) {
+        weights_rotating(-now.angle, -now.speed, force, force + 1);
+    }
+    out[FORCE] = force[0].re;
+    out[FORCE + 1] = force[0].im;
+    out[FORCE_SLOPE] = force[1].re;
+    out[FORCE_SLOPE + 1] = force[1].im;
     out[ADDED_MASS] = own->carried;
     return 0;
 }
 
 /* One step of weights that may touch, stick or run off centre. */
-static int meet(Unit *unit, const Complex *cubic, double speed, double spin_up, double length)
+static int meet(Unit *unit, const Complex *cubic, double speed, const double *spin_up,
+                double length)
 {
     Balls *own = unit->own;
     const size_t count = (size_t)own->count;
@@ -182,7 +203,7 @@ static int meet(Unit *unit, const Complex *cubic, double speed, double spin_up, 
     if (length == 0.0) {
         return 0;
     }
-    discharge(&owed, &pulse, moved.impulse, length * (speed + 0.5 * spin_up * length), length);
+    discharge(&owed, &pulse, moved.impulse, length * (speed + 0.5 * spin_up[0] * length), length);
     impulses[0] = owed.re;
     impulses[1] = owed.im;
     impulses[2] = pulse.re;
@@ -193,18 +214,18 @@ static int meet(Unit *unit, const Complex *cubic, double speed, double spin_up, 
 static int step(Unit *unit, double length)
 {
     Balls *own = unit->own;
-    const double *in = unit->real + unit->layout.inputs.first;
-    const int fixed = unit->layout.sizes.fixed_frame;
-    const double speed = in[SPEED], spin_up = in[ACCELERATION];
-    double *angles = unit->memory, *speeds = unit->memory + own->count, angle = in[ANGLE];
-    Complex cubic[SIGNAL_ORDERS], end, end_slope;
+    const double *in = unit->real + unit->layout.inputs.first, *spin_up = in + ACCELERATION;
+    const double speed = in[SPEED];
+    double *angles = unit->memory, *speeds = unit->memory + own->count;
+    Complex cubic[SIGNAL_ORDERS];
     Failure failure;
     signal_orders(in, cubic);
-    signal_at(cubic, length, &end, &end_slope);
-    if (fixed) {
-        Complex start = cubic[0], start_slope = cubic[1];
-        angle += length * (speed + 0.5 * spin_up * length);
-        weights_rotating(angle, speed + spin_up * length, &end, &end_slope);
+    if (unit->layout.sizes.fixed_frame) {
+        const Drift more = drift(spin_up, length);
+        const double angle = in[ANGLE] + (length * (speed + 0.5 * spin_up[0] * length) + more.angle);
+        Complex start = cubic[0], start_slope = cubic[1], end, end_slope;
+        signal_at(cubic, length, &end, &end_slope);
+        weights_rotating(angle, speed + spin_up[0] * length + more.speed, &end, &end_slope);
         weights_rotating(in[ANGLE], speed, &start, &start_slope);
         signal_hermite(start, start_slope, end, end_slope, length, cubic);
     }
@@ -216,42 +237,35 @@ static int step(Unit *unit, double length)
                                angles, speeds, &own->quadrature, &failure)) {
         return unit_failed(unit, &failure, unit->before, (size_t)own->count);
     }
-    if (unit->made < length) {
-        length = unit->made;
-        angle = in[ANGLE] + (fixed ? length * (speed + 0.5 * spin_up * length) : 0.0);
-        signal_at(cubic, length, &end, &end_slope);
-    }
-    return put(unit, end, end_slope, angle, speed + spin_up * length, spin_up);
-}
-
-void weights_motion_now(const Unit *unit, Complex *acceleration, Complex *slope)
-{
-    const double *in = unit->real + unit->layout.inputs.first;
-    *acceleration = complex_of(in[0], in[1]);
-    *slope = complex_of(in[2], in[3]);
-    if (unit->layout.sizes.fixed_frame) {
-        weights_rotating(in[ANGLE], in[SPEED], acceleration, slope);
-    }
+    unit->memory[unit->memory_count - 1] = unit->made;
+    return put(unit);
 }
 
 static int outputs(Unit *unit)
 {
-    const double *in = unit->real + unit->layout.inputs.first;
-    Complex acceleration, slope;
-    weights_motion_now(unit, &acceleration, &slope);
-    return put(unit, acceleration, slope, in[ANGLE], in[SPEED], in[ACCELERATION]);
+    unit->memory[unit->memory_count - 1] = 0.0;
+    return put(unit);
 }
 
 static void observe(Unit *unit)
 {
     const Balls *own = unit->own;
     const size_t count = (size_t)own->count;
+    const RotorMotion now = weights_motion_now(unit);
+    const Complex motion[2] = {now.acceleration, now.slope};
+    Complex force[2];
     const Complex moment = track_static_moment(&own->track, unit->memory);
     double *out = unit->real + unit->layout.observed.first;
     memcpy(out, unit->memory, 2 * count * sizeof(double));
     out[2 * count] = moment.re;
     out[2 * count + 1] = moment.im;
     out[2 * count + 2] = weights_alignment(own->count, unit->memory);
+    out += 2 * count + 3;
+    out[0] = out[1] = not_a_number();
+    if (!weights_force_now(unit, &now, force)) {
+        track_torque(&own->track, unit->memory, unit->memory + count, motion, force, now.speed,
+                     now.spin_up, now.change, out);
+    }
 }
 
 static size_t signals(const Layout *layout, size_t *first)

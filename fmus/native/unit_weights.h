@@ -13,6 +13,7 @@ enum { MASS, TRACK_RADIUS, KAPPA, DRAG, WEIGHT_RADIUS, RESTITUTION, ROLLING };
 enum { OFFSET_XI = 7, OFFSET_ETA = 8 };
 enum { SHORTEST_STOPPED = 9, FIRST_ANGLE = 10 };
 enum { ANGLE = 8, SPEED = 9, ACCELERATION = 10 };
+enum { INPUTS = 14 }; /* the last of them derivatives of the acceleration */
 enum { FORCE = 0, FORCE_SLOPE = 2, ADDED_MASS = 4 };
 
 typedef struct {
@@ -27,8 +28,17 @@ typedef struct {
 
 /* A vector and its slope seen in axes that turn with the rotor. */
 void weights_rotating(double angle, double speed, Complex *value, Complex *slope);
-/* Acceleration and its slope now, in the rotor frame. */
-void weights_motion_now(const Unit *unit, Complex *acceleration, Complex *slope);
+/* The rotor's motion at the present time. */
+typedef struct {
+    Complex acceleration, slope; /* of the plane's centre, rotor frame */
+    double angle, speed, spin_up, change; /* each the next one's integral */
+} RotorMotion;
+
+/* At the end of the last step, or where inputs are set since. */
+RotorMotion weights_motion_now(const Unit *unit);
+/* Residual force of the weights on the rotor and its slope in its frame, without pulses; 1 with the
+   reason. */
+int weights_force_now(Unit *unit, const RotorMotion *now, Complex *force);
 
 /* -- unit_weights_derivatives.c: as in `Equations` -------------------------------------------- */
 

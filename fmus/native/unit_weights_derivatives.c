@@ -1,8 +1,38 @@
 /* Derivatives of the weights' force: by the inputs, exact, and by time. */
 #include <string.h>
 
+#include "elementary.h"
 #include "reaction_change.h"
 #include "unit_weights.h"
+
+/* Change of the torque and its slope by that of plane and rotor and of the force, rotor frame. */
+static void torque_response(const Unit *unit, const RotorMotion *now, const Instant *by,
+                            double by_spin_up, double by_change, const Complex *by_force,
+                            double *change)
+{
+    const Balls *own = unit->own;
+    const Track *track = &own->track;
+    const Complex by_whirl = {-2.0 * now->speed * by->rotor_speed, by_spin_up};
+    const Complex by_whirl_slope = {
+        -2.0 * (now->speed * by_spin_up + by->rotor_speed * now->spin_up), by_change};
+    const Complex by_motion[2] = {by->acceleration, by->slope}, none[2] = {{0.0, 0.0}, {0.0, 0.0}};
+    const double added = weights_added_mass(&track->weights);
+    const double *rates = unit->memory + own->count;
+    double still[2], moved[2];
+    Complex centre[2];
+    int k;
+    centre[0] = complex_sum(by->acceleration, complex_product(by_whirl, track->offset));
+    centre[1] = complex_sum(by->slope, complex_product(by_whirl_slope, track->offset));
+    /* the weights' torque is linear in what they are driven by */
+    weights_torque(&track->weights, unit->memory, rates, none, 0.0, 0.0, still);
+    weights_torque(&track->weights, unit->memory, rates, centre, by_spin_up, by_change, moved);
+    for (k = 0; k < 2; k++) {
+        const Complex pull =
+            complex_difference(by_force[k], complex_scaled(added, by_motion[k]));
+        change[k] = moved[k] - still[k] +
+                    complex_product(complex_conjugate(track->offset), pull).im;
+    }
+}
 
 int weights_directional(Unit *unit, const double *seed, double *change)
 {
@@ -11,12 +41,13 @@ int weights_directional(Unit *unit, const double *seed, double *change)
     const double *out = unit->real + unit->layout.computed.first;
     const double *angles = unit->memory, *speeds = angles + own->count;
     const int fixed = unit->layout.sizes.fixed_frame;
-    Complex acceleration, slope, force, force_slope;
+    const RotorMotion now = weights_motion_now(unit);
+    const Complex acceleration = now.acceleration, slope = now.slope;
+    Complex force, force_slope, by_force[2];
     Instant by;
     Failure failure;
     memset(change, 0,
            (unit->layout.computed.count + unit->layout.observed.count) * sizeof(double));
-    weights_motion_now(unit, &acceleration, &slope);
     by.acceleration = complex_of(seed[0], seed[1]);
     by.slope = complex_of(seed[2], seed[3]);
     by.rotor_speed = seed[SPEED];
@@ -30,9 +61,14 @@ int weights_directional(Unit *unit, const double *seed, double *change)
     }
     if (track_reaction_change(&own->track, angles, speeds, speeds + own->count, acceleration,
                               slope, in[SPEED], in[ACCELERATION], &by, seed[ACCELERATION],
-                              &force, &force_slope, own->scratch, &failure)) {
+                              seed[ACCELERATION + 1], &force, &force_slope, own->scratch,
+                              &failure)) {
         return unit_failed(unit, &failure, angles, (size_t)own->count);
     }
+    by_force[0] = force;
+    by_force[1] = force_slope;
+    torque_response(unit, &now, &by, seed[ACCELERATION], seed[ACCELERATION + 1], by_force,
+                    change + unit->layout.real_count - unit->layout.computed.first - 2);
     force = complex_difference(force, complex_scaled(own->sent, by.acceleration));
     force_slope = complex_difference(force_slope, complex_scaled(own->sent, by.slope));
     if (fixed) {
@@ -57,6 +93,11 @@ int weights_slope(Unit *unit, size_t reference, double *value)
     *value = 0.0;
     if (reference == unit->layout.computed.first + ADDED_MASS) {
         return 0;
+    }
+    if (reference == unit->layout.real_count - 2) { /* the torque, whose slope is beside it */
+        const int wrong = unit_refresh(unit, FRESH);
+        *value = unit->real[reference + 1];
+        return wrong;
     }
     if (reference < unit->layout.observed.first || output >= count) {
         return 1;

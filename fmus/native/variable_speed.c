@@ -3,6 +3,7 @@
 #include "cubic.h"
 #include "elementary.h"
 #include "matrix.h"
+#include "spin.h"
 
 #define ROOT 2.449489742783178 /* sqrt(6) */
 #define STAGES 3
@@ -138,14 +139,16 @@ static void sum_drive(const VariableSpeedStep *method, const double *forces, con
 
 /* Acceleration (dof) by unbalance, plane forces and gravity at time t, its derivative, and the speed. */
 static double set_drive(const VariableSpeedStep *method, const double *forces, double angle,
-                        double speed, double angular_acceleration, double t, double *drive,
+                        double speed, const double *spin_up, double t, double *drive,
                         double *drive_slope, double *scratch)
 {
+    const Drift more = drift(spin_up, t);
+    const double angular_acceleration = spin_up[0] + more.acceleration;
     const int p = method->plane_count, elements = method->parts * method->axes;
     double *values = scratch, *slopes = values + elements * p, *pulls = slopes + elements * p;
     double *pull_slopes = pulls + elements, *work = pull_slopes + elements;
-    const double w = speed + angular_acceleration * t;
-    const Complex turn = rect(1.0, angle + speed * t + 0.5 * angular_acceleration * t * t);
+    const double w = speed + spin_up[0] * t + more.speed;
+    const Complex turn = rect(1.0, angle + speed * t + 0.5 * spin_up[0] * t * t + more.angle);
     int k, order;
     for (k = 0; k < p; k++) {
         Complex cubic[4], value, slope;
@@ -165,7 +168,7 @@ static double set_drive(const VariableSpeedStep *method, const double *forces, d
         put(method, p, k, slope, slopes);
     }
     put(method, 1, 0, complex_product(complex_of(w * w, -angular_acceleration), turn), pulls);
-    put(method, 1, 0, complex_product(complex_of(3.0 * w * angular_acceleration, w * w * w), turn),
+    put(method, 1, 0, complex_product(complex_of(3.0 * w * angular_acceleration, w * w * w - more.slope), turn),
         pull_slopes);
     sum_drive(method, values, pulls, drive, work);
     for (k = 0; method->falling && k < method->dof * method->parts; k++) {
@@ -219,7 +222,7 @@ static void set_stage(const VariableSpeedStep *method, int i, const double *stat
 
 /* State one `step` later than at the time `begin` into the cubic forces, in place. */
 static int advance_part(const VariableSpeedStep *method, double *state, const double *forces,
-                        double angle, double speed, double angular_acceleration, double begin,
+                        double angle, double speed, const double *spin_up, double begin,
                         double step, double *scratch, Failure *failure)
 {
     const int size = 2 * method->dof, parts = method->parts;
@@ -230,7 +233,7 @@ static int advance_part(const VariableSpeedStep *method, double *state, const do
     size_t k;
     int i;
     for (i = 0; i < STAGES; i++) {
-        const double w = set_drive(method, forces, angle, speed, angular_acceleration,
+        const double w = set_drive(method, forces, angle, speed, spin_up,
                                    begin + NODES[i] * step, drive, drive_slope, work);
         set_matrix(method, w, matrix);
         set_stage(method, i, state, matrix, drive, step, system, right + i * length);
@@ -246,13 +249,13 @@ static int advance_part(const VariableSpeedStep *method, double *state, const do
 }
 
 int variable_speed_parts(const VariableSpeedStep *method, double *state, const double *forces,
-                         double angle, double speed, double angular_acceleration, double step,
+                         double angle, double speed, const double *spin_up, double step,
                          int count, double *scratch, Failure *failure)
 {
     const double part = step / count;
     int number;
     for (number = 0; number < count; number++) {
-        const int status = advance_part(method, state, forces, angle, speed, angular_acceleration,
+        const int status = advance_part(method, state, forces, angle, speed, spin_up,
                                         number * part, part, scratch, failure);
         if (status) {
             return status;
@@ -276,13 +279,13 @@ static double largest(const VariableSpeedStep *method, const double *values)
 /* Largest acceleration of a station at the start of a step. */
 static double first_acceleration(const VariableSpeedStep *method, const double *state,
                                  const double *forces, double angle, double speed,
-                                 double angular_acceleration, double *scratch)
+                                 const double *spin_up, double *scratch)
 {
     const int dof = method->dof, parts = method->parts;
     const size_t half = (size_t)dof * parts;
     double *matrix = scratch, *drive = matrix + 2 * half * dof, *drive_slope = drive + half;
     double *acceleration = drive_slope + half, *work = acceleration + half;
-    const double w = set_drive(method, forces, angle, speed, angular_acceleration, 0.0, drive,
+    const double w = set_drive(method, forces, angle, speed, spin_up, 0.0, drive,
                                drive_slope, work);
     size_t k;
     set_matrix(method, w, matrix);
@@ -294,14 +297,14 @@ static double first_acceleration(const VariableSpeedStep *method, const double *
 }
 
 int variable_speed_advance(const VariableSpeedStep *method, double *state, const double *forces,
-                           double angle, double speed, double angular_acceleration, double step,
+                           double angle, double speed, const double *spin_up, double step,
                            double *scratch, Failure *failure)
 {
     const size_t length = 2 * (size_t)method->dof * method->parts;
     double *begun = scratch, *whole = begun + length, *work = whole + length;
     const double before = largest(method, state), rate = largest(method, state + length / 2);
     const double acceleration =
-        first_acceleration(method, state, forces, angle, speed, angular_acceleration, work);
+        first_acceleration(method, state, forces, angle, speed, spin_up, work);
     double error = 0.0;
     size_t k;
     int halving, status;
@@ -311,7 +314,7 @@ int variable_speed_advance(const VariableSpeedStep *method, double *state, const
         double reach;
         copy_doubles(length, state, whole);
         copy_doubles(length, begun, state);
-        status = variable_speed_parts(method, state, forces, angle, speed, angular_acceleration,
+        status = variable_speed_parts(method, state, forces, angle, speed, spin_up,
                                       step, 1 << halving, work, failure);
         if (status) {
             return status;
@@ -329,19 +332,18 @@ int variable_speed_advance(const VariableSpeedStep *method, double *state, const
     return fail(failure, FAILURE_FAST_VIBRATION, "step", 1 << HALVINGS, step, error, 0.0, 0.0);
 }
 
-void variable_speed_plane_motion(const VariableSpeedStep *method, const double *state,
-                                 const double *forces, double angle, double speed,
-                                 double angular_acceleration, double t, double *acceleration,
-                                 double *jerk, double *scratch)
+/* Acceleration and jerk of the stations, (dof,), at time t into the step; `rates` holds velocity and
+   acceleration. */
+static void station_motion(const VariableSpeedStep *method, const double *state,
+                           const double *forces, double angle, double speed, const double *spin_up,
+                           double t, double *rates, double *jerks, double *scratch)
 {
-    const int dof = method->dof, parts = method->parts, axes = method->axes;
-    const int planes = axes * method->plane_count;
+    const int dof = method->dof, parts = method->parts;
     const size_t half = (size_t)dof * parts;
     double *matrix = scratch, *drive = matrix + 2 * half * dof, *drive_slope = drive + half;
-    double *rates = drive_slope + half; /* (v, v') */
-    double *jerks = rates + 2 * half, *growth = jerks + half, *work = growth + half;
-    const double w =
-        set_drive(method, forces, angle, speed, angular_acceleration, t, drive, drive_slope, work);
+    double *growth = drive_slope + half, *work = growth + half;
+    const double angular_acceleration = spin_up[0] + drift(spin_up, t).acceleration;
+    const double w = set_drive(method, forces, angle, speed, spin_up, t, drive, drive_slope, work);
     size_t k;
     set_matrix(method, w, matrix);
     copy_doubles(half, state + half, rates);
@@ -354,6 +356,77 @@ void variable_speed_plane_motion(const VariableSpeedStep *method, const double *
     for (k = 0; k < half; k++) {
         jerks[k] += angular_acceleration * growth[k] + drive_slope[k];
     }
+}
+
+void variable_speed_plane_motion(const VariableSpeedStep *method, const double *state,
+                                 const double *forces, double angle, double speed,
+                                 const double *spin_up, double t, double *acceleration,
+                                 double *jerk, double *scratch)
+{
+    const int dof = method->dof, parts = method->parts, planes = method->axes * method->plane_count;
+    const size_t half = (size_t)dof * parts;
+    double *rates = scratch, *jerks = rates + 2 * half, *work = jerks + half;
+    station_motion(method, state, forces, angle, speed, spin_up, t, rates, jerks, work);
     matrix_product(parts, planes, dof, 1, method->planes, rates + half, acceleration);
     matrix_product(parts, planes, dof, 1, method->planes, jerks, jerk);
+}
+
+/* x + i y of station k of (dof,) elements. */
+static Complex vector_of(const VariableSpeedStep *method, const double *values, int k)
+{
+    const int stations = method->dof / method->axes;
+    return method->axes == 1 ? complex_of(values[2 * k], values[2 * k + 1])
+                             : complex_of(values[k], values[stations + k]);
+}
+
+/* a' b of which the imaginary part is meant. */
+static double crossed(Complex a, Complex b)
+{
+    return a.re * b.im - a.im * b.re;
+}
+
+void shaft_torque(const VariableSpeedStep *method, const LinearRotor *rotor, const double *state,
+                  const double *rates, const double *jerks, double angle, double speed,
+                  double angular_acceleration, double *torque)
+{
+    const size_t half = (size_t)method->dof * method->parts;
+    const double w = speed, change = angular_acceleration;
+    const Complex turned = rect(1.0, angle);
+    int i, k;
+    torque[0] = torque[1] = 0.0;
+    for (i = 0; i < rotor->stations; i++) {
+        const Complex unbalance = complex_product(
+            complex_of(rotor->unbalance[2 * i], rotor->unbalance[2 * i + 1]), turned);
+        const Complex q = vector_of(method, state, i), v = vector_of(method, rates, i);
+        const Complex a = complex_difference(vector_of(method, rates + half, i),
+                                             complex_of(rotor->gravity[0], rotor->gravity[1]));
+        const Complex j = vector_of(method, jerks, i);
+        /* -(u* (q'' ))', u* turning at -w */
+        const Complex seen = complex_of(j.re + w * a.im, j.im - w * a.re);
+        torque[0] -= crossed(unbalance, a);
+        torque[1] -= crossed(unbalance, seen);
+        for (k = 0; k < rotor->stations; k++) {
+            const double internal = rotor->internal_damping[i * rotor->stations + k];
+            const Complex p = vector_of(method, state, k), r = vector_of(method, rates, k);
+            const Complex b = vector_of(method, rates + half, k);
+            const Complex sheared = complex_of(r.re + w * p.im, r.im - w * p.re);
+            const Complex shearing = complex_of(b.re + w * r.im + change * p.im,
+                                                b.im - w * r.re - change * p.re);
+            torque[0] += internal * crossed(q, sheared);
+            torque[1] += internal * (crossed(v, sheared) + crossed(q, shearing));
+        }
+    }
+}
+
+void variable_speed_torque(const VariableSpeedStep *method, const LinearRotor *rotor,
+                           const double *state, const double *forces, double angle, double speed,
+                           const double *spin_up, double t, double *torque, double *scratch)
+{
+    const size_t half = (size_t)method->dof * method->parts;
+    const Drift more = drift(spin_up, t);
+    double *rates = scratch, *jerks = rates + 2 * half, *work = jerks + half;
+    station_motion(method, state, forces, angle, speed, spin_up, t, rates, jerks, work);
+    shaft_torque(method, rotor, state, rates, jerks,
+                 angle + t * (speed + 0.5 * spin_up[0] * t) + more.angle,
+                 speed + spin_up[0] * t + more.speed, spin_up[0] + more.acceleration, torque);
 }

@@ -1,4 +1,4 @@
-/* Step of the linear rotor while its speed changes linearly; twin of models/variable_speed.py. */
+/* Step of the linear rotor while its speed changes; twin of models/variable_speed.py. */
 #ifndef AUTOBALANCER_VARIABLE_SPEED_H
 #define AUTOBALANCER_VARIABLE_SPEED_H
 
@@ -31,21 +31,35 @@ int variable_speed_step(const LinearRotor *rotor, int turning_force, double *mem
 
    state: (2 dof) elements, complex for an isotropic rotor, else q (x..., y...), v (x..., y...).
    forces: (4, p) complex forces on the planes in the rotor frame (fixed axes when turning_force is
-   0) and their derivatives.  angle, speed, angular_acceleration: of the rotor at the start. */
+   0) and their derivatives.  angle, speed: of the rotor at the start; spin_up (4,): its angular
+   acceleration there and the derivatives of that of order 1 to 3. */
 int variable_speed_advance(const VariableSpeedStep *method, double *state, const double *forces,
-                           double angle, double speed, double angular_acceleration, double step,
+                           double angle, double speed, const double *spin_up, double step,
                            double *scratch, Failure *failure);
 
 /* The same in `count` equal parts of which nothing is asked. */
 int variable_speed_parts(const VariableSpeedStep *method, double *state, const double *forces,
-                         double angle, double speed, double angular_acceleration, double step,
+                         double angle, double speed, const double *spin_up, double step,
                          int count, double *scratch, Failure *failure);
 
 /* Acceleration and jerk of the planes in fixed axes, (axes p) elements, at time t into the step, to
    which `state` belongs; the other arguments belong to the start of the step. */
 void variable_speed_plane_motion(const VariableSpeedStep *method, const double *state,
                                  const double *forces, double angle, double speed,
-                                 double angular_acceleration, double t, double *acceleration,
+                                 const double *spin_up, double t, double *acceleration,
                                  double *jerk, double *scratch);
+
+/* Torque of unbalance and internal damping on the shaft and its slope [N m, N m/s];
+   models/steps/variable_speed.py has the equation.
+
+   rates: velocity and acceleration of the stations; jerks: theirs; all else is of the same time. */
+void shaft_torque(const VariableSpeedStep *method, const LinearRotor *rotor, const double *state,
+                  const double *rates, const double *jerks, double angle, double speed,
+                  double angular_acceleration, double *torque);
+
+/* The same with arguments as those of variable_speed_plane_motion. */
+void variable_speed_torque(const VariableSpeedStep *method, const LinearRotor *rotor,
+                           const double *state, const double *forces, double angle, double speed,
+                           const double *spin_up, double t, double *torque, double *scratch);
 
 #endif

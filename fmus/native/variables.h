@@ -12,7 +12,7 @@
 
 /* How often a block of variables stands there. */
 enum { SIZE_ONE, SIZE_TWO, SIZE_STATIONS, SIZE_PLANES, SIZE_UNBALANCES, SIZE_WEIGHTS, SIZE_SLIDERS,
-       SIZE_TRIANGLE };
+       SIZE_POINTS, SIZE_TRIANGLE };
 
 enum { HAS_MINIMUM = 1, ABOVE_MINIMUM = 2, START_VARIES = 4 };
 
@@ -49,7 +49,7 @@ typedef struct {
 
 /* What is fixed when a unit is built. */
 typedef struct {
-    int stations, planes, unbalances, weights, sliders;
+    int stations, planes, unbalances, weights, sliders, points;
     int fixed_frame; /* signals along fixed axes */
     int arrays;      /* rows of Reals are arrays, in FMI 3.0 */
 } Sizes;

@@ -2,6 +2,7 @@
 
 #include "cubic.h"
 #include "elementary.h"
+#include "spin.h"
 
 #define MAX_SUBSTEPS 1000000
 #define NEARBY 0.16 /* rad: the series of a turn by less leave out less than 1e-16 */
@@ -149,7 +150,8 @@ static Complex direction_at(Complex direction, double moved, double lever, doubl
 }
 
 int weights_substep(double *angle, double *angle_rate, const Complex *ends, double lever,
-                    double lag, const double *response, double step, Failure *failure)
+                    const double *lag, const double *response, double step,
+                    Failure *failure)
 {
     const double *s = response + 1, *t = response + 6; /* to g0..g3 */
     double g0, g1, free_rate, free_angle, new_rate, new_angle;
@@ -158,12 +160,16 @@ int weights_substep(double *angle, double *angle_rate, const Complex *ends, doub
     double change = 1.0; /* a weight moves less than 0.15 rad in a substep: it contracts fast */
     int iteration;
     along(ends[0], ends[1], direction, *angle_rate, &g0, &g1);
-    g0 -= lag;
+    g0 -= lag[0];
     free_rate = response[0] * *angle_rate + s[0] * g0 + s[1] * g1;
     free_angle = *angle + response[5] * *angle_rate + t[0] * g0 + t[1] * g1;
+    if (drifts(lag)) {
+        free_rate -= s[1] * lag[1] + s[2] * lag[2] + s[3] * lag[3];
+        free_angle -= t[1] * lag[1] + t[2] * lag[2] + t[3] * lag[3];
+    }
     new_angle = free_angle;
     new_rate = free_rate;
-    g0 += lag;
+    g0 += lag[0];
     for (iteration = 0; iteration < MAX_ITERATIONS; iteration++) {
         const double last_angle = new_angle, last_rate = new_rate, last_change = change;
         double pull, slope, g2, g3;
@@ -212,8 +218,10 @@ double fastest_rate(int count, const double *speeds, const Complex *signal, doub
 
 /* Move one weight over `count` substeps of h. */
 static int move(double *angle, double *speed, int count, double h, const Complex *signal,
-                double lever, double lag, const double *response, Failure *failure)
+                double lever, const double *lag, const double *response, Failure *failure)
 {
+    const int varies = drifts(lag);
+    double now[4] = {lag[0], lag[1], lag[2], lag[3]};
     Complex ends[4];
     int j, code = FINE;
     ends[0] = signal[0];
@@ -221,7 +229,14 @@ static int move(double *angle, double *speed, int count, double h, const Complex
     for (j = 1; j <= count && !code; j++) {
         ends[2] = cubic_value(signal, j * h);
         ends[3] = cubic_slope(signal, j * h);
-        code = weights_substep(angle, speed, ends, lever, lag, response, h, failure);
+        if (varies) {
+            const double time = (j - 1) * h;
+            const Drift more = drift(lag, time);
+            now[0] = lag[0] + more.acceleration;
+            now[1] = more.slope;
+            now[2] = lag[2] + time * lag[3];
+        }
+        code = weights_substep(angle, speed, ends, lever, now, response, h, failure);
         ends[0] = ends[2];
         ends[1] = ends[3];
     }
@@ -229,7 +244,7 @@ static int move(double *angle, double *speed, int count, double h, const Complex
 }
 
 int weights_advance(const Weights *weights, const double *angles, const double *speeds,
-                    const Complex *signal, double angular_acceleration, double step,
+                    const Complex *signal, const double *spin_up, double step,
                     double *new_angles, double *new_speeds, Quadrature *memory, Failure *failure)
 {
     const double lever = -1.0 / (weights->kappa * weights->track_radius);
@@ -237,9 +252,11 @@ int weights_advance(const Weights *weights, const double *angles, const double *
     const int n = weights->count;
     const double *response;
     double strongest, turns, h, sum = 0.0;
-    const double lag = weights_spin_share(weights) * angular_acceleration;
+    const double share = weights_spin_share(weights);
+    const double lag[4] = {share * spin_up[0], share * spin_up[1], share * spin_up[2],
+                           share * spin_up[3]};
     const double fastest =
-        fastest_rate(n, speeds, signal, lever, lag, damping_rate, step, &strongest);
+        fastest_rate(n, speeds, signal, lever, lag[0], damping_rate, step, &strongest);
     int k, count, far, code = FINE;
     for (k = 0; k < n; k++) {
         sum += angles[k];
@@ -269,11 +286,12 @@ int weights_advance(const Weights *weights, const double *angles, const double *
 
 void weights_reaction(const Weights *weights, const double *angles, const double *speeds,
                       Complex acceleration, Complex slope, double speed,
-                      double angular_acceleration, Complex *force, Complex *force_slope)
+                      double angular_acceleration, double change, Complex *force,
+                      Complex *force_slope)
 {
     const double lever = -1.0 / (weights->kappa * weights->track_radius);
     const double damping_rate = weights_damping_rate(weights);
-    const double lag = weights_spin_share(weights) * angular_acceleration;
+    const double share = weights_spin_share(weights), lag = share * angular_acceleration;
     const double scale = -weights->mass * weights->track_radius;
     const Complex turn = {0.0, 2.0 * speed}, pull = {-speed * speed, angular_acceleration};
     const Complex pull_slope = {pull.re, 3.0 * angular_acceleration};
@@ -290,7 +308,7 @@ void weights_reaction(const Weights *weights, const double *angles, const double
         const Complex rates[3] = {
             {0.0, nu},
             {-squared, bend},
-            {-3.0 * nu * bend, torque_slope - damping_rate * bend - nu * squared}};
+            {-3.0 * nu * bend, torque_slope - damping_rate * bend - share * change - nu * squared}};
         moment = complex_sum(moment, unit);
         first = complex_sum(first, complex_product(rates[0], unit));
         second = complex_sum(second, complex_product(rates[1], unit));
@@ -302,5 +320,30 @@ void weights_reaction(const Weights *weights, const double *angles, const double
     sum = complex_sum(third, complex_product(turn, second));
     sum = complex_sum(sum, complex_product(pull_slope, first));
     sum = complex_difference(sum, complex_scaled(2.0 * speed * angular_acceleration, moment));
+    sum = complex_sum(sum, complex_product(complex_of(0.0, change), moment));
     *force_slope = complex_scaled(scale, sum);
+}
+
+void weights_torque(const Weights *weights, const double *angles, const double *speeds,
+                    const Complex *motion, double angular_acceleration, double change,
+                    double *torque)
+{
+    const double size = weights->track_radius, body = weights->radius, n = weights->count;
+    const double drag = weights->drag * size * size, share = weights_spin_share(weights);
+    const double rolling = (weights->kappa - 1.0) * weights->mass * (size + body);
+    const double lever = -1.0 / (weights->kappa * size);
+    const double damping_rate = weights_damping_rate(weights);
+    double rate = 0.0, turned = 0.0, jerk = 0.0;
+    int k;
+    for (k = 0; k < weights->count; k++) {
+        double drawn, drawn_slope;
+        along_track(motion[0], motion[1], angles[k], speeds[k], lever, &drawn, &drawn_slope);
+        rate += speeds[k];
+        turned += drawn;
+        jerk += drawn_slope;
+    }
+    turned -= n * share * angular_acceleration + damping_rate * rate;
+    jerk -= n * share * change + damping_rate * turned;
+    torque[0] = drag * rate - rolling * (n * body * angular_acceleration - size * turned);
+    torque[1] = drag * turned - rolling * (n * body * change - size * jerk);
 }

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...models.rotor import LinearRotor
+from ...models.spin import Drift, drift
 from ...models.steps.friction import FrictionStep, Held, held_at_start
 from ...models.steps.propagator import step_matrix
 from ...models.steps.variable_speed import Drive, VariableSpeedStep
@@ -26,7 +27,7 @@ class RotorOnSupports(Slave):
 
     Its `memory` is the angle (whole turns, remainder, rounding carried along), then displacements
     and velocities of the stations, x and y alternating, then of every slider along x and y its
-    direction of slip (0: it sticks) and its force.
+    direction of slip (0: it sticks) and its force, and how long ago the inputs were set.
     """
 
     unit = ROTOR
@@ -54,25 +55,45 @@ class RotorOnSupports(Slave):
         if self.sizes.sliders:
             rates = _to_axes(np.array(motion), 2)[len(motion) // 2 :]
             motion += _pairs(held_at_start(self.rotor, rates))
-        self.memory = turned([0.0, 0.0, 0.0], angle) + motion
+        self.memory = turned([0.0, 0.0, 0.0], angle) + motion + [0.0]
 
     def step(self, step: float) -> None:
         speed, spin_up = self._drive()
+        gone, faster, _, _ = self._drift(step)
         motion, planes = self._propagate(step)
-        angle = turned(self.memory[:3], step * (speed + 0.5 * spin_up * step))
-        self.memory = angle + motion
-        self._put(planes, angle[1], speed + spin_up * step)
+        angle = turned(self.memory[:3], step * (speed + 0.5 * spin_up * step) + gone)
+        self.memory = [*angle, *motion, step]
+        self._put(planes, angle[1], speed + spin_up * step + faster)
 
     def outputs(self) -> None:
+        self.memory = [*self.memory[:-1], 0.0]
         _, planes = self._propagate(0.0)
         self._put(planes, self.memory[1], self._drive()[0])
 
     def observe(self) -> None:
-        last = 3 + 4 * self.sizes.stations
-        angle, motion = total(self.memory[:3]), self.memory[3:last]
+        angle, motion = total(self.memory[:3]), self._motion()
         places, bending = self._shape(motion[: 2 * self.sizes.stations])
-        forces = self.memory[last + 1 :: 2]
-        self.real[self.layout.observed] = [angle, *motion, *places, bending, *forces]
+        forces = self.memory[4 + len(motion) : -1 : 2]
+        self.real[self.layout.observed] = [
+            angle, *motion, *places, bending, *forces, *self._torque()
+        ]  # fmt: skip
+
+    def _motion(self) -> list[float]:
+        """Displacements and velocities of the stations, x and y alternating."""
+        return self.memory[3 : 3 + 4 * self.sizes.stations]
+
+    def _torque(self) -> tuple[float, float]:
+        """Torque on the shaft and its slope, of inputs that were set `memory[-1]` ago."""
+        inputs, t = self.real[self.layout.inputs], self.memory[-1]
+        speed, spin_up = self._drive()
+        more = self._drift(t)
+        angle = turned(self.memory[:3], -t * (speed + 0.5 * spin_up * t) - more.angle)[1]
+        drive = self._drive_of(inputs, angle)
+        if self.sizes.sliders:
+            state, held = self._held()
+            return self._friction().torque(state, held, drive, t)
+        method = self._changing(inputs)
+        return method.torque(_to_axes(np.array(self._motion()), method.axes), drive, t)
 
     def _shape(self, stations: list[float]) -> tuple[list[float], float]:
         """Displacements of the planes and largest bending, from those of the stations."""
@@ -87,6 +108,12 @@ class RotorOnSupports(Slave):
         """Speed and angular acceleration at the start of the step."""
         first = self.layout.inputs.start + self.sizes.planes
         return self.real[first : first + 2]
+
+    def _drift(self, time: float) -> Drift:
+        """What the change of the angular acceleration has done `time` after the inputs were set."""
+        first = self.layout.inputs.start + self.sizes.planes + 2
+        one, two, three = self.real[first : first + 3]
+        return drift((one, two, three), time)
 
     def _propagate(self, step: float) -> tuple[list[float], list[float]]:
         """Motion of the stations (and sliders), acceleration and jerk of the planes, after `step`.
@@ -105,17 +132,17 @@ class RotorOnSupports(Slave):
         """As `_propagate`, the acceleration with gravity's."""
         inputs = self.real[self.layout.inputs]
         p = self.sizes.planes
-        speed, spin_up = inputs[p : p + 2]
+        speed = inputs[p]
         if self.sizes.sliders:
             return self._propagate_friction(step, inputs)
-        if spin_up:
+        if any(inputs[p + 1 : p + 5]):
             return self._propagate_variable(step, inputs)
         rest = self.memory[1]
         c, s = math.cos(rest), math.sin(rest)
-        forces = inputs[p + 2 :]
+        forces = inputs[p + 5 :]
         if self.turning:
             forces = _rotated(forces, c, s)
-        self._vector[:] = [*self.memory[3:], *forces, c, s]
+        self._vector[:] = [*self.memory[3:-1], *forces, c, s]
         n = 4 * self.sizes.stations
         if self.gravity:  # the rotor moves about its sag as it would about zero without gravity
             sag = _sag(self.rotor, tuple(inputs[:p]), speed)
@@ -130,9 +157,8 @@ class RotorOnSupports(Slave):
     def _propagate_variable(
         self, step: float, inputs: list[float]
     ) -> tuple[list[float], list[float]]:
-        method = _variable(self.rotor, tuple(inputs[: self.sizes.planes]), self.turning)
-        drive = self._drive_of(inputs)
-        state = _to_axes(np.array(self.memory[3:]), method.axes)
+        method, drive = self._changing(inputs), self._drive_of(inputs, self.memory[1])
+        state = _to_axes(np.array(self._motion()), method.axes)
         if step:
             state = method.advance(state, drive, step)
         acceleration, jerk = method.plane_motion(state, drive, step)
@@ -142,10 +168,8 @@ class RotorOnSupports(Slave):
     def _propagate_friction(
         self, step: float, inputs: list[float]
     ) -> tuple[list[float], list[float]]:
-        method, drive = self._friction(), self._drive_of(inputs)
-        last = 3 + 4 * self.sizes.stations
-        state, pairs = _to_axes(np.array(self.memory[3:last]), 2), np.array(self.memory[last:])
-        held = Held(pairs[::2], pairs[1::2])
+        method, drive = self._friction(), self._drive_of(inputs, self.memory[1])
+        state, held = self._held()
         if step:
             state, held = method.advance(state, held, drive, step)
         else:
@@ -159,10 +183,21 @@ class RotorOnSupports(Slave):
         added = tuple(self.real[first : first + self.sizes.planes])
         return _frictional(self.rotor, added, self.turning)
 
-    def _drive_of(self, inputs: list[float]) -> Drive:
+    def _held(self) -> tuple[NDArray, Held]:
+        """State (q, v), x before y, and sliders."""
+        motion = self._motion()
+        pairs = np.array(self.memory[3 + len(motion) : -1])
+        return _to_axes(np.array(motion), 2), Held(pairs[::2], pairs[1::2])
+
+    def _changing(self, inputs: list[float]) -> VariableSpeedStep:
+        return _variable(self.rotor, tuple(inputs[: self.sizes.planes]), self.turning)
+
+    def _drive_of(self, inputs: list[float], angle: float) -> Drive:
+        """What moves the rotor from this angle on."""
         p = self.sizes.planes
-        forces = np.array(inputs[p + 2 :]).view(complex).reshape(ORDERS, p)
-        return Drive(forces, self.memory[1], *inputs[p : p + 2])
+        speed, spin_up, *rates = inputs[p : p + 5]
+        forces = np.array(inputs[p + 5 :]).view(complex).reshape(ORDERS, p)
+        return Drive(forces, angle, speed, spin_up, (rates[0], rates[1], rates[2]))
 
     def _put(self, planes: list[float], angle: float, speed: float) -> None:
         """Computed outputs from acceleration and jerk of the planes in fixed axes."""

@@ -5,7 +5,16 @@ from __future__ import annotations
 import re
 
 from ..unit import Unit
-from ..variables import Variable, observed, parameter, plain_input, signal_inputs, signal_outputs
+from ..variables import (
+    Variable,
+    observed,
+    parameter,
+    plain_input,
+    signal_inputs,
+    signal_outputs,
+    spin_inputs,
+    torque_outputs,
+)
 from .parameters import PARAMETERS, RotorSizes, friction
 
 
@@ -23,6 +32,7 @@ def variables(sizes: RotorSizes) -> list[Variable]:
     parameters = [*of_kind, *_gravity(), *friction(sizes), *_initial(stations)]
     names = tuple(v.name for v in parameters)
     drive = (*carried, "speed", "acceleration")
+    changing = (*drive, "der(acceleration)")
     accelerations = [f"plane[{i}].a_{axis}" for i in range(1, planes + 1) for axis in axes]
     # the mass is the same along both axes: a force acts along its own axis at once, along the
     # other one in the slope only, through gyroscopic or (in the rotor) anisotropic damping
@@ -30,14 +40,19 @@ def variables(sizes: RotorSizes) -> list[Variable]:
     crossed = sizes.kind == "two_support" or sizes.frame == "rotor"
     at_once = [(*drive, *own) for own in along]
     in_slope = [
-        (*drive, *(forces if crossed else own), *(f"der({name})" for name in own)) for own in along
+        (
+            *drive,
+            "der(acceleration)",
+            *(forces if crossed else own),
+            *(f"der({name})" for name in own),
+        )
+        for own in along
     ]
     text = "Mass of the balancers on this plane that the rotor carries; it keeps it over a step"
     return [
         *parameters,
         *(plain_input(name, 0.0, "kg", text, minimum=0.0) for name in carried),
-        plain_input("speed", 300.0, "rad/s", "At the start of the step"),
-        plain_input("acceleration", 0.0, "rad/s2", "Angular, over the step"),
+        *spin_inputs(),
         *signal_inputs(forces, "force", "Force on the plane"),
         *signal_outputs(
             accelerations, "acceleration", "Acceleration of the plane, less gravity",
@@ -45,6 +60,10 @@ def variables(sizes: RotorSizes) -> list[Variable]:
         ),
         *_observed(stations, planes, of_kind),
         *_friction_forces(sizes),
+        *torque_outputs(
+            (*drive, *forces), (*changing, *forces, *(f"der({name})" for name in forces)), names,
+            "Of unbalance and internal damping on the shaft",
+        ),
     ]  # fmt: skip
 
 

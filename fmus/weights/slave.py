@@ -3,22 +3,41 @@
 from __future__ import annotations
 
 import cmath
+from typing import NamedTuple
 
 from ...models.contact import motion
 from ...models.contact.pulse import discharge
 from ...models.contact.track import Track
 from ...models.cubic import at, hermite
+from ...models.spin import drift
 from ...models.weights import Weights, alignment
 from ..python.signals import orders
 from ..python.slave import Slave
 from .variables import BALLS, WeightSizes
 
 
+class _Now(NamedTuple):
+    """The rotor's motion at one time.
+
+    Attributes:
+        acceleration, slope: of the plane's centre, rotor frame [m/s^2, m/s^3].
+        angle, speed, spin_up, change: of the rotor, each the next one's integral.
+    """
+
+    acceleration: complex
+    slope: complex
+    angle: float
+    speed: float
+    spin_up: float
+    change: float
+
+
 class BallBalancer(Slave):
     """N equal weights on one track: the acceleration of the track's centre in, force out.
 
     Its `memory` is the weights' angles and speeds in the rotor; where they may touch, stick or run
-    off centre, then whether each touches the next, and impulse owed and pulse given as xi, eta.
+    off centre, then whether each touches the next, and impulse owed and pulse given as xi, eta;
+    last, how long ago the inputs were set.
     """
 
     unit = BALLS
@@ -53,61 +72,79 @@ class BallBalancer(Slave):
         self.memory = self.real[start : start + 2 * self.sizes.weights]
         if not self.plain:  # contacts, and impulse owed and pulse given as xi, eta each
             self.memory += motion.first_contacts(self.track, *self._state()[:2]) + [0.0] * 4
+        self.memory += [0.0]
 
     def step(self, step: float) -> None:
-        *signal, angle, speed, spin_up = self.real[self.layout.inputs]
+        now = self._at(step)
+        *signal, angle, speed, spin_up, first, second, third = self.real[self.layout.inputs]
         cubic = orders(signal)
-        end, end_slope = at(cubic, step)
-        speed_end = speed + spin_up * step
-        angle_end = angle
         if self.sizes.frame == "fixed":
-            angle_end += step * (speed + 0.5 * spin_up * step)
-            end, end_slope = _rotating(end, end_slope, angle_end, speed_end)
             start = _rotating(*cubic[:2], angle, speed)
-            cubic = (*start, *hermite(*start, end, end_slope, step))
-        moved = motion.advance(self.track, *self._state(), cubic, speed, spin_up, step)
+            cubic = (*start, *hermite(*start, now.acceleration, now.slope, step))
+        rates = (first, second, third)
+        moved = motion.advance(self.track, *self._state(), cubic, speed, spin_up, step, rates)
         memory = [*moved.angles, *moved.speeds, *moved.contacts]
         if not self.plain:
-            owed, pulse = complex(*self.memory[-4:-2]), complex(*self.memory[-2:])
-            turn = step * (speed + 0.5 * spin_up * step)
+            owed, pulse = complex(*self.memory[-5:-3]), complex(*self.memory[-3:-1])
+            turn = step * (speed + 0.5 * spin_up * step) + drift(rates, step).angle
             owed, pulse = discharge(owed, pulse, moved.impulse, turn, step)
             memory += [owed.real, owed.imag, pulse.real, pulse.imag]
-        self.memory = memory
-        self._put(end, end_slope, angle_end, speed_end, spin_up)
+        self.memory = [*memory, step]
+        self._put(now)
 
     def outputs(self) -> None:
-        *signal, angle, speed, spin_up = self.real[self.layout.inputs]
-        acceleration, slope = orders(signal)[:2]
-        if self.sizes.frame == "fixed":
-            acceleration, slope = _rotating(acceleration, slope, angle, speed)
-        self._put(acceleration, slope, angle, speed, spin_up)
+        self.memory = [*self.memory[:-1], 0.0]
+        self._put(self._at(0.0))
 
     def observe(self) -> None:
         angles, speeds, _ = self._state()
         moment = motion.static_moment(self.track, angles)
         others = moment.real, moment.imag, alignment(angles)
-        self.real[self.layout.observed] = [*angles, *speeds, *others]
+        self.real[self.layout.observed] = [*angles, *speeds, *others, *self._torque()]
+
+    def _torque(self) -> tuple[float, float]:
+        """Torque on the rotor and its slope."""
+        angles, speeds, _ = self._state()
+        now = self._at(self.memory[-1])
+        force = self._force(now)
+        return motion.torque(
+            self.track, angles, speeds, now[:2], force, now.speed, now.spin_up, now.change
+        )
+
+    def _at(self, time: float) -> _Now:
+        """The rotor's motion so long after the inputs were set."""
+        *signal, angle, speed, spin_up, first, second, third = self.real[self.layout.inputs]
+        acceleration, slope = at(orders(signal), time)
+        gone, faster, more, change = drift((first, second, third), time)
+        angle += time * (speed + 0.5 * spin_up * time) + gone
+        speed += spin_up * time + faster
+        if self.sizes.frame == "fixed":
+            acceleration, slope = _rotating(acceleration, slope, angle, speed)
+        return _Now(acceleration, slope, angle, speed, spin_up + more, change)
 
     def _state(self) -> tuple[list[float], list[float], list[float]]:
         """Angles, speeds and contacts of the weights; no contacts where there can be none."""
         n, memory = self.sizes.weights, self.memory
-        return memory[:n], memory[n : 2 * n], memory[2 * n : 3 * n]
+        return memory[:n], memory[n : 2 * n], [] if self.plain else memory[2 * n : 3 * n]
 
-    def _put(
-        self, acceleration: complex, slope: complex, angle: float, speed: float, spin_up: float
-    ) -> None:
-        """Computed outputs; acceleration and slope in the rotor frame."""
-        force, force_slope = motion.reaction(
-            self.track, *self._state(), acceleration, slope, speed, spin_up
-        )
+    def _force(self, now: _Now) -> tuple[complex, complex]:
+        """Residual force of the weights and its slope, rotor frame, without pulses."""
+        return motion.reaction(
+            self.track, *self._state(), now.acceleration, now.slope, now.speed, now.spin_up,
+            now.change,
+        )  # fmt: skip
+
+    def _put(self, now: _Now) -> None:
+        """Computed outputs."""
+        force, force_slope = self._force(now)
         if not self.plain:
-            force += complex(*self.memory[-2:])
+            force += complex(*self.memory[-3:-1])
         if self.sent:
-            force -= self.sent * acceleration
-            force_slope -= self.sent * slope
+            force -= self.sent * now.acceleration
+            force_slope -= self.sent * now.slope
         if self.sizes.frame == "fixed":
-            turn = cmath.rect(1.0, angle)
-            force, force_slope = force * turn, (force_slope + 1j * speed * force) * turn
+            turn = cmath.rect(1.0, now.angle)
+            force, force_slope = force * turn, (force_slope + 1j * now.speed * force) * turn
         self.real[self.layout.computed] = [
             force.real,
             force.imag,

@@ -14,6 +14,8 @@ from ..variables import (
     plain_input,
     signal_inputs,
     signal_outputs,
+    spin_inputs,
+    torque_outputs,
 )
 
 _DRIVE = ("angle", "speed", "acceleration")
@@ -22,6 +24,7 @@ _FORCE = (
     "mass", "track_radius", "kappa", "drag", "weight_radius", "restitution", "rolling_resistance",
     "track_offset_xi", "track_offset_eta", "inertia_as_force",
 )  # fmt: skip
+_TORQUE = "On the rotor about the plane's centre, without that of rolling resistance"
 _START = "in the rotor at the start"
 
 
@@ -47,6 +50,7 @@ def variables(sizes: WeightSizes) -> list[Variable]:
     # seen in the rotor's axes the force does not depend on the rotor's angle
     drive = ("speed", "acceleration") if sizes.frame == "rotor" else _DRIVE
     values, slopes = (*a, *drive), (*a, *(f"der({name})" for name in a), *drive)
+    slopes = (*slopes, "der(acceleration)")
     return [
         *_parameters(),
         *(
@@ -56,13 +60,13 @@ def variables(sizes: WeightSizes) -> list[Variable]:
         *(parameter(name, 0.0, "rad/s", f"Speed {_START}") for name in speeds),
         *signal_inputs(a, "acceleration", "Acceleration of the track's centre"),
         plain_input("angle", 0.0, "rad", "Angle of the rotor at the start of the step"),
-        plain_input("speed", 300.0, "rad/s", "Of the rotor, at the start of the step"),
-        plain_input("acceleration", 0.0, "rad/s2", "Angular, of the rotor, over the step"),
+        *spin_inputs(),
         *signal_outputs(
             force, "force", "Force on the rotor", [values] * 2, [slopes] * 2, begins=begins
         ),
         output("added_mass", "kg", "Mass N m to be carried by the rotor", begins=_CARRIED),
         *_observed(angles, speeds),
+        *torque_outputs(values, slopes, begins, _TORQUE),
     ]
 
 

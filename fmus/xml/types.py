@@ -19,7 +19,7 @@ SI_UNITS: dict[str, dict[str, int]] = {
     "kg.m2": {"kg": 1, "m": 2},
     "kg/m3": {"kg": 1, "m": -3},
     "rad/s": {"rad": 1, "s": -1},
-    "rad/s2": {"rad": 1, "s": -2},
+    **{f"rad/s{k}": {"rad": 1, "s": -k} for k in range(2, 6)},
     "m/N": {"kg": -1, "s": 2},
     "N.m2": {"kg": 1, "m": 3, "s": -2},
     "N/m": {"kg": 1, "s": -2},
@@ -27,6 +27,9 @@ SI_UNITS: dict[str, dict[str, int]] = {
     **{f"m/s{k if k > 1 else ''}": {"m": 1, "s": -k} for k in range(1, 6)},
     "N": {"kg": 1, "m": 1, "s": -2},
     **{f"N/s{k if k > 1 else ''}": {"kg": 1, "m": 1, "s": -2 - k} for k in range(1, 4)},
+    "N.m": {"kg": 1, "m": 2, "s": -2},
+    **{f"N.m/s{k if k > 1 else ''}": {"kg": 1, "m": 2, "s": -2 - k} for k in range(1, 4)},
+    "W": {"kg": 1, "m": 2, "s": -3},
 }
 
 # unit -> display unit, and how many of it make one
@@ -58,6 +61,9 @@ TYPES = {
     "Density": Type("kg/m3", 1e3),
     "AngularVelocity": Type("rad/s", 1e2),
     "AngularAcceleration": Type("rad/s2", 1e2),
+    "AngularJerk": Type("rad/s3", 1e4),
+    "AngularAccelerationDerivative2": Type("rad/s4", 1e6),
+    "AngularAccelerationDerivative3": Type("rad/s5", 1e8),
     "Compliance": Type("m/N", 1e-6),
     "BendingStiffness": Type("N.m2", 1e3),
     "TranslationalSpringConstant": Type("N/m", 1e5),
@@ -71,6 +77,11 @@ TYPES = {
     "ForceDerivative": Type("N/s", 1e2),
     "ForceDerivative2": Type("N/s2", 1e4),
     "ForceDerivative3": Type("N/s3", 1e6),
+    "Torque": Type("N.m", 1.0),
+    "TorqueDerivative": Type("N.m/s", 1e2),
+    "TorqueDerivative2": Type("N.m/s2", 1e4),
+    "TorqueDerivative3": Type("N.m/s3", 1e6),
+    "Power": Type("W", 1e2),
 }
 _OF_UNIT = {kind.unit: name for name, kind in reversed(TYPES.items())}
 

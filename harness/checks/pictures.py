@@ -12,10 +12,11 @@ from numpy.typing import NDArray
 
 from ..output.plot import metres, save
 from ..scene import Scene
-from ..scene.check import LiquidWindowCheck
+from ..scene.check import LiquidWindowCheck, SommerfeldCheck
 from ..stability.revolution import Revolution
 from .liquid_window import OPEN_END, steady_displacement, window_of
 from .rig_picture import plot_rig
+from .sommerfeld import run_with, variants_of
 
 CURVE_POINTS = 600
 MEASURED_POINTS = 24
@@ -98,7 +99,37 @@ def plot_liquid_window(scene: Scene, check: LiquidWindowCheck, path: Path) -> Pa
     return save(figure, path)
 
 
+def plot_sommerfeld(scene: Scene, check: SommerfeldCheck, path: Path) -> Path:
+    """Speed against time for motors below and above the limit, and what they have to overcome.
+
+    Right: the torque that keeps a speed, closed form, and the motors' lines.
+    """
+    figure = Figure(figsize=(11.0, 5.0), layout="constrained")
+    course, torques = figure.subplots(1, 2)
+    for (name, variant, resonance), colour in zip(
+        variants_of(scene), (WITHOUT, WITH), strict=False
+    ):
+        limit, peak = resonance.limit()
+        speeds = np.linspace(0.8 * peak, min(1.3 * peak, resonance.top), CURVE_POINTS)
+        torques.plot(speeds, resonance.resistance(speeds), color=colour, label=f"{name}: needed")
+        for sign, line in ((-1.0, "-"), (1.0, "--")):
+            share = 1.0 + sign * check.within
+            result, _ = run_with(variant, share * limit)
+            label = f"{name}, {share:g} of {limit:.4g} N m"
+            course.plot(result.time, result["motor.speed"], line, color=colour, label=label)
+        torques.plot(speeds, limit * (1.0 - speeds / resonance.top), ":", color=colour,
+                     label=f"{name}: motor at the limit")  # fmt: skip
+    course.set(xlabel="time [s]", ylabel="speed [rad/s]")
+    torques.set(xlabel="speed [rad/s]", ylabel="torque [N m]")
+    for axes in (course, torques):
+        axes.grid(alpha=0.25)
+        axes.legend(fontsize="small")
+    figure.suptitle(scene.heading)
+    return save(figure, path)
+
+
 _PICTURES: dict[str, Callable[[Scene, Any, Path], Path]] = {
     "liquid_window": plot_liquid_window,
     "rig": plot_rig,
+    "sommerfeld": plot_sommerfeld,
 }

@@ -24,6 +24,7 @@ from .rig import check_rig, rig_parts
 from .row import Row, Rows
 from .runtimes import check_runtimes
 from .slow_root import check_slow_root
+from .sommerfeld import check_sommerfeld
 
 # (scene, check, progress) -> rows; with `SPLIT` also the options of one of its parts
 CHECKS: dict[str, Callable[..., Iterator[Row]]] = {
@@ -36,6 +37,7 @@ CHECKS: dict[str, Callable[..., Iterator[Row]]] = {
     "rig": check_rig,
     "runtimes": check_runtimes,
     "measured_error": check_measured_error,
+    "sommerfeld": check_sommerfeld,
 }
 # (scene, check, progress, workers) -> rows: they share their runs among the workers themselves
 SHARING: dict[str, Callable[..., Iterator[Row]]] = {

@@ -101,7 +101,7 @@ class CoSimulation(Closing):
             unit.start()
         share = self.scheme.miss_per_error if self.system.order == 3 else 0.0
         # an exchange that is unstable at any step is no matter of resolution
-        judged = share and self.amplification <= 1.0 and self.system.exchanges
+        judged = share and self.amplification <= 1.0 and self.system.coupled
         self.resolution = None
         if judged:
             self.resolution = Resolution(self._driven(changes), self.system, share, self.gain)
@@ -142,7 +142,7 @@ class CoSimulation(Closing):
             while self.system.has_no_past and step - (self.time - begin) > SLIVER * step:
                 self._cover(step - (self.time - begin), longest)
         except SimulationError as error:
-            if not self.system.exchanges:
+            if not self.system.coupled:
                 raise
             hint = advice(error, self.scene)
             raise SimulationError(f"{error}; loop gain {self.gain:.3g}{hint}") from error
@@ -284,7 +284,7 @@ def run_once(
     refuse_unknown(names, plan(scene).variables_by_unit())
     with CoSimulation(scene, fmus=fmus) as cosim:
         begun, controlled = clock.perf_counter(), None
-        if cosim.scene.coupling.tolerance is not None and cosim.system.exchanges:
+        if cosim.scene.coupling.tolerance is not None and cosim.system.coupled:
             from .global_error import Controlled  # it runs co-simulations itself
 
             controlled = Controlled(cosim, names)

@@ -72,8 +72,9 @@ def result(recorder: Recorder, facts: Facts, seconds: float) -> Result:
 
 
 def exchanging(scene: Scene) -> bool:
-    """Whether a balancer of the scene sends a force that has to be guessed over a step."""
-    return any(balancer.exchanges_force for balancer in scene.balancer)
+    """Whether something has to be guessed over a step: a balancer's force, how a motor turns."""
+    sent = any(balancer.exchanges_force for balancer in scene.balancer)
+    return sent or scene.operation.motor is not None
 
 
 def events(facts: Facts) -> list[str]:

@@ -22,6 +22,7 @@ from ..errors import SimulationError
 from ..scene import Scene
 from .cosimulation import CoSimulation
 from .names import kin, stations
+from .plan import MOTOR
 from .recorder import Recorder, Signal
 from .scales import least_motion
 from .schedule import force_jumps
@@ -136,6 +137,7 @@ def _motion(scene: Scene) -> list[str]:
     """Signals that together are the motion of a scene."""
     prefixes = stations(len(scene.rotor.stations))
     names = [f"rotor.{prefix}{axis}" for prefix in prefixes for axis in "xy"]
+    names += [f"{MOTOR}.speed"] if scene.operation.motor else []
     return names + [f"{b.label}.{v}" for b in scene.balancer for v in b.records if v != "clearance"]
 
 

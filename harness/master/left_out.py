@@ -11,18 +11,21 @@ from ..scene.run import UNCORRECTED
 
 def left_out(scene: Scene, recorded: Sequence[str]) -> list[str]:
     """In words; `recorded` are the signals of the record."""
+    motor = scene.operation.motor is not None
     present = {scene.rotor.model, *(balancer.model for balancer in scene.balancer)}
+    present |= {"Motor"} if motor else set()
     notes = [f"{model} (none in the scene)" for model in CATALOGUE if model not in present]
     exchanging = any(balancer.exchanges_force for balancer in scene.balancer)
     coupling, profile = scene.coupling, scene.profile()
     if not exchanging:
         alone = "the liquid acts as added mass alone" if scene.balancer else "no balancer"
-        notes += [f"force exchange ({alone})", "corrector passes and rollback"]
+        notes += [f"force exchange ({alone})"]
+        notes += [] if motor else ["corrector passes and rollback"]
     elif coupling.scheme in UNCORRECTED:
         notes.append("corrector passes and rollback (explicit scheme)")
     if exchanging and coupling.order < 3:
         notes.append("slopes of the signals" if coupling.order == 0 else "second derivatives")
-    if profile.start == profile.end:
+    if profile.start == profile.end and not motor:
         notes.append("variable speed")
     if scene.assembly().rotor.isotropic:
         notes.append("second axis of the rotor (isotropic: complex system of half the size)")

@@ -148,7 +148,7 @@ def consistent_start(system: System, step: float, rounding: float = 0.0) -> np.n
     Raises:
         SimulationError: the iteration did not converge, or the loop has gain 1.
     """
-    if not system.exchanges:
+    if not system.coupled:
         return np.zeros((0, 0))
 
     def respond(u: Vector) -> Vector:
@@ -158,7 +158,7 @@ def consistent_start(system: System, step: float, rounding: float = 0.0) -> np.n
             state.now = knot
         return pack(system.answer([(*a.now, 0j, 0j) for a in system.accelerations]), step)
 
-    u = [0j] * (2 * len(system.exchanges))
+    u = [0j] * (2 * len(system.forces))
     g_u = respond(u)
     change = size(g_u) or 1.0
     slope_of_g = jacobian(respond, u, g_u, change)

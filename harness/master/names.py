@@ -46,9 +46,14 @@ def signals(names: Sequence[str], order: int, axes: Sequence[str] = AXES["rotor"
     The units declare them in this order, so that they are exchanged as one slice.
     """
     values = [component for name in names for component in components(name, axes)]
-    orders = [values, [f"der({name})" for name in values]]
-    orders += [[f"der({name},{k})" for name in values] for k in range(2, order + 1)]
-    return [name for group in orders[: order + 1] for name in group]
+    orders = zip(*(derivatives(name, order) for name in values), strict=True)
+    return [name for group in orders for name in group]
+
+
+def derivatives(name: str, order: int) -> list[str]:
+    """A variable and its derivatives up to `order`."""
+    found = [name, f"der({name})", *(f"der({name},{k})" for k in range(2, order + 1))]
+    return found[: order + 1]
 
 
 def kin(name: str, names: Iterable[str]) -> list[str]:

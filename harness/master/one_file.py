@@ -23,6 +23,7 @@ def composition(scene: Scene) -> Composition:
     Raises:
         SceneError: the scene is coupled in a way that a composite does not have.
     """
+    scene.refuse_motor("one file, or runs in C,")
     scene = as_run(scene)
     coupling, profile = scene.coupling, scene.profile()
     if coupling.order != 3:

@@ -7,6 +7,7 @@ masters.
 from __future__ import annotations
 
 import atexit
+import math
 import shutil
 import tempfile
 import threading
@@ -24,13 +25,14 @@ from ...fmus.catalogue import sized_unit
 from ..errors import UnitError
 from ..scene import Scene
 from ..scene.balancer import Balancer
+from ..scene.run import LimitedMotor
 from .fmu import measured_in
 from .names import AXES, by_unit, components, plane, stations
 from .runtime import Backend, runtime
 
-ROTOR = "rotor"
+ROTOR, MOTOR = "rotor", "motor"
 _BUILDING = threading.Lock()  # a unit is built once, however many threads want it
-Kind = Literal["signal", "value", "mass"]
+Kind = Literal["signal", "value", "mass", "torque", "spin"]
 
 
 @dataclass(frozen=True)
@@ -55,6 +57,11 @@ class UnitPlan:
         return "speed" in self.start
 
     @property
+    def meets(self) -> bool:
+        """Whether it has weights that can touch, which take no change of w' within a step."""
+        return bool(self.start.get("weight_radius"))
+
+    @property
     def file_name(self) -> str:
         """Name of the FMU file it is built as, such as `BallBalancer-weights-3.fmu`."""
         return "-".join([self.model, *(f"{k}-{v}" for k, v in sorted(self.sizes.items()))]) + ".fmu"
@@ -73,7 +80,8 @@ class Connection:
 
     Attributes:
         kind: `signal` has two components and slopes, `value` is one number at every communication
-            point, `mass` is one number at the start.
+            point, `mass` is one number at the start; `torque` has slopes, and `spin` as well, with
+            the speed beside it.
     """
 
     source: Port
@@ -88,12 +96,15 @@ class Plan:
     Attributes:
         planes: of the rotor's unit on which the balancers are, from 1, by their names.
         axes: of the coupling signals.
+        spin_scale: what makes a force of an angular acceleration, so that both are compared with
+            one measure: sqrt(I M), inertia that turns and mass of the loaded rotor [kg m].
     """
 
     units: tuple[UnitPlan, ...]
     connections: tuple[Connection, ...]
     planes: Mapping[str, int]
     axes: tuple[str, str] = AXES["rotor"]
+    spin_scale: float = 1.0
 
     @property
     def files(self) -> tuple[str, ...]:
@@ -133,8 +144,9 @@ def plan(scene: Scene, frame: str = "rotor") -> Plan:
     Args:
         frame: of the coupling signals, "rotor", or "fixed" as most tools have them.
     """
-    profile = scene.profile()
-    drive = {"speed": profile.speed(0.0), "acceleration": profile.acceleration(0.0)}
+    profile, motor = scene.profile(), scene.operation.motor
+    speed = motor.start if motor else profile.speed(0.0)
+    drive = {"speed": speed, "acceleration": profile.acceleration(0.0)}
     built = {} if frame == "rotor" else {"frame": frame}
     planes = scene.rotor.unit_planes([balancer.at for balancer in scene.balancer])
     start = {
@@ -166,7 +178,31 @@ def plan(scene: Scene, frame: str = "rotor") -> Plan:
         for balancer in scene.balancer
         for connection in _connections(balancer, number[balancer.label], frame)
     ]
-    return Plan((rotor, *balancers), tuple(connections), number, AXES[frame])
+    units, scale = [rotor, *balancers], 1.0
+    if motor:
+        scale = math.sqrt(motor.inertia * float(scene.assembly().loaded_rotor.mass.sum()))
+        connections += _shaft(units)
+        units.append(_motor(motor, scene.run.initial.angle))
+    return Plan(tuple(units), tuple(connections), number, AXES[frame], scale)
+
+
+def _motor(motor: LimitedMotor, angle: float) -> UnitPlan:
+    points = enumerate(motor.points, start=1)
+    line = {
+        f"point[{k}].{what}": value
+        for k, point in points
+        for what, value in zip(("speed", "torque"), point, strict=True)
+    }
+    start = {"inertia": motor.inertia, **line, "angle0": angle, "speed0": motor.start}
+    return UnitPlan(MOTOR, "Motor", {"points": len(motor.points)}, start)
+
+
+def _shaft(units: Iterable[UnitPlan]) -> Iterator[Connection]:
+    """Of a motor with all that it drives."""
+    for unit in units:
+        if unit.driven:
+            yield Connection(Port(unit.name, "torque"), Port(MOTOR, "torque"), "torque")
+            yield Connection(Port(MOTOR, "acceleration"), Port(unit.name, "acceleration"), "spin")
 
 
 def _connections(balancer: Balancer, number: int, frame: str) -> Iterator[Connection]:

@@ -24,6 +24,7 @@ def recorded(scene: Scene) -> list[str]:
         return list(scene.run.record)
     prefixes = stations(len(scene.rotor.stations))
     names = [f"rotor.{prefix}{axis}" for prefix in prefixes for axis in "xy"]
+    names += ["motor.speed"] if scene.operation.motor else []
     return names + [f"{b.label}.{variable}" for b in scene.balancer for variable in b.records]
 
 

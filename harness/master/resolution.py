@@ -98,7 +98,8 @@ class Resolution:
         pull = (assembly.capacity + float(np.abs(rotor.unbalance).sum())) * self._speed**2
         out = math.hypot(start.x, start.y) + math.hypot(start.vx, start.vy) / self._pace
         self._reach = pull / (self._mass * self._pace**2) + out  # m: how far the rotor moves
-        self._forces = list(zip(system.forces, system.force_names, strict=True))
+        forces = zip(system.forces, system.force_names, strict=True)
+        self._forces = list(forces)[: len(system.exchanges)]
         self._planes = [
             _Plane(state, name, _turned(scene, system, plane, self._speed))
             for plane, (state, name) in enumerate(

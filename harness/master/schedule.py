@@ -44,8 +44,11 @@ def force_jumps(scene: Scene) -> bool:
 
 
 def meets_contacts(scene: Scene) -> bool:
-    """Whether steps end where weights collide: native units can, and steps can be taken back."""
-    corrects = scene.coupling.scheme not in UNCORRECTED
+    """Whether steps end where weights collide: native units can, and steps can be taken back.
+
+    A motor's scene is stepped through its collisions: its units are told the mean over a step.
+    """
+    corrects = scene.coupling.scheme not in UNCORRECTED and scene.operation.motor is None
     return corrects and runtime(scene.coupling.units).backend == "native"
 
 

@@ -16,7 +16,8 @@ import numpy as np
 from ..errors import SimulationError
 from .fmu import Fmu, Variables
 from .names import components, signals
-from .plan import ROTOR, Plan, Port
+from .plan import MOTOR, ROTOR, Plan, Port
+from .shaft import Shaft
 from .signals import Cubic, Knot, SignalState
 
 
@@ -49,7 +50,10 @@ class System:
             none does.
 
     Attributes:
-        exchanges: balancers that exchange force, in order; `forces` and `force_names` are theirs.
+        exchanges: balancers that exchange force, in order.
+        shaft: the motor's part, where one drives the rotor.
+        forces: of the exchanges, and then the shaft's acceleration counted as one; `force_names`
+            as well.
         accelerations: of every plane that exchanges force; `acceleration_names` as well.
         pushed: what the rotor is told as reals, (order + 1, planes, 2): forces and derivatives.
         felt: what it answers, (2, planes, 2) with slopes: accelerations and their slopes.
@@ -68,7 +72,7 @@ class System:
     ) -> None:
         self.plan, self.units, self.order, self.has_no_past = plan, dict(units), order, True
         self.rotor = units[ROTOR]
-        self.balancers = [unit for name, unit in units.items() if name != ROTOR]
+        self.balancers = [unit for name, unit in units.items() if name not in (ROTOR, MOTOR)]
         self.masses: dict[str, float] = {}
         self.brief = brief
         slopes = 0 if order == 0 else 1
@@ -108,16 +112,26 @@ class System:
         self._alone = [e.plane for e in self.exchanges] == list(range(len(planes)))
         self.forces = [SignalState() for _ in self.exchanges]
         self.force_names = [f"{exchange.unit.name}.F" for exchange in self.exchanges]
+        self.shaft = Shaft(plan, units, order) if MOTOR in units else None
+        self.members = [self.rotor, *(e.unit for e in self.exchanges)]
+        if self.shaft:
+            self.forces.append(self.shaft.spin)
+            self.force_names.append(self.shaft.name)
+            self.members.append(self.shaft.motor)
         self._spare: list[SavedStates] = []
         self.watched: list[tuple[Fmu, Variables, Variables]] = []
         if watch:
             self._follow_places()
-        self.members = [self.rotor, *(e.unit for e in self.exchanges)]
         self._driven = [
             (units[one.name], units[one.name].group(["speed", "acceleration"]))
             for one in plan.units
             if one.driven
         ]
+
+    @property
+    def coupled(self) -> bool:
+        """Whether there is a loop: something is assumed for a step and answered at its end."""
+        return bool(self.forces)
 
     def _follow_places(self) -> None:
         """Connect what balancers are told of their plane's place."""
@@ -140,7 +154,9 @@ class System:
             unit.step(time, step)
 
     def rotor_pass(self, forces: Sequence[Cubic], time: float, step: float) -> list[Knot]:
-        """Step the rotor under one force cubic per exchange; accelerations of the planes."""
+        """Step the rotor under the cubics of `forces`; accelerations of the planes."""
+        if self.shaft:
+            self.shaft.tell(forces[-1], step)
         if not self.exchanges:
             self.rotor.step(time, step)
             return []
@@ -153,12 +169,13 @@ class System:
         self.rotor.exchange(self._forces, self._accelerations, time, step)
 
     def balancer_pass(self, accelerations: Sequence[Cubic], time: float, step: float) -> list[Knot]:
-        """Step every exchanging balancer under its plane's acceleration; their forces."""
+        """Step every exchanging balancer under its plane's acceleration; what `forces` become."""
         for exchange in self.exchanges:
             cubic = accelerations[exchange.plane]
             exchange.inputs.vectors[:] = cubic if self.order == 3 else self._used(cubic)
         self.step_balancers(time, step)
-        return [knot for e in self.exchanges for knot in self._knots(e.outputs.vectors.tolist())]
+        knots = [k for e in self.exchanges for k in self._knots(e.outputs.vectors.tolist())]
+        return [*knots, self.shaft.step(time, step)] if self.shaft else knots
 
     def step_balancers(self, time: float, step: float) -> None:
         """Step every exchanging balancer as it is `told`; `answers` are what they answer."""
@@ -170,24 +187,27 @@ class System:
             exchange.unit.exchange(exchange.inputs, exchange.outputs, time, step)
 
     def answer(self, accelerations: Sequence[Cubic]) -> list[Knot]:
-        """Forces of balancers in initialisation mode under accelerations of the planes."""
+        """What `forces` are of units in initialisation mode under accelerations of the planes."""
         for exchange in self.exchanges:
             exchange.unit.set_vectors(exchange.inputs, self._used(accelerations[exchange.plane]))
-        return [knot for e in self.exchanges for knot in self._knots(e.unit.get_vectors(e.outputs))]
+        knots = [k for e in self.exchanges for k in self._knots(e.unit.get_vectors(e.outputs))]
+        return [*knots, self.shaft.begin()] if self.shaft else knots
 
     def set_forces(self, forces: Sequence[Cubic]) -> None:
-        """Write the sum of the forces on every plane that exchanges force."""
+        """Write the sum of the forces on every plane that exchanges force, and how it turns."""
+        if self.shaft:
+            self.shaft.tell(forces[-1])
         self._sum_forces(forces)
         self.rotor.send(self._forces)
 
     def _sum_forces(self, forces: Sequence[Cubic]) -> None:
         rows = self._force_rows
         if self._alone:
-            for plane, cubic in enumerate(forces):
+            for plane, cubic in enumerate(forces[: len(rows)]):
                 rows[plane] = cubic if self.order == 3 else self._used(cubic)
         else:
             rows[:] = 0.0
-            for exchange, cubic in zip(self.exchanges, forces, strict=True):
+            for exchange, cubic in zip(self.exchanges, forces, strict=False):
                 rows[exchange.plane] += self._used(cubic)
 
     def read_accelerations(self) -> list[Knot]:
@@ -211,7 +231,7 @@ class System:
         """Present values of the coupling signals by their source."""
         values = {
             Port(e.unit.name, "F"): f.now[0]
-            for e, f in zip(self.exchanges, self.forces, strict=True)
+            for e, f in zip(self.exchanges, self.forces, strict=False)
         }
         for name, state in zip(self.acceleration_names, self.accelerations, strict=True):
             values[Port(ROTOR, name.removeprefix(f"{ROTOR}."))] = state.now[0]
@@ -252,6 +272,8 @@ class System:
             state.move(cubic, end, step)
         for state, (cubic, end) in zip(self.forces, forces, strict=True):
             state.move(cubic, end, step)
+        if self.shaft:
+            self.shaft.accept()
         self.accepted(time + step)
 
     def accepted(self, time: float) -> None:
@@ -289,10 +311,12 @@ class System:
             elif self.brief and "stop_at_contact" in unit.variables:
                 start |= {"stop_at_contact": True, "shortest_stopped_step": 1.5 * self.brief}
             unit.restart(start)
-            if unit is not self.rotor:
+            if one.name in carried:
                 source, target = carried[one.name].source, carried[one.name].target.variable
                 mass = unit.get(unit.group([source.variable]))[0]
                 self.masses[target] = self.masses.get(target, 0.0) + mass
+        if self.shaft:
+            self.shaft.restart()
 
 
 class SavedStates:

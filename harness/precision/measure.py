@@ -116,6 +116,7 @@ def precision(
         SimulationError: the reference methods disagree, so that no error can be told.
         UserError: the scene or an FMU is wrong.
     """
+    scene.refuse_motor("every method that is compared")
     names = tuple(recorded(scene))
     chosen = list(methods) if methods is not None else all_methods(scene)
     bench = _Bench(scene, names, seconds, progress or (lambda _what, _part: None))

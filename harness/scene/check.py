@@ -174,6 +174,14 @@ class MeasuredErrorCheck(Table):
     """Of a signal's range."""
 
 
+class SommerfeldCheck(Table):
+    """A motor before the rotor's resonance: caught below the limit torque, passing above it."""
+
+    kind: Literal["sommerfeld"]
+    within: Annotated[Positive, Field(lt=1.0)] = 0.01
+    """How far below and above the limit the motors are, as a share of it."""
+
+
 AnyCheck = Annotated[
     LiquidWindowCheck
     | CriticalSpeedsCheck
@@ -186,6 +194,7 @@ AnyCheck = Annotated[
     | ContactOrderCheck
     | RigCheck
     | RuntimesCheck
-    | MeasuredErrorCheck,
+    | MeasuredErrorCheck
+    | SommerfeldCheck,
     Field(discriminator="kind"),
 ]

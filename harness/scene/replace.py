@@ -17,8 +17,9 @@ from .run import UNCORRECTED
 
 # giving one of these takes the place of the others
 _ALTERNATIVES = {
-    "operation.speed": ("run_up",),
-    "operation.run_up": ("speed",),
+    "operation.speed": ("run_up", "motor"),
+    "operation.run_up": ("speed", "motor"),
+    "operation.motor": ("speed", "run_up"),
     "coupling.steps_per_rev": ("tolerance", "fewest_steps_per_rev"),
     "coupling.tolerance": ("steps_per_rev", "corrections"),
 }

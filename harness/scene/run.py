@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from cmath import rect
+from itertools import pairwise
 from typing import Annotated, Any, Literal
 
 from pydantic import AfterValidator, BeforeValidator, Field, model_validator
 
 from ...models.assembly import SpeedProfile
+from ...models.motor import Motor
 from ...models.reference.coupled import Start
 from .quantities import Angle, NotNegative, Positive, Real, Table, Text, Unit, Whole, refusal
 
@@ -32,23 +34,75 @@ class RunUp(Table):
     """Duration of the rise."""
 
 
+class LimitedMotor(Table):
+    """A motor of limited power, whose torque depends on the speed."""
+
+    inertia: Annotated[Positive, Unit("kg m^2")]
+    """Of all that turns, unbalance included, about the rotor's centre; without its balancers."""
+    stall_torque: Annotated[Positive | None, Unit("N m")] = None
+    """At standstill; falls in a straight line to 0 at `no_load_speed`."""
+    no_load_speed: Annotated[Positive | None, Unit("rad/s")] = None
+    """Where the torque is 0; with `stall_torque`, or instead of both `table`."""
+    table: tuple[tuple[Real, Real], ...] = ()
+    """Points `[speed, torque]` (rad/s, N m) joined by lines; the last torque is at most 0."""
+    start: Annotated[NotNegative, Field(alias="from"), Unit("rad/s")] = 0.0
+    """Speed at the start."""
+
+    @model_validator(mode="after")
+    def _one_of_both(self) -> LimitedMotor:
+        line = (self.stall_torque, self.no_load_speed)
+        if bool(self.table) == (None not in line) or (self.table and line != (None, None)):
+            raise refusal(
+                "table", "give either table, or stall_torque (N m) and no_load_speed (rad/s)"
+            )
+        speeds = [speed for speed, _ in self.table]
+        if self.table and (len(speeds) < 2 or any(b <= a for a, b in pairwise(speeds))):
+            raise refusal("table", "must have two points or more, their speeds ascending")
+        if self.table and not (self.table[-1][1] <= 0.0 < self.top_speed):
+            raise refusal("table", "the last torque must be at most 0, at a speed above 0 rad/s")
+        return self
+
+    @property
+    def points(self) -> tuple[tuple[float, float], ...]:
+        """Of the characteristic: speeds and torques [rad/s, N m]."""
+        return self.table or ((0.0, self.stall_torque or 0.0), (self.no_load_speed or 0.0, 0.0))
+
+    @property
+    def top_speed(self) -> float:
+        """Largest speed at which the motor does not brake [rad/s]."""
+        for (low, pull), (high, brake) in reversed(list(pairwise(self.points))):
+            if pull > 0.0 >= brake:
+                return low + (high - low) * pull / (pull - brake)
+        return 0.0
+
+    def build(self) -> Motor:
+        """For the models."""
+        speeds, torques = zip(*self.points, strict=True)
+        return Motor(self.inertia, speeds, torques)
+
+
 class Operation(Table):
-    """How the rotor is driven, at a constant speed or run up, and gravity."""
+    """How the rotor is driven: at a constant speed, run up, or by a motor; and gravity."""
 
     speed: Annotated[Positive | None, Unit("rad/s")] = None
-    """Constant speed; this or `run_up`."""
+    """Constant speed; this, `run_up` or `motor`."""
     run_up: RunUp | None = None
-    """A speed that rises; this or `speed`."""
+    """A speed that rises; this, `speed` or `motor`."""
+    motor: LimitedMotor | None = None
+    """A speed that the torques make; this, `speed` or `run_up`."""
     gravity: Annotated[NotNegative, Unit("m/s^2")] = 0.0
     """Across the axis: 9.81 for a horizontal rotor, 0 for a vertical one."""
     gravity_angle: Annotated[Angle | None, Unit("rad")] = None
     """Direction of gravity in fixed axes; default: downwards, -pi/2."""
 
     @model_validator(mode="after")
-    def _one_of_both(self) -> Operation:
-        if (self.speed is None) == (self.run_up is None):
-            both = "not both" if self.run_up else "neither is there"
-            raise refusal("run_up", f"give either speed (rad/s) or run_up: {both}")
+    def _one_of_them(self) -> Operation:
+        given = [drive for drive in (self.speed, self.run_up, self.motor) if drive is not None]
+        if len(given) != 1:
+            how = "not both" if given else "neither is there"
+            raise refusal(
+                "run_up", f"give either speed (rad/s) or run_up: {how} (or a motor alone)"
+            )
         return self
 
     @property
@@ -59,7 +113,9 @@ class Operation(Table):
         return rect(self.gravity, self.gravity_angle)
 
     def profile(self) -> SpeedProfile:
-        """Speed against time."""
+        """Speed against time; of a motor its no-load speed, which scales and steps go by."""
+        if self.motor is not None:
+            return SpeedProfile.constant(self.motor.top_speed)
         if self.run_up is not None:
             return SpeedProfile(self.run_up.start, self.run_up.to, self.run_up.seconds)
         assert self.speed is not None
@@ -158,7 +214,7 @@ class Run(Table):
     """How long, from where, and what is recorded."""
 
     revolutions: Annotated[Positive, AfterValidator(_enough)] = 20.0
-    """Length of the run."""
+    """Length of the run; with a motor in time, as long as so many take at its no-load speed."""
     record: tuple[Text, ...] | None = None
     """Signals, as `unit.variable`; `[]` records nothing; default: the rotor's `x` and `y`, angles
     and `moment_xi`, `moment_eta` of weights, `clearance` of a liquid."""

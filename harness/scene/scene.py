@@ -14,6 +14,7 @@ from functools import cached_property
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 from pydantic import Field, PrivateAttr, TypeAdapter, ValidationError
 
 from ...models.assembly import Assembly, SpeedProfile
@@ -146,8 +147,16 @@ class Scene(Table):
         return self._assembly
 
     def profile(self) -> SpeedProfile:
-        """Speed against time."""
+        """Speed against time; of a motor its no-load speed, which scales and steps go by."""
         return self._profile
+
+    def refuse_motor(self, what: str) -> None:
+        """Raise SceneError where a motor drives the rotor, which `what` does not know."""
+        if self.operation.motor is not None:
+            raise SceneError(
+                f"{self.name}: operation.motor: {what} knows the speed ahead; give "
+                "operation.speed or operation.run_up instead"
+            )
 
     @property
     def asks_for_coupling(self) -> bool:
@@ -212,9 +221,14 @@ class Scene(Table):
             rotor = self._linear_rotor
         except ValueError as error:
             return [f"rotor: {error}"]
-        lines = self.balancing.problems(self.rotor) if self.balancing else []
-        if self.operation.gravity and self.rotor.friction:
-            lines.append("operation.gravity, rotor.friction: take one out, no unit has both")
+        lines = self._refused_under_a_motor()
+        lines += self.balancing.problems(self.rotor) if self.balancing else []
+        if self.rotor.friction:
+            lines += [
+                f"operation.{what}, rotor.friction: take one out, no unit has both"
+                for what in ("gravity", "motor")
+                if getattr(self.operation, what)
+            ]
         one_liquid = [b.kind for b in self.balancer] == ["liquid"]
         fits = one_liquid and rotor.isotropic and self.rotor.kind == "planar"
         lines += [
@@ -223,6 +237,31 @@ class Scene(Table):
             for i, check in enumerate(self.check, start=1)
             if check.kind == "liquid_window" and not fits
         ]
+        return lines
+
+    def _refused_under_a_motor(self) -> list[str]:
+        """What a motor of limited power cannot drive."""
+        motor, rotor = self.operation.motor, self._linear_rotor
+        if motor is None:
+            return []
+        lines = [
+            f"balancer[{i}].rolling_resistance: its torque on the rotor is not known, which "
+            "operation.motor needs: leave it out"
+            for i, balancer in enumerate(self.balancer, start=1)
+            if getattr(balancer, "rolling_resistance", 0.0)
+        ]
+        u = rotor.unbalance
+        least = float((u.conj() @ np.linalg.solve(rotor.mass, u)).real)
+        if not motor.inertia > least:
+            lines.append(
+                f"operation.motor.inertia = {motor.inertia:g} kg m^2: must be above {least:.6g}, "
+                "the unbalance's own: squared static moment over mass"
+            )
+        if self.coupling.scheme == "compensated":
+            lines.append(
+                'coupling.scheme = "compensated": does not know operation.motor: must be "auto", '
+                '"iterated", "gauss-seidel" or "jacobi"'
+            )
         return lines
 
 
@@ -242,6 +281,9 @@ def _across(document: Mapping[str, Any], planes: int | None) -> list[str]:
     entries = [(i, b) for i, b in enumerate(balancers, start=1) if isinstance(b, dict)]
     lines = []
     owners = {name: f"the table [{name}]" for name in (*TABLES, "balancing")}
+    operation = document.get("operation")
+    if isinstance(operation, dict) and operation.get("motor") is not None:
+        owners["motor"] = "operation.motor"
     for i, entry in entries:
         name = entry.get("name", entry.get("kind"))
         if not isinstance(name, str):

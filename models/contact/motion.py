@@ -10,6 +10,7 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 from .. import weights as points
+from ..spin import STEADY, Rates
 from .centre import CentreMotion, Instant, shifted, turned
 from .events import EventStepper, run
 from .groups import ring_reaction
@@ -67,6 +68,7 @@ def advance(
     rotor_speed: float,
     angular_acceleration: float,
     step: float,
+    rates: Rates = STEADY,
 ) -> Moved:
     """Move every weight over one communication step.
 
@@ -75,16 +77,24 @@ def advance(
         signal: as of `weights.advance`, of the plane's centre.
         rotor_speed: at the start of the step [rad/s].
         angular_acceleration, step: w' [rad/s^2], and the length of the step [s].
+        rates: derivatives of w' of order 1 to 3 at the start of the step [rad/s^3, ...].
 
     Raises:
         ArithmeticError: the input is not finite, or events do not come to an end.
-        ValueError: weights overlap.
+        ValueError: weights overlap, or they can touch or stick and w' is not constant.
     """
     if track.offset:
-        signal = shifted(signal, track.offset, rotor_speed, angular_acceleration)
+        signal = shifted(signal, track.offset, rotor_speed, angular_acceleration, rates)
     if not track.eventful:
-        moved = points.advance(track.weights, angles, speeds, signal, angular_acceleration, step)
+        moved = points.advance(
+            track.weights, angles, speeds, signal, angular_acceleration, step, rates
+        )
         return Moved(*moved, list(contacts))
+    if rates != STEADY:
+        raise ValueError(
+            f"der(acceleration) = {rates[0]!r} rad/s3: must be 0 for weights that touch or stick, "
+            "as all its derivatives"
+        )
     motion = CentreMotion(signal, rotor_speed, angular_acceleration)
     stepper = EventStepper(put_in_order(track, angles, speeds, contacts), motion)
     run(stepper, step)
@@ -101,6 +111,7 @@ def reaction(
     slope: complex,
     rotor_speed: float,
     angular_acceleration: float,
+    change: float = 0.0,
 ) -> tuple[complex, complex]:
     """Residual force on the rotor in the rotor frame and its slope, without impulses.
 
@@ -115,16 +126,53 @@ def reaction(
         whirl = 1j * angular_acceleration - rotor_speed * rotor_speed
         acceleration += whirl * offset
         slope -= 2.0 * rotor_speed * angular_acceleration * offset
+        slope += 1j * change * offset
     if track.eventful:
         weights = put_in_order(track, angles, speeds, contacts)
         now = Instant(acceleration, slope, rotor_speed, angular_acceleration)
         force, force_slope = ring_reaction(weights, now)
     else:
         force, force_slope = points.reaction(
-            track.weights, angles, speeds, acceleration, slope, rotor_speed, angular_acceleration
-        )
+            track.weights, angles, speeds, acceleration, slope, rotor_speed, angular_acceleration,
+            change,
+        )  # fmt: skip
     if offset:
         carried = track.weights.added_mass * offset
         force -= carried * whirl
         force_slope += 2.0 * rotor_speed * angular_acceleration * carried
+        force_slope -= 1j * change * carried
     return force, force_slope
+
+
+def torque(
+    track: Track,
+    angles: Sequence[float],
+    speeds: Sequence[float],
+    motion: tuple[complex, complex],
+    force: tuple[complex, complex],
+    rotor_speed: float,
+    angular_acceleration: float,
+    change: float,
+) -> tuple[float, float]:
+    """Torque of the weights on the rotor about the plane's centre and its slope, without impulses.
+
+    Args:
+        motion: acceleration of the plane's centre and its slope, rotor frame [m/s^2, m/s^3].
+        force: as `reaction` gives it.
+        rotor_speed, angular_acceleration, change: w, w', w'' [rad/s, rad/s^2, rad/s^3].
+
+    Returns:
+        [N m], [N m/s]; what rolling resistance does is not in it.
+    """
+    offset, carried = track.offset, track.weights.added_mass
+    whirl = 1j * angular_acceleration - rotor_speed * rotor_speed
+    whirl_slope = 1j * change - 2.0 * rotor_speed * angular_acceleration
+    centre = motion[0] + whirl * offset, motion[1] + whirl_slope * offset
+    drawn, slope = points.torque(
+        track.weights, angles, speeds, centre, angular_acceleration, change
+    )
+    if offset:  # the whole force goes through the track's centre
+        pull, pull_slope = (f - carried * a for f, a in zip(force, motion, strict=True))
+        drawn += (offset.conjugate() * pull).imag
+        slope += (offset.conjugate() * pull_slope).imag
+    return drawn, slope

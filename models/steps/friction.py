@@ -18,6 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..rotor import LinearRotor
+from ..spin import STEADY
 from .first_fall import first_fall
 from .variable_speed import Drive, VariableSpeedStep
 
@@ -100,9 +101,15 @@ class FrictionStep:
         """State (q, v), x before y, and sliders one `step` [s] later.
 
         Raises:
+            ValueError: the angular acceleration is not constant.
             ArithmeticError: the motion is too fast, or events follow each other too closely, for
                 `MOST_STRETCHES` in the step.
         """
+        if drive.rates != STEADY:
+            raise ValueError(
+                f"der(acceleration) = {drive.rates[0]!r} rad/s3: must be 0 for dry friction in the "
+                "supports, as all its derivatives"
+            )
         time = 0.0
         held = self.resolved(state, held, drive, 0.0)
         for _ in range(MOST_STRETCHES):
@@ -127,11 +134,24 @@ class FrictionStep:
         self, state: NDArray, held: Held, drive: Drive, t: float
     ) -> tuple[NDArray, NDArray, Held]:
         """Acceleration and jerk of the planes in fixed axes (2p,), and the friction, at time t."""
+        acceleration, jerk, force = self._motion(state, held, drive, t)
+        planes = self.smooth.planes
+        return planes @ acceleration, planes @ jerk, held._replace(force=force)
+
+    def torque(self, state: NDArray, held: Held, drive: Drive, t: float) -> tuple[float, float]:
+        """As `VariableSpeedStep.torque`; friction in the supports shows in the acceleration."""
+        if not t:
+            held = self.resolved(state, held, drive, t)
+        return self.smooth.torque(state, drive, t, self._motion(state, held, drive, t)[:2])
+
+    def _motion(
+        self, state: NDArray, held: Held, drive: Drive, t: float
+    ) -> tuple[NDArray, NDArray, NDArray]:
+        """Acceleration and jerk of the stations (2n,), and the sliders' forces, at time t."""
         stretch = self._stretch(drive, t)
         series = self._series(state, held, drive, t, stretch, 2)
         acceleration, jerk = series.rates[1] / stretch, 2.0 * series.rates[2] / stretch**2
-        planes = self.smooth.planes
-        return planes @ acceleration, planes @ jerk, held._replace(force=series.forces[0])
+        return acceleration, jerk, series.forces[0]
 
     def resolved(self, state: NDArray, held: Held, drive: Drive, t: float) -> Held:
         """Whether each rigid slider at rest sticks or slips, and which way.
@@ -235,7 +255,7 @@ class FrictionStep:
 
 def _pushes(smooth: VariableSpeedStep, drive: Drive, t: float, h: float, terms: int) -> NDArray:
     """Taylor coefficients (terms + 1, dof) of what moves the rotor, over a stretch h from t on."""
-    forces, angle, speed, angular_acceleration = drive
+    forces, angle, speed, angular_acceleration, rates = drive
     w, spin_up = speed + angular_acceleration * t, angular_acceleration * h
     turn = np.zeros(terms + 1, complex)
     turn[0] = np.exp(1j * (angle + speed * t + 0.5 * angular_acceleration * t * t))
@@ -247,7 +267,8 @@ def _pushes(smooth: VariableSpeedStep, drive: Drive, t: float, h: float, terms: 
         h * h * (forces[2] + t * forces[3]) / 2,
         h**3 * forces[3] / 6,
     ]
-    pull = [w * w - 1j * angular_acceleration, 2.0 * w * spin_up, spin_up * spin_up]
+    turns = 2.0 * w * spin_up - 1j * rates[0] * h
+    pull = [w * w - 1j * angular_acceleration, turns, spin_up * spin_up]
     values = np.zeros((terms + 1, forces.shape[1] + 1), complex)
     for m, term in enumerate(cubic[: terms + 1]):
         if smooth.turning_force:

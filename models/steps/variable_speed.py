@@ -1,4 +1,4 @@
-"""Step of the linear rotor while its speed changes linearly: w(t) = w_0 + w' t.
+"""Step of the linear rotor while its speed changes: w' is a cubic of time, mostly a constant.
 
 The system is then linear with time-varying matrices (internal damping and gyroscopic coupling grow
 with the speed, Dubovik 2006 (5) has the w' terms of the unbalance).  Radau IIA with three stages is
@@ -22,6 +22,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..rotor import LinearRotor
+from ..spin import STEADY, Rates, drift
 from .radau import radau
 
 STAGES = 3  # order 5: as good as the cubic forces
@@ -38,13 +39,15 @@ class Drive(NamedTuple):
         forces: (4, p) complex forces on the planes in the rotor frame at the start and their
             derivatives; in fixed axes when `turning_force` is False.
         angle, speed: of the rotor at the start [rad, rad/s].
-        angular_acceleration: over the step [rad/s^2].
+        angular_acceleration: at the start of the step [rad/s^2].
+        rates: its derivatives of order 1 to 3 there [rad/s^3, ...].
     """
 
     forces: NDArray
     angle: float
     speed: float
     angular_acceleration: float
+    rates: Rates = STEADY
 
 
 class VariableSpeedStep:
@@ -65,19 +68,21 @@ class VariableSpeedStep:
         self.planes = np.kron(np.eye(self.axes), rotor.planes)
         self.force = inverse @ self.planes.T
         self.unbalance = inverse @ rotor.unbalance_columns
+        self._torque_of = rotor.unbalance, rotor.internal_damping, rotor.gravity
 
     def _axes_of(self, value: NDArray) -> NDArray:
         return value if self.axes == 1 else np.concatenate([value.real, value.imag])
 
-    def _drive(self, drive: Drive, t: float) -> tuple[NDArray, NDArray, float]:
-        """Acceleration by unbalance, plane forces and gravity at t, its derivative, the speed."""
-        forces, angle, speed, angular_acceleration = drive
-        w = speed + angular_acceleration * t
-        turn = np.exp(1j * (angle + speed * t + 0.5 * angular_acceleration * t * t))
+    def _drive(self, drive: Drive, t: float) -> tuple[NDArray, NDArray, float, float]:
+        """Acceleration by unbalance, plane forces and gravity at t, its derivative, w, w'."""
+        forces, angle, speed, spin_up, rates = drive
+        gone, faster, more, change = drift(rates, t)
+        w, angular_acceleration = speed + spin_up * t + faster, spin_up + more
+        turn = np.exp(1j * (angle + speed * t + 0.5 * spin_up * t * t + gone))
         value = forces[0] + t * (forces[1] + t * (forces[2] / 2 + t * forces[3] / 6))
         slope = forces[1] + t * (forces[2] + t * forces[3] / 2)
         pull = np.array([w * w - 1j * angular_acceleration]) * turn
-        pull_slope = np.array([3.0 * w * angular_acceleration + 1j * w**3]) * turn
+        pull_slope = np.array([3.0 * w * angular_acceleration + 1j * (w**3 - change)]) * turn
         if self.turning_force:
             value, slope = value * turn, (slope + 1j * w * value) * turn
         push, push_slope = (
@@ -86,7 +91,7 @@ class VariableSpeedStep:
         )
         if self._falling is not None:
             push = push + self._falling
-        return push, push_slope, w
+        return push, push_slope, w, angular_acceleration
 
     def advance(self, state: NDArray, drive: Drive, step: float) -> NDArray:
         """State (q, v) one `step` [s] later, displacements to `ACCURACY`.
@@ -97,7 +102,7 @@ class VariableSpeedStep:
         Raises:
             ArithmeticError: the motion is too fast for 2^`HALVINGS` parts of the step.
         """
-        push, _, w = self._drive(drive, 0.0)
+        push, _, w, _ = self._drive(drive, 0.0)
         acceleration = _largest((self.still + w * self.per_speed) @ state + push)
         before, rate = _largest(state[: self.dof]), _largest(state[self.dof :])
         whole = self.parts(state, drive, step, 1)
@@ -128,7 +133,7 @@ class VariableSpeedStep:
         system = np.eye(STAGES * size, dtype=self.still.dtype)
         right = np.empty(STAGES * size, dtype=self.still.dtype)
         for i, node in enumerate(NODES):
-            push, _, w = self._drive(drive, begin + node * step)
+            push, _, w, _ = self._drive(drive, begin + node * step)
             matrix = np.zeros((size, size), dtype=self.still.dtype)
             matrix[:dof, dof:] = np.eye(dof)
             matrix[dof:] = self.still + w * self.per_speed
@@ -145,12 +150,42 @@ class VariableSpeedStep:
 
         `state` belongs to that time.
         """
-        push, push_slope, w = self._drive(drive, t)
+        acceleration, jerk = self.motion(state, drive, t)
+        return self.planes @ acceleration, self.planes @ jerk
+
+    def motion(self, state: NDArray, drive: Drive, t: float = 0.0) -> tuple[NDArray, NDArray]:
+        """As `plane_motion`, of the stations."""
+        push, push_slope, w, angular_acceleration = self._drive(drive, t)
         matrix = self.still + w * self.per_speed
         acceleration = matrix @ state + push
         jerk = matrix @ np.concatenate([state[self.dof :], acceleration])
-        jerk = jerk + drive.angular_acceleration * (self.per_speed @ state) + push_slope
-        return self.planes @ acceleration, self.planes @ jerk
+        return acceleration, jerk + angular_acceleration * (self.per_speed @ state) + push_slope
+
+    def torque(
+        self, state: NDArray, drive: Drive, t: float, motion: tuple[NDArray, NDArray] | None = None
+    ) -> tuple[float, float]:
+        """Torque of unbalance and internal damping on the shaft, and its slope [N m, N m/s].
+
+        -Im(u* e^{-i beta} (q'' - g)) + Im(q* C_i (q' - i w q)), which with the work of the lateral
+        forces makes the energy balance of the rotor; gyroscopic moments do no work.  State and time
+        as of `plane_motion`; motion: of the stations, where more than this step knows moves them.
+        """
+        motion = motion or self.motion(state, drive, t)
+        q, v, a, j = (self._vectors(x) for x in (*np.split(state, 2), *motion))
+        gone, faster, more, _ = drift(drive.rates, t)
+        spin_up = drive.angular_acceleration + more
+        w = drive.speed + drive.angular_acceleration * t + faster
+        turned = drive.angle + t * (drive.speed + 0.5 * drive.angular_acceleration * t) + gone
+        unbalance, internal, gravity = self._torque_of
+        pull = unbalance.conj() * np.exp(-1j * turned)
+        sheared, shearing = v - 1j * w * q, a - 1j * (w * v + spin_up * q)
+        value = np.vdot(q, internal @ sheared) - pull @ (a - gravity)
+        slope = np.vdot(v, internal @ sheared) + np.vdot(q, internal @ shearing)
+        return float(value.imag), float((slope - pull @ (j - 1j * w * (a - gravity))).imag)
+
+    def _vectors(self, values: NDArray) -> NDArray:
+        """x + i y of the stations."""
+        return values if self.axes == 1 else values[: self.dof // 2] + 1j * values[self.dof // 2 :]
 
 
 def _largest(values: NDArray) -> float:

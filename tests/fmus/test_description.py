@@ -81,6 +81,7 @@ def test_base_unit_exponents_agree_with_the_units_names():
         "s": {"s": 1},
         "rad": {"rad": 1},
         "N": {"kg": 1, "m": 1, "s": -2},
+        "W": {"kg": 1, "m": 2, "s": -3},
     }
 
     def factor(text):
@@ -275,6 +276,9 @@ def test_declared_dependencies_are_the_real_ones(unit, options, probe):
         assert answered[out.name] <= declared, (out.name, answered[out.name] - declared)
         # a direct dependency that is not there would look like an algebraic loop
         beyond = set(out.depends) - answered[out.name]
+        if options.get("kind") == "flexible" and out.name.startswith("der(plane"):
+            # only on a support does damping, unlike along x and y, turn a force to the other axis
+            beyond = {name for name in beyond if not re.match(r"plane\[\d+\]\.F_", name)}
         assert not beyond, (out.name, beyond)
 
 

@@ -112,7 +112,8 @@ def test_errors_are_logged_with_their_reason_and_leave_the_host_alive(unit, tmp_
     done = run(ERRORS, build(unit, tmp_path, backend="python"), 300)
     assert done.returncode == 0, done.stderr
     assert done.stdout.endswith("alive\n")
-    first = {"LiquidBalancer": "chamber_radius = -1.0 m"}.get(unit, "mass = -1.0 kg")
+    first = {"LiquidBalancer": "chamber_radius = -1.0 m", "Motor": "inertia = -1.0 kg.m2"}
+    first = first.get(unit, "mass = -1.0 kg")
     assert f"unit at t = 0.0 s: initialisation failed: {first}" in done.stdout
 
 

@@ -24,6 +24,7 @@ from scipy.integrate import solve_ivp
 FMUS = Path(__file__).resolve().parents[2] / "fmus"
 STEP, COUNT = 5e-4, 60
 SPEED, RAMP = 300.0, 400.0  # rad/s; rad/s2 in the second half
+CONSTANT = {"der(acceleration)": 0.0, "der(acceleration,2)": 0.0, "der(acceleration,3)": 0.0}
 DIFFERENCE = 5e-6  # s: error and rounding of a slope are then below 1e-12 of its range
 
 
@@ -159,12 +160,15 @@ def rotor(kind: str) -> tuple[list[dict], list[dict]]:
             "flexible": lambda q: q[1] - (q[0] + q[2]) / 2.0,
         }
         found["bending"] = abs(middle[kind](state[:n]))
+        # the unbalance is a mass on the first plane that drags behind
+        found["torque"], found["der(torque)"] = -2e-4 * a[0].imag, -2e-4 * jerk[0].imag
         return found
 
     given, answers = [], [outputs(0, 0.0, state)]
     for k in range(COUNT):
         inputs = {f"plane[{i + 1}].added_mass": added[i] for i in range(p)}
         _, inputs["speed"], inputs["acceleration"] = turning(k)
+        inputs.update(CONSTANT)
         for i in range(p):
             values = parts(signal(3.0, i, k * STEP))
             inputs.update(zip(names(f"plane[{i + 1}].F_{{}}"), values, strict=True))
@@ -209,6 +213,7 @@ def weights() -> tuple[list[dict], list[dict]]:
         _, speed, ramp = drive(k)
         phi, velocity = state[:2], state[2:]
         pull = -b * r * (velocity - speed - ramp * t) - m * (centre(t, k) * np.exp(-1j * phi)).imag
+        pull += (kappa - 1.0) * m * r * ramp  # points that roll in a track that spins up
         return np.concatenate([velocity, pull / (kappa * m * r)])
 
     def force(t, state, k):
@@ -218,15 +223,23 @@ def weights() -> tuple[list[dict], list[dict]]:
         total = (m * r * (state[2:] ** 2 - 1j * bend) * np.exp(1j * state[:2])).sum()
         return total * np.exp(-1j * (angle + speed * t + ramp * t * t / 2))
 
+    def torque(t, state, k):
+        """Of drag, and of what turns points that roll, all of it on the way there."""
+        _, speed, ramp = drive(k)
+        lag, turn = state[2:] - speed - ramp * t, rate(t, state, k)[2:] - ramp
+        return b * r * r * lag.sum() + (kappa - 1.0) * m * r * r * turn.sum()
+
     def outputs(k, t, state):
         angle, speed, ramp = drive(k)
         angle += speed * t + ramp * t * t / 2
         value, slope, h = force(t, state, k), 0.0, DIFFERENCE
+        torque_slope = 0.0
         for n, weight in ((1, 3 / 4), (2, -3 / 20), (3, 1 / 60)):
             for sign in (1, -1):
                 d = sign * n * h
                 end = moved(rate, (t, t + d), state, k)
                 slope += sign * weight / h * force(t + d, end, k)
+                torque_slope += sign * weight / h * torque(t + d, end, k)
         theta = state[:2] - angle
         moment = m * r * np.exp(1j * theta).sum()
         found = {"F_xi": value.real, "F_eta": value.imag}
@@ -235,14 +248,45 @@ def weights() -> tuple[list[dict], list[dict]]:
             found[f"weight[{i + 1}].angle"] = theta[i]
             found[f"weight[{i + 1}].speed"] = state[2 + i] - speed - ramp * t
         found |= {"moment_xi": moment.real, "moment_eta": moment.imag}
+        found |= {"torque": torque(t, state, k), "der(torque)": torque_slope}
         return {**found, "spread": abs(np.exp(2j * theta).sum()) / 2}
 
     given, answers = [], [outputs(0, 0.0, state)]
     for k in range(COUNT):
         inputs = dict(zip(names("a_{}"), parts(signal(5.0, 0, k * STEP)), strict=True))
         inputs["angle"], inputs["speed"], inputs["acceleration"] = drive(k)
+        inputs.update(CONSTANT)
         given.append(inputs)
         state = moved(rate, (0.0, STEP), state, k)
+        answers.append(outputs(k, STEP, state))
+    return given, answers
+
+
+def motor() -> tuple[list[dict], list[dict]]:
+    """I w' = L(w) + tau with the start values of a motor of two points, 10 N m to 300 rad/s."""
+    given, answers, state = [], [], np.zeros(2)
+
+    def pull(t, speed, k):
+        orders = [z.real for z in signal(6.0, 0, k * STEP)]
+        torque, slope = cubic(orders, t)
+        rate = (10.0 - speed / 30.0 + torque) / 0.1
+        return rate, (slope - rate / 30.0) / 0.1
+
+    def outputs(k, t, state):
+        angle, speed = state
+        rate, change = pull(t, speed, k)
+        own = 10.0 - speed / 30.0
+        return {
+            "acceleration": rate, "der(acceleration)": change, "speed": speed, "angle": angle,
+            "drive_torque": own, "power": own * speed,
+        }  # fmt: skip
+
+    answers.append(outputs(0, 0.0, state))
+    for k in range(COUNT):
+        orders = (z.real for z in signal(6.0, 0, k * STEP))
+        torques = ("torque", "der(torque)", "der(torque,2)", "der(torque,3)")
+        given.append(dict(zip(torques, orders, strict=True)))
+        state = moved(lambda t, y, k: np.array([y[1], pull(t, y[1], k)[0]]), (0, STEP), state, k)
         answers.append(outputs(k, STEP, state))
     return given, answers
 
@@ -261,6 +305,7 @@ CASES = {
         lambda: rotor("flexible"), 1e-12, 1e-12,
     ),
     "liquid": ("LiquidBalancer", "liquid", {}, liquid, 1e-14, 1e-14),
+    "motor": ("Motor", "motor", {}, motor, 1e-12, 1e-12),
     "point_weights": ("BallBalancer", "weights", {"weights": 2}, weights, 2e-10, 5e-9),
 }  # fmt: skip
 
@@ -312,7 +357,7 @@ def test_unit_follows_its_reference(name, fmu, host_of, backend):
         assert error.max() <= whole * size, each
 
 
-@pytest.mark.parametrize("name", ["liquid", "planar"])
+@pytest.mark.parametrize("name", ["liquid", "motor", "planar"])
 def test_reference_files_are_what_the_equations_give(name):
     """Those that compute in no time; the digits lost are those of the file and of SciPy."""
     _, folder, _, compute, _, _ = CASES[name]

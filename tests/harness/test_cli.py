@@ -142,12 +142,13 @@ def test_values_can_be_set_on_the_command_line(invoke, tmp_path):
     assert len(lines) == 22
 
 
-def test_build_makes_the_three_units(invoke, tmp_path):
+def test_build_makes_all_units(invoke, tmp_path):
     outcome = invoke("build", "-o", tmp_path / "units")
     assert outcome.exit_code == 0, outcome.output
     assert {p.name for p in (tmp_path / "units").iterdir()} == {
         "BallBalancer.fmu",
         "LiquidBalancer.fmu",
+        "Motor.fmu",
         "RotorOnSupports.fmu",
     }
 

@@ -192,7 +192,8 @@ _RETURNS = {
     Quadrature: "quadrature_empty",
     _D: "quadrature",
     LinearRotor: "linear_rotor_in linear_rotor_with_added_mass",
-    None: "phi_functions weights_reaction variable_speed_plane_motion along_track discharge",
+    None: "phi_functions weights_reaction variable_speed_plane_motion along_track discharge"
+    " variable_speed_torque",
 }
 
 

@@ -16,10 +16,11 @@ from autobalancer.fmus.composite.build import COMPOSITION, build_composite
 from autobalancer.fmus.native.compile import stamp
 from autobalancer.fmus.native.layout import hashed
 from autobalancer.fmus.xml.archive import unzipped, zipped
-from autobalancer.harness import Scene, bundled_scenes, cosimulate, load_scene
+from autobalancer.harness import Scene, cosimulate, load_scene
 from autobalancer.harness.master.cosimulation import CoSimulation
 from autobalancer.harness.master.one_file import build_one_file, composition
 from autobalancer.harness.master.schedule import at_fixed_steps
+from tests.scenes import driven_scenes
 
 RANGE = 1e-11  # of a signal's range
 RANGE_MET = 1e-9  # where weights collide: a pulse, a million times the force, has its rounding
@@ -55,7 +56,7 @@ def turning(scene: Scene, parts: int, revolutions: float) -> np.ndarray:
 
 
 # the harness keeps a tolerance of the whole run, the composite one of a step
-FIXED_STEPS = [n for n in bundled_scenes() if n != "run_up"]
+FIXED_STEPS = [n for n in driven_scenes() if n != "run_up"]
 
 
 @pytest.mark.parametrize("name", FIXED_STEPS)

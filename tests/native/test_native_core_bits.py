@@ -27,7 +27,8 @@ def _bits(core):
     angles, speeds, signal = random.normal(size=(3, 8))
     moved, rates = np.zeros(3), np.zeros(3)
     core.demand(
-        "weights_advance", byref(native), angles, speeds, signal * 1e3, 7.0, 1e-2, moved, rates,
+        "weights_advance", byref(native), angles, speeds, signal * 1e3,
+        np.array([7.0, 30.0, -2e3, 1e5]), 1e-2, moved, rates,
         byref(core("quadrature_empty")),
     )  # fmt: skip
     return b"".join(values.tobytes() for values in [*results, moved, rates, *_contact(core)])
@@ -47,8 +48,8 @@ def _contact(core):
         arrays = (x.ctypes.data_as(ctypes.POINTER(ctypes.c_double)) for x in ends)
         moved = core.structures.Moved(*arrays)
         core.demand(
-            "track_advance", byref(track), *state, signal, 200.0, 5.0, 5e-3, 0, byref(moved),
-            scratch,
+            "track_advance", byref(track), *state, signal, 200.0, np.array([5.0, 0.0, 0.0, 0.0]),
+            5e-3, 0, byref(moved), scratch,
         )  # fmt: skip
         state, events = ends, events + moved.events
     assert events > 10

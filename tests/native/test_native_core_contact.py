@@ -18,6 +18,7 @@ from autobalancer.models.contact.motion import advance, first_contacts, reaction
 from autobalancer.models.contact.pulse import discharge, hat_half
 from autobalancer.models.contact.roots import lowest
 from autobalancer.models.contact.track import Track
+from autobalancer.models.spin import STEADY
 from autobalancer.models.weights import Weights
 
 STEP = 5e-3
@@ -37,7 +38,7 @@ class Pair:
         core.demand("track_prepare", byref(self.native))
         self.scratch = np.full(core("track_scratch", count), math.nan)
 
-    def advance(self, state, signal, *drive, stop=0):
+    def advance(self, state, signal, *drive, stop=0, rates=STEADY):
         """Angles, speeds and contacts after a step, and the structure `Moved`."""
         state = [np.array(values, float) for values in state]
         ends = [np.empty(self.count) for _ in range(3)]
@@ -45,8 +46,8 @@ class Pair:
             *(values.ctypes.data_as(ctypes.POINTER(ctypes.c_double)) for values in ends)
         )
         self.core.demand(
-            "track_advance", byref(self.native), *state, np.array(signal, complex), *drive, stop,
-            byref(moved), self.scratch,
+            "track_advance", byref(self.native), *state, np.array(signal, complex), drive[0],
+            np.array([drive[1], *rates], float), drive[2], stop, byref(moved), self.scratch,
         )  # fmt: skip
         return ends, moved
 
@@ -54,7 +55,7 @@ class Pair:
         state = [np.array(values, float) for values in state]
         force, force_slope = self.core.structures.Complex(), self.core.structures.Complex()
         self.core.demand(
-            "track_reaction", byref(self.native), *state, a, slope, *drive, byref(force),
+            "track_reaction", byref(self.native), *state, a, slope, *drive, 0.0, byref(force),
             byref(force_slope), self.scratch,
         )  # fmt: skip
         return complex(force.re, force.im), complex(force_slope.re, force_slope.im)
@@ -67,7 +68,8 @@ class Pair:
         force, force_slope = c.Complex(), c.Complex()
         self.core.demand(
             "track_reaction_change", byref(self.native), *state, *drive,
-            byref(c.Instant(*pairs, by[2])), by[3], byref(force), byref(force_slope), self.scratch,
+            byref(c.Instant(*pairs, by[2])), by[3], 0.0, byref(force), byref(force_slope),
+            self.scratch,
         )  # fmt: skip
         return complex(force.re, force.im), complex(force_slope.re, force_slope.im)
 

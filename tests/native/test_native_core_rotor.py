@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 
 from autobalancer.models.rotor import LinearRotor
+from autobalancer.models.spin import STEADY
 from autobalancer.models.steps.propagator import exponential, step_matrix
 from autobalancer.models.steps.variable_speed import Drive, VariableSpeedStep
 
@@ -293,9 +294,12 @@ def _variable(draw, rotor, turning):
     core.demand("variable_speed_step", byref(rotor), int(turning), memory, scratch, byref(made))
     kept = memory, scratch
 
+    def told(drive):
+        return drive.angle, drive.speed, np.array([drive.angular_acceleration, *drive.rates])
+
     def advance(state, drive, step, parts=None):
         state = state.copy()
-        name, rest = "variable_speed_advance", [*drive[1:], step]
+        name, rest = "variable_speed_advance", [*told(drive), step]
         if parts is not None:
             name = "variable_speed_parts"
             rest.append(parts)
@@ -305,10 +309,15 @@ def _variable(draw, rotor, turning):
     def plane_motion(state, drive, t):
         acceleration, jerk = (np.empty(axes * rotor.plane_count, state.dtype) for _ in range(2))
         core(
-            "variable_speed_plane_motion", byref(made), state, *drive, t, acceleration, jerk,
-            scratch,
+            "variable_speed_plane_motion", byref(made), state, drive.forces, *told(drive), t,
+            acceleration, jerk, scratch,
         )  # fmt: skip
-        return acceleration, jerk
+        torque = np.empty(2)
+        core(
+            "variable_speed_torque", byref(made), byref(rotor), state, drive.forces, *told(drive),
+            t, torque, scratch,
+        )  # fmt: skip
+        return acceleration, jerk, torque
 
     return advance, plane_motion
 
@@ -323,14 +332,20 @@ def _variable_case(draw, turning):
         state = state + 1j * random.normal(size=state.shape)
     forces = random.normal(size=(4, draw.planes)) + 1j * random.normal(size=(4, draw.planes))
     drive = random.uniform(-9, 9), random.uniform(0, 900), random.uniform(-500, 500)
+    drive += ((*(random.normal(size=3) * [1e4, 1e6, 1e8]),),)
     step = float(_log(random, 1e-7, 1e-2))
     return python, method, _variable(draw, loaded, turning), (state, Drive(forces, *drive)), step
+
+
+def python_motion(method, case):
+    """Acceleration and jerk of the planes, and torque with its slope."""
+    return *method.plane_motion(*case), np.array(method.torque(*case))
 
 
 @pytest.mark.parametrize("turning", [True, False])
 @pytest.mark.parametrize("kind", KINDS)
 def test_steps_at_varying_speed_are_those_of_python(drawn, kind, turning):
-    worst = np.zeros(3)
+    worst = np.zeros(4)
     for seed in range(40):
         draw = drawn(kind, seed, stiffest=1e6)
         _, method, (advance, plane_motion), case, step = _variable_case(draw, turning)
@@ -338,9 +353,13 @@ def test_steps_at_varying_speed_are_those_of_python(drawn, kind, turning):
         case_end = (expected, *case[1:], step)
         pairs = [
             (advance(*case, step), expected),
-            *zip(plane_motion(*case_end), method.plane_motion(*case_end), strict=True),
+            *zip(plane_motion(*case_end), python_motion(method, case_end), strict=True),
         ]
-        worst = np.maximum(worst, [_largest_difference(*pair) for pair in pairs])
+        (torque, by_python), acceleration = pairs.pop(), method.motion(*case_end)[0]
+        # parts of the torque cancel
+        size = np.abs(draw.python.unbalance).sum() * np.abs(acceleration).max()
+        apart = np.abs(torque - by_python).max() / (max(size, np.abs(by_python).max()) or 1.0)
+        worst = np.maximum(worst, [*(_largest_difference(*pair) for pair in pairs), apart])
     assert (worst < 1e-12).all(), worst
 
 
@@ -350,7 +369,7 @@ def _exact_step(rotor, case, step):
     M z'' + C z' + K z = S^T F e^{i beta} + u (w^2 - i w') e^{i beta}, z = x + i y; with two axes
     real and imaginary part of the right-hand side are those of x and y.
     """
-    state, (forces, angle, speed, spin_up) = case
+    state, (forces, angle, speed, spin_up, _) = case
     real = mpmath.mpf
     exact = np.vectorize(mpmath.mpmathify, otypes=[object])
     root = mpmath.sqrt(6)
@@ -399,7 +418,8 @@ def test_steps_at_varying_speed_on_stiff_supports_are_as_exact_as_those_of_pytho
     with mpmath.workdps(60):
         for seed in range(12):
             draw = drawn(kind, seed)
-            python, method, (advance, _), case, step = _variable_case(draw, True)
+            python, method, (advance, _), (state, drive), step = _variable_case(draw, True)
+            case = state, drive._replace(rates=STEADY)
             exact = _exact_step(python, case, step)
             ours = max(ours, _largest_difference(advance(*case, step, parts=1), exact))
             theirs = max(theirs, _largest_difference(method.parts(*case, step, 1), exact))

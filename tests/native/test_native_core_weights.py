@@ -12,6 +12,7 @@ import pytest
 
 from autobalancer.models import weights as points
 from autobalancer.models.liquid import Liquid
+from autobalancer.models.spin import STEADY
 from autobalancer.models.weights import Weights
 
 DRAGS = (0.0, 1e-6, 1e-3, 0.05, 3.0, 1e3, 1e6)
@@ -34,13 +35,13 @@ def _signal(random, size=100.0):
     return pairs @ [1.0, 1.0j]
 
 
-def _advance(core, native, angles, speeds, signal, spin_up, step, memory=None):
+def _advance(core, native, angles, speeds, signal, spin_up, step, memory=None, rates=STEADY):
     angles, speeds = np.array(angles, float), np.array(speeds, float)
     new_angles, new_speeds = np.empty_like(angles), np.empty_like(speeds)
     memory = memory or core("quadrature_empty")
     core.demand(
-        "weights_advance", byref(native), angles, speeds, np.array(signal, complex), spin_up, step,
-        new_angles, new_speeds, byref(memory),
+        "weights_advance", byref(native), angles, speeds, np.array(signal, complex),
+        np.array([spin_up, *rates]), step, new_angles, new_speeds, byref(memory),
     )  # fmt: skip
     return new_angles, new_speeds
 
@@ -56,8 +57,9 @@ def test_steps_of_point_weights_are_those_of_python(core, drag):
         signal = _signal(random)
         spin_up = float(random.choice([0.0, random.uniform(-300.0, 300.0)]))
         step = 10.0 ** random.uniform(-7.0, -2.0)
-        expected = points.advance(python, angles, speeds, signal.tolist(), spin_up, step)
-        found = _advance(core, native, angles, speeds, signal, spin_up, step)
+        rates = tuple(random.normal(size=3) * [1e3, 1e5, 1e7] * random.choice([0.0, 1.0]))
+        expected = points.advance(python, angles, speeds, signal.tolist(), spin_up, step, rates)
+        found = _advance(core, native, angles, speeds, signal, spin_up, step, rates=rates)
         moved = np.abs(np.array(expected[0]) - angles).max() + np.abs(expected[0]).max()
         assert np.abs(found[0] - expected[0]).max() <= 2e-14 * max(1.0, moved)
         rates = max(1.0, np.abs(speeds).max(), np.abs(expected[1]).max())
@@ -72,7 +74,8 @@ def test_a_step_may_overwrite_the_state_it_starts_from(core):
         speeds, signal = random.normal(size=native.count), _signal(random)
         apart = _advance(core, native, angles, speeds, signal, 3.0, 1e-3)
         core.demand(
-            "weights_advance", byref(native), angles, speeds, signal, 3.0, 1e-3, angles, speeds,
+            "weights_advance", byref(native), angles, speeds, signal,
+            np.array([3.0, *STEADY]), 1e-3, angles, speeds,
             byref(core("quadrature_empty")),
         )  # fmt: skip
         assert angles.tolist() == apart[0].tolist()
@@ -86,7 +89,7 @@ def test_reactions_of_point_weights_are_those_of_python(core):
         angles = random.uniform(-50.0, 50.0, python.count)
         speeds = random.normal(size=python.count) * 100.0
         a, slope, *_ = _signal(random).tolist()
-        drive = random.uniform(-900.0, 900.0), random.uniform(-300.0, 300.0)
+        drive = (*(random.uniform(-size, size) for size in (900.0, 300.0, 1e4)),)
         expected = points.reaction(python, angles, speeds, a, slope, *drive)
         force, force_slope = core.structures.Complex(), core.structures.Complex()
         core(

@@ -14,6 +14,7 @@ from fmpy.validation import validate_fmu
 
 CASES: list[tuple[str, dict[str, Any]]] = [
     ("LiquidBalancer", {}),
+    ("Motor", {"points": 4}),
     ("LiquidBalancer", {"frame": "fixed"}),
     ("BallBalancer", {"weights": 1}),
     ("BallBalancer", {"weights": 2}),
@@ -43,6 +44,11 @@ MEETING: dict[str, dict[str, float]] = {
 }
 
 
+def rubs(layout) -> bool:
+    """Whether there is dry friction, which knows neither gravity nor a changing acceleration."""
+    return any(v.name.startswith("slider") for v in layout.reals)
+
+
 def ids(case: tuple[str, dict]) -> str:
     return "-".join([case[0], *map(str, case[1].values())])
 
@@ -56,6 +62,8 @@ def drawn(rng, name: str, k: int) -> float:
         return 300.0 + value
     if name == "acceleration":
         return 20.0 * value * (k % 4 == 1)
+    if name.startswith("der(acceleration"):
+        return 100.0 * value * 10.0 ** name.count("der") * (k % 4 == 1)
     if name in ("x", "y"):
         return 1e-4 * value
     return value * 10.0 ** name.count("der")
@@ -78,6 +86,8 @@ def parameters(rng, layout, anisotropic: bool) -> dict[str, float | bool]:
         if v.name in ("weight_radius", "restitution", "rolling_resistance", "com") or (
             v.name.startswith("track_offset")
         ):
+            continue
+        if v.name.startswith("gravity") and rubs(layout):
             continue
         if v.name.startswith("slider"):
             supports = 1 + any("support[2]" in other.name for other in layout.reals)
@@ -102,6 +112,8 @@ def motion(packaging, path, layout, seed: int, changes: dict | None = None) -> n
         values["inertia_as_force"] = seed % 3 == 0
     host.begin(values)
     names = [v.name for v in layout.reals[layout.inputs]]
+    if rubs(layout):
+        names = [name for name in names if not name.startswith("der(acceleration")]
     seen = [host.outputs()]
     for k in range(STEPS):
         host.set({name: drawn(rng, name, k) for name in names})

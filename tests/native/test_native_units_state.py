@@ -14,9 +14,11 @@ CASES = [
     ("RotorOnSupports", {"planes": 2}),
     ("RotorOnSupports", {"kind": "flexible", "stations": 3, "planes": 1}),
     ("RotorOnSupports", {"kind": "two_support", "stations": 2, "planes": 1, "sliders": 2}),
+    ("Motor", {"points": 3}),
 ]
 FRICTION = {"slider[1].limit_x": 0.5, "slider[2].limit_x": 0.4, "slider[2].stiffness_x": 2e5}
 MOVED = {
+    "Motor": {"torque": 3.0, "der(torque)": 20.0},
     "LiquidBalancer": {"a_xi": 3.0, "der(a_eta)": 20.0, "x": 1e-3},
     "BallBalancer": {"a_xi": 3.0, "der(a_eta)": 20.0, "acceleration": 2.0},
     "RotorOnSupports": {"plane[1].F_xi": 5.0, "der(plane[1].F_eta)": 40.0, "acceleration": 3.0},

@@ -103,7 +103,7 @@ def choose(
     coupling = scene.coupling
     if coupling.scheme == Jacobi.name:
         return Jacobi()
-    if coupling.scheme == GaussSeidel.name or not system.exchanges:
+    if coupling.scheme == GaussSeidel.name or not system.coupled:
         return GaussSeidel()
     if coupling.scheme == Compensated.name:
         return Compensated(jacobian, response, step, scene.profile().speed)

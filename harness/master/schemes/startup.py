@@ -74,7 +74,7 @@ def doubling_steps(system: System, step: float, halvings: int = 0) -> list[float
     Args:
         halvings: wanted in any case.
     """
-    if system.order == 0 or not system.exchanges:
+    if system.order == 0 or not system.coupled:
         return [step]
     largest = max(max(abs(force.now[0]), force.largest) for force in system.forces)
     change = step * max(abs(force.now[1]) for force in system.forces)

@@ -62,6 +62,7 @@ def separate(scene: Scene, slopes: bool = True) -> Structure:
     Raises:
         SceneError: an input takes the sum of several forces, which a connection cannot express.
     """
+    scene.refuse_motor("an SSP")
     planned, shown = plan(scene), by_unit(recorded(scene))
     with CoSimulation(scene) as cosim:
         cosim.start()

@@ -8,10 +8,11 @@ from ctypes import byref, c_size_t, c_void_p, create_string_buffer
 import numpy as np
 import pytest
 
-from autobalancer.harness import Scene, SceneError, bundled_scenes, cosimulate, load_scene
+from autobalancer.harness import Scene, SceneError, cosimulate, load_scene
 from autobalancer.harness.master.cosimulation import CoSimulation
 from autobalancer.harness.master.fmu import Fmu
 from autobalancer.harness.scene.file import find, read
+from tests.scenes import driven_scenes
 
 LATERAL = ("rotor.x", "rotor.y")
 
@@ -84,7 +85,7 @@ def test_forces_of_all_balancers_on_a_plane_add_up():
 @pytest.mark.parametrize("tolerance", [1e-3, 1e-5, 1e-7])
 # no tolerance is kept across a meeting of weights: tests/test_master_errors.py
 @pytest.mark.parametrize(
-    "name", [n for n in bundled_scenes() if n not in ("contact_order", "bristol_friction")]
+    "name", [n for n in driven_scenes() if n not in ("contact_order", "bristol_friction")]
 )
 def test_tolerance_is_kept_on_every_bundled_scene(against, name, tolerance):
     runs = against(name, {"run.revolutions": 4})

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from autobalancer.harness import SceneError, SimulationError, bundled_scenes, cosimulate, load_scene
+from autobalancer.harness import SceneError, SimulationError, cosimulate, load_scene
 from autobalancer.harness.master.cosimulation import CoSimulation
 from autobalancer.harness.master.schedule import step_size
 from autobalancer.harness.master.schemes.compensated import Compensated
@@ -14,6 +14,7 @@ from autobalancer.harness.master.schemes.explicit import BEFORE, NOW
 from autobalancer.harness.master.schemes.gauss_seidel import GaussSeidel
 from autobalancer.harness.master.schemes.jacobi import Jacobi
 from autobalancer.models.monolith import reference
+from tests.scenes import driven_scenes
 
 ORDERS = {  # of convergence, as the schemes' docstrings state them, by order of the signals
     "jacobi": {0: 1, 1: 2, 3: 3},
@@ -30,9 +31,9 @@ EXACT = 1e-9  # of the amplitude: reference and rounding of a motion without cou
 STEPS = {0: (40, 80), 1: (40, 80), 3: (40, 80, 160)}  # a revolution, by order of the signals
 
 
-RUBBING = [name for name in bundled_scenes() if load_scene(name).rotor.friction]
+RUBBING = [name for name in driven_scenes() if load_scene(name).rotor.friction]
 EXCHANGING = [
-    name for name in bundled_scenes() if any(b.exchanges_force for b in load_scene(name).balancer)
+    name for name in driven_scenes() if any(b.exchanges_force for b in load_scene(name).balancer)
 ]
 
 
@@ -66,7 +67,7 @@ def test_every_scheme_converges_with_its_order_or_says_that_it_is_unstable(
     assert observed[-1] >= expected - 0.3 or errors[-1] <= EXACT, (errors, observed)
 
 
-@pytest.mark.parametrize("name", [n for n in bundled_scenes() if n not in EXCHANGING + RUBBING])
+@pytest.mark.parametrize("name", [n for n in driven_scenes() if n not in EXCHANGING + RUBBING])
 def test_where_no_force_is_exchanged_nothing_can_be_missed(against, name):
     runs = against(name, {"run.revolutions": 2, "run.record": None})
     held = {"scheme": "jacobi", "order": 0, "corrections": None, "tolerance": None}

@@ -13,12 +13,13 @@ from fmpy.ssp.simulation import simulate_ssp
 from fmpy.ssp.ssd import get_connections, read_ssd, read_ssv
 from lxml import etree
 
-from autobalancer.harness import Scene, SceneError, bundled_scenes, cosimulate, load_scene
+from autobalancer.harness import Scene, SceneError, cosimulate, load_scene
 from autobalancer.harness.master.plan import plan
 from autobalancer.harness.master.schedule import end_time, step_size
 from autobalancer.harness.master.ssp.build import build_ssp
 from autobalancer.harness.master.ssp.diagram import placed
 from autobalancer.harness.master.ssp.structure import coupled, separate
+from tests.scenes import driven_scenes
 
 SCENES = ("two_balls", "drum", "balls_and_liquid", "three_mass_shaft", "run_up", "liquid_closed")
 SPACES = {"ssd": "http://ssp-standard.org/SSP1/SystemStructureDescription"}
@@ -138,7 +139,7 @@ def test_a_run_up_takes_its_speed_from_outside(packages):
     assert wired == {(n, u) for n in ("speed", "acceleration") for u in ("rotor", "weights")}
 
 
-@pytest.mark.parametrize("name", bundled_scenes())
+@pytest.mark.parametrize("name", driven_scenes())
 def test_a_diagram_has_level_wires_and_elements_apart(name):
     scene = load_scene(name)
     for structure in (separate(scene), coupled(scene)):

@@ -6,13 +6,14 @@ import numpy as np
 import pytest
 
 from autobalancer.fmus.composite.batch import Runs
-from autobalancer.harness import bundled_scenes, load_scene
+from autobalancer.harness import load_scene
 from autobalancer.harness.master.one_file import composition
+from tests.scenes import driven_scenes
 
 MOST_BYTES = 600_000
 
 
-@pytest.mark.parametrize("name", bundled_scenes())
+@pytest.mark.parametrize("name", driven_scenes())
 def test_every_bundled_scene_is_a_page_that_runs(opened, name):
     shown = opened(name, running=True)
     assert shown.path.stat().st_size <= MOST_BYTES

@@ -1,0 +1,73 @@
+"""Variables of the motor of limited power."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from ..unit import Sizes, Unit, count
+from ..variables import (
+    Variable,
+    observed,
+    output,
+    parameter,
+    signal_inputs,
+    signal_outputs,
+)
+
+
+@dataclass(frozen=True)
+class MotorSizes(Sizes):
+    """Sizes of a motor.
+
+    Attributes:
+        points: of its characteristic.
+    """
+
+    points: int = count(2)
+
+
+def variables(sizes: MotorSizes) -> list[Variable]:
+    """Inertia and characteristic, the torque on the shaft, how the rotor turns.
+
+    Raises:
+        ValueError: a characteristic of fewer than two points.
+    """
+    if sizes.points < 2:
+        raise ValueError(f"points = {sizes.points}: must be 2 or more")
+    last = sizes.points - 1
+    points = [f"point[{k}]" for k in range(1, sizes.points + 1)]
+    line = tuple(f"{point}.{what}" for what in ("speed", "torque") for point in points)
+    drive = ("speed0", *line)
+    torque = ("torque", "der(torque)")
+    return [
+        parameter("inertia", 0.1, "kg.m2", "Of all that turns, unbalance included", minimum=0.0,
+                  above=True),
+        *(
+            variable
+            for k, point in enumerate(points)
+            for variable in (
+                parameter(f"{point}.speed", 300.0 * k / last, "rad/s", "Ascending"),
+                parameter(f"{point}.torque", 10.0 * (last - k) / last, "N.m", "At this speed"),
+            )
+        ),
+        parameter("angle0", 0.0, "rad", "Angle of the rotor at the start"),
+        parameter("speed0", 0.0, "rad/s", "Speed of the rotor at the start"),
+        *signal_inputs(["torque"], "torque", "Of all others on the shaft, their sum"),
+        *signal_outputs(
+            ["acceleration"], "angular acceleration", "Of the rotor", [torque[:1]], [torque],
+            begins=("inertia", *drive),
+        ),
+        output("speed", "rad/s", "Of the rotor", begins=("speed0",)),
+        observed("angle", "rad", "Angle turned", ("angle0",)),
+        observed("drive_torque", "N.m", "Of the motor at this speed", drive),
+        observed("power", "W", "Of the motor", drive),
+    ]  # fmt: skip
+
+
+MOTOR = Unit(
+    name="Motor",
+    folder="motor",
+    summary="Motor of limited power: the torque on its shaft in, speed and acceleration out.",
+    sizes=MotorSizes,
+    variables=variables,
+)

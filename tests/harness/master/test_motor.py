@@ -1,0 +1,209 @@
+"""A motor of limited power in the coupling: against one integration of all, and by its energy."""
+
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+
+from autobalancer.harness import cosimulate
+from autobalancer.harness.errors import SceneError
+from autobalancer.harness.master.one_file import composition
+from autobalancer.harness.scene import Scene
+
+M, INERTIA, P, C, M1, R, B, KAPPA = 1.0, 0.01, 2.0, 8.0, 0.02, 0.05, 0.05, 1.4
+K = np.array([1e4, 1.3e4])
+U = 0.002 * np.exp(0.3j)
+STALL, TOP, START = 1.0, 200.0, 20.0
+SCENE = {
+    "rotor": {
+        "kind": "planar", "mass": M, "stiffness": K.tolist(), "damping": C, "internal_damping": P,
+        "unbalance": 0.002, "unbalance_angle": 0.3,
+    },
+    "operation": {
+        "motor": {"inertia": INERTIA, "stall_torque": STALL, "no_load_speed": TOP, "from": START}
+    },
+    "balancer": [{
+        "kind": "balls", "count": 2, "mass": M1, "track_radius": R, "drag": B, "angles": [0.2, 2.5],
+    }],
+    "run": {"revolutions": 6.0},
+}  # fmt: skip
+MOTION = ("x", "y", "vx", "vy")
+
+
+def in_one_piece(times):
+    """Lagrange's equations of rotor, shaft and balls in absolute coordinates by DOP853.
+
+    State: x, y, vx, vy, angle, speed, angles of the balls, their rates.
+    """
+
+    def rate(_, state):
+        x, y, vx, vy, angle, w = state[:6]
+        z, v, turn = x + 1j * y, vx + 1j * vy, U * np.exp(1j * angle)
+        sheared = v - 1j * w * z
+        push = turn * w * w - (K[0] * x + 1j * K[1] * y) - C * v - P * sheared
+        inertia, right = np.zeros((5, 5)), np.zeros(5)
+        inertia[0, 0] = inertia[1, 1] = M + 2 * M1
+        inertia[:2, 2] = inertia[2, :2] = -turn.imag, turn.real
+        inertia[2, 2] = INERTIA
+        right[2] = STALL * (1.0 - w / TOP) + P * (np.conj(z) * sheared).imag
+        for k, (phi, turning) in enumerate(zip(state[6:8], state[8:], strict=True), start=3):
+            arm = M1 * R * np.exp(1j * phi)
+            inertia[:2, k] = inertia[k, :2] = -arm.imag, arm.real
+            inertia[k, k] = KAPPA * M1 * R * R
+            # a point that rolls turns by -(R/r) theta': T = (kappa - 1) m R^2 (phi' - w)^2/2
+            inertia[2, k] = inertia[k, 2] = -(KAPPA - 1.0) * M1 * R * R
+            inertia[2, 2] += (KAPPA - 1.0) * M1 * R * R
+            right[k] = -B * R * R * (turning - w)
+            right[2] -= right[k]
+            push += arm * turning**2
+        right[:2] = push.real, push.imag
+        found = np.linalg.solve(inertia, right)
+        return [vx, vy, *found[:2], w, found[2], *state[8:], *found[3:]]
+
+    begin = [0.0, 0.0, 0.0, 0.0, 0.0, START, 0.2, 2.5, START, START]
+    return solve_ivp(
+        rate, (0.0, times[-1]), begin, "DOP853", times, rtol=1e-11, atol=1e-13
+    ).y  # fmt: skip
+
+
+@pytest.mark.parametrize("units", ["native", "python"])
+def test_a_run_with_motor_is_that_of_all_in_one_piece(units):
+    record = ["rotor.x", "rotor.y", "rotor.angle", "motor.speed", "motor.angle"]
+    record += ["balls.weight[1].angle", "balls.weight[2].angle"]
+    result = cosimulate(Scene.from_document({**SCENE, "coupling": {"units": units}}), record=record)
+    y = in_one_piece(result.time)
+    expected = [y[0], y[1], y[4], y[5], y[4], y[6] - y[4], y[7] - y[4]]
+    for name, values in zip(record, expected, strict=True):
+        assert np.abs(result[name] - values).max() <= 1e-6 * np.abs(values).max(), name
+
+
+@pytest.mark.parametrize("gravity", [0.0, 9.81])
+@pytest.mark.parametrize("kind", ["planar", "two_support", "flexible"])
+def test_energy_fed_in_by_the_motor_is_what_is_stored_and_lost(kind, gravity):
+    """To 1e-6 of what is fed in; power between the points by cubics through values and slopes."""
+    scene = scene_of(kind).replace({"operation.gravity": gravity})
+    prefixes = ["rotor."]
+    if kind != "planar":
+        prefixes = [f"rotor.station[{k + 1}]." for k in range(len(scene.rotor.stations))]
+    names = [f"{prefix}{what}" for prefix in prefixes for what in MOTION]
+    result = cosimulate(scene, record=[*names, "motor.speed", "motor.power", "motor.angle", *BALLS])
+    signals = [np.array([result[p + what] for p in prefixes]) for what in MOTION]
+    q, v = signals[0] + 1j * signals[1], signals[2] + 1j * signals[3]
+    w, rotor = result["motor.speed"], scene.assembly().loaded_rotor
+    turn = np.exp(1j * result["motor.angle"])
+    swing = np.einsum("it,ij,jt->t", v.conj(), rotor.mass, v).real / 2
+    stretched = [
+        np.einsum("it,ij,jt->t", part, stiffness, part) / 2
+        for part, stiffness in ((q.real, rotor.stiffness_x), (q.imag, rotor.stiffness_y))
+    ]
+    dragged = (v.conj() * 1j * w * rotor.unbalance[:, None] * turn).sum(axis=0).real
+    kinetic = swing + dragged + scene.operation.motor.inertia * w * w / 2
+    lost = np.einsum("it,ij,jt->t", v.real, rotor.damping_x, v.real)
+    lost += np.einsum("it,ij,jt->t", v.imag, rotor.damping_y, v.imag)
+    sheared = v - 1j * w * q
+    lost += np.einsum("it,ij,jt->t", sheared.conj(), rotor.internal_damping, sheared).real
+    heavy = rotor.mass.sum(axis=0) @ q + rotor.unbalance.sum() * turn
+    at = rotor.planes[scene.balancer[0].at - 1] @ v
+    for number in (1, 2):
+        theta, rate = (result[f"balls.weight[{number}].{what}"] for what in ("angle", "speed"))
+        ahead = R * (w + rate)
+        heavy += M1 * R * np.exp(1j * theta) * turn
+        kinetic += M1 * (ahead**2 + (KAPPA - 1.0) * (R * rate) ** 2) / 2
+        kinetic += M1 * (at.conj() * 1j * ahead * np.exp(1j * theta) * turn).real
+        lost += B * (R * rate) ** 2
+    stored = kinetic + sum(stretched) + gravity * heavy.imag
+    fed, gone = (integral(result.time, power) for power in (result["motor.power"], lost))
+    assert fed > 3.0 * gone > 0.0
+    assert stored[-1] - stored[0] + gone == pytest.approx(fed, abs=1e-6 * fed)
+
+
+BALLS = [f"balls.weight[{k}].{what}" for k in (1, 2) for what in ("angle", "speed")]
+
+
+def scene_of(kind):
+    rotors = {
+        "planar": SCENE["rotor"],
+        "two_support": {
+            "kind": "two_support", "mass": 5.0, "inertia": 0.1, "polar_inertia": 0.05, "span": 0.4,
+            "stiffness": [[1e4, 1.2e4], 2e4], "damping": [20.0, 30.0], "planes": [0.1],
+            "unbalances": [{"position": 0.05, "amount": 0.004, "angle": 0.4}],
+        },
+        "flexible": {
+            "kind": "flexible", "stations": [0.0, 0.2, 0.4], "masses": [0.5, 2.0, 0.5],
+            "supports": [1, 3], "support_stiffness": [[1e4, 1.2e4], 2e4],
+            "support_damping": [20.0, 30.0], "bending_stiffness": 20.0, "internal_damping": 3.0,
+            "unbalances": [{"position": 0.2, "amount": 0.004, "angle": 0.4}],
+        },
+    }  # fmt: skip
+    balancer = {**SCENE["balancer"][0], "at": 2 if kind == "flexible" else 1}
+    document = {**SCENE, "rotor": rotors[kind], "balancer": [balancer]}
+    document["coupling"] = {"steps_per_rev": 400}
+    return Scene.from_document(document)
+
+
+def integral(times, values):
+    """Of a smooth function known at equal steps: Boole's rule."""
+    step, whole = times[1] - times[0], (len(times) - 1) // 4 * 4
+    weights = np.array([14.0, 32.0, 12.0, 32.0])
+    head = values[: whole + 1]
+    found = 2.0 * step / 45.0 * (weights @ head[:-1].reshape(-1, 4).sum(axis=0))
+    found += 2.0 * step / 45.0 * 7.0 * (head[-1] - head[0])
+    # the rest of fewer than four steps, by Gregory's end corrections of a cubic
+    tail = np.polynomial.polynomial.polyfit(np.arange(-5.0, 1.0), values[-6:], 5)
+    rest = np.polynomial.polynomial.polyint(tail)
+    return found - step * np.polynomial.polynomial.polyval(float(whole - len(times) + 1), rest)
+
+
+WRONG = [
+    ({"balls.rolling_resistance": 1e-3}, "its torque on the rotor is not known"),
+    ({"operation.motor.inertia": 1e-6}, "operation.motor.inertia = 1e-06 kg m^2: must be above"),
+    ({"coupling.scheme": "compensated"}, "does not know operation.motor"),
+    ({"operation.motor.table": [[0.0, 1.0], [9.0, 0.0]]}, "give either table, or stall_torque"),
+]
+
+
+@pytest.mark.parametrize(("changes", "words"), WRONG)
+def test_what_a_motor_cannot_drive_is_refused(changes, words):
+    with pytest.raises(SceneError, match=words.replace("^", r"\^")):
+        Scene.from_document(SCENE).replace(changes)
+
+
+def test_weights_of_finite_size_that_do_not_meet_move_as_points_to_their_order():
+    points = Scene.from_document({**SCENE, "coupling": {"steps_per_rev": 200}})
+    record = ["motor.speed", "balls.weight[1].angle"]
+    exact, errors = cosimulate(points, record=record), []
+    for steps in (50, 100):
+        finite = points.replace({"balls.weight_radius": 1e-9, "coupling.steps_per_rev": steps})
+        found = cosimulate(finite, record=record)
+        errors.append(
+            [abs(found[name][-1] - exact[name][-1]) / abs(exact[name][-1]) for name in record]
+        )
+    assert np.array(errors[1]).max() < 1e-4
+    assert (np.array(errors[1]) < 0.6 * np.array(errors[0])).all()
+
+
+def test_a_composite_refuses_a_motor():
+    with pytest.raises(SceneError, match=r"operation\.motor: .* knows the speed ahead"):
+        composition(Scene.from_document(SCENE))
+
+
+def test_a_table_of_two_points_is_the_straight_motor():
+    straight, table = (
+        Scene.from_document(
+            {**SCENE, "operation": {"motor": {"inertia": INERTIA, "from": START, **line}}}
+        )
+        for line in (
+            {"stall_torque": STALL, "no_load_speed": TOP},
+            {"table": [[0.0, STALL], [50.0, 0.75 * STALL], [TOP, 0.0]]},
+        )
+    )
+    one, other = (cosimulate(s, record=["motor.speed", "rotor.x"]) for s in (straight, table))
+    assert other["motor.speed"][-1] == pytest.approx(one["motor.speed"][-1], rel=1e-9)
+    assert other["rotor.x"][-1] == pytest.approx(one["rotor.x"][-1], rel=1e-6)
+
+
+@pytest.mark.parametrize("scheme", ["gauss-seidel", "jacobi", "iterated"])
+def test_every_scheme_drives_the_rotor_alike(scheme):
+    document = {**SCENE, "balancer": [], "coupling": {"scheme": scheme, "steps_per_rev": 200}}
+    found = cosimulate(Scene.from_document(document), record=["motor.speed"])["motor.speed"][-1]
+    fine = cosimulate(Scene.from_document({**SCENE, "balancer": []}), record=["motor.speed"])
+    assert found == pytest.approx(fine["motor.speed"][-1], rel=1e-7)

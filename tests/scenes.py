@@ -1,0 +1,10 @@
+"""Bundled scenes by what drives them."""
+
+from __future__ import annotations
+
+from autobalancer.harness import bundled_scenes, load_scene
+
+
+def driven_scenes() -> list[str]:
+    """Those whose speed is known ahead: one piece, composite, SSP and page know no motor."""
+    return [name for name in bundled_scenes() if load_scene(name).operation.motor is None]
