@@ -482,3 +482,28 @@ def test_supports_without_stiffness_carry_no_weight(probe):
     values = {"gravity_y": -9.81, "stiffness_x": 0.0, "stiffness_y": 0.0}
     with pytest.raises(RuntimeError, match="supports without stiffness cannot carry"):
         probe("RotorOnSupports", values)
+
+
+@pytest.mark.parametrize("limit", [0.5, 50.0])
+def test_torque_of_an_unbalance_is_that_of_its_acceleration_with_friction_too(host_of, fmu, limit):
+    """-Im(u* a) and its slope, a the disc's acceleration in the rotor frame; slipping and stuck."""
+    u, angle = 3e-3, 0.7
+    host = host_of(fmu("RotorOnSupports", sliders=2)).start(
+        **{"unbalance": u, "unbalance_angle": angle, "speed": 200.0, "acceleration": 30.0,
+           "slider[1].limit_x": limit, "slider[1].limit_y": 0.3, "slider[2].limit_x": 0.2,
+           "slider[2].stiffness_x": 3e4, "vx0": 0.02}
+    )  # fmt: skip
+    seen = []
+    for k in range(40):
+        host["speed"], host["plane[1].F_xi"] = 200.0 + 0.03 * k, 0.2 * k
+        for _ in range(2):  # before the step, of the inputs just set, and after it
+            for torque, a in (("torque", "{}"), ("der(torque)", "der({})")):
+                vector = host[a.format("plane[1].a_xi")] + 1j * host[a.format("plane[1].a_eta")]
+                expected = -(u * np.exp(-1j * angle) * vector).imag
+                seen.append((host[torque], expected))
+            if len(seen) % 4:
+                host.slave.doStep(k * 1e-3, 1e-3)
+    found, expected = np.array(seen).T.reshape(2, -1, 2)
+    size = np.abs(expected).max(axis=0)
+    assert (np.abs(found - expected).max(axis=0) <= 1e-12 * size).all()
+    host.free()
