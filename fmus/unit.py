@@ -20,8 +20,11 @@ def one_of(*words: str, of: tuple[str, ...] = ()) -> Any:
 
 
 def count(default: int, of: tuple[str, ...] = ()) -> Any:
-    """A whole number, at least 1; when `of` is given, of these kinds of the unit only."""
-    return field(default=default, metadata={"words": (), "of": of})
+    """A whole number, at least 1; when `of` is given, of these kinds of the unit only.
+
+    With 0 for a default it may be 0: the unit has none, and the option is not written down.
+    """
+    return field(default=default, metadata={"words": (), "of": of, "least": min(1, default)})
 
 
 @dataclass(frozen=True)
@@ -42,8 +45,9 @@ class Sizes:
             words = self.words(name)
             if words and value not in words:
                 raise ValueError(f"{name} = {value!r}: must be one of {alternatives(words)}")
-            if not words and (not isinstance(value, int) or isinstance(value, bool) or value < 1):
-                raise ValueError(f"{name} = {value!r}: must be a whole number, at least 1")
+            least = self.__dataclass_fields__[name].metadata.get("least", 1)
+            if not words and (type(value) is not int or value < least):
+                raise ValueError(f"{name} = {value!r}: must be a whole number, at least {least}")
 
     @classmethod
     def words(cls, name: str) -> tuple[str, ...]:
@@ -54,11 +58,9 @@ class Sizes:
     def options(self) -> dict[str, Any]:
         """Every option that concerns a unit of this kind, by name."""
         kind = getattr(self, "kind", "")
-        return {
-            f.name: getattr(self, f.name)
-            for f in fields(self)
-            if not f.metadata["of"] or kind in f.metadata["of"]
-        }
+        concerned = [f for f in fields(self) if not f.metadata["of"] or kind in f.metadata["of"]]
+        values = ((f, getattr(self, f.name)) for f in concerned)
+        return {f.name: v for f, v in values if v != 0 or f.metadata.get("least") != 0}
 
     @property
     def axes(self) -> tuple[str, str]:

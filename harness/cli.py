@@ -22,6 +22,7 @@ from .balancing import command as balance
 from .checks import command as check
 from .design import command as design
 from .errors import SimulationError, UserError
+from .fit import command as fit
 from .master import build_command as build
 from .master import run_command as run
 from .output import options
@@ -101,6 +102,7 @@ app.command("balance")(balance.command)
 app.command("rotor")(rotor.command)
 app.command("design")(design.command)
 app.command("scatter")(scatter.command)
+app.command("fit")(fit.command)
 app.command("precision")(precision.command)
 app.command("show")(show.command)
 app.command("stress")(stress.command)

@@ -1,10 +1,11 @@
 """A rotor on viscous-elastic supports as one linear system.
 
-    M q'' + (C + C_i - w G J) q' + (K - w C_i J) q = u (w^2 - i w') e^{i beta} + S^T F
+    M q'' + (C + C_i - w G J) q' + (K - w C_i J) q = u (w^2 - i w') e^{i beta} + S^T F + M g
 
-where J turns x into y and y into -x.  Filimonikhina 2017 (4), Dubovik 2006 (5), Polushkin 2016 and
-Filimonikhin 2011 (1) all describe a rotor of this form; they differ only in the matrices.  In
-complex notation z = x + i y the equation of an isotropic rotor reads
+with gravity g at every station, where J turns x into y and y into -x.  Filimonikhina 2017 (4),
+Dubovik 2006 (5), Polushkin 2016 and Filimonikhin 2011 (1) all describe a rotor of this form,
+without gravity; they differ only in the matrices.  In complex notation z = x + i y the equation of
+an isotropic rotor reads
 
     M z'' + (C + C_i - i w G) z' + (K - i w C_i) z = u (w^2 - i w') e^{i beta} + S^T F
 
@@ -24,6 +25,22 @@ from . import rotor_kinds
 Matrix = NDArray[np.float64]
 
 
+@dataclass(frozen=True)
+class Slider:
+    """Dry friction at a station along one axis: a slider, rigid or behind a spring (Jenkins 1962).
+
+    Attributes:
+        station, axis: from 0; axis 0 is x, 1 is y.
+        limit: force at which it slips [N]; 0: there is none.
+        stiffness: of the spring in series [N/m]; 0: none, the slider is rigid.
+    """
+
+    station: int
+    axis: int
+    limit: float
+    stiffness: float = 0.0
+
+
 @dataclass(frozen=True, eq=False)
 class LinearRotor:
     """Matrices and planes of a linear rotor with n stations and p correction planes.
@@ -37,6 +54,8 @@ class LinearRotor:
         planes: (p, n) matrix S: displacement of the planes from that of the stations.
         unbalance: (n,) complex generalised unbalance u in the rotor frame [kg m].
         deflection: (d, n) rows whose largest modulus is the shaft's bending.
+        gravity: acceleration of what falls, across the axis in fixed axes, gx + i gy [m/s^2].
+        sliders: dry friction in the supports.
     """
 
     mass: Matrix
@@ -49,6 +68,8 @@ class LinearRotor:
     planes: Matrix
     unbalance: NDArray[np.complex128]
     deflection: Matrix
+    gravity: complex = 0j
+    sliders: tuple[Slider, ...] = ()
 
     @classmethod
     def planar(
@@ -103,7 +124,7 @@ class LinearRotor:
     @property
     def isotropic(self) -> bool:
         """True when both axes are alike, so that z = x + i y needs no conjugate."""
-        return bool(
+        return not self.sliders and bool(
             np.array_equal(self.stiffness_x, self.stiffness_y)
             and np.array_equal(self.damping_x, self.damping_y)
         )
@@ -113,6 +134,33 @@ class LinearRotor:
         """u by the turning unit vector: complex (n, 1) if isotropic, else (2n, 2) for x and y."""
         u = self.unbalance[:, None]
         return u if self.isotropic else np.block([[u.real, -u.imag], [u.imag, u.real]])
+
+    @property
+    def falling(self) -> NDArray:
+        """Gravity at every station [m/s^2]: (n,) complex if isotropic, else (2n,) for x and y."""
+        field = np.full(self.stations, self.gravity)
+        return field if self.isotropic else np.concatenate([field.real, field.imag])
+
+    def sag(self, speed: float) -> NDArray:
+        """Displacements at rest under gravity, ordered as `falling` [m].
+
+        Internal damping, which turns with the shaft, draws them aside in proportion to the speed.
+
+        Raises:
+            ValueError: the supports have no stiffness that would carry the weight.
+        """
+        mass, _, stiffness = self.coefficients(speed)
+        try:
+            return np.linalg.solve(stiffness, mass @ self.falling)
+        except np.linalg.LinAlgError:
+            raise ValueError(
+                "gravity: supports without stiffness cannot carry the rotor's weight"
+            ) from None
+
+    def refuse_sliders(self, what: str) -> None:
+        """Raise ValueError, where the supports have dry friction, for what knows none."""
+        if self.sliders:
+            raise ValueError(f"sliders: {what} knows no dry friction in the supports")
 
     def with_added_mass(self, added_mass: ArrayLike) -> LinearRotor:
         """The same rotor carrying `added_mass` [kg] (p,) rigidly at its planes."""
@@ -128,6 +176,10 @@ class LinearRotor:
             damping = self.damping_x + self.internal_damping - 1j * speed * self.gyroscopic
             stiffness = self.stiffness_x - 1j * speed * self.internal_damping
             return self.mass.astype(complex), damping, stiffness
+        return self.real_coefficients(speed)
+
+    def real_coefficients(self, speed: float) -> tuple[NDArray, NDArray, NDArray]:
+        """The same for (x, y), real (2n, 2n) for every rotor."""
         internal = self.internal_damping
         turned, followed = speed * self.gyroscopic, speed * internal
         damped = [[self.damping_x + internal, turned], [-turned, self.damping_y + internal]]

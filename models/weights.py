@@ -3,9 +3,11 @@
 Filimonikhina 2017 (4) with theta = phi - beta (angle of a weight in the rotor) reads
 
     theta'' + d theta' = g(t, theta),   d = b/(kappa m),
-    g = -Im(a e^{-i theta})/(kappa R) - w',
+    g = -Im(a e^{-i theta})/(kappa R) - s w',   s = (1 - (kappa - 1) r/R)/kappa,
 
-with a the acceleration of the track's centre seen in the rotor frame.  Drag is integrated exactly
+with a the acceleration of the track's centre seen in the rotor frame.  Printed is s = 1, which is
+right for pendulums: a body of radius r that rolls is also driven by a track that spins up (errata
+in README.md).  Drag is integrated exactly
 and g as a cubic with the exact values and slopes of both ends (a two-derivative exponential
 collocation of order 4), so the drag may be of any size.
 """
@@ -40,6 +42,7 @@ class Weights:
         track_radius: of the weights' centres R [m].
         drag: viscous force per speed along the track, of each, b [N s/m].
         kappa: 7/5 ball, 3/2 roller, 1 pendulum (`KAPPA`).
+        radius: of a body that rolls, r [m].
 
     Raises:
         ValueError: a value is not finite or out of its range.
@@ -50,12 +53,14 @@ class Weights:
     track_radius: float
     drag: float = 0.0
     kappa: float = 1.0
+    radius: float = 0.0
 
     def __post_init__(self) -> None:
         if self.count < 1:
             raise ValueError(f"count = {self.count!r}: must be at least 1")
         demand_all(self, "mass track_radius")
         demand("drag", self.drag, least=0.0)
+        demand("radius", self.radius, least=0.0)
         demand("kappa", self.kappa, least=1.0)
 
     @property
@@ -77,6 +82,11 @@ class Weights:
     def lever(self) -> float:
         """-1/(kappa R): what the acceleration across a weight turns into along its angle [1/m]."""
         return -1.0 / (self.kappa * self.track_radius)
+
+    @cached_property
+    def spin_share(self) -> float:
+        """s: part of the track's angular acceleration by which a free weight falls behind."""
+        return (1.0 - (self.kappa - 1.0) * self.radius / self.track_radius) / self.kappa
 
     @cached_property
     def damping_rate(self) -> float:
@@ -147,7 +157,7 @@ def substep(
     angle_rate: float,
     ends: tuple[complex, complex, complex, complex],
     lever: float,
-    angular_acceleration: float,
+    lag: float,
     damping_rate: float,
     step: float,
 ) -> tuple[float, float]:
@@ -157,7 +167,7 @@ def substep(
         angle, angle_rate: at the start [rad, rad/s].
         ends: acceleration of the track's centre and its slope at the start, and at the end.
         lever: -1/(kappa R), times a group's factor [1/m].
-        angular_acceleration: of the rotor, w' [rad/s^2].
+        lag: s w', by which a free weight falls behind [rad/s^2].
         damping_rate: d [1/s].
 
     Raises:
@@ -168,12 +178,12 @@ def substep(
     # `along_track` written out here and below: a run with weights spends its time here
     direction = rect(lever, -angle)
     along = a0 * direction
-    g0 = along.imag - angular_acceleration
+    g0 = along.imag - lag
     g1 = (da0 * direction).imag - along.real * angle_rate
     free_rate = e * angle_rate + s0 * g0 + s1 * g1
     free_angle = angle + t * angle_rate + t0 * g0 + t1 * g1
     new_angle, new_rate = free_angle, free_rate
-    g0 += angular_acceleration
+    g0 += lag
     change = 1.0  # a weight moves less than 0.15 rad in a substep, which makes it contract fast
     for _ in range(MAX_ITERATIONS):
         direction = rect(lever, -new_angle)
@@ -211,18 +221,18 @@ def fastest_rate(
     speeds: Sequence[float],
     signal: Sequence[complex],
     lever: float,
-    angular_acceleration: float,
+    lag: float,
     damping_rate: float,
     step: float,
 ) -> tuple[float, float]:
     """Rate [rad/s] that no weight exceeds by much within a step, and the strongest acceleration.
 
-    Arguments as `advance`; `lever` and `damping_rate` are the weights'.
+    Arguments as `advance` and `substep`; `lever` and `damping_rate` are the weights'.
     """
     # value and slope only: corrector passes change the rest, and must not change the substeps
     strongest = abs(signal[0]) + step * abs(signal[1])
     # a run-up leaves free weights behind: they gain w' * step, or what the drag lets them
-    gained = abs(angular_acceleration) * (step if damping_rate * step < 1.0 else 1.0 / damping_rate)
+    gained = abs(lag) * (step if damping_rate * step < 1.0 else 1.0 / damping_rate)
     return max(map(abs, speeds)) + math.sqrt(-strongest * lever) + gained, strongest
 
 
@@ -237,9 +247,8 @@ def substeps(
 ) -> int:
     """Substeps in what is `left` of a step, below `most`; all else as `advance`."""
     lever, damping_rate = weights.lever, weights.damping_rate
-    fastest, strongest = fastest_rate(
-        speeds, signal, lever, angular_acceleration, damping_rate, step
-    )
+    lag = weights.spin_share * angular_acceleration
+    fastest, strongest = fastest_rate(speeds, signal, lever, lag, damping_rate, step)
     turns = left * fastest / TURN_PER_SUBSTEP
     if not turns < most:
         raise ArithmeticError(
@@ -283,6 +292,7 @@ def advance(
     count = substeps(weights, speeds, signal, angular_acceleration, step, step, _MAX_SUBSTEPS)
     h = step / count
     lever, damping_rate = weights.lever, weights.damping_rate
+    lag = weights.spin_share * angular_acceleration
     new_angles, new_speeds = list(angles), list(speeds)
     start = signal[0], signal[1]
     for j in range(1, count + 1):
@@ -290,8 +300,8 @@ def advance(
         ends = (*start, *end)
         for k in range(len(new_angles)):
             new_angles[k], new_speeds[k] = substep(
-                new_angles[k], new_speeds[k], ends, lever, angular_acceleration, damping_rate, h
-            )  # fmt: skip
+                new_angles[k], new_speeds[k], ends, lever, lag, damping_rate, h
+            )
         start = end
     return new_angles, new_speeds
 
@@ -318,6 +328,7 @@ def reaction(
         F [N] and dF/dt [N/s], xi + i eta.
     """
     lever, damping_rate = weights.lever, weights.damping_rate
+    lag = weights.spin_share * angular_acceleration
     acceleration *= lever
     slope *= lever
     moment = first = second = third = 0j
@@ -326,7 +337,7 @@ def reaction(
         # `along_track` written out with e^{-i theta} = conj(unit)
         back = unit.conjugate()
         along = acceleration * back
-        theta_2 = along.imag - angular_acceleration - damping_rate * nu
+        theta_2 = along.imag - lag - damping_rate * nu
         torque_slope = (slope * back).imag - along.real * nu
         squared = nu * nu
         moment += unit

@@ -6,7 +6,6 @@ import ctypes
 from collections.abc import Sequence
 from ctypes import POINTER, Structure, byref, c_char, c_char_p, c_double, c_size_t, c_uint
 from functools import cache
-from pathlib import Path
 
 import numpy as np
 from fmpy import platform_tuple
@@ -30,12 +29,13 @@ class _Batch(Structure):
 
 
 @cache
-def _library(path: Path) -> ctypes.CDLL:
-    library = ctypes.CDLL(str(path))
+def _present() -> tuple[ctypes.CDLL, str]:
+    """The library and the stamp of its sources: a process loads it once."""
+    library = ctypes.CDLL(str(libraries([platform_tuple])[platform_tuple]))
     function = library.autobalancer_runs
     function.argtypes = (c_char_p, POINTER(_Batch), c_size_t, _D, _D, _D, POINTER(c_char))
     function.restype = c_size_t
-    return library
+    return library, stamp()
 
 
 class Runs:
@@ -59,8 +59,8 @@ class Runs:
         asked: Sequence[str],
         points: int,
     ) -> None:
-        self._library = _library(libraries([platform_tuple])[platform_tuple])
-        self._token = composition.token(stamp()).encode()
+        self._library, current = _present()
+        self._token = composition.token(current).encode()
         index = composition.described("Composite").layout.index
         self._references, self._outputs = (
             np.array([index[name] for name in names], np.uintc) for names in (changed, asked)

@@ -6,8 +6,11 @@ from collections.abc import Iterable
 from pathlib import Path
 
 from ..build import native_contents, written
+from ..native.compile import stamp
 from ..xml.description import Capabilities
 from .composition import Composition
+
+COMPOSITION = "resources/composition.txt"  # as unit_front.h has it
 
 
 def build_composite(
@@ -42,4 +45,5 @@ def _contents(
     composition: Composition, name: str, fmi: int, platforms: Iterable[str] | None
 ) -> dict[str, bytes]:
     unit = composition.described(name)
-    return native_contents(unit, name, composition.token, Capabilities(), fmi, platforms)
+    files = native_contents(unit, name, composition.identity, Capabilities(), fmi, platforms)
+    return {**files, COMPOSITION: composition.token(stamp()).encode()}

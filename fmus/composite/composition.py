@@ -8,7 +8,7 @@ from functools import cached_property
 from typing import Any
 
 from ..catalogue import sized_unit
-from ..native.layout import bits, digest, token
+from ..native.layout import bits, digest, hashed, token
 from ..unit import SizedUnit, Unit, alternatives
 from ..variables import Layout
 from .variables import CompositeSizes, variables
@@ -110,7 +110,7 @@ class Composition:
         return SizedUnit(unit, CompositeSizes(planes=planes), Layout(name, found))
 
     def token(self, stamp: str) -> str:
-        """Identity of the FMU, from which the library makes it: composite_token.c has the form.
+        """Text from which the library makes the composite: composite_token.c has the form.
 
         Args:
             stamp: of the C sources.
@@ -126,6 +126,10 @@ class Composition:
         given = [f"{own.index[k] - first}:{bits(v)}" for k, v in self.start.items()]
         text = ";".join(["Composite", *entries, f"own={','.join(given)}", "id="])
         return f"{text}{digest(own, text)}-{stamp}"
+
+    def identity(self, stamp: str) -> str:
+        """GUID or instantiation token of the FMU, which has the text among its resources."""
+        return f"Composite/{hashed(self.token(stamp))}"
 
 
 def _starts(part: Part) -> list[str]:

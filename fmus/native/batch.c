@@ -45,6 +45,10 @@ size_t autobalancer_runs(const char *token, const Batch *batch, size_t runs, con
     size_t k, i, failed = 0;
     memset(reasons, 0, runs * BATCH_REASON);
     unit = runs ? unit_instantiate("run", token, keep, &reason) : NULL;
+    if (unit) {
+        unit->asked = batch->outputs;
+        unit->asked_count = batch->asked;
+    }
     for (k = 0; k < runs; k++) {
         double *found = signals + k * rows * batch->asked;
         size_t reached;

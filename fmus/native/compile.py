@@ -38,8 +38,9 @@ GENERATED = BINARIES / "sources"
 # no contraction to fused multiply-add: the same bits on every processor; sqrt an instruction
 FLAGS = ("-std=c99", "-O2", "-ffp-contract=off", "-fno-math-errno")
 _WARNINGS = ("-Wall", "-Wextra", "-Wpedantic")
-# macOS headers would call checking variants of memcpy
-_OBJECT = ("-fPIC", "-fvisibility=hidden", "-D_FORTIFY_SOURCE=0")
+# macOS headers would call checking variants of memcpy; without unrolled loops a library is a tenth
+# smaller, and no slower
+_OBJECT = ("-fPIC", "-fvisibility=hidden", "-D_FORTIFY_SOURCE=0", "-fno-unroll-loops")
 # nothing unwinds the stack of C; Windows wants its tables
 _NO_TABLES = ("-fno-asynchronous-unwind-tables", "-fno-unwind-tables")
 _LINK = ("-nostdlib", "-s")

@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "elementary.h"
+#include "unit_rotor.h"
 
 /* Parts of a step and of a time: within them a point of the host is the end of a step; and of the
    speed: what differs less is no jump. */
@@ -40,12 +41,12 @@ static size_t signal_doubles(size_t count)
 
 size_t composite_memory(Composite *c, double *memory)
 {
-    enum { BLOCKS = 10 };
+    enum { BLOCKS = 11 };
     const size_t e = (size_t)c->exchanges, p = (size_t)c->planes;
     const size_t outer = 2 * (size_t)c->parts->unit->layout.sizes.planes;
     const size_t counts[BLOCKS] = {
         sizeof(Course) / sizeof(double), outer, signal_doubles(e), signal_doubles(p),
-        16 * e * (e + p), 4 * (e + p), p * sizeof(Swung) / sizeof(double), c->state_count,
+        16 * e * e, 16 * e * (e + p), 4 * (e + p), p * sizeof(Swung) / sizeof(double), c->state_count,
         c->state_count, c->state_count};
     size_t at[BLOCKS], total = 0, state;
     int k;
@@ -68,12 +69,13 @@ size_t composite_memory(Composite *c, double *memory)
         c->outer_forces = memory + at[1];
         c->forces = (Signal *)(memory + at[2]);
         c->accelerations = (Signal *)(memory + at[3]);
-        c->solution = memory + at[4];
-        c->missed = (Knot *)(memory + at[5]);
-        c->swung = (Swung *)(memory + at[6]);
-        c->at_begin = memory + at[7];
-        c->at_end = memory + at[8];
-        c->states = memory + at[9];
+        c->learned = memory + at[4];
+        c->solution = memory + at[5];
+        c->missed = (Knot *)(memory + at[6]);
+        c->swung = (Swung *)(memory + at[7]);
+        c->at_begin = memory + at[8];
+        c->at_end = memory + at[9];
+        c->states = memory + at[10];
     }
     return total;
 }
@@ -175,6 +177,9 @@ static int begin_parts(Unit *unit)
     for (k = 0; k < c->part_count; k++) {
         Unit *part = c->parts[k].unit;
         const Range inputs = part->layout.inputs;
+        if (c->parts[k].brief >= 0) {
+            part->real[c->parts[k].brief] = 1.5 * contacts_brief(unit);
+        }
         memcpy(part->real + inputs.first, part->starts + inputs.first,
                inputs.count * sizeof(double));
         if (part->equations->begin(part)) {
@@ -275,7 +280,7 @@ static void begin_anew(Unit *unit, double time)
         course->within = 0.0;
     }
     course->time = time;
-    course->crossing = course->whole = 0.0;
+    course->crossing = course->whole = course->striking = 0.0;
     course->changed = 1.0;
     composite_drop_past(c);
 }
@@ -305,6 +310,11 @@ static int meet_inputs(Unit *unit)
     return 0;
 }
 
+static int judge(Unit *unit, double step)
+{
+    return resolution_check(unit, step) || iterated_judge(unit);
+}
+
 /* One step of given length; `jump`: over a jump of an input. */
 static int couple(Unit *unit, double step, int jump)
 {
@@ -315,8 +325,24 @@ static int couple(Unit *unit, double step, int jump)
     if (jump) {
         return iterated_cross(unit, step);
     }
-    return iterated_step(unit, step) ||
-           (c->exchanges && (resolution_check(unit, step) || iterated_judge(unit)));
+    if (iterated_step(unit, step)) {
+        return 1;
+    }
+    return c->exchanges && c->course->striking == 0.0 && judge(unit, c->course->length);
+}
+
+/* A step that a collision has cut into several is judged behind it. */
+static int strike(Unit *unit)
+{
+    Course *course = ((Composite *)unit->own)->course;
+    if (contacts_step(unit)) {
+        return 1;
+    }
+    if (course->striking > 0.0) {
+        return 0;
+    }
+    course->residual = course->worst;
+    return course->allowed == 0.0 && judge(unit, course->time + course->length - course->met);
 }
 
 /* One step of the coupling, from its end to the next. */
@@ -326,8 +352,9 @@ static int advance(Unit *unit)
     Course *course = c->course;
     const size_t size = c->state_count * sizeof(double);
     const int crosses = course->changed > 0.0 || course->crossing > 0.0;
-    const int adapts = course->allowed > 0.0 && !crosses;
-    const double step = adapts ? 0.0 : startup_length(unit);
+    const int strikes = course->striking > 0.0 && !crosses;
+    const int adapts = course->allowed > 0.0 && !crosses && !strikes;
+    const double step = adapts || strikes ? 0.0 : startup_length(unit);
     if (course->within > 0.0) {
         memcpy(c->states, c->at_end, size);
         course->within = 0.0;
@@ -336,8 +363,9 @@ static int advance(Unit *unit)
     course->begin = course->time;
     course->length = step;
     composite_drive(unit, course->begin);
-    if (adapts ? adaptive_step(unit, startup_share(unit, unit->real[c->fewest]))
-               : couple(unit, step, crosses)) {
+    if (strikes  ? strike(unit)
+        : adapts ? adaptive_step(unit, startup_share(unit, unit->real[c->fewest]))
+                 : couple(unit, step, crosses)) {
         return 1;
     }
     if (composite_follow(unit, course->length)) {
@@ -345,7 +373,7 @@ static int advance(Unit *unit)
     }
     course->time += course->length;
     course->steps += crosses ? 0.0 : 1.0;
-    return adapts ? 0 : startup_taken(unit);
+    return adapts ? 0 : startup_taken(unit, strikes);
 }
 
 /* Move the units to a time within the last step, or to its end, under its signals. */
@@ -353,7 +381,9 @@ static int show(Unit *unit, double time, int end)
 {
     Composite *c = unit->own;
     Course *course = c->course;
+    Rotor *rotor = c->parts->unit->own;
     const size_t size = c->state_count * sizeof(double);
+    int wrong;
     if (end && course->within == 0.0) {
         return 0;
     }
@@ -362,7 +392,10 @@ static int show(Unit *unit, double time, int end)
     }
     memcpy(c->states, c->at_begin, size);
     course->within = end ? 0.0 : 1.0;
-    return composite_move(unit, end ? course->length : time - course->begin);
+    rotor->whole = end ? 0.0 : course->length;
+    wrong = composite_move(unit, end ? course->length : time - course->begin);
+    rotor->whole = 0.0;
+    return wrong;
 }
 
 static int refuse_length(Unit *unit, double own)
@@ -399,6 +432,7 @@ static int step(Unit *unit, double length)
 {
     Course *course = ((Composite *)unit->own)->course;
     const double end = unit->time + length, top = course->rises_until;
+    int wrong;
     if (meet_inputs(unit)) {
         return 1;
     }
@@ -406,7 +440,11 @@ static int step(Unit *unit, double length)
         return refuse_length(unit, startup_size(unit));
     }
     if (course->acceleration != 0.0 && unit->time < top && top <= end) {
-        if (reach(unit, top)) {
+        const unsigned *asked = unit->asked;
+        unit->asked = NULL; /* steps begin there: all units must be */
+        wrong = reach(unit, top);
+        unit->asked = asked;
+        if (wrong) {
             return 1;
         }
         course->speed += (top - course->told) * course->acceleration;
@@ -429,9 +467,11 @@ static void observe(Unit *unit)
     for (k = 0; k < c->part_count; k++) {
         Unit *part = c->parts[k].unit;
         const size_t first = part->layout.computed.first;
-        part->equations->observe(part);
-        memcpy(unit->real + c->parts[k].observed, part->real + first,
-               (part->layout.real_count - first) * sizeof(double));
+        if (composite_asked(unit, c->parts + k)) {
+            part->equations->observe(part);
+            memcpy(unit->real + c->parts[k].observed, part->real + first,
+                   (part->layout.real_count - first) * sizeof(double));
+        }
     }
     results[0] = c->course->speed + (unit->time - c->course->told) * c->course->acceleration;
     results[1] = c->course->gain;

@@ -26,7 +26,8 @@ typedef struct {
     Complex last[SIGNAL_ORDERS];
     double last_step;        /* [s] */
     double prediction_error; /* how far the last step ended from where the cubic before it led */
-    double largest;          /* modulus so far */
+    double largest;          /* modulus so far, */
+    double largest_before;   /* and before the collision that is being met */
 } Signal;
 
 /* A unit of the composite; the first is the rotor. */
@@ -35,6 +36,7 @@ typedef struct {
     int plane;       /* of the rotor, from 0 */
     int exchange;    /* number of its force, from 0; -1: its whole effect is its added mass */
     int drive;       /* value reference of `speed`, -1 for one that is not told */
+    int brief;       /* value reference of `shortest_stopped_step`, -1 for one that never stops */
     int place;       /* value reference of `x`, -1 for one that is not told its plane's place */
     size_t first;    /* value reference of its first parameter in the composite, */
     size_t observed; /* and of its first output */
@@ -52,6 +54,7 @@ typedef struct {
     double crossing;           /* negligible steps still to be taken over it, */
     double negligible;         /* and their length [s] */
     double whole, halvings, piece; /* communication step, its division, pieces taken */
+    double ends;               /* when the communication step is over [s] */
     double first_step;         /* whether it is the one at the start */
     double no_past;            /* no step has been taken since the start or a jump */
     double gain;               /* of the loop */
@@ -64,6 +67,11 @@ typedef struct {
     double solved_step;        /* the step that the loop's inverse is for [s] */
     double missed_step;        /* length of the step before [s], 0 when it missed nothing */
     double largest_before, lost, calm; /* of a diverging loop */
+    double ahead;              /* time to a collision in the pass that failed for it, else below 0 [s] */
+    double striking, strikes;  /* brief steps still to take behind a collision, and taken */
+    double met;                /* when the step that met it began [s] */
+    double pulse, worst;       /* force, and residual so far, of those */
+    double unpulsed, learned_step; /* `largest` and `solved_step` before them */
     double steps, unconverged, error;
     double allowed, rung, largest_motion; /* tolerance, 0 for fixed steps; step as 2^(-rung/4) */
     /* what the resolution is judged by; see resolution.py for what these are */
@@ -100,6 +108,7 @@ typedef struct {
     Course *course;
     double *outer_forces; /* (rotor's planes, 2) as told last [N] */
     Signal *forces, *accelerations;
+    double *learned;  /* (4 e, 4 e): `solution` before a collision */
     double *solution; /* (4 e, 4 e): inverse of 1 - dG/du; compensated: (4 e + 4 p, 4 e) */
     Knot *missed;     /* (e + p,) value, and slope times step */
     Swung *swung;     /* (p,) */
@@ -119,6 +128,9 @@ typedef struct {
 /* -- composite_token.c ----------------------------------------------------------------------- */
 
 int composite_named(const char *token);
+/* Whether a token is the identity alone, and the identity of a composite whose text this is. */
+int composite_abbreviated(const char *token);
+void composite_identity(const char *text, Text *identity);
 /* Parts, layout and start values of a composite; 1 with the reason. */
 int composite_build(Unit *unit, const char *token);
 
@@ -135,7 +147,10 @@ int composite_rotor_pass(Unit *unit, const Complex *forces, double step);
 int composite_balancer_pass(Unit *unit, const Complex *accelerations, double step);
 /* Step the balancers that exchange none, once the others have finished. */
 int composite_follow(Unit *unit, double step);
-/* Step all units from the begin of the last step under the signals they have; for a time in it. */
+/* Whether an output of a part may be read. */
+int composite_asked(const Unit *unit, const Part *part);
+/* Step all units of which that is so from the begin of the last step under the signals they have; for
+   a time in it. */
 int composite_move(Unit *unit, double step);
 /* Tell a balancer where its plane is, if it follows that. */
 void composite_place(const Composite *c, const Part *part);
@@ -205,6 +220,8 @@ int iterated_cross(Unit *unit, double step);
 double iterated_attempt(Unit *unit, double step);
 /* Go on from the end of what was attempted. */
 int iterated_accept(Unit *unit, double step);
+/* The same, with its length in course->length; `met`: a collision is there. */
+int iterated_go_on(Unit *unit, double step, int met);
 /* Back to the begin of the step. */
 void composite_restore(Composite *c);
 void adaptive_begin(Unit *unit);
@@ -216,6 +233,17 @@ void compensated_begin(Composite *c, double step);
 /* One step; `jump`: over a jump of an input. */
 int compensated_step(Unit *unit, double step, int jump);
 
+/* -- composite_contacts.c: twin of harness/master/schemes/contacts.py ------------------------- */
+
+/* A step that is taken whole [s]: longer ones end at collisions. */
+double contacts_brief(const Unit *unit);
+/* Step [s] that ends before the collision a pass has met; 0: it is here. */
+double contacts_before(const Unit *unit);
+/* The units stand before a collision; the step that met it began at a time [s]. */
+void contacts_begin(Unit *unit, double met);
+/* One brief step; its length in course->length. */
+int contacts_step(Unit *unit);
+
 /* -- composite_startup.c: twin of harness/master/schemes/startup.py --------------------------- */
 
 /* Length of a step of so many in the fastest revolution [s], and of a communication step. */
@@ -223,7 +251,7 @@ double startup_share(const Unit *unit, double steps);
 double startup_size(const Unit *unit);
 /* Length of the step to come [s], of the communication step it is part of. */
 double startup_length(Unit *unit);
-/* What follows the step that was taken. */
-int startup_taken(Unit *unit);
+/* What follows the step that was taken; `struck`: behind a collision. */
+int startup_taken(Unit *unit, int struck);
 
 #endif

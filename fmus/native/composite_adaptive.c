@@ -2,9 +2,10 @@
    twin of harness/master/schemes/adaptive.py, which derives the estimate. */
 #include "composite.h"
 #include "elementary.h"
+#include "unit_rotor.h"
 
 static const double LOCAL_SHARE = 0.2, AIM = 0.5, RESIDUAL_SHARE = 0.01;
-enum { RUNGS = 4, FIRST_RUNG = 40, LOWEST = 160, MOST_RISE = 4, HOPELESS = 40 };
+enum { RUNGS = 4, FIRST_RUNG = 40, MINUTE = 80, LOWEST = 160, MOST_RISE = 4, HOPELESS = 40 };
 
 /* 2^(-k/4) */
 static const double ROOTS[RUNGS] = {1.0, 0.8408964152537145, 0.7071067811865476, 0.5946035575013605};
@@ -73,26 +74,44 @@ static int refuse(Unit *unit, double step, double error, double residual)
 int adaptive_step(Unit *unit, double longest)
 {
     Composite *c = unit->own;
+    const int jumps = ((const Rotor *)c->parts->unit->own)->slider_count > 0;
     Course *course = c->course;
     const double allowed = LOCAL_SHARE * course->allowed;
+    double remaining = infinity(); /* before a collision */
     for (;;) {
         const int rung = (int)course->rung;
-        const double step = scaled_by_power(longest * ROOTS[rung % RUNGS], -(rung / RUNGS));
+        const double own = scaled_by_power(longest * ROOTS[rung % RUNGS], -(rung / RUNGS));
+        /* do not leave a sliver for the last step */
+        const double step = own >= remaining ? remaining : own > 0.5 * remaining ? 0.5 * remaining : own;
         double residual, error, ratio, largest_motion;
-        int lower;
+        int lower, minute;
         residual = iterated_attempt(unit, step);
         if (residual < 0.0) {
-            return 1;
+            if (course->ahead < 0.0) {
+                return 1;
+            }
+            composite_restore(c);
+            remaining = contacts_before(unit);
+            if (remaining > 0.0) {
+                continue;
+            }
+            contacts_begin(unit, course->time);
+            return contacts_step(unit);
         }
         error = error_of(c, step, &largest_motion);
         ratio = error > 0.0 ? AIM * allowed / error : infinity();
-        if (error <= allowed && residual <= course->tolerance) {
+        minute = jumps && rung >= MINUTE; /* what such a step misses of a jump moves nothing */
+        if ((error <= allowed || minute) && residual <= course->tolerance) {
             const int higher = error > 0.0 ? rise(ratio, 1.0 + 1e-9) : MOST_RISE;
             course->rung = rung > higher ? rung - higher : 0;
-            course->error = larger(course->error, error);
-            course->length = step;
+            if (minute) {
+                course->rung = smaller(course->rung, MINUTE);
+            } else {
+                course->error = larger(course->error, error);
+            }
+            course->residual = residual;
             course->largest_motion = largest_motion;
-            return iterated_accept(unit, step);
+            return iterated_go_on(unit, step, step == remaining);
         }
         composite_restore(c);
         lower = error > 0.0 ? -rise(ratio, 1.0) : 1;

@@ -48,6 +48,7 @@ static double attempt(Unit *unit, double step, int passes)
     const int count = 4 * c->exchanges, half = count / 2;
     double error = 0.0, error_before = 0.0;
     int number, i;
+    course->ahead = -1.0;
     loop_rescale(c, count, step);
     for (i = 0; i < c->exchanges; i++) {
         Knot ahead;
@@ -115,8 +116,39 @@ int iterated_step(Unit *unit, double step)
     Course *course = c->course;
     /* a first step has no past to be predicted from and would cost an order */
     const int all = course->corrections < 0.0 || (course->no_past > 0.0 && course->corrections > 0.0);
-    course->residual = attempt(unit, step, all ? MAX_PASSES : (int)course->corrections + 1);
-    return course->residual < 0.0 || iterated_accept(unit, step);
+    const int passes = all ? MAX_PASSES : (int)course->corrections + 1;
+    int met = 0;
+    for (;;) {
+        course->residual = attempt(unit, step, passes);
+        if (course->residual >= 0.0) {
+            break;
+        }
+        if (course->ahead < 0.0) {
+            return 1;
+        }
+        composite_restore(c);
+        met = 1;
+        step = contacts_before(unit);
+        if (step == 0.0) {
+            contacts_begin(unit, course->time);
+            return contacts_step(unit);
+        }
+    }
+    return iterated_go_on(unit, step, met);
+}
+
+int iterated_go_on(Unit *unit, double step, int met)
+{
+    Course *course = ((Composite *)unit->own)->course;
+    course->length = step;
+    if (iterated_accept(unit, step)) {
+        return 1;
+    }
+    if (met) {
+        contacts_begin(unit, course->time);
+        course->worst = course->residual;
+    }
+    return 0;
 }
 
 int iterated_accept(Unit *unit, double step)
@@ -147,6 +179,16 @@ static int respond(Unit *unit, const double *u, double step, double *answer)
     return 0;
 }
 
+/* A collision within the step: the Jacobian of the start serves on. */
+static int keep(Composite *c)
+{
+    if (c->course->ahead < 0.0) {
+        return 1;
+    }
+    composite_restore(c);
+    return 0;
+}
+
 int iterated_after_start(Unit *unit, double step)
 {
     Composite *c = unit->own;
@@ -162,10 +204,13 @@ int iterated_after_start(Unit *unit, double step)
         loop_pack(&end, 1, step, c->u + 4 * k);
     }
     memcpy(c->at_begin, c->states, c->state_count * sizeof(double));
+    c->course->ahead = -1.0;
     if (respond(unit, c->u, step, c->g_u)) {
-        return 1;
+        return keep(c);
     }
     change = larger(larger(loop_size(c->u, half), loop_size(c->g_u, half)), c->course->largest);
-    return loop_jacobian(unit, respond, c->u, c->g_u, CHANGE * change, count, step, c->square) ||
-           loop_invert(unit, c->square, step);
+    if (loop_jacobian(unit, respond, c->u, c->g_u, CHANGE * change, count, step, c->square)) {
+        return keep(c);
+    }
+    return loop_invert(unit, c->square, step);
 }

@@ -34,11 +34,15 @@ void loop_unpack(const double *u, int count, double step, Knot *ends)
 double loop_size(const double *u, int count)
 {
     double largest = 0.0;
-    int k;
+    int k, at = 0;
     for (k = 0; k < count; k++) {
-        largest = larger(largest, hypotenuse(u[2 * k], u[2 * k + 1]));
+        const double square = u[2 * k] * u[2 * k] + u[2 * k + 1] * u[2 * k + 1];
+        if (square > largest) {
+            largest = square;
+            at = k;
+        }
     }
-    return largest;
+    return count ? magnitude(complex_of(u[2 * at], u[2 * at + 1])) : 0.0;
 }
 
 /* -- matrices -------------------------------------------------------------------------------- */

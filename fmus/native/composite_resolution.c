@@ -46,8 +46,8 @@ static double left_of_vibration(Composite *c, double step)
     for (i = 0; i < n && matrix; i++) {
         for (j = 0; j < n; j++) {
             /* a complex element is [re, -im; im, re] */
-            const double *z = matrix + 2 * ((i / 2) * own->columns + j / 2);
-            c->decay[i * n + j] = own->axes == 2   ? matrix[i * own->columns + j]
+            const double *z = matrix + 2 * ((j / 2) * own->rows + i / 2);
+            c->decay[i * n + j] = own->axes == 2   ? matrix[j * own->rows + i]
                                   : i % 2 == j % 2 ? z[0]
                                   : i % 2          ? z[1]
                                                    : -z[1];

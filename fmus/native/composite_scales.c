@@ -65,7 +65,7 @@ double composite_largest_force(const Composite *c)
     const Rotor *rotor = c->parts->unit->own;
     const int n = rotor->stations;
     const double speed = c->course->fastest, spin_up = absolute(c->course->acceleration);
-    double own = 0.0, carried = 0.0, mass = 0.0;
+    double own = 0.0, carried = 0.0, mass = 0.0, weight;
     int k;
     for (k = 1; k < c->part_count; k++) {
         const Unit *unit = c->parts[k].unit;
@@ -81,5 +81,6 @@ double composite_largest_force(const Composite *c)
     for (k = 0; k < n * n; k++) {
         mass += rotor->rotor.mass[k];
     }
-    return own + carried * (own + pushed(c->parts->unit, speed, spin_up)) / mass;
+    weight = mass * hypotenuse(rotor->rotor.gravity[0], rotor->rotor.gravity[1]);
+    return own + carried * (own + (pushed(c->parts->unit, speed, spin_up) + weight)) / mass;
 }

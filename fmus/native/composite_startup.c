@@ -2,7 +2,7 @@
 #include "composite.h"
 #include "elementary.h"
 
-static const double STEEP = 0.2, FIRST = 0.05, KINK = 1e-6;
+static const double STEEP = 0.2, FIRST = 0.05, KINK = 1e-6, SLIVER = 1e-12;
 enum { MOST_HALVINGS = 60, JUMP_PARTS = 8, STARTUP_HALVINGS = 2 };
 enum { DEFAULT_STEPS = 40 }; /* a revolution */
 
@@ -40,6 +40,14 @@ static int compensates(const Composite *c)
     return c->scheme == SCHEME_COMPENSATED && c->exchanges;
 }
 
+static void divide(const Composite *c, Course *course)
+{
+    course->piece = course->halvings = 0.0;
+    if (course->no_past > 0.0 && c->exchanges) {
+        course->halvings = halvings(c, course->whole, compensates(c) ? STARTUP_HALVINGS : 0);
+    }
+}
+
 double startup_length(Unit *unit)
 {
     const Composite *c = unit->own;
@@ -51,27 +59,38 @@ double startup_length(Unit *unit)
         course->crossing = compensates(c) ? JUMP_PARTS : 1;
         course->negligible = KINK * step / course->crossing;
         course->whole = step - KINK * step;
+        course->ends = course->time + step;
     }
     if (course->crossing > 0.0) {
         return course->negligible;
     }
     if (course->whole == 0.0) {
         course->whole = startup_size(unit);
+        course->ends = course->time + course->whole;
         course->first_step = course->no_past;
-        course->piece = course->halvings = 0.0;
-        if (course->no_past > 0.0 && c->exchanges) {
-            course->halvings = halvings(c, course->whole, compensates(c) ? STARTUP_HALVINGS : 0);
-        }
+        divide(c, course);
     }
     parts = (int)course->halvings - (course->piece > 0.0 ? (int)course->piece - 1 : 0);
     return scaled_by_power(course->whole, -parts);
 }
 
-int startup_taken(Unit *unit)
+int startup_taken(Unit *unit, int struck)
 {
     Composite *c = unit->own;
     Course *course = c->course;
     const double whole = course->whole;
+    if (course->striking > 0.0) {
+        return 0;
+    }
+    if (struck && course->allowed == 0.0) { /* what is left of the communication step */
+        const double left = course->ends - course->time;
+        course->whole = left > SLIVER * startup_size(unit) ? left : 0.0;
+        course->first_step = 1.0;
+        divide(c, course);
+    }
+    if (struck) {
+        return 0;
+    }
     if (course->crossing > 0.0) {
         course->crossing -= 1.0;
         composite_drop_past(c);

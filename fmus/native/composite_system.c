@@ -152,6 +152,10 @@ int composite_balancer_pass(Unit *unit, const Complex *accelerations, double ste
         if (advance(unit, part, step)) {
             return 1;
         }
+        if (part->unit->made < step) {
+            c->course->ahead = part->unit->made;
+            return 1;
+        }
     }
     composite_read_forces(c, c->answers);
     return 0;
@@ -173,21 +177,34 @@ int composite_follow(Unit *unit, double step)
     return 0;
 }
 
+int composite_asked(const Unit *unit, const Part *part)
+{
+    const Layout *layout = &part->unit->layout;
+    const size_t count = layout->real_count - layout->computed.first;
+    size_t k;
+    for (k = 0; k < unit->asked_count && unit->asked; k++) {
+        if (unit->asked[k] - part->observed < count) {
+            return 1;
+        }
+    }
+    return !unit->asked;
+}
+
 int composite_move(Unit *unit, double step)
 {
     Composite *c = unit->own;
     int k;
-    if (advance(unit, c->parts, step)) {
-        return 1;
-    }
-    for (k = 0; k < c->exchanges; k++) {
-        Part *part = c->parts + c->members[k];
+    for (k = 0; k < c->part_count; k++) {
+        Part *part = c->parts + k;
+        if (k && !composite_asked(unit, part)) {
+            continue; /* the rotor's place may be asked for by another unit */
+        }
         composite_place(c, part);
         if (advance(unit, part, step)) {
             return 1;
         }
     }
-    return composite_follow(unit, step);
+    return 0;
 }
 
 void composite_drive(Unit *unit, double time)

@@ -1,5 +1,6 @@
-/* What the GUID or instantiation token of a composite says: its coupling, its parts with the tokens
-   of their own, where they are and what they start from.
+/* What a composite is made of: its coupling, its parts with the tokens of their own, where they are and
+   what they start from.  An FMU keeps the text among its resources; its GUID or instantiation token
+   is the identity alone, Composite/<hash of the text>, which tools use as a name of files.
 
        Composite;scheme=auto;corrections=-;part=rotor,0,-,RotorOnSupports/...;start=0:4028000000000000;
        part=balls,1,s,BallBalancer/...;own=1:4044000000000000;id=<digest>-<stamp>
@@ -42,6 +43,17 @@ static int has(const char *word, char letter)
 int composite_named(const char *token)
 {
     return token && after(token, "Composite;");
+}
+
+int composite_abbreviated(const char *token)
+{
+    return token && after(token, "Composite/");
+}
+
+void composite_identity(const char *text, Text *identity)
+{
+    text_put(identity, "Composite/");
+    text_hexadecimal(identity, hash_bytes(hash_start(), text, text_length(text)));
 }
 
 static int refuse(Unit *unit, const char *why)
@@ -148,6 +160,7 @@ static int make_part(Unit *unit, Part *part, const char *name, const char *token
     part->unit = made;
     made->log = forward;
     made->host = unit;
+    made->may_end_early = 1;
     made->allocated = unit->allocated;
     wrong = unit_build(made, name, token);
     unit->allocated = made->allocated; /* what it needs goes with the composite */
@@ -155,7 +168,10 @@ static int make_part(Unit *unit, Part *part, const char *name, const char *token
         return refuse(unit, made->reason.at);
     }
     for (k = 0; k < made->layout.table->flag_count; k++) {
-        made->boolean[k] = (unsigned char)made->layout.table->flags[k].start;
+        /* steps that can be taken back end at collisions */
+        const int stops = ((Composite *)unit->own)->scheme != SCHEME_COMPENSATED &&
+                          !strcmp(made->layout.table->flags[k].name, "stop_at_contact");
+        made->boolean[k] = (unsigned char)(stops || made->layout.table->flags[k].start);
     }
     return 0;
 }
@@ -187,6 +203,7 @@ static int read_part(Unit *unit, Part *part, const char *at)
     }
     part->plane = (int)plane - 1;
     part->drive = reference(part->unit, "speed");
+    part->brief = reference(part->unit, "shortest_stopped_step");
     part->place = has(connections, 'v') ? reference(part->unit, "x") : -1;
     part->exchange = has(connections, 's') ? c->exchanges++ : -1;
     c->state_count += part->unit->memory_count;
@@ -332,7 +349,7 @@ static int describe(Unit *unit, const char *own_starts)
 {
     const Composite *c = unit->own;
     const Table *table = table_of("Composite", "", "");
-    Sizes sizes = {1, 1, 1, 1, 0, 0};
+    Sizes sizes = {1, 1, 1, 1, 0, 0, 0};
     Layout own;
     Variable *reals;
     double *starts;
@@ -391,8 +408,7 @@ int composite_build(Unit *unit, const char *token)
         return 1;
     }
     text = text_in(unit->token, sizeof unit->token);
-    text_put(&text, "Composite/");
-    text_hexadecimal(&text, hash_bytes(hash_start(), token, text_length(token)));
+    composite_identity(token, &text);
     unit->memory_count = composite_memory(c, NULL);
     return 0;
 }

@@ -8,7 +8,7 @@
 #define WHOLE 4503599627370496.0   /* 2^52: from here on every number is whole */
 #define SPLITTER 134217729.0       /* 2^27 + 1 */
 #define SMALL_ANGLE 1.0e5          /* the products n P1, n P2 are exact up to here */
-#define CANCELLED 9.094947017729282e-13 /* 2^-40: less is left of an angle: too few digits */
+#define CANCELLED 1e-17            /* less, a quarter turn, is left of an angle: too few digits */
 
 /* pi/2 in parts of 33 bits and the rest */
 static const double P1 = 1.5707963267341256, P2 = 6.077100506303966e-11,
@@ -170,7 +170,7 @@ static int reduced(double x, double *high, double *low)
         const double rest = n * P3 - error;
         *high = near - rest;
         *low = (near - *high) - rest;
-        if (n == 0.0 || absolute(*high) > CANCELLED) {
+        if (n == 0.0 || absolute(*high) > CANCELLED * absolute(n)) {
             return (int)n & 3;
         }
     }
@@ -341,7 +341,8 @@ double hypotenuse(double x, double y)
 
 double magnitude(Complex z)
 {
-    return hypotenuse(z.re, z.im);
+    const double square = z.re * z.re + z.im * z.im;
+    return square > 1e-200 && square < 1e300 ? square_root(square) : hypotenuse(z.re, z.im);
 }
 
 /* |x| less a whole multiple of y, in 0..y: y doubled is taken off as often as it goes. */

@@ -31,7 +31,8 @@ static int substeps_of(const EventStepper *stepper, double left, double step)
     double strongest;
     const double fastest =
         fastest_rate(weights->count, weights->angle_rate, motion->signal, track->lever,
-                     motion->angular_acceleration, track->damping_rate, step, &strongest);
+                     track->spin_share * motion->angular_acceleration, track->damping_rate, step,
+                     &strongest);
     const double turns = left * fastest / TURN_PER_SUBSTEP;
     if (!(turns < MOST_PARTS)) {
         fail(weights->failure, FAILURE_SUBSTEPS, "weights", 0, turns, left, strongest,
@@ -166,6 +167,9 @@ int run(EventStepper *stepper, double step)
     const Failure *failure = stepper->weights->failure;
     int k;
     if (approaching(stepper->weights)) {
+        if (stepper->stop_at_contact == STOP_BEFORE) {
+            return failure->code;
+        }
         settle_now(stepper, -1);
     }
     for (k = 0; k < MOST_PARTS && !failure->code; k++) {

@@ -21,15 +21,18 @@ enum {
     FAILURE_COMPLIANCE,        /* compliance: must be finite and symmetric */
     FAILURE_NOT_ELASTIC,       /* compliance: must be positive definite */
     FAILURE_CANNOT_BEND,       /* internal_damping of a shaft with discs at its supports only */
+    FAILURE_NOT_CARRIED,       /* gravity: the supports have no stiffness */
     FAILURE_ADDED_MASS,        /* added_mass: must be at least 0 kg */
     FAILURE_WEIGHT_RADIUS,     /* weight_radius; value[1]: track radius; value[2]: largest */
     FAILURE_RESTITUTION,       /* restitution: must be within 0 to 1 */
+    FAILURE_RIGID_SLIDERS,     /* two rigid sliders at one support and axis */
     FAILURE_OVERLAP,           /* value[0]: overlap, value[1]: angle neighbours need [rad] */
     /* OverflowError and LinAlgError of the rotor's matrices */
     FAILURE_MATRICES,          /* the rotor's matrices are not finite */
     FAILURE_SINGULAR,          /* a matrix is singular */
     /* ArithmeticError of the rotor */
     FAILURE_FAST_VIBRATION,    /* value: step, error; where: parts of the step */
+    FAILURE_STRETCHES,         /* value: step, time reached; where: largest number */
     /* ArithmeticError of the weights */
     FAILURE_ANGLES,            /* the weights' angles are not finite */
     FAILURE_SUBSTEPS,          /* value: substeps, step, acceleration, largest rate */

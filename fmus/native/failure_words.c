@@ -99,6 +99,9 @@ void failure_words(Text *text, const Failure *failure, const double *values, siz
     case FAILURE_CANNOT_BEND:
         text_put(text, "internal_damping: a shaft with discs at its supports only cannot bend");
         break;
+    case FAILURE_NOT_CARRIED:
+        text_put(text, "gravity: supports without stiffness cannot carry the rotor's weight");
+        break;
     case FAILURE_ADDED_MASS:
         text_put(text, "added_mass = ");
         text_number(text, value[0]);
@@ -117,6 +120,16 @@ void failure_words(Text *text, const Failure *failure, const double *values, siz
         text_put(text, "restitution = ");
         text_number(text, value[0]);
         text_put(text, ": must be within 0 to 1");
+        break;
+    case FAILURE_RIGID_SLIDERS:
+        text_put(text, "sliders: two rigid ones at one support and axis are one with the sum of "
+                       "their limits; give that, or a stiffness");
+        break;
+    case FAILURE_STRETCHES:
+        text_put(text, "more than ");
+        text_integer(text, (unsigned long)failure->where);
+        put_rounded(text, " stretches and events of the sliders in ", value[0], 6, " s, ");
+        put_rounded(text, "", value[1], 6, " s reached: use smaller communication steps");
         break;
     case FAILURE_OVERLAP:
         put_rounded(text, "weights overlap by ", value[0], 3, " rad: neighbours need ");

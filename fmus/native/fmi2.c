@@ -71,7 +71,6 @@ fmi2Component fmi2Instantiate(fmi2String instance, fmi2Type type, fmi2String gui
     fmi2CallbackFunctions host = {0};
     Unit *unit;
     Front *front;
-    (void)resources;
     (void)visible;
     (void)logging;
     if (functions) {
@@ -82,7 +81,7 @@ fmi2Component fmi2Instantiate(fmi2String instance, fmi2Type type, fmi2String gui
              "instantiation failed: the unit is for co-simulation, not for model exchange");
         return NULL;
     }
-    unit = unit_instantiate(instance, guid, tell, &host);
+    unit = front_instantiate(instance, guid, resources, tell, &host);
     front = unit ? unit_allocate(unit, 1, sizeof *front) : NULL;
     if (!front) {
         if (unit) {

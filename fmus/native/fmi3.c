@@ -51,7 +51,6 @@ EXPORT fmi3Instance fmi3InstantiateCoSimulation(
 {
     Front host, *front;
     Unit *unit;
-    (void)resources;
     (void)visible;
     (void)logging;
     (void)intermediate;
@@ -64,7 +63,7 @@ EXPORT fmi3Instance fmi3InstantiateCoSimulation(
              "instantiation failed: the unit has neither event mode nor intermediate variables");
         return NULL;
     }
-    unit = unit_instantiate(name, token, tell, &host);
+    unit = front_instantiate(name, token, resources, tell, &host);
     front = unit ? unit_allocate(unit, 1, sizeof *front) : NULL;
     if (!front) {
         if (unit) {

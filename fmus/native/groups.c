@@ -6,12 +6,13 @@ void fill_drives(WeightsInOrder *weights, int first, int size, const Instant *no
                  double angular_acceleration)
 {
     const Track *track = weights->track;
+    const double lag = track->spin_share * angular_acceleration;
     int j;
     for (j = 0; j < size; j++) {
         const int k = (first + j) % weights->count;
         const Complex z = complex_product(now->acceleration, rect(1.0, -weights->angle[k]));
         const double rate = weights->angle_rate[k], turning = now->rotor_speed + rate;
-        double g = track->lever * z.im - angular_acceleration - track->damping_rate * rate;
+        double g = track->lever * z.im - lag - track->damping_rate * rate;
         double f = 0.0;
         if (track->grip != 0.0) {
             const double centrifugal = track->weights.track_radius * (turning * turning);
@@ -103,6 +104,7 @@ SlidingGroup sliding_group(const WeightsInOrder *weights, int i)
     group.damping_rate = track->damping_rate;
     group.count = weights->groups.runs.size[i];
     group.alpha = track->alpha;
+    group.spin_share = track->spin_share;
     return group;
 }
 
@@ -135,8 +137,9 @@ void moved(WeightsInOrder *weights, int i, const Instant *now, const Instant *la
         sliding_substep(&group, middle, rate, ends, now->rotor_speed, angular_acceleration,
                         response, step, weights->sides, weights->failure);
     } else {
-        weights_substep(middle, rate, ends, group_lever(weights, i), angular_acceleration, response,
-                        step, weights->failure);
+        weights_substep(middle, rate, ends, group_lever(weights, i),
+                        weights->track->spin_share * angular_acceleration, response, step,
+                        weights->failure);
     }
 }
 
@@ -159,7 +162,7 @@ void group_acceleration(WeightsInOrder *weights, int i, double middle, double an
     } else {
         along_track(now->acceleration, now->slope, middle, angle_rate, group_lever(weights, i),
                     &drive, &drive_slope);
-        drive -= angular_acceleration;
+        drive -= weights->track->spin_share * angular_acceleration;
     }
     *acceleration = drive - damping_rate * angle_rate;
     *slope = drive_slope - damping_rate * *acceleration;

@@ -19,19 +19,21 @@ from ..composite.variables import COMPOSITE
 from ..unit import SizedUnit
 from ..variables import Layout, Variable
 
-_STATIONS, _PLANES, _UNBALANCES, _WEIGHTS = 5, 3, 7, 11
+_STATIONS, _PLANES, _UNBALANCES, _WEIGHTS, _SLIDERS = 5, 3, 7, 11, 13
 _REPEATS = {
     _STATIONS: "SIZE_STATIONS",
     _PLANES: "SIZE_PLANES",
     _UNBALANCES: "SIZE_UNBALANCES",
     _WEIGHTS: "SIZE_WEIGHTS",
+    _SLIDERS: "SIZE_SLIDERS",
     2: "SIZE_TWO",
 }
-_ROTOR = {"planes": _PLANES, "stations": _STATIONS, "unbalances": _UNBALANCES}
+_PLANAR = {"planes": _PLANES, "sliders": _SLIDERS, "stations": 1}
+_ROTOR = {**_PLANAR, "stations": _STATIONS, "unbalances": _UNBALANCES}
 
 # what the C library holds: unit, and options of the sizes looked at
 TABLES: tuple[tuple[str, dict[str, Any]], ...] = (
-    ("RotorOnSupports", {"kind": "planar", "planes": _PLANES, "stations": 1}),
+    ("RotorOnSupports", {**_PLANAR, "kind": "planar"}),
     ("RotorOnSupports", {**_ROTOR, "kind": "two_support", "stations": 2}),
     ("RotorOnSupports", {**_ROTOR, "kind": "flexible", "shaft": "uniform"}),
     ("RotorOnSupports", {**_ROTOR, "kind": "flexible", "shaft": "compliance"}),
@@ -114,8 +116,13 @@ def token(unit: SizedUnit, stamp: str, *, arrays: bool = False) -> str:
 
 def digest(layout: Layout, text: str = "") -> str:
     """FNV-1a of all names, units, start values and limits, and of a text: 16 hexadecimal digits."""
+    return hashed("".join([*_described(layout), text]))
+
+
+def hashed(text: str) -> str:
+    """FNV-1a of a text: 16 hexadecimal digits."""
     total = _FNV_START
-    for byte in "".join([*_described(layout), text]).encode("ascii"):
+    for byte in text.encode("ascii"):
         total = (total ^ byte) * _FNV_PRIME & 0xFFFFFFFFFFFFFFFF
     return f"{total:016x}"
 
@@ -123,7 +130,7 @@ def digest(layout: Layout, text: str = "") -> str:
 def _described(layout: Layout) -> Iterator[str]:
     """A line a variable, as variables.c writes it."""
     for v in layout.reals:
-        start = "~" if _COMPUTED in v.name else bits(v.start or 0.0)
+        start = "~" if _COMPUTED in v.name else bits(0.0 if v.start is None else v.start)
         low = "-" if v.minimum is None else bits(v.minimum) + "+" * v.above
         yield f"{_group(v)} {v.name} {v.unit} {start} {low}\n"
     for v in layout.booleans:

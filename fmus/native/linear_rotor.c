@@ -32,6 +32,8 @@ LinearRotor linear_rotor_in(double *memory, int stations, int planes)
     rotor.planes = rotor.gyroscopic + square;
     rotor.unbalance = rotor.planes + (size_t)planes * stations;
     rotor.deflection = rotor.unbalance + 2 * (size_t)stations;
+    rotor.gravity[0] = rotor.gravity[1] = 0.0;
+    rotor.sliders = 0;
     return rotor;
 }
 
@@ -57,6 +59,9 @@ int linear_rotor_isotropic(const LinearRotor *rotor)
 {
     const int square = rotor->stations * rotor->stations;
     int k;
+    if (rotor->sliders) {
+        return 0;
+    }
     for (k = 0; k < square; k++) {
         if (rotor->stiffness_x[k] != rotor->stiffness_y[k] ||
             rotor->damping_x[k] != rotor->damping_y[k]) {
@@ -83,6 +88,38 @@ LinearRotor linear_rotor_with_added_mass(const LinearRotor *rotor, const double 
     }
     loaded.mass = mass;
     return loaded;
+}
+
+int linear_rotor_heavy(const LinearRotor *rotor)
+{
+    return rotor->gravity[0] != 0.0 || rotor->gravity[1] != 0.0;
+}
+
+void linear_rotor_falling(const LinearRotor *rotor, double *field)
+{
+    const int n = rotor->stations, isotropic = linear_rotor_isotropic(rotor);
+    int k;
+    for (k = 0; k < n; k++) {
+        field[isotropic ? 2 * k : k] = rotor->gravity[0];
+        field[isotropic ? 2 * k + 1 : n + k] = rotor->gravity[1];
+    }
+}
+
+int linear_rotor_sag(const LinearRotor *rotor, double speed, double *sag, double *scratch,
+                     Failure *failure)
+{
+    const int axes = linear_rotor_isotropic(rotor) ? 1 : 2, parts = 3 - axes;
+    const int dof = axes * rotor->stations;
+    const size_t square = (size_t)dof * dof * parts;
+    double *mass = scratch, *damping = mass + square, *stiffness = damping + square;
+    double *field = stiffness + square;
+    linear_rotor_coefficients(rotor, speed, mass, damping, stiffness);
+    linear_rotor_falling(rotor, field);
+    matrix_product(parts, dof, dof, 1, mass, field, sag);
+    return matrix_solve(parts, dof, 1, stiffness, sag)
+               ? fail(failure, FAILURE_NOT_CARRIED, "gravity", 0, rotor->gravity[0],
+                      rotor->gravity[1], 0.0, 0.0)
+               : FINE;
 }
 
 void linear_rotor_coefficients(const LinearRotor *rotor, double speed, double *mass,

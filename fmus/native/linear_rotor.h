@@ -21,6 +21,8 @@ typedef struct {
     double *planes;                    /* (p, n) */
     double *unbalance;                 /* (n,) complex [kg m] */
     double *deflection;                /* (d, n) */
+    double gravity[2]; /* acceleration of what falls, x and y [m/s^2] */
+    int sliders;                       /* whether its supports have dry friction, each axis its own */
 } LinearRotor;
 
 /* Doubles that the matrices of a rotor take, and a rotor of zeros in such an array. */
@@ -73,6 +75,14 @@ int linear_rotor_isotropic(const LinearRotor *rotor);
    (n, n), the others are shared. */
 LinearRotor linear_rotor_with_added_mass(const LinearRotor *rotor, const double *added_mass,
                                          double *mass);
+
+int linear_rotor_heavy(const LinearRotor *rotor);
+/* Gravity at every station, (axes n) elements: complex for an isotropic rotor, else x..., y.... */
+void linear_rotor_falling(const LinearRotor *rotor, double *field);
+/* Displacements at rest under gravity, ordered as the field; FAILURE_NOT_CARRIED where the supports
+   have no stiffness.  `scratch` is that of a step matrix. */
+int linear_rotor_sag(const LinearRotor *rotor, double speed, double *sag, double *scratch,
+                     Failure *failure);
 
 /* Mass, velocity and displacement matrices at a constant speed [rad/s]: complex (n, n) for an
    isotropic rotor, else real (2n, 2n) for (x, y). */

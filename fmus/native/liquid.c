@@ -53,5 +53,5 @@ Complex liquid_reaction(const Liquid *liquid, Complex acceleration)
 
 double liquid_clearance(const Liquid *liquid, Complex displacement)
 {
-    return liquid_gap(liquid) - magnitude(displacement);
+    return liquid_gap(liquid) - hypotenuse(displacement.re, displacement.im);
 }

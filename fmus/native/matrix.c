@@ -43,7 +43,7 @@ static int is_zero(int parts, const double *element)
 
 /* Four real terms at once: `to` is read and written a quarter as often. */
 static void add_four(int count, const double *factors, const double *from, size_t stride,
-                     double *to)
+                     double *restrict to)
 {
     const double a = factors[0], b = factors[1], c = factors[2], d = factors[3];
     const double *p = from, *q = p + stride, *r = q + stride, *s = r + stride;
@@ -57,7 +57,7 @@ static void add_four(int count, const double *factors, const double *from, size_
 }
 
 /* Two complex terms at once. */
-static void add_two(int count, const double *factors, const double *from, size_t stride, double *to)
+static void add_two(int count, const double *factors, const double *from, size_t stride, double *restrict to)
 {
     const double a = factors[0], b = factors[1], c = factors[2], d = factors[3];
     const double *p = from, *q = p + stride;

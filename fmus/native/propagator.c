@@ -40,10 +40,32 @@ static void upper_product(int parts, int size, int upper, const double *a, const
     }
 }
 
+/* result = a b/divisor for a matrix a whose elements are mostly zero; blocks as above. */
+static void sparse_product(int parts, int size, int upper, const double *a, const double *b,
+                           double divisor, double *result)
+{
+    const size_t width = (size_t)size * parts;
+    double factor[2] = {0.0, 0.0};
+    int i, k;
+    fill_doubles(width * size, 0.0, result);
+    for (i = 0; i < size; i++) {
+        const int from = i < upper ? 0 : upper;
+        for (k = from; k < size; k++) {
+            const double *element = a + i * width + (size_t)k * parts;
+            if (element[0] != 0.0 || element[parts - 1] != 0.0) {
+                factor[0] = element[0] / divisor;
+                factor[1] = element[parts - 1] / divisor;
+                add_multiple(parts, size - from, factor, b + k * width + (size_t)from * parts,
+                             result + i * width + (size_t)from * parts);
+            }
+        }
+    }
+}
+
 int exponential(int parts, int size, int upper, double *matrix, double *scratch, Failure *failure)
 {
     const size_t count = (size_t)size * size * parts;
-    double *scaled = scratch, *term = scaled + count, *product = term + count, *kept;
+    double *scaled = scratch, *product = scaled + count, *from = product, *to = matrix, *kept;
     const double norm = norm_of(parts, size, matrix);
     int doublings, j, k;
     size_t i;
@@ -53,17 +75,18 @@ int exponential(int parts, int size, int upper, double *matrix, double *scratch,
     doublings = binary_exponent(norm) + 1;
     doublings = doublings > 0 ? doublings : 0;
     for (i = 0; i < count; i++) {
-        scaled[i] = term[i] = matrix[i] = scaled_by_power(matrix[i], -doublings);
+        scaled[i] = scaled_by_power(matrix[i], -doublings);
+        from[i] = scaled[i] / TAYLOR_TERMS;
     }
-    for (k = 2; k <= TAYLOR_TERMS; k++) {
-        upper_product(parts, size, upper, term, scaled, product);
-        for (i = 0; i < count; i++) {
-            product[i] /= k;
-            matrix[i] += product[i];
+    /* e^A - 1 = A (1 + A/2 (1 + A/3 (1 + ...))); an even number of terms ends in `matrix` */
+    for (k = TAYLOR_TERMS - 1; k && norm > 0.0; k--) {
+        for (i = 0; i < (size_t)size; i++) {
+            from[(i * size + i) * parts] += 1.0;
         }
-        kept = term;
-        term = product;
-        product = kept;
+        sparse_product(parts, size, upper, scaled, from, k, to);
+        kept = from;
+        from = to;
+        to = kept;
     }
     /* E -> 2 E + E^2 instead of squaring e^A keeps slow modes exact next to fast ones */
     for (j = 0; j < doublings; j++) {

@@ -50,7 +50,7 @@ static void sliding_change(const WeightsInOrder *weights, int i, const Drive *d,
                  &sum);
     }
     *change = share * (sum.drive - sum.load * 2.0 * group.radius * turning * d->by.rotor_speed) -
-              d->by_angular_acceleration;
+              group.spin_share * d->by_angular_acceleration;
     sum.slope -= 2.0 * sum.load * group.radius *
                  (d->by.rotor_speed * (d->angular_acceleration + theta_2) +
                   turning * (d->by_angular_acceleration + *change));
@@ -71,7 +71,7 @@ static void group_change(const WeightsInOrder *weights, int i, const Drive *d, d
         const double factor = group_factor(groups->runs.size[i], weights->track->alpha);
         DriveChange sum = {0.0, 0.0, 0.0};
         add_term(d, rect(factor, -groups->middle[i]), lever, 0.0, groups->angle_rate[i], &sum);
-        *change = sum.drive - d->by_angular_acceleration;
+        *change = sum.drive - weights->track->spin_share * d->by_angular_acceleration;
         *slope_change = sum.slope - weights->track->damping_rate * *change;
     }
 }

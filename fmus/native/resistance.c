@@ -53,7 +53,7 @@ void sliding_drive(const SlidingGroup *group, Complex acceleration, Complex slop
         g += group->lever * z.im + pull * z.re;
         dg += group->lever * (dz.im - angle_rate * z.re) + pull * (dz.re + angle_rate * z.im);
     }
-    g = share * (g - load * centrifugal) - angular_acceleration;
+    g = share * (g - load * centrifugal) - group->spin_share * angular_acceleration;
     angle_acceleration = g - group->damping_rate * angle_rate;
     dg -= 2.0 * load * group->radius * turning * (angular_acceleration + angle_acceleration);
     *drive = g;

@@ -45,7 +45,7 @@ int token_read(const char *token, const Table **table, Sizes *sizes, Text *reaso
 {
     char unit[WORD_SIZE], key[WORD_SIZE], value[WORD_SIZE], kind[WORD_SIZE], shaft[WORD_SIZE];
     const char *at;
-    const Sizes none = {1, 1, 1, 1, 0, 0};
+    const Sizes none = {1, 1, 1, 1, 0, 0, 0};
     *sizes = none;
     kind[0] = shaft[0] = 0;
     at = token ? word_until(token, '/', unit) : NULL;
@@ -75,6 +75,7 @@ int token_read(const char *token, const Table **table, Sizes *sizes, Text *reaso
                         : text_equal(key, "planes")     ? &sizes->planes
                         : text_equal(key, "unbalances") ? &sizes->unbalances
                         : text_equal(key, "weights")    ? &sizes->weights
+                        : text_equal(key, "sliders")    ? &sizes->sliders
                                                         : NULL;
             if (!size) {
                 return refuse(reason, token, "has an option this library does not know");
@@ -127,6 +128,9 @@ static void put_options(Text *text, const Layout *layout)
         put_size(text, "planes=", sizes->planes);
         if (table->shaft[0]) {
             put_option(text, "shaft=", table->shaft);
+        }
+        if (sizes->sliders) {
+            put_size(text, "sliders=", sizes->sliders);
         }
         put_size(text, "stations=", sizes->stations);
         if (!text_equal(table->kind, "planar")) {

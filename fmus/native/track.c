@@ -31,7 +31,7 @@ static int check_options(const Track *track, Failure *failure)
 
 int track_prepare(Track *track, Failure *failure)
 {
-    const Weights *weights = &track->weights;
+    Weights *weights = &track->weights;
     int code = weights_check(weights, failure);
     if (!code) {
         code = check_options(track, failure);
@@ -39,11 +39,13 @@ int track_prepare(Track *track, Failure *failure)
     if (code) {
         return code;
     }
+    weights->radius = track->weight_radius;
     track->alpha = half_angle(track->weight_radius, weights->track_radius);
     track->lever = -1.0 / (weights->kappa * weights->track_radius);
     track->grip = -track->rolling_resistance * track->lever;
     track->damping_rate = weights_damping_rate(weights);
     track->moment = weights->mass * weights->track_radius;
+    track->spin_share = weights_spin_share(weights);
     track->solid = track->alpha > 0.0 && weights->count > 1;
     track->full = track->solid && weights->count * track->alpha >= PI - weights->count * TOUCH;
     track->eventful =

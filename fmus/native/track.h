@@ -9,6 +9,9 @@
 
 #define TOUCH 1e-11 /* rad: neighbours this close collide together */
 
+/* Where a step ends: behind the first collision, or also before one at its start. */
+enum { STOP_BEHIND = 1, STOP_BEFORE = 2 };
+
 /* Weights on a track, with the options that a scene may switch on. */
 typedef struct {
     Weights weights;           /* as point weights */
@@ -22,6 +25,7 @@ typedef struct {
     double grip;         /* mu/(kappa R): resistance over load, per angle [1/m] */
     double damping_rate; /* d = b/(kappa m) [1/s] */
     double moment;       /* m R [kg m] */
+    double spin_share;   /* s: part of w' by which a free weight falls behind */
     int solid;           /* there are weights that can meet */
     int full;            /* they fill the track: each touches both neighbours for ever */
     int eventful;        /* weights can collide or stick */

@@ -222,7 +222,15 @@ static int out_of_place(Unit *unit, double time, double step)
 /* 0, or 1 with the reason when one of these is not finite. */
 static int demand_finite(Unit *unit, Range range)
 {
+    const double *values = unit->real + range.first;
+    double none = 0.0; /* x - x is 0 of a finite number, else not a number */
     size_t k;
+    for (k = 0; k < range.count; k++) {
+        none += values[k] - values[k];
+    }
+    if (none == 0.0) {
+        return 0;
+    }
     for (k = range.first; k < range.first + range.count; k++) {
         if (!is_finite(unit->real[k])) {
             layout_shown(&unit->layout, k, unit->real[k], unit_reason(unit));

@@ -80,6 +80,8 @@ struct Unit {
     double *seed;   /* direction of the inputs, */
     double *change; /* change of the outputs, */
     double *kept;   /* and the computed outputs while it is found */
+    const unsigned *asked; /* outputs that are read, where others need not be computed; else NULL */
+    size_t asked_count;
     Elements elements[2]; /* those of a call's value references */
     double time;    /* communication point reached [s] */
     double made;    /* length of the last step, less than asked where it ended early [s] */

@@ -1,6 +1,49 @@
 #include "unit_front.h"
 
+#include <stdlib.h>
+
+#include "composite.h"
+#include "resource.h"
 #include "unit_state.h"
+
+/* The text that a composite's identity is the hash of; NULL with the reason. */
+static char *composition(const char *token, const char *resources, Text *reason)
+{
+    char expected[TOKEN_SIZE], *text = resource_text(resources, COMPOSITION, reason);
+    Text identity = text_in(expected, sizeof expected);
+    if (text) {
+        composite_identity(text, &identity);
+        if (!text_equal(expected, token)) {
+            text_put(reason, "resources: " COMPOSITION ": its identity is ");
+            text_put(reason, expected);
+            text_put(reason, ", and must be that of the model description, ");
+            text_put(reason, token);
+            free(text);
+            return NULL;
+        }
+    }
+    return text;
+}
+
+Unit *front_instantiate(const char *name, const char *token, const char *resources, Log log,
+                        void *host)
+{
+    char words[REASON_SIZE], *text;
+    Text reason = text_in(words, sizeof words);
+    Unit *unit;
+    if (!composite_abbreviated(token)) {
+        return unit_instantiate(name, token, log, host);
+    }
+    text_put(&reason, "instantiation failed: ");
+    text = composition(token, resources, &reason);
+    if (!text) {
+        log(host, name ? name : "", STATUS_ERROR, words);
+        return NULL;
+    }
+    unit = unit_instantiate(name, text, log, host);
+    free(text);
+    return unit;
+}
 
 Unit *front_unit(void *instance)
 {

@@ -11,6 +11,12 @@ enum {
     SETTABLE_PHASES = INSTANTIATED | INITIALISING | RUNNING
 };
 
+/* The file that says what a composite is made of. */
+#define COMPOSITION "composition.txt"
+
+/* As unit_instantiate; what a composite is made of is read from the folder of the FMU's resources. */
+Unit *front_instantiate(const char *name, const char *token, const char *resources, Log log,
+                        void *host);
 Unit *front_unit(void *instance);
 /* Log category of a message, as the model description names it. */
 const char *front_category(Status status);

@@ -11,7 +11,7 @@ static const double TURN_ROUNDING = 2.4492935982947064e-16;
 
 static size_t memory_size(const Layout *layout)
 {
-    return MOTION + 4 * (size_t)layout->sizes.stations + 1;
+    return MOTION + 4 * (size_t)layout->sizes.stations + 1 + 4 * (size_t)layout->sizes.sliders;
 }
 
 static size_t own_size(void)
@@ -44,12 +44,20 @@ static int allocate(Unit *unit)
     const int n = sizes->stations, p = sizes->planes;
     const size_t stations = (size_t)n, planes = (size_t)p, free = n > 2 ? stations - 2 : 0;
     const size_t matrix = larger_of(matrix_doubles, n, p);
+    const size_t size = 4 * stations + 2 * SIGNAL_ORDERS * planes + 2;
     int k, missing = 0;
     own->kind = rotor_kind(&unit->layout);
     own->stations = n;
     own->planes = p;
     own->unbalances = sizes->unbalances;
     own->turning = !sizes->fixed_frame;
+    own->slider_count = 2 * sizes->sliders;
+    if (own->slider_count) {
+        own->sliders = unit_allocate(unit, (size_t)own->slider_count, sizeof(Slider));
+        own->friction_memory = doubles(unit, friction_size(n, p, own->slider_count));
+        own->held = doubles(unit, 2 * (size_t)own->slider_count);
+        missing |= !own->sliders || !own->friction_memory || !own->held;
+    }
     own->rotor_memory = doubles(unit, linear_rotor_size(n, p));
     own->loaded_mass = doubles(unit, stations * stations);
     own->values = doubles(unit, 2 * stations + 3 * (size_t)sizes->unbalances + free * free +
@@ -57,14 +65,21 @@ static int allocate(Unit *unit)
     own->ports = unit_allocate(unit, planes, sizeof(int));
     own->unsorted = doubles(unit, matrix);
     own->matrix_scratch = doubles(unit, larger_of(step_matrix_scratch, n, p));
-    own->operand = doubles(unit, 4 * stations + 2 * SIGNAL_ORDERS * planes + 2);
+    own->operand = doubles(unit, size);
     own->result = doubles(unit, 4 * stations + 4 * planes);
+    own->sag = doubles(unit, 2 * stations);
+    own->sag_mass = doubles(unit, planes);
     own->variable_mass = doubles(unit, planes);
     own->variable_memory = doubles(unit, larger_of(variable_speed_size, n, p));
     own->variable_scratch = doubles(unit, larger_of(variable_speed_scratch, n, p));
     own->state = doubles(unit, 4 * stations);
     own->acceleration = doubles(unit, 2 * planes);
     own->jerk = doubles(unit, 2 * planes);
+    own->rates.added_mass = doubles(unit, planes);
+    own->rates.first = unit_allocate(unit, size + 1, sizeof(int));
+    own->rates.column = unit_allocate(unit, rotor_rates_doubles(n, p), sizeof(int));
+    own->rates.value = doubles(unit, rotor_rates_doubles(n, p));
+    own->rates.work = doubles(unit, 2 * size);
     for (k = 0; k < KEPT_MATRICES; k++) {
         own->kept[k].added_mass = doubles(unit, planes);
         own->kept[k].matrix = doubles(unit, matrix);
@@ -74,8 +89,9 @@ static int allocate(Unit *unit)
         own->ends[k] = doubles(unit, 4 * planes);
         missing |= !own->ends[k];
     }
-    return missing || !own->rotor_memory || !own->loaded_mass || !own->values || !own->ports ||
-           !own->unsorted || !own->matrix_scratch || !own->operand || !own->result ||
+    return missing || !own->sag || !own->sag_mass || !own->rotor_memory || !own->loaded_mass || !own->values || !own->ports ||
+           !own->unsorted || !own->rates.added_mass || !own->rates.first || !own->rates.column ||
+           !own->rates.value || !own->rates.work || !own->matrix_scratch || !own->operand || !own->result ||
            !own->variable_mass || !own->variable_memory || !own->variable_scratch ||
            !own->state || !own->acceleration || !own->jerk;
 }
@@ -83,6 +99,7 @@ static int allocate(Unit *unit)
 static int parameters(Unit *unit)
 {
     Rotor *own = unit->own;
+    Failure failure;
     int k;
     if (rotor_of_parameters(unit)) {
         return 1;
@@ -94,8 +111,14 @@ static int parameters(Unit *unit)
     for (k = 0; k < KEPT_MATRICES; k++) {
         own->kept[k].used = 0;
     }
-    own->variable_made = 0;
-    return 0;
+    own->variable_made = own->rates.made = 0;
+    own->turned[0].angle = own->turned[1].angle = not_a_number();
+    own->sag_known = 0;
+    if (linear_rotor_heavy(&own->rotor) &&
+        linear_rotor_sag(&own->rotor, 0.0, own->state, own->matrix_scratch, &failure)) {
+        return unit_failed(unit, &failure, NULL, 0);
+    }
+    return own->slider_count ? rotor_make_variable(unit) : 0;
 }
 
 /* The angle (turns, remainder, carry) turned by `by` [rad]; Kahan's summation. */
@@ -134,6 +157,7 @@ static int begin(Unit *unit)
     memset(unit->memory, 0, MOTION * sizeof(double));
     turn_by(unit->memory, start[-1]);
     memcpy(unit->memory + MOTION, start, motion * sizeof(double));
+    friction_at_start(own->sliders, own->slider_count, start + motion / 2, rotor_held(unit));
     return 0;
 }
 
@@ -149,6 +173,9 @@ static int step(Unit *unit, double length)
     turn_by(unit->memory, length * (speed + 0.5 * spin_up * length));
     memcpy(unit->memory + MOTION, own->result, motion * sizeof(double));
     *end_speed = speed + spin_up * length;
+    if (own->slider_count) {
+        memcpy(rotor_held(unit), own->held, 2 * (size_t)own->slider_count * sizeof(double));
+    }
     rotor_put(own, own->result + motion, unit->memory[REST], *end_speed,
         unit->real + unit->layout.computed.first);
     return 0;
@@ -181,12 +208,17 @@ static void observe(Unit *unit)
     const double *memory = unit->memory, *motion = memory + MOTION;
     const size_t count = 4 * (size_t)own->stations;
     double *out = unit->real + unit->layout.observed.first;
+    int k;
     out[0] = memory[TURNS] * TAU +
              (memory[REST] + (memory[TURNS] * TURN_ROUNDING - memory[CARRY]));
     memcpy(out + 1, motion, count * sizeof(double));
     out += 1 + count;
     rotor_vectors_at(own->rotor.planes, own->planes, own->stations, motion, out);
     out[2 * own->planes] = largest_bending(own, motion);
+    out += 2 * own->planes + 1;
+    for (k = 0; k < own->slider_count; k++) {
+        out[k] = rotor_held(unit)[2 * k + HOLDS];
+    }
 }
 
 static size_t signals(const Layout *layout, size_t *first)

@@ -2,6 +2,7 @@
 #ifndef AUTOBALANCER_UNIT_ROTOR_H
 #define AUTOBALANCER_UNIT_ROTOR_H
 
+#include "friction.h"
 #include "linear_rotor.h"
 #include "signals.h"
 #include "unit.h"
@@ -13,7 +14,7 @@ enum { PLANAR, TWO_SUPPORT, FLEXIBLE };
 enum { KEPT_MATRICES = 8 };
 
 /* In memory: the angle, then displacements and velocities of the stations, x and y alternating,
-   then the speed the outputs belong to. */
+   then the speed the outputs belong to, then of every slider along x and y what friction.h says. */
 enum { TURNS, REST, CARRY, MOTION };
 
 /* A step matrix with x and y alternating in rows and columns, and what it is of. */
@@ -25,6 +26,22 @@ typedef struct {
     double *matrix;
 } Kept;
 
+/* Z of the autonomous system that a step matrix is e^{Zt} of (propagator.h), and what it is of. */
+typedef struct {
+    int made, size;
+    double speed, *added_mass;
+    double quickest;     /* rate of change of the state [rad/s] */
+    int *first, *column; /* (size + 1,) of the elements of each row, and their columns */
+    double *value;
+    double *work; /* (2, size) */
+} Rates;
+
+/* e^{i angle}. */
+typedef struct {
+    double angle;
+    Complex turn;
+} Turned;
+
 typedef struct {
     int kind, stations, planes, unbalances, turning;
     LinearRotor rotor;
@@ -35,12 +52,23 @@ typedef struct {
     int *ports;
     Kept kept[KEPT_MATRICES];
     uint64_t clock;
+    Turned turned[2]; /* the last two: passes ask for the ends of a step again and again */
     double *unsorted, *matrix_scratch;
     double *operand, *result; /* of a step matrix */
     VariableSpeedStep variable;
     int variable_made;
     double *variable_mass, *variable_memory, *variable_scratch; /* (p,) and its own */
     double *state, *acceleration, *jerk;
+    double *sag, *sag_mass; /* (2n,) of the stations under gravity, and the added masses (p,) */
+    double sag_speed;       /* and the speed that it belongs to */
+    int sag_known, lifted;
+    int slider_count; /* two for each of the unit's: along x and y */
+    Slider *sliders;
+    FrictionStep friction;
+    double *friction_memory, *held; /* held: as it is after what was propagated last */
+    int frozen; /* whether outputs keep to how the sliders were found, for derivatives */
+    Rates rates;
+    double whole;    /* length of the step within which the unit is moved, 0: over all of it [s] */
     double *ends[4]; /* outputs at other speeds, for derivatives */
 } Rotor;
 
@@ -49,6 +77,8 @@ typedef struct {
 int rotor_kind(const Layout *layout);
 /* Start values that depend on index and size. */
 void rotor_starts(const Layout *layout, double *real);
+/* Value reference of the first slider's first parameter. */
+size_t rotor_slider_parameters(const Unit *unit);
 /* Make unit->own's rotor from the parameters; 0, or 1 with the reason. */
 int rotor_of_parameters(Unit *unit);
 
@@ -56,20 +86,50 @@ int rotor_of_parameters(Unit *unit);
 
 /* Inputs: added masses, then speed and acceleration, then forces. */
 double *rotor_drive(Unit *unit);
-/* Step matrix with x and y alternating in rows and columns; NULL with the reason. */
+/* Where the k-th column of a matrix, x and y alternating, stands among (x..., y...) blocks. */
+int rotor_column(const Rotor *own, int k);
+/* Step matrix by columns, x and y alternating in rows and columns; NULL with the reason. */
 const double *rotor_matrix(Unit *unit, double speed, double step);
+/* own->result = matrix own->operand. */
+void rotor_apply(Rotor *own, const double *matrix);
 /* Motion of the stations, and acceleration and jerk of the planes, after `step` [s], in
-   own->result; all in fixed axes, x and y alternating. */
+   own->result; all in fixed axes, x and y alternating; the acceleration is less gravity's, which
+   every body on the rotor feels: what an accelerometer would read. */
 int rotor_propagate(Unit *unit, double step);
+/* Directions and forces of the sliders in the unit's memory. */
+double *rotor_held(const Unit *unit);
+/* The variable-speed step and the friction step for the masses that the planes carry now. */
+int rotor_make_variable(Unit *unit);
 /* Vectors (x, y alternating) turned by the angle with this cosine and sine. */
 void rotor_rotated(double *pairs, size_t count, double c, double s);
 /* Computed outputs from acceleration and jerk of the planes in fixed axes. */
-void rotor_put(const Rotor *own, const double *planes, double angle, double speed, double *out);
+void rotor_put(Rotor *own, const double *planes, double angle, double speed, double *out);
+/* Change of acceleration and jerk of the planes, in own->result behind the stations, by a change of
+   the forces' values and slopes, (2p,) each. */
+int rotor_friction_response(Unit *unit, const double *values, const double *slopes);
 /* The computed outputs as they are with the present inputs. */
 int rotor_outputs_now(Unit *unit, double *out);
 /* Rows of a matrix (count, n) times vectors (x, y alternating). */
 void rotor_vectors_at(const double *rows, int count, int n, const double *vectors,
                       double *result);
+
+/* -- unit_rotor_gravity.c --------------------------------------------------------------------- */
+
+/* Take the sag off the displacements in own->operand: about it the rotor moves as it would about
+   zero without gravity.  0, or 1 with the reason. */
+int rotor_lift(Unit *unit);
+/* Put it back on those in own->result, where it was taken off, and take gravity off the planes'
+   acceleration. */
+void rotor_lower(Rotor *own);
+/* -- unit_rotor_within.c ---------------------------------------------------------------------- */
+
+/* Elements of Z that are not 0, at most. */
+size_t rotor_rates_doubles(int stations, int planes);
+/* Bring own->rates up to date; 1 with the reason. */
+int rotor_rates(Unit *unit);
+/* As rotor_apply with the matrix of a step to `time` [s] within own->whole; 0 where the state
+   changes too fast for that, and own->operand is lost. */
+int rotor_within(Rotor *own, double time);
 
 /* -- unit_rotor_derivatives.c: as in `Equations` --------------------------------------------- */
 

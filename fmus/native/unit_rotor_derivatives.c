@@ -16,13 +16,20 @@ static int force_response(Unit *unit, const double *values, const double *slopes
     if (!matrix) {
         return 1;
     }
+    if (own->slider_count) {
+        if (rotor_friction_response(unit, values, slopes)) {
+            return 1;
+        }
+        rotor_put(own, own->result + 4 * n, unit->memory[REST], speed, change);
+        return 0;
+    }
     memset(own->operand, 0, (4 * n + 2 * SIGNAL_ORDERS * p + 2) * sizeof(double));
     memcpy(forces, values, 2 * p * sizeof(double));
     memcpy(forces + 2 * p, slopes, 2 * p * sizeof(double));
     if (own->turning) {
         rotor_rotated(forces, 2 * p, c, s);
     }
-    matrix_product(own->parts, own->rows, own->columns, 1, matrix, own->operand, own->result);
+    rotor_apply(own, matrix);
     rotor_put(own, own->result + 4 * n, unit->memory[REST], speed, change);
     return 0;
 }
@@ -87,8 +94,11 @@ int rotor_directional(Unit *unit, const double *seed, double *change)
         values[k] = forces[k] - seed[k / 2] * now[k];
         slopes[k] = forces[2 * p + k] - seed[k / 2] * now[2 * p + k];
     }
-    return force_response(unit, values, slopes, change) ||
-           add_drive_response(unit, seed[p], seed[p + 1], change);
+    own->frozen = 1; /* the sliders are as the outputs found them */
+    k = force_response(unit, values, slopes, change) ||
+        add_drive_response(unit, seed[p], seed[p + 1], change);
+    own->frozen = 0;
+    return k;
 }
 
 int rotor_slope(Unit *unit, size_t reference, double *value)

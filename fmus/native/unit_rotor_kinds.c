@@ -236,11 +236,58 @@ static int flexible(Unit *unit)
     return misplaced >= 0; /* the reason is that of the first one */
 }
 
+size_t rotor_slider_parameters(const Unit *unit)
+{
+    const Rotor *own = unit->own;
+    return unit->layout.parameters.count - 4 * (size_t)own->stations - 1 -
+           5 * (size_t)unit->layout.sizes.sliders;
+}
+
+/* Sliders along x and y, in the order of the parameters; 1 with the reason. */
+static int set_sliders(Unit *unit)
+{
+    Rotor *own = unit->own;
+    const int supports = own->kind == PLANAR ? 1 : 2;
+    size_t first = rotor_slider_parameters(unit);
+    int k, axis;
+    for (k = 0; k < own->slider_count; k += 2, first += 5) {
+        const double *real = unit->real + first;
+        int station;
+        if (real[0] != 1.0 && real[0] != (double)supports) {
+            Text *reason = unit_reason(unit);
+            layout_shown(&unit->layout, first, real[0], reason);
+            text_put(reason, supports == 1 ? ": must be 1" : ": must be 1 or 2");
+            return 1;
+        }
+        station = (int)real[0] - 1;
+        if (own->kind == FLEXIBLE) {
+            station = station_at(unit, own->values, 2 * (size_t)own->stations + (size_t)station);
+        }
+        for (axis = 0; axis < 2; axis++) {
+            Slider *slider = own->sliders + k + axis;
+            slider->station = station;
+            slider->axis = axis;
+            slider->limit = real[1 + axis];
+            slider->stiffness = real[3 + axis];
+        }
+    }
+    own->rotor.sliders = own->slider_count > 0;
+    if (own->rotor.sliders && linear_rotor_heavy(&own->rotor)) {
+        text_put(unit_reason(unit), "sliders: gravity knows no dry friction in the supports");
+        return 1;
+    }
+    return 0;
+}
+
 int rotor_of_parameters(Unit *unit)
 {
     Rotor *own = unit->own;
+    const double *gravity = unit->real + layout_index(&unit->layout, "gravity_x", 1);
     own->rotor = linear_rotor_in(own->rotor_memory, own->stations, own->planes);
-    return own->kind == PLANAR        ? planar(unit)
-           : own->kind == TWO_SUPPORT ? two_support(unit)
-                                      : flexible(unit);
+    own->rotor.gravity[0] = gravity[0];
+    own->rotor.gravity[1] = gravity[1];
+    return (own->kind == PLANAR        ? planar(unit)
+            : own->kind == TWO_SUPPORT ? two_support(unit)
+                                       : flexible(unit)) ||
+           set_sliders(unit);
 }

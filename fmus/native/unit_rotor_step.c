@@ -30,22 +30,23 @@ static int alternating(const int *ends, int k)
     return 2 * first + (k / 2 - first) + (k % 2) * size;
 }
 
+int rotor_column(const Rotor *own, int k)
+{
+    const int n = own->stations, p = own->planes, f = 2 * n;
+    const int ends[7] = {n, f, f + p, f + 2 * p, f + 3 * p, f + 4 * p, f + 4 * p + 1};
+    return alternating(ends, k);
+}
+
+/* By columns, x and y alternating. */
 static void sort_matrix(const Rotor *own, const double *from, double *to)
 {
     const int n = own->stations, p = own->planes;
     const int rows[4] = {n, 2 * n, 2 * n + p, 2 * n + 2 * p};
-    const int columns[7] = {n,
-                            2 * n,
-                            2 * n + p,
-                            2 * n + 2 * p,
-                            2 * n + 3 * p,
-                            2 * n + 4 * p,
-                            2 * n + 4 * p + 1};
     int j, k;
-    for (j = 0; j < own->rows; j++) {
-        const double *row = from + (size_t)alternating(rows, j) * (size_t)own->columns;
-        for (k = 0; k < own->columns; k++) {
-            *to++ = row[alternating(columns, k)];
+    for (k = 0; k < own->columns; k++) {
+        const double *column = from + rotor_column(own, k);
+        for (j = 0; j < own->rows; j++) {
+            *to++ = column[(size_t)alternating(rows, j) * (size_t)own->columns];
         }
     }
 }
@@ -84,14 +85,15 @@ const double *rotor_matrix(Unit *unit, double speed, double step)
     kept = oldest(own);
     kept->used = 0;
     loaded = linear_rotor_with_added_mass(&own->rotor, masses, own->loaded_mass);
-    if (step_matrix(&loaded, speed, step, own->turning,
-                    own->axes == 1 ? kept->matrix : own->unsorted, own->matrix_scratch,
+    if (step_matrix(&loaded, speed, step, own->turning, own->unsorted, own->matrix_scratch,
                     &failure)) {
         unit_failed(unit, &failure, NULL, 0);
         return NULL;
     }
     if (own->axes == 2) {
         sort_matrix(own, own->unsorted, kept->matrix);
+    } else {
+        matrix_transposed(2, own->rows, own->columns, own->unsorted, kept->matrix);
     }
     memcpy(kept->added_mass, masses, size);
     kept->speed = speed;
@@ -124,7 +126,12 @@ static void from_axes(const double *values, int axes, int blocks, int size, doub
     }
 }
 
-static int make_variable(Unit *unit)
+double *rotor_held(const Unit *unit)
+{
+    return unit->memory + MOTION + 4 * ((const Rotor *)unit->own)->stations + 1;
+}
+
+int rotor_make_variable(Unit *unit)
 {
     Rotor *own = unit->own;
     const size_t size = (size_t)own->planes * sizeof(double);
@@ -137,7 +144,10 @@ static int make_variable(Unit *unit)
     own->variable_made = 0;
     loaded = linear_rotor_with_added_mass(&own->rotor, masses, own->loaded_mass);
     if (variable_speed_step(&loaded, own->turning, own->variable_memory, own->variable_scratch,
-                            &own->variable, &failure)) {
+                            &own->variable, &failure) ||
+        (own->slider_count &&
+         friction_step(&loaded, &own->variable, own->sliders, own->slider_count,
+                       own->friction_memory, &own->friction, &failure))) {
         return unit_failed(unit, &failure, NULL, 0);
     }
     memcpy(own->variable_mass, masses, size);
@@ -156,7 +166,7 @@ static int propagate_variable(Unit *unit, double step)
     const double *forces = rotor_drive(unit) + 2;
     double *planes = own->result + 4 * n;
     Failure failure;
-    if (make_variable(unit)) {
+    if (rotor_make_variable(unit)) {
         return 1;
     }
     to_axes(unit->memory + MOTION, own->axes, 2, n, own->state);
@@ -173,6 +183,64 @@ static int propagate_variable(Unit *unit, double step)
     return 0;
 }
 
+/* The same with friction, what it is after the step in own->held. */
+static int propagate_friction(Unit *unit, double step)
+{
+    Rotor *own = unit->own;
+    const int n = own->stations, p = own->planes;
+    double *planes = own->result + 4 * n;
+    Drive drive;
+    Failure failure;
+    int code = FINE;
+    if (rotor_make_variable(unit)) {
+        return 1;
+    }
+    drive.forces = rotor_drive(unit) + 2;
+    drive.angle = unit->memory[REST];
+    drive.speed = rotor_drive(unit)[0];
+    drive.angular_acceleration = rotor_drive(unit)[1];
+    to_axes(unit->memory + MOTION, 2, 2, n, own->state);
+    if (!own->frozen) {
+        memcpy(own->held, rotor_held(unit), 2 * (size_t)own->slider_count * sizeof(double));
+        code = step != 0.0 ? friction_advance(&own->friction, own->state, own->held, &drive, step,
+                                              &failure)
+                           : friction_resolve(&own->friction, own->state, own->held, &drive, 0.0,
+                                              &failure);
+    }
+    if (code || friction_plane_motion(&own->friction, own->state, own->held, &drive, step,
+                                      own->acceleration, own->jerk, &failure)) {
+        return unit_failed(unit, &failure, NULL, 0);
+    }
+    from_axes(own->state, 2, 2, n, own->result);
+    from_axes(own->acceleration, 2, 1, p, planes);
+    from_axes(own->jerk, 2, 1, p, planes + 2 * p);
+    return 0;
+}
+
+int rotor_friction_response(Unit *unit, const double *values, const double *slopes)
+{
+    Rotor *own = unit->own;
+    const int p = own->planes;
+    const size_t size = 2 * (size_t)p * sizeof(double);
+    double *planes = own->result + 4 * own->stations, *forces = own->operand;
+    Drive drive;
+    Failure failure;
+    memset(forces, 0, 4 * size);
+    memcpy(forces, values, size);
+    memcpy(forces + 2 * p, slopes, size);
+    drive.forces = forces;
+    drive.angle = unit->memory[REST];
+    drive.speed = rotor_drive(unit)[0];
+    drive.angular_acceleration = 0.0;
+    if (friction_plane_motion(&own->friction, NULL, own->held, &drive, 0.0, own->acceleration,
+                              own->jerk, &failure)) {
+        return unit_failed(unit, &failure, NULL, 0);
+    }
+    from_axes(own->acceleration, 2, 1, p, planes);
+    from_axes(own->jerk, 2, 1, p, planes + 2 * p);
+    return 0;
+}
+
 void rotor_rotated(double *pairs, size_t count, double c, double s)
 {
     size_t k;
@@ -183,20 +251,55 @@ void rotor_rotated(double *pairs, size_t count, double c, double s)
     }
 }
 
-int rotor_propagate(Unit *unit, double step)
+/* e^{i angle}, kept. */
+static Complex turned_by(Rotor *own, double angle)
+{
+    Turned *kept = own->turned;
+    if (kept[0].angle != angle) {
+        const Turned last = kept[0];
+        kept[0] = kept[1];
+        kept[1] = last;
+        if (kept[0].angle != angle) {
+            kept[0].angle = angle;
+            kept[0].turn = rect(1.0, angle);
+        }
+    }
+    return kept[0].turn;
+}
+
+void rotor_apply(Rotor *own, const double *matrix)
+{
+    const int rows = own->rows, columns = own->columns;
+    int i, k;
+    if (own->axes == 1) {
+        fill_doubles(2 * (size_t)rows, 0.0, own->result);
+        add_multiples(2, rows, columns, own->operand, matrix, 2 * (size_t)rows, own->result);
+        return;
+    }
+    for (i = 0; i < rows; i += 4) { /* two axes: 4 rows a station and plane */
+        const double *m = matrix + i;
+        double a = 0.0, b = 0.0, c = 0.0, d = 0.0;
+        for (k = 0; k < columns; k++, m += rows) {
+            const double factor = own->operand[k];
+            a += factor * m[0];
+            b += factor * m[1];
+            c += factor * m[2];
+            d += factor * m[3];
+        }
+        own->result[i] = a;
+        own->result[i + 1] = b;
+        own->result[i + 2] = c;
+        own->result[i + 3] = d;
+    }
+}
+
+/* State, forces and turn that a step begins with, in own->operand, less the sag; 1 with the reason. */
+static int set_operand(Unit *unit)
 {
     Rotor *own = unit->own;
-    const size_t n = (size_t)own->stations, p = (size_t)own->planes;
-    const size_t forces = 4 * n, turn = forces + 2 * SIGNAL_ORDERS * p;
-    const Complex turned = rect(1.0, unit->memory[REST]);
-    const double *matrix;
-    if (rotor_drive(unit)[1] != 0.0) {
-        return propagate_variable(unit, step);
-    }
-    matrix = rotor_matrix(unit, rotor_drive(unit)[0], step);
-    if (!matrix) {
-        return 1;
-    }
+    const size_t p = (size_t)own->planes, forces = 4 * (size_t)own->stations;
+    const size_t turn = forces + 2 * SIGNAL_ORDERS * p;
+    const Complex turned = turned_by(own, unit->memory[REST]);
     memcpy(own->operand, unit->memory + MOTION, forces * sizeof(double));
     memcpy(own->operand + forces, rotor_drive(unit) + 2, (turn - forces) * sizeof(double));
     if (own->turning) {
@@ -204,17 +307,62 @@ int rotor_propagate(Unit *unit, double step)
     }
     own->operand[turn] = turned.re;
     own->operand[turn + 1] = turned.im;
-    matrix_product(own->parts, own->rows, own->columns, 1, matrix, own->operand, own->result);
+    return linear_rotor_heavy(&own->rotor) && rotor_lift(unit);
+}
+
+/* `rotor_propagate`, the acceleration with gravity's. */
+static int propagate(Unit *unit, double step)
+{
+    Rotor *own = unit->own;
+    const double *matrix;
+    if (own->slider_count) {
+        return propagate_friction(unit, step);
+    }
+    if (rotor_drive(unit)[1] != 0.0) {
+        return propagate_variable(unit, step);
+    }
+    if (set_operand(unit)) {
+        return 1;
+    }
+    if (own->whole > 0.0) {
+        if (rotor_rates(unit)) {
+            return 1;
+        }
+        if (rotor_within(own, step)) {
+            return 0;
+        }
+        if (set_operand(unit)) {
+            return 1;
+        }
+    }
+    matrix = rotor_matrix(unit, rotor_drive(unit)[0], step);
+    if (!matrix) {
+        return 1;
+    }
+    rotor_apply(own, matrix);
     return 0;
 }
 
-void rotor_put(const Rotor *own, const double *planes, double angle, double speed, double *out)
+int rotor_propagate(Unit *unit, double step)
+{
+    Rotor *own = unit->own;
+    own->lifted = 0;
+    if (propagate(unit, step)) {
+        return 1;
+    }
+    if (linear_rotor_heavy(&own->rotor)) {
+        rotor_lower(own);
+    }
+    return 0;
+}
+
+void rotor_put(Rotor *own, const double *planes, double angle, double speed, double *out)
 {
     const size_t n = 2 * (size_t)own->planes;
     size_t k;
     memcpy(out, planes, 2 * n * sizeof(double));
     if (own->turning) {
-        const Complex turned = rect(1.0, angle);
+        const Complex turned = turned_by(own, angle);
         /* (a e^{-i beta})' = (j - i w a) e^{-i beta} */
         for (k = 0; k < n; k += 2) {
             out[n + k] += speed * out[k + 1];
@@ -226,7 +374,7 @@ void rotor_put(const Rotor *own, const double *planes, double angle, double spee
 
 int rotor_outputs_now(Unit *unit, double *out)
 {
-    const Rotor *own = unit->own;
+    Rotor *own = unit->own;
     if (rotor_propagate(unit, 0.0)) {
         return 1;
     }

@@ -165,17 +165,23 @@ static int meet(Unit *unit, const Complex *cubic, double speed, double spin_up, 
     double *angles = unit->memory, *impulses = unit->memory + 3 * count;
     Complex owed = complex_of(impulses[0], impulses[1]);
     Complex pulse = complex_of(impulses[2], impulses[3]);
+    const double shortest = unit->real[SHORTEST_STOPPED];
+    const int stops = own->stop_at_contact && length >= shortest;
+    /* a host that takes brief steps can be told of a collision that it must take one for */
+    const int stop = !stops ? 0 : shortest > 0.0 ? STOP_BEFORE : STOP_BEHIND;
     Moved moved;
     Failure failure;
     moved.angles = angles;
     moved.speeds = angles + count;
     moved.contacts = angles + 2 * count;
     if (track_advance(&own->track, moved.angles, moved.speeds, moved.contacts, cubic, speed,
-                      spin_up, length, own->stop_at_contact, &moved, own->scratch, &failure)) {
+                      spin_up, length, stop, &moved, own->scratch, &failure)) {
         return unit_failed(unit, &failure, unit->before, count);
     }
-    unit->made = moved.reached;
-    length = moved.reached;
+    unit->made = length = moved.reached;
+    if (length == 0.0) {
+        return 0;
+    }
     discharge(&owed, &pulse, moved.impulse, length * (speed + 0.5 * spin_up * length), length);
     impulses[0] = owed.re;
     impulses[1] = owed.im;

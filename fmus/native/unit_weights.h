@@ -11,7 +11,7 @@ enum { SIGNALS = 2 };
 /* Parameters, and inputs from the first of them on. */
 enum { MASS, TRACK_RADIUS, KAPPA, DRAG, WEIGHT_RADIUS, RESTITUTION, ROLLING };
 enum { OFFSET_XI = 7, OFFSET_ETA = 8 };
-enum { FIRST_ANGLE = 9 };
+enum { SHORTEST_STOPPED = 9, FIRST_ANGLE = 10 };
 enum { ANGLE = 8, SPEED = 9, ACCELERATION = 10 };
 enum { FORCE = 0, FORCE_SLOPE = 2, ADDED_MASS = 4 };
 

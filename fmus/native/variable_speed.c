@@ -21,7 +21,7 @@ size_t variable_speed_size(int stations, int planes, int axes)
 {
     const size_t dof = (size_t)axes * stations, forces = (size_t)axes * planes;
     const size_t parts = axes == 1 ? 2 : 1;
-    return parts * dof * (4 * dof + 2 * forces + axes);
+    return parts * dof * (4 * dof + 2 * forces + axes + 1);
 }
 
 size_t variable_speed_scratch(int stations, int planes, int axes)
@@ -89,6 +89,10 @@ int variable_speed_step(const LinearRotor *rotor, int turning_force, double *mem
     made->planes = made->per_speed + 2 * square;
     made->force = made->planes + (size_t)forces * dof * parts;
     made->unbalance = made->force + (size_t)forces * dof * parts;
+    made->falling = linear_rotor_heavy(rotor) ? made->unbalance + (size_t)axes * dof * parts : NULL;
+    if (made->falling) {
+        linear_rotor_falling(rotor, made->falling);
+    }
     linear_rotor_coefficients(rotor, 1.0, mass, damping_1, stiffness_1);
     linear_rotor_coefficients(rotor, 0.0, mass, damping, stiffness);
     for (k = 0; k < square; k++) {
@@ -132,7 +136,7 @@ static void sum_drive(const VariableSpeedStep *method, const double *forces, con
     }
 }
 
-/* Acceleration (dof) by unbalance and plane forces at time t, its derivative, and the speed. */
+/* Acceleration (dof) by unbalance, plane forces and gravity at time t, its derivative, and the speed. */
 static double set_drive(const VariableSpeedStep *method, const double *forces, double angle,
                         double speed, double angular_acceleration, double t, double *drive,
                         double *drive_slope, double *scratch)
@@ -164,6 +168,9 @@ static double set_drive(const VariableSpeedStep *method, const double *forces, d
     put(method, 1, 0, complex_product(complex_of(3.0 * w * angular_acceleration, w * w * w), turn),
         pull_slopes);
     sum_drive(method, values, pulls, drive, work);
+    for (k = 0; method->falling && k < method->dof * method->parts; k++) {
+        drive[k] += method->falling[k];
+    }
     sum_drive(method, slopes, pull_slopes, drive_slope, work);
     return w;
 }

@@ -16,6 +16,7 @@ typedef struct {
     double *planes;            /* (axes p, dof) */
     double *force;             /* (dof, axes p) */
     double *unbalance;         /* (dof, axes) */
+    double *falling;           /* (dof,) gravity, NULL without */
 } VariableSpeedStep;
 
 /* Doubles of the matrices, of the scratch for making them, and of that for the two functions. */

@@ -11,7 +11,8 @@
 #include "text.h"
 
 /* How often a block of variables stands there. */
-enum { SIZE_ONE, SIZE_TWO, SIZE_STATIONS, SIZE_PLANES, SIZE_UNBALANCES, SIZE_WEIGHTS, SIZE_TRIANGLE };
+enum { SIZE_ONE, SIZE_TWO, SIZE_STATIONS, SIZE_PLANES, SIZE_UNBALANCES, SIZE_WEIGHTS, SIZE_SLIDERS,
+       SIZE_TRIANGLE };
 
 enum { HAS_MINIMUM = 1, ABOVE_MINIMUM = 2, START_VARIES = 4 };
 
@@ -48,7 +49,7 @@ typedef struct {
 
 /* What is fixed when a unit is built. */
 typedef struct {
-    int stations, planes, unbalances, weights;
+    int stations, planes, unbalances, weights, sliders;
     int fixed_frame; /* signals along fixed axes */
     int arrays;      /* rows of Reals are arrays, in FMI 3.0 */
 } Sizes;

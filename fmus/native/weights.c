@@ -4,6 +4,7 @@
 #include "elementary.h"
 
 #define MAX_SUBSTEPS 1000000
+#define NEARBY 0.16 /* rad: the series of a turn by less leave out less than 1e-16 */
 #define FAR 1e4 /* rad: beyond, whole turns are taken off while a step is computed */
 
 int weights_check(const Weights *weights, Failure *failure)
@@ -30,6 +31,12 @@ int weights_check(const Weights *weights, Failure *failure)
 double weights_added_mass(const Weights *weights)
 {
     return weights->count * weights->mass;
+}
+
+double weights_spin_share(const Weights *weights)
+{
+    return (1.0 - (weights->kappa - 1.0) * weights->radius / weights->track_radius) /
+           weights->kappa;
 }
 
 double weights_damping_rate(const Weights *weights)
@@ -113,35 +120,56 @@ const double *quadrature(Quadrature *memory, double damping_rate, double step)
     return memory->response;
 }
 
+/* Pull along the track in this direction, and its slope. */
+static void along(Complex a, Complex da, Complex direction, double speed, double *value,
+                  double *slope)
+{
+    const Complex seen = complex_product(a, direction);
+    *value = seen.im;
+    *slope = complex_product(da, direction).im - seen.re * speed;
+}
+
 void along_track(Complex a, Complex da, double angle, double speed, double lever, double *value,
                  double *slope)
 {
-    const Complex direction = rect(lever, -angle);
-    const Complex along = complex_product(a, direction);
-    *value = along.im;
-    *slope = complex_product(da, direction).im - along.re * speed;
+    along(a, da, rect(lever, -angle), speed, value, slope);
+}
+
+/* rect(lever, -angle) from `direction`, the same `moved` radians before: a small turn is cheap. */
+static Complex direction_at(Complex direction, double moved, double lever, double angle)
+{
+    const double z = moved * moved;
+    double c, s;
+    if (!(absolute(moved) < NEARBY)) {
+        return rect(lever, -angle);
+    }
+    c = 1.0 - z * (1.0 / 2.0 - z * (1.0 / 24.0 - z * (1.0 / 720.0 - z * (1.0 / 40320.0 - z / 3628800.0))));
+    s = 1.0 - z * (1.0 / 6.0 - z * (1.0 / 120.0 - z * (1.0 / 5040.0 - z / 362880.0)));
+    return complex_product(direction, complex_of(c, -moved * s));
 }
 
 int weights_substep(double *angle, double *angle_rate, const Complex *ends, double lever,
-                    double angular_acceleration, const double *response, double step,
-                    Failure *failure)
+                    double lag, const double *response, double step, Failure *failure)
 {
     const double *s = response + 1, *t = response + 6; /* to g0..g3 */
     double g0, g1, free_rate, free_angle, new_rate, new_angle;
+    const double start = *angle;
+    const Complex direction = rect(lever, -start);
     double change = 1.0; /* a weight moves less than 0.15 rad in a substep: it contracts fast */
     int iteration;
-    along_track(ends[0], ends[1], *angle, *angle_rate, lever, &g0, &g1);
-    g0 -= angular_acceleration;
+    along(ends[0], ends[1], direction, *angle_rate, &g0, &g1);
+    g0 -= lag;
     free_rate = response[0] * *angle_rate + s[0] * g0 + s[1] * g1;
     free_angle = *angle + response[5] * *angle_rate + t[0] * g0 + t[1] * g1;
     new_angle = free_angle;
     new_rate = free_rate;
-    g0 += angular_acceleration;
+    g0 += lag;
     for (iteration = 0; iteration < MAX_ITERATIONS; iteration++) {
         const double last_angle = new_angle, last_rate = new_rate, last_change = change;
-        double along, slope, g2, g3;
-        along_track(ends[2], ends[3], new_angle, new_rate, lever, &along, &slope);
-        hermite(g0, g1, along, slope, step, &g2, &g3);
+        double pull, slope, g2, g3;
+        along(ends[2], ends[3],
+              direction_at(direction, new_angle - start, lever, new_angle), new_rate, &pull, &slope);
+        hermite(g0, g1, pull, slope, step, &g2, &g3);
         new_rate = free_rate + s[2] * g2 + s[3] * g3;
         new_angle = free_angle + t[2] * g2 + t[3] * g3;
         change = absolute(new_angle - last_angle) + absolute(new_rate - last_rate) * step;
@@ -172,21 +200,19 @@ double largest_of(int count, const double *values)
 }
 
 double fastest_rate(int count, const double *speeds, const Complex *signal, double lever,
-                    double angular_acceleration, double damping_rate, double step,
-                    double *strongest)
+                    double lag, double damping_rate, double step, double *strongest)
 {
     /* value and slope only: corrector passes change the rest, and must not change the substeps */
     const double strength = magnitude(signal[0]) + step * magnitude(signal[1]);
-    /* a run-up leaves free weights behind: they lever w' * step, or what the drag lets them */
-    const double gained =
-        absolute(angular_acceleration) * (damping_rate * step < 1.0 ? step : 1.0 / damping_rate);
+    /* a run-up leaves free weights behind: they gain s w' * step, or what the drag lets them */
+    const double gained = absolute(lag) * (damping_rate * step < 1.0 ? step : 1.0 / damping_rate);
     *strongest = strength;
     return largest_of(count, speeds) + square_root(-strength * lever) + gained;
 }
 
 /* Move one weight over `count` substeps of h. */
 static int move(double *angle, double *speed, int count, double h, const Complex *signal,
-                double lever, double angular_acceleration, const double *response, Failure *failure)
+                double lever, double lag, const double *response, Failure *failure)
 {
     Complex ends[4];
     int j, code = FINE;
@@ -195,8 +221,7 @@ static int move(double *angle, double *speed, int count, double h, const Complex
     for (j = 1; j <= count && !code; j++) {
         ends[2] = cubic_value(signal, j * h);
         ends[3] = cubic_slope(signal, j * h);
-        code =
-            weights_substep(angle, speed, ends, lever, angular_acceleration, response, h, failure);
+        code = weights_substep(angle, speed, ends, lever, lag, response, h, failure);
         ends[0] = ends[2];
         ends[1] = ends[3];
     }
@@ -212,8 +237,9 @@ int weights_advance(const Weights *weights, const double *angles, const double *
     const int n = weights->count;
     const double *response;
     double strongest, turns, h, sum = 0.0;
-    const double fastest = fastest_rate(n, speeds, signal, lever, angular_acceleration,
-                                        damping_rate, step, &strongest);
+    const double lag = weights_spin_share(weights) * angular_acceleration;
+    const double fastest =
+        fastest_rate(n, speeds, signal, lever, lag, damping_rate, step, &strongest);
     int k, count, far, code = FINE;
     for (k = 0; k < n; k++) {
         sum += angles[k];
@@ -234,8 +260,7 @@ int weights_advance(const Weights *weights, const double *angles, const double *
     for (k = 0; k < n && !code; k++) {
         const double behind = far ? TAU * nearest(angles[k] / TAU) : 0.0;
         double angle = angles[k] - behind, speed = speeds[k];
-        code =
-            move(&angle, &speed, count, h, signal, lever, angular_acceleration, response, failure);
+        code = move(&angle, &speed, count, h, signal, lever, lag, response, failure);
         new_angles[k] = angle + behind;
         new_speeds[k] = speed;
     }
@@ -248,6 +273,7 @@ void weights_reaction(const Weights *weights, const double *angles, const double
 {
     const double lever = -1.0 / (weights->kappa * weights->track_radius);
     const double damping_rate = weights_damping_rate(weights);
+    const double lag = weights_spin_share(weights) * angular_acceleration;
     const double scale = -weights->mass * weights->track_radius;
     const Complex turn = {0.0, 2.0 * speed}, pull = {-speed * speed, angular_acceleration};
     const Complex pull_slope = {pull.re, 3.0 * angular_acceleration};
@@ -259,7 +285,7 @@ void weights_reaction(const Weights *weights, const double *angles, const double
         const double nu = speeds[k], squared = nu * nu;
         const Complex unit = rect(1.0, angles[k]), back = complex_conjugate(unit);
         const Complex along = complex_product(acceleration, back);
-        const double bend = along.im - angular_acceleration - damping_rate * nu;
+        const double bend = along.im - lag - damping_rate * nu;
         const double torque_slope = complex_product(slope, back).im - along.re * nu;
         const Complex rates[3] = {
             {0.0, nu},

@@ -17,6 +17,7 @@ typedef struct {
     double track_radius; /* of the weights' centres R [m] */
     double drag;         /* viscous, of each, b [N s/m] */
     double kappa;        /* 7/5 ball, 3/2 roller, 1 pendulum */
+    double radius;       /* of a body that rolls r [m] */
 } Weights;
 
 /* Exact response of angle and rate over a step, remembered for one damping rate and step. */
@@ -29,6 +30,8 @@ typedef struct {
 int weights_check(const Weights *weights, Failure *failure);
 double weights_added_mass(const Weights *weights);   /* N m [kg] */
 double weights_damping_rate(const Weights *weights); /* d = b/(kappa m) [1/s] */
+/* s: part of the track's angular acceleration by which a free weight falls behind. */
+double weights_spin_share(const Weights *weights);
 
 /* Sum of m R e^{i theta} in the rotor frame [kg m]. */
 Complex weights_static_moment(const Weights *weights, const double *angles);
@@ -48,10 +51,10 @@ void along_track(Complex a, Complex da, double angle, double angle_rate, double 
 /* Angle and rate of one weight after `step`, in place; order 4.
 
    ends: acceleration of the track's centre and its slope at the start, and at the end; lever:
-   -1/(kappa R), times a group's factor; response: of `quadrature`. */
+   -1/(kappa R), times a group's factor; lag: s w', by which a free weight falls behind; response:
+   of `quadrature`. */
 int weights_substep(double *angle, double *angle_rate, const Complex *ends, double lever,
-                    double angular_acceleration, const double *response, double step,
-                    Failure *failure);
+                    double lag, const double *response, double step, Failure *failure);
 
 /* Whether the next iteration of a substep would change no more than rounding: a linear one changes
    next by change^2/last_change.
@@ -66,8 +69,7 @@ double largest_of(int count, const double *values);
 
 /* Rate [rad/s] that no weight exceeds by much within a step, and the strongest acceleration. */
 double fastest_rate(int count, const double *speeds, const Complex *signal, double lever,
-                    double angular_acceleration, double damping_rate, double step,
-                    double *strongest);
+                    double lag, double damping_rate, double step, double *strongest);
 
 /* Move every weight over one communication step.
 

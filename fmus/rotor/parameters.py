@@ -19,7 +19,7 @@ class RotorSizes(Sizes):
 
     Attributes:
         kind: planar | two_support | flexible.
-        stations, planes, unbalances: numbers of them.
+        stations, planes, unbalances, sliders: numbers of them.
         shaft: how a flexible rotor's is given: "uniform" (bending stiffness) or "compliance" (a
             matrix).
     """
@@ -29,6 +29,7 @@ class RotorSizes(Sizes):
     planes: int = count(1)
     unbalances: int = count(1, of=("two_support", "flexible"))
     shaft: str = one_of("uniform", "compliance", of=("flexible",))
+    sliders: int = count(0)
 
 
 def planar(sizes: RotorSizes) -> list[Variable]:
@@ -94,6 +95,23 @@ def flexible(sizes: RotorSizes) -> list[Variable]:
         *_planes(places, where),
         *_unbalances(sizes, z[n // 2], where),
     ]
+
+
+def friction(sizes: RotorSizes) -> list[Variable]:
+    """Sliders in parallel with the supports' springs: dry friction, each axis for itself."""
+    text = "Of the spring in series along {}; 0: none, the slider is rigid"
+    return [
+        v
+        for k in range(1, sizes.sliders + 1)
+        for v in (
+            parameter(f"slider[{k}].support", 1.0, "1", "Number of the support it is in",
+                      minimum=1.0),
+            *(parameter(f"slider[{k}].limit_{axis}", 0.0, "N", f"Friction force along {axis}",
+                        minimum=0.0) for axis in "xy"),
+            *(parameter(f"slider[{k}].stiffness_{axis}", 0.0, "N/m", text.format(axis),
+                        minimum=0.0) for axis in "xy"),
+        )
+    ]  # fmt: skip
 
 
 PARAMETERS = {"planar": planar, "two_support": two_support, "flexible": flexible}

@@ -3,18 +3,20 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ...models.rotor import LinearRotor
+from ...models.steps.friction import FrictionStep, Held, held_at_start
 from ...models.steps.propagator import step_matrix
 from ...models.steps.variable_speed import Drive, VariableSpeedStep
 from ..python.slave import Slave
 from ..variables import ORDERS
 from .angle import total, turned
-from .kinds import ROTORS
+from .kinds import rotor_of
 from .parameters import RotorSizes
 from .variables import ROTOR
 
@@ -23,15 +25,24 @@ class RotorOnSupports(Slave):
     """Linear rotor with n stations and p planes; exact step at constant speed.
 
     Its `memory` is the angle (whole turns, remainder, rounding carried along), then displacements
-    and velocities of the stations, x and y alternating.
+    and velocities of the stations, x and y alternating, then of every slider along x and y its
+    direction of slip (0: it sticks) and its force.
     """
 
     unit = ROTOR
     sizes: RotorSizes
 
     def parameters(self) -> None:
-        self.rotor = ROTORS[self.sizes.kind](self.parameter_values(), self.sizes)
+        values = self.parameter_values()
+        self.gravity = complex(values["gravity_x"], values["gravity_y"])
+        self.rotor = replace(rotor_of(values, self.sizes), gravity=self.gravity)
+        if self.gravity:
+            self.rotor.refuse_sliders("gravity")
+            self.rotor.sag(0.0)  # refuses supports that carry nothing
         self.turning = self.sizes.frame == "rotor"
+        if self.sizes.sliders:
+            self._friction()
+            return
         size = (4 * self.sizes.stations) + 2 * ORDERS * self.sizes.planes + 2
         self._vector = np.empty(size)
         # an isotropic rotor computes with complex numbers over the same memory
@@ -40,6 +51,9 @@ class RotorOnSupports(Slave):
     def begin(self) -> None:
         first = self.layout.parameters.stop - 4 * self.sizes.stations - 1
         angle, *motion = self.real[first : self.layout.parameters.stop]
+        if self.sizes.sliders:
+            rates = _to_axes(np.array(motion), 2)[len(motion) // 2 :]
+            motion += _pairs(held_at_start(self.rotor, rates))
         self.memory = turned([0.0, 0.0, 0.0], angle) + motion
 
     def step(self, step: float) -> None:
@@ -54,9 +68,11 @@ class RotorOnSupports(Slave):
         self._put(planes, self.memory[1], self._drive()[0])
 
     def observe(self) -> None:
-        angle, motion = total(self.memory[:3]), self.memory[3:]
+        last = 3 + 4 * self.sizes.stations
+        angle, motion = total(self.memory[:3]), self.memory[3:last]
         places, bending = self._shape(motion[: 2 * self.sizes.stations])
-        self.real[self.layout.observed] = [angle, *motion, *places, bending]
+        forces = self.memory[last + 1 :: 2]
+        self.real[self.layout.observed] = [angle, *motion, *places, bending, *forces]
 
     def _shape(self, stations: list[float]) -> tuple[list[float], float]:
         """Displacements of the planes and largest bending, from those of the stations."""
@@ -73,13 +89,25 @@ class RotorOnSupports(Slave):
         return self.real[first : first + 2]
 
     def _propagate(self, step: float) -> tuple[list[float], list[float]]:
-        """Motion of the stations, and acceleration and jerk of the planes, after `step` [s].
+        """Motion of the stations (and sliders), acceleration and jerk of the planes, after `step`.
 
-        Both in fixed axes, x and y alternating.
+        Both in fixed axes, x and y alternating; the acceleration is less gravity's, which every
+        body on the rotor feels: what an accelerometer would read.
         """
+        motion, planes = self._propagate_all(step)
+        if self.gravity:
+            for k in range(0, 2 * self.sizes.planes, 2):
+                planes[k] -= self.gravity.real
+                planes[k + 1] -= self.gravity.imag
+        return motion, planes
+
+    def _propagate_all(self, step: float) -> tuple[list[float], list[float]]:
+        """As `_propagate`, the acceleration with gravity's."""
         inputs = self.real[self.layout.inputs]
         p = self.sizes.planes
         speed, spin_up = inputs[p : p + 2]
+        if self.sizes.sliders:
+            return self._propagate_friction(step, inputs)
         if spin_up:
             return self._propagate_variable(step, inputs)
         rest = self.memory[1]
@@ -88,25 +116,53 @@ class RotorOnSupports(Slave):
         if self.turning:
             forces = _rotated(forces, c, s)
         self._vector[:] = [*self.memory[3:], *forces, c, s]
-        matrix = _matrix(self.rotor, tuple(inputs[:p]), speed, step, self.turning)
-        result = matrix.dot(self._operand).view(float).tolist()
         n = 4 * self.sizes.stations
+        if self.gravity:  # the rotor moves about its sag as it would about zero without gravity
+            sag = _sag(self.rotor, tuple(inputs[:p]), speed)
+            self._vector[: n // 2] -= sag
+        matrix = _matrix(self.rotor, tuple(inputs[:p]), speed, step, self.turning)
+        result = matrix.dot(self._operand).view(float)
+        if self.gravity:
+            result[: n // 2] += sag
+        result = result.tolist()
         return result[:n], result[n:]
 
     def _propagate_variable(
         self, step: float, inputs: list[float]
     ) -> tuple[list[float], list[float]]:
-        p = self.sizes.planes
-        speed, spin_up = inputs[p : p + 2]
-        method = _variable(self.rotor, tuple(inputs[:p]), self.turning)
-        forces = np.array(inputs[p + 2 :]).view(complex).reshape(ORDERS, p)
-        drive = Drive(forces, self.memory[1], speed, spin_up)
+        method = _variable(self.rotor, tuple(inputs[: self.sizes.planes]), self.turning)
+        drive = self._drive_of(inputs)
         state = _to_axes(np.array(self.memory[3:]), method.axes)
         if step:
             state = method.advance(state, drive, step)
         acceleration, jerk = method.plane_motion(state, drive, step)
         planes = np.concatenate([acceleration, jerk])
         return _from_axes(state, method.axes), _from_axes(planes, method.axes)
+
+    def _propagate_friction(
+        self, step: float, inputs: list[float]
+    ) -> tuple[list[float], list[float]]:
+        method, drive = self._friction(), self._drive_of(inputs)
+        last = 3 + 4 * self.sizes.stations
+        state, pairs = _to_axes(np.array(self.memory[3:last]), 2), np.array(self.memory[last:])
+        held = Held(pairs[::2], pairs[1::2])
+        if step:
+            state, held = method.advance(state, held, drive, step)
+        else:
+            held = method.resolved(state, held, drive, 0.0)
+        acceleration, jerk, held = method.plane_motion(state, held, drive, step)
+        planes = np.concatenate([acceleration, jerk])
+        return _from_axes(state, 2) + _pairs(held), _from_axes(planes, 2)
+
+    def _friction(self) -> FrictionStep:
+        first = self.layout.inputs.start
+        added = tuple(self.real[first : first + self.sizes.planes])
+        return _frictional(self.rotor, added, self.turning)
+
+    def _drive_of(self, inputs: list[float]) -> Drive:
+        p = self.sizes.planes
+        forces = np.array(inputs[p + 2 :]).view(complex).reshape(ORDERS, p)
+        return Drive(forces, self.memory[1], *inputs[p : p + 2])
 
     def _put(self, planes: list[float], angle: float, speed: float) -> None:
         """Computed outputs from acceleration and jerk of the planes in fixed axes."""
@@ -152,11 +208,29 @@ def _matrix(
     return np.ascontiguousarray(matrix)
 
 
+@lru_cache(maxsize=256)
+def _sag(rotor: LinearRotor, added_mass: tuple[float, ...], speed: float) -> NDArray:
+    """Sag of the stations, x and y alternating [m]."""
+    axes = 1 if rotor.isotropic else 2
+    sag = _loaded(rotor, added_mass).sag(speed)
+    return np.array(_from_axes(sag, axes, 1))
+
+
 @lru_cache(maxsize=64)
 def _variable(
     rotor: LinearRotor, added_mass: tuple[float, ...], turning: bool
 ) -> VariableSpeedStep:
     return VariableSpeedStep(_loaded(rotor, added_mass), turning)
+
+
+@lru_cache(maxsize=64)
+def _frictional(rotor: LinearRotor, added_mass: tuple[float, ...], turning: bool) -> FrictionStep:
+    return FrictionStep(_loaded(rotor, added_mass), turning)
+
+
+def _pairs(held: Held) -> list[float]:
+    """Direction of slip and force of every slider."""
+    return np.stack(held, axis=1).ravel().tolist()
 
 
 def _alternating(blocks: list[int]) -> list[int]:
@@ -176,8 +250,8 @@ def _to_axes(pairs: NDArray, axes: int) -> NDArray:
     return pairs.reshape(2, -1, 2).transpose(0, 2, 1).ravel()
 
 
-def _from_axes(values: NDArray, axes: int) -> list[float]:
-    """The inverse of `_to_axes`."""
+def _from_axes(values: NDArray, axes: int, blocks: int = 2) -> list[float]:
+    """The inverse of `_to_axes`, of so many blocks."""
     if axes == 1:
         return np.ascontiguousarray(values).view(float).tolist()
-    return values.reshape(2, 2, -1).transpose(0, 2, 1).ravel().tolist()
+    return values.reshape(blocks, 2, -1).transpose(0, 2, 1).ravel().tolist()

@@ -6,7 +6,7 @@ import re
 
 from ..unit import Unit
 from ..variables import Variable, observed, parameter, plain_input, signal_inputs, signal_outputs
-from .parameters import PARAMETERS, RotorSizes
+from .parameters import PARAMETERS, RotorSizes, friction
 
 
 def station(j: int, stations: int) -> str:
@@ -20,7 +20,7 @@ def variables(sizes: RotorSizes) -> list[Variable]:
     of_kind = PARAMETERS[sizes.kind](sizes)
     forces = [f"plane[{i}].F_{axis}" for i in range(1, planes + 1) for axis in axes]
     carried = [f"plane[{i}].added_mass" for i in range(1, planes + 1)]
-    parameters = [*of_kind, *_initial(stations)]
+    parameters = [*of_kind, *_gravity(), *friction(sizes), *_initial(stations)]
     names = tuple(v.name for v in parameters)
     drive = (*carried, "speed", "acceleration")
     accelerations = [f"plane[{i}].a_{axis}" for i in range(1, planes + 1) for axis in axes]
@@ -40,11 +40,17 @@ def variables(sizes: RotorSizes) -> list[Variable]:
         plain_input("acceleration", 0.0, "rad/s2", "Angular, over the step"),
         *signal_inputs(forces, "force", "Force on the plane"),
         *signal_outputs(
-            accelerations, "acceleration", "Acceleration of the plane", at_once * planes,
-            in_slope * planes, begins=names,
+            accelerations, "acceleration", "Acceleration of the plane, less gravity",
+            at_once * planes, in_slope * planes, begins=names,
         ),
         *_observed(stations, planes, of_kind),
+        *_friction_forces(sizes),
     ]  # fmt: skip
+
+
+def _gravity() -> list[Variable]:
+    text = "Of gravity across the axis: a horizontal rotor has -9.81 along y"
+    return [parameter(f"gravity_{axis}", 0.0, "m/s2", text) for axis in "xy"]
 
 
 def _initial(stations: int) -> list[Variable]:
@@ -80,6 +86,18 @@ def _observed(stations: int, planes: int, own: list[Variable]) -> list[Variable]
             found.append(_displacement(f"plane[{i}].{axis}", "Displacement of the plane", begins))
     begins = (*starts, *(shaft if supports else ()), *supports)
     return [*found, _displacement("bending", "Largest bending of the shaft", begins)]
+
+
+def _friction_forces(sizes: RotorSizes) -> list[Variable]:
+    text = "Friction force on the rotor at the end of the step"
+    return [
+        observed(f"slider[{k}].force_{axis}", "N", text, (
+            *(f"slider[{k}].{of}" for of in ("support", f"limit_{axis}", f"stiffness_{axis}")),
+            *(f"{station(j, sizes.stations)}v{axis}0" for j in range(1, sizes.stations + 1)),
+        ))
+        for k in range(1, sizes.sliders + 1)
+        for axis in "xy"
+    ]  # fmt: skip
 
 
 def _displacement(name: str, description: str, begins: tuple[str, ...]) -> Variable:

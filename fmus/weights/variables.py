@@ -80,6 +80,13 @@ def _parameters() -> list[Variable]:
         parameter("rolling_resistance", 0.0, "1", "Resistance over load; 0: none", minimum=0.0),
         parameter("track_offset_xi", 0.0, "m", "Of the track's centre, in the rotor"),
         parameter("track_offset_eta", 0.0, "m", "Of the track's centre, in the rotor"),
+        parameter(
+            "shortest_stopped_step",
+            0.0,
+            "s",
+            "With stop_at_contact: a shorter step is whole",
+            minimum=0.0,
+        ),
         parameter("inertia_as_force", False, "", "True: N m acts in F and added_mass is zero"),
         parameter("stop_at_contact", False, "", "True: a step ends behind the first collision"),
     ]

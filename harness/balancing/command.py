@@ -1,4 +1,4 @@
-"""`autobalancer balance`: a scene's rotor on the virtual balancing machine."""
+"""`autobalancer balance`: a scene's rotor on the virtual balancing machine, or measured runs."""
 
 from __future__ import annotations
 
@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from ..errors import UserError
 from ..master.run_command import changed_scene
 from ..output import costs, options
 from ..output.files import write_json
@@ -19,16 +20,49 @@ if TYPE_CHECKING:
 
 
 def command(
-    scene: Annotated[str, typer.Argument(help="Scene with a table [balancing].")],
+    scene: Annotated[
+        str, typer.Argument(help="Scene with a table [balancing]; or FILE.csv: measured runs.")
+    ],
     output: Annotated[
         Path | None, options.picture("Draw the corrections.", "--output", "-o")
     ] = None,
     json_file: Annotated[Path | None, options.json("all")] = None,
     changes: Annotated[list[str] | None, options.changes("balancing.noise=1e-7")] = None,
     at_most: Annotated[str, options.at_most()] = costs.DEFAULT,
+    correct: Annotated[
+        str | None, typer.Option(metavar="RUN", help="Measured run to correct; default: the first.")
+    ] = None,
+    angles: Annotated[
+        str | None,
+        typer.Option(help="Where masses fit: 12 (evenly) or 0,30,75 (deg); planes parted by /."),
+    ] = None,
+    grade: Annotated[str | None, typer.Option(help="Of ISO 21940-11, for measured runs.")] = None,
+    mass: Annotated[float | None, typer.Option(help="Of the rotor, kg, for --grade.")] = None,
+    service_speed: Annotated[
+        float | None, typer.Option(help="For --grade, rad/s; default: the fastest one measured.")
+    ] = None,
     report: Annotated[Path | None, options.report()] = None,
 ) -> None:
-    """Balance a scene's rotor on a virtual machine; exit code 1 if the grade is not met."""
+    """Balance a scene's rotor on a virtual machine, or find corrections from measured runs.
+
+    Exit code 1 if the grade is not met.
+    """
+    given = {
+        "--correct": correct,
+        "--angles": angles,
+        "--grade": grade,
+        "--mass": mass,
+        "--service-speed": service_speed,
+    }
+    if scene.endswith(options.TABLE):
+        from .measured_command import balance_measured
+
+        if changes:
+            raise UserError("--set: belongs to a scene; measured runs have nothing to replace")
+        balance_measured(Path(scene), given, output, json_file, report)
+        return
+    if unfit := [name for name, value in given.items() if value is not None]:
+        raise UserError(f"{', '.join(unfit)}: belong to measured runs (FILE.csv), not to a scene")
     from ..output.report import Report
     from .cycles import balance
 

@@ -23,7 +23,11 @@ if TYPE_CHECKING:
 def command(
     scenes: Annotated[
         list[str] | None,
-        typer.Argument(metavar="[SCENE]...", help="Scene files or bundled names; default: all."),
+        typer.Argument(
+            metavar="[SCENE]...",
+            help="Scene files or bundled names; default: all but those that take long, which say "
+            "on_request, such as bristol.",
+        ),
     ] = None,
     json_file: Annotated[Path | None, options.json("the rows")] = None,
     report: Annotated[
@@ -38,7 +42,7 @@ def command(
     python: Annotated[bool, options.python()] = False,
     at_most: Annotated[str, options.at_most()] = costs.DEFAULT,
 ) -> None:
-    """Check scenes against theory; exit code 1 if a row does not hold."""
+    """Check scenes against theory and measurement; exit code 1 if a row does not hold."""
     from ..master.run_command import ON_PYTHON
     from ..scene import load_scene
     from .report import as_json, tables, verdict

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 
 from ...models.stability import growth_rates
@@ -36,6 +37,12 @@ def check_critical_speeds(
         if method in found.refused:
             raise SceneError(f"{scene.name}: check critical_speeds: {found.refused[method]}")
     yield from speed_rows(rows, found, prefix)
+    boundaries = [row["cosim"].speed for row in found.rows() if "cosim" in row]
+    for speed in check.published:
+        pairs = ((abs(boundary - speed), boundary) for boundary in boundaries)
+        _, nearest = min(pairs, default=(math.inf, math.nan))
+        quantity = f"{prefix}published critical speed [rad/s]"
+        yield rows.number(quantity, speed, nearest, check.published_within, scene.source)
     kinds = ((growth_row, check.growth_runs), (rest_row, check.runs_from_rest))
     runs = [(row_of, speed) for row_of, speeds_of in kinds for speed in speeds_of]
     for number, (row_of, speed) in enumerate(runs, start=1):

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from matplotlib.figure import Figure
@@ -13,6 +15,7 @@ from ..scene import Scene
 from ..scene.check import LiquidWindowCheck
 from ..stability.revolution import Revolution
 from .liquid_window import OPEN_END, steady_displacement, window_of
+from .rig_picture import plot_rig
 
 CURVE_POINTS = 600
 MEASURED_POINTS = 24
@@ -28,9 +31,9 @@ def draw_pictures(scene: Scene, directory: Path, name: str | None = None) -> lis
         SimulationError: a run for it cannot be completed.
     """
     return [
-        plot_liquid_window(scene, check, directory / f"{name or scene.name}_{check.kind}.png")
+        _PICTURES[check.kind](scene, check, directory / f"{name or scene.name}_{check.kind}.png")
         for check in scene.check
-        if isinstance(check, LiquidWindowCheck)
+        if check.kind in _PICTURES
     ]
 
 
@@ -93,3 +96,9 @@ def plot_liquid_window(scene: Scene, check: LiquidWindowCheck, path: Path) -> Pa
     axes.legend(fontsize="small")
     axes.set_title(scene.heading)
     return save(figure, path)
+
+
+_PICTURES: dict[str, Callable[[Scene, Any, Path], Path]] = {
+    "liquid_window": plot_liquid_window,
+    "rig": plot_rig,
+}

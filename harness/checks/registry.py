@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 from functools import partial
 from typing import Any
 
+from ..errors import SceneError
 from ..output.workers import Failed, Kinds, Progress, Workers, as_they_come, processes
 from ..scene import Scene
 from ..scene.check import AnyCheck
@@ -19,6 +20,7 @@ from .largest_spread import check_largest_spread
 from .liquid_window import check_liquid_window
 from .measured_error import check_measured_error
 from .ranking import check_ranking
+from .rig import check_rig, rig_parts
 from .row import Row, Rows
 from .runtimes import check_runtimes
 from .slow_root import check_slow_root
@@ -31,6 +33,7 @@ CHECKS: dict[str, Callable[..., Iterator[Row]]] = {
     "capacity": check_capacity,
     "goncharov_table": check_sizes,
     "contact_order": check_contact_order,
+    "rig": check_rig,
     "runtimes": check_runtimes,
     "measured_error": check_measured_error,
 }
@@ -40,8 +43,13 @@ SHARING: dict[str, Callable[..., Iterator[Row]]] = {
     "slow_root": check_slow_root,
     "largest_spread": check_largest_spread,
 }
+# compare runs with runs; the theory of the others knows no gravity
+UNDER_GRAVITY = ("contact_order", "runtimes", "measured_error")
 # check -> options of every part that can be done on its own
-SPLIT: dict[str, Callable[[Any], list[dict[str, Any]]]] = {"filimonikhina_table": table_rows}
+SPLIT: dict[str, Callable[[Any], list[dict[str, Any]]]] = {
+    "filimonikhina_table": table_rows,
+    "rig": rig_parts,
+}
 
 
 @dataclass(frozen=True)
@@ -66,7 +74,17 @@ class Part:
 
 
 def parts_of(scene: Scene) -> list[Part]:
-    """Everything that a scene asks to be checked, in order."""
+    """Everything that a scene asks to be checked, in order.
+
+    Raises:
+        SceneError: gravity acts, and a check knows of none.
+    """
+    for number, check in enumerate(scene.check, start=1):
+        if scene.operation.gravity and check.kind not in UNDER_GRAVITY:
+            raise SceneError(
+                f'{scene.name}: check[{number}].kind = "{check.kind}": its theory knows no '
+                "gravity: take operation.gravity out"
+            )
     return [
         Part(scene, check, options)
         for check in scene.check

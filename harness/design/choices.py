@@ -12,6 +12,7 @@ from ...models.papers import capacity as theory
 from ...models.papers.settling import settling_time, slow_root
 from ..output.workers import Progress, Workers, in_order
 from ..scene import Scene
+from ..stability.main_motion import refuse_gravity
 from .scenes import (
     STEEL,
     batches,
@@ -119,10 +120,11 @@ def design(
 
     Raises:
         SceneError: the scene is not a planar isotropic rotor at constant speed with one set of
-            balls or rollers with weight_radius.
+            balls or rollers with weight_radius and no gravity.
         SimulationError: a run cannot be completed, or the starts are too few.
     """
     refuse_few(starts)  # before the work
+    refuse_gravity(scene, "a design")
     balls = weights_of(scene)
     amount = unbalance_of(scene) if unbalance is None else unbalance
     race = race_of(balls) if race is None else race

@@ -11,6 +11,7 @@ import numpy as np
 
 from ...models.papers.touching import critical_unbalance
 from ..master.schemes.iterated import LOOSE
+from ..stability.whirl import whirl_at
 from .scenes import weights_of
 
 if TYPE_CHECKING:
@@ -28,12 +29,31 @@ def words(data: Design) -> list[str]:
         return [
             f"No number of {data.kind} in this space balances {data.unbalance:.4g} kg m: "
             f"{best.count} have the most, {best.capacity:.4g} kg m. Take a larger race, a wider "
-            "space or a denser material."
+            "space or a denser material.",
+            *_whirls(data),
         ]
     lines = [*_recommendation(data), *_ranking(data)]
     if short := ", ".join(str(c.count) for c in data.choices if not c.has_capacity):
         lines.append(f"Too little capacity for {data.unbalance:.4g} kg m, not run: n = {short}.")
+    lines += _whirls(data)
     return [*lines, *_critical(data), *_decays(data), *_steps(data), *_diameters(data)]
+
+
+def _whirls(data: Design) -> list[str]:
+    """What remains with numbers that have not the capacity."""
+    short = {
+        c.count: whirl_at(c.scene, c.scene.profile().end)
+        for c in data.choices
+        if not c.has_capacity
+    }
+    parts = [
+        f"{1e3 * max(one.amplitude):.4g} mm with n = {count}"
+        for count, one in short.items()
+        if one.stable
+    ]
+    if not parts:
+        return []
+    return [f"A whirl remains there, stable at this speed: {', '.join(parts)}."]
 
 
 def _recommendation(data: Design) -> list[str]:

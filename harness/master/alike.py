@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from ..errors import UserError
 from ..scene import Scene
 from .many import cosimulate_many
-from .plan import plan
+from .plan import Plan, plan
 
 _DRIVE = ("speed", "acceleration")  # of the composite, which tells its units
 
@@ -27,17 +27,25 @@ def cosimulate_alike(
     Raises:
         UserError: they differ in more than numbers; or as `cosimulate_many`.
     """
-    first = scenes[0]
-    common = _common(first)
-    if any(_common(scene) != common for scene in scenes):
+    return cosimulate_many(scenes[0], table_of(scenes), results=results, threads=threads)
+
+
+def table_of(scenes: Sequence[Scene]) -> dict[str, list[float]]:
+    """By the composite's names, the values in which scenes differ; where they do not, one of them.
+
+    Raises:
+        UserError: they differ in more than numbers.
+    """
+    first, plans = scenes[0], [plan(scene) for scene in scenes]
+    common = _common(first, plans[0])
+    if any(_common(*pair) != common for pair in zip(scenes, plans, strict=True)):
         raise UserError(
-            f"{first.name}: only numbers of the rotor and the balancers, run.initial and a "
-            "constant speed may differ between runs in C"
+            f"{first.name}: only numbers of the rotor and the balancers, run.initial, "
+            "gravity and a constant speed may differ between runs in C"
         )
-    starts = [_start(scene) for scene in scenes]
+    starts = [_start(*pair) for pair in zip(scenes, plans, strict=True)]
     changed = [name for name in starts[0] if any(s[name] != starts[0][name] for s in starts)]
-    table = {name: [s[name] for s in starts] for name in changed or list(starts[0])[:1]}
-    return cosimulate_many(first, table, results=results, threads=threads)
+    return {name: [s[name] for s in starts] for name in changed or list(starts[0])[:1]}
 
 
 def refuse_unvaried(scene: Scene, path: str) -> None:
@@ -48,24 +56,25 @@ def refuse_unvaried(scene: Scene, path: str) -> None:
     """
     holders = ["rotor", *(balancer.label for balancer in scene.balancer)]
     allowed = (*(f"{holder}." for holder in holders), "run.initial.")
+    allowed += ("operation.gravity",)
     if path != "operation.speed" and not path.startswith(allowed):
         raise UserError(
             f"{path}: cannot be varied; must be speed or begin with one of: {', '.join(allowed)}"
         )
 
 
-def _common(scene: Scene) -> Any:
-    found, profile = plan(scene), scene.profile()
+def _common(scene: Scene, found: Plan) -> Any:
+    profile = scene.profile()
     units = [(unit.name, unit.model, unit.sizes) for unit in found.units]
     run_up = None if profile.start == profile.end else profile
     return units, found.connections, scene.coupling, scene.run.revolutions, run_up
 
 
-def _start(scene: Scene) -> dict[str, float]:
+def _start(scene: Scene, found: Plan) -> dict[str, float]:
     """Start values by the composite's names."""
     values = {
         f"{unit.name}.{name}": float(value)
-        for unit in plan(scene).units
+        for unit in found.units
         for name, value in unit.start.items()
         if name not in _DRIVE
     }

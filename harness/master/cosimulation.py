@@ -26,7 +26,7 @@ from .resolution import Resolution
 from .result import Result
 from .runtime import runtime
 from .scales import ROUNDING, largest_force
-from .schedule import Drive, as_run, end_time, milestones, schedule, step_size
+from .schedule import Drive, as_run, brief_step, end_time, milestones, schedule, step_size
 from .schemes.adaptive import Adaptive
 from .schemes.prescribed import SLIVER, Prescribed
 from .schemes.protocol import Scheme, choose, refuse_loose_tolerance
@@ -62,7 +62,9 @@ class CoSimulation(Closing):
                 one.name: stack.enter_context(Fmu(path, one.name))
                 for path, one in zip(self.paths, self.plan.units, strict=True)
             }
-            self.system = System(self.plan, self.units, scene.coupling.order, watch)
+            self.system = System(
+                self.plan, self.units, scene.coupling.order, watch, brief_step(scene)
+            )
             stack.callback(self.system.free_states)
             self._stack = stack.pop_all()
         self.gain = self.amplification = 0.0
@@ -135,15 +137,24 @@ class CoSimulation(Closing):
         """
         begin = self.time
         try:
-            for time, part in substeps(self.system, self.scheme, self.drive, begin, step):
-                self.time = time
-                self._take(part, longest or part)
+            self._cover(step, longest)
+            # a collision is no communication point
+            while self.system.has_no_past and step - (self.time - begin) > SLIVER * step:
+                self._cover(step - (self.time - begin), longest)
         except SimulationError as error:
             if not self.system.exchanges:
                 raise
             hint = advice(error, self.scene)
             raise SimulationError(f"{error}; loop gain {self.gain:.3g}{hint}") from error
         return self.time - begin
+
+    def _cover(self, step: float, longest: float | None) -> None:
+        """A communication step, or what of it lies before a collision."""
+        for time, part in substeps(self.system, self.scheme, self.drive, self.time, step):
+            self.time = time
+            self._take(part, longest or part)
+            if self.system.has_no_past:
+                return
 
     def _take(self, step: float, longest: float) -> None:
         """A part of a communication step, judged and counted."""

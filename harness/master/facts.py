@@ -13,6 +13,7 @@ from .left_out import left_out
 from .recorder import Recorder
 from .resolution import SAID
 from .result import Result
+from .schedule import force_jumps
 from .schemes.iterated import LOOSE
 
 FEW = 10  # given steps a revolution from which the estimate of what they miss can be trusted
@@ -117,14 +118,15 @@ def _looser(error: float) -> str:
 
 
 def advice(error: Exception, scene: Scene) -> str:
-    """What to do where weights that touch keep a loop from converging; empty where none can.
+    """What to do where forces that jump keep a loop from converging; empty where none can.
 
-    A collision, or a contact that opens or closes, makes the force jump within a step: no step is
-    short enough for a tolerance, and corrector passes need not agree on whether it happens.
+    Where a weight sticks, or collides and no step ends there, no step is short enough for a
+    tolerance, and corrector passes need not agree on whether it happens.
     """
     coupling = scene.coupling
-    names = [balancer.label for balancer in scene.balancer if balancer.can_touch]
-    if not isinstance(error, LoopError) or not names or coupling.corrections is not None:
+    names = [b.label for b in scene.balancer if b.can_meet or b.can_stick]
+    asked = coupling.corrections is not None
+    if asked or not isinstance(error, LoopError) or not force_jumps(scene):
         return ""
     why = "corrector passes need not agree on it"
     if coupling.tolerance is not None:

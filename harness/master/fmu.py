@@ -27,9 +27,22 @@ from .names import readable
 if TYPE_CHECKING:
     from typing_extensions import Self
 
+LAST_SUCCESSFUL_TIME = 2  # fmi2StatusKind
 SIGNALS_WAIT = True  # no exception may cross a unit: see output/interrupts.py
 _WARNING = fmi2.fmi2Warning
 _STATUS = ("OK", "Warning", "Discard", "Error", "Fatal", "Pending")
+
+
+class EndedEarly(SimulationError):
+    """A unit met something within a step and went no further.
+
+    Attributes:
+        length: of the step as far as it came [s].
+    """
+
+    def __init__(self, unit: str, time: float, length: float) -> None:
+        super().__init__(f"{unit}: a step from t = {time:g} s ended after {length:g} s")
+        self.length = length
 
 
 def measured_in(description: ModelDescription) -> dict[str, str]:
@@ -232,7 +245,7 @@ class Fmu(Closing):
         self._length.value = step
         status = self._step(self._component, self._begin, self._length, self._final)
         if status > _WARNING:
-            self._check(status, f"a step of {step:g} s")
+            self._check_step(status, time, step)
 
     def exchange(self, inputs: Variables, outputs: Variables, time: float, step: float) -> None:
         """`send`, `step` and `fetch` in one."""
@@ -247,10 +260,17 @@ class Fmu(Closing):
             self._check(status, f"setting {', '.join(inputs.names[:4])}")
         status = self._step(self._component, self._begin, self._length, self._final)
         if status > _WARNING:
-            self._check(status, f"a step of {step:g} s")
+            self._check_step(status, time, step)
         status = self._get(*outputs.call)
         if status > _WARNING:
             self._check(status, f"reading {', '.join(outputs.names[:4])}")
+
+    def _check_step(self, status: int, time: float, step: float) -> None:
+        if status == fmi2.fmi2Discard:
+            reached = c_double(time)
+            self.fmu.dll.fmi2GetRealStatus(self._component, LAST_SUCCESSFUL_TIME, byref(reached))
+            raise EndedEarly(self.name, time, reached.value - time)
+        self._check(status, f"a step of {step:g} s")
 
     def save(self, state: c_void_p | None = None) -> c_void_p:
         """A copy of the complete state; give it back with `free`.

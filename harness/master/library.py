@@ -33,6 +33,7 @@ _FUNCTIONS: dict[str, tuple[Any, ...]] = {
     "fmi2SetReal": _REALS,
     "fmi2SetBoolean": _BOOLEANS,
     "fmi2DoStep": (c_void_p, c_double, c_double, c_int),
+    "fmi2GetRealStatus": (c_void_p, c_int, POINTER(c_double)),
     "fmi2GetFMUstate": _STATE,
     "fmi2SetFMUstate": (c_void_p, c_void_p),
     "fmi2FreeFMUstate": _STATE,

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from ..errors import UserError
 from ..scene import Scene
-from .names import stations
+from .names import station_residuals, stations
 from .one_file import composition
 from .schedule import end_time
 
@@ -24,7 +24,7 @@ SETTLED = 0.05  # of the largest amplitude: how far from the last one a settled 
 STEADY = 0.005  # of it: what the amplitude of a settled one may change by in the last revolution
 
 RESULTS = {
-    "residual": "largest amplitude in the last revolution [m]",
+    "residual": "largest amplitude in the last revolution [m]; under gravity about its mean",
     "largest": "largest amplitude of the run [m]",
     "settling_time": "after which the amplitude stays near the last [s]; NaN: not settled",
     "settled": "1 where the last two revolutions are alike",
@@ -46,7 +46,8 @@ def cosimulate_many(
         scene: what every run has in common.
         table: values of one number a run by the variables of the scene's composite FMU, such as
             `balls.drag`, `rotor.stiffness_x` or `speed`: a mapping of arrays, or a pandas frame.
-        results: of `RESULTS`, or outputs of the FMU, which are taken at the end of a run.
+        results: of `RESULTS`; of one station `rotor.station[1].residual`, or `rotor.residual` of a
+            rotor's only one [m]; or outputs of the FMU, which are taken at the end of a run.
         threads: default: one a core.
 
     Returns:
@@ -63,7 +64,8 @@ def cosimulate_many(
     columns = {str(name): np.asarray(table[name], float) for name in table}
     _refuse_unknown(columns, [v.name for v in layout.variables if v.causality != "output"])
     outputs = [v.name for v in layout.variables if v.causality == "output"]
-    _refuse_unknown([name for name in results if name not in RESULTS], [*RESULTS, *outputs])
+    residuals = station_residuals(len(scene.rotor.stations))
+    _refuse_unknown(results, [*RESULTS, *residuals, *outputs])
     shapes = {column.shape for column in columns.values()}
     if len(shapes) != 1 or len(shape := shapes.pop()) != 1 or not shape[0]:
         raise UserError("table: every column must have as many numbers as the others, at least 1")
@@ -71,7 +73,8 @@ def cosimulate_many(
     asked = [
         f"rotor.{prefix}{axis}" for prefix in stations(len(scene.rotor.stations)) for axis in "xy"
     ]
-    asked += ["coupling.error", "coupling.loop_gain", *(n for n in results if n not in RESULTS)]
+    asked += ["coupling.error", "coupling.loop_gain"]
+    asked += [name for name in results if name not in RESULTS and name not in residuals]
     ends = np.full(len(values), end_time(scene))
     if "speed" in columns and profile.start == profile.end:
         with np.errstate(divide="ignore"):  # the run refuses it
@@ -79,11 +82,12 @@ def cosimulate_many(
     turns = max(2, round(scene.run.revolutions))
     points = turns * (scene.coupling.steps_per_rev or POINTS_PER_REV)
     runs = Runs(made, list(columns), asked, points)
+    heavy = bool(scene.operation.gravity) or any("gravity" in name for name in columns)
 
     def chunk(first: int) -> dict[str, NDArray]:
         part = slice(first, first + CHUNK)
         signals, reasons = runs(values[part], ends[part])
-        reduced = _reduced(signals, turns, ends[part], asked)
+        reduced = _reduced(signals, turns, ends[part], asked, residuals, heavy)
         return {**{k: reduced[k].copy() for k in results}, "failure": np.array(reasons, object)}
 
     with ThreadPoolExecutor(threads or os.cpu_count()) as executor:
@@ -100,12 +104,21 @@ def _refuse_unknown(names: Any, known: Sequence[str]) -> None:
 
 
 def _reduced(
-    signals: NDArray, turns: int, ends: NDArray, asked: Sequence[str]
+    signals: NDArray,
+    turns: int,
+    ends: NDArray,
+    asked: Sequence[str],
+    residuals: Sequence[str],
+    heavy: bool,
 ) -> dict[str, NDArray]:
-    """Results of runs from their outputs (runs, points + 1, asked)."""
+    """Results of runs from their outputs (runs, points + 1, asked); `heavy`: under gravity."""
     places = asked.index("coupling.error")
     pairs = signals[:, :, :places].reshape(*signals.shape[:2], -1, 2)
-    amplitude = np.hypot(pairs[..., 0], pairs[..., 1]).max(axis=2)
+    if heavy:  # a sag is no vibration
+        pairs = pairs - pairs[:, -((pairs.shape[1] - 1) // turns) :].mean(axis=1, keepdims=True)
+    each = np.hypot(pairs[..., 0], pairs[..., 1])
+    last = each[:, -(each.shape[1] // turns) :].max(axis=1)
+    amplitude = each.max(axis=2)
     envelope = amplitude[:, 1:].reshape(len(ends), turns, -1).max(axis=2)
     largest, residual = amplitude.max(axis=1), envelope[:, -1]
     away = np.abs(envelope - residual[:, None]) > SETTLED * largest[:, None]
@@ -119,5 +132,6 @@ def _reduced(
         "settled": np.where(np.isnan(residual), math.nan, steady),
         "error": signals[:, -1, places],
         "loop_gain": signals[:, -1, places + 1],
+        **dict(zip(residuals, last.T, strict=True)),
     }
     return found | {name: signals[:, -1, k] for k, name in enumerate(asked) if k > places + 1}

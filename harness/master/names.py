@@ -20,6 +20,11 @@ def stations(count: int) -> list[str]:
     return [station(number, count) for number in range(1, count + 1)]
 
 
+def station_residuals(count: int) -> list[str]:
+    """What many runs call the amplitudes of all stations in the last revolution."""
+    return [f"rotor.{prefix}residual" for prefix in stations(count)]
+
+
 def plane(number: int, what: str) -> str:
     """A variable of a rotor's plane, such as `plane[1].a`."""
     return f"plane[{number}].{what}"

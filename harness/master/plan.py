@@ -142,11 +142,13 @@ def plan(scene: Scene, frame: str = "rotor") -> Plan:
         for name, value in scene.run.initial
         for prefix in stations(len(scene.rotor.stations))
     }
+    field = scene.operation.field
+    gravity = {"gravity_x": field.real, "gravity_y": field.imag}
     rotor = UnitPlan(
         ROTOR,
         scene.rotor.model,
         {**scene.rotor.sizes(planes), **built},
-        {**scene.rotor.start(planes), **start, **drive},
+        {**scene.rotor.start(planes), **gravity, **start, **drive},
     )
     loaded = scene.assembly().loaded_rotor
     balancers = [

@@ -34,7 +34,9 @@ def largest_force(scene: Scene) -> float:
     out, motion = math.hypot(start.x, start.y), math.hypot(start.vx, start.vy)
     pushed += out * _largest_row(rotor.stiffness_x, rotor.stiffness_y)
     pushed += motion * _largest_row(rotor.damping_x, rotor.damping_y)
-    return own + carried * (own + pushed) / float(rotor.mass.sum())
+    mass = float(rotor.mass.sum())
+    pushed += mass * abs(rotor.gravity)
+    return own + carried * (own + pushed) / mass
 
 
 def least_motion(scene: Scene) -> dict[str, float]:

@@ -5,8 +5,11 @@ from __future__ import annotations
 import math
 
 from ..scene import Scene
-from ..scene.run import DEFAULT_STEPS
+from ..scene.run import DEFAULT_STEPS, UNCORRECTED
+from .runtime import runtime
 from .system import System
+
+BRIEF = 1e-6  # of a communication step
 
 
 class Drive:
@@ -28,12 +31,27 @@ class Drive:
 def as_run(scene: Scene) -> Scene:
     """The scene, its coupling chosen where it asks for nothing: a tolerance, which is the default.
 
-    Weights that can touch or stick make the force jump, and no step is short enough for a
-    tolerance: they are given steps.
+    Where the force jumps within a step no step is short enough for a tolerance: it is given steps.
     """
-    if scene.asks_for_coupling or not any(balancer.can_touch for balancer in scene.balancer):
-        return scene
-    return at_fixed_steps(scene)
+    return scene if scene.asks_for_coupling or not force_jumps(scene) else at_fixed_steps(scene)
+
+
+def force_jumps(scene: Scene) -> bool:
+    """Whether a force can jump within a step: weights stick, or collide and no step ends there."""
+    balancers = scene.balancer
+    collide = any(b.can_meet for b in balancers) and not meets_contacts(scene)
+    return collide or any(b.can_stick for b in balancers)
+
+
+def meets_contacts(scene: Scene) -> bool:
+    """Whether steps end where weights collide: native units can, and steps can be taken back."""
+    corrects = scene.coupling.scheme not in UNCORRECTED
+    return corrects and runtime(scene.coupling.units).backend == "native"
+
+
+def brief_step(scene: Scene) -> float:
+    """Step in which a collision and its pulse err by less than steps do [s]; 0: none is met."""
+    return BRIEF * step_size(scene) if meets_contacts(scene) else 0.0
 
 
 def at_fixed_steps(scene: Scene) -> Scene:

@@ -45,6 +45,8 @@ class System:
         units: the loaded units by name.
         order: of the exchanged signals, 0, 1 or 3.
         watch: also tell balancers where their plane is that report their clearance.
+        brief: step that is taken whole [s]: balancers that can end longer ones at a collision; 0:
+            none does.
 
     Attributes:
         exchanges: balancers that exchange force, in order; `forces` and `force_names` are theirs.
@@ -57,12 +59,18 @@ class System:
     """
 
     def __init__(
-        self, plan: Plan, units: Mapping[str, Fmu], order: int, watch: bool = True
+        self,
+        plan: Plan,
+        units: Mapping[str, Fmu],
+        order: int,
+        watch: bool = True,
+        brief: float = 0.0,
     ) -> None:
         self.plan, self.units, self.order, self.has_no_past = plan, dict(units), order, True
         self.rotor = units[ROTOR]
         self.balancers = [unit for name, unit in units.items() if name != ROTOR]
         self.masses: dict[str, float] = {}
+        self.brief = brief
         slopes = 0 if order == 0 else 1
         exchanged = plan.of_kind("signal")
         followed = {c.target.unit: c.source.variable for c in exchanged if c.source.unit == ROTOR}
@@ -275,8 +283,12 @@ class System:
         carried = {c.source.unit: c for c in self.plan.of_kind("mass")}
         for one in reversed(self.plan.units):  # the rotor last: it needs the others' masses
             unit = self.units[one.name]
-            masses = self.masses if unit is self.rotor else {}
-            unit.restart({**one.start, **changes.get(one.name, {}), **masses})
+            start = {**one.start, **changes.get(one.name, {})}
+            if unit is self.rotor:
+                start |= self.masses
+            elif self.brief and "stop_at_contact" in unit.variables:
+                start |= {"stop_at_contact": True, "shortest_stopped_step": 1.5 * self.brief}
+            unit.restart(start)
             if unit is not self.rotor:
                 source, target = carried[one.name].source, carried[one.name].target.variable
                 mass = unit.get(unit.group([source.variable]))[0]

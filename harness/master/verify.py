@@ -29,7 +29,7 @@ from .parting import Parting, Statistics, parted
 from .recorder import Recorder
 from .result import Result
 from .scales import largest_force
-from .schedule import milestones, schedule, steps_per_rev
+from .schedule import force_jumps, milestones, schedule, steps_per_rev
 
 FINER = 30.0  # times smaller, the second run's tolerance
 PARTS = 3  # of a step: 3^4 = 81 where a tolerance lets steps be as long as may be
@@ -142,8 +142,7 @@ def _repeated(
 
 def controlled(scene: Scene, tolerance: float) -> Scene:
     """The scene with the second run's tolerance; itself where steps stay given."""
-    touching = any(balancer.can_touch for balancer in scene.balancer)
-    if not exchanging(scene) or (touching and scene.coupling.tolerance is None):
+    if not exchanging(scene) or (force_jumps(scene) and scene.coupling.tolerance is None):
         return scene
     tighter = {"tolerance": tolerance, "scheme": "auto", "order": 3}
     tighter |= {"steps_per_rev": None, "corrections": None}

@@ -64,8 +64,9 @@ def command(
         from .plot import plot_precision
 
         say(f"Picture: {plot_precision(found, output)}")
-    if words := report.comparison_words(found):
-        say(words, style="bold")
+    for words in (report.comparison_words(found), report.one_file_words(found)):
+        if words:
+            say(words, style="bold")
     say(report.cheapest_words(found), style="bold")
 
 
@@ -78,7 +79,10 @@ def _splits(found: Precision) -> list[Split]:
     for point in found.points:
         method = point.method
         usual = method.steps_per_rev == PROFILED_STEPS or method.tolerance == PROFILED_TOLERANCE
-        ours = not method.in_one_piece and method.name not in (ALONG_FIXED_AXES, LIBCOSIM)
+        ours = not (method.in_one_piece or method.one_file) and method.name not in (
+            ALONG_FIXED_AXES,
+            LIBCOSIM,
+        )
         if ours and point.counts and (usual or method.family not in chosen):
             chosen[method.family] = point
     return [

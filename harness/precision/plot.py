@@ -69,7 +69,7 @@ def _draw(axes: Any, found: Precision, family: str, points: Sequence[Point]) -> 
         label=label,
         color="tab:cyan" if many and not stepped else colour,
         linestyle="-." if whole else _STYLES[method.order],
-        marker="x" if whole else _MARKERS[method.order],
+        marker="x" if whole else "D" if method.one_file else _MARKERS[method.order],
         markersize=4.5,
         linewidth=2.2 if method.order == 3 and not whole else 1.2,
     )

@@ -32,6 +32,7 @@ def right_motion(
     Raises:
         SimulationError: nobody knows it; the message says why.
     """
+    scene.refuse_friction("no error can be told: the reference is that")
     for balancer in scene.balancer:
         if isinstance(balancer, WeightBalancer):
             _refuse_what_the_reference_lacks(scene, balancer)
@@ -54,7 +55,7 @@ def right_motion(
 
 
 def _refuse_what_the_reference_lacks(scene: Scene, balancer: WeightBalancer) -> None:
-    for name in ("rolling_resistance", "track_offset_xi", "track_offset_eta"):
+    for name in ("rolling_resistance", "offset"):
         if getattr(balancer, name):
             raise SimulationError(
                 f"{scene.name}: no error can be told: the reference knows no {name} of "

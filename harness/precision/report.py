@@ -20,7 +20,8 @@ SHARES = ("steps", "FMI calls", "us a step", "rotor", "balancers", "master")
 
 def row(point: Point) -> dict[str, Any]:
     """One point with the keys of the JSON document."""
-    values = {**vars(point.method), **vars(point), "method": point.method.name}
+    name = point.method.name + " in one file" * point.method.one_file
+    values = {**vars(point.method), **vars(point), "method": name}
     return {key: values[key] for key in KEYS}
 
 
@@ -50,7 +51,7 @@ def table(found: Precision) -> Sheet:
             head = [family, "-" if order is None else f"{order:.1f}"]
         families.add(family)
         errors = (_number(point.error), _number(point.at_end))
-        time = "-" if point.seconds is None else f"{1e3 * point.seconds:.1f}"
+        time = "-" if point.seconds is None else f"{1e3 * point.seconds:#.3g}"
         rows.append([head[0], point.method.setting, *errors, time, head[1], point.status])
     columns = ("method", "step or tolerance", "error", "at the end", "ms", "order", "status")
     title = f"Error against run time: {found.scene.name}"
@@ -131,17 +132,32 @@ def cheapest_words(found: Precision) -> str:
     return f"Cheapest for {found.scene.name}: {'. '.join(ways)}."
 
 
+def one_file_words(found: Precision) -> str:
+    """How many times as fast as SciPy's best the composite is; "" if it did not run."""
+    ways = []
+    for target in TARGETS:
+        one = found.cheapest(target, coupled=True, one_file=True)
+        whole = found.cheapest(target, coupled=False)
+        if one and whole and one.seconds and whole.seconds:
+            ratio = whole.seconds / one.seconds
+            ways.append(f"{ratio:.0f} at {target:g} ({_way(one)}; {_way(whole)})")
+    if not ways:
+        return ""
+    return f"In one file, times as fast as SciPy's best in one piece: {', '.join(ways)}."
+
+
 def _way(point: Point) -> str:
     assert point.seconds is not None
-    name = point.method.family.removeprefix("monolith ")
-    return f"{name}, {point.method.setting} ({1e3 * point.seconds:.0f} ms, {point.error:.1e})"
+    name = point.method.family.removeprefix("monolith ").removesuffix(" in one file")
+    return f"{name}, {point.method.setting} ({1e3 * point.seconds:.3g} ms, {point.error:.1e})"
 
 
 def markdown(found: Precision, splits: Sequence[Split]) -> str:
     """Everything as Markdown."""
     rows = [[f"{s.method.family}, {s.method.setting}", *_shares(s)] for s in splits]
     shares = Sheet(("where the time goes", *SHARES), rows, "lrrrrrr")
-    compared = [comparison_words(found), ""] if comparison_words(found) else []
+    said = [comparison_words(found), one_file_words(found)]
+    compared = [line for words in said if words for line in (words, "")]
     lines = [f"### {found.scene.name}", "", reference_words(found), "", table(found).markdown()]
     lines += ["", shares.markdown(), "", *compared, cheapest_words(found), ""]
     return "\n".join(lines)

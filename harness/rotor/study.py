@@ -122,6 +122,7 @@ def speed_range(scene: Scene) -> tuple[float, float]:
 
 def modes_at(scene: Scene) -> Modes:
     """Modes of the rotor without balancers at the operating speed."""
+    scene.refuse_friction("modes are those")
     return modes(scene.assembly().rotor, scene.profile().end)
 
 
@@ -131,6 +132,7 @@ def campbell_of(scene: Scene, low: float, high: float) -> tuple[Campbell, Array]
     Raises:
         UserError: a mode is overdamped in part of the range.
     """
+    scene.refuse_friction("modes are those")
     rotor = scene.assembly().rotor
     try:
         found = campbell(rotor, np.linspace(low, high, CURVE_POINTS).tolist())

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from cmath import rect
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal
 
 import numpy as np
@@ -41,7 +42,7 @@ class Balancer(Table):
         follows: what it is told of its plane's place, for its clearance alone.
         records: outputs that a run records where nothing else is asked for.
         exchanges_force: whether it sends force; else its whole effect is its added mass.
-        can_touch: whether its force can jump within a step, as weights touch or stick.
+        can_meet, can_stick: whether its force can jump, as weights collide, or stick and slip.
     """
 
     model: ClassVar[str]
@@ -56,7 +57,9 @@ class Balancer(Table):
         @property
         def exchanges_force(self) -> bool: ...
         @property
-        def can_touch(self) -> bool: ...
+        def can_meet(self) -> bool: ...
+        @property
+        def can_stick(self) -> bool: ...
 
     name: Annotated[Text, Field(min_length=1, pattern=r"^[A-Za-z_][A-Za-z0-9_-]*$")] = ""
     """Names its signals: a letter first, then letters, digits, _ and -; unique; default: the
@@ -102,10 +105,14 @@ class WeightBalancer(Balancer):
     """Of two weights that collide on the free rotor; needs `weight_radius`."""
     rolling_resistance: Annotated[NotNegative, Feeds()] = 0.0
     """Resistance over load: Coulomb's, with true sticking."""
-    track_offset_xi: Annotated[Real, Unit("m"), Feeds()] = 0.0
+    track_offset_xi: Annotated[Real, Unit("m")] = 0.0
     """Of the track's centre from the plane's, in the rotor."""
-    track_offset_eta: Annotated[Real, Unit("m"), Feeds()] = 0.0
+    track_offset_eta: Annotated[Real, Unit("m")] = 0.0
     """Of the track's centre from the plane's, in the rotor."""
+    track_offset: Annotated[NotNegative | None, Unit("m")] = None
+    """Eccentricity of the race, in place of its parts `track_offset_xi`, `track_offset_eta`."""
+    track_offset_angle: Annotated[Angle | None, Unit("rad")] = None
+    """Direction of `track_offset` in the rotor; default: 0."""
     angles: Annotated[tuple[Angle, ...], Unit("rad"), Feeds("weight[{n}].angle0")] = ()
     """In the rotor, one a weight; default: evenly spread."""
     speeds: Annotated[tuple[Real, ...], Unit("rad/s"), Feeds("weight[{n}].speed0")] = ()
@@ -133,6 +140,22 @@ class WeightBalancer(Balancer):
                 "point weights do not collide: give weight_radius, or leave this out",
             )
         return self
+
+    @model_validator(mode="after")
+    def _one_offset(self) -> WeightBalancer:
+        parts = {"track_offset_xi", "track_offset_eta"} & self.model_fields_set
+        if self.track_offset is not None and parts:
+            raise refusal("track_offset", f"give either this or {' and '.join(sorted(parts))}")
+        if self.track_offset is None and self.track_offset_angle is not None:
+            raise refusal("track_offset_angle", "needs track_offset, whose direction it is")
+        return self
+
+    @property
+    def offset(self) -> complex:
+        """Of the track's centre from the plane's, in the rotor, xi + i eta [m]."""
+        if self.track_offset is not None:
+            return rect(self.track_offset, self.track_offset_angle or 0.0)
+        return complex(self.track_offset_xi, self.track_offset_eta)
 
     def _refuse_tight(self, radius: float) -> None:
         track = self.track_radius
@@ -163,9 +186,14 @@ class WeightBalancer(Balancer):
         return half_angle(self.weight_radius or 0.0, self.track_radius)
 
     @property
-    def can_touch(self) -> bool:
-        """Whether two of the weights can meet, or one stick."""
-        return bool((self.weight_radius and self.count > 1) or self.rolling_resistance)
+    def can_meet(self) -> bool:
+        """Whether two of the weights can collide."""
+        return bool(self.weight_radius) and self.count > 1
+
+    @property
+    def can_stick(self) -> bool:
+        """Whether a weight can come to rest and break away."""
+        return bool(self.rolling_resistance)
 
     @property
     def records(self) -> tuple[str, ...]:
@@ -183,6 +211,7 @@ class WeightBalancer(Balancer):
         Its restitution is that of a rotor which is held: the unit knows no rotor.
         """
         values: Start = {**fed(self), "kappa": self.kappa}
+        values |= {"track_offset_xi": self.offset.real, "track_offset_eta": self.offset.imag}
         if self.restitution and self.weight_radius:
             row = loaded_rotor.planes[self.at - 1]
             carrier = 1.0 / float(row @ np.linalg.solve(loaded_rotor.mass, row))
@@ -194,7 +223,8 @@ class WeightBalancer(Balancer):
     @property
     def device(self) -> Weights:
         """The weights, for the models."""
-        return Weights(self.count, self.mass, self.track_radius, self.drag, self.kappa)
+        radius = self.weight_radius or 0.0
+        return Weights(self.count, self.mass, self.track_radius, self.drag, self.kappa, radius)
 
     def build(self) -> Mounted:
         """The weights on their plane."""
@@ -204,7 +234,7 @@ class WeightBalancer(Balancer):
             self.at - 1,
             self.angles,
             self.speeds,
-            complex(self.track_offset_xi, self.track_offset_eta),
+            self.offset,
             self.half_angle,
             self.restitution,
         )
@@ -216,7 +246,8 @@ class LiquidBalancer(Balancer):
     model: ClassVar[str] = "LiquidBalancer"
     follows: ClassVar[tuple[str, ...]] = ("x", "y")
     records: ClassVar[tuple[str, ...]] = ("clearance",)
-    can_touch: ClassVar[bool] = False
+    can_meet: ClassVar[bool] = False
+    can_stick: ClassVar[bool] = False
 
     kind: Literal["liquid"]
     chamber_radius: Annotated[Positive, Unit("m"), Feeds()]

@@ -42,6 +42,10 @@ class CriticalSpeedsCheck(Table):
     """Speeds at which the growth rate is also fitted to a run in time."""
     runs_from_rest: Annotated[tuple[Positive, ...], Unit("rad/s")] = ()
     """Speeds at which a run from rest must end as predicted."""
+    published: Annotated[tuple[Positive, ...], Unit("rad/s")] = ()
+    """Boundaries that the scene's source gives; the nearest co-simulated one is compared."""
+    published_within: Positive = 1e-3
+    """Of a published one: to what it could be read, or what its theory leaves out."""
 
 
 class TableCheck(Table):
@@ -145,6 +149,15 @@ class ContactOrderCheck(Table):
         return self
 
 
+class RigCheck(Table):
+    """The rig that Rodrigues, Champneys, Friswell and Wilson 2010 measured: a rigid rotor on two
+    supports with two balls named `balls`; its first unbalance is the washers'."""
+
+    kind: Literal["rig"]
+    flexible: Text
+    """Scene of the same rig with a shaft that bends: a file, or a bundled one."""
+
+
 class RuntimesCheck(Table):
     """Native units against the units in Python, to rounding."""
 
@@ -171,6 +184,7 @@ AnyCheck = Annotated[
     | SlowRootCheck
     | LargestSpreadCheck
     | ContactOrderCheck
+    | RigCheck
     | RuntimesCheck
     | MeasuredErrorCheck,
     Field(discriminator="kind"),

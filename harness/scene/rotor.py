@@ -8,13 +8,14 @@ from __future__ import annotations
 
 import cmath
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import pairwise
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal
 
 from pydantic import Field, field_validator, model_validator
 
 from ...models.rotor import LinearRotor
+from ...models.rotor import Slider as ModelSlider
 from .feeds import Feeds, Start, fed
 from .quantities import (
     Angle,
@@ -45,6 +46,20 @@ class Unbalance(Table):
 Unbalances = tuple[Unbalance, ...]
 
 
+class Slider(Table):
+    """Dry friction in a support, in parallel with its spring, each axis for itself."""
+
+    support: Annotated[Whole, Field(ge=1, le=2), Feeds()] = 1
+    """Number of the support; a planar rotor has one."""
+    limit: Annotated[NotNegativePair, Unit("N"), Feeds("limit_{axis}")]
+    """Force at which it slips; a number for both axes, or [x, y]."""
+    stiffness: Annotated[PositivePair | None, Unit("N/m"), Feeds("stiffness_{axis}")] = None
+    """Of a spring in series with it; default: none, it is rigid."""
+
+
+Friction = Annotated[tuple[Slider, ...], Feeds("slider[{n}].")]
+
+
 @dataclass(frozen=True)
 class Corrections:
     """Room for correction weights on a rotor.
@@ -73,6 +88,7 @@ class RotorTable(Table):
     model: ClassVar[str] = "RotorOnSupports"
     kind: str
     if TYPE_CHECKING:  # a key of one kind, a property of another
+        friction: tuple[Slider, ...]
 
         @property
         def mass(self) -> float: ...
@@ -86,6 +102,21 @@ class RotorTable(Table):
         def planes(self) -> tuple[float, ...]: ...
         @property
         def unbalances(self) -> Unbalances: ...
+
+    @model_validator(mode="after")
+    def _slides_one_way(self) -> RotorTable:
+        for k, slider in enumerate(self.friction, start=1):
+            if slider.support > len(self.supports):
+                raise refusal(f"friction[{k}].support", "must be 1: a planar rotor has one support")
+        for axis in (0, 1):
+            rigid = [s.support for s in self.friction if s.stiffness is None and s.limit[axis]]
+            if len(set(rigid)) < len(rigid):
+                raise refusal(
+                    "friction",
+                    "two rigid sliders at one support and axis are one with the sum of their "
+                    "limits: give that, or a stiffness",
+                )
+        return self
 
     @property
     def plane_count(self) -> int:
@@ -112,6 +143,7 @@ class RotorTable(Table):
             "stations": len(self.stations),
             "planes": len(planes),
             "unbalances": len(self.unbalances) or 1,
+            **self._sliders,
         }
 
     def start(self, planes: Sequence[int]) -> Start:
@@ -128,11 +160,26 @@ class RotorTable(Table):
 
     def _arguments(self) -> dict[str, Any]:
         """What a constructor of `LinearRotor` takes: the table's keys, unbalances as triples."""
-        values = {key: value for key, value in self if key != "kind"}
+        values = {key: value for key, value in self if key not in ("kind", "friction")}
         if "unbalances" in values:
             triples = [(u.position, u.amount, u.angle) for u in self.unbalances]
             values["unbalances"] = triples
         return values
+
+    @property
+    def _sliders(self) -> dict[str, int]:
+        """The build option, where there are any."""
+        return {"sliders": len(self.friction)} if self.friction else {}
+
+    def _with_friction(self, rotor: LinearRotor) -> LinearRotor:
+        """The same rotor with the sliders in its supports."""
+        sliders = [
+            ModelSlider(self.supports[s.support - 1] - 1, axis, s.limit[axis],
+                        s.stiffness[axis] if s.stiffness else 0.0)
+            for s in self.friction
+            for axis in (0, 1)
+        ]  # fmt: skip
+        return replace(rotor, sliders=tuple(sliders))
 
     def _plane_start(self, planes: Sequence[int]) -> Start:
         """Positions of the unit's planes, and its unbalances: at least one of each."""
@@ -154,6 +201,8 @@ class PlanarRotor(RotorTable):
     """Of the supports, fixed axes."""
     damping: Annotated[NotNegativePair, Unit("N s/m"), Feeds("damping_{axis}")] = (0.0, 0.0)
     """Of the supports, fixed axes."""
+    friction: Friction = ()
+    """Dry friction in the supports: sliders."""
     internal_damping: Annotated[NotNegative, Unit("N s/m"), Feeds()] = 0.0
     """Of the shaft, turns with it."""
     unbalance: Annotated[NotNegative, Unit("kg m"), Feeds()] = 0.0
@@ -172,12 +221,12 @@ class PlanarRotor(RotorTable):
         return Corrections({}, [present], [("unbalance", "unbalance_angle")])
 
     def sizes(self, planes: Sequence[int]) -> dict[str, Any]:
-        """What the unit is built for: nothing is to be chosen."""
-        return {}
+        """What the unit is built for: the sliders are all there is to choose."""
+        return self._sliders
 
     def build(self) -> LinearRotor:
         """The rotor's matrices."""
-        return LinearRotor.planar(**self._arguments())
+        return self._with_friction(LinearRotor.planar(**self._arguments()))
 
 
 class TwoSupportRotor(RotorTable):
@@ -204,6 +253,8 @@ class TwoSupportRotor(RotorTable):
         Feeds("support[{n}].damping_{axis}"),
     ] = ((0.0, 0.0), (0.0, 0.0))
     """One entry a support."""
+    friction: Friction = ()
+    """Dry friction in the supports: sliders."""
     planes: Annotated[tuple[Real, ...], Unit("m")] = ()
     """Where balancers can sit, from support 1."""
     unbalances: Annotated[Unbalances, Feeds("unbalance[{n}].")] = ()
@@ -235,7 +286,7 @@ class TwoSupportRotor(RotorTable):
 
     def build(self) -> LinearRotor:
         """The rotor's matrices."""
-        return LinearRotor.two_support(**self._arguments())
+        return self._with_friction(LinearRotor.two_support(**self._arguments()))
 
 
 class FlexibleRotor(RotorTable):
@@ -258,6 +309,8 @@ class FlexibleRotor(RotorTable):
         Feeds("support[{n}].damping_{axis}"),
     ] = ((0.0, 0.0), (0.0, 0.0))
     """One entry a support."""
+    friction: Friction = ()
+    """Dry friction in the supports: sliders."""
     bending_stiffness: Annotated[Positive | None, Unit("N m^2"), Feeds()] = None
     """E I of the shaft; this or `compliance`."""
     compliance: Annotated[tuple[tuple[Real, ...], ...] | None, Unit("m/N")] = None
@@ -326,7 +379,7 @@ class FlexibleRotor(RotorTable):
 
     def build(self) -> LinearRotor:
         """The rotor's matrices."""
-        return LinearRotor.flexible(**self._arguments())
+        return self._with_friction(LinearRotor.flexible(**self._arguments()))
 
 
 Rotor = Annotated[PlanarRotor | TwoSupportRotor | FlexibleRotor, Field(discriminator="kind")]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from cmath import rect
 from typing import Annotated, Any, Literal
 
 from pydantic import AfterValidator, BeforeValidator, Field, model_validator
@@ -32,12 +33,16 @@ class RunUp(Table):
 
 
 class Operation(Table):
-    """How the rotor is driven: at a constant speed, or run up."""
+    """How the rotor is driven, at a constant speed or run up, and gravity."""
 
     speed: Annotated[Positive | None, Unit("rad/s")] = None
     """Constant speed; this or `run_up`."""
     run_up: RunUp | None = None
     """A speed that rises; this or `speed`."""
+    gravity: Annotated[NotNegative, Unit("m/s^2")] = 0.0
+    """Across the axis: 9.81 for a horizontal rotor, 0 for a vertical one."""
+    gravity_angle: Annotated[Angle | None, Unit("rad")] = None
+    """Direction of gravity in fixed axes; default: downwards, -pi/2."""
 
     @model_validator(mode="after")
     def _one_of_both(self) -> Operation:
@@ -45,6 +50,13 @@ class Operation(Table):
             both = "not both" if self.run_up else "neither is there"
             raise refusal("run_up", f"give either speed (rad/s) or run_up: {both}")
         return self
+
+    @property
+    def field(self) -> complex:
+        """Gravity gx + i gy [m/s^2]."""
+        if self.gravity_angle is None:
+            return complex(0.0, 0.0 - self.gravity)
+        return rect(self.gravity, self.gravity_angle)
 
     def profile(self) -> SpeedProfile:
         """Speed against time."""

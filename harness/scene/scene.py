@@ -9,6 +9,7 @@ from __future__ import annotations
 import copy
 from collections.abc import Mapping
 from contextlib import suppress
+from dataclasses import replace
 from functools import cached_property
 from pathlib import Path
 from typing import Any
@@ -46,7 +47,7 @@ class Scene(Table):
     balancer: tuple[AnyBalancer, ...] = ()
     """A list of tables, by kind."""
     operation: Operation
-    """How the rotor is driven."""
+    """How the rotor is driven, and gravity."""
     coupling: Coupling = Coupling()
     """How the units exchange signals."""
     run: Run = Run()
@@ -130,7 +131,7 @@ class Scene(Table):
 
     @cached_property
     def _linear_rotor(self) -> LinearRotor:
-        return self.rotor.build()
+        return replace(self.rotor.build(), gravity=self.operation.field)
 
     @cached_property
     def _assembly(self) -> Assembly:
@@ -176,6 +177,14 @@ class Scene(Table):
             raise SceneError(f"{self._label}: {error}") from None
         return Scene._of(document, self._path, self._label)
 
+    def refuse_friction(self, what: str) -> None:
+        """Raise SceneError, where the supports have dry friction, for what takes a linear rotor."""
+        if self.rotor.friction:
+            raise SceneError(
+                f"{self.path or self.name}: rotor.friction: {what} of a linear rotor, and dry "
+                "friction is not; run the scene instead, or leave friction out"
+            )
+
     def without_balancers(self) -> Scene:
         """The bare rotor, with nothing to check."""
         return self.without(*(balancer.label for balancer in self.balancer))
@@ -204,6 +213,8 @@ class Scene(Table):
         except ValueError as error:
             return [f"rotor: {error}"]
         lines = self.balancing.problems(self.rotor) if self.balancing else []
+        if self.operation.gravity and self.rotor.friction:
+            lines.append("operation.gravity, rotor.friction: take one out, no unit has both")
         one_liquid = [b.kind for b in self.balancer] == ["liquid"]
         fits = one_liquid and rotor.isotropic and self.rotor.kind == "planar"
         lines += [

@@ -12,9 +12,10 @@ cosim-run: growth fitted to a run of the coupled units, for many weights.
 from __future__ import annotations
 
 import functools
+import itertools
 import math
 from collections.abc import Callable, Iterable, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from itertools import pairwise
 from typing import Any, Literal
 
@@ -24,14 +25,15 @@ from scipy.optimize import brentq
 
 from ...models.assembly import Assembly
 from ...models.criteria import Criterion
-from ...models.linear.balanced import CannotBalance
+from ...models.linear.balanced import CannotBalance, balanced_angles
 from ...models.linear.boundaries import Crossing, balancing_boundaries
 from ...models.stability import growth_rates
 from ..errors import UserError
 from ..output.workers import Progress, Workers, in_order
 from ..scene import Scene
 from .in_time import growth_in_run
-from .main_motion import MainMotion, NoMainMotion
+from .main_motion import MainMotion, NoMainMotion, refuse_gravity
+from .whirl import WhirlMotion, Whirls, has_map, whirls
 
 METHODS = ("criterion", "floquet", "cosim", "cosim-run")
 DEFAULT_METHODS = METHODS[:3]
@@ -54,6 +56,8 @@ class Speeds:
         methods: crossings of every method that applies, ascending.
         lowest: what each of these finds at the low end of the range.
         refused: why each other method does not apply.
+        whirl: what remains where the weights cannot balance; None where they can, or where the
+            method floquet was not asked.
     """
 
     scene: str
@@ -61,6 +65,7 @@ class Speeds:
     methods: dict[str, tuple[Crossing, ...]] = field(default_factory=dict)
     lowest: dict[str, Side] = field(default_factory=dict)
     refused: dict[str, str] = field(default_factory=dict)
+    whirl: Whirls | None = None
 
     def as_json(self) -> dict[str, Any]:
         """Plain lists and numbers."""
@@ -73,6 +78,7 @@ class Speeds:
             },
             "below_first": dict(self.lowest),
             "not_applicable": dict(self.refused),
+            "whirl": None if self.whirl is None else self.whirl.as_json(),
         }
 
     def rows(self) -> list[dict[str, Crossing]]:
@@ -127,9 +133,12 @@ def speeds(
         progress: called with the finished fraction of the co-simulation.
 
     Raises:
-        UserError: the range is empty, or a method is unknown.
+        UserError: the range is empty, a method is unknown, or the supports have dry friction.
+        SceneError: gravity swings the weights.
         SimulationError: a co-simulation cannot be completed correctly.
     """
+    refuse_gravity(scene, "speeds")
+    scene.refuse_friction("boundaries of balancing are those")
     low, high = range
     if not 0.0 < low < high < math.inf:
         raise UserError(f"range {low:g} to {high:g} rad/s: must be positive and rising")
@@ -153,9 +162,18 @@ def speeds(
     nodes = np.linspace(low, high, scan + 1)
     if "floquet" in result.methods:
         nodes = nodes_around([c.speed for c in result.methods["floquet"]], low, high)
+    why = _why_no_rest(scene) if "floquet" in wanted else ""
     for method in (m for m in wanted if m.startswith("cosim")):
-        _by_units(scene, result, method, nodes, steps, workers, progress)
-    return result
+        if why:
+            result.refused[method] = why
+        else:
+            _by_units(scene, result, method, nodes, steps, workers, progress)
+    if not why:
+        return result
+    whirl = whirls(scene, result.range, why, narrowest, progress)
+    if "floquet" in whirl.methods and "cosim" in wanted:
+        _whirl_by_units(scene, whirl, result.range, steps, workers, progress)
+    return replace(result, whirl=whirl)
 
 
 def _side(growth: float) -> Side:
@@ -193,6 +211,40 @@ def _by_floquet(scene: Scene, result: Speeds, narrowest: float | None) -> None:
         return
     result.methods["floquet"] = tuple(found)
     result.lowest["floquet"] = _side(float(growth_rates(assembly, result.range[0])[0]))
+
+
+def _why_no_rest(scene: Scene) -> str:
+    """Why the rotor cannot rest whatever the speed; empty where the weights can balance."""
+    assembly = scene.assembly()
+    try:
+        balanced_angles(assembly)
+    except CannotBalance as error:
+        return str(error)
+    except ArithmeticError:
+        return ""
+    off = [f"{m.name} by {1e3 * abs(m.offset):.3g} mm" for m in assembly.weights if m.offset]
+    return f"tracks are off centre: {', '.join(off)}" if off else ""
+
+
+def _whirl_by_units(
+    scene: Scene,
+    whirl: Whirls,
+    span: tuple[float, float],
+    steps: int | None,
+    workers: Workers,
+    progress: Progress | None,
+) -> None:
+    """Both sides of every boundary of the whirl, where no weights touch or drift in it."""
+    nodes = nodes_around([c.speed for c in whirl.methods["floquet"]], *span).tolist()
+    free = itertools.groupby(nodes, lambda speed: has_map(scene, speed))
+    spans = [list(group) for apart, group in free if apart]
+    if sum(map(len, spans)) < len(nodes):
+        whirl.refused["cosim"] = (
+            "where weights touch or drift in the whirl, and at the boundaries beside it"
+        )
+    work = functools.partial(_search, scene, "cosim", steps, None, motion_of=WhirlMotion)
+    found = in_order(work, spans, workers, progress)
+    whirl.methods["cosim"] = tuple(c for crossings, _ in found for c in crossings)
 
 
 def nodes_around(guesses: Sequence[float], low: float, high: float) -> NDArray[np.float64]:
@@ -234,9 +286,14 @@ def _by_units(
 
 
 def _search(
-    scene: Scene, method: str, steps: int | None, progress: Progress | None, nodes: list[float]
+    scene: Scene,
+    method: str,
+    steps: int | None,
+    progress: Progress | None,
+    nodes: list[float],
+    motion_of: type[MainMotion] = MainMotion,
 ) -> tuple[list[Crossing], Side]:
-    with MainMotion(scene, steps=steps) as motion:
+    with motion_of(scene, steps=steps) as motion:
         in_run = functools.partial(growth_in_run, motion)
         return crossings(motion.growth if method == "cosim" else in_run, nodes, progress)
 

@@ -24,7 +24,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...models.linear.balanced import restart_angles
-from ..errors import SimulationError
+from ..errors import SceneError, SimulationError
 from ..master.fmu import Closing, Fmu, Variables
 from ..scene import Scene
 from .revolution import RANK, Matrix, Revolution, Vector, derivative
@@ -45,6 +45,16 @@ class NoMainMotion(SimulationError):
     """The weights cannot undo the unbalance, or the rotor cannot rest."""
 
 
+def refuse_gravity(scene: Scene, what: str) -> None:
+    """Raise SceneError where gravity keeps weights from resting in the rotor."""
+    if scene.operation.gravity and scene.assembly().weights:
+        raise SceneError(
+            f"{scene.name}: operation.gravity = {scene.operation.gravity:g} m/s^2: {what} asks "
+            "where weights rest in the rotor, and gravity swings them once in every revolution: "
+            "use run, or map --method cosim-run, or take gravity out"
+        )
+
+
 class MainMotion(Closing):
     """Multipliers and growth about the main motion, measured on the coupled units at any speed.
 
@@ -58,21 +68,26 @@ class MainMotion(Closing):
 
     Raises:
         NoMainMotion: no balanced position of the weights was found.
+        SceneError: gravity swings the weights.
     """
 
     def __init__(self, scene: Scene, *, steps: int | None = None) -> None:
+        refuse_gravity(scene, "a main motion")
         self.units = Revolution(scene, steps=steps)
         try:
             self._speed = abs(scene.profile().end)  # any will do for what follows
-            self._angles = [
-                i for i, s in enumerate(self.units.states) if s.unit != "rotor" and not s.is_rate
-            ]
+            self._angles = self._places_of_angles()
             self.state = self._balanced()
             self._rows, self._columns, self.neutral = self._split()
             self._refuse_false_neutral()
         except BaseException:
             self.units.close()
             raise
+
+    def _places_of_angles(self) -> list[int]:
+        """Which states are angles of weights."""
+        states = enumerate(self.units.states)
+        return [i for i, s in states if s.unit != "rotor" and not s.is_rate]
 
     def _read(self, state: Vector, groups: Outputs) -> Vector:
         """Outputs of the units at the very start of a motion from a state."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 import itertools
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 
 import numpy as np
@@ -19,8 +19,9 @@ from ..output.workers import Progress, Workers, in_order
 from ..scene import Scene
 from .axis import SPEED, Axis, refuse_axes
 from .boundaries import criterion_of
-from .main_motion import MainMotion
+from .main_motion import MainMotion, refuse_gravity
 from .map_store import open_map
+from .whirl import whirl_at
 
 Vector = NDArray[np.float64]
 Reasons = NDArray[np.object_]  # why points have no growth rate; empty where they have
@@ -57,6 +58,9 @@ class StabilityMap:
         no_criterion: why not.
         points: co-simulated.
         failed: of the grid, without a growth rate because its equations cannot be solved.
+        whirl: (len(y), len(x)) largest amplitude of the whirl that remains where the weights
+            cannot balance [m]; NaN elsewhere, and where there is no steady whirl.
+        whirl_growth: (len(y), len(x)) growth rate of deviations from it [1/s].
     """
 
     title: str
@@ -68,6 +72,8 @@ class StabilityMap:
     no_criterion: str = ""
     points: tuple[Point, ...] = ()
     failed: tuple[Point, ...] = ()
+    whirl: NDArray[np.float64] = field(default_factory=lambda: np.zeros((0, 0)))
+    whirl_growth: NDArray[np.float64] = field(default_factory=lambda: np.zeros((0, 0)))
 
     @property
     def agreeing(self) -> int:
@@ -91,8 +97,10 @@ class StabilityMap:
             word = ""
             if self.criterion is not None:
                 word = "stable" if self.criterion[j, i] < 0.0 else "unstable"
-            rows.append((*numbers, word, measured.get((j, i), "")))
-        heads = (*self.labels, "growth rate [1/s]", "criterion", "cosim growth rate [1/s]")
+            whirls = (f"{each[j, i]:.10g}" for each in (self.whirl, self.whirl_growth))
+            rows.append((*numbers, word, measured.get((j, i), ""), *whirls))
+        found = ("growth rate [1/s]", "criterion", "cosim growth rate [1/s]")
+        heads = (*self.labels, *found, "whirl [m]", "whirl growth rate [1/s]")
         return Sheet(heads, rows).write_csv(path)
 
 
@@ -118,7 +126,9 @@ def stability_map(
     Raises:
         UserError: a path is unknown, a value on an axis is wrong, both axes are the same, or the
             store is another map's.
+        SceneError: gravity swings the weights.
     """
+    scene.refuse_friction("a map of growth rates is that")
     refuse_axes(x, y)
     report = progress or (lambda done: None)
     share = 1.0 if not cosim else 0.5
@@ -130,9 +140,10 @@ def stability_map(
     places = grid_points(cosim, len(x.values), len(y.values))
     kept = {} if store is None else open_map(store, scene, x, y, rows, places)
     strips = in_order(_strip, jobs, workers, lambda done: report(share * done), kept.get("strip"))
-    growth, criterion, why_not = (np.concatenate(arrays) for arrays in zip(*strips, strict=True))
-    if transposed:
-        growth, criterion, why_not = growth.T, criterion.T, why_not.T
+    grids = [np.concatenate(arrays) for arrays in zip(*strips, strict=True)]
+    growth, criterion, why_not, whirl, whirl_growth = (
+        grid.T if transposed else grid for grid in grids
+    )
     work = [(scene, {x.path: x.values[i], y.path: y.values[j]}) for i, j in places]
     rates = in_order(
         _measure, work, workers, lambda done: report(0.5 + 0.5 * done), kept.get("point")
@@ -149,21 +160,38 @@ def stability_map(
         "" if applies else _why_no_criterion(scene),
         tuple(Point(*place, *rate) for place, rate in zip(places, rates, strict=True)),
         tuple(Point(i, j, math.nan, str(why_not[j, i])) for j, i in failed),
+        whirl,
+        whirl_growth,
     )
 
 
-def _strip(job: tuple[Scene, str, list[float], Axis]) -> tuple[Vector, Vector, Reasons]:
-    """Growth rates, the criterion and reasons, (values of the slow axis, all of the fast one)."""
+def _strip(
+    job: tuple[Scene, str, list[float], Axis],
+) -> tuple[Vector, Vector, Reasons, Vector, Vector]:
+    """Growth rates, the criterion, reasons, whirls, (values of the slow axis, all of the fast)."""
     scene, slow, values, fast = job
     along = fast.path == SPEED
     others = [{}] if along else [{fast.path: value} for value in fast.values]
     scenes = [scene.replace({slow: v, **other}) for v, other in itertools.product(values, others)]
+    for each in scenes:
+        refuse_gravity(each, "a map of growth rates")
     assemblies = [s.assembly() for s in scenes]
     speeds = fast.values if along else np.array([scenes[0].profile().end])
     growth, why_not = _rates(assemblies, speeds)
     criterion = np.concatenate([_criterion(a, speeds) for a in assemblies])
+    whirl = _whirls(scenes, speeds, np.isnan(growth) & (why_not == ""))
     shape = len(values), len(fast.values)
-    return growth.reshape(shape), criterion.reshape(shape), why_not.reshape(shape)
+    grids = growth, criterion, why_not, *whirl
+    return tuple(grid.reshape(shape) for grid in grids)  # type: ignore[return-value]
+
+
+def _whirls(scenes: Sequence[Scene], speeds: Vector, unbalanced: Vector) -> tuple[Vector, Vector]:
+    """Amplitude and growth rate of the whirl where weights cannot balance (scenes, speeds)."""
+    amplitude, growth = np.full(unbalanced.shape, math.nan), np.full(unbalanced.shape, math.nan)
+    for i, j in np.argwhere(unbalanced).tolist():
+        one = whirl_at(scenes[i], float(speeds[j]))
+        growth[i, j], amplitude[i, j] = one.growth, max(one.amplitude, default=math.nan)
+    return amplitude, growth
 
 
 def _rates(assemblies: Sequence[Assembly], speeds: Vector) -> tuple[Vector, Reasons]:

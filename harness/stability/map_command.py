@@ -116,6 +116,12 @@ def _say(data: StabilityMap) -> None:
         f"{growth.size} points: {int((growth <= 0.0).sum())} balanced, "
         f"{int((growth > 0.0).sum())} not, {none} where the weights cannot balance"
     )
+    if none:
+        stable = data.whirl[data.whirl_growth < 0.0]
+        span = (
+            f", of {1e3 * stable.min():.4g} to {1e3 * stable.max():.4g} mm" if len(stable) else ""
+        )
+        say(f"where they cannot, a stable whirl remains at {len(stable)} points{span}")
     if data.criterion is None:
         say(f"criterion: does not apply: {data.no_criterion}")
     if data.points:

@@ -30,6 +30,10 @@ def open_map(
         "growth": Variable(*grid, chunk=rows, meaning="largest growth rate [1/s]"),
         "criterion": Variable(*grid, chunk=rows, meaning="negative: balanced by the criterion"),
         "why_not": Variable(*grid, "str", rows, "why there is no growth rate"),
+        "whirl": Variable(
+            *grid, chunk=rows, meaning="amplitude that remains where weights cannot balance [m]"
+        ),
+        "whirl_growth": Variable(*grid, chunk=rows, meaning="growth rate of that whirl [1/s]"),
     }
     points = {
         "cosim_growth": Variable(

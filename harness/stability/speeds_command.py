@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import os
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -16,6 +17,7 @@ from ..output.terminal import progress_bar, say, show
 
 if TYPE_CHECKING:
     from .boundaries import Speeds
+    from .whirl import WhirlAt, Whirls
 
 DEFAULT = "criterion,floquet,cosim"
 
@@ -66,10 +68,18 @@ def command(
         say(f"{name}: {side} at the low end of the range{throughout}")
     for name, reason in found.refused.items():
         say(f"{name}: does not apply: {reason}", style="yellow")
+    if found.whirl is not None:
+        for line in found.whirl.lines():
+            say(line)
+        if found.whirl.at:
+            show(whirl_table(found.whirl))
+        for name, reason in found.whirl.refused.items():
+            say(f"{name}: does not apply {reason}", style="yellow")
     for name in found.methods:
         if name.startswith("cosim"):
             say(f"{name}: {_looked(found, scan)}")
-    co_simulated = any(name.startswith("cosim") for name in found.methods)
+    known = (*found.methods, *(found.whirl.methods if found.whirl else ()))
+    co_simulated = any(name.startswith("cosim") for name in known)
     say(f"FMUs loaded: {', '.join(plan(loaded).files) if co_simulated else 'none'}")
     if json_file is not None:
         write_json(found.as_json(), json_file)
@@ -92,6 +102,35 @@ def table(found: Speeds, title: str) -> Sheet:
     heading = f"{title}: critical speeds from {low:g} to {high:g} rad/s"
     colours = {"above it": {"stable": GOOD, "unstable": "red"}}
     return Sheet(columns, rows, "ll" + "r" * (len(columns) - 2), heading, colours)
+
+
+def whirl_table(whirl: Whirls) -> Sheet:
+    """The whirl at the speeds shown, and its boundaries by method."""
+    stations = max(len(one.amplitude) for one in whirl.at)
+    columns = ["speed [rad/s]", "whirl", *(f"station {n} [mm]" for n in range(1, stations + 1))]
+    rows = [
+        [f"{one.speed:.6g}", _kept(one), *(f"{1e3 * a:.4g}" for a in one.amplitude), _angles(one)]
+        if one.amplitude
+        else [f"{one.speed:.6g}", "none", *["-"] * stations, "-"]
+        for one in whirl.at
+    ]
+    for name, found in whirl.methods.items():
+        rows += [
+            [f"{c.speed:.8g}", f"{c.above} above, {name}", *["-"] * stations, "-"] for c in found
+        ]
+    rows.sort(key=lambda row: float(row[0]))
+    colours = {"whirl": {"stable": GOOD, "unstable": "red"}}
+    columns.append("weights at [deg]")
+    title = "What remains: largest distance from the middle, 0-peak"
+    return Sheet(columns, rows, "rl" + "r" * (stations + 1), title, colours)
+
+
+def _kept(one: WhirlAt) -> str:
+    return "stable" if one.stable else "unstable"
+
+
+def _angles(one: WhirlAt) -> str:
+    return ", ".join(f"{math.degrees(angle):.1f}" for angle in one.angles)
 
 
 def _looked(found: Speeds, scan: int) -> str:

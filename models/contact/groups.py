@@ -23,11 +23,12 @@ def fill_drives(weights: WeightsInOrder, first: int, size: int, now: Instant) ->
     track, drives, limits = weights.track, weights.drives, weights.limits
     lever, grip, radius = track.weights.lever, track.grip, track.weights.track_radius
     damping_rate = track.weights.damping_rate
+    lag = track.weights.spin_share * now.angular_acceleration
     for j in range(size):
         k = (first + j) % weights.count
         z = now.acceleration * cmath.rect(1.0, -weights.angle[k])
         rate = weights.angle_rate[k]
-        g, f = lever * z.imag - now.angular_acceleration - damping_rate * rate, 0.0
+        g, f = lever * z.imag - lag - damping_rate * rate, 0.0
         if grip:
             f = grip * abs(radius * (now.rotor_speed + rate) ** 2 - z.real)
             if rate:
@@ -88,6 +89,7 @@ def _sliding(weights: WeightsInOrder, i: int) -> SlidingGroup:
         track.weights.damping_rate,
         groups.size[i],
         track.alpha,
+        track.weights.spin_share,
     )
 
 
@@ -108,8 +110,9 @@ def moved(
     if groups.sign[i]:
         return sliding_substep(_sliding(weights, i), middle, rate, now, later, step, weights.sides)
     ends = (now.acceleration, now.slope, later.acceleration, later.slope)
-    lever, damping_rate = group_lever(weights, i), weights.track.weights.damping_rate
-    return substep(middle, rate, ends, lever, now.angular_acceleration, damping_rate, step)
+    body = weights.track.weights
+    lag = body.spin_share * now.angular_acceleration
+    return substep(middle, rate, ends, group_lever(weights, i), lag, body.damping_rate, step)
 
 
 def group_acceleration(
@@ -126,7 +129,7 @@ def group_acceleration(
     else:
         lever = group_lever(weights, i)
         drive, drive_slope = along_track(now.acceleration, now.slope, middle, angle_rate, lever)
-        drive -= now.angular_acceleration
+        drive -= weights.track.weights.spin_share * now.angular_acceleration
     acceleration = drive - damping_rate * angle_rate
     return acceleration, drive_slope - damping_rate * acceleration
 

@@ -4,13 +4,13 @@ The two causes of residual unbalance named by Goncharov 2017 (section 2, after N
 Yang 2005).  A weight at e + R e^{i theta} in the rotor (e: offset of the track's centre) moves by
 
     theta'' + d theta' = g - sign(theta') c |n|,        theta' = 0 while |g| <= c |n|,
-    g = -Im(a_c e^{-i theta})/(kappa R) - w',           n = R (w + theta')^2 - Re(a_c e^{-i theta}),
+    g = -Im(a_c e^{-i theta})/(kappa R) - s w',         n = R (w + theta')^2 - Re(a_c e^{-i theta}),
     a_c = a + (i w' - w^2) e,                           c = mu/(kappa R),
 
 with a_c the acceleration of the track's centre, m |n| the force between weight and race (either
 wall of the race may carry it), and mu the coefficient of rolling resistance: lever arm of the
 resistance over the weight's radius for balls and rollers (5e-6 m to 5e-5 m for hardened steel),
-friction times journal radius over R for pendulums.  The load is planar: no gravity.
+friction times journal radius over R for pendulums.  The load is that in the plane.
 
 Balance.  a_c = 0 balances the weights, so an offset leaves the track's centre on the axis of
 rotation and the rotor's displacement is -e, whatever the unbalance.  With resistance any position
@@ -37,6 +37,7 @@ class SlidingGroup(NamedTuple):
         grip: sign(theta') mu/(kappa R) [1/m].
         damping_rate: d [1/s].
         size, alpha: weights of the group, half the angle between neighbours [rad].
+        spin_share: s of `Weights`.
     """
 
     radius: float
@@ -45,6 +46,7 @@ class SlidingGroup(NamedTuple):
     damping_rate: float
     size: int
     alpha: float
+    spin_share: float
 
 
 def find_sides(
@@ -104,7 +106,7 @@ def sliding_drive(
         turned, loaded = dz.imag - angle_rate * z.real, dz.real + angle_rate * z.imag
         dg += group.lever * turned + pull * loaded
     share = 1.0 / terms
-    g = share * (g - load * centrifugal) - angular_acceleration
+    g = share * (g - load * centrifugal) - group.spin_share * angular_acceleration
     angle_acceleration = g - group.damping_rate * angle_rate
     dg -= 2.0 * load * group.radius * turning * (angular_acceleration + angle_acceleration)
     return g, share * dg

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import cmath
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 from ..ranges import demand_all
@@ -37,6 +37,7 @@ class Track:
 
     def __post_init__(self) -> None:
         demand_all(self, "weight_radius rolling_resistance", least=0.0)
+        object.__setattr__(self, "weights", replace(self.weights, radius=self.weight_radius))
         if not 0.0 <= self.restitution <= 1.0:
             raise ValueError(f"restitution = {self.restitution!r}: must be within 0 to 1")
         if not cmath.isfinite(self.offset):

@@ -7,7 +7,8 @@ the unbalance, S^T (sum m R e^{i theta}) + u = 0 (Filimonikhina 2017 (3), plane 
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, field
+from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -195,9 +196,26 @@ def balanced_angles(assembly: Assembly) -> NDArray[np.float64]:
         CannotBalance: the unbalance is out of the weights' reach.
         ArithmeticError: no balanced position was found although none of these limits forbids one.
     """
-    table = WeightTable.of(assembly)
+    table, rotor = WeightTable.of(assembly), assembly.rotor
     if len(table.angle) == 0:
         return table.angle
+    decides = (rotor.unbalance, rotor.planes, table.angle, table.plane, table.moment)
+    return _found(_Task(tuple(array.tobytes() for array in decides), assembly, table)).copy()
+
+
+@dataclass(frozen=True)
+class _Task:
+    """An assembly by what its balanced angles depend on: neighbours on a map share them."""
+
+    decides: tuple[bytes, ...]
+    assembly: Assembly = field(compare=False)
+    table: WeightTable = field(compare=False)
+
+
+@lru_cache(maxsize=256)
+def _found(task: _Task) -> NDArray[np.float64]:
+    """As `balanced_angles`."""
+    assembly, table = task.assembly, task.table
     moments = _check_reach(assembly, table)
     start = table.angle.copy()
     for plane, moment in moments.items():

@@ -96,14 +96,35 @@ def balancing_boundaries(
         CannotBalance: the weights cannot undo the unbalance.
         ValueError: the range is empty or not positive.
     """
+    growth_at = partial(_growth, linearise(assembly))
+    return growth_boundaries(growth_at, scan_speeds(low, high, narrowest, GRID), tolerance)
+
+
+def scan_speeds(low: float, high: float, narrowest: float | None, grid: int) -> NDArray[np.float64]:
+    """Speeds of a scan [rad/s], spaced by `narrowest`, or by a `grid`th of the range.
+
+    Raises:
+        ValueError: the range is empty or not positive, or the spacing is.
+    """
     if not 0.0 < low < high < math.inf:
         raise ValueError(f"range = {low:g} to {high:g} rad/s: must be positive and ascending")
-    width = (high - low) / GRID if narrowest is None else narrowest
+    width = (high - low) / grid if narrowest is None else narrowest
     if not width > 0.0:
         raise ValueError(f"narrowest = {width:g} rad/s: must be positive")
-    growth_at = partial(_growth, linearise(assembly))
-    w = np.linspace(low, high, max(3, math.ceil((high - low) / width) + 1))
-    w, g = _probe(growth_at, w, growth_at(w))
+    return np.linspace(low, high, max(3, math.ceil((high - low) / width) + 1))
+
+
+def growth_boundaries(
+    growth_at: Callable[[NDArray], NDArray], scan: NDArray, tolerance: float = _TOLERANCE
+) -> list[Crossing]:
+    """Where a growth rate changes its sign, as `balancing_boundaries`.
+
+    Args:
+        growth_at: growth rates [1/s] at speeds of any shape [rad/s].
+        scan: speeds to begin with, ascending [rad/s].
+        tolerance: relative error of the speeds.
+    """
+    w, g = _probe(growth_at, scan, growth_at(scan))
     left, right, sign = _brackets(w, g)
     while len(left) and ((right - left) > tolerance * right).any():
         nodes = left[:, None] + (right - left)[:, None] * np.linspace(0.0, 1.0, _SPLIT + 1)

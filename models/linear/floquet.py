@@ -14,6 +14,8 @@ stiffness by 1e-16 of the stiffer one: with a ratio of 1e12 the growth rates kee
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
+from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,7 +24,7 @@ from ..steps.radau import radau
 from .linearised import Linearised
 
 STAGES = 6
-_RADIANS = 0.75  # of the fastest motion per step: collocation then damps it by 1e-13 a step
+_RADIANS = 1.25  # of the fastest motion per step: collocation then damps it by 1e-10 a step
 _FEWEST = 8  # the harmonics of the anisotropy need them, whatever the natural frequencies
 MOST_STEPS = 2048  # resolves natural frequencies up to about 500 w
 _HELD_ANGLES = 8  # over half a turn, for the motions faster than that
@@ -39,7 +41,7 @@ def _radians(systems: list[Linearised], which: NDArray, speeds: NDArray) -> NDAr
     return math.pi * (1.0 + fastest / speeds)
 
 
-def _steps(radians: NDArray) -> NDArray[np.int_]:
+def half_turn_steps(radians: NDArray) -> NDArray[np.int_]:
     """Steps per half revolution, rounded up to a ladder with four rungs an octave."""
     wanted = np.clip(radians / _RADIANS, _FEWEST, MOST_STEPS)
     # less a rounding, which must not climb a rung
@@ -47,21 +49,26 @@ def _steps(radians: NDArray) -> NDArray[np.int_]:
     return np.minimum(np.ceil(2.0 ** (rungs / 4.0) - 1e-9), MOST_STEPS).astype(int)
 
 
-def _half_turn(steady: NDArray, cosine: NDArray, sine: NDArray, steps: int) -> NDArray:
-    """Map over half a revolution, (b, d, d), from A/w (b, d, d) and its harmonics."""
-    batch, size, _ = steady.shape
+def half_turn(at_nodes: Callable[[int], NDArray], steps: int) -> NDArray[np.float64]:
+    """Map over half a revolution, (b, d, d), of x' = A x by the rotor's angle.
+
+    Args:
+        at_nodes: A (b, `STAGES`, d, d) at the nodes of the step of that number, at the angles
+            pi (number + `NODES`)/steps.
+        steps: how many.
+    """
     step = math.pi / steps
-    identity = np.eye(size)
-    unit = np.eye(STAGES * size).reshape(STAGES, size, STAGES, size)
-    right = np.broadcast_to(np.tile(identity, (STAGES, 1)), (batch, STAGES * size, size))
-    total = np.broadcast_to(identity, (batch, size, size))
-    system = np.empty((batch, STAGES, size, STAGES, size))
     coefficients = step * COEFFICIENTS
     for k in range(steps):
-        angles = 2.0 * step * (k + NODES)
-        at_node = np.empty((batch, STAGES, size, size))
-        for j in range(STAGES):
-            at_node[:, j] = steady + math.cos(angles[j]) * cosine + math.sin(angles[j]) * sine
+        at_node = at_nodes(k)
+        batch, _, size, _ = at_node.shape
+        if k == 0:
+            unit = np.eye(STAGES * size).reshape(STAGES, size, STAGES, size)
+            right = np.broadcast_to(
+                np.tile(np.eye(size), (STAGES, 1)), (batch, STAGES * size, size)
+            )
+            total = np.broadcast_to(np.eye(size), (batch, size, size))
+            system = np.empty((batch, STAGES, size, STAGES, size))
         for i in range(STAGES):
             for j in range(STAGES):
                 np.multiply(at_node[:, j], -coefficients[i, j], out=system[:, i, :, j])
@@ -78,6 +85,14 @@ def _harmonics_of(steady: NDArray, speeds: NDArray) -> NDArray:
     return steady[:, 0] / w + steady[:, 1] + steady[:, 2] * w
 
 
+def _at_nodes(parts: tuple[NDArray, ...], w: NDArray, steps: int, number: int) -> NDArray:
+    """A/w (b, `STAGES`, d, d) at the nodes of a step, from A/w without anisotropy and harmonics."""
+    steady, cosine, sine = parts
+    angles = 2.0 * math.pi / steps * (number + NODES)
+    swings = [math.cos(angle) / w * cosine + math.sin(angle) / w * sine for angle in angles]
+    return steady[:, None] + np.stack(swings, axis=1)
+
+
 def one_turn_multipliers(
     systems: list[Linearised], which: NDArray, speeds: NDArray
 ) -> NDArray[np.complex128]:
@@ -91,20 +106,16 @@ def one_turn_multipliers(
     steady = np.stack([s.steady for s in systems])
     cosine = np.stack([s.cosine for s in systems])
     sine = np.stack([s.sine for s in systems])
-    steps = _steps(_radians(systems, which, speeds))
+    steps = half_turn_steps(_radians(systems, which, speeds))
     result = np.empty((len(speeds), systems[0].size), complex)
     for count in np.unique(steps):
         members = np.flatnonzero(steps == count)
         for start in range(0, len(members), _CHUNK):
             rows = members[start : start + _CHUNK]
             w, system = speeds[rows], which[rows]
-            half = _half_turn(
-                _harmonics_of(steady[system], w),
-                cosine[system] / w[:, None, None],
-                sine[system] / w[:, None, None],
-                int(count),
-            )
-            result[rows] = np.linalg.eigvals(half) ** 2
+            parts = _harmonics_of(steady[system], w), cosine[system], sine[system]
+            at_nodes = partial(_at_nodes, parts, w[:, None, None], int(count))
+            result[rows] = np.linalg.eigvals(half_turn(at_nodes, int(count))) ** 2
     return result
 
 

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from ..rotor import LinearRotor
 
 Complex = NDArray[np.complexfloating]
+_SINGULAR = 1e-6  # of the largest singular value: readings have three digits
 
 
 def influence(rotor: LinearRotor, speed: float, planes: NDArray | None = None) -> Complex:
@@ -68,6 +69,38 @@ def from_trial_runs(first_run: NDArray, trial_runs: NDArray, trial_unbalances: N
     if not np.all(np.abs(trials) > 0.0):
         raise ValueError(f"trial_unbalances = {trials.tolist()}: none may be zero [kg m]")
     return ((runs - before) / trials[:, None]).T
+
+
+def from_runs(responses: NDArray, mounted: NDArray) -> Complex:
+    """K (s, p) from runs with different unbalances mounted, the first one the reference.
+
+    Least squares where there are more runs than planes; trial masses may stay in place from run to
+    run (Feese & Grazier 2004).
+
+    Args:
+        responses: (r, s) complex amplitudes.
+        mounted: (r, p) complex unbalances that were mounted.
+
+    Raises:
+        ValueError: the runs do not tell the planes apart.
+    """
+    changes = np.asarray(mounted[1:], complex) - mounted[0]
+    effects = np.asarray(responses[1:], complex) - responses[0]
+    sizes = np.abs(changes).max(axis=0, initial=0.0)
+    sizes[sizes == 0.0] = 1.0
+    k, _, rank, _ = np.linalg.lstsq(changes / sizes, effects, rcond=_SINGULAR)
+    if rank < changes.shape[1]:
+        raise ValueError(
+            f"{len(changes)} runs beside the reference tell {rank} of {changes.shape[1]} planes "
+            "apart: each plane needs a run of its own in which its mass differs"
+        )
+    return (k / sizes[:, None]).T
+
+
+def condition_number(coefficients: NDArray) -> float:
+    """Of K (s, p) with columns of length 1: by how much errors of readings can grow in masses."""
+    lengths = np.linalg.norm(coefficients, axis=0)
+    return float(np.linalg.cond(coefficients / np.where(lengths > 0.0, lengths, 1.0)))
 
 
 def unbalance_from_response(coefficients: NDArray, response: NDArray) -> Complex:

@@ -94,13 +94,16 @@ def critical_unbalance(mass: float, track: float, radius: float) -> float:
     return capacity(mass, track, radius, 2) - capacity(mass, track, radius, 1)
 
 
-def merged(assembly: Assembly, alpha: float, groups: Sequence[Packed]) -> Assembly:
-    """The assembly of one balancer with each group as a weight of its own.
+def merged(assembly: Assembly, alpha: float, groups: Sequence[Packed], at: int = 0) -> Assembly:
+    """The assembly with each group of one balancer as a weight of its own.
+
+    Args:
+        at: its place among the balancers.
 
     Raises:
-        ValueError: there is not exactly one balancer, with weights.
+        ValueError: it has no weights.
     """
-    (mounted,) = assembly.balancers
+    mounted = assembly.balancers[at]
     device = mounted.device
     if not isinstance(device, Weights):
         raise ValueError(f"{mounted.name}: has no weights")
@@ -114,6 +117,7 @@ def merged(assembly: Assembly, alpha: float, groups: Sequence[Packed]) -> Assemb
             group.size * device.drag / f**2,
             device.kappa / f**2,
         )
-        name = f"{mounted.name}[{number}]"
-        singles.append(Mounted(name, weight, mounted.plane, (group.middle,), (0.0,)))
-    return replace(assembly, balancers=tuple(singles))
+        name, angles = f"{mounted.name}[{number}]", (group.middle,)
+        singles.append(Mounted(name, weight, mounted.plane, angles, (0.0,), mounted.offset))
+    before, after = assembly.balancers[:at], assembly.balancers[at + 1 :]
+    return replace(assembly, balancers=(*before, *singles, *after))

@@ -4,7 +4,8 @@ Formulated apart from the units, which work in the rotor frame and split the for
 are fixed, the weights' angles phi absolute, and Filimonikhina 2017 (4) with the liquid of
 Dubovik 2006 (3) and the w' terms of (5) is solved for all accelerations at once.  With a weight's
 
-    phi'' = -d (phi' - w) + (x'' sin phi - y'' cos phi)/(kappa R),      d = b/(kappa m),
+    phi'' = -d (phi' - w) + f w' + (x'' sin phi - y'' cos phi)/(kappa R),
+    d = b/(kappa m),    f = (kappa - 1)(1 + r/R)/kappa,
 
 put into the force, N weights leave the mass N m 1 - (m/kappa) sum [[s^2, -s c], [-s c, c^2]] on
 their plane (s, c = sin phi, cos phi), which turns with them and is solved for at each evaluation.
@@ -55,6 +56,7 @@ class Monolith:
     def __init__(self, assembly: Assembly, profile: SpeedProfile, angle: float = 0.0) -> None:
         """Set up the matrices; `angle` [rad] is the rotor's at time 0."""
         rotor = assembly.rotor
+        rotor.refuse_sliders("the motion in one piece")
         self.assembly, self.profile, self.angle = assembly, profile, angle
         self.stations = rotor.stations
         mounted = [m for m in assembly.weights for _ in range(_weights(m.device).count)]
@@ -63,6 +65,7 @@ class Monolith:
         self._pull = np.array([d.moment for d in devices])
         self._share = np.array([d.mass / d.kappa for d in devices])
         self._drag = np.array([d.damping_rate for d in devices])
+        self._follow = np.array([1.0 - d.spin_share for d in devices])
         self._lever = np.array([1.0 / (d.kappa * d.track_radius) for d in devices])
         self._mass = np.array([d.mass for d in devices])
         self._offset = np.array([m.offset for m in mounted], complex)
@@ -106,7 +109,10 @@ class Monolith:
         speed = max(abs(self.profile.start), abs(self.profile.end))
         state = np.abs(self.initial(start))
         n = self.stations
-        length = max(moment / mass, float(state[: 2 * n].max())) or 1.0
+        length = max(moment / mass, float(state[: 2 * n].max()))
+        if rotor.gravity:
+            length = max(length, float(np.abs(self.assembly.loaded_rotor.sag(speed)).max()))
+        length = length or 1.0
         velocity = max(length * speed, float(state[2 * n : 4 * n].max())) or length
         ones = np.ones(len(self._plane))
         turning = max([speed, *state[4 * n + len(ones) :]]) or 1.0
@@ -116,6 +122,8 @@ class Monolith:
     def accelerations(self, t: float, y: Array, push: Array | float = 0.0) -> tuple[Array, Array]:
         """x'' and y'' of the stations, (2, n) [m/s^2], and phi'' of the weights (N,) [rad/s^2].
 
+        Gravity acts as if everything were accelerated against it: it is added where all is solved.
+
         Args:
             push: what else would accelerate each weight along its track on a rotor that is held,
                 (N,) [rad/s^2].
@@ -124,7 +132,8 @@ class Monolith:
         q_x, q_y, v_x, v_y = y[: 4 * n].reshape(4, n)
         phi, phi1 = y[4 * n :].reshape(2, count)
         w, w1 = self.profile.speed(t), self.profile.acceleration(t)
-        s, c, slip = np.sin(phi), np.cos(phi), self._drag * (phi1 - w) - push
+        s, c = np.sin(phi), np.cos(phi)
+        slip = self._drag * (phi1 - w) - self._follow * w1 - push
 
         def on_planes(values: Array) -> Array:
             return np.bincount(self._plane, values, rotor.plane_count).astype(float)
@@ -149,6 +158,8 @@ class Monolith:
         f_y -= self._damping_y @ v_y - gyro @ v_x + rotor.stiffness_y @ q_y - inner @ q_x
         a = np.linalg.solve(mass, np.concatenate([f_x, f_y])).reshape(2, n)
         a_x, a_y = (a @ lateral.T)[:, self._plane]
+        if rotor.gravity:
+            a = a + np.array([[rotor.gravity.real], [rotor.gravity.imag]])
         return a, self._lever * ((a_x + off.real) * s - (a_y + off.imag) * c) - slip
 
     def array_rhs(self, t: float, y: Array) -> Array:
@@ -168,7 +179,8 @@ class Monolith:
         c_x, c_y = float(self._damping_x[0, 0]), float(self._damping_y[0, 0])
         inner, start = float(rotor.internal_damping[0, 0]), self.angle
         u, u_angle = abs(complex(rotor.unbalance[0])), float(np.angle(rotor.unbalance[0]))
-        table = (self._pull, self._share, self._drag, self._lever)
+        g_x, g_y = rotor.gravity.real, rotor.gravity.imag
+        table = (self._pull, self._share, self._drag, self._lever, self._follow)
         rows = list(zip(*(column.tolist() for column in table), strict=True))
         first_rate, profile = 4 + len(rows), self.profile
         steady, w = profile.start == profile.end, profile.end
@@ -188,14 +200,17 @@ class Monolith:
                 w1 = profile.acceleration(t)
                 f_x += u * w1 * s
                 f_y -= u * w1 * c
+            else:
+                w1 = 0.0
             m_xx = m_yy = bare
             m_xy = 0.0
             rates = state[first_rate:]
             held = []
-            for phi, rate, (moment, share, drag, lever) in zip(
+            for phi, rate, (moment, share, drag, lever, follow) in zip(
                 state[4:first_rate], rates, rows, strict=True
             ):
-                c, s, slip, square = cos(phi), sin(phi), drag * (rate - speed), rate * rate
+                c, s, square = cos(phi), sin(phi), rate * rate
+                slip = drag * (rate - speed) - follow * w1
                 m_xx -= share * s * s
                 m_yy -= share * c * c
                 m_xy += share * s * c
@@ -206,7 +221,8 @@ class Monolith:
             a_x = (m_yy * f_x - m_xy * f_y) * scale
             a_y = (m_xx * f_y - m_xy * f_x) * scale
             return [
-                v_x, v_y, a_x, a_y, *rates, *[a_x * s - a_y * c - slip for s, c, slip in held]
+                v_x, v_y, a_x + g_x, a_y + g_y, *rates,
+                *[a_x * s - a_y * c - slip for s, c, slip in held],
             ]  # fmt: skip
 
         return rhs

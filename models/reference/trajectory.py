@@ -63,8 +63,9 @@ class Trajectory:
         return device.moment * arms + device.added_mass * mounted.offset
 
     def plane_acceleration(self, plane: int) -> NDArray[np.complex128]:
-        """Acceleration of a plane (from 0) in the rotor frame, (T,) [m/s^2]."""
-        fixed = (self.ax + 1j * self.ay) @ self.assembly.rotor.planes[plane]
+        """Acceleration of a plane (from 0), less gravity, in the rotor frame, (T,) [m/s^2]."""
+        rotor = self.assembly.rotor
+        fixed = (self.ax + 1j * self.ay) @ rotor.planes[plane] - rotor.gravity
         return fixed * np.exp(-1j * self.angle)
 
     def force(self, balancer: str) -> NDArray[np.complex128]:

@@ -52,24 +52,25 @@ class VariableSpeedStep:
 
     def __init__(self, rotor: LinearRotor, turning_force: bool = True) -> None:
         self.turning_force = turning_force
+        self._falling = rotor.falling if rotor.gravity else None
         self.axes = 1 if rotor.isotropic else 2
         mass, damping, stiffness = rotor.coefficients(0.0)
         _, damping_1, stiffness_1 = rotor.coefficients(1.0)
-        inverse = np.linalg.inv(mass)
+        self.inverse = inverse = np.linalg.inv(mass)
         self.dof = len(mass)
-        self._still = np.hstack([-inverse @ stiffness, -inverse @ damping])
-        self._per_speed = np.hstack(
+        self.still = np.hstack([-inverse @ stiffness, -inverse @ damping])
+        self.per_speed = np.hstack(
             [-inverse @ (stiffness_1 - stiffness), -inverse @ (damping_1 - damping)]
         )
-        self._planes = np.kron(np.eye(self.axes), rotor.planes)
-        self._force = inverse @ self._planes.T
-        self._unbalance = inverse @ rotor.unbalance_columns
+        self.planes = np.kron(np.eye(self.axes), rotor.planes)
+        self.force = inverse @ self.planes.T
+        self.unbalance = inverse @ rotor.unbalance_columns
 
     def _axes_of(self, value: NDArray) -> NDArray:
         return value if self.axes == 1 else np.concatenate([value.real, value.imag])
 
     def _drive(self, drive: Drive, t: float) -> tuple[NDArray, NDArray, float]:
-        """Acceleration by unbalance and plane forces at time t, its derivative, and the speed."""
+        """Acceleration by unbalance, plane forces and gravity at t, its derivative, the speed."""
         forces, angle, speed, angular_acceleration = drive
         w = speed + angular_acceleration * t
         turn = np.exp(1j * (angle + speed * t + 0.5 * angular_acceleration * t * t))
@@ -80,9 +81,11 @@ class VariableSpeedStep:
         if self.turning_force:
             value, slope = value * turn, (slope + 1j * w * value) * turn
         push, push_slope = (
-            self._force @ self._axes_of(force) + self._unbalance @ self._axes_of(unbalance)
+            self.force @ self._axes_of(force) + self.unbalance @ self._axes_of(unbalance)
             for force, unbalance in ((value, pull), (slope, pull_slope))
         )
+        if self._falling is not None:
+            push = push + self._falling
         return push, push_slope, w
 
     def advance(self, state: NDArray, drive: Drive, step: float) -> NDArray:
@@ -95,7 +98,7 @@ class VariableSpeedStep:
             ArithmeticError: the motion is too fast for 2^`HALVINGS` parts of the step.
         """
         push, _, w = self._drive(drive, 0.0)
-        acceleration = _largest((self._still + w * self._per_speed) @ state + push)
+        acceleration = _largest((self.still + w * self.per_speed) @ state + push)
         before, rate = _largest(state[: self.dof]), _largest(state[self.dof :])
         whole = self.parts(state, drive, step, 1)
         for halving in range(1, HALVINGS + 1):
@@ -122,13 +125,13 @@ class VariableSpeedStep:
     def _part(self, state: NDArray, drive: Drive, begin: float, step: float) -> NDArray:
         """State one `step` later than at the time `begin` into the cubic forces."""
         dof, size = self.dof, 2 * self.dof
-        system = np.eye(STAGES * size, dtype=self._still.dtype)
-        right = np.empty(STAGES * size, dtype=self._still.dtype)
+        system = np.eye(STAGES * size, dtype=self.still.dtype)
+        right = np.empty(STAGES * size, dtype=self.still.dtype)
         for i, node in enumerate(NODES):
             push, _, w = self._drive(drive, begin + node * step)
-            matrix = np.zeros((size, size), dtype=self._still.dtype)
+            matrix = np.zeros((size, size), dtype=self.still.dtype)
             matrix[:dof, dof:] = np.eye(dof)
-            matrix[dof:] = self._still + w * self._per_speed
+            matrix[dof:] = self.still + w * self.per_speed
             rows = slice(i * size, (i + 1) * size)
             right[rows] = matrix @ state
             right[rows][dof:] += push
@@ -143,11 +146,11 @@ class VariableSpeedStep:
         `state` belongs to that time.
         """
         push, push_slope, w = self._drive(drive, t)
-        matrix = self._still + w * self._per_speed
+        matrix = self.still + w * self.per_speed
         acceleration = matrix @ state + push
         jerk = matrix @ np.concatenate([state[self.dof :], acceleration])
-        jerk = jerk + drive.angular_acceleration * (self._per_speed @ state) + push_slope
-        return self._planes @ acceleration, self._planes @ jerk
+        jerk = jerk + drive.angular_acceleration * (self.per_speed @ state) + push_slope
+        return self.planes @ acceleration, self.planes @ jerk
 
 
 def _largest(values: NDArray) -> float:

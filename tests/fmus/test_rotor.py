@@ -476,3 +476,9 @@ def test_single_unbalances_can_be_replaced_by_path():
             scene.replace({path: 1.0})
     with pytest.raises(SceneError, match=r"amount = -1.0 kg m: must be 0 or more"):
         scene.replace({"rotor.unbalances[1].amount": -1.0})
+
+
+def test_supports_without_stiffness_carry_no_weight(probe):
+    values = {"gravity_y": -9.81, "stiffness_x": 0.0, "stiffness_y": 0.0}
+    with pytest.raises(RuntimeError, match="supports without stiffness cannot carry"):
+        probe("RotorOnSupports", values)

@@ -156,7 +156,7 @@ def test_slope_outputs_are_the_outputs_derivatives(frame, spin_up, probe, rotor_
 
 @pytest.mark.parametrize("frame", ["rotor", "fixed"])
 def test_weights_agree_with_scipy(frame, balls_of):
-    """Filimonikhina 2017 (4) in fixed axes, absolute angles phi, against the unit's rotor axes."""
+    """Filimonikhina 2017 (4), as corrected, in fixed axes and absolute angles, against the unit."""
     mass, radius, kappa, drag = 0.01, 0.05, 1.4, 0.05
     speed, spin_up, angle, h = 30.0, 40.0, 0.3, 5e-3
     starts = {
@@ -190,6 +190,7 @@ def test_weights_agree_with_scipy(frame, balls_of):
         bend = [
             -(drag * radius**2 * (rate - w) + mass * radius * (a * np.exp(-1j * phi)).imag)
             / (kappa * mass * radius**2)
+            + (kappa - 1.0) / kappa * spin_up
             for phi, rate in (y[:2], y[2:])
         ]
         return [y[1], bend[0], y[3], bend[1]]

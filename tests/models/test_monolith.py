@@ -123,9 +123,10 @@ def test_many_stations_satisfy_newton_plane_by_plane() -> None:
                 at + device.track_radius * (1j * phi2[k] - phi1[k] ** 2) * np.exp(1j * phi[k])
             )
             force[mounted.plane] -= inertia
-            # moment of all forces on the weight about the track's centre; rolling adds kappa - 1
+            # moment of all forces on the weight about the track's centre; rolling in the rotor
+            # adds kappa - 1
             along = (inertia * np.exp(-1j * phi[k])).imag * device.track_radius
-            rolling = (device.kappa - 1.0) * device.mass * device.track_radius**2 * phi2[k]
+            rolling = (device.kappa - 1.0) * device.mass * device.track_radius**2 * (phi2[k] - w1)
             drag = device.drag * device.track_radius**2 * (phi1[k] - w)
             assert_allclose(along + rolling + drag, 0.0, atol=1e-12)
         first += device.count

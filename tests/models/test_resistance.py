@@ -176,18 +176,18 @@ def drive_of(group, a, slope, angle, rate, speed, spin_up):
 def test_a_sliding_group_feels_the_mean_of_its_weights_also_when_loads_change_sides():
     alpha, n, angle, rate, w, grip = 0.2, 4, 0.7, 0.4, 1.0, 0.05
     for a in (0.5 + 0.3j, 1.9 - 0.8j):  # below and above the centrifugal acceleration
-        group = SlidingGroup(1.0, -1 / 1.4, grip, 0.2, n, alpha)
+        group = SlidingGroup(1.0, -1 / 1.4, grip, 0.2, n, alpha, 0.6)
         found, _ = drive_of(group, a, 0j, angle, rate, w, 0.1)
         total = 0.0
         for k in range(n):
             z = a * cmath.exp(-1j * (angle + (2 * k - n + 1) * alpha))
-            total += -z.imag / 1.4 - grip * abs((w + rate) ** 2 - z.real) - 0.1
+            total += -z.imag / 1.4 - grip * abs((w + rate) ** 2 - z.real) - 0.6 * 0.1
         assert found == pytest.approx(total / n, rel=1e-13)
     assert group_factor(n, alpha) < 1.0
 
 
 def test_slope_of_the_sliding_drive_is_its_derivative():
-    group, h = SlidingGroup(1.0, -1 / 1.4, -0.04, 0.3, 2, 0.2), 1e-4
+    group, h = SlidingGroup(1.0, -1 / 1.4, -0.04, 0.3, 2, 0.2, 0.6), 1e-4
     for a0, da in ((0.5 + 0.3j, 0.2 - 0.1j), (9.0 + 1.0j, -1.0 + 2.0j)):
         x, v, w, spin = 0.7, -0.4, 2.0, 0.3
         g0, slope = drive_of(group, a0, da, x, v, w, spin)

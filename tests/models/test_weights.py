@@ -37,14 +37,16 @@ def signal_at(t: float) -> tuple[complex, complex, complex, complex]:
 def integrate(
     weights: Weights, spin_up: float, t: float, method: str, rtol: float = 1e-12
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Filimonikhina 2017 (4) in the rotor frame by SciPy."""
+    """Filimonikhina 2017 (4) in the rotor frame, corrected for rolling in a run-up, by SciPy."""
     n = weights.count
     gain = 1.0 / (weights.kappa * weights.track_radius)
     rate = weights.drag / (weights.kappa * weights.mass)
+    lag = spin_up * (1.0 - (weights.kappa - 1.0) * weights.radius / weights.track_radius)
+    lag /= weights.kappa
 
     def slope(s: float, y: np.ndarray) -> np.ndarray:
         pull = -gain * (signal_at(s)[0] * np.exp(-1j * y[:n])).imag
-        return np.concatenate([y[n:], pull - spin_up - rate * y[n:]])
+        return np.concatenate([y[n:], pull - lag - rate * y[n:]])
 
     y0 = np.concatenate([ANGLES, SPEEDS])
     y = solve_ivp(slope, (0.0, t), y0, method, rtol=rtol, atol=1e-14).y[:, -1]
@@ -61,7 +63,7 @@ def in_steps(weights: Weights, spin_up: float, t: float, steps: int) -> np.ndarr
 @pytest.mark.parametrize("drag", [0.0, 0.3, 3.0])
 @pytest.mark.parametrize("spin_up", [0.0, 2.0])
 def test_advance_has_order_4(drag: float, spin_up: float) -> None:
-    weights, t = Weights(2, 0.1, 0.5, drag, KAPPA["balls"]), 0.4
+    weights, t = Weights(2, 0.1, 0.5, drag, KAPPA["balls"], 0.1), 0.4
     expected = np.concatenate(integrate(weights, spin_up, t, "DOP853"))
     errors = [np.abs(in_steps(weights, spin_up, t, n) - expected).max() for n in (16, 32, 64)]
     orders = np.log2(np.divide(errors[:-1], errors[1:]))
@@ -93,6 +95,21 @@ def test_a_run_up_leaves_free_weights_behind(spin_up: float) -> None:
     angles, speeds = advance(Weights(1, 0.1, 1.0), [0.2], [0.0], (0j, 0j, 0j, 0j), spin_up, 0.1)
     assert_allclose(speeds[0], -spin_up * 0.1, rtol=1e-12)
     assert_allclose(angles[0], 0.2 - spin_up * 0.1**2 / 2, rtol=1e-12)
+
+
+@pytest.mark.parametrize("kind", KAPPA)
+@pytest.mark.parametrize("radius", [0.0, 0.02, 0.3])
+def test_a_track_that_spins_up_drives_what_rolls_as_newton_and_euler_have_it(kind, radius) -> None:
+    """m R phi'' = f, (kappa - 1) m r^2 W' = r f, R phi' + r W = (R + r) w at the race."""
+    m, R, kappa, spin_up = 0.1, 0.9, KAPPA[kind], 3.0
+    r = radius or 1e-9
+    rows = [[m * R, 0.0, -1.0], [0.0, (kappa - 1.0) * m * r, -1.0], [R, r, 0.0]]
+    phi_2 = 0.0  # a pendulum hangs from the centre: nothing drives it
+    if kind != "pendulums":
+        phi_2 = np.linalg.solve(rows, [0.0, 0.0, (R + r) * spin_up])[0]
+    weights = Weights(1, m, R, 0.0, kappa, radius)
+    _, speeds = advance(weights, [0.2], [0.0], (0j, 0j, 0j, 0j), spin_up, 0.1)
+    assert speeds[0] == pytest.approx((phi_2 - spin_up) * 0.1, rel=1e-7)
 
 
 def test_a_hard_run_up_through_a_field_takes_the_substeps_it_needs() -> None:
@@ -154,7 +171,7 @@ def test_phi_functions_of_a_huge_drag_are_their_limit() -> None:
 
 @pytest.mark.parametrize("drag", [0.0, 0.3, 30.0])
 def test_reaction_is_minus_the_second_derivative_of_the_static_moment(drag: float) -> None:
-    weights, speed, spin_up = Weights(2, 0.1, 0.5, drag, KAPPA["balls"]), 3.0, 2.0
+    weights, speed, spin_up = Weights(2, 0.1, 0.5, drag, KAPPA["balls"], 0.1), 3.0, 2.0
     h = 0.02 / max(20.0, weights.damping_rate)
 
     def moment(t: float) -> complex:
@@ -173,7 +190,7 @@ def test_reaction_is_minus_the_second_derivative_of_the_static_moment(drag: floa
 
 @pytest.mark.parametrize("drag", [0.0, 0.3, 30.0])
 def test_the_slope_of_the_reaction_is_its_derivative(drag: float) -> None:
-    weights, speed, spin_up = Weights(2, 0.1, 0.5, drag, KAPPA["balls"]), 3.0, 2.0
+    weights, speed, spin_up = Weights(2, 0.1, 0.5, drag, KAPPA["balls"], 0.1), 3.0, 2.0
     h = 0.02 / max(20.0, weights.damping_rate)
 
     def force(t: float) -> complex:

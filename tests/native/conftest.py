@@ -108,6 +108,8 @@ LinearRotor = _struct(
         ],
         _D,
     ),
+    gravity=c_double * 2,
+    sliders=c_int,
 )
 Planar = _struct(
     "Planar",
@@ -144,12 +146,12 @@ Flexible = _struct(
 VariableSpeedStep = _struct(
     "VariableSpeedStep",
     **dict.fromkeys(["turning_force", "axes", "parts", "dof", "plane_count"], c_int),
-    **dict.fromkeys(["still", "per_speed", "planes", "force", "unbalance"], _D),
+    **dict.fromkeys(["still", "per_speed", "planes", "force", "unbalance", "falling"], _D),
 )
 Weights = _struct(
     "Weights",
     count=c_int,
-    **dict.fromkeys(["mass", "track_radius", "drag", "kappa"], c_double),
+    **dict.fromkeys(["mass", "track_radius", "drag", "kappa", "radius"], c_double),
 )
 Quadrature = _struct("Quadrature", damping_rate=c_double, step=c_double, response=c_double * 10)
 Liquid = _struct("Liquid", "chamber_radius float_radius height density")
@@ -158,7 +160,7 @@ Track = _struct(
     weights=Weights,
     **dict.fromkeys(["weight_radius", "restitution", "rolling_resistance"], c_double),
     offset=Complex,
-    **dict.fromkeys(["alpha", "lever", "grip", "damping_rate", "moment"], c_double),
+    **dict.fromkeys(["alpha", "lever", "grip", "damping_rate", "moment", "spin_share"], c_double),
     **dict.fromkeys(["solid", "full", "eventful"], c_int),
 )
 Moved = _struct(
@@ -256,7 +258,8 @@ class Core:
         memory = np.zeros(self("linear_rotor_size", n, p))
         made = self("linear_rotor_in", memory, n, p)
         made.memory = memory
-        for name, _ in LinearRotor._fields_[3:]:
+        made.gravity[:] = rotor.gravity.real, rotor.gravity.imag
+        for name, _ in LinearRotor._fields_[3:-1]:
             if name != "deflection":
                 values = np.ascontiguousarray(getattr(rotor, name)).view(float).ravel()
                 ctypes.memmove(getattr(made, name), values.ctypes.data, values.nbytes)

@@ -37,6 +37,17 @@ def test_every_row_is_the_run_of_a_scene_with_these_values(scene):
         assert found["error"][k] == pytest.approx(one.estimated_error, rel=1e-6)
 
 
+def test_each_station_has_its_own_residual():
+    scene = load_scene("two_plane_rodrigues").replace({"run.revolutions": 12})
+    names = ["rotor.station[1].residual", "rotor.station[2].residual", "residual"]
+    found = cosimulate_many(scene, {"speed": [4.0]}, results=names)
+    one = cosimulate(scene, record=[f"rotor.station[{k}].{axis}" for k in (1, 2) for axis in "xy"])
+    for k in (1, 2):
+        size = np.hypot(one[f"rotor.station[{k}].x"], one[f"rotor.station[{k}].y"])
+        assert found[names[k - 1]][0] == pytest.approx(size[-40:].max(), rel=1e-9)
+    assert found["residual"][0] == max(found[name][0] for name in names[:2])
+
+
 def test_a_free_rotor_settles_when_its_damping_says(scene):
     """Without weights that matter the amplitude decays as e^(-c t / 2 M)."""
     scene = scene.replace(
@@ -78,6 +89,11 @@ def test_a_run_up_is_driven_as_the_scene_says():
     assert found["rotor.angle"] == pytest.approx([one["rotor.angle"][-1]] * 2, rel=1e-12)
     scale = np.ptp(one["rotor.x"])
     assert found["rotor.x"] == pytest.approx([one["rotor.x"][-1]] * 2, abs=1e-3 * scale)
+
+
+def test_a_start_of_minus_zero_is_one_like_another(scene):
+    scene = scene.replace({"run.initial.x": -0.0})
+    assert list(cosimulate_many(scene, {"weights.drag": [0.01]})["failure"]) == [""]
 
 
 def test_speed_is_of_each_run_and_so_is_its_length(scene):

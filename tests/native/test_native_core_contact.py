@@ -136,7 +136,7 @@ def test_steps_with_all_that_happens_in_them_are_those_of_python(core, name, dra
     radius = share * 0.05 * (math.sin(math.pi / count) if count > 1 else 1.0)
     pair = Pair(core, count, 0.01, 0.05, drag, 1.4, radius, restitution, resistance, offset)
     happened = set()
-    for _ in range(10):
+    for _ in range(14):
         state, speed = _start(random, pair), random.uniform(-300.0, 300.0)
         size = 10.0 ** random.uniform(-1.0, 2.5)
         for _ in range(12):

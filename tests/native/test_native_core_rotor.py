@@ -5,6 +5,7 @@ from __future__ import annotations
 import ctypes
 import math
 from ctypes import byref
+from dataclasses import replace
 
 import mpmath
 import numpy as np
@@ -198,16 +199,17 @@ def test_matrices_from_a_measured_compliance_are_those_of_python(drawn):
         assert _largest_difference(_arrays(draw.native)["stiffness_y"], expected) < 1e-12
 
 
-def _added(draw):
+def _added(draw, gravity=0j):
     """Both rotors with the same masses at their planes."""
     added = draw.random.uniform(0.0, 2.0, draw.planes) * (draw.random.random() < 0.7)
     n = draw.native.stations
     mass = np.zeros(n * n)
     # of the same matrices: a shaft's stiffness differs by as much as its condition lets it
-    native = draw.core.rotor_of(draw.python)
+    python = replace(draw.python, gravity=gravity)
+    native = draw.core.rotor_of(python)
     loaded = draw.core("linear_rotor_with_added_mass", byref(native), added, mass)
     loaded.memory = (native.memory, mass)
-    return draw.python.with_added_mass(added), loaded
+    return python.with_added_mass(added), loaded
 
 
 def _scaled_difference(found, expected):
@@ -314,7 +316,7 @@ def _variable(draw, rotor, turning):
 def _variable_case(draw, turning):
     """Both steps of a random rotor, and a random state and drive."""
     random = draw.random
-    python, loaded = _added(draw)
+    python, loaded = _added(draw, (2.0 - 9.0j) * turning)
     method = VariableSpeedStep(python, turning)
     state = random.normal(size=2 * method.dof)
     if draw.isotropic:

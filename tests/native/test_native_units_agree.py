@@ -27,6 +27,12 @@ CASES: list[tuple[str, dict[str, Any]]] = [
         "RotorOnSupports",
         {"kind": "flexible", "stations": 5, "planes": 2, "shaft": "compliance", "frame": "fixed"},
     ),
+    ("RotorOnSupports", {"planes": 2, "sliders": 3}),
+    ("RotorOnSupports", {"kind": "two_support", "stations": 2, "planes": 2, "sliders": 3}),
+    (
+        "RotorOnSupports",
+        {"kind": "flexible", "stations": 4, "planes": 1, "sliders": 3, "frame": "fixed"},
+    ),
 ]
 STEPS = 60
 MEETING: dict[str, dict[str, float]] = {
@@ -55,6 +61,14 @@ def drawn(rng, name: str, k: int) -> float:
     return value * 10.0 ** name.count("der")
 
 
+def slider_value(name: str, supports: int, random: float) -> float:
+    """The first slider is rigid and in support 1, the others have springs."""
+    first = name.startswith("slider[1]")
+    if "support" in name:
+        return 1.0 if first else float(supports)
+    return 4.0 * random if "limit" in name else (not first) * 1e5 * random
+
+
 def parameters(rng, layout, anisotropic: bool) -> dict[str, float | bool]:
     """Start values a little changed, places on the shaft left."""
     values: dict[str, float | bool] = {}
@@ -65,12 +79,17 @@ def parameters(rng, layout, anisotropic: bool) -> dict[str, float | bool]:
             v.name.startswith("track_offset")
         ):
             continue
+        if v.name.startswith("slider"):
+            supports = 1 + any("support[2]" in other.name for other in layout.reals)
+            values[v.name] = slider_value(v.name, supports, float(rng.random()))
+            continue
         start = float(v.start)
         factor = 1.0 + 0.2 * float(rng.random()) * (
             anisotropic or not v.name.endswith(("_x", "_y"))
         )
-        zero = {"m": 1e-5, "m/s": 1e-3, "rad": 0.3, "rad/s": 5.0, "N.s/m": 0.3}.get(v.unit, 0.0)
-        values[v.name] = start * factor if start else zero * float(rng.random())
+        zero = {"m": 1e-5, "m/s": 1e-3, "m/s2": 9.0, "rad": 0.3, "rad/s": 5.0, "N.s/m": 0.3}
+        size = zero.get(v.unit, 0.0)
+        values[v.name] = start * factor if start else size * float(rng.random())
     return values
 
 

@@ -72,6 +72,15 @@ def test_directional_derivatives_are_those_of_the_outputs(fmus, packaging, case,
 
 
 @pytest.mark.parametrize("frame", ["rotor", "fixed"])
+def test_friction_holds_what_sticks_and_lets_go_of_the_rest(fmus, packaging, frame):
+    sizes = {"kind": "two_support", "stations": 2, "planes": 2, "sliders": 3, "frame": frame}
+    sliders = {"slider[1].limit_x": 1e6, "slider[2].support": 2.0, "slider[2].limit_y": 0.01}
+    sliders |= {"slider[3].limit_x": 0.02, "slider[3].limit_y": 5.0}
+    sliders |= {"slider[3].stiffness_x": 1e4, "slider[3].stiffness_y": 1e5}
+    agree(*somewhere(fmus, packaging, ("RotorOnSupports", sizes), 3, 40.0, sliders))
+
+
+@pytest.mark.parametrize("frame", ["rotor", "fixed"])
 def test_weights_that_press_on_each_other_answer_together(fmus, packaging, frame):
     """Three packed balls off centre: contacts that last are part of the derivative."""
     packed = {f"weight[{k}].angle0": k * 2.0 * math.asin(0.25) for k in (1, 2, 3)}

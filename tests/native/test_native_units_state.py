@@ -13,7 +13,9 @@ CASES = [
     ("BallBalancer", {"weights": 3}),
     ("RotorOnSupports", {"planes": 2}),
     ("RotorOnSupports", {"kind": "flexible", "stations": 3, "planes": 1}),
+    ("RotorOnSupports", {"kind": "two_support", "stations": 2, "planes": 1, "sliders": 2}),
 ]
+FRICTION = {"slider[1].limit_x": 0.5, "slider[2].limit_x": 0.4, "slider[2].stiffness_x": 2e5}
 MOVED = {
     "LiquidBalancer": {"a_xi": 3.0, "der(a_eta)": 20.0, "x": 1e-3},
     "BallBalancer": {"a_xi": 3.0, "der(a_eta)": 20.0, "acceleration": 2.0},
@@ -23,7 +25,8 @@ MOVED = {
 
 def moving(fmus, packaging, case, steps: int = 5):
     unit, options = case
-    host = packaging.Host(fmus.native(unit, **options)).begin()
+    host = packaging.Host(fmus.native(unit, **options))
+    host.begin(FRICTION if "sliders" in options else {})
     host.set(MOVED[unit])
     for _ in range(steps):
         host.step(1e-3)

@@ -39,6 +39,9 @@ TOGETHER = [
     (ROTOR, FLEXIBLE | {"stations": 2}, {"internal_damping": 1.0}),
     (ROTOR, MATRIX, SOFT | {"compliance[1,2]": 1.0}),
     (ROTOR, MATRIX, SOFT | {"compliance[1,1]": -1e-6}),
+    (ROTOR, {"sliders": 1}, {"slider[1].support": 2.0}),
+    (ROTOR, TWO | {"sliders": 1}, {"slider[1].support": 1.5}),
+    (ROTOR, {"sliders": 2}, {"slider[1].limit_x": 1.0, "slider[2].limit_x": 2.0}),
     (ROTOR, {}, {"stiffness_x": 1e308, "damping_x": 1e308}),
 ]
 
@@ -114,10 +117,10 @@ def test_several_wrong_values_are_all_named_and_none_is_set(fmus, packaging):
         (lambda h: h.slave.setReal([0], [1.0]), "mass: fixed once initialisation has ended"),
         (lambda h: h.set({"plane[1].a_xi": 1.0}), "plane[1].a_xi: outputs cannot be set"),
         (lambda h: h.set({"bending": 1.0}), "bending: outputs cannot be set"),
-        (lambda h: h.slave.getReal([0, 36, 37]), "value references [36, 37]: unknown, there are 0 "
-         "to 35"),
+        (lambda h: h.slave.getReal([0, 38, 39]), "value references [38, 39]: unknown, there are 0 "
+         "to 37"),
         (lambda h: h.slave.setReal([99], [1.0]), "value references [99]: unknown, there are 0 to "
-         "35"),
+         "37"),
         (lambda h: h.slave.getBoolean([0]), "value references [0]: unknown, there are none"),
         (lambda h: h.slave.getInteger([0]), "the unit has Reals and Booleans only"),
         (lambda h: h.slave.setInteger([0], [1]), "the unit has Reals and Booleans only"),

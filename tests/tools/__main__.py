@@ -12,7 +12,7 @@ from autobalancer.harness.output.machine import machine
 from autobalancer.harness.output.table import Sheet
 from tests.tools.measure import SCENE, TOOLS, Bench, every_run
 
-STEPS = (20, 40)
+STEPS = (5, 20, 40, 1000)
 
 
 def main() -> None:
@@ -28,7 +28,7 @@ def main() -> None:
             notes += [f"{tool.name}, {what}: {found[0].said}"] if found[0].said else []
     columns = ("tool", "what", *(f"{n} steps" for n in STEPS), "a step")
     absent = ", ".join(tool.name for tool in TOOLS if not tool.present)
-    print(f"{SCENE}\n\n{Sheet(columns, rows, 'llrrr').markdown()}\n")
+    print(f"{SCENE}\n\n{Sheet(columns, rows, 'll' + (len(columns) - 2) * 'r').markdown()}\n")
     print(*notes, f"Not on this machine: {absent or 'none'}", machine(), sep="\n")
 
 

@@ -16,13 +16,16 @@ import math
 from collections.abc import Sequence
 
 from ...errors import LoopError, SimulationError
+from ..fmu import EndedEarly
 from ..signals import Knot, SignalState, end_of, extrapolated
 from ..system import System
+from .contacts import before
 from .iterated import MAX_PASSES, Iterated, Trial
 
 LOCAL_SHARE = 0.2  # of the tolerance that one step may err: the errors of many steps add up
 AIM = 0.5  # of what is allowed, so that few steps are rejected
 RUNGS = 4  # of the ladder of step sizes per factor 2, so that the rotor's matrices are reused
+MINUTE = 20 * RUNGS  # steps 2^20 times shorter: what one misses of a jump moves nothing
 LOWEST = 40 * RUNGS  # steps 2^40 times shorter than the longest are no way to finish
 GROWTH = 2.0  # at most, from one step to the next: a lucky zero of f'''' must not mislead
 SLOWEST = 1e3  # times the residual allowed: passes then lead nowhere, with the Jacobian they have
@@ -38,6 +41,7 @@ class Adaptive:
         gain: of the loop; where force and reaction nearly cancel, an error of the force is that
             much larger in the motion that is left.
         mass: of the loaded rotor [kg], which forces that are rounding can accelerate.
+        jumps: whether accelerations jump (dry friction), so that no step over one is short enough.
 
     Attributes:
         share: of the tolerance that one step may err.
@@ -49,12 +53,18 @@ class Adaptive:
     miss_per_error = 0.0  # its errors are held below the tolerance
 
     def __init__(
-        self, iterated: Iterated, tolerance: float, gain: float = 0.0, mass: float = math.inf
+        self,
+        iterated: Iterated,
+        tolerance: float,
+        gain: float = 0.0,
+        mass: float = math.inf,
+        jumps: bool = False,
     ) -> None:
         self.iterated, self.tolerance, self.share = iterated, tolerance, LOCAL_SHARE
         self._cancelled = max(1.0, gain)
         iterated.allow(RESIDUAL_SHARE * tolerance)
         self.rung: float = 10 * RUNGS  # start short: nothing is known of the signals yet
+        self._minute = 2.0 ** (-MINUTE / RUNGS) if jumps else 0.0
         self.rejected = 0
         self._largest_motion = iterated.largest / mass
 
@@ -79,7 +89,7 @@ class Adaptive:
         Raises:
             LoopError: no step is short enough for the tolerance.
         """
-        allowed, remaining = self.share * self.tolerance, step
+        allowed, remaining, met = self.share * self.tolerance, step, False
         while True:
             step = longest * 2.0 ** (-self.rung / RUNGS)
             # do not leave a sliver for the last step
@@ -91,6 +101,12 @@ class Adaptive:
             with system.saved() as states:
                 try:
                     trial = self.iterated.attempt(system, states, time, step, MAX_PASSES)
+                except EndedEarly as early:
+                    system.restore(states)
+                    met, remaining = True, before(system, early.length)
+                    if remaining:
+                        continue
+                    return self.iterated.strike(system, time)
                 except SimulationError:  # a unit cannot follow a loop that diverges
                     system.restore(states)
                     if self.rung + 2 * RUNGS > LOWEST:
@@ -102,11 +118,13 @@ class Adaptive:
                     if error > 0.0:
                         change = min(GROWTH, (AIM * allowed / error) ** 0.25)
                     wanted = RUNGS * math.log2(longest / (step * change))
-                    if error <= allowed and trial.residual <= self.iterated.tolerance:
+                    minute = step <= self._minute * longest
+                    if (error <= allowed or minute) and trial.residual <= self.iterated.tolerance:
                         self.rung = max(0, math.ceil(wanted - 1e-9))
-                        trial.accept(system)
+                        if minute:
+                            self.rung = min(self.rung, MINUTE)
                         self._largest_motion = largest_motion
-                        return step, trial.residual
+                        return self.iterated.go_on(system, trial, met and step == remaining)
                     system.restore(states)
             if failed or trial.residual > SLOWEST * self.iterated.tolerance:
                 self.iterated.after_start(system, time, 0.5 * step)

@@ -15,9 +15,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from ...errors import LoopError
+from ..fmu import EndedEarly
 from ..loop import QuasiNewton, Vector, difference, jacobian, loop_gain, pack, size, unpack
 from ..signals import MISS_PER_ERROR, Cubic, Knot, end_of, interpolated, joined, predicted
 from ..system import System
+from .contacts import before, strike
 
 CONVERGED = 1e-10  # residual of the forces relative to the largest force so far
 MAX_PASSES = 30  # quasi-Newton meets CONVERGED in two to six; more means it does not converge
@@ -94,10 +96,30 @@ class Iterated:
 
     def step(self, system: System, time: float, step: float, longest: float) -> tuple[float, float]:
         """One step, and the residual it leaves of the forces over the largest so far."""
-        with system.saved() as states:
-            trial = self.attempt(system, states, time, step, self._passes(system))
+        met = False
+        while True:
+            with system.saved() as states:
+                try:
+                    trial = self.attempt(system, states, time, step, self._passes(system))
+                except EndedEarly as early:
+                    system.restore(states)
+                    met, step = True, before(system, early.length)
+                    if step:
+                        continue
+                    return self.strike(system, time)
+            return self.go_on(system, trial, met)
+
+    def go_on(self, system: System, trial: Trial, met: bool) -> tuple[float, float]:
+        """Accept a step, and go behind the collision that it ends at, if it does (`met`)."""
         trial.accept(system)
-        return step, trial.residual
+        if not met:
+            return trial.step, trial.residual
+        behind, residual = self.strike(system, trial.time + trial.step)
+        return trial.step + behind, max(residual, trial.residual)
+
+    def strike(self, system: System, time: float) -> tuple[float, float]:
+        """Go behind a collision that is here; time taken [s] and the residual it leaves."""
+        return strike(self, system, time, MAX_PASSES)
 
     def cross_jump(self, system: System, time: float, step: float) -> None:
         """One step with as many passes as it takes, where nothing of the past can be used."""
@@ -168,9 +190,12 @@ class Iterated:
                 system.restore(states)
                 return self._pack(ends, step)
 
-            g_u = respond(u)
-            change = CHANGE * max(size(u), size(g_u), self.largest)
-            self.newton = QuasiNewton(jacobian(respond, u, g_u, change), step)
+            try:
+                g_u = respond(u)
+                change = CHANGE * max(size(u), size(g_u), self.largest)
+                self.newton = QuasiNewton(jacobian(respond, u, g_u, change), step)
+            except EndedEarly:  # a collision within the step: what is known of the loop serves on
+                system.restore(states)
 
     def _passes(self, system: System) -> int:
         """Passes allowed; a first step has no past to be predicted from and would cost an order."""

@@ -8,7 +8,9 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+from ..fmu import EndedEarly
 from ..system import System
+from .contacts import before
 from .iterated import MAX_PASSES, Iterated
 
 SLIVER = 1e-12  # of a time: rounding, not a step
@@ -54,14 +56,21 @@ class Prescribed:
             self._next += 1
         if self._next < len(self.points):
             step = min(step, self.points[self._next] - time)
-        for measured in (False, True):
-            if measured:
-                # what passes have made of the loop's Jacobian leads nowhere
-                self.iterated.after_start(system, time, step)
+        measured = met = False
+        while True:
             with system.saved() as states:
-                trial = self.iterated.attempt(system, states, time, step, MAX_PASSES)
+                try:
+                    trial = self.iterated.attempt(system, states, time, step, MAX_PASSES)
+                except EndedEarly as early:
+                    system.restore(states)
+                    met, step = True, before(system, early.length)
+                    if step:
+                        continue
+                    return self.iterated.strike(system, time)
                 if measured or trial.residual <= self.iterated.tolerance:
                     break
                 system.restore(states)
-        trial.accept(system)
-        return step, trial.residual
+            # what passes have made of the loop's Jacobian leads nowhere
+            self.iterated.after_start(system, time, step)
+            measured = True
+        return self.iterated.go_on(system, trial, met)

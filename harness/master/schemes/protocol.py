@@ -110,7 +110,7 @@ def choose(
     if coupling.tolerance is not None:
         mass = float(scene.assembly().loaded_rotor.mass.sum())
         iterated = Iterated(jacobian, step, rounding=rounding)
-        return Adaptive(iterated, coupling.tolerance, gain, mass)
+        return Adaptive(iterated, coupling.tolerance, gain, mass, bool(scene.rotor.friction))
     corrections = coupling.corrections
     if corrections is None and coupling.scheme == "auto" and gain <= WEAK_LOOP:
         corrections = 1

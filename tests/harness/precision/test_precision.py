@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import json
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -27,6 +28,7 @@ from autobalancer.harness.precision.report import (
     cheapest_words,
     comparison_words,
     markdown,
+    one_file_words,
     table,
     write_csv,
 )
@@ -261,3 +263,17 @@ def test_command_writes_what_is_asked_and_ends_with_the_cheapest_way(invoke, tmp
     last = " ".join(done.output.strip().split("Cheapest for short:")[-1].split())
     assert "to 0.001 by" in last
     assert "to 1e-07" in last
+
+
+def test_the_composite_errs_as_the_separate_units_do(short):
+    """At the same steps; its seconds are of the same run without the calls between the units."""
+    separate = [Method("compensated", 3, 20), Method("iterated", 3, 20, 1)]
+    whole = [Method("monolith LSODA", tolerance=1e-8)]
+    together = [replace(method, one_file=True) for method in separate]
+    found = precision(short, seconds=2.0, methods=[*separate, *together, *whole])
+    one, other, *pair, _ = found.points
+    assert [p.error for p in pair] == pytest.approx([one.error, other.error], rel=1e-6)
+    assert [p.work for p in pair] == [one.work, other.work]
+    words = one_file_words(found)
+    assert words in markdown(found, [])
+    assert " at 0.001 (" in words

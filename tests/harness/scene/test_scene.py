@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from autobalancer.harness.errors import SceneError
+from autobalancer.harness.master.plan import plan
 from autobalancer.harness.scene import Scene, bundled_scenes, load_scene
 from autobalancer.models.papers.window import LiquidWindow
 
@@ -208,3 +209,17 @@ def test_balancer_goes_by_its_kind_when_it_has_no_name():
 def test_unknown_scene_lists_the_bundled_ones():
     with pytest.raises(SceneError, match=r"two_bals.*did you mean \"two_balls\".*liquid_disc"):
         load_scene("two_bals")
+
+
+def test_the_eccentricity_of_a_race_is_two_parts_or_amount_and_direction():
+    scene = load_scene("two_balls")
+    parts = scene.replace({"weights.track_offset_xi": 3e-5, "weights.track_offset_eta": -4e-5})
+    angle = math.atan2(-4.0, 3.0)
+    whole = scene.replace({"weights.track_offset": 5e-5, "weights.track_offset_angle": angle})
+    for one, other in zip(plan(parts).units, plan(whole).units, strict=True):
+        assert other.start == pytest.approx(one.start, rel=1e-14)
+    assert whole.assembly().weights[0].offset == pytest.approx(3e-5 - 4e-5j)
+    with pytest.raises(SceneError, match="give either this or track_offset_eta and track_offset"):
+        parts.replace({"weights.track_offset": 5e-5})
+    with pytest.raises(SceneError, match="needs track_offset, whose direction it is"):
+        scene.replace({"weights.track_offset_angle": 1.0})

@@ -28,12 +28,13 @@ def test_every_point_is_the_run_of_its_own_scene(scene, speed_is):
         assert residual == pytest.approx(motion[-20:].max(), rel=1e-8)
 
 
-def test_bare_rotors_keep_their_response(scene):
-    """Without balancers and transient: A = U w^2 / |k - M w^2 + i c w|."""
+@pytest.mark.parametrize("gravity", [0.0, 9.81])
+def test_bare_rotors_keep_their_response(scene, gravity):
+    """Without balancers and transient: A = U w^2 / |k - M w^2 + i c w|, about the sag."""
     bare = scene.without_balancers().replace(
         {"rotor.mass": 2.0, "rotor.stiffness": 800.0, "run.revolutions": 200}
     )
-    bare = bare.replace({"operation.speed": 50.0})
+    bare = bare.replace({"operation.speed": 50.0, "operation.gravity": gravity})
     x, y = Axis.parse("rotor.unbalance=0.01:0.03:3"), Axis.parse("rotor.damping=10:20:2")
     data = run_map(bare, x, y)
     expected = x.values * 2500.0 / np.abs(800.0 - 5000.0 + 50j * y.values[:, None])

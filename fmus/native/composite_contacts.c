@@ -1,0 +1,126 @@
+/* Contacts met: a step ends where weights collide, so that no signal jumps within a step; twin of
+   harness/master/schemes/contacts.py. */
+#include <string.h>
+
+#include "composite.h"
+#include "elementary.h"
+
+static const double BRIEF = 1e-6, ROUNDING = 1e-5;
+static const double JUMP = 1e-6;
+static const double AGREED = 1e-6;
+enum { QUIET = 3, AWAITED = 20, MOST = 1000, TRIES = 3 };
+static const double SHORTER[TRIES] = {1.0, 0.6, 0.36};
+
+double contacts_brief(const Unit *unit)
+{
+    return BRIEF * startup_size(unit);
+}
+
+double contacts_before(const Unit *unit)
+{
+    const double ahead = ((const Composite *)unit->own)->course->ahead;
+    return ahead > 2.0 * contacts_brief(unit) ? ahead - 0.5 * contacts_brief(unit) : 0.0;
+}
+
+static size_t loop_bytes(const Composite *c)
+{
+    return 16 * (size_t)c->exchanges * (size_t)c->exchanges * sizeof(double);
+}
+
+void contacts_begin(Unit *unit, double met)
+{
+    Composite *c = unit->own;
+    Course *course = c->course;
+    int k;
+    for (k = 0; k < c->exchanges; k++) {
+        c->forces[k].largest_before = c->forces[k].largest;
+    }
+    for (k = 0; k < c->planes; k++) {
+        c->accelerations[k].largest_before = c->accelerations[k].largest;
+    }
+    memcpy(c->learned, c->solution, loop_bytes(c));
+    course->learned_step = course->solved_step;
+    course->unpulsed = course->largest;
+    course->striking = AWAITED;
+    course->strikes = course->worst = course->pulse = 0.0;
+    course->met = met;
+}
+
+static void calm(Signal *signal)
+{
+    signal->largest = larger(signal->largest_before, magnitude(signal->now.value));
+    signal->prediction_error = 0.0;
+}
+
+/* Behind the collision: nothing of a pulse is to be remembered. */
+static void end(Composite *c)
+{
+    int k;
+    for (k = 0; k < c->exchanges; k++) {
+        calm(c->forces + k);
+    }
+    for (k = 0; k < c->planes; k++) {
+        calm(c->accelerations + k);
+    }
+    c->course->largest = c->course->unpulsed;
+    composite_drop_past(c);
+}
+
+static void relearn(Composite *c)
+{
+    c->course->solved_step = c->course->learned_step;
+    memcpy(c->solution, c->learned, loop_bytes(c));
+}
+
+/* A brief step, not yet accepted: its residual, below 0 where it failed, and its length [s]. */
+static double brief(Unit *unit, double *step)
+{
+    Composite *c = unit->own;
+    int k;
+    for (k = 0;; k++) {
+        double residual;
+        *step = SHORTER[k] * contacts_brief(unit);
+        residual = iterated_attempt(unit, *step);
+        if (residual <= AGREED || k == TRIES - 1) {
+            return residual;
+        }
+        composite_restore(c);
+        relearn(c);
+    }
+}
+
+int contacts_step(Unit *unit)
+{
+    Composite *c = unit->own;
+    Course *course = c->course;
+    double step, residual, share, moved = 0.0;
+    int k;
+    residual = brief(unit, &step);
+    share = course->reached / larger(course->reached, course->pulse);
+    for (k = 0; k < c->exchanges && residual >= 0.0; k++) {
+        const Complex change = complex_difference(c->answers[k].value, c->forces[k].now.value);
+        moved = larger(moved, magnitude(change));
+    }
+    if (residual < 0.0 || iterated_accept(unit, step)) {
+        return 1;
+    }
+    course->worst = larger(course->worst, residual * share);
+    course->pulse = 0.0;
+    for (k = 0; k < c->exchanges; k++) {
+        course->pulse = larger(course->pulse, magnitude(c->forces[k].now.value));
+    }
+    /* a pulse is no measure of what forces may err by, but for its own rounding, nor of how the
+       loop answers them */
+    course->largest = larger(course->unpulsed, ROUNDING * course->pulse);
+    relearn(c);
+    course->length = step;
+    course->strikes += 1.0;
+    course->striking = moved > JUMP * course->unpulsed ? QUIET : course->striking - 1.0;
+    if (course->striking == 0.0) {
+        end(c);
+    } else if (course->strikes > MOST) {
+        text_put(unit_reason(unit), "weights collide without end");
+        return 1;
+    }
+    return 0;
+}

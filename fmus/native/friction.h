@@ -1,0 +1,68 @@
+/* Step of the linear rotor with dry friction in its supports, at constant or linearly rising speed;
+   twin of models/steps/friction.py, which explains it. */
+#ifndef AUTOBALANCER_FRICTION_H
+#define AUTOBALANCER_FRICTION_H
+
+#include <stddef.h>
+
+#include "failure.h"
+#include "linear_rotor.h"
+#include "variable_speed.h"
+
+/* Dry friction at a station along one axis (0 is x, 1 is y). */
+typedef struct {
+    int station, axis; /* from 0 */
+    double limit;      /* force at which it slips [N]; 0: there is none */
+    double stiffness;  /* of a spring in series [N/m]; 0: none, the slider is rigid */
+} Slider;
+
+/* What moves the rotor over a step; forces as for variable_speed_advance. */
+typedef struct {
+    const double *forces;
+    double angle, speed, angular_acceleration;
+} Drive;
+
+/* What friction remembers of each slider, in pairs: the direction in which it slips, -1 or 1, 0 while
+   it sticks; and its force on the rotor [N]. */
+enum { SLIPS, HOLDS };
+
+typedef struct {
+    const VariableSpeedStep *smooth; /* of two axes */
+    const Slider *sliders;           /* (m,) */
+    int count;                       /* m */
+    double *push;                    /* (dof, m) acceleration by the sliders' forces */
+    double norms[4];
+    /* scratch: Taylor coefficients over a stretch, and what they are made of */
+    double *motion, *forces, *pushes; /* (terms + 1, 2 dof), (terms + 1, m), (terms + 1, dof) */
+    double *turn, *drive;             /* (terms + 1, 2), (terms + 1, 2 p + 2) */
+    double *matrix, *rate, *mobility, *hold; /* (dof, 2 dof), (dof,), (m, m), (2 m,) */
+    double *state, *held, *limits;    /* (2 dof,), (2 m,), (m,) */
+} FrictionStep;
+
+/* Doubles that a step takes, and one in such an array, for a rotor that is not isotropic.
+
+   FAILURE_RIGID_SLIDERS: two rigid ones at one station and axis. */
+size_t friction_size(int stations, int planes, int count);
+int friction_step(const LinearRotor *rotor, const VariableSpeedStep *smooth, const Slider *sliders,
+                  int count, double *memory, FrictionStep *made, Failure *failure);
+
+/* Sliders with slack springs; rigid ones slip with the rotor where it moves.
+
+   rates: velocities of the stations, x and y alternating. */
+void friction_at_start(const Slider *sliders, int count, const double *rates, double *held);
+
+/* State (q, v), x before y, and sliders one `step` [s] later, in place. */
+int friction_advance(FrictionStep *method, double *state, double *held, const Drive *drive,
+                     double step, Failure *failure);
+
+/* Whether each rigid slider at rest sticks or slips at time t, in place. */
+int friction_resolve(FrictionStep *method, const double *state, double *held, const Drive *drive,
+                     double t, Failure *failure);
+
+/* Acceleration and jerk of the planes in fixed axes, (2 p,) each, x before y, and the friction
+   forces, at time t; with state NULL what the forces alone add to them. */
+int friction_plane_motion(FrictionStep *method, const double *state, double *held,
+                          const Drive *drive, double t, double *acceleration, double *jerk,
+                          Failure *failure);
+
+#endif

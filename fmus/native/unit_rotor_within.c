@@ -1,0 +1,152 @@
+/* The rotor at a time within a step: e^{Zt} times the state alone, by its Taylor series, where a step
+   matrix for every such time would cost a hundred times as much. */
+#include <string.h>
+
+#include "elementary.h"
+#include "propagator.h"
+#include "unit_rotor.h"
+
+/* A mode may turn so far in the step [rad]: beyond, terms cancel, and a matrix keeps more digits. */
+static const double SOFT = 3.0;
+static const double NEGLIGIBLE = 1e-16; /* of the sum: a term, and the one before */
+enum { MOST_TERMS = 60 };
+
+size_t rotor_rates_doubles(int n, int p)
+{
+    /* rows of v' are full, a force turns and goes on to its derivative */
+    const size_t motion = 4 * (size_t)n, forces = 2 * SIGNAL_ORDERS * (size_t)p;
+    return motion / 2 * (motion + forces + 2) + motion / 2 + 2 * forces + 2;
+}
+
+/* The elements of Z that are not 0, row by row, x and y alternating. */
+static void sort_rates(Rotor *own, const double *z)
+{
+    Rates *rates = &own->rates;
+    const int size = own->columns * own->parts, width = own->columns;
+    int i, j, count = 0;
+    rates->size = size;
+    for (i = 0; i < size; i++) {
+        rates->first[i] = count;
+        for (j = 0; j < size; j++) {
+            const double *element = z + 2 * ((i / 2) * width + j / 2);
+            const double value = own->axes == 2
+                                     ? z[rotor_column(own, i) * width + rotor_column(own, j)]
+                                 : i % 2 == j % 2 ? element[0]
+                                 : i % 2          ? element[1]
+                                                  : -element[1];
+            if (value != 0.0) {
+                rates->column[count] = j;
+                rates->value[count++] = value;
+            }
+        }
+    }
+    rates->first[size] = count;
+}
+
+/* Fastest that a state can change by itself [rad/s], at most. */
+static double quickest(const Rotor *own)
+{
+    const Rates *rates = &own->rates;
+    const int displacements = 2 * own->stations;
+    double stiffest = 0.0, slowing = 0.0;
+    int i, k;
+    for (i = displacements; i < 2 * displacements; i++) {
+        double stiffness = 0.0, damping = 0.0;
+        for (k = rates->first[i]; k < rates->first[i + 1]; k++) {
+            if (rates->column[k] < displacements) {
+                stiffness += absolute(rates->value[k]);
+            } else if (rates->column[k] < 2 * displacements) {
+                damping += absolute(rates->value[k]);
+            }
+        }
+        stiffest = larger(stiffest, stiffness);
+        slowing = larger(slowing, damping);
+    }
+    return larger(square_root(stiffest), slowing);
+}
+
+int rotor_rates(Unit *unit)
+{
+    Rotor *own = unit->own;
+    Rates *rates = &own->rates;
+    const double *masses = unit->real + unit->layout.inputs.first;
+    const size_t size = (size_t)own->planes * sizeof(double);
+    const double speed = rotor_drive(unit)[0];
+    double *z = own->matrix_scratch;
+    LinearRotor loaded;
+    Failure failure;
+    if (rates->made && rates->speed == speed && !memcmp(rates->added_mass, masses, size)) {
+        return 0;
+    }
+    rates->made = 0;
+    loaded = linear_rotor_with_added_mass(&own->rotor, masses, own->loaded_mass);
+    if (generator(&loaded, speed, own->turning, z,
+                  z + (size_t)own->columns * (size_t)(own->columns * own->parts), &failure)) {
+        return unit_failed(unit, &failure, NULL, 0);
+    }
+    sort_rates(own, z);
+    memcpy(rates->added_mass, masses, size);
+    rates->speed = speed;
+    rates->quickest = quickest(own);
+    rates->made = 1;
+    return 0;
+}
+
+/* Z times a state (size,), its elements from `first` up to `end`. */
+static void changes(const Rates *rates, int first, int end, const double *state, double *change)
+{
+    int i, k;
+    for (i = first; i < end; i++) {
+        double sum = 0.0;
+        for (k = rates->first[i]; k < rates->first[i + 1]; k++) {
+            sum += rates->value[k] * state[rates->column[k]];
+        }
+        change[i] = sum;
+    }
+}
+
+/* Whether a term no longer counts beside its sum, in displacements and in velocities. */
+static int vanishes(int count, const double *term, const double *sum)
+{
+    double small = 0.0, large = 0.0;
+    int k;
+    for (k = 0; k < count; k++) {
+        small = larger(small, absolute(term[k]));
+        large = larger(large, absolute(sum[k]));
+    }
+    return small <= NEGLIGIBLE * large;
+}
+
+int rotor_within(Rotor *own, double time)
+{
+    const Rates *rates = &own->rates;
+    const int half = 2 * own->stations, planes = 2 * own->planes, size = rates->size;
+    double *sum = own->operand, *term = rates->work, *next = term + size, *kept;
+    double *out = own->result + 2 * half;
+    int k, i, before = 0, small = 0;
+    if (!(rates->quickest * own->whole <= SOFT)) {
+        return 0;
+    }
+    memcpy(term, sum, (size_t)size * sizeof(double));
+    for (k = 1; k <= MOST_TERMS && !(small && before); k++) {
+        changes(rates, 0, size, term, next);
+        for (i = 0; i < size; i++) {
+            next[i] *= time / k;
+            sum[i] += next[i];
+        }
+        before = small;
+        small = vanishes(half, next, sum) && vanishes(half, next + half, sum + half);
+        kept = term;
+        term = next;
+        next = kept;
+    }
+    if (!(small && before)) {
+        return 0;
+    }
+    changes(rates, 0, size, sum, term);
+    changes(rates, half, 2 * half, term, next);
+    memcpy(own->result, sum, 2 * (size_t)half * sizeof(double));
+    rotor_vectors_at(own->rotor.planes, own->planes, own->stations, term + half, out);
+    rotor_vectors_at(own->rotor.planes, own->planes, own->stations, next + half, out + planes);
+    return 1;
+}

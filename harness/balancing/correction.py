@@ -1,0 +1,228 @@
+"""From measured runs to corrections: influence coefficients, least squares, allowed angles, grade.
+
+Corrections come in addition to what is mounted in the run that they correct.  With more readings
+than two a plane the sum of squares of what remains is least (Feese & Grazier 2004).
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from pydantic import ValidationError
+from scipy.optimize import nnls
+
+from ...models.papers.influence import condition_number, from_runs, unbalance_from_response
+from ..errors import UserError
+from ..scene.balancing import Balancing
+from .measured import Complex, Measured
+
+_SINGULAR = 1e4  # condition number: readings of three digits then say nothing of the masses
+
+_NOTHING = 1e-9  # of the largest correction: a mass that rounding makes
+
+
+@dataclass(frozen=True)
+class Piece:
+    """A mass at an angle [g, rad] in a plane, by its place in `Measured.planes`."""
+
+    plane: int
+    mass: float
+    angle: float
+
+
+@dataclass(frozen=True)
+class Grade:
+    """What a grade of ISO 21940-11 permits, and what is there [kg m], all planes added up.
+
+    Attributes:
+        name: such as "G2.5".
+        permissible: U_per.
+        before, after: unbalance by the coefficients, and what the corrections are expected to
+            leave of it: what the allowed angles miss, and the standard uncertainty.
+        reached: what `after` would be, as a grade [mm/s].
+    """
+
+    name: str
+    permissible: float
+    before: float
+    after: float
+    reached: float
+
+    @property
+    def met(self) -> bool:
+        """Whether no more is expected to remain than is permissible."""
+        return self.after <= self.permissible
+
+
+@dataclass(frozen=True, eq=False)
+class Correction:
+    """What to mount, and what is expected of it.
+
+    Attributes:
+        measured: the runs.
+        corrected: name of the run whose vibration is corrected.
+        coefficients: (s, p) influence coefficients [amplitude/g].
+        condition: their condition number.
+        exact: (p,) corrections [g] by least squares.
+        pieces: the same at allowed angles; one a plane where any angle is.
+        before, after: (s,) complex amplitudes, measured and with the pieces expected.
+        uncertainty: (p,) standard uncertainty of the corrections [g], by what least squares leave;
+            NaN where there are no more readings than corrections.
+        grade: None where it was not asked.
+    """
+
+    measured: Measured
+    corrected: str
+    coefficients: Complex
+    condition: float
+    exact: Complex
+    pieces: tuple[Piece, ...]
+    before: Complex
+    after: Complex
+    uncertainty: NDArray[np.float64]
+    grade: Grade | None = None
+
+    @property
+    def rms(self) -> float:
+        """Root mean square of what is expected to remain."""
+        return float(np.sqrt(np.mean(np.abs(self.after) ** 2)))
+
+
+def correct(
+    measured: Measured,
+    *,
+    run: str | None = None,
+    angles: Sequence[Sequence[float]] = (),
+    grade: str = "",
+    mass: float | None = None,
+    service_speed: float | None = None,
+) -> Correction:
+    """Corrections by least squares.
+
+    Args:
+        run: whose vibration is corrected; by default the reference, the first one.
+        angles: allowed angles [rad] of every plane, or of all by one list; by default any.
+        grade: of ISO 21940-11, such as "G2.5"; needs the radii and
+        mass: of the rotor [kg], and
+        service_speed: [rad/s]; by default the fastest one measured.
+
+    Raises:
+        UserError: there is no such run, the runs do not tell the planes apart, the readings do not
+            determine the corrections, allowed angles do not fit the planes, or something that the
+            grade needs is missing.
+    """
+    corrected = run or measured.runs[0]
+    if corrected not in measured.runs:
+        raise UserError(f"run {corrected!r}: must be one of {', '.join(measured.runs)}")
+    try:
+        coefficients = from_runs(measured.responses, measured.mounted)
+    except ValueError as error:
+        raise UserError(str(error)) from error
+    readings, planes = coefficients.shape
+    condition = condition_number(coefficients)
+    if readings < planes or not condition < _SINGULAR:
+        raise UserError(
+            f"{readings} readings, condition number {condition:.3g}: do not determine corrections "
+            f"in {planes} planes; needs at least {planes} readings and a condition number below "
+            f"{_SINGULAR:g}: leave out a plane, or add a sensor or a speed"
+        )
+    before = measured.responses[measured.runs.index(corrected)]
+    exact = -unbalance_from_response(coefficients, before)
+    pieces = split(coefficients, before, exact, angles)
+    mounted = np.zeros(planes, complex)
+    for piece in pieces:
+        mounted[piece.plane] += piece.mass * np.exp(1j * piece.angle)
+    missed = before + coefficients @ exact
+    spread = np.full(planes, math.nan)
+    if readings > planes:
+        variance = float((np.abs(missed) ** 2).sum()) / (readings - planes)
+        inverse = np.linalg.inv(coefficients.conj().T @ coefficients)
+        spread = np.sqrt(variance * inverse.diagonal().real)
+    found = None
+    if grade:
+        left = np.abs(mounted - exact) + np.nan_to_num(spread)
+        found = _graded(measured, grade, np.abs(exact), left, mass, service_speed)
+    after = before + coefficients @ mounted
+    return Correction(
+        measured, corrected, coefficients, condition, exact, pieces, before, after, spread, found
+    )
+
+
+def split(
+    coefficients: Complex, before: Complex, exact: Complex, angles: Sequence[Sequence[float]]
+) -> tuple[Piece, ...]:
+    """Corrections as masses at allowed angles [rad].
+
+    Two neighbouring angles less than half a turn apart make any correction between them.  Where one
+    lies in a wider gap, masses at all allowed angles are those of least squares.
+
+    Raises:
+        UserError: there are lists for another number of planes.
+    """
+    if not angles:
+        return tuple(Piece(i, abs(w), float(np.angle(w))) for i, w in enumerate(exact.tolist()))
+    if len(angles) not in (1, len(exact)):
+        raise UserError(f"allowed angles of {len(angles)} planes: must be of all at once, or of "
+                        f"each of the {len(exact)}")  # fmt: skip
+    lists = list(angles) * (len(exact) if len(angles) == 1 else 1)
+    pieces = [_neighbours(i, w, a) for i, (w, a) in enumerate(zip(exact, lists, strict=True))]
+    if all(each is not None for each in pieces):
+        found = [piece for each in pieces for piece in each or ()]
+        least = _NOTHING * float(np.abs(exact).max())
+        return tuple(piece for piece in found if piece.mass > least)
+    places = [(plane, angle) for plane, allowed in enumerate(lists) for angle in allowed]
+    columns = np.array([coefficients[:, p] * np.exp(1j * angle) for p, angle in places]).T
+    masses, _ = nnls(
+        np.vstack([columns.real, columns.imag]), -np.concatenate([before.real, before.imag])
+    )
+    return tuple(
+        Piece(plane, float(m), angle)
+        for (plane, angle), m in zip(places, masses, strict=True)
+        if m > 0.0
+    )
+
+
+def _neighbours(plane: int, needed: complex, allowed: Sequence[float]) -> list[Piece] | None:
+    """The two allowed angles on both sides, or the one that is hit; None in a gap too wide."""
+    behind = sorted(allowed, key=lambda a: (np.angle(needed) - a) % (2.0 * math.pi))[0]
+    ahead = sorted(allowed, key=lambda a: (a - np.angle(needed)) % (2.0 * math.pi))[0]
+    gap = (ahead - behind) % (2.0 * math.pi)
+    if behind == ahead:
+        hit = abs(np.angle(needed * np.exp(-1j * behind))) < 1e-9
+        return [Piece(plane, abs(needed), behind)] if hit else None
+    if not gap < math.pi - 1e-9:
+        return None
+    part = np.angle(needed * np.exp(-1j * behind)) % (2.0 * math.pi)
+    first = abs(needed) * math.sin(gap - part) / math.sin(gap)
+    second = abs(needed) * math.sin(part) / math.sin(gap)
+    return [Piece(plane, first, behind), Piece(plane, second, ahead)]
+
+
+def _graded(
+    measured: Measured,
+    name: str,
+    before: NDArray[np.float64],
+    after: NDArray[np.float64],
+    mass: float | None,
+    service_speed: float | None,
+) -> Grade:
+    if measured.radii is None:
+        raise UserError("a grade needs the radius of every plane: columns radius_mm[...]")
+    speed = service_speed or float(measured.speeds.max())
+    if mass is None or not speed > 0.0:
+        raise UserError(
+            "a grade needs the rotor's mass (--mass, kg) and its service speed (--service-speed, "
+            "rad/s, or a column speed_rpm)"
+        )
+    try:
+        precession = Balancing(grade=name).precession
+    except ValidationError as error:
+        raise UserError(f"grade {name!r}: {error.errors()[0]['msg']}") from error
+    arms = 1e-6 * np.array(measured.radii)  # g mm to kg m
+    left = float(arms @ after)
+    permissible = mass * precession / speed
+    return Grade(name, permissible, float(arms @ before), left, 1e3 * left * speed / mass)

@@ -1,0 +1,203 @@
+"""Runs measured in the workshop, from a CSV file: what was mounted and how the sensors answered.
+
+One line a run, speed and sensor:
+
+    run,speed_rpm,sensor,amplitude_um,phase_lag_deg,mass_g[1],angle_deg[1],radius_mm[1],...
+
+or one line a run with its raw samples in a file of their own (`tachometer`):
+
+    run,samples,mass_g[1],angle_deg[1],radius_mm[1],...
+"""
+
+from __future__ import annotations
+
+import csv
+import math
+import re
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..errors import UserError
+from .tachometer import read_samples
+
+Complex = NDArray[np.complexfloating]
+Row = Mapping[str, str]
+
+_WEIGHT = re.compile(r"(mass_g|angle_deg|radius_mm)\[(.+)\]")
+_AMPLITUDE = re.compile(r"amplitude_(\w+)")
+_PHASES = {"phase_lead_deg": 1.0, "phase_lag_deg": -1.0}
+_SPEED = 0.02  # runs whose speeds differ by less were meant to be one
+
+
+@dataclass(frozen=True, eq=False)
+class Measured:
+    """Runs of one machine, the first of them the reference.
+
+    Attributes:
+        runs: their names.
+        sensors: (s,) each with its speed where there are several: "front at 3000 rpm".
+        unit: of the amplitudes; empty where it is not told.
+        planes: names of the correction planes.
+        radii: (p,) at which masses are mounted [mm]; None where the file has no radius.
+        speeds: (s,) [rad/s].
+        responses: (r, s) complex amplitudes; their phases are counted like the masses' angles.
+        mounted: (r, p) mass and angle in each plane, at its radius [g].
+    """
+
+    runs: tuple[str, ...]
+    sensors: tuple[str, ...]
+    unit: str
+    planes: tuple[str, ...]
+    radii: tuple[float, ...] | None
+    speeds: NDArray[np.float64]
+    responses: Complex
+    mounted: Complex
+
+
+def read_measured(path: Path) -> Measured:
+    """Runs from a CSV file.
+
+    Raises:
+        UserError: it cannot be read, or something in it is missing, twice or no number; the message
+            names the line or the run, and what is needed.
+    """
+    try:
+        with path.open(newline="", encoding="utf-8-sig") as stream:
+            reader = csv.DictReader(stream, skipinitialspace=True)
+            rows, names = list(reader), list(reader.fieldnames or ())
+    except (OSError, UnicodeDecodeError, csv.Error) as error:
+        raise UserError(f"{path}: cannot be read: {error}") from error
+    if not rows or "run" not in names:
+        raise UserError(f"{path}: needs a column `run` and at least two runs")
+    planes = tuple(dict.fromkeys(m[2] for n in names if (m := _WEIGHT.fullmatch(n))))
+    if not planes:
+        raise UserError(f"{path}: needs columns `mass_g[1]` and `angle_deg[1]` of every plane")
+    runs = tuple(dict.fromkeys(row["run"] for row in rows))
+    lines = {name: [i for i, row in enumerate(rows) if row["run"] == name] for name in runs}
+    radii = _radii(path, rows, names, planes)
+    mounted = np.array([[_mounted(path, rows, lines[r], p) for p in planes] for r in runs])
+    unmoved = [p for p, m in zip(planes, mounted.T, strict=True) if np.ptp(np.abs(m - m[0])) == 0.0]
+    if unmoved:
+        raise UserError(
+            f"{path}: a trial run is missing: in no run does the mass in plane "
+            f"{', '.join(unmoved)} differ from that of the reference, {runs[0]!r}"
+        )
+    if "samples" in names:
+        unit, found = "", _from_samples(path, rows)
+    else:
+        unit, found = _from_readings(path, rows, names)
+    sensors, speeds, responses = _table(path, runs, found)
+    return Measured(runs, sensors, unit, planes, radii, speeds, responses, mounted)
+
+
+Readings = dict[str, dict[str, tuple[float, complex]]]  # by run and sensor: speed, amplitude
+
+
+def _number(path: Path, row: Row, line: int, name: str) -> float:
+    text = (row.get(name) or "").strip()
+    try:
+        value = float(text)
+    except ValueError:
+        value = math.nan
+    if not math.isfinite(value):
+        raise UserError(f"{path}, line {line + 2}: {name} = {text!r}: must be a finite number")
+    return value
+
+
+def _mounted(path: Path, rows: Sequence[Row], lines: list[int], plane: str) -> complex:
+    """Mass and angle in a plane during a run; an empty mass is none."""
+    found = set()
+    for i in lines:
+        mass = 0.0
+        if (rows[i].get(f"mass_g[{plane}]") or "").strip():
+            mass = _number(path, rows[i], i, f"mass_g[{plane}]")
+        angle = math.radians(_number(path, rows[i], i, f"angle_deg[{plane}]")) if mass else 0.0
+        found.add((mass, angle))
+    if len(found) > 1:
+        raise UserError(
+            f"{path}: run {rows[lines[0]]['run']!r}: its lines do not agree on the mass in plane "
+            f"{plane}"
+        )
+    ((mass, angle),) = found
+    return mass * complex(math.cos(angle), math.sin(angle))
+
+
+def _radii(
+    path: Path, rows: Sequence[Row], names: Sequence[str], planes: Sequence[str]
+) -> tuple[float, ...] | None:
+    """One radius a plane: where trial masses were and corrections will be."""
+    if not any(name.startswith("radius_mm[") for name in names):
+        return None
+    radii = []
+    for plane in planes:
+        name = f"radius_mm[{plane}]"
+        filled = [i for i, row in enumerate(rows) if (row.get(name) or "").strip()]
+        values = {_number(path, rows[i], i, name) for i in filled}
+        if len(values) != 1 or not min(values) > 0.0:
+            raise UserError(f"{path}: {name}: must be one radius above 0 mm in all lines")
+        radii.append(values.pop())
+    return tuple(radii)
+
+
+def _from_readings(path: Path, rows: Sequence[Row], names: Sequence[str]) -> tuple[str, Readings]:
+    units = [m[1] for name in names if (m := _AMPLITUDE.fullmatch(name))]
+    phases = [name for name in names if name in _PHASES]
+    if "sensor" not in names or len(units) != 1:
+        raise UserError(
+            f"{path}: needs the columns `sensor` and one `amplitude_UNIT`, such as amplitude_um, "
+            "or a column `samples` with files of raw samples"
+        )
+    if len(phases) != 1:
+        raise UserError(
+            f"{path}: needs one of the columns phase_lead_deg (counted like the masses' angles) "
+            "and phase_lag_deg (counted the other way)"
+        )
+    found: Readings = {}
+    for i, row in enumerate(rows):
+        amplitude = _number(path, row, i, f"amplitude_{units[0]}")
+        phase = _PHASES[phases[0]] * math.radians(_number(path, row, i, phases[0]))
+        if amplitude < 0.0:
+            raise UserError(f"{path}, line {i + 2}: amplitude = {amplitude:g}: must not be below 0")
+        rpm = _number(path, row, i, "speed_rpm") if "speed_rpm" in names else 0.0
+        sensor = f"{row['sensor']} at {rpm:g} rpm" if rpm else row["sensor"]
+        readings = found.setdefault(row["run"], {})
+        if sensor in readings:
+            raise UserError(f"{path}, line {i + 2}: run {row['run']!r}: {sensor} is read twice")
+        value = amplitude * complex(math.cos(phase), math.sin(phase))
+        readings[sensor] = (rpm * math.pi / 30.0, value)
+    return units[0], found
+
+
+def _from_samples(path: Path, rows: Sequence[Row]) -> Readings:
+    found: Readings = {}
+    for i, row in enumerate(rows):
+        if row["run"] in found:
+            raise UserError(f"{path}, line {i + 2}: run {row['run']!r} has samples already")
+        speed, amplitudes = read_samples(path.parent / (row["samples"] or "").strip())
+        found[row["run"]] = {name: (speed, value) for name, value in amplitudes.items()}
+    speeds = [next(iter(readings.values()))[0] for readings in found.values()]
+    if max(speeds) > (1.0 + _SPEED) * min(speeds):
+        raise UserError(
+            f"{path}: the samples' speeds differ: {min(speeds):.4g} to {max(speeds):.4g} rad/s; "
+            f"must agree within {_SPEED:.0%}"
+        )
+    return found
+
+
+def _table(
+    path: Path, runs: Sequence[str], found: Readings
+) -> tuple[tuple[str, ...], NDArray[np.float64], Complex]:
+    """Sensors, their speeds (s,) and complex amplitudes (r, s)."""
+    sensors = tuple(found[runs[0]])
+    for run in runs:
+        if odd := sorted(set(found[run]) ^ set(sensors)):
+            raise UserError(
+                f"{path}: runs {runs[0]!r} and {run!r} do not have the same readings: "
+                f"{', '.join(odd)} in one alone"
+            )
+    speeds = np.array([found[runs[0]][sensor][0] for sensor in sensors])
+    return sensors, speeds, np.array([[found[r][s][1] for s in sensors] for r in runs])

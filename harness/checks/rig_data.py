@@ -1,0 +1,120 @@
+"""The rig of Rodrigues et al. 2010: what was measured, and the same quantities co-simulated.
+
+Speeds in rpm, amplitudes in mm: the mean over both bearings of the largest sqrt(x^2 + y^2), 0-peak.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Sequence
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..errors import SimulationError
+from ..master.many import cosimulate_many
+from ..master.names import station_residuals
+from ..master.sweep import sweep_alike
+from ..scene import Scene
+from ..scene.balancer import WeightBalancer
+
+Array = NDArray[np.float64]
+Curve = tuple[Array, Array]  # speeds that rise, amplitudes
+
+SOURCE = "run as one composite, against Rodrigues, Champneys, Friswell, Wilson 2010"
+RPM = math.pi / 30.0  # rad/s
+WASHER = 12.4e-6  # kg m
+SETTLED = 200  # revolutions: the rotor alone, to 0.1 % at 5000 rpm
+RATE, RECORD = 25.0, 0.25  # rpm/s of the measured sweeps, s
+WINDOW = 50.0  # rpm either side of a speed: what was measured there is the median
+_DATA = Path(__file__).parent / "data" / "rodrigues2010"
+
+
+@cache
+def measured(name: str) -> NDArray[Any]:
+    """A table of the rig's data, by its columns."""
+    return np.genfromtxt(_DATA / f"{name}.csv", delimiter=",", names=True)
+
+
+def chosen(name: str, **values: float) -> NDArray[Any]:
+    """Rows of a table in which columns have these values."""
+    table = measured(name)
+    return table[np.all([table[key] == value for key, value in values.items()], axis=0)]
+
+
+def response(washers: int, balls: int, **values: float) -> Curve:
+    """Measured amplitude against speed, both ways together unless `falling` is given."""
+    rows = np.sort(
+        chosen("response", washers=washers, balls=balls, **values), order="speed_rpm", kind="stable"
+    )
+    return rows["speed_rpm"], rows["amplitude_mm"]
+
+
+def at(curve: Curve, speeds: Iterable[float], window: float = WINDOW) -> Array:
+    """Medians of a curve around speeds."""
+    x, y = curve
+    return np.array([np.median(y[np.abs(x - speed) <= window]) for speed in speeds])
+
+
+def with_washers(scene: Scene, washers: float) -> Scene:
+    """The rig's scene with another unbalance."""
+    return scene.replace({"rotor.unbalances[1].amount": washers * WASHER})
+
+
+def bearings(
+    scene: Scene, washers: float, speeds: Sequence[float] | Array, revolutions: float = SETTLED
+) -> Array:
+    """Amplitudes (k, 2) of both bearings at constant speeds, co-simulated as a composite.
+
+    Raises:
+        SimulationError: a run has failed.
+    """
+    names = station_residuals(len(scene.rotor.stations))
+    names = [names[number - 1] for number in scene.rotor.supports]
+    scene = with_washers(scene, washers).replace({"run.revolutions": revolutions})
+    found = cosimulate_many(scene, {"speed": RPM * np.asarray(speeds, float)}, results=names)
+    for reason in filter(None, found["failure"]):
+        raise SimulationError(f"{scene.name}: {reason}")
+    return 1e3 * np.column_stack([found[name] for name in names])
+
+
+def steady(
+    scene: Scene, washers: float, speeds: Sequence[float] | Array, revolutions: float = SETTLED
+) -> Array:
+    """Amplitude (k,) at constant speeds, co-simulated."""
+    return bearings(scene, washers, speeds, revolutions).mean(axis=1)
+
+
+def swept(
+    scene: Scene, washers: Sequence[int], low: float, high: float, falling: bool
+) -> dict[int, Curve]:
+    """Co-simulated sweeps between two speeds at the rig's rate, by number of washers.
+
+    Balls start where the scene has them; on the way down balanced, as far as they can.
+    """
+    start, end = (high, low) if falling else (low, high)
+    run_up = {"from": start * RPM, "to": end * RPM, "seconds": (high - low) / RATE}
+    scenes = []
+    for number in washers:
+        one = with_washers(scene, number).replace({"operation.run_up": run_up})
+        if falling and scene.balancer:
+            half = _balanced_half_angle(one, number)
+            one = one.replace({"balls.angles": [math.pi - half, math.pi + half]})
+        scenes.append(one)
+    found = sweep_alike(scenes, RECORD)
+    order = np.argsort(found.speeds)
+    support = [number - 1 for number in scene.rotor.supports]
+    amplitude = 1e3 * found.amplitude[:, :, support].mean(axis=2)[:, order]
+    speeds = found.speeds[order] / RPM
+    return {number: (speeds, curve) for number, curve in zip(washers, amplitude, strict=True)}
+
+
+def _balanced_half_angle(scene: Scene, washers: int) -> float:
+    """Of two balls about the light spot: 2 m R cos(half) is the washers' unbalance."""
+    (balls,) = scene.balancer
+    assert isinstance(balls, WeightBalancer)  # the check has set its drag
+    balanced = math.acos(min(1.0, washers * WASHER / (balls.count * balls.device.moment)))
+    return max(balanced, 1.01 * balls.half_angle)

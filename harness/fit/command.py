@@ -1,0 +1,75 @@
+"""`autobalancer fit`: values of a scene from what was measured."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from ..output import costs, options
+from ..output.terminal import progress_bar, say, show
+
+
+def command(
+    scene: Annotated[str, options.SCENE],
+    measured: Annotated[
+        Path,
+        typer.Option(
+            metavar="FILE.csv",
+            help="Heads: speed [rpm], values that were set by their path, and what was measured: "
+            "amplitude [mm] (mean of the supports), residual, rotor.station[1].residual.",
+        ),
+    ],
+    free: Annotated[
+        list[str],
+        typer.Option(
+            metavar="PATH,...",
+            help="Values to find: rotor.stiffness[1],balls.drag; PATH=PATH is one for both.",
+        ),
+    ],
+    values: Annotated[
+        bool, typer.Option("--values", help="Squares of differences, not of logarithms' ones.")
+    ] = False,
+    without_balancers: Annotated[
+        bool, typer.Option("--without-balancers", help="It was measured without them.")
+    ] = False,
+    changes: Annotated[list[str] | None, options.changes("another start")] = None,
+    predict: Annotated[
+        Path | None,
+        typer.Option(metavar="FILE.csv", help="Other measurements: how well they are predicted."),
+    ] = None,
+    picture: Annotated[Path | None, options.picture("Residual plot.", "--output", "-o")] = None,
+    json: Annotated[Path | None, options.json("what is said")] = None,
+    at_most: Annotated[str, options.at_most()] = costs.DEFAULT,
+) -> None:
+    """Find values of a scene from measured amplitudes, and say how well they are known."""
+    from ..master.run_command import changed_scene
+    from ..output.files import write_json
+    from .measured import read_measured
+    from .parameters import parse_free
+    from .report import document, lines, table
+    from .study import difference, fit, predicted_rms
+
+    loaded = changed_scene(scene, changes)
+    loaded = loaded.without_balancers() if without_balancers else loaded
+    parameters = parse_free(free, loaded)
+    data = read_measured(measured, loaded)
+    others = read_measured(predict, loaded) if predict is not None else None
+    with costs.limited(at_most, f"--free {','.join(free)}"), progress_bar("fitting") as progress:
+        found = fit(loaded, data, parameters, logarithms=not values, progress=progress)
+        said = document(found, data, not values, loaded.heading)
+        if others is not None:
+            said["predicted"] = str(predict)
+            said["rms_predicted"] = predicted_rms(loaded, others, found, not values)
+    show(table(said))
+    for line in lines(said):
+        say(line)
+    say(f"Run in C as one composite: {', '.join(u.label for u in loaded.balancer) or 'the rotor'}")
+    if picture is not None:
+        from .plot import plot_fit
+
+        plot_fit(found, data, difference(data.values, not values), loaded.heading, picture)
+        say(f"Written: {picture}")
+    if json is not None:
+        write_json(said, json)

@@ -1,0 +1,79 @@
+"""Amplitudes that runs of a scene show where they were measured, for many parameters at once."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..errors import SimulationError, UserError
+from ..master.alike import table_of
+from ..master.many import cosimulate_many
+from ..master.names import station_residuals
+from ..scene import Scene
+from .measured import AMPLITUDE, SPEED, Measured
+from .parameters import Parameter
+
+Array = NDArray[np.float64]
+
+
+class Model:
+    """Runs of a scene under the settings of a measurement, in C.
+
+    Args:
+        scene: at constant speed; its revolutions are a run's, the last is compared.
+
+    Raises:
+        UserError: the speed changes.
+    """
+
+    def __init__(self, scene: Scene, parameters: Sequence[Parameter], measured: Measured) -> None:
+        if scene.operation.run_up is not None:
+            raise UserError(f"{scene.name}: operation.run_up: a fit takes runs at constant speed")
+        self._scene, self._parameters, self._measured = scene, parameters, measured
+        others = {name: column for name, column in measured.settings.items() if name != SPEED}
+        rows = np.array(list(others.values())).T.reshape(self._count, len(others))
+        distinct, self._kind = np.unique(rows, axis=0, return_inverse=True)
+        self._kind = self._kind.ravel()
+        self._kinds = [dict(zip(others, row, strict=True)) for row in distinct.tolist()]
+        stations = station_residuals(len(scene.rotor.stations))
+        self._supports = [stations[number - 1] for number in scene.rotor.supports]
+
+    @property
+    def _count(self) -> int:
+        return len(next(iter(self._measured.amplitudes.values())))
+
+    def scene(self, values: Sequence[float]) -> Scene:
+        """The scene with these parameters.
+
+        Raises:
+            SceneError: they do not fit together.
+        """
+        pairs = zip(self._parameters, values, strict=True)
+        changes = [parameter.changes(value).items() for parameter, value in pairs]
+        return self._scene.replace(dict(item for some in changes for item in some))
+
+    def amplitudes(self, sets: Array) -> Array:
+        """What would be measured (s, values) with parameters (s, p), as `Measured.values` [m].
+
+        Raises:
+            SceneError: parameters do not fit together.
+            SimulationError: a run has failed.
+        """
+        bases = [self.scene(values) for values in sets.tolist()]
+        scenes = [base.replace(kind) for base in bases for kind in self._kinds]
+        place = (np.arange(len(sets))[:, None] * len(self._kinds) + self._kind).ravel()
+        table = {name: np.array(column)[place] for name, column in table_of(scenes).items()}
+        if SPEED in self._measured.settings:
+            table[SPEED] = np.tile(self._measured.settings[SPEED], len(sets))
+        own = [name for name in self._measured.amplitudes if name != AMPLITUDE]
+        found = cosimulate_many(scenes[0], table, results=[*{*own, *self._supports}])
+        for reason in filter(None, found["failure"]):
+            raise SimulationError(f"{self._scene.name}: a run failed: {reason}")
+        found[AMPLITUDE] = np.mean([found[name] for name in self._supports], axis=0)
+        columns = [
+            found[name].reshape(len(sets), -1)[:, ~np.isnan(column)]
+            for name, column in self._measured.amplitudes.items()
+        ]
+        return np.concatenate(columns, axis=1)

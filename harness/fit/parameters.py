@@ -1,0 +1,113 @@
+"""What is free in a fit: values of a scene by their paths, where they start, and their limits."""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from ..errors import SceneError, UserError
+from ..master.alike import refuse_unvaried
+from ..scene import Scene
+
+FARTHEST = 1e6  # times the start: as good as no limit
+_HALVINGS = 60  # of the way to a value that the scene refuses
+
+
+@dataclass(frozen=True)
+class Parameter:
+    """One number that is free.
+
+    Attributes:
+        paths: of the scene, all given the same value.
+        start: the scene's.
+        limits: between which the scene takes it while the others keep their start.
+    """
+
+    paths: tuple[str, ...]
+    start: float
+    limits: tuple[float, float]
+
+    @property
+    def label(self) -> str:
+        """As it was written."""
+        return "=".join(self.paths)
+
+    def changes(self, value: float) -> dict[str, float]:
+        """For `Scene.replace`."""
+        return dict.fromkeys(self.paths, value)
+
+
+def parse_free(texts: Sequence[str], scene: Scene) -> list[Parameter]:
+    """PATH,PATH,...: each a number of the scene; PATH=PATH is one number for both.
+
+    Raises:
+        UserError: nothing is free, a path is unknown, twice there, no number or 0.
+    """
+    groups = [
+        tuple(path.strip() for path in group.split("="))
+        for text in texts
+        for group in text.split(",")
+        if group.strip()
+    ]
+    paths = [path for group in groups for path in group]
+    if not paths:
+        raise UserError("--free: nothing is free; give paths such as rotor.stiffness[1],balls.drag")
+    if repeated := {path for path in paths if paths.count(path) > 1}:
+        raise UserError(f"--free {', '.join(sorted(repeated))}: given twice")
+    return [_parameter(group, scene) for group in groups]
+
+
+def _parameter(paths: tuple[str, ...], scene: Scene) -> Parameter:
+    for path in paths:
+        refuse_unvaried(scene, path)
+    start = value_at(scene, paths[0])
+    if start == 0.0:
+        raise UserError(f"--free {paths[0]}: starts at 0, from where nothing has a size: set it")
+
+    def taken(ratio: float) -> bool:
+        try:
+            scene.replace(dict.fromkeys(paths, ratio * start))
+        except SceneError:
+            return False
+        return True
+
+    scene.replace(dict.fromkeys(paths, start))  # a path that is wrong says so
+    ends = sorted(start * _farthest(taken, end) for end in (-FARTHEST, FARTHEST))
+    return Parameter(paths, start, (ends[0], ends[1]))
+
+
+def _farthest(taken: Callable[[float], bool], end: float) -> float:
+    """The value next to `end` that is taken, on the way from 1; infinite where `end` is."""
+    if taken(end):
+        return math.copysign(math.inf, end)
+    inside, outside = 1.0, 0.0 if not taken(0.0) and end < 0.0 else end
+    for _ in range(_HALVINGS):
+        middle = 0.5 * (inside + outside)
+        inside, outside = (middle, outside) if taken(middle) else (inside, middle)
+    return inside
+
+
+def value_at(scene: Scene, path: str) -> float:
+    """The number that stands at a path of a scene, such as `rotor.stiffness[2]`.
+
+    Raises:
+        UserError: there is none.
+    """
+    first, *parts = path.split(".")
+    holders = {"rotor": scene.rotor, "run": scene.run, **{b.label: b for b in scene.balancer}}
+    found: Any = holders.get(first)
+    try:
+        for part in parts:
+            found = getattr(found, part.partition("[")[0])
+            for number in re.findall(r"\[(\d+)\]", part):
+                found = found[int(number) - 1]
+    except (AttributeError, IndexError, TypeError):
+        raise UserError(f"{path}: the scene has no such value") from None
+    if isinstance(found, tuple) and found and all(one == found[0] for one in found):
+        found = found[0]  # one number for both axes
+    if not isinstance(found, float):
+        raise UserError(f"{path}: must be a number; the scene has {found!r} there")
+    return found

@@ -1,0 +1,50 @@
+"""The picture of a fit: measured and simulated amplitudes, and what is left between them."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+from matplotlib.figure import Figure
+
+from ..output.plot import metres, save
+from .measured import SPEED, Measured
+from .study import Difference, Fit
+
+
+def plot_fit(found: Fit, measured: Measured, differ: Difference, title: str, path: Path) -> Path:
+    """Amplitudes over the speed, or over their number where one speed was measured.
+
+    Args:
+        differ: by `difference`, of what was measured.
+
+    Raises:
+        UserError: the format is unknown, or the file cannot be written.
+    """
+    values = measured.values
+    count = len(next(iter(measured.amplitudes.values())))
+    places = measured.settings.get(SPEED, np.arange(1.0, count + 1.0))
+    columns = [places[~np.isnan(column)] for column in measured.amplitudes.values()]
+    factor, unit = metres(float(values.max()))
+    figure = Figure(figsize=(9.0, 6.5), layout="constrained")
+    upper, lower = figure.subplots(2, 1, sharex=True, height_ratios=(2, 1))
+    begin = 0
+    for number, (name, x) in enumerate(zip(measured.amplitudes, columns, strict=True)):
+        part = slice(begin, begin := begin + len(x))
+        upper.plot(
+            x, factor * values[part], "o", ms=3.5, color=f"C{number}", label=f"{name}, measured"
+        )
+        upper.plot(x, factor * found.simulated[part], "x", ms=5, color=f"C{number}")
+        lower.plot(x, differ(found.simulated)[part], ".", color=f"C{number}")
+    upper.plot([], [], "kx", label="fitted")
+    upper.set(yscale="log", ylabel=f"amplitude [{unit}]")
+    upper.legend(fontsize="small")
+    lower.axhline(0.0, color="black", lw=0.8)
+    lower.set(
+        xlabel="speed [rad/s]" if SPEED in measured.settings else "measurement",
+        ylabel="simulated - measured\n(what is squared)",
+    )
+    for axes in (upper, lower):
+        axes.grid(which="both", alpha=0.25)
+    figure.suptitle(f"{title}\nrms {found.rms[0]:.3g} before, {found.rms[1]:.3g} after the fit")
+    return save(figure, path)

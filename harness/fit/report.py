@@ -1,0 +1,72 @@
+"""A fit in words and a table, and as a document for JSON."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+
+from ..output.table import Sheet
+from .measured import Measured
+from .study import Fit
+
+
+def document(found: Fit, measured: Measured, logarithms: bool, scene: str) -> dict[str, Any]:
+    """Everything that the command says."""
+    names = [parameter.label for parameter in found.parameters]
+    return {
+        "scene": scene,
+        "measured": str(measured.path),
+        "values": len(measured.values),
+        "difference": "logarithms" if logarithms else "values over their rms",
+        "rms_before": found.rms[0],
+        "rms": found.rms[1],
+        "ended": found.ended,
+        "parameters": [
+            {
+                "path": parameter.label,
+                "start": parameter.start,
+                "value": float(value),
+                "uncertainty": float(uncertainty),
+            }
+            for parameter, value, uncertainty in zip(
+                found.parameters, found.values, found.uncertainty, strict=True
+            )
+        ],
+        "correlation": {
+            name: dict(zip(names, row, strict=True))
+            for name, row in zip(names, found.correlation.tolist(), strict=True)
+        },
+        "warnings": found.warnings(),
+    }
+
+
+def table(said: Mapping[str, Any]) -> Sheet:
+    """A line a parameter."""
+    rows = [
+        [one["path"], *(f"{one[key]:.6g}" for key in ("start", "value")), _spread(one)]
+        for one in said["parameters"]
+    ]
+    return Sheet(("parameter", "start", "fitted", "± (95 %)"), rows, "lrrr")
+
+
+def _spread(one: Mapping[str, Any]) -> str:
+    return f"{one['uncertainty']:.2g}" if np.isfinite(one["uncertainty"]) else "-"
+
+
+def lines(said: Mapping[str, Any]) -> list[str]:
+    """What the table does not say."""
+    predicted = "rms_predicted" in said
+    return [
+        f"{said['values']} measured amplitudes; rms of the difference in {said['difference']}: "
+        f"{said['rms_before']:.4g} before, {said['rms']:.4g} after ({said['ended']})",
+        *([f"Predicted: rms {said['rms_predicted']:.4g}, {said['predicted']}"] * predicted),
+        *(f"Warning: {text}" for text in said["warnings"]),
+        "As options: "
+        + " ".join(
+            f'--set "{path}={one["value"]:.6g}"'
+            for one in said["parameters"]
+            for path in one["path"].split("=")
+        ),
+    ]

@@ -1,0 +1,232 @@
+"""Corrections from measured runs: a published case, the virtual machine, and closed forms."""
+
+from __future__ import annotations
+
+import json
+import math
+
+import numpy as np
+import pytest
+
+from autobalancer.harness import UserError, load_scene
+from autobalancer.harness.balancing.correction import correct, split
+from autobalancer.harness.balancing.machine import Machine
+from autobalancer.harness.balancing.measured import read_measured
+from autobalancer.harness.balancing.measured_command import allowed_angles
+from autobalancer.models.papers.influence import influence
+
+# Feese & Grazier 2004, table 1: amplitude and phase of Fwd X, Fwd Y, Aft X, Aft Y
+COMPRESSOR = {
+    ("baseline", "", "", "", ""): [(0.68, 32), (0.56, 86), (1.94, 231), (2.07, 335)],
+    ("aft", "", "", "11.1", "35"): [(1.31, 1), (1.25, 75), (0.93, 251), (1.00, 342)],
+    ("both", "3.7", "135", "11.1", "35"): [(0.54, 9), (0.52, 75), (0.81, 196), (0.90, 296)],
+}
+HEAD = "run,mass_g[fwd],angle_deg[fwd],mass_g[aft],angle_deg[aft],sensor,amplitude_mil,"
+
+
+def written(path, phase="phase_lead_deg", sign=1.0, sensors=4, runs=COMPRESSOR):
+    lines = [HEAD + phase]
+    for run, readings in runs.items():
+        lines += [
+            f"{','.join(run)},{number},{amplitude},{sign * angle}"
+            for number, (amplitude, angle) in enumerate(readings[:sensors])
+        ]
+    path.write_text("\n".join(lines) + "\n")
+    return path
+
+
+def degrees(value):
+    return math.degrees(math.atan2(value.imag, value.real)) % 360.0
+
+
+def test_corrections_of_the_published_case_are_those_of_the_paper(tmp_path):
+    """Feese & Grazier 2004: 15.3 g at 3 degrees aft, 6.6 g at 113 forward, and what remains."""
+    found = correct(read_measured(written(tmp_path / "runs.csv")))
+    forward, aft = found.exact.tolist()
+    assert (round(abs(forward), 1), round(degrees(forward))) == (6.6, 113)
+    assert (round(abs(aft), 1), round(degrees(aft))) == (15.3, 3)
+    residuals = [(round(abs(a), 2), round(degrees(a))) for a in found.after.tolist()]
+    assert residuals == [(0.08, 138), (0.09, 49), (0.05, 231), (0.05, 166)]
+    assert round(found.rms, 2) == 0.07
+
+
+def test_phases_that_lag_are_counted_the_other_way(tmp_path):
+    lead = correct(read_measured(written(tmp_path / "lead.csv")))
+    lag = correct(read_measured(written(tmp_path / "lag.csv", "phase_lag_deg", -1.0)))
+    np.testing.assert_allclose(lag.exact, lead.exact, rtol=1e-12)
+
+
+def test_what_is_mounted_in_the_corrected_run_stays(tmp_path):
+    """Corrections of two runs differ by what is mounted in them, where two readings decide."""
+    measured = read_measured(written(tmp_path / "runs.csv", sensors=2))
+    first, last = correct(measured), correct(measured, run="both")
+    np.testing.assert_allclose(first.exact, last.exact + measured.mounted[2], rtol=1e-9)
+    assert first.rms < 1e-12
+    assert np.isnan(first.uncertainty).all()
+
+
+def test_measured_runs_of_the_virtual_machine_give_its_unbalance(tmp_path):
+    """Trial runs read by hand from the co-simulated unit; the equations say what it carries."""
+    scene = load_scene("balancing_machine")
+    radius, lines = 80.0, ["run,sensor,amplitude_m,phase_lead_deg,speed_rpm"]
+    lines[0] += "".join(f",mass_g[{p}],angle_deg[{p}],radius_mm[{p}]" for p in (1, 2))
+    masses = {"first": (0.0, 0.0), "trial 1": (90.0, 0.0), "trial 2": (0.0, 70.0)}
+    with Machine(scene) as machine:
+        for run, mounted in masses.items():
+            reading = machine.measure(1e-6 * radius * np.array(mounted, complex))
+            for sensor, value in enumerate(reading.amplitude.tolist()):
+                cells = [run, sensor, abs(value), degrees(value), machine.speed * 30.0 / math.pi]
+                cells += [cell for mass in mounted for cell in (mass or "", 0, radius)]
+                lines.append(",".join(map(str, cells)))
+        speed = machine.speed
+    path = tmp_path / "runs.csv"
+    path.write_text("\n".join(lines))
+    rotor = scene.assembly().rotor
+    k = influence(rotor, speed)[0]
+    expected = -np.linalg.solve(k, influence(rotor, speed, np.eye(2))[0] @ rotor.unbalance)
+    found = correct(read_measured(path), grade="G16", mass=scene.rotor.mass)
+    np.testing.assert_allclose(1e-6 * radius * found.exact, expected, rtol=1e-9)
+    np.testing.assert_allclose(1e3 * found.coefficients / radius, k * 1e-3, rtol=1e-9)
+    assert found.grade.permissible == pytest.approx(scene.rotor.mass * 16e-3 / speed)
+    assert found.grade.before == pytest.approx(np.abs(expected).sum())
+    assert found.grade.met
+
+
+def samples(path, response, speed, rate=2000.0, seconds=1.5, jitter=0.0):
+    """Two sensors with an offset and a second harmonic; a pulse while the mark passes."""
+    time = np.arange(0.0, seconds, 1.0 / rate)
+    angle = speed * time + 0.7 + jitter * np.sin(3.0 * time)
+    tacho = np.clip(40.0 * np.sin(angle) + 0.5, 0.0, 1.0)  # rises through the middle at angle 0
+    columns = [time, tacho]
+    columns += [0.3 + (a * np.exp(1j * angle)).real + 0.2 * np.cos(2 * angle) for a in response]
+    np.savetxt(path, np.array(columns).T, "%.12g", ",", header="time_s,tacho,a,b", comments="")
+
+
+def test_raw_samples_with_a_tachometer_tell_amplitude_and_phase(tmp_path):
+    k = np.array([[1.0 + 0.5j, 0.3j], [0.2, -0.8 + 0.1j]])
+    unbalance = np.array([2.0 - 1.0j, 0.7j])
+    lines = ["run,samples,mass_g[1],angle_deg[1],mass_g[2],angle_deg[2]"]
+    for name, mounted in (("none", (0, 0)), ("one", (3, 0)), ("two", (0, 3))):
+        samples(tmp_path / f"{name}.csv", k @ (unbalance + mounted), 157.0)
+        lines.append(f"{name},{name}.csv,{mounted[0]},0,{mounted[1]},0")
+    (tmp_path / "runs.csv").write_text("\n".join(lines))
+    measured = read_measured(tmp_path / "runs.csv")
+    np.testing.assert_allclose(correct(measured).exact, -unbalance, atol=2e-3)
+    # a pulse is known to a sample, 0.5 ms, in the 1.4 s between the first and the last
+    np.testing.assert_allclose(measured.speeds, 157.0, rtol=0.5e-3 / 1.4)
+    samples(tmp_path / "two.csv", k @ unbalance, 170.0)
+    with pytest.raises(UserError, match="speeds differ: 157 to 170 rad/s"):
+        read_measured(tmp_path / "runs.csv")
+    samples(tmp_path / "two.csv", k @ unbalance, 157.0, jitter=5.0)
+    with pytest.raises(UserError, match="the speed is not steady"):
+        read_measured(tmp_path / "runs.csv")
+    samples(tmp_path / "two.csv", k @ unbalance, 157.0, seconds=0.1)
+    with pytest.raises(UserError, match="shows 1 whole revolutions: needs 3"):
+        read_measured(tmp_path / "runs.csv")
+
+
+@pytest.mark.parametrize("text", ["12", "0,50,120,200,300", "12/0,170,190"])
+def test_masses_at_allowed_angles_do_what_the_correction_does(tmp_path, text):
+    measured = read_measured(written(tmp_path / "runs.csv"))
+    exact = correct(measured)
+    allowed = allowed_angles(text)
+    found = correct(measured, angles=allowed)
+    np.testing.assert_allclose(found.after, exact.after, atol=1e-12)
+    for piece in found.pieces:
+        assert piece.mass > 0.0
+        own = allowed[piece.plane if len(allowed) > 1 else 0]
+        assert piece.angle in own
+    assert len(found.pieces) == 4
+
+
+def test_where_no_angles_make_the_correction_masses_are_those_of_least_squares(tmp_path):
+    """Forward at 0 or 10 degrees alone, far from the 113 that are needed."""
+    measured = read_measured(written(tmp_path / "runs.csv"))
+    free = correct(measured)
+    found = correct(measured, angles=allowed_angles("0,10/12"))
+    assert found.rms > free.rms
+    masses = {(p.plane, p.angle): p.mass for p in found.pieces}
+    for step in (0.05, -0.05):  # no other masses do better
+        for place, mass in masses.items():
+            changed = {**masses, place: mass * (1.0 + step)}
+            moved = sum(
+                free.coefficients[:, plane] * m * np.exp(1j * angle)
+                for (plane, angle), m in changed.items()
+            )
+            assert np.linalg.norm(found.before + moved) > np.linalg.norm(found.after)
+
+
+def test_an_angle_that_is_hit_needs_one_mass():
+    pieces = split(np.eye(1), np.ones(1), np.array([2.0 + 0.0j]), [[0.0, 2.0, 4.0]])
+    assert [(p.mass, p.angle) for p in pieces] == [(2.0, 0.0)]
+
+
+GOOD = "run,sensor,amplitude_um,phase_lead_deg,mass_g[1],angle_deg[1]\nr,a,1,0,,\nt,a,2,0,1,0\n"
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        (GOOD.replace("phase_lead_deg", "phase_deg"), "phase_lead_deg .* and phase_lag_deg"),
+        (GOOD.replace("amplitude_um", "amplitude"), "amplitude_UNIT.*samples"),
+        (GOOD.replace("t,a,2,0,1,0\n", ""), "trial run is missing: .*plane 1 differ"),
+        (GOOD.replace("t,a,2", "t,b,2"), "do not have the same readings: a, b"),
+        (GOOD.replace("t,a,2", "t,a,x"), r"line 3: amplitude_um = 'x': must be a finite number"),
+        (GOOD.replace("t,a,2", "t,a,-2"), r"line 3: amplitude = -2: must not be below 0"),
+        (GOOD + "t,a,2,0,1,0\n", r"line 4: run 't': a is read twice"),
+        (GOOD + "t,b,2,0,3,0\n", "do not agree on the mass in plane 1"),
+        (GOOD.replace("mass_g[1],angle_deg[1]", "mass,angle"), "needs columns `mass_g"),
+        ("a,b\n1,2\n", "needs a column `run`"),
+    ],
+)
+def test_mistakes_in_the_file_are_named(tmp_path, text, message):
+    path = tmp_path / "runs.csv"
+    path.write_text(text)
+    with pytest.raises(UserError, match=message):
+        read_measured(path)
+
+
+def test_what_readings_do_not_determine_is_refused_with_the_condition_number(tmp_path):
+    both = {**COMPRESSOR, ("both", "3.7", "135", "11.1", "35"): [(1.31, 1), (1.25, 75)]}
+    measured = read_measured(written(tmp_path / "alike.csv", sensors=1))
+    with pytest.raises(UserError, match=r"1 readings, .* needs at least 2 readings"):
+        correct(measured)
+    together = {k: v for k, v in both.items() if k[0] != "aft"}
+    together = {k: v[:2] for k, v in together.items()}
+    with pytest.raises(UserError, match="tell 1 of 2 planes apart"):
+        correct(read_measured(written(tmp_path / "together.csv", runs=together)))
+    with pytest.raises(UserError, match="run 'x': must be one of baseline, aft, both"):
+        correct(measured, run="x")
+    good = read_measured(written(tmp_path / "good.csv"))
+    with pytest.raises(UserError, match="needs the radius of every plane"):
+        correct(good, grade="G2.5", mass=1.0, service_speed=100.0)
+
+
+@pytest.mark.parametrize("text", ["0", "1.5", "a", "10,x", ""])
+def test_angles_that_cannot_be_are_refused(text):
+    with pytest.raises(UserError, match="must be a number of even places"):
+        allowed_angles(text)
+
+
+def test_command_corrects_measured_runs_and_says_whether_the_grade_is_met(invoke, tmp_path):
+    path, picture, data = written(tmp_path / "runs.csv"), tmp_path / "p.png", tmp_path / "d.json"
+    text = path.read_text().replace("amplitude_mil", "radius_mm[fwd],radius_mm[aft],amplitude_mil")
+    lines = text.splitlines()
+    rows = [",".join([*r.split(",")[:6], "200", "200", *r.split(",")[6:]]) for r in lines[1:]]
+    path.write_text("\n".join([lines[0], *rows]))
+    arguments = ["balance", str(path), "--angles", "12", "--service-speed", "1832.6", "--grade"]
+    done = invoke(*arguments, "G2.5", "--mass", "900", "-o", str(picture), "--json", str(data))
+    assert done.exit_code == 0, done.output
+    assert "condition number of the influence coefficients 1.91" in done.output
+    assert picture.read_bytes().startswith(b"\x89PNG")
+    found = json.loads(data.read_text())
+    assert found["planes"][0]["mass_g"] == pytest.approx(6.6, abs=0.05)
+    assert len(found["planes"][0]["pieces"]) == 2
+    # 2.5 mm/s at 1832.6 rad/s, 900 kg; standard uncertainties of 0.29 g and 0.71 g at 200 mm
+    assert found["grade"]["permissible"] == pytest.approx(900 * 2.5e-3 / 1832.6)
+    assert found["grade"]["after"] == pytest.approx(0.2e-3 * (0.29 + 0.71), rel=0.01)
+    assert found["grade"]["met"] is True
+    assert invoke(*arguments, "G0.4", "--mass", "9").exit_code == 1
+    wrong = invoke("balance", "balancing_machine", "--angles", "12")
+    assert wrong.exit_code == 2
+    assert "--angles: belong to measured runs" in wrong.stderr

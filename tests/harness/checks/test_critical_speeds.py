@@ -1,0 +1,34 @@
+"""Published critical speeds beside the co-simulated ones."""
+
+from __future__ import annotations
+
+import pytest
+
+from autobalancer.harness import check, load_scene
+
+
+@pytest.fixture
+def scene():
+    return load_scene("two_plane_rodrigues")
+
+
+def published(scene):
+    return [row for row in check(scene) if "published" in row.quantity]
+
+
+def test_two_planes_balance_above_the_speeds_of_the_chart(scene):
+    """Rodrigues et al. 2008, Fig. 7: its terms of second order grow with the eccentricity."""
+    rows = published(scene)
+    assert [row.expected for row in rows] == [2.0860, 2.4824, 3.532]
+    assert all(row.holds for row in rows)
+    errors = [row.error for row in rows]
+    assert errors == sorted(errors)
+    assert errors[2] > 5e-3
+
+
+def test_a_published_speed_that_is_not_there_does_not_hold(scene):
+    table = {"kind": "critical_speeds", "range": [3.6, 3.8], "published": [3.7]}
+    alone = scene.without().with_check(table)
+    (row,) = published(alone)
+    assert not row.holds
+    assert row.measured != row.measured  # NaN: none found

@@ -1,0 +1,210 @@
+"""Values found again from amplitudes of a closed form, how well they are known, and wrong input."""
+
+import json
+import math
+
+import numpy as np
+import pytest
+from scipy.optimize import curve_fit
+from scipy.stats import t as student
+
+from autobalancer.harness import UserError, cosimulate, load_scene
+from autobalancer.harness.fit.measured import read_measured
+from autobalancer.harness.fit.parameters import parse_free
+from autobalancer.harness.fit.study import fit
+
+MASS, STIFFNESS, DAMPING, UNBALANCE = 2.0, 800.0, 6.0, 0.01
+SPEEDS = np.linspace(8.0, 45.0, 24)
+HEADS = "speed,rotor.unbalance,amplitude [mm]\n"
+
+
+@pytest.fixture
+def rotor():
+    """A Jeffcott rotor whose transient has died out."""
+    start = {"rotor.mass": MASS, "rotor.stiffness": 1000.0, "rotor.damping": 4.0}
+    run = {"run.revolutions": 50, "coupling.steps_per_rev": 20}
+    return load_scene("two_balls").without_balancers().replace(start | run)
+
+
+def amplitude(speed, stiffness, damping, unbalance=UNBALANCE, mass=MASS):
+    return unbalance * speed**2 / np.hypot(stiffness - mass * speed**2, damping * speed)
+
+
+@pytest.fixture
+def file(tmp_path):
+    """A file of amplitudes at two unbalances, which scatter by 3 %."""
+    scatter = np.exp(0.03 * np.random.default_rng(5).standard_normal(2 * len(SPEEDS)))
+    rows = [(w, u) for u in (UNBALANCE, 0.02) for w in SPEEDS]
+    values = [1e3 * amplitude(w, STIFFNESS, DAMPING, u) for w, u in rows] * scatter
+    path = tmp_path / "measured.csv"
+    lines = [f"{w},{u},{value}\n" for (w, u), value in zip(rows, values, strict=True)]
+    path.write_text(f"# of the rig\n{HEADS}{''.join(lines)}")
+    return path
+
+
+FREE = ["rotor.stiffness[1]=rotor.stiffness[2],rotor.damping"]
+
+
+@pytest.mark.parametrize("logarithms", [True, False])
+def test_values_and_intervals_are_those_of_a_fit_of_the_closed_form(rotor, file, logarithms):
+    measured = read_measured(file, rotor)
+    found = fit(rotor, measured, parse_free(FREE, rotor), logarithms=logarithms)
+    unbalances, values = measured.settings["rotor.unbalance"], measured.values
+
+    def curve(speed, stiffness, damping):
+        simulated = amplitude(speed, stiffness, damping, unbalances)
+        return np.log(simulated) if logarithms else simulated
+
+    expected, covariance = curve_fit(
+        curve,
+        measured.settings["speed"],
+        np.log(values) if logarithms else values,
+        (1000.0, 4.0),
+    )
+    intervals = student.ppf(0.975, len(values) - 2) * np.sqrt(covariance.diagonal())
+    assert found.values == pytest.approx(expected, rel=1e-4)
+    assert found.uncertainty == pytest.approx(intervals, rel=0.01)
+    correlation = covariance[0, 1] / math.sqrt(covariance[0, 0] * covariance[1, 1])
+    assert found.correlation[0, 1] == pytest.approx(correlation, abs=0.01)
+    assert abs(found.values - (STIFFNESS, DAMPING)) == pytest.approx(0.0, abs=1.5 * max(intervals))
+    assert found.rms[0] > 5 * found.rms[1]
+    assert not found.warnings()
+
+
+def test_what_scales_everything_alike_is_not_told_apart(rotor, file):
+    """Mass, stiffness, damping by one factor give the same amplitudes at that unbalance."""
+    rotor = rotor.replace({"rotor.unbalance": UNBALANCE})
+    lines = file.read_text().splitlines()
+    cells = [line.split(",") for line in lines[2 : 2 + len(SPEEDS)]]
+    file.write_text("speed,amplitude [mm]\n" + "".join(f"{a},{c}\n" for a, _, c in cells))
+    free = parse_free([*FREE, "rotor.unbalance,rotor.mass"], rotor)
+    said = fit(rotor, read_measured(file, rotor), free).warnings()
+    assert len(said) == 4
+    assert all("times worse" in text and text[-6:-3] in ("+1.", "-1.") for text in said)
+
+
+def test_what_the_amplitudes_do_not_show_is_said(rotor, file):
+    rotor = rotor.replace({"rotor.unbalance_angle": 0.5})
+    free = parse_free([*FREE, "rotor.unbalance_angle"], rotor)
+    found = fit(rotor, read_measured(file, rotor), free)
+    assert found.warnings() == [
+        "rotor.unbalance_angle: the measured amplitudes do not depend on it"
+    ]
+    assert found.values[2] == pytest.approx(0.5)
+    assert np.isfinite(found.uncertainty[:2]).all()
+
+
+def test_drag_is_found_from_runs_that_have_not_settled(tmp_path):
+    """Measured by the separate units under the harness, fitted on the composite."""
+    scene = load_scene("two_balls").replace({"run.revolutions": 12})
+    rows = []
+    for speed in (2.5, 3.0, 4.0):
+        changes = {"operation.speed": speed, "weights.drag": 0.02}
+        run = cosimulate(scene.replace(changes), record=["rotor.x", "rotor.y"])
+        late = run.time > run.time[-1] - math.tau / speed
+        rows.append((speed / math.tau, np.hypot(run["rotor.x"], run["rotor.y"])[late].max()))
+    path = tmp_path / "run.csv"
+    path.write_text("speed [Hz],residual\n" + "".join(f"{w},{a}\n" for w, a in rows))
+    start = scene.replace({"weights.drag": 0.025})
+    found = fit(start, read_measured(path, start), parse_free(["weights.drag"], start))
+    assert found.values == pytest.approx([0.02], rel=2e-3)
+
+
+def test_every_support_can_be_measured_on_its_own(tmp_path):
+    scene = load_scene("two_plane_rodrigues").replace({"run.revolutions": 8})
+    path = tmp_path / "stations.csv"
+    names = [f"rotor.station[{k}].residual" for k in (1, 2)]
+    path.write_text(f"speed,amplitude,{names[0]},{names[1]} [mm]\n4.0,,0.01,\n4.5,0.02,,30\n")
+    measured = read_measured(path, scene)
+    assert list(measured.amplitudes) == ["amplitude", *names]
+    assert measured.values == pytest.approx([0.02, 0.01, 0.03])
+
+
+@pytest.mark.parametrize(
+    ("path", "limits"),
+    [
+        ("rotor.mass", (0.0, math.inf)),
+        ("rotor.polar_inertia", (0.0, 6.5)),  # twice the inertia, of a disc
+        ("rotor.unbalances[1].position", (-math.inf, math.inf)),
+    ],
+)
+def test_limits_are_those_of_the_scene(path, limits):
+    (parameter,) = parse_free([path], load_scene("two_plane_rodrigues"))
+    assert parameter.limits == pytest.approx(limits, abs=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        ("", "has no rows"),
+        ("speed,amplitude [cm]\n3,1\n", r"amplitude \[cm\]: unit must be one of: m, mm"),
+        ("sped,amplitude\n3,1\n", "sped: neither measured nor set; did you mean speed?"),
+        ("rotor.mas,amplitude\n3,1\n", "rotor.mas: neither measured nor set"),
+        ("rotor.mass [g],amplitude\n3,1\n", "unit must be one of: none, the scene's own"),
+        ("speed\n3\n", "nothing measured: a head must be one of: amplitude"),
+        ("speed,speed,amplitude\n3,3,1\n", "speed: given twice"),
+        ("speed,amplitude\n3\n", "line 2: has 1 cells, but 2 heads"),
+        ("speed,amplitude\n3,x\n", "line 2: amplitude = 'x': must be a number"),
+        ("speed,amplitude\n3,-1\n", "amplitude: must be above 0, or empty"),
+        ("speed,amplitude\n,1\n", "speed: every row must have a number"),
+        ("speed,amplitude\n3,\n", "no amplitude is given"),
+        ("speed rpm,amplitude\n3,1\n", "heads must be NAME or NAME"),
+    ],
+)
+def test_a_file_that_is_wrong_is_refused_with_what_is_wrong(rotor, tmp_path, text, words):
+    path = tmp_path / "wrong.csv"
+    path.write_text(text)
+    with pytest.raises(UserError, match=words):
+        read_measured(path, rotor)
+
+
+@pytest.mark.parametrize(
+    ("free", "words"),
+    [
+        (",", "nothing is free"),
+        ("rotor.mass,rotor.mass", "given twice"),
+        ("rotor.mas", "rotor.mas: the scene has no such value"),
+        ("run.revolutions", "cannot be varied"),
+        ("rotor.unbalance_angle", "starts at 0"),
+        ("rotor.kind", "must be a number"),
+        ("rotor.mass=rotor.nothing", "'rotor.nothing': unknown"),
+    ],
+)
+def test_what_cannot_be_free_is_refused(rotor, free, words):
+    with pytest.raises(UserError, match=words):
+        parse_free([free], rotor)
+
+
+def test_a_run_up_and_too_few_values_are_refused(rotor, tmp_path):
+    path = tmp_path / "few.csv"
+    path.write_text("speed,amplitude\n9,1e-4\n")
+    measured, free = read_measured(path, rotor), parse_free(["rotor.mass"], rotor)
+    with pytest.raises(UserError, match="1 measured values for 1 free parameters"):
+        fit(rotor, measured, free)
+    path.write_text("amplitude\n1e-4\n1e-4\n")
+    rising = rotor.replace({"operation.run_up": {"from": 5.0, "to": 9.0, "seconds": 5.0}})
+    with pytest.raises(UserError, match="run_up: a fit takes runs at constant speed"):
+        fit(rising, read_measured(path, rising), free)
+
+
+def test_the_command_says_draws_and_predicts(invoke, file, tmp_path):
+    picture, document, others = (tmp_path / name for name in ("fit.png", "fit.json", "more.csv"))
+    others.write_text(f"speed [rpm],amplitude [mm]\n210,{1e3 * amplitude(22.0, 800.0, 6.0)}\n")
+    settings = [f"rotor.mass={MASS}", f"rotor.unbalance={UNBALANCE}", "rotor.stiffness=1000"]
+    settings += ["rotor.damping=4", "run.revolutions=50", "coupling.steps_per_rev=20"]
+    sets = [word for text in settings for word in ("--set", text)]
+    outcome = invoke(
+        *("fit", "two_balls", "--without-balancers", "--measured", file, "--free", FREE[0]),
+        *(*sets, "--predict", others, "-o", picture, "--json", document),
+    )
+    assert outcome.exit_code == 0, outcome.output
+    said = json.loads(document.read_text())
+    assert said["parameters"][0]["value"] == pytest.approx(STIFFNESS, rel=0.01)
+    assert said["rms"] == pytest.approx(0.03, rel=0.3)
+    assert said["rms_predicted"] < 0.02
+    assert "Warning" not in outcome.output
+    assert f'--set "rotor.stiffness[2]={said["parameters"][0]["value"]:.6g}"' in outcome.output
+    assert picture.stat().st_size > 10_000
+    wrong = invoke("fit", "two_balls", "--measured", file, "--free", "rotor.mas")
+    assert wrong.exit_code == 2
+    assert "rotor.mas" in wrong.stderr

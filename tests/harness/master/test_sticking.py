@@ -1,0 +1,56 @@
+"""Rolling resistance on the way there: balls stay where a run-up left them."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+from autobalancer.harness import Scene, cosimulate
+from autobalancer.harness.master.schedule import end_time
+from autobalancer.models.reference.coupled import Monolith
+from tests.sticking import integrate
+
+MU = 5e-3
+SCENE = {
+    "rotor": {"kind": "planar", "mass": 2.0, "stiffness": 8e3, "damping": 40.0, "unbalance": 2e-3},
+    "balancer": [
+        {"kind": "balls", "name": "weights", "count": 2, "mass": 0.02, "track_radius": 0.1,
+         "drag": 0.6, "angles": [0.4, 2.5], "rolling_resistance": MU}
+    ],
+    "coupling": {"steps_per_rev": 100, "corrections": 4},
+    "run": {"revolutions": 20},
+}  # fmt: skip
+RUN_UP = {"run_up": {"from": 40.0, "to": 150.0, "seconds": 0.6}}
+
+
+def ends(operation: dict) -> tuple[np.ndarray, np.ndarray]:
+    """Angles of the balls where the co-simulation ends, and their speeds."""
+    scene = Scene.from_document(SCENE | {"operation": operation})
+    names = [f"weights.weight[{k}].{what}" for what in ("angle", "speed") for k in (1, 2)]
+    run = cosimulate(scene, record=names)
+    values = np.array([run[name][-1] for name in names])
+    return values[:2], values[2:]
+
+
+@pytest.mark.parametrize("operation", [RUN_UP, {"speed": 150.0}], ids=["run_up", "held"])
+def test_balls_stick_where_an_independent_event_integration_leaves_them(operation):
+    scene = Scene.from_document(SCENE | {"operation": operation})
+    system = Monolith(scene.assembly(), scene.profile())
+    right, signs, events = integrate(system, scene.run.initial.motion(), MU, end_time(scene))
+    angles, speeds = ends(operation)
+    assert events >= 2
+    assert angles == pytest.approx(right, abs=2e-5)
+    assert ((speeds == 0.0) == (signs == 0.0)).all()
+
+
+def test_where_they_stay_depends_on_the_way_there():
+    """Both have come to rest at the same speed, in different places, neither of them balanced."""
+    (up, still_up), (held, still_held) = ends(RUN_UP), ends({"speed": 150.0})
+    assert not still_up.any()
+    assert not still_held.any()
+    apart = np.abs((up - held + math.pi) % (2.0 * math.pi) - math.pi)
+    assert apart.max() > 0.3
+    for angles in (up, held):
+        assert abs(2e-3 + 2e-3 * np.exp(1j * angles).sum()) > 2e-4

@@ -1,0 +1,123 @@
+"""Dry friction in a scene: what its keys feed, what is refused, what the coupling makes of it."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from autobalancer.harness import cosimulate, load_scene, speeds
+from autobalancer.harness.errors import SceneError, SimulationError, UserError
+from autobalancer.harness.master.many import cosimulate_many
+from autobalancer.harness.master.plan import plan
+from autobalancer.harness.precision.reference import right_motion
+from autobalancer.harness.rotor.study import campbell_of, modes_at
+from autobalancer.harness.stability.axis import Axis
+from autobalancer.harness.stability.map import stability_map
+from autobalancer.harness.stability.revolution import Revolution
+from autobalancer.models.rotor import Slider
+
+RIGID = {"limit": [5.0, 0.0]}
+SPRING = {"support": 2, "limit": 2.0, "stiffness": [1e4, 2e4]}
+
+
+def two_balls(*sliders):
+    return load_scene("two_balls").replace({"rotor.friction": list(sliders)})
+
+
+def test_keys_feed_the_unit_and_the_model():
+    scene = load_scene("two_plane_rodrigues").replace({"rotor.friction": [RIGID, SPRING]})
+    rotor = plan(scene).units[0]
+    assert rotor.sizes["sliders"] == 2
+    assert {k: v for k, v in rotor.start.items() if k.startswith("slider")} == {
+        "slider[1].support": 1, "slider[1].limit_x": 5.0, "slider[1].limit_y": 0.0,
+        "slider[2].support": 2, "slider[2].limit_x": 2.0, "slider[2].limit_y": 2.0,
+        "slider[2].stiffness_x": 1e4, "slider[2].stiffness_y": 2e4,
+    }  # fmt: skip
+    assert scene.assembly().rotor.sliders == (
+        Slider(0, 0, 5.0), Slider(0, 1, 0.0), Slider(1, 0, 2.0, 1e4), Slider(1, 1, 2.0, 2e4)
+    )  # fmt: skip
+
+
+def test_scenes_without_friction_ask_for_the_unit_they_always_did():
+    assert plan(load_scene("two_balls")).units[0].sizes == {}
+    assert "sliders" not in plan(load_scene("drum")).units[0].sizes
+
+
+@pytest.mark.parametrize(
+    ("sliders", "said"),
+    [
+        ([SPRING], "must be 1: a planar rotor has one support"),
+        ([RIGID, {"limit": 1.0}], "two rigid sliders at one support and axis are one with the sum"),
+        ([{"limit": -1.0}], "greater than or equal to 0|must be .*0"),
+        ([{}], "limit"),
+    ],
+)
+def test_mistakes_are_named(sliders, said):
+    with pytest.raises(SceneError, match=said):
+        two_balls(*sliders)
+
+
+@pytest.mark.parametrize(
+    "analysis",
+    [
+        lambda scene: speeds(scene, (1.0, 2.0)),
+        lambda scene: modes_at(scene),
+        lambda scene: campbell_of(scene, 1.0, 2.0),
+        lambda scene: Revolution(scene),
+        lambda scene: right_motion(scene, ["rotor.x"], []),
+        lambda scene: stability_map(
+            scene, Axis.parse("speed=1:2:3"), Axis.parse("weights.drag=0.1:0.2:3")
+        ),
+    ],
+)
+def test_what_takes_the_rotor_for_linear_refuses_it(analysis):
+    with pytest.raises((UserError, SimulationError), match="dry friction is not"):
+        analysis(two_balls(RIGID))
+
+
+def test_free_vibration_of_the_unit_loses_four_limits_over_the_stiffness_a_period():
+    limit, mass, stiffness, periods = 0.03, 2.0, 50.0, 3
+    speed = 7.0
+    scene = load_scene("two_balls").without_balancers().replace(
+        {"rotor.mass": mass, "rotor.stiffness": stiffness, "rotor.damping": 0.0,
+         "rotor.unbalance": 0.0, "rotor.friction": [{"limit": [limit, 0.0]}],
+         "operation.speed": speed, "run.initial": {"x": 0.01},
+         "run.revolutions": periods * speed / (stiffness / mass) ** 0.5}
+    )  # fmt: skip
+    run = cosimulate(scene)
+    assert run["rotor.x"][-1] == pytest.approx(0.01 - periods * 4 * limit / stiffness, rel=1e-9)
+
+
+SLIDING = [{"limit": 0.01}, {"limit": 0.02, "stiffness": 5.0}]
+
+
+def test_the_composite_moves_as_the_separate_units_do():
+    scene = two_balls(*SLIDING).replace({"run.revolutions": 10})
+    run = cosimulate(scene)
+    one = cosimulate_many(scene, {"speed": [3.0]}, results=["rotor.x", "rotor.y"])
+    assert not one["failure"][0]
+    for name in ("rotor.x", "rotor.y"):
+        assert one[name][0] == pytest.approx(run[name][-1], abs=1e-10 * np.ptp(run[name]))
+    assert abs(run["rotor.x"][-1]) > 1e-3
+
+
+def test_a_jump_within_a_step_costs_orders_but_not_the_result():
+    """Signals are cubics: a step with a jump errs by first order in the step instead of fourth."""
+    scene = two_balls(*SLIDING).replace({"run.revolutions": 10})
+    ends = []
+    for steps in (40, 1280):
+        run = cosimulate(scene.replace({"coupling.steps_per_rev": steps}))
+        ends.append(run["rotor.x"][:: steps // 40])
+    assert abs(ends[0] - ends[1]).max() < 2e-3 * np.ptp(ends[1])
+
+
+def test_a_tolerance_is_met_across_a_jump():
+    """A step over a jump never fits; one that is short enough for nothing to move is taken."""
+    scene = two_balls({"limit": 0.01}).replace({"run.revolutions": 0.4})
+    fine = cosimulate(scene.replace({"coupling.steps_per_rev": 20000}))
+    scene = scene.replace({"coupling.tolerance": 1e-6})
+    ends = {"separate units": cosimulate(scene)["rotor.x"][-1]}
+    one = cosimulate_many(scene, {"speed": [3.0]}, results=["rotor.x"])
+    ends["composite"] = one["rotor.x"][0]
+    expected, size = fine["rotor.x"][-1], np.ptp(fine["rotor.x"])
+    assert ends == pytest.approx(dict.fromkeys(ends, expected), abs=2e-6 * size)

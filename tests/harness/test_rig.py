@@ -1,0 +1,94 @@
+"""The measured rig of Rodrigues et al. 2010: its data, its model, in what the two must agree."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+from autobalancer.harness import SceneError, check, load_scene
+from autobalancer.harness.checks.registry import parts_of
+from autobalancer.harness.checks.rig import BALLS_SETTLE
+from autobalancer.harness.checks.rig_data import (
+    RPM,
+    at,
+    bearings,
+    chosen,
+    response,
+    steady,
+    swept,
+    with_washers,
+)
+from autobalancer.harness.checks.rig_sweeps import gained, lost
+from autobalancer.models.papers.influence import influence
+
+
+@pytest.fixture
+def rig():
+    return load_scene("bristol")
+
+
+def test_amplitudes_with_balls_are_those_of_the_authors_simulation(rig):
+    """Fig. 13, below and above the resonances, to 1 %."""
+    points = rig.replace({"balls.kind": "pendulums", "balls.weight_radius": None})
+    table = chosen("simulated", washers=3, balls=2)
+    some = table[np.isin(table["speed_rpm"], (900.0, 2700.0, 4500.0))]
+    assert len(some) >= 3
+    found = steady(points, 3, some["speed_rpm"], BALLS_SETTLE)
+    assert found == pytest.approx(some["amplitude_mm"], rel=0.01)
+
+
+def test_bearings_without_balls_move_as_the_equations_of_the_rotor_say(rig):
+    speeds = np.array([1460.0, 2280.0, 4500.0])
+    rotor = with_washers(rig, 4).assembly().rotor
+    turn = np.exp(1j * np.linspace(0.0, math.tau, 721))
+    expected = []
+    for speed in speeds:
+        amplitude = influence(rotor, speed * RPM, np.eye(2)) @ rotor.unbalance
+        orbit = np.real(amplitude[..., None] * turn)
+        expected.append(1e3 * np.hypot(*orbit).max(axis=1))
+    found = bearings(rig.without_balancers(), 4, speeds)
+    assert found == pytest.approx(np.array(expected), rel=4e-3)  # 40 points a revolution
+
+
+def test_a_slow_sweep_meets_the_amplitudes_at_constant_speed(rig):
+    plain = rig.without_balancers()
+    for falling in (False, True):
+        speeds, amplitude = swept(plain, [3], 2600.0, 3000.0, falling)[3]
+        late = (speeds > 2700.0) & (speeds < 2900.0)  # 4 s after the start from rest
+        found = steady(plain, 3, speeds[late])
+        assert amplitude[late] == pytest.approx(found, rel=0.01)
+
+
+def test_the_data_are_those_of_the_figures():
+    """Fig. 9a and 11d at 4500 rpm; 7 b to e: amplitude of a bearing over the other's."""
+    assert at(response(3, 0), [4500.0])[0] == pytest.approx(0.0430, abs=2e-4)
+    assert at(response(3, 2), [4500.0])[0] == pytest.approx(0.0060, abs=4e-4)
+    orbits = chosen("orbits", speed_rpm=1415.0)
+    sizes = [np.hypot(orbits[f"x{n}_mm"], orbits[f"y{n}_mm"]).max() for n in (1, 2)]
+    assert sizes[1] / sizes[0] == pytest.approx(2.12, abs=5e-3)
+    assert np.mean(sizes) == pytest.approx(
+        at(response(3, 0, falling=0), [1415.0], 10.0)[0], rel=0.1
+    )
+
+
+def test_balance_is_gained_where_balls_begin_to_help_and_lost_where_they_end():
+    speeds = np.arange(1200.0, 2700.0, 5.0)
+    plain = np.ones_like(speeds)
+    balls = np.where((speeds > 1490.0) | (abs(speeds - 1300.0) < 15.0), 0.5, 2.0)
+    assert gained((speeds, balls), (speeds, plain)) == 1500.0  # one lucky point does not count
+    assert lost((speeds, balls), (speeds, plain)) == 1480.0
+    assert math.isnan(gained((speeds, 2.0 * plain), (speeds, plain)))
+    assert math.isnan(lost((speeds, 0.5 * plain), (speeds, plain)))
+
+
+def test_a_scene_that_is_not_of_the_rig_is_refused():
+    table = {"kind": "rig", "flexible": "bristol_flexible"}
+    with pytest.raises(SceneError, match="unknown"):
+        check(load_scene("two_balls").with_check(table))
+
+
+def test_the_main_job_leaves_the_rig_out(rig):
+    assert rig.on_request
+    assert len(parts_of(rig)) > 1  # side by side

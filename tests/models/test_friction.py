@@ -1,0 +1,293 @@
+"""Dry friction in the supports against closed forms, an energy balance and SciPy's integration."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+
+from autobalancer.models.rotor import LinearRotor, Slider
+from autobalancer.models.steps.first_fall import first_fall
+from autobalancer.models.steps.friction import FrictionStep, held_at_start
+from autobalancer.models.steps.variable_speed import Drive
+
+MASS, STIFFNESS, LIMIT = 2.0, 8.0e3, 3.0
+NATURAL = math.sqrt(STIFFNESS / MASS)
+NO_FORCE = np.zeros((4, 1), complex)
+REST = Drive(NO_FORCE, 0.0, 0.0, 0.0)
+
+
+def begin(method, state):
+    return held_at_start(method.rotor, np.array(state)[method.smooth.dof :])
+
+
+def planar(*sliders, unbalance=0.0, mass=MASS):
+    rotor = LinearRotor.planar(mass, (STIFFNESS, 1.3 * STIFFNESS), unbalance=unbalance)
+    return FrictionStep(replace(rotor, sliders=sliders), turning_force=False)
+
+
+def run(method, state, seconds, steps, drive=REST, held=None):
+    """States and friction at the ends of equal steps, the start included."""
+    state = np.array(state, float)
+    held = held or begin(method, state)
+    step = seconds / steps
+    found = [(state, held)]
+    for k in range(steps):
+        t = k * step
+        w = drive.speed + drive.angular_acceleration * t
+        angle = drive.angle + drive.speed * t + 0.5 * drive.angular_acceleration * t * t
+        f0, f1, f2, f3 = drive.forces
+        forces = np.array([f0 + t * (f1 + t * (f2 / 2 + t * f3 / 6)), f1 + t * (f2 + t * f3 / 2),
+                           f2 + t * f3, f3])  # fmt: skip
+        now = Drive(forces, angle, w, drive.angular_acceleration)
+        state, held = method.advance(state, held, now, step)
+        found.append((state, held))
+    return found
+
+
+@pytest.mark.parametrize("steps", [1, 7, 40])
+def test_free_vibration_loses_four_limits_over_the_stiffness_a_period(steps):
+    period = 2.0 * math.pi / NATURAL
+    found = run(planar(Slider(0, 0, LIMIT)), [0.01, 0.0, 0.0, 0.0], 6 * period, 6 * steps)
+    left = [state[0] for state, _ in found[::steps]]
+    lost = 4.0 * LIMIT / STIFFNESS
+    np.testing.assert_allclose(left, 0.01 - lost * np.arange(7), rtol=1e-12)
+
+
+def test_it_stays_where_the_spring_cannot_move_it_and_goes_where_it_can():
+    inside, outside = 0.999 * LIMIT / STIFFNESS, 1.001 * LIMIT / STIFFNESS
+    method = planar(Slider(0, 0, LIMIT))
+    for sign in (1.0, -1.0):
+        stays, held = run(method, [sign * inside, 0.0, 0.0, 0.0], 1.0, 10)[-1]
+        assert stays[0] == sign * inside
+        assert stays[2] == 0.0
+        assert held.force[0] == pytest.approx(sign * STIFFNESS * inside, rel=1e-14)
+        half = math.pi / NATURAL
+        goes, held = run(method, [sign * outside, 0.0, 0.0, 0.0], 1.5 * half, 3)[-1]
+        assert goes[0] == pytest.approx(sign * (2 * LIMIT / STIFFNESS - outside), rel=1e-12)
+        assert goes[2] == 0.0
+        assert held.slips[0] == 0.0
+
+
+@pytest.mark.parametrize("steps", [1, 3, 20])
+def test_a_growing_force_moves_it_from_the_limit_on(steps):
+    growth, seconds = 40.0, 0.2  # N/s
+    forces = NO_FORCE.copy()
+    forces[1] = growth
+    drive = Drive(forces, 0.0, 0.0, 0.0)
+    (state, _) = run(planar(Slider(0, 0, LIMIT)), [0.0] * 4, seconds, steps, drive)[-1]
+    since = seconds - LIMIT / growth
+    expected = growth / STIFFNESS * (since - math.sin(NATURAL * since) / NATURAL)
+    assert state[0] == pytest.approx(expected, rel=1e-11)
+
+
+@pytest.mark.parametrize("ratio", [0.6, 0.9, 1.2, 2.0])
+def test_forced_vibration_is_that_of_den_hartog(ratio):
+    """Den Hartog 1931: amplitude and phase of motion without a stop, force P cos(w t)."""
+    speed = ratio * NATURAL
+    pull = 5.0 * LIMIT
+    response = 1.0 / (1.0 - ratio**2)
+    turn = math.pi / ratio
+    damping = math.sin(turn) / (ratio * (1.0 + math.cos(turn)))
+    share = LIMIT / pull
+    amplitude = pull / STIFFNESS * math.sqrt(response**2 - (share * damping) ** 2)
+    behind = math.asin(share * damping / response) if ratio < 1 else math.pi - math.asin(
+        share * damping / -response)  # fmt: skip
+    method = planar(Slider(0, 0, LIMIT), unbalance=pull / speed**2)
+    # at a turning point the mass is at its amplitude, with the force ahead by the phase
+    for lead in (behind, -behind):
+        drive = Drive(NO_FORCE, lead, speed, 0.0)
+        found = run(method, [amplitude, 0.0, 0.0, 0.0], 2.0 * math.pi / speed, 2, drive)
+        if abs(found[1][0][0] + amplitude) < 1e-6 * amplitude:
+            break
+    for turn_point, sign in ((1, -1.0), (2, 1.0)):
+        state = found[turn_point][0]
+        assert state[0] == pytest.approx(sign * amplitude, rel=1e-10)
+        assert abs(state[2]) < 1e-9 * speed * amplitude
+
+
+def slip_work(method, begin, seconds, drive=REST, depth=5):
+    """State and friction at the end, and the work of the sliders [J]: slip times limit.
+
+    Stretches within which a slider has turned round are divided until they do not matter.
+    """
+    state, held = method.advance(*begin, drive, seconds)
+    if depth == 5 or (depth and (held.slips != begin[1].slips).any()):
+        total, now, part = 0.0, begin, seconds / 20
+        for k in range(20):
+            angle = drive.angle + drive.speed * k * part
+            *now, work = slip_work(method, now, part, drive._replace(angle=angle), depth - 1)
+            total += work
+        return *now, total
+    spring = np.where(method.stiffness > 0.0, method.stiffness, np.inf)
+    slipped = (state - begin[0])[method.at] + (held.force - begin[1].force) / spring
+    return state, held, float(method.limit @ np.abs(slipped))
+
+
+def test_jenkins_hysteresis_loses_four_limits_times_the_slip():
+    """4 F (A - F/k) a cycle, by the slip of the slider, in steady forced vibration."""
+    spring, speed = 2.0e4, 0.8 * NATURAL
+    method = planar(Slider(0, 0, LIMIT, spring), unbalance=5.0 * LIMIT / speed**2)
+    period, drive = 2.0 * math.pi / speed, Drive(NO_FORCE, 0.0, speed, 0.0)
+    settled = run(method, [0.0] * 4, 200 * period, 200, drive)[-1]
+    found = run(method, settled[0], period, 1000, drive, settled[1])
+    assert abs(found[-1][0][0] - settled[0][0]) < 1e-12
+    amplitude = max(abs(state[0]) for state, _ in found)
+    *_, lost = slip_work(method, settled, period, drive)
+    assert lost == pytest.approx(4.0 * LIMIT * (amplitude - LIMIT / spring), rel=2e-5)
+
+
+BODY = LinearRotor.two_support(
+    mass=1.28, inertia=0.0138, polar_inertia=0.00124, span=0.26, com=0.11,
+    stiffness=((21500.0, 15800.0), (21500.0, 15800.0)), planes=(0.13,),
+    unbalances=((0.14, 37.2e-6, 0.0), (0.0, 3.0e-6, 1.0)),
+)  # fmt: skip
+SLIDERS = (
+    Slider(0, 0, 0.8), Slider(0, 1, 0.6, 3.0e4), Slider(1, 0, 0.5, 2.0e4), Slider(1, 1, 0.7),
+    Slider(0, 0, 0.3, 1.0e4), Slider(1, 0, 0.4),
+)  # fmt: skip
+
+
+def test_energy_goes_into_the_slip_alone():
+    method = FrictionStep(replace(BODY, sliders=SLIDERS))
+    start = np.array([2e-4, -1e-4, 1e-4, 2e-4, 0.05, -0.02, 0.01, 0.04])
+
+    def energy(state, held):
+        x, y, vx, vy = state.reshape(4, 2)
+        springs = np.array([s.stiffness for s in SLIDERS])
+        bent = np.divide(held.force**2, springs, out=np.zeros(6), where=springs > 0)
+        return 0.5 * (vx @ BODY.mass @ vx + vy @ BODY.mass @ vy + x @ BODY.stiffness_x @ x
+                      + y @ BODY.stiffness_y @ y + bent.sum())  # fmt: skip
+
+    *now, lost = slip_work(method, (start, begin(method, start)), 0.08)
+    first, last = energy(start, begin(method, start)), energy(*now)
+    assert last < 0.3 * first
+    assert first - last == pytest.approx(lost, rel=1e-10)
+
+
+def reference(rotor, sliders, state, drive, seconds):
+    """The same by SciPy: a right-hand side a set of directions, its events, and how often."""
+    n = rotor.stations
+    at = [s.axis * n + s.station for s in sliders]
+    inverse = np.linalg.inv(np.kron(np.eye(2), rotor.mass))
+    rigid = [j for j, s in enumerate(sliders) if not s.stiffness]
+    slips = [float(np.sign(state[2 * n + i])) if j in rigid else 0.0 for j, i in enumerate(at)]
+    y = np.concatenate([state, np.zeros(len(sliders))])  # and the springs' forces
+
+    def free(t, y):
+        w = drive.speed + drive.angular_acceleration * t
+        _, damping, stiffness = rotor.coefficients(w)
+        beta = drive.angle + drive.speed * t + 0.5 * drive.angular_acceleration * t * t
+        pull = rotor.unbalance * (w * w - 1j * drive.angular_acceleration) * np.exp(1j * beta)
+        load = np.concatenate([pull.real, pull.imag]) - stiffness @ y[: 2 * n]
+        return load - damping @ y[2 * n : 4 * n]
+
+    def loads(t, y):
+        """Load of all but rigid sliders at rest, and the forces that hold these."""
+        load = free(t, y)
+        for j, i in enumerate(at):
+            if j in rigid:
+                load[i] -= slips[j] * sliders[j].limit
+            else:
+                load[i] += y[4 * n + j]
+        stuck = [at[j] for j in rigid if slips[j] == 0.0]
+        hold = np.zeros(2 * n)
+        if stuck:
+            hold[stuck] = -np.linalg.solve(inverse[np.ix_(stuck, stuck)], (inverse @ load)[stuck])
+        return load, hold
+
+    def rhs(t, y):
+        load, hold = loads(t, y)
+        springs = [
+            0.0 if j in rigid or slips[j] else -sliders[j].stiffness * y[2 * n + i]
+            for j, i in enumerate(at)
+        ]
+        return np.concatenate([y[2 * n : 4 * n], inverse @ (load + hold), springs])
+
+    def event(j):
+        def value(t, y):
+            if slips[j]:
+                return slips[j] * y[2 * n + at[j]]
+            force = loads(t, y)[1][at[j]] if j in rigid else y[4 * n + j]
+            return sliders[j].limit - abs(force)
+
+        value.terminal, value.direction = True, -1
+        return value
+
+    t, count = 0.0, 0
+    while True:
+        done = solve_ivp(rhs, (t, seconds), y, "DOP853", rtol=1e-12, atol=1e-15, max_step=2e-4,
+                         events=[event(j) for j in range(len(sliders))])  # fmt: skip
+        t, y = done.t[-1], done.y[:, -1].copy()
+        if done.status == 0:
+            return y, count
+        (j,) = (j for j, times in enumerate(done.t_events) if len(times))
+        count += 1
+        i = at[j]
+        if slips[j] == 0.0:
+            force = loads(t, y)[1][i] if j in rigid else y[4 * n + j]
+            slips[j] = -math.copysign(1.0, force)
+        else:  # all that slip there come to rest
+            for other in range(len(sliders)):
+                slips[other] = 0.0 if at[other] == i and slips[other] else slips[other]
+            y[2 * n + i] = 0.0
+            for other in {k for k in rigid if at[k] == i}:
+                needed = loads(t, y)[1][i]
+                if abs(needed) > sliders[other].limit:
+                    slips[other] = -math.copysign(1.0, needed)
+        # off the event that has just been
+        h = 1e-9
+        k = rhs(t, y)
+        y, t = y + h * k + 0.5 * h * (rhs(t + h, y + h * k) - k), t + h
+
+
+@pytest.mark.parametrize("spin_up", [0.0, 400.0])
+def test_stick_and_slip_are_those_of_an_independent_integration(spin_up):
+    sliders = SLIDERS[:5]
+    state = np.array([2e-4, -1e-4, 1e-4, 2e-4, 0.05, -0.02, 0.01, 0.04])
+    drive = Drive(NO_FORCE, 0.3, 150.0, spin_up)
+    expected, events = reference(BODY, sliders, state, drive, 0.12)
+    assert events > 20
+    method = FrictionStep(replace(BODY, sliders=sliders))
+    found, held = run(method, state, 0.12, 57, drive)[-1]
+    np.testing.assert_allclose(found[:4], expected[:4], atol=3e-9 * np.abs(expected[:4]).max())
+    springs = method.stiffness > 0.0
+    np.testing.assert_allclose(held.force[springs], expected[8:][springs], atol=1e-6)
+
+
+@pytest.mark.parametrize("spin_up", [0.0, 300.0])
+def test_the_step_does_not_depend_on_how_it_is_divided(spin_up):
+    method = FrictionStep(replace(BODY, sliders=SLIDERS))
+    drive = Drive(NO_FORCE, 0.3, 150.0, spin_up)
+    start = [2e-4, -1e-4, 1e-4, 2e-4, 0.05, -0.02, 0.01, 0.04]
+    once, often = (run(method, start, 0.1, steps, drive)[-1] for steps in (3, 211))
+    np.testing.assert_allclose(once[0], often[0], atol=1e-11 * np.abs(once[0]).max())
+    np.testing.assert_allclose(once[1].force, often[1].force, atol=1e-9)
+    np.testing.assert_array_equal(once[1].slips, often[1].slips)
+
+
+def test_two_rigid_sliders_at_one_place_are_refused():
+    with pytest.raises(ValueError, match="two rigid ones at one support and axis"):
+        planar(Slider(0, 0, 1.0), Slider(0, 0, 2.0))
+
+
+@pytest.mark.parametrize(
+    ("coefficients", "expected"),
+    [
+        ([1.0, -2.0], 0.5),
+        ([0.0, -1.0], 0.0),  # has just reached the limit
+        ([0.0, 1.0, -2.0], 0.5),  # leaves it and comes back
+        ([0.0, 1e-17, 0.3, -1.0], 0.3),  # but for rounding, too
+        ([0.0, -1e-17, 0.3, -1.0], 0.3),
+        ([0.250001, -1.0, 1.0], math.inf),  # all but touches
+        ([0.24, -1.0, 1.0], 0.4),  # a dip between
+        ([0.0, 0.0, 0.0], math.inf),
+    ],
+)
+def test_first_fall_of_a_polynomial(coefficients, expected):
+    assert first_fall(np.array(coefficients), 1.0, [0.0, 1e-15]) == pytest.approx(
+        expected, abs=1e-14
+    )
