@@ -16,6 +16,8 @@
 
 enum { NAME_SIZE = 128, MOST_PARTS = 1000 };
 
+static const char STOP[] = "stop_at_contact"; /* flag of a unit */
+
 /* Where a text goes on behind what it begins with, or NULL. */
 static const char *after(const char *text, const char *begin)
 {
@@ -170,7 +172,7 @@ static int make_part(Unit *unit, Part *part, const char *name, const char *token
     for (k = 0; k < made->layout.table->flag_count; k++) {
         /* steps that can be taken back end at collisions */
         const int stops = ((Composite *)unit->own)->scheme != SCHEME_COMPENSATED &&
-                          !strcmp(made->layout.table->flags[k].name, "stop_at_contact");
+                          !strncmp(made->layout.table->flags[k].name, STOP, sizeof STOP);
         made->boolean[k] = (unsigned char)(stops || made->layout.table->flags[k].start);
     }
     return 0;
