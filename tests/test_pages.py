@@ -92,9 +92,9 @@ def test_page_does_what_it_shows(page, tmp_path):
 def test_gallery_shows_every_bundled_scene_by_its_title():
     rows = re.findall(r"^\| `(\w+)` \| (.+?) \|", GALLERY, re.MULTILINE)
     wanted = {name: load_scene(name).title for name in bundled_scenes()}
-    assert len(rows) == len(wanted)
     missing = [f"| `{n}` | {title} |" for n, title in wanted.items() if (n, title) not in rows]
     assert not missing, "harness/gallery.md needs\n" + "\n".join(missing)
+    assert len(rows) == len(wanted)
 
 
 def commands_in(page: Path) -> list[str]:
