@@ -209,6 +209,7 @@ def weights() -> tuple[list[dict], list[dict]]:
         _, speed, ramp = drive(k)
         phi, velocity = state[:2], state[2:]
         pull = -b * r * (velocity - speed - ramp * t) - m * (centre(t, k) * np.exp(-1j * phi)).imag
+        pull += (kappa - 1.0) * m * r * ramp  # points that roll in a track that spins up
         return np.concatenate([velocity, pull / (kappa * m * r)])
 
     def force(t, state, k):
