@@ -1,37 +1,25 @@
-"""The README keeps its word: its scene, scripts and checks run and print what it shows.
+"""The tables of the READMEs keep their word, and so does the set-up that README.md promises.
 
-A fenced block with a file name (```python settle.py) is that file; a ```text block of the same
-name is what it prints.  New chapters are covered by naming their blocks.  `.ci/run` runs the
-commands and compares the main job's last line.
+`.ci/run` runs the two commands and compares the main job's last line; what scripts and commands of
+the pages print is in `test_pages.py`.
 """
 
 import os
 import re
-import subprocess
-import sys
 from pathlib import Path
 
-import numpy as np
 import pytest
 from fmpy import read_model_description
 
 from autobalancer.fmus.build import build
-from autobalancer.harness import bundled_scenes, check, load_scene
+from autobalancer.harness import bundled_scenes, check
 from autobalancer.harness.precision.omissions import calls, in_a_process, omissions
+from tests.test_pages import NUMBER, blocks, run
 
 ROOT = Path(__file__).parent.parent
 README = (ROOT / "README.md").read_text(encoding="utf-8")
-BLOCKS = re.findall(r"^```(\w+) (\S+)\n(.*?)^```$", README, re.MULTILINE | re.DOTALL)
-FILES = {name: text for kind, name, text in BLOCKS if kind != "text"}
-PRINTED = {name: text for kind, name, text in BLOCKS if kind == "text"}
-SCRIPTS = sorted(n for n in FILES if n.endswith(".py") and not n.startswith("test_"))
-TESTS = sorted(n for n in FILES if n.startswith("test_"))
-NUMBER = re.compile(r"-?\d+(?:\.\d+)?(?:e[+-]?\d+)?")
-
-
-def chapter(title: str) -> str:
-    """Text of the chapter whose heading begins with `title`."""
-    return README.split(f"\n## {title}")[1].split("\n## ")[0]
+UNITS = (ROOT / "fmus" / "README.md").read_text(encoding="utf-8")
+NUMBERS = (ROOT / "harness" / "numbers.md").read_text(encoding="utf-8")
 
 
 def cells(text: str) -> list[list[str]]:
@@ -42,62 +30,20 @@ def cells(text: str) -> list[list[str]]:
     return [row for i, row in enumerate(split) if not any(h - 1 <= i <= h for h in heads)]
 
 
-@pytest.fixture
-def folder(tmp_path: Path) -> Path:
-    """A folder with every file that the README shows."""
-    for name, text in FILES.items():
-        (tmp_path / name).write_text(text, encoding="utf-8")
-    return tmp_path
-
-
-def run(folder: Path, *arguments: str) -> subprocess.CompletedProcess[str]:
-    """Python with arguments in a folder, away from this checkout."""
-    environment = {**os.environ, "PYTHONIOENCODING": "utf-8"}
-    return subprocess.run(
-        [sys.executable, *arguments],
-        cwd=folder,
-        env=environment,
-        capture_output=True,
-        encoding="utf-8",
-        timeout=120,
-    )
-
-
-@pytest.mark.parametrize("name", SCRIPTS)
-def test_script_prints_what_the_readme_shows(folder, name):
-    outcome = run(folder, name)
-    assert outcome.returncode == 0, outcome.stderr
-    assert NUMBER.sub("#", outcome.stdout) == NUMBER.sub("#", PRINTED[name])
-    shown, printed = (
-        np.array([float(n) for n in NUMBER.findall(text)])
-        for text in (PRINTED[name], outcome.stdout)
-    )
-    # the last printed digit may round the other way on another machine
-    np.testing.assert_allclose(printed, shown, rtol=1e-3, atol=1.01e-4)
-
-
-@pytest.mark.parametrize("name", TESTS)
-def test_pytest_check_passes_and_fails_with_the_message_shown(folder, name):
-    outcome = run(folder, "-m", "pytest", "-q", "-p", "no:cacheprovider", name)
-    assert outcome.returncode == 0, outcome.stdout
-    text = (folder / name).read_text(encoding="utf-8")
-    strict = text.replace("below=1e-5", "below=1e-9")
-    assert strict != text
-    (folder / name).write_text(strict, encoding="utf-8")
-    outcome = run(folder, "-m", "pytest", "-q", "-p", "no:cacheprovider", name)
-    assert outcome.returncode == 1, outcome.stdout
-    said = " ".join(chapter("A check in pytest").rpartition("it says: `")[2].split("`")[0].split())
-    assert NUMBER.sub("#", said) in NUMBER.sub("#", outcome.stdout)
-
-
-def test_scene_is_shown_and_is_complete(folder):
-    scenes = [load_scene(folder / name) for name in FILES if name.endswith(".toml")]
-    assert scenes
-    assert all(scene.title for scene in scenes)
+def test_pytest_check_of_the_readme_fails_with_the_message_shown(tmp_path):
+    files = {name: text for _, name, text in blocks(ROOT / "README.md")}
+    strict = files["test_drum.py"].replace("below=1e-5", "below=1e-9")
+    assert strict != files["test_drum.py"]
+    (tmp_path / "drum.toml").write_text(files["drum.toml"], encoding="utf-8")
+    (tmp_path / "test_drum.py").write_text(strict, encoding="utf-8")
+    with pytest.raises(AssertionError) as failure:
+        run(tmp_path, "-m", "pytest", "-q", "-p", "no:cacheprovider", "test_drum.py")
+    said = " ".join(README.partition("it says: `")[2].split("`")[0].split())
+    assert NUMBER.sub("#", said) in NUMBER.sub("#", str(failure.value))
 
 
 def test_main_job_prints_the_numbers_shown():
-    shown = PRINTED["autobalancer"]
+    shown = {name: text for _, name, text in blocks(ROOT / "harness" / "README.md")}["autobalancer"]
     named = [name for name in bundled_scenes() if shown.startswith(f"{name} (")]
     assert len(named) == 1
     rows = check(named[0])
@@ -113,12 +59,15 @@ def test_main_job_prints_the_numbers_shown():
             assert float(line[4]) == pytest.approx(row.measured, rel=1e-6)
 
 
-@pytest.mark.parametrize("row", cells(chapter("The units")), ids=lambda row: row[0].split("`")[1])
+@pytest.mark.parametrize(
+    "row", cells(UNITS.split("\n## ")[0]), ids=lambda row: row[0].split("`")[1]
+)
 def test_table_of_a_unit_names_its_variables_and_no_others(tmp_path, row):
     unit = row[0].split("`")[1]
     description = read_model_description(str(build(unit, tmp_path / f"{unit}.fmu")))
     for column, causality in zip(row[1:], ("parameter", "input", "output"), strict=True):
-        shown = {name for item in re.findall("`(.+?)`", column) for name in spelled_out(item)}
+        items = re.findall("`(.+?)`", column.replace("`, `.", "/."))
+        shown = {name for item in items for name in spelled_out(item)}
         declared = {
             re.sub(r"\[\d+\]", "[1]", v.name)
             for v in description.modelVariables
@@ -133,7 +82,7 @@ def spelled_out(item: str) -> list[str]:
     return [first, *(first[: first.rindex(ending[0])] + ending for ending in endings)]
 
 
-SAVED = {row[0]: row for row in cells(chapter("What is left out"))}
+SAVED = {row[0]: row for row in cells(NUMBERS.split("# What is left out")[1].split("\n# ")[0])}
 
 
 @pytest.mark.parametrize("omission", omissions(), ids=lambda omission: omission.what)
@@ -146,15 +95,6 @@ def test_table_of_what_is_left_out_counts_the_calls(omission):
 
 def test_table_of_what_is_left_out_names_nothing_else():
     assert set(SAVED) == {omission.what for omission in omissions()}
-
-
-def test_links_lead_somewhere():
-    for home in (ROOT / "README.md", ROOT / "harness" / "README.md"):
-        text = home.read_text(encoding="utf-8")
-        for target in re.findall(r"\]\(([^)#]+)(?:#[^)]*)?\)", text):
-            assert (home.parent / target).exists(), f"{home.name}: {target}"
-    picture = ROOT / "harness" / "images" / "liquid_disc_liquid_window.png"
-    assert picture.read_bytes().startswith(b"\x89PNG")
 
 
 def test_ci_takes_its_two_commands_from_the_readme():

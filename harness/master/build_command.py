@@ -47,7 +47,7 @@ def command(
         typer.Option("--ssp", help="The scene as a system structure package, ready to run."),
     ] = False,
 ) -> None:
-    """Build the three units as FMUs, or exactly those that a scene needs."""
+    """Build all units as FMUs, or exactly those that a scene needs."""
     backend = "python" if python else "native"
     form = {"backend": backend, "fmi": fmi, "arrays": arrays, "platforms": platform}
     if ssp:
