@@ -372,7 +372,7 @@ static int advance(Unit *unit)
         return 1;
     }
     course->time += course->length;
-    course->steps += crosses ? 0.0 : 1.0;
+    course->steps += crosses || strikes ? 0.0 : 1.0;
     return adapts ? 0 : startup_taken(unit, strikes);
 }
 

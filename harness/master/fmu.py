@@ -156,6 +156,11 @@ class Fmu(Closing):
         self._save, self._restore = dll.fmi2GetFMUstate, dll.fmi2SetFMUstate
         self._free = dll.fmi2FreeFMUstate
 
+    @property
+    def runs_python(self) -> bool:
+        """Whether pythonfmu made the FMU."""
+        return self.fmu.runs_python
+
     def _log(self, _environment, _instance, status, _category, message) -> None:
         try:  # a Python unit logs with its exception pending, which `decode` would be blamed for
             raise LookupError
@@ -281,7 +286,7 @@ class Fmu(Closing):
         self.calls["save"] += 1
         if state is None:
             state = c_void_p()
-        elif self.fmu.runs_python:  # pythonfmu makes a new copy and loses the one that is handed in
+        elif self.runs_python:  # pythonfmu makes a new copy and loses the one that is handed in
             self.free(state)
             state.value = None
         status = self._save(self._component, byref(state))

@@ -3,8 +3,8 @@
 What a step errs says little of the end: lightly damped motion gathers errors, motion that is not
 stable multiplies them.  So the run is done twice.  The first chooses its steps by what each of them
 errs (`schemes.adaptive`); the second takes every one of them in two, and is the result.  Where they
-meet they differ by 15 times the error of the second, for the coupling is of order 4 (of order 2
-where contacts open, of order 1 where the force jumps).  If that is more than the tolerance, every
+meet they differ by 15 times the error of the second, for the coupling is of order 4 (taken for 1
+where weights can collide or stick).  If that is more than the tolerance, every
 step is divided again, into as many parts as it takes.
 
 Hairer, Norsett & Wanner 1993, II.4: Richardson's extrapolation, here of the run as a whole.
@@ -30,8 +30,10 @@ from .schemes.adaptive import RESIDUAL_SHARE, Adaptive
 from .schemes.prescribed import SLIVER
 
 ORDER = 4
-ORDER_OF_KINKS = 2  # of contacts that open within a step; those that begin are met
-ORDER_OF_JUMPS = 1  # of weights that stick, and of collisions that are not met
+# weights that stick make the force jump; motion with collisions, met ones too, is no smooth
+# function of the steps' errors
+ORDER_OF_JUMPS = 1
+LEFT = 2  # power of the parts with which what is left in the loop shrinks at least
 SHARES = (10.0, 1.0, 0.1)  # of the tolerance, what a step of the first run may err; halved, 1/16
 AIM = 0.3  # of the tolerance: what further parts are to leave
 MOST_TIMES = 4  # as many parts as in the run before, which is to be confirmed
@@ -59,8 +61,7 @@ class Controlled:
         self.cosim, self.names = cosim, names
         self.tolerance = cosim.scene.coupling.tolerance
         touching = any(balancer.can_meet for balancer in cosim.scene.balancer)
-        jumps = force_jumps(cosim.scene)
-        self.order = ORDER_OF_JUMPS if jumps else ORDER_OF_KINKS if touching else ORDER
+        self.order = ORDER_OF_JUMPS if touching or force_jumps(cosim.scene) else ORDER
         self.parts, self.error = 1, math.inf
         self._done = 0  # work, in first runs
 
@@ -121,7 +122,7 @@ class Controlled:
         cosim = self.cosim
         recorder = Recorder(cosim.units, self.names, _motion(cosim.scene))
         # what is left in the loop must shrink with the rest, or no run would show it
-        residual = RESIDUAL_SHARE * self.tolerance / parts**self.order
+        residual = RESIDUAL_SHARE * self.tolerance / parts ** max(self.order, LEFT)
         cosim.start(points=(points, residual) if points else None)
         if isinstance(cosim.scheme, Adaptive):
             cosim.scheme.share = share

@@ -308,7 +308,7 @@ class System:
             start = {**one.start, **changes.get(one.name, {})}
             if unit is self.rotor:
                 start |= self.masses
-            elif self.brief and "stop_at_contact" in unit.variables:
+            elif self.brief and "stop_at_contact" in unit.variables and not unit.runs_python:
                 start |= {"stop_at_contact": True, "shortest_stopped_step": 1.5 * self.brief}
             unit.restart(start)
             if one.name in carried:

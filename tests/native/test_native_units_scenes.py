@@ -12,6 +12,7 @@ import pytest
 
 from autobalancer.harness import Result, Scene, bundled_scenes, cosimulate, load_scene
 from autobalancer.harness.errors import SimulationError, UserError
+from autobalancer.harness.master.schedule import at_fixed_steps
 from autobalancer.harness.scene.file import find, read
 
 # AUTOBALANCER_RANDOM_SCENES=300 draws as many
@@ -26,7 +27,7 @@ def compared(scene: Scene) -> None:
     Signals agree to 1e-12 of their range.  A motion that amplifies roundings may differ by twice
     what one rounding more or less in its masses does to the run on Python units.
     """
-    results = []
+    scene, results = unmet(scene), []
     for runtime in ("python", "native"):
         try:
             results.append(cosimulate(scene.replace({"coupling.units": runtime})))
@@ -69,8 +70,17 @@ def differences(one: Result, other: Result) -> dict[str, float]:
 
 @pytest.mark.parametrize("name", bundled_scenes())
 def test_a_scene_moves_alike_on_native_and_python_units(name):
-    """Over 20 revolutions, collisions and sticking included."""
+    """Over 20 revolutions, collisions and sticking included; no step ends at a collision."""
     compared(load_scene(name).replace({"run.revolutions": 20}))
+
+
+def unmet(scene: Scene) -> Scene:
+    """The scene coupled so that no step ends at a collision, which units in Python cannot tell."""
+    if not any(balancer.can_meet for balancer in scene.balancer):
+        return scene
+    return at_fixed_steps(scene).replace(
+        {"coupling.scheme": "compensated", "coupling.corrections": None}
+    )
 
 
 def shaken(rng: np.random.Generator, value: Any, key: str = "") -> Any:

@@ -222,7 +222,7 @@ def test_contradictions_need_intervals_that_do_not_touch():
     assert [c.count for c in rivals(data)] == [4, 5]
 
 
-@pytest.mark.parametrize(("case", "order"), [(1, 1.0), (3, 4.0)])
+@pytest.mark.parametrize(("case", "order"), [(1, 4.0), (3, 4.0)])
 def test_contact_converges_at_its_order_in_the_communication_step(case, order):
     scene = load_scene("contact_order")
     check = scene.check[case].model_copy(update={"reference": 640, "runs": 4})

@@ -4,6 +4,7 @@ import contextlib
 import errno
 import os
 import resource
+import sys
 
 import numpy as np
 import pytest
@@ -94,12 +95,15 @@ def test_csv_keeps_every_digit(result, tmp_path):
 @contextlib.contextmanager
 def files_no_larger_than(size: int):
     """The system refuses to let any file grow beyond this, as a full disk would."""
+    # of a module that is loaded meanwhile Python would keep a truncated file
+    written, sys.dont_write_bytecode = sys.dont_write_bytecode, True
     soft, hard = resource.getrlimit(resource.RLIMIT_FSIZE)
     resource.setrlimit(resource.RLIMIT_FSIZE, (size, hard))
     try:
         yield
     finally:
         resource.setrlimit(resource.RLIMIT_FSIZE, (soft, hard))
+        sys.dont_write_bytecode = written
 
 
 def test_a_disk_that_fills_up_leaves_the_old_file_and_nothing_else(result, tmp_path):
