@@ -271,7 +271,7 @@ class Fmu(Closing):
             self._check(status, f"reading {', '.join(outputs.names[:4])}")
 
     def _check_step(self, status: int, time: float, step: float) -> None:
-        if status == fmi2.fmi2Discard:
+        if status == fmi2.fmi2Discard and not self.runs_python:  # one that runs Python has failed
             reached = c_double(time)
             self.fmu.dll.fmi2GetRealStatus(self._component, LAST_SUCCESSFUL_TIME, byref(reached))
             raise EndedEarly(self.name, time, reached.value - time)

@@ -45,10 +45,12 @@ def compared(scene: Scene) -> None:
 
 
 def roundings(scene: Scene, expected: Result) -> dict[str, float]:
-    """What one rounding more or less in every mass does to the run on Python units."""
+    """What one rounding more or less in every mass, and in a shaft, does to the Python units."""
     paths = ["rotor.masses" if hasattr(scene.rotor, "masses") else "rotor.mass"]
     paths += [f"{b.name}.{'mass' if hasattr(b, 'mass') else 'density'}" for b in scene.balancer]
-    parts = [scene.rotor, *scene.balancer]
+    parts: list[Any] = [scene.rotor, *scene.balancer]
+    if hasattr(scene.rotor, "bending_stiffness"):
+        paths, parts = [*paths, "rotor.bending_stiffness"], [*parts, scene.rotor]
     values = [getattr(part, path.split(".")[1]) for part, path in zip(parts, paths, strict=True)]
     found = []
     for ends in itertools.product((-math.inf, math.inf), repeat=len(paths)):
