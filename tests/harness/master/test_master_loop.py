@@ -97,7 +97,7 @@ class LinearLoop:
     constant: np.ndarray
 
     def __post_init__(self) -> None:
-        self.exchanges = list(self.constant)
+        self.coupled = True
         self.forces = [SignalState() for _ in self.constant]
         self.accelerations = [SignalState() for _ in self.constant]
 
