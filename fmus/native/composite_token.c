@@ -350,8 +350,8 @@ static int connect(Unit *unit)
 static int describe(Unit *unit, const char *own_starts)
 {
     const Composite *c = unit->own;
-    const Table *table = table_of("Composite", "", "");
-    Sizes sizes = {1, 1, 1, 1, 0, 2, 0, 0};
+    const Table *table = table_of("Composite", "", "", 3);
+    Sizes sizes = {1, 1, 1, 1, 0, 2, 0, 0, 3};
     Layout own;
     Variable *reals;
     double *starts;

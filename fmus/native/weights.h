@@ -72,6 +72,13 @@ double largest_of(int count, const double *values);
 double fastest_rate(int count, const double *speeds, const Complex *signal, double lever,
                     double lag, double damping_rate, double step, double *strongest);
 
+/* Substeps that a step is taken in, for angles that are finite; lag: s w'. */
+int weights_substeps(const Weights *weights, const double *angles, const double *speeds,
+                     const Complex *signal, double lag, double step, int *count, Failure *failure);
+
+/* Whole turns that are taken off a far angle while a step is computed [rad]. */
+double weights_turns_behind(double angle);
+
 /* Move every weight over one communication step.
 
    angles, speeds: (N,), and new_angles, new_speeds (N,) for the result, which may be the same
