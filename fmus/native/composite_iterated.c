@@ -176,7 +176,7 @@ static int respond(Unit *unit, const double *u, double step, double *answer)
     return 0;
 }
 
-/* A collision within the step: the Jacobian of the start serves on. */
+/* An event within the step: the Jacobian of the start serves on. */
 static int keep(Composite *c)
 {
     if (c->course->ahead < 0.0) {
