@@ -23,7 +23,7 @@ typedef struct {
     int orders; /* numbers that tell a signal: value and derivatives */
     Track track;
     int plain;            /* point weights on a centred track keep their shorter way */
-    int stop_at_contact;  /* whether a step ends behind the first collision */
+    int stop_at_contact;  /* whether a step ends behind the first event */
     double carried, sent; /* parts of the added mass: through the port, in the force [kg] */
     Quadrature quadrature;
     QuinticQuadrature quintic;

@@ -7,7 +7,7 @@ What a scheme needs of them: `rotor_pass`, `balancer_pass`, `saved` states, and 
 from __future__ import annotations
 
 from cmath import isfinite
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from ctypes import c_void_p
 from dataclasses import dataclass
 
@@ -46,7 +46,7 @@ class System:
         units: the loaded units by name.
         order: of the exchanged signals, 0, 1, 3 or 5.
         watch: also tell balancers where their plane is that report their clearance.
-        brief: step that is taken whole [s]: balancers that can end longer ones at a collision; 0:
+        brief: step that is taken whole [s]: balancers that can end longer ones at an event; 0:
             none does.
 
     Attributes:
@@ -62,6 +62,7 @@ class System:
         parts: of a signal's end: value and slope, with order 5 the second derivative.
         masses: added mass handed to the rotor at the start, by its input [kg].
         has_no_past: no step has been taken since the start or the last jump of the drive.
+        tell_speed: tells the units the rotor's speed at a time [s], where it varies.
     """
 
     def __init__(
@@ -77,6 +78,7 @@ class System:
         self.balancers = [unit for name, unit in units.items() if name not in (ROTOR, MOTOR)]
         self.masses: dict[str, float] = {}
         self.brief = brief
+        self.tell_speed: Callable[[float], object] = lambda time: None
         slopes = EXACT[order]
         self.parts = EXACT[max(3, order)] + 1
         exchanged = plan.of_kind("signal")
