@@ -19,15 +19,16 @@ def hermite(
     """
     f0, d0, c0 = start
     f1, d1, c1 = end
-    # by how much the parabola of the start misses the end, all in the unit of the value
-    value = f1 - f0 - step * (d0 + 0.5 * step * c0)
-    slope = step * (d1 - d0 - step * c0)
-    second = step * step * (c1 - c0)
-    cube = step * step * step
+    per_step = 1.0 / step
+    # by how much value, slope and second derivative of the end miss the parabola of the start
+    value = 60.0 * (((f1 - f0) * per_step - d0) * per_step - 0.5 * c0)
+    slope = 24.0 * ((d1 - d0) * per_step - c0)
+    second = 3.0 * (c1 - c0)
+    square = per_step * per_step
     return (
-        (60.0 * value - 24.0 * slope + 3.0 * second) / cube,
-        (-360.0 * value + 168.0 * slope - 24.0 * second) / (cube * step),
-        (720.0 * value - 360.0 * slope + 60.0 * second) / (cube * step * step),
+        (value - slope + second) * per_step,
+        (7.0 * slope - 6.0 * value - 8.0 * second) * square,
+        (12.0 * value - 15.0 * slope + 20.0 * second) * (square * per_step),
     )
 
 

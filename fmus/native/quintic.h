@@ -9,14 +9,14 @@
 static inline void quintic_hermite(const double *start, const double *end, double step,
                                    double *higher)
 {
-    /* by how much the parabola of the start misses the end, all in the unit of the value */
-    const double value = end[0] - start[0] - step * (start[1] + 0.5 * step * start[2]);
-    const double slope = step * (end[1] - start[1] - step * start[2]);
-    const double second = step * step * (end[2] - start[2]);
-    const double cube = step * step * step;
-    higher[0] = (60.0 * value - 24.0 * slope + 3.0 * second) / cube;
-    higher[1] = (-360.0 * value + 168.0 * slope - 24.0 * second) / (cube * step);
-    higher[2] = (720.0 * value - 360.0 * slope + 60.0 * second) / (cube * step * step);
+    const double per_step = 1.0 / step, square = per_step * per_step;
+    /* by how much value, slope and second derivative of the end miss the parabola of the start */
+    const double value = 60.0 * (((end[0] - start[0]) * per_step - start[1]) * per_step - 0.5 * start[2]);
+    const double slope = 24.0 * ((end[1] - start[1]) * per_step - start[2]);
+    const double second = 3.0 * (end[2] - start[2]);
+    higher[0] = (value - slope + second) * per_step;
+    higher[1] = (7.0 * slope - 6.0 * value - 8.0 * second) * square;
+    higher[2] = (12.0 * value - 15.0 * slope + 20.0 * second) * (square * per_step);
 }
 
 /* f[0] + t (f[1] + t/2 (f[2] + ... )) of `count` derivatives. */

@@ -98,7 +98,9 @@ class SignalState:
                 f, d, d2, d3 = self.last
                 led = f + 2.0 * step * (d + step * (d2 + 2.0 / 3.0 * step * d3))
             else:
-                led = end_of(self.last, 2.0 * step)[0]
+                f, d, d2, d3, d4, d5 = self.last
+                led = d2 + 2.0 / 3.0 * step * (d3 + step * (0.5 * d4 + 0.2 * step * d5))
+                led = f + 2.0 * step * (d + step * led)
             missed = abs(end[0] - led)
         self.arrive(cubic, end, step, missed)
 
