@@ -9,7 +9,6 @@ import threading
 from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
-import pytest
 
 from autobalancer.fmus.native.compile import NotCompiled
 from autobalancer.harness import cosimulate, load_scene
