@@ -24,7 +24,7 @@ double contacts_before(const Unit *unit)
 
 static size_t loop_bytes(const Composite *c)
 {
-    return 16 * (size_t)c->exchanges * (size_t)c->exchanges * sizeof(double);
+    return 16 * (size_t)c->unknowns * (size_t)c->unknowns * sizeof(double);
 }
 
 void contacts_begin(Unit *unit, double met)
@@ -32,7 +32,7 @@ void contacts_begin(Unit *unit, double met)
     Composite *c = unit->own;
     Course *course = c->course;
     int k;
-    for (k = 0; k < c->exchanges; k++) {
+    for (k = 0; k < c->unknowns; k++) {
         c->forces[k].largest_before = c->forces[k].largest;
     }
     for (k = 0; k < c->planes; k++) {
@@ -56,7 +56,7 @@ static void calm(Signal *signal)
 static void end(Composite *c)
 {
     int k;
-    for (k = 0; k < c->exchanges; k++) {
+    for (k = 0; k < c->unknowns; k++) {
         calm(c->forces + k);
     }
     for (k = 0; k < c->planes; k++) {
@@ -97,7 +97,7 @@ int contacts_step(Unit *unit)
     int k;
     residual = brief(unit, &step);
     share = course->reached / larger(course->reached, course->pulse);
-    for (k = 0; k < c->exchanges && residual >= 0.0; k++) {
+    for (k = 0; k < c->unknowns && residual >= 0.0; k++) {
         const Complex change = complex_difference(c->answers[k].value, c->forces[k].now.value);
         moved = larger(moved, magnitude(change));
     }
@@ -106,7 +106,7 @@ int contacts_step(Unit *unit)
     }
     course->worst = larger(course->worst, residual * share);
     course->pulse = 0.0;
-    for (k = 0; k < c->exchanges; k++) {
+    for (k = 0; k < c->unknowns; k++) {
         course->pulse = larger(course->pulse, magnitude(c->forces[k].now.value));
     }
     /* a pulse is no measure of what forces may err by, but for its own rounding, nor of how the

@@ -24,6 +24,7 @@ BARE = 1e-4  # m: eccentricity that a rotor without unbalance and weights is kic
 
 # label, unit, variables, largest factor, whether it is spread by its logarithm
 _SLIDERS = (
+    ("Torque of the motor", "N m", r"motor\.point\[\d+\]\.torque", 2.0, False),
     ("Unbalance", "kg m", r"rotor\.unbalance(\[\d+\]\.amount)?", 3.0, False),
     ("Drag of the weights", "N s/m", r"(?!rotor\.)\w+\.drag", 10.0, True),
     ("Stiffness of the supports", "N/m", r"rotor\.(support\[\d\]\.)?stiffness_[xy]", 4.0, True),
@@ -46,6 +47,7 @@ def content(scene: Scene) -> dict[str, Any]:
             {"weights": count, "token": each.token(stamp())}
             for count, each in _variants(scene, made, own)
         ],
+        "motor": scene.operation.motor is not None,
         "speed": profile.end,
         "rate": profile.acceleration(0.0) or profile.end**2 / (math.tau * CHANGED_IN),
         "window": {

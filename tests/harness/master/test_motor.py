@@ -6,7 +6,6 @@ from scipy.integrate import solve_ivp
 
 from autobalancer.harness import cosimulate
 from autobalancer.harness.errors import SceneError
-from autobalancer.harness.master.one_file import composition
 from autobalancer.harness.scene import Scene
 
 M, INERTIA, P, C, M1, R, B, KAPPA = 1.0, 0.01, 2.0, 8.0, 0.02, 0.05, 0.05, 1.4
@@ -180,11 +179,6 @@ def test_weights_of_finite_size_that_do_not_meet_move_as_points_to_their_order()
         )
     assert np.array(errors[1]).max() < 1e-4
     assert (np.array(errors[1]) < 0.6 * np.array(errors[0])).all()
-
-
-def test_a_composite_refuses_a_motor():
-    with pytest.raises(SceneError, match=r"operation\.motor: .* knows the speed ahead"):
-        composition(Scene.from_document(SCENE))
 
 
 def test_a_table_of_two_points_is_the_straight_motor():
