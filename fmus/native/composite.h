@@ -265,10 +265,13 @@ int compensated_step(Unit *unit, double step, int jump);
 
 /* A step that is taken whole [s]: longer ones end at collisions. */
 double contacts_brief(const Unit *unit);
-/* Step [s] that ends before the collision a pass has met; 0: it is here. */
-double contacts_before(const Unit *unit);
-/* The units stand before a collision; the step that met it began at a time [s]. */
-void contacts_begin(Unit *unit, double met);
+/* After an attempt that failed: 1 unless a collision ended it; else the units as before and the
+   step [s] that ends before the collision, 0: it is here. */
+int contacts_ahead(Unit *unit, double *step);
+/* The units stand before a collision: brief steps follow. */
+void contacts_begin(Unit *unit);
+/* `contacts_begin` and the first brief step. */
+int contacts_strike(Unit *unit);
 /* One brief step; its length in course->length. */
 int contacts_step(Unit *unit);
 

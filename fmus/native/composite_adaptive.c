@@ -87,16 +87,13 @@ int adaptive_step(Unit *unit, double longest)
         int lower, minute;
         residual = iterated_attempt(unit, step);
         if (residual < 0.0) {
-            if (course->ahead < 0.0) {
+            if (contacts_ahead(unit, &remaining)) {
                 return 1;
             }
-            composite_restore(c);
-            remaining = contacts_before(unit);
-            if (remaining > 0.0) {
-                continue;
+            if (remaining == 0.0) {
+                return contacts_strike(unit);
             }
-            contacts_begin(unit, course->time);
-            return contacts_step(unit);
+            continue;
         }
         error = error_of(c, step, &largest_motion);
         ratio = error > 0.0 ? AIM * allowed / error : infinity();

@@ -5,9 +5,7 @@
 #include "composite.h"
 #include "elementary.h"
 
-static const double BRIEF = 1e-6, ROUNDING = 1e-5;
-static const double JUMP = 1e-6;
-static const double AGREED = 1e-6;
+static const double BRIEF = 1e-6, ROUNDING = 1e-5, JUMP = 1e-6, AGREED = 1e-6;
 enum { QUIET = 3, AWAITED = 20, MOST = 1000, TRIES = 3 };
 static const double SHORTER[TRIES] = {1.0, 0.6, 0.36};
 
@@ -16,10 +14,16 @@ double contacts_brief(const Unit *unit)
     return BRIEF * startup_size(unit);
 }
 
-double contacts_before(const Unit *unit)
+int contacts_ahead(Unit *unit, double *step)
 {
-    const double ahead = ((const Composite *)unit->own)->course->ahead;
-    return ahead > 2.0 * contacts_brief(unit) ? ahead - 0.5 * contacts_brief(unit) : 0.0;
+    Composite *c = unit->own;
+    const double ahead = c->course->ahead, least = contacts_brief(unit);
+    if (ahead < 0.0) {
+        return 1;
+    }
+    composite_restore(c);
+    *step = ahead > 2.0 * least ? ahead - 0.5 * least : 0.0;
+    return 0;
 }
 
 static size_t loop_bytes(const Composite *c)
@@ -27,7 +31,7 @@ static size_t loop_bytes(const Composite *c)
     return 16 * (size_t)c->unknowns * (size_t)c->unknowns * sizeof(double);
 }
 
-void contacts_begin(Unit *unit, double met)
+void contacts_begin(Unit *unit)
 {
     Composite *c = unit->own;
     Course *course = c->course;
@@ -43,7 +47,7 @@ void contacts_begin(Unit *unit, double met)
     course->unpulsed = course->largest;
     course->striking = AWAITED;
     course->strikes = course->worst = course->pulse = 0.0;
-    course->met = met;
+    course->met = course->time;
 }
 
 static void calm(Signal *signal)
@@ -87,6 +91,12 @@ static double brief(Unit *unit, double *step)
         composite_restore(c);
         relearn(c);
     }
+}
+
+int contacts_strike(Unit *unit)
+{
+    contacts_begin(unit);
+    return contacts_step(unit);
 }
 
 int contacts_step(Unit *unit)

@@ -97,17 +97,23 @@ class Iterated:
     def step(self, system: System, time: float, step: float, longest: float) -> tuple[float, float]:
         """One step, and the residual it leaves of the forces over the largest so far."""
         met = False
-        while True:
+        while step:
             with system.saved() as states:
-                try:
-                    trial = self.attempt(system, states, time, step, self._passes(system))
-                except EndedEarly as early:
-                    system.restore(states)
-                    met, step = True, before(system, early.length)
-                    if step:
-                        continue
-                    return self.strike(system, time)
-            return self.go_on(system, trial, met)
+                trial, step = self.try_step(system, states, time, step, self._passes(system))
+            if trial:
+                return self.go_on(system, trial, met)
+            met = True
+        return self.strike(system, time)
+
+    def try_step(
+        self, system: System, states: Sequence[c_void_p], time: float, step: float, passes: int
+    ) -> tuple[Trial | None, float]:
+        """`attempt` and its step [s]; None and the step before a collision, 0 where one is here."""
+        try:
+            return self.attempt(system, states, time, step, passes), step
+        except EndedEarly as early:
+            system.restore(states)
+            return None, before(system, early.length)
 
     def go_on(self, system: System, trial: Trial, met: bool) -> tuple[float, float]:
         """Accept a step, and go behind the collision that it ends at, if it does (`met`)."""
