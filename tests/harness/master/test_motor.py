@@ -155,7 +155,6 @@ def integral(times, values):
 WRONG = [
     ({"balls.rolling_resistance": 1e-3}, "its torque on the rotor is not known"),
     ({"operation.motor.inertia": 1e-6}, "operation.motor.inertia = 1e-06 kg m^2: must be above"),
-    ({"rotor.friction": [{"limit": 1.0}]}, "operation.motor, rotor.friction: take one out"),
     ({"coupling.scheme": "compensated"}, "does not know operation.motor"),
     ({"operation.motor.table": [[0.0, 1.0], [9.0, 0.0]]}, "give either table, or stall_torque"),
 ]
