@@ -63,6 +63,7 @@ CASES = {
     "of finite size": {"balls.weight_radius": 0.005},
     "rollers": {"balls.kind": "rollers"},
     "gravity": {"operation.gravity": 9.81},
+    "friction": {"rotor.friction": [{"limit": 2.0}], "operation.gravity": 9.81},
     "table": {"operation.motor.table": TABLE, "operation.motor.stall_torque": None,
               "operation.motor.no_load_speed": None},
     "from standstill": {"operation.motor.from": None},
