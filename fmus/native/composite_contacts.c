@@ -1,11 +1,11 @@
-/* Contacts met: a step ends where weights collide, so that no signal jumps within a step; twin of
-   harness/master/schemes/contacts.py. */
+/* Events met: a step ends where weights collide, part, stick or slide, so that it holds no jump; twin
+   of harness/master/schemes/contacts.py. */
 #include <string.h>
 
 #include "composite.h"
 #include "elementary.h"
 
-static const double BRIEF = 1e-6, ROUNDING = 1e-5, JUMP = 1e-6, AGREED = 1e-6;
+static const double BRIEF = 1e-6, ROUNDING = 1e-5, JUMP = 1e-6, KINK = 1e-10, AGREED = 1e-6;
 enum { QUIET = 3, AWAITED = 20, MOST = 1000, TRIES = 3 };
 static const double SHORTER[TRIES] = {1.0, 0.6, 0.36};
 
@@ -56,7 +56,7 @@ static void calm(Signal *signal)
     signal->prediction_error = 0.0;
 }
 
-/* Behind the collision: nothing of a pulse is to be remembered. */
+/* Behind the event: nothing of a pulse is to be remembered. */
 static void end(Composite *c)
 {
     int k;
@@ -103,18 +103,22 @@ int contacts_step(Unit *unit)
 {
     Composite *c = unit->own;
     Course *course = c->course;
-    double step, residual, share, moved = 0.0;
+    double step, residual, share, moved = 0.0, turned = 0.0;
     int k;
     residual = brief(unit, &step);
     share = course->reached / larger(course->reached, course->pulse);
     for (k = 0; k < c->unknowns && residual >= 0.0; k++) {
-        const Complex change = complex_difference(c->answers[k].value, c->forces[k].now.value);
-        moved = larger(moved, magnitude(change));
+        const Knot now = c->forces[k].now, end = c->answers[k];
+        const Complex led = complex_sum(now.value, complex_scaled(step, now.slope));
+        moved = larger(moved, magnitude(complex_difference(end.value, led)));
+        turned = larger(turned, step * magnitude(complex_difference(end.slope, now.slope)));
     }
     if (residual < 0.0 || iterated_accept(unit, step)) {
         return 1;
     }
-    course->worst = larger(course->worst, residual * share);
+    if (residual > AGREED) {
+        course->worst = larger(course->worst, residual * share);
+    }
     course->pulse = 0.0;
     for (k = 0; k < c->unknowns; k++) {
         course->pulse = larger(course->pulse, magnitude(c->forces[k].now.value));
@@ -126,10 +130,13 @@ int contacts_step(Unit *unit)
     course->length = step;
     course->strikes += 1.0;
     course->striking = moved > JUMP * course->unpulsed ? QUIET : course->striking - 1.0;
+    if (turned > KINK * course->unpulsed) {
+        course->striking = smaller(course->striking, QUIET);
+    }
     if (course->striking == 0.0) {
         end(c);
     } else if (course->strikes > MOST) {
-        text_put(unit_reason(unit), "weights collide without end");
+        text_put(unit_reason(unit), "weights collide or stick without end");
         return 1;
     }
     return 0;

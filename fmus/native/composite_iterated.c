@@ -176,7 +176,7 @@ static int respond(Unit *unit, const double *u, double step, double *answer)
     return 0;
 }
 
-/* The inverse for steps of this length, all of them taken back; a collision within one: that of the
+/* The inverse for steps of this length, all of them taken back; an event within one: that of the
    start serves on. */
 static int learn_anew(Unit *unit, double step)
 {

@@ -269,8 +269,8 @@ static int read_parts(Unit *unit, const char *at, const char **own, const char *
     return c->part_count && *own && *id ? 0 : refuse(unit, "it ends too early");
 }
 
-/* Whether steps end at collisions: where they can be taken back, and weights are told how w' changes
-   within a step. */
+/* Have steps end at events, where they can be taken back and no motor drives: weights are told the mean
+   of its acceleration over a step, not what it is at a time in it. */
 static void stop_at_contacts(Composite *c)
 {
     int part, k;

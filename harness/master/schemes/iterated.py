@@ -108,7 +108,7 @@ class Iterated:
     def try_step(
         self, system: System, states: Sequence[c_void_p], time: float, step: float, passes: int
     ) -> tuple[Trial | None, float]:
-        """`attempt` and its step [s]; None and the step before a collision, 0 where one is here."""
+        """`attempt` and its step [s]; None and the step before an event, 0 where one is here."""
         try:
             return self.attempt(system, states, time, step, passes), step
         except EndedEarly as early:
@@ -116,7 +116,7 @@ class Iterated:
             return None, before(system, early.length)
 
     def go_on(self, system: System, trial: Trial, met: bool) -> tuple[float, float]:
-        """Accept a step, and go behind the collision that it ends at, if it does (`met`)."""
+        """Accept a step, and go behind the event that it ends at, if it does (`met`)."""
         trial.accept(system)
         if not met:
             return trial.step, trial.residual
@@ -124,7 +124,7 @@ class Iterated:
         return trial.step + behind, max(residual, trial.residual)
 
     def strike(self, system: System, time: float) -> tuple[float, float]:
-        """Go behind a collision that is here; time taken [s] and the residual it leaves."""
+        """Go behind an event that is here; time taken [s] and the residual it leaves."""
         return strike(self, system, time, MAX_PASSES)
 
     def cross_jump(self, system: System, time: float, step: float) -> None:
@@ -200,7 +200,7 @@ class Iterated:
                 g_u = respond(u)
                 change = CHANGE * max(size(u), size(g_u), self.largest)
                 self.newton = QuasiNewton(jacobian(respond, u, g_u, change), step)
-            except EndedEarly:  # a collision within the step: what is known of the loop serves on
+            except EndedEarly:  # an event within the step: what is known of the loop serves on
                 system.restore(states)
 
     def _passes(self, system: System) -> int:
