@@ -46,6 +46,7 @@ TABLES = (
     *((unit, {**options, "order": 5, "sliders": 0}) for unit, options in _CUBIC),
     ("Motor", {"points": _POINTS}),
     ("Composite", {"planes": _PLANES}),
+    ("Composite", {"planes": _PLANES, "kind": "motor"}),
 )
 
 _INDEX = re.compile(r"(?<=[\[,])\d+(?=[\],])")

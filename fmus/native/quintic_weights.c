@@ -86,8 +86,9 @@ int quintic_weights_advance(const Weights *weights, const double *angles, const 
     const double damping_rate = weights_damping_rate(weights);
     const double *response;
     double h;
-    int k, j, code = FINE, count;
-    code = weights_substeps(weights, angles, speeds, signal, 0.0, step, &count, failure);
+    int k, j, code, count;
+    code = weights_substeps(weights->count, angles, speeds, signal, lever, 0.0, damping_rate, step,
+                            &count, failure);
     if (code) {
         return code;
     }

@@ -3,11 +3,19 @@
 #include "cubic.h"
 #include "quintic.h"
 
-void signal_orders(const double *signal, int orders, Complex *derivatives)
+void signal_orders(const double *signal, Complex *cubic)
 {
     int k;
-    for (k = 0; k < orders; k++) {
-        derivatives[k] = complex_of(signal[2 * k], signal[2 * k + 1]);
+    for (k = 0; k < SIGNAL_ORDERS; k++) {
+        cubic[k] = complex_of(signal[2 * k], signal[2 * k + 1]);
+    }
+}
+
+void signal_quintic(const double *signal, Complex *quintic)
+{
+    int k;
+    for (k = 0; k < QUINTIC_ORDERS; k++) {
+        quintic[k] = complex_of(signal[2 * k], signal[2 * k + 1]);
     }
 }
 
@@ -21,11 +29,11 @@ void signal_derivatives(const double *signal, int order, double t, Complex *deri
 {
     if (order == 5) {
         Complex quintic[QUINTIC_ORDERS];
-        signal_orders(signal, QUINTIC_ORDERS, quintic);
+        signal_quintic(signal, quintic);
         quintic_at(quintic, t, derivatives);
     } else {
         Complex cubic[SIGNAL_ORDERS];
-        signal_orders(signal, SIGNAL_ORDERS, cubic);
+        signal_orders(signal, cubic);
         signal_at(cubic, t, derivatives, derivatives + 1);
     }
 }

@@ -7,8 +7,10 @@
 enum { SIGNAL_ORDERS = 4 }; /* value and derivatives of order 1 to 3 */
 enum { QUINTIC_ORDERS = 6 };
 
-/* Value and derivatives from the inputs of one vector signal. */
-void signal_orders(const double *signal, int orders, Complex *derivatives);
+/* Value and derivatives 1 to 3 from the eight inputs of one vector signal. */
+void signal_orders(const double *signal, Complex *cubic);
+/* Value and derivatives 1 to 5 from its twelve inputs. */
+void signal_quintic(const double *signal, Complex *quintic);
 /* Value and slope at time t [s] into the step of the signal in these inputs, of order 3, or 5 and then
    the second derivative too. */
 void signal_derivatives(const double *signal, int order, double t, Complex *derivatives);

@@ -110,12 +110,6 @@ static int begin(Unit *unit)
     return 0;
 }
 
-const double *weights_drive(const Unit *unit)
-{
-    const Balls *own = unit->own;
-    return unit->real + unit->layout.inputs.first + 2 * (own->orders - SIGNAL_ORDERS);
-}
-
 /* The second derivative of a vector in the axes of weights_rotating, from the fixed axes' vector. */
 static Complex rotating_second(double angle, double speed, Complex value, Complex slope,
                                Complex second)
@@ -142,12 +136,19 @@ RotorMotion weights_motion_now(const Unit *unit)
     const double *in = weights_drive(unit), *spin_up = in + ACCELERATION;
     const double ago = unit->memory[unit->memory_count - 1];
     const Drift more = drift(spin_up, ago);
-    Complex motion[3] = {{0.0, 0.0}, {0.0, 0.0}, {0.0, 0.0}};
     RotorMotion now;
-    signal_derivatives(unit->real + unit->layout.inputs.first, unit->layout.sizes.order, ago, motion);
-    now.acceleration = motion[0];
-    now.slope = motion[1];
-    now.second = motion[2];
+    now.second = complex_of(0.0, 0.0);
+    if (unit->layout.sizes.order == 5) {
+        Complex motion[3];
+        signal_derivatives(unit->real + unit->layout.inputs.first, 5, ago, motion);
+        now.acceleration = motion[0];
+        now.slope = motion[1];
+        now.second = motion[2];
+    } else {
+        Complex cubic[SIGNAL_ORDERS];
+        signal_orders(in, cubic);
+        signal_at(cubic, ago, &now.acceleration, &now.slope);
+    }
     now.angle = in[ANGLE] + ago * (in[SPEED] + 0.5 * spin_up[0] * ago) + more.angle;
     now.speed = in[SPEED] + spin_up[0] * ago + more.speed;
     now.spin_up = spin_up[0] + more.acceleration;
@@ -285,7 +286,7 @@ static int step_quintic(Unit *unit, double length)
     if (refuse_spin(unit)) {
         return 1;
     }
-    signal_orders(unit->real + unit->layout.inputs.first, QUINTIC_ORDERS, signal);
+    signal_quintic(unit->real + unit->layout.inputs.first, signal);
     if (unit->layout.sizes.fixed_frame) {
         Complex ends[2][3];
         int k;
@@ -317,7 +318,7 @@ static int step(Unit *unit, double length)
     if (own->orders == QUINTIC_ORDERS) {
         return step_quintic(unit, length);
     }
-    signal_orders(in, SIGNAL_ORDERS, cubic);
+    signal_orders(in, cubic);
     if (unit->layout.sizes.fixed_frame) {
         const Drift more = drift(spin_up, length);
         const double angle = in[ANGLE] + (length * (speed + 0.5 * spin_up[0] * length) + more.angle);

@@ -31,7 +31,11 @@ typedef struct {
 } Balls;
 
 /* The inputs, from where angle, speed and acceleration have their names. */
-const double *weights_drive(const Unit *unit);
+static inline const double *weights_drive(const Unit *unit)
+{
+    return unit->real + unit->layout.inputs.first + 2 * (unit->layout.sizes.order - 3);
+}
+
 /* A vector and its slope seen in axes that turn with the rotor. */
 void weights_rotating(double angle, double speed, Complex *value, Complex *slope);
 /* The rotor's motion at the present time. */

@@ -221,15 +221,15 @@ double weights_turns_behind(double angle)
     return absolute(angle) > FAR ? TAU * nearest(angle / TAU) : 0.0;
 }
 
-int weights_substeps(const Weights *weights, const double *angles, const double *speeds,
-                     const Complex *signal, double lag, double step, int *count, Failure *failure)
+int weights_substeps(int number, const double *angles, const double *speeds, const Complex *signal,
+                     double lever, double lag, double damping_rate, double step, int *count,
+                     Failure *failure)
 {
-    const double lever = -1.0 / (weights->kappa * weights->track_radius);
     double strongest, turns, sum = 0.0;
-    const double fastest = fastest_rate(weights->count, speeds, signal, lever, lag,
-                                        weights_damping_rate(weights), step, &strongest);
+    const double fastest =
+        fastest_rate(number, speeds, signal, lever, lag, damping_rate, step, &strongest);
     int k;
-    for (k = 0; k < weights->count; k++) {
+    for (k = 0; k < number; k++) {
         sum += angles[k];
     }
     if (!is_finite(sum)) {
@@ -238,7 +238,7 @@ int weights_substeps(const Weights *weights, const double *angles, const double 
     turns = step * fastest / TURN_PER_SUBSTEP;
     if (!(turns < MAX_SUBSTEPS)) {
         return fail(failure, FAILURE_SUBSTEPS, "weights", 0, turns, step, strongest,
-                    largest_of(weights->count, speeds));
+                    largest_of(number, speeds));
     }
     *count = 1 + (int)turns;
     return FINE;
@@ -284,7 +284,8 @@ int weights_advance(const Weights *weights, const double *angles, const double *
     const double lag[4] = {share * spin_up[0], share * spin_up[1], share * spin_up[2],
                            share * spin_up[3]};
     int k, count, far, code;
-    code = weights_substeps(weights, angles, speeds, signal, lag[0], step, &count, failure);
+    code = weights_substeps(n, angles, speeds, signal, lever, lag[0], damping_rate, step, &count,
+                            failure);
     if (code) {
         return code;
     }

@@ -72,9 +72,10 @@ double largest_of(int count, const double *values);
 double fastest_rate(int count, const double *speeds, const Complex *signal, double lever,
                     double lag, double damping_rate, double step, double *strongest);
 
-/* Substeps that a step is taken in, for angles that are finite; lag: s w'. */
-int weights_substeps(const Weights *weights, const double *angles, const double *speeds,
-                     const Complex *signal, double lag, double step, int *count, Failure *failure);
+/* Substeps that a step of so many weights is taken in, whose angles must be finite. */
+int weights_substeps(int number, const double *angles, const double *speeds, const Complex *signal,
+                     double lever, double lag, double damping_rate, double step, int *count,
+                     Failure *failure);
 
 /* Whole turns that are taken off a far angle while a step is computed [rad]. */
 double weights_turns_behind(double angle);

@@ -51,11 +51,6 @@ MEETING: dict[str, dict[str, float]] = {
 }
 
 
-def rubs(layout) -> bool:
-    """Whether there is dry friction, which knows neither gravity nor a changing acceleration."""
-    return any(v.name.startswith("slider") for v in layout.reals)
-
-
 def ids(case: tuple[str, dict]) -> str:
     return "-".join([case[0], *map(str, case[1].values())])
 
@@ -94,8 +89,6 @@ def parameters(rng, layout, anisotropic: bool) -> dict[str, float | bool]:
             v.name.startswith("track_offset")
         ):
             continue
-        if v.name.startswith("gravity") and rubs(layout):
-            continue
         if v.name.startswith("slider"):
             supports = 1 + any("support[2]" in other.name for other in layout.reals)
             values[v.name] = slider_value(v.name, supports, float(rng.random()))
@@ -119,8 +112,6 @@ def motion(packaging, path, layout, seed: int, changes: dict | None = None) -> n
         values["inertia_as_force"] = seed % 3 == 0
     host.begin(values)
     names = [v.name for v in layout.reals[layout.inputs]]
-    if rubs(layout):
-        names = [name for name in names if not name.startswith("der(acceleration")]
     if any(name.endswith(",5)") for name in names):
         names = [name for name in names if "acceleration" not in name]
     seen = [host.outputs()]
