@@ -197,6 +197,9 @@ static int read_part(Unit *unit, Part *part, const char *at)
         return refuse(unit, "the rotor must be its first part, and the only one, and signals must "
                             "turn with it");
     }
+    if (part->unit->layout.sizes.order != 3) {
+        return refuse(unit, "the signals of its parts must be of order 3");
+    }
     if (c->motor) {
         return refuse(unit, "the motor must be its last part, and the only one");
     }

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from autobalancer.fmus.catalogue import sized_unit
+from autobalancer.fmus.composite.composition import Composition, Part
 from autobalancer.harness import SceneError, load_scene
 from autobalancer.harness.master.cosimulation import CoSimulation
 from autobalancer.harness.master.one_file import composition
@@ -116,6 +117,12 @@ def test_what_has_no_second_derivatives_is_refused_by_the_name_of_its_key(change
 def test_one_file_couples_by_cubics_alone():
     with pytest.raises(SceneError, match="order = 5: of one file must be 3"):
         composition(load_scene("two_balls").replace({"coupling.order": 5}))
+
+
+def test_parts_of_one_file_exchange_cubics():
+    parts = Part("rotor", "RotorOnSupports"), Part("balls", "BallBalancer", {"order": 5}, plane=1)
+    with pytest.raises(ValueError, match="balls: order = 5: must be 3 in one file"):
+        Composition(parts)
 
 
 def test_dry_friction_has_no_unit_with_quintic_signals():
