@@ -331,7 +331,7 @@ static int couple(Unit *unit, double step, int jump)
     return c->exchanges && c->course->striking == 0.0 && judge(unit, c->course->length);
 }
 
-/* A step that a collision has cut into several is judged behind it. */
+/* A step that an event has cut into several is judged behind it. */
 static int strike(Unit *unit)
 {
     Course *course = ((Composite *)unit->own)->course;

@@ -27,7 +27,7 @@ typedef struct {
     double last_step;        /* [s] */
     double prediction_error; /* how far the last step ended from where the cubic before it led */
     double largest;          /* modulus so far, */
-    double largest_before;   /* and before the collision that is being met */
+    double largest_before;   /* and before the event that is being met */
 } Signal;
 
 /* A unit of the composite; the first is the rotor. */
@@ -67,8 +67,8 @@ typedef struct {
     double solved_step;        /* the step that the loop's inverse is for [s] */
     double missed_step;        /* length of the step before [s], 0 when it missed nothing */
     double largest_before, lost, calm; /* of a diverging loop */
-    double ahead;              /* time to a collision in the pass that failed for it, else below 0 [s] */
-    double striking, strikes;  /* brief steps still to take behind a collision, and taken */
+    double ahead;              /* time to an event in the pass that failed for it, else below 0 [s] */
+    double striking, strikes;  /* brief steps still to take behind an event, and taken */
     double met;                /* when the step that met it began [s] */
     double pulse, worst;       /* force, and residual so far, of those */
     double unpulsed, learned_step; /* `largest` and `solved_step` before them */
@@ -108,7 +108,7 @@ typedef struct {
     Course *course;
     double *outer_forces; /* (rotor's planes, 2) as told last [N] */
     Signal *forces, *accelerations;
-    double *learned;  /* (4 e, 4 e): `solution` before a collision */
+    double *learned;  /* (4 e, 4 e): `solution` before an event */
     double *solution; /* (4 e, 4 e): inverse of 1 - dG/du; compensated: (4 e + 4 p, 4 e) */
     Knot *missed;     /* (e + p,) value, and slope times step */
     Swung *swung;     /* (p,) */
@@ -220,7 +220,7 @@ int iterated_cross(Unit *unit, double step);
 double iterated_attempt(Unit *unit, double step);
 /* Go on from the end of what was attempted. */
 int iterated_accept(Unit *unit, double step);
-/* The same, with its length in course->length; `met`: a collision is there. */
+/* The same, with its length in course->length; `met`: an event is there. */
 int iterated_go_on(Unit *unit, double step, int met);
 /* Back to the begin of the step. */
 void composite_restore(Composite *c);
@@ -235,12 +235,15 @@ int compensated_step(Unit *unit, double step, int jump);
 
 /* -- composite_contacts.c: twin of harness/master/schemes/contacts.py ------------------------- */
 
-/* A step that is taken whole [s]: longer ones end at collisions. */
+/* A step that is taken whole [s]: longer ones end at events. */
 double contacts_brief(const Unit *unit);
-/* Step [s] that ends before the collision a pass has met; 0: it is here. */
-double contacts_before(const Unit *unit);
-/* The units stand before a collision; the step that met it began at a time [s]. */
-void contacts_begin(Unit *unit, double met);
+/* After an attempt that failed: 1 unless an event ended it; else the units as before and the
+   step [s] that ends before the event, 0: it is here. */
+int contacts_ahead(Unit *unit, double *step);
+/* The units stand before an event: brief steps follow. */
+void contacts_begin(Unit *unit);
+/* `contacts_begin` and the first brief step. */
+int contacts_strike(Unit *unit);
 /* One brief step; its length in course->length. */
 int contacts_step(Unit *unit);
 
@@ -251,7 +254,7 @@ double startup_share(const Unit *unit, double steps);
 double startup_size(const Unit *unit);
 /* Length of the step to come [s], of the communication step it is part of. */
 double startup_length(Unit *unit);
-/* What follows the step that was taken; `struck`: behind a collision. */
+/* What follows the step that was taken; `struck`: behind an event. */
 int startup_taken(Unit *unit, int struck);
 
 #endif

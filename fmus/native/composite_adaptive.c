@@ -4,7 +4,7 @@
 #include "elementary.h"
 #include "unit_rotor.h"
 
-static const double LOCAL_SHARE = 0.2, AIM = 0.5, RESIDUAL_SHARE = 0.01;
+static const double LOCAL_SHARE = 0.2, AIM = 0.5, RESIDUAL_SHARE = 0.01, SLOWEST = 1e3;
 enum { RUNGS = 4, FIRST_RUNG = 40, MINUTE = 80, LOWEST = 160, MOST_RISE = 4, HOPELESS = 40 };
 
 /* 2^(-k/4) */
@@ -77,7 +77,7 @@ int adaptive_step(Unit *unit, double longest)
     const int jumps = ((const Rotor *)c->parts->unit->own)->slider_count > 0;
     Course *course = c->course;
     const double allowed = LOCAL_SHARE * course->allowed;
-    double remaining = infinity(); /* before a collision */
+    double remaining = infinity(); /* before an event */
     for (;;) {
         const int rung = (int)course->rung;
         const double own = scaled_by_power(longest * ROOTS[rung % RUNGS], -(rung / RUNGS));
@@ -86,17 +86,23 @@ int adaptive_step(Unit *unit, double longest)
         double residual, error, ratio, largest_motion;
         int lower, minute;
         residual = iterated_attempt(unit, step);
-        if (residual < 0.0) {
-            if (course->ahead < 0.0) {
+        if (residual < 0.0 && contacts_ahead(unit, &remaining)) {
+            /* a unit cannot follow a loop that diverges */
+            if (rung + 2 * RUNGS > LOWEST) {
                 return 1;
             }
             composite_restore(c);
-            remaining = contacts_before(unit);
-            if (remaining > 0.0) {
-                continue;
+            if (iterated_after_start(unit, 0.5 * step)) {
+                return 1;
             }
-            contacts_begin(unit, course->time);
-            return contacts_step(unit);
+            course->rung = rung + 2 * RUNGS;
+            continue;
+        }
+        if (residual < 0.0) {
+            if (remaining == 0.0) {
+                return contacts_strike(unit);
+            }
+            continue;
         }
         error = error_of(c, step, &largest_motion);
         ratio = error > 0.0 ? AIM * allowed / error : infinity();
@@ -114,6 +120,9 @@ int adaptive_step(Unit *unit, double longest)
             return iterated_go_on(unit, step, step == remaining);
         }
         composite_restore(c);
+        if (residual > SLOWEST * course->tolerance && iterated_after_start(unit, 0.5 * step)) {
+            return 1;
+        }
         lower = error > 0.0 ? -rise(ratio, 1.0) : 1;
         course->rung = rung + (lower > 1 ? lower : 1);
         if (course->rung > LOWEST) {

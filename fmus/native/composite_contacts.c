@@ -1,13 +1,11 @@
-/* Contacts met: a step ends where weights collide, so that no signal jumps within a step; twin of
-   harness/master/schemes/contacts.py. */
+/* Events met: a step ends where weights collide, part, stick or slide, so that it holds no jump; twin
+   of harness/master/schemes/contacts.py. */
 #include <string.h>
 
 #include "composite.h"
 #include "elementary.h"
 
-static const double BRIEF = 1e-6, ROUNDING = 1e-5;
-static const double JUMP = 1e-6;
-static const double AGREED = 1e-6;
+static const double BRIEF = 1e-6, ROUNDING = 1e-5, JUMP = 1e-6, KINK = 1e-10, AGREED = 1e-6;
 enum { QUIET = 3, AWAITED = 20, MOST = 1000, TRIES = 3 };
 static const double SHORTER[TRIES] = {1.0, 0.6, 0.36};
 
@@ -16,10 +14,16 @@ double contacts_brief(const Unit *unit)
     return BRIEF * startup_size(unit);
 }
 
-double contacts_before(const Unit *unit)
+int contacts_ahead(Unit *unit, double *step)
 {
-    const double ahead = ((const Composite *)unit->own)->course->ahead;
-    return ahead > 2.0 * contacts_brief(unit) ? ahead - 0.5 * contacts_brief(unit) : 0.0;
+    Composite *c = unit->own;
+    const double ahead = c->course->ahead, least = contacts_brief(unit);
+    if (ahead < 0.0) {
+        return 1;
+    }
+    composite_restore(c);
+    *step = ahead > 2.0 * least ? ahead - 0.5 * least : 0.0;
+    return 0;
 }
 
 static size_t loop_bytes(const Composite *c)
@@ -27,7 +31,7 @@ static size_t loop_bytes(const Composite *c)
     return 16 * (size_t)c->exchanges * (size_t)c->exchanges * sizeof(double);
 }
 
-void contacts_begin(Unit *unit, double met)
+void contacts_begin(Unit *unit)
 {
     Composite *c = unit->own;
     Course *course = c->course;
@@ -43,7 +47,7 @@ void contacts_begin(Unit *unit, double met)
     course->unpulsed = course->largest;
     course->striking = AWAITED;
     course->strikes = course->worst = course->pulse = 0.0;
-    course->met = met;
+    course->met = course->time;
 }
 
 static void calm(Signal *signal)
@@ -52,7 +56,7 @@ static void calm(Signal *signal)
     signal->prediction_error = 0.0;
 }
 
-/* Behind the collision: nothing of a pulse is to be remembered. */
+/* Behind the event: nothing of a pulse is to be remembered. */
 static void end(Composite *c)
 {
     int k;
@@ -89,22 +93,32 @@ static double brief(Unit *unit, double *step)
     }
 }
 
+int contacts_strike(Unit *unit)
+{
+    contacts_begin(unit);
+    return contacts_step(unit);
+}
+
 int contacts_step(Unit *unit)
 {
     Composite *c = unit->own;
     Course *course = c->course;
-    double step, residual, share, moved = 0.0;
+    double step, residual, share, moved = 0.0, turned = 0.0;
     int k;
     residual = brief(unit, &step);
     share = course->reached / larger(course->reached, course->pulse);
     for (k = 0; k < c->exchanges && residual >= 0.0; k++) {
-        const Complex change = complex_difference(c->answers[k].value, c->forces[k].now.value);
-        moved = larger(moved, magnitude(change));
+        const Knot now = c->forces[k].now, end = c->answers[k];
+        const Complex led = complex_sum(now.value, complex_scaled(step, now.slope));
+        moved = larger(moved, magnitude(complex_difference(end.value, led)));
+        turned = larger(turned, step * magnitude(complex_difference(end.slope, now.slope)));
     }
     if (residual < 0.0 || iterated_accept(unit, step)) {
         return 1;
     }
-    course->worst = larger(course->worst, residual * share);
+    if (residual > AGREED) {
+        course->worst = larger(course->worst, residual * share);
+    }
     course->pulse = 0.0;
     for (k = 0; k < c->exchanges; k++) {
         course->pulse = larger(course->pulse, magnitude(c->forces[k].now.value));
@@ -116,10 +130,13 @@ int contacts_step(Unit *unit)
     course->length = step;
     course->strikes += 1.0;
     course->striking = moved > JUMP * course->unpulsed ? QUIET : course->striking - 1.0;
+    if (turned > KINK * course->unpulsed) {
+        course->striking = smaller(course->striking, QUIET);
+    }
     if (course->striking == 0.0) {
         end(c);
     } else if (course->strikes > MOST) {
-        text_put(unit_reason(unit), "weights collide without end");
+        text_put(unit_reason(unit), "weights collide or stick without end");
         return 1;
     }
     return 0;

@@ -123,16 +123,13 @@ int iterated_step(Unit *unit, double step)
         if (course->residual >= 0.0) {
             break;
         }
-        if (course->ahead < 0.0) {
+        if (contacts_ahead(unit, &step)) {
             return 1;
         }
-        composite_restore(c);
-        met = 1;
-        step = contacts_before(unit);
         if (step == 0.0) {
-            contacts_begin(unit, course->time);
-            return contacts_step(unit);
+            return contacts_strike(unit);
         }
+        met = 1;
     }
     return iterated_go_on(unit, step, met);
 }
@@ -145,7 +142,7 @@ int iterated_go_on(Unit *unit, double step, int met)
         return 1;
     }
     if (met) {
-        contacts_begin(unit, course->time);
+        contacts_begin(unit);
         course->worst = course->residual;
     }
     return 0;
@@ -179,7 +176,7 @@ static int respond(Unit *unit, const double *u, double step, double *answer)
     return 0;
 }
 
-/* A collision within the step: the Jacobian of the start serves on. */
+/* An event within the step: the Jacobian of the start serves on. */
 static int keep(Composite *c)
 {
     if (c->course->ahead < 0.0) {

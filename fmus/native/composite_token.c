@@ -170,7 +170,7 @@ static int make_part(Unit *unit, Part *part, const char *name, const char *token
         return refuse(unit, made->reason.at);
     }
     for (k = 0; k < made->layout.table->flag_count; k++) {
-        /* steps that can be taken back end at collisions */
+        /* steps that can be taken back end at events */
         const int stops = ((Composite *)unit->own)->scheme != SCHEME_COMPENSATED &&
                           !strncmp(made->layout.table->flags[k].name, STOP, sizeof STOP);
         made->boolean[k] = (unsigned char)(stops || made->layout.table->flags[k].start);

@@ -177,8 +177,7 @@ int run(EventStepper *stepper, double step)
         const int count = substeps_of(stepper, left, step);
         if (count) {
             const int kind = part(stepper, count == 1 ? step : stepper->time + left / count);
-            if (failure->code || stepper->time >= step ||
-                (stepper->stop_at_contact && kind == GAP_CLOSES)) {
+            if (failure->code || stepper->time >= step || (stepper->stop_at_contact && kind >= 0)) {
                 return failure->code;
             }
         }

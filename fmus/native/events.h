@@ -13,7 +13,7 @@
 typedef struct {
     WeightsInOrder *weights;
     const CentreMotion *motion;
-    int stop_at_contact; /* STOP_BEHIND the first collision, STOP_BEFORE one at the start, or 0 */
+    int stop_at_contact; /* STOP_BEHIND the first event, STOP_BEFORE a collision at the start, or 0 */
     double time; /* since the start of the step [s] */
     Complex impulse; /* of all collisions on the rotor, rotor frame at the step's start [N s] */
     int events; /* collisions, contacts opened, weights stuck or broken away: their number */

@@ -18,7 +18,7 @@ typedef struct {
     Complex impulse; /* of the collisions in this step on the rotor, rotor frame at its end
                         [N s]; what is not in the force of track_reaction */
     int events; /* collisions, contacts opened, weights stuck or broken away */
-    double reached; /* time since the start of the step [s]: `step`, or the first contact */
+    double reached; /* time since the start of the step [s]: `step`, or the first event */
 } Moved;
 
 /* Doubles of scratch for the functions below. */
@@ -37,7 +37,7 @@ int track_first_contacts(const Track *track, const double *angles, const double 
    the same, and have no meaning after a failure.  signal: (4,) acceleration of the plane's centre
    in the rotor frame at the start of the step and its derivatives.  spin_up: (4,) angular
    acceleration of the rotor likewise, constant where weights can touch or stick.  stop_at_contact: end behind
-   the first collision. */
+   the first event. */
 int track_advance(const Track *track, const double *angles, const double *speeds,
                   const double *contacts, const Complex *signal, double rotor_speed,
                   const double *spin_up, double step, int stop_at_contact, Moved *moved,

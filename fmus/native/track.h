@@ -9,7 +9,7 @@
 
 #define TOUCH 1e-11 /* rad: neighbours this close collide together */
 
-/* Where a step ends: behind the first collision, or also before one at its start. */
+/* Where a step ends: behind the first event, or also before a collision at its start. */
 enum { STOP_BEHIND = 1, STOP_BEFORE = 2 };
 
 /* Weights on a track, with the options that a scene may switch on. */

@@ -20,7 +20,7 @@ typedef struct {
     int count;
     Track track;
     int plain;            /* point weights on a centred track keep their shorter way */
-    int stop_at_contact;  /* whether a step ends behind the first collision */
+    int stop_at_contact;  /* whether a step ends behind the first event */
     double carried, sent; /* parts of the added mass: through the port, in the force [kg] */
     Quadrature quadrature;
     Turned *turned; /* (N, 2) by the weights' angles */

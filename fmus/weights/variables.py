@@ -92,7 +92,12 @@ def _parameters() -> list[Variable]:
             minimum=0.0,
         ),
         parameter("inertia_as_force", False, "", "True: N m acts in F and added_mass is zero"),
-        parameter("stop_at_contact", False, "", "True: a step ends behind the first collision"),
+        parameter(
+            "stop_at_contact",
+            False,
+            "",
+            "True: a step ends where weights meet, part, stick or slide",
+        ),
     ]
 
 

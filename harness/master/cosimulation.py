@@ -138,7 +138,7 @@ class CoSimulation(Closing):
         begin = self.time
         try:
             self._cover(step, longest)
-            # a collision is no communication point
+            # what happens to weights is no communication point
             while self.system.has_no_past and step - (self.time - begin) > SLIVER * step:
                 self._cover(step - (self.time - begin), longest)
         except SimulationError as error:
@@ -149,7 +149,7 @@ class CoSimulation(Closing):
         return self.time - begin
 
     def _cover(self, step: float, longest: float | None) -> None:
-        """A communication step, or what of it lies before a collision."""
+        """A communication step, or what of it lies before something happens to weights."""
         for time, part in substeps(self.system, self.scheme, self.drive, self.time, step):
             self.time = time
             self._take(part, longest or part)

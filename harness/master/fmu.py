@@ -31,6 +31,12 @@ LAST_SUCCESSFUL_TIME = 2  # fmi2StatusKind
 SIGNALS_WAIT = True  # no exception may cross a unit: see output/interrupts.py
 _WARNING = fmi2.fmi2Warning
 _STATUS = ("OK", "Warning", "Discard", "Error", "Fatal", "Pending")
+_LOADED = (f"binaries/{fmpy.platform}/", "resources/")
+
+
+def _is_loaded(name: str) -> bool:
+    """Whether an instance needs this file: a hundred files of C cost more than many a run."""
+    return name.startswith(_LOADED)
 
 
 class EndedEarly(SimulationError):
@@ -123,7 +129,7 @@ class Fmu(Closing):
             raise UnitError(f"{self.path}: no such FMU file")
         try:
             self.description = fmpy.read_model_description(str(self.path))
-            fmpy.extract(str(self.path), unzipdir=self._directory)
+            fmpy.extract(str(self.path), unzipdir=self._directory, include=_is_loaded)
         except (zipfile.BadZipFile, OSError, KeyError) as error:
             raise UnitError(f"{self.path}: not a readable FMU (zip archive): {error}") from error
         except Exception as error:  # fmpy raises bare Exceptions for anything wrong in the XML

@@ -88,10 +88,13 @@ def command(
         raise UserError(f"{fmus}: is not a directory with FMUs")
     if movie is not None:
         drawings.refuse_movie(loaded, movie_axes, movie_seconds)
+    drawings.refuse_pictures(loaded, pictures)
+    record = drawings.record(loaded) if pictures or movie else loaded.run.record
+    if plot is not None and record == ():
+        raise UserError("--plot: nothing to draw: run.record = []")
     with progress_bar(f"running {loaded.name}") as progress:
         key = f"run.revolutions = {loaded.run.revolutions:g}"
         limited = costs.within(at_most, key, progress)
-        record = drawings.record(loaded) if pictures or movie else None
         result = cosimulate(loaded, record=record, fmus=fmus, progress=limited, verify=verify)
     show(summary(result))
     if result.verification is not None and result.verification.parting is not None:

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from enum import Enum
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from ..errors import UserError
 from ..output import costs
 from ..output.terminal import progress_bar, progress_bars, ready_to_write, say
 
@@ -45,6 +46,24 @@ def refuse_movie(scene: Scene, axes: MovieAxes, seconds: float) -> None:
     from ..pictures.movie import refuse_unseen
 
     refuse_unseen(scene, scene.run.revolutions, axes.value, seconds)
+
+
+def refuse_pictures(scene: Scene, kinds: Iterable[str]) -> None:
+    """Refuse kinds of pictures that the scene's run cannot give, before it.
+
+    Raises:
+        UserError: so it is.
+    """
+    from ..pictures.asked import refuse_impossible
+    from .one_file import composition
+
+    for kind in kinds:
+        try:
+            refuse_impossible(scene, kind)
+            if kind == "settling":
+                composition(scene)
+        except UserError as error:
+            raise UserError(f"--{kind.replace('_', '-')}: {error}") from error
 
 
 def record(scene: Scene) -> list[str]:

@@ -18,6 +18,7 @@ class Drive:
     def __init__(self, scene: Scene, system: System) -> None:
         self._profile, self._system = scene.profile(), system
         self.acceleration = self._profile.acceleration(0.0)
+        system.tell_speed = self.jumps
 
     def jumps(self, time: float) -> bool:
         """Tell the units speed and acceleration at a time; whether the acceleration has jumped."""
@@ -37,14 +38,12 @@ def as_run(scene: Scene) -> Scene:
 
 
 def force_jumps(scene: Scene) -> bool:
-    """Whether a force can jump within a step: weights stick, or collide and no step ends there."""
-    balancers = scene.balancer
-    collide = any(b.can_meet for b in balancers) and not meets_contacts(scene)
-    return collide or any(b.can_stick for b in balancers)
+    """Whether a force can jump within a step: weights collide or stick, and no step ends there."""
+    return any(b.can_meet or b.can_stick for b in scene.balancer) and not meets_contacts(scene)
 
 
 def meets_contacts(scene: Scene) -> bool:
-    """Whether steps end where weights collide: native units can, and steps can be taken back.
+    """Whether steps end where weights collide, stick or slide: native units, steps taken back.
 
     A motor's scene is stepped through its collisions: its units are told the mean over a step.
     """

@@ -7,7 +7,7 @@ What a scheme needs of them: `rotor_pass`, `balancer_pass`, `saved` states, and 
 from __future__ import annotations
 
 from cmath import isfinite
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from ctypes import c_void_p
 from dataclasses import dataclass
 
@@ -46,7 +46,7 @@ class System:
         units: the loaded units by name.
         order: of the exchanged signals, 0, 1 or 3.
         watch: also tell balancers where their plane is that report their clearance.
-        brief: step that is taken whole [s]: balancers that can end longer ones at a collision; 0:
+        brief: step that is taken whole [s]: balancers that can end longer ones at an event; 0:
             none does.
 
     Attributes:
@@ -60,6 +60,7 @@ class System:
         told, answers: the same of the balancers, (exchanges, order + 1, 2), (exchanges, 2, 2).
         masses: added mass handed to the rotor at the start, by its input [kg].
         has_no_past: no step has been taken since the start or the last jump of the drive.
+        tell_speed: tells the units the rotor's speed at a time [s], where it varies.
     """
 
     def __init__(
@@ -75,6 +76,7 @@ class System:
         self.balancers = [unit for name, unit in units.items() if name not in (ROTOR, MOTOR)]
         self.masses: dict[str, float] = {}
         self.brief = brief
+        self.tell_speed: Callable[[float], object] = lambda time: None
         slopes = 0 if order == 0 else 1
         exchanged = plan.of_kind("signal")
         followed = {c.target.unit: c.source.variable for c in exchanged if c.source.unit == ROTOR}

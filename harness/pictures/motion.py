@@ -9,6 +9,7 @@ from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.interpolate import CubicSpline
 
 from ..errors import UserError
 from ..output.picture import Axis
@@ -45,18 +46,27 @@ class Motion:
 
     @cached_property
     def speed(self) -> Array:
-        """Of the rotor, (T,) [rad/s]."""
+        """Of the rotor, (T,) [rad/s].
+
+        Raises:
+            UnknownSignalError: a motor makes it, and it was not recorded.
+        """
+        if self.scene.operation.motor:
+            return self.recorded["motor.speed"]
         return np.array([self.scene.profile().speed(t) for t in self.time.tolist()])
 
     @cached_property
     def angle(self) -> Array:
-        """Of the rotor, (T,) [rad]."""
+        """Of the rotor, (T,) [rad]; what a motor makes of it by its speed."""
+        begin = self.scene.run.initial.angle
+        if self.scene.operation.motor:
+            return begin + CubicSpline(self.time, self.speed).antiderivative()(self.time)
         turned = self.scene.profile().angle
-        return self.scene.run.initial.angle + np.array([turned(t) for t in self.time.tolist()])
+        return begin + np.array([turned(t) for t in self.time.tolist()])
 
     @property
     def rises(self) -> bool:
-        """Whether the speed does."""
+        """Whether the speed does, all along a line: that of a motor may be caught."""
         profile = self.scene.profile()
         return profile.start != profile.end
 
@@ -98,10 +108,7 @@ class Motion:
             UserError: the scene has no weights.
             UnknownSignalError: an angle was not recorded.
         """
-        balancers = [b for b in self.scene.balancer if isinstance(b, WeightBalancer)]
-        if not balancers:
-            raise UserError(f"{self.title}: has no balancer with weights to show")
-        for b in balancers:
+        for b in with_weights(self.scene):
             names = (f"{b.label}.weight[{k}].angle" for k in range(1, b.count + 1))
             yield b, np.array([self.recorded[name] for name in names])
 
@@ -111,6 +118,18 @@ class Motion:
         unbalance = self.scene.assembly().rotor.unbalance
         alone = len(unbalance) == 1 and abs(unbalance[0]) > 0.0
         return float(np.angle(-unbalance[0])) if alone else None
+
+
+def with_weights(scene: Scene) -> list[WeightBalancer]:
+    """Balancers that have them.
+
+    Raises:
+        UserError: there is none.
+    """
+    found = [b for b in scene.balancer if isinstance(b, WeightBalancer)]
+    if not found:
+        raise UserError(f"{scene.heading}: has no balancer with weights to show")
+    return found
 
 
 def places(scene: Scene) -> list[Place]:

@@ -92,8 +92,7 @@ def spectra(angle: Array, samples: Array, highest: float = 4.0) -> Spectra:
     Raises:
         UserError: the run is shorter than a window.
     """
-    turns = (angle[-1] - angle[0]) / math.tau
-    revolutions = int(np.clip(turns / WINDOWS, SHORTEST, LONGEST))
+    revolutions = int(np.clip((angle[-1] - angle[0]) / math.tau / WINDOWS, SHORTEST, LONGEST))
     grid, windows = _windows(angle, samples[None], revolutions, SPECTRA)
     length = grid.shape[1]
     weight = hann(length, sym=False)
@@ -104,15 +103,30 @@ def spectra(angle: Array, samples: Array, highest: float = 4.0) -> Spectra:
     return Spectra(grid.mean(axis=1), orders[shown], lines[:, shown])
 
 
+def refuse_few(turned: float, revolutions: int) -> None:
+    """Refuse a run that turns less [rad] than a window of so many revolutions.
+
+    Raises:
+        UserError: so it does.
+    """
+    if _steps(turned) + 1 < POINTS * revolutions:
+        raise UserError(
+            f"{turned / math.tau:.3g} revolutions are too few: orders are looked at over "
+            f"{revolutions}"
+        )
+
+
+def _steps(turned: float) -> int:
+    return int(turned / (math.tau / POINTS) * (1.0 + 1e-12))
+
+
 def _windows(angle: Array, samples: Array, revolutions: int, most: int) -> tuple[Array, Array]:
     """Angles (k, p) of about `most` overlapping windows, and the signals there (s, k, p)."""
+    if not (np.diff(angle) > 0.0).all():
+        raise UserError("the rotor does not turn forwards all the time: there are no orders")
+    refuse_few(angle[-1] - angle[0], revolutions)
     step, length = math.tau / POINTS, POINTS * revolutions
-    count = int((angle[-1] - angle[0]) / step * (1.0 + 1e-12)) + 1
-    if count < length:
-        raise UserError(
-            f"{(angle[-1] - angle[0]) / math.tau:.3g} revolutions are too few: orders are looked "
-            f"at over {revolutions}"
-        )
+    count = _steps(angle[-1] - angle[0]) + 1
     even = angle[0] + step * np.arange(count)
     values = CubicSpline(angle, samples, axis=1)(np.minimum(even, angle[-1]))
     hop = max(1, (count - length) // most)

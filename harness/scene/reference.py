@@ -10,6 +10,7 @@ import ast
 import inspect
 import sys
 from collections.abc import Iterator
+from functools import cache
 from itertools import pairwise
 from pathlib import Path
 from typing import Any
@@ -27,6 +28,7 @@ END = "<!-- end of the keys -->"
 HEAD = ("| key | unit | default | allowed | meaning |", "|---|---|---|---|---|")
 
 
+@cache
 def reference() -> str:
     """Every table of a scene with its keys, as Markdown."""
     nested = {name: tables_in(f.annotation) for name, f in Scene.model_fields.items()}

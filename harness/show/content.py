@@ -5,7 +5,8 @@ from __future__ import annotations
 import cmath
 import math
 import re
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
+from itertools import product
 from typing import Any
 
 from ...fmus.composite.composition import Composition
@@ -17,17 +18,22 @@ from ..scene import Scene
 from ..scene.balancer import WeightBalancer
 from .window import window
 
-MOST_WEIGHTS = 8  # of the slider; more where the scene has more
+MOST_WEIGHTS = 8  # that a slider adds to the scene's own number
+MOST_VARIANTS = 64  # numbers of weights on the tracks that a page knows: it is kept small
 CHANGED_IN = 30.0  # revolutions that a change of speed by the scene's own takes
 KICK = 3.0  # of the unbalance: the kick's impulse over it times the speed
 BARE = 1e-4  # m: eccentricity that a rotor without unbalance and weights is kicked by
 
 # label, unit, variables, largest factor, whether it is spread by its logarithm
-_SLIDERS = (
+_Slider = tuple[str, str, str, float, bool]
+_OF_ROTOR: tuple[_Slider, ...] = (
     ("Unbalance", "kg m", r"rotor\.unbalance(\[\d+\]\.amount)?", 3.0, False),
-    ("Drag of the weights", "N s/m", r"(?!rotor\.)\w+\.drag", 10.0, True),
     ("Stiffness of the supports", "N/m", r"rotor\.(support\[\d\]\.)?stiffness_[xy]", 4.0, True),
     ("Damping of the supports", "N s/m", r"rotor\.(support\[\d\]\.)?damping_[xy]", 10.0, True),
+)
+_OF_WEIGHTS: tuple[_Slider, ...] = (
+    ("Drag of the weights", "N s/m", r"({})\.drag", 10.0, True),
+    ("Mass of a weight", "kg", r"({})\.mass", 4.0, True),
 )
 
 
@@ -40,11 +46,11 @@ def content(scene: Scene) -> dict[str, Any]:
     """
     page_library()  # the stamp is that of the sources it is made from
     made, profile, found = composition(scene), scene.profile(), window(scene)
-    own = tuple(b.count for b in scene.balancer if isinstance(b, WeightBalancer))
     return {
+        "tracks": _tracks(scene),
         "tokens": [
-            {"weights": count, "token": each.token(stamp())}
-            for count, each in _variants(scene, made, own)
+            {"weights": counts, "token": each.token(stamp())}
+            for counts, each in _variants(scene, made)
         ],
         "speed": profile.end,
         "rate": profile.acceleration(0.0) or profile.end**2 / (math.tau * CHANGED_IN),
@@ -64,31 +70,56 @@ def content(scene: Scene) -> dict[str, Any]:
     }
 
 
-def _variants(
-    scene: Scene, own: Composition, counts: tuple[int, ...]
-) -> Iterator[tuple[int | None, Composition]]:
-    """The scene's composition, then those with 1, 2 ... weights on every track that fit."""
-    same = counts[0] if len(set(counts)) == 1 else None
-    yield same, own
-    if not counts:
-        return
-    bare = scene.without()
-    labels = [b.label for b in scene.balancer if isinstance(b, WeightBalancer)]
-    for count in range(1, max(MOST_WEIGHTS, *counts) + 1):
-        if count == same:
-            continue
-        changes = {f"{label}.count": count for label in labels}
-        spread = {f"{label}.{key}": None for label in labels for key in ("angles", "speeds")}
+def _tracks(scene: Scene) -> list[list[str]]:
+    """Labels of the tracks that share sliders: all, or each its own where their weights differ."""
+    balancers = [b for b in scene.balancer if isinstance(b, WeightBalancer)]
+    labels = [b.label for b in balancers]
+    alike = len({(b.kind, b.count, b.mass, b.drag, b.track_radius) for b in balancers}) == 1
+    return [labels] if alike else [[label] for label in labels]
+
+
+def _variants(scene: Scene, own: Composition) -> Iterator[tuple[list[int], Composition]]:
+    """Numbers of weights on each of `_tracks`: the scene's, then all others; what has them."""
+    tracks, bare = _tracks(scene), scene.without()
+    there = {b.label: b.count for b in scene.balancer if isinstance(b, WeightBalancer)}
+    counts = [there[labels[0]] for labels in tracks]
+    yield counts, own
+    each = min(MOST_WEIGHTS, int(MOST_VARIANTS ** (1.0 / max(1, len(tracks))) + 1e-9))
+    choices = [
+        sorted({n, *_fitting(bare, labels, each)}) for n, labels in zip(counts, tracks, strict=True)
+    ]
+    for numbers in product(*choices):
+        if list(numbers) != counts:
+            each = {k: n for labels, n in zip(tracks, numbers, strict=True) for k in labels}
+            yield list(numbers), composition(_with_numbers(bare, each))
+
+
+def _fitting(scene: Scene, labels: list[str], most: int) -> Iterator[int]:
+    """Numbers of weights up to `most` that fit on these tracks."""
+    for count in range(1, most + 1):
         try:
-            yield count, composition(bare.replace({**changes, **spread}))
+            _with_numbers(scene, dict.fromkeys(labels, count))
         except SceneError:
-            return  # weights of that size do not fit
+            return
+        yield count
+
+
+def _with_numbers(scene: Scene, numbers: Mapping[str, int]) -> Scene:
+    """The scene with so many weights on each track, spread as they are by default."""
+    spread = {f"{label}.{key}": None for label in numbers for key in ("angles", "speeds")}
+    return scene.replace({**{f"{k}.count": n for k, n in numbers.items()}, **spread})
 
 
 def _sliders(scene: Scene, made: Composition) -> Iterator[dict[str, Any]]:
     """Sliders for what the scene has: factors of the variables' bases."""
     parameters = [v for v in made.described(scene.name).layout.variables if not v.boolean]
-    for label, unit, pattern, most, log in _SLIDERS:
+    tracks = _tracks(scene)
+    found = list(_OF_ROTOR)
+    for labels in tracks:
+        named = f": {labels[0]}" if len(tracks) > 1 else ""
+        for label, unit, pattern, *rest in _OF_WEIGHTS:
+            found.append((f"{label}{named}", unit, pattern.format("|".join(labels)), *rest))
+    for label, unit, pattern, most, log in found:
         base = {v.name: float(v.start or 0.0) for v in parameters if re.fullmatch(pattern, v.name)}
         value = 1.0
         if label == "Unbalance" and not any(base.values()):

@@ -11,10 +11,10 @@ function make(tag, properties = {}, ...children) {
 
 /* A slider under its name; `say` gives its words, `set` takes its value and may refuse it. */
 class Slider {
-  constructor(id, label, { low, high, log = false, whole = false, value, say, set }) {
-    Object.assign(this, { low, high, log, whole, say, set });
-    const range = whole ? { min: low, max: high, step: 1 } : { min: 0, max: POSITIONS, step: 1 };
-    this.input = make("input", { type: "range", id, ...range });
+  constructor(id, label, { low, high, log = false, values = null, value, say, set }) {
+    Object.assign(this, { low, high, log, values, say, set });
+    const max = values ? values.length - 1 : POSITIONS;
+    this.input = make("input", { type: "range", id, min: 0, max, step: 1 });
     this.output = make("output", { htmlFor: id });
     const name = make("label", { htmlFor: id }, make("span", { textContent: label }), this.output);
     this.element = make("div", { className: "control" }, name, this.input);
@@ -24,7 +24,7 @@ class Slider {
 
   read() {
     const position = Number(this.input.value);
-    if (this.whole) return position;
+    if (this.values) return this.values[position];
     const part = position / POSITIONS;
     return this.log ? this.low * (this.high / this.low) ** part
       : this.low + (this.high - this.low) * part;
@@ -33,7 +33,7 @@ class Slider {
   show(value) {
     const part = this.log ? Math.log(value / this.low) / Math.log(this.high / this.low)
       : (value - this.low) / (this.high - this.low);
-    const position = this.whole ? value ?? this.low : Math.round(POSITIONS * part);
+    const position = this.values ? this.values.indexOf(value) : Math.round(POSITIONS * part);
     // a value that the slider stands at stays as it is said
     if (Number(this.input.value) !== position) this.input.value = position;
     this.output.value = this.say(value);
@@ -70,14 +70,20 @@ function sliders(machine, view, change) {
       },
     });
   });
-  const counts = data.tokens.map((t) => t.weights).filter((n) => n !== null);
-  if (counts.length > 1) {
-    found.weights = new Slider("weights", "Weights on every track", {
-      low: 1, high: Math.max(...counts), whole: true, value: data.tokens[0].weights,
-      say: (count) => (count === null ? "as in the scene" : String(count)),
-      set: (count) => change({ variant: data.tokens.findIndex((t) => t.weights === count) }),
+  data.tracks.forEach((labels, k) => {
+    const values = [...new Set(data.tokens.map(({ weights }) => weights[k]))].sort((a, b) => a - b);
+    if (values.length < 2) return;
+    const name = data.tracks.length > 1 ? `Weights: ${labels[0]}`
+      : labels.length > 1 ? "Weights on every track" : "Weights";
+    found[`weights_${k}`] = new Slider(`weights_${k}`, name, {
+      values, value: data.tokens[0].weights[k], say: String,
+      set: (count) => {
+        const wanted = [...data.tokens[machine.settings.variant].weights];
+        wanted[k] = count;
+        change({ variant: data.tokens.findIndex(({ weights }) => `${weights}` === `${wanted}`) });
+      },
     });
-  }
+  });
   found.pace = new Slider("pace", "Shown", {
     low: PACES[0], high: PACES[1], log: true, value: view.pace,
     say: (pace) => `${shown(pace)} rev/s, time × ${shown((pace * TURN) / data.speed)}`,
@@ -93,7 +99,7 @@ function sliders(machine, view, change) {
 function showSettings(found, { settings, data }) {
   found.speed.show(settings.speed);
   settings.factors.forEach((factor, k) => found[`value_${k}`].show(factor));
-  found.weights?.show(data.tokens[settings.variant].weights);
+  data.tokens[settings.variant].weights.forEach((count, k) => found[`weights_${k}`]?.show(count));
 }
 
 const KINDS = {

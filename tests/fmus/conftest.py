@@ -10,6 +10,7 @@ import sys
 from collections.abc import Callable
 from importlib import import_module
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import Any
 
 import fmpy
@@ -72,15 +73,20 @@ class Probe:
         self.slave._set_fmu_state(state)
 
 
+def _is_no_source(name: str) -> bool:
+    return not name.startswith("sources/")
+
+
 class Host:
     """An FMU under fmpy, with access by name."""
 
     def __init__(self, path: Path) -> None:
         self.description = fmpy.read_model_description(str(path))
         self.reference = {v.name: v.valueReference for v in self.description.modelVariables}
+        self._unpacked = TemporaryDirectory()
         self.slave = FMU2Slave(
             guid=self.description.guid,
-            unzipDirectory=fmpy.extract(str(path)),
+            unzipDirectory=fmpy.extract(str(path), self._unpacked.name, _is_no_source),
             modelIdentifier=self.description.coSimulation.modelIdentifier,
             instanceName="unit",
         )

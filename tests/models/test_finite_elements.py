@@ -9,8 +9,6 @@ from autobalancer.models.linear.modes import modes
 from autobalancer.models.papers.influence import influence
 from autobalancer.models.rotor import LinearRotor
 
-rs = pytest.importorskip("ross", reason="needs ross-rotordynamics")
-
 TOLERANCE = 1e-3
 LIGHT = 1e-3  # kg/m^3: the shaft of the models has no mass; 1e-6 of the discs' here
 YOUNG, DIAMETER = 2.1e11, 0.03
@@ -18,8 +16,17 @@ BENDING = YOUNG * np.pi * DIAMETER**4 / 64
 STATIONS, MASSES = (0.0, 0.35, 1.0), (3.0, 8.0, 2.0)
 
 
+@pytest.fixture(scope="module", autouse=True)
+def _interpreted():
+    """Numba would compile for ten seconds what runs for a moment."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setenv("NUMBA_DISABLE_JIT", "1")
+        yield
+
+
 def finite_elements(stations, discs, bearings, young=YOUNG, elements_a_bay=4):
     """Rotor of slender beam elements without shear or rotary inertia; nodes of the stations."""
+    rs = pytest.importorskip("ross", reason="needs ross-rotordynamics")  # seconds to import
     # no shear in the elements; Poisson's ratio of steel
     steel = rs.Material("light", rho=LIGHT, E=young, Poisson=0.3)
     lengths = np.repeat(np.diff(stations), elements_a_bay) / elements_a_bay

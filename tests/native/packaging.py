@@ -9,6 +9,7 @@ import zipfile
 from collections.abc import Callable
 from functools import partial
 from pathlib import Path
+from tempfile import TemporaryDirectory
 
 import fmpy
 from fmpy import fmi2
@@ -119,9 +120,10 @@ class Host:
         self.callbacks.logger = self._logger
         self.callbacks.allocateMemory = fmi2.defaultCallbacks.allocateMemory
         self.callbacks.freeMemory = fmi2.defaultCallbacks.freeMemory
+        self._unpacked = TemporaryDirectory()
         self.slave = fmi2.FMU2Slave(
             guid=self.description.guid,
-            unzipDirectory=fmpy.extract(str(path)),
+            unzipDirectory=fmpy.extract(str(path), self._unpacked.name),
             modelIdentifier=self.description.coSimulation.modelIdentifier,
             instanceName=name,
         )

@@ -1,4 +1,4 @@
-"""Steps that end behind a collision: where the unit's parameter and the host allow it."""
+"""Steps that end behind what happens to weights: where unit and host allow it."""
 
 from __future__ import annotations
 
@@ -71,6 +71,32 @@ def test_the_time_of_contact_is_that_of_the_gap(fmus, packaging):
     assert last_successful_time(host) == pytest.approx((0.5 - TOUCHING) / 20.0, rel=1e-9)
     slow, fast = host.get("weight[1].speed", "weight[2].speed")
     assert fast - slow == pytest.approx(0.5 * 20.0, rel=1e-9)  # restitution
+    host.free()
+
+
+def test_the_time_of_rest_is_that_of_coulomb_friction(fmus, packaging):
+    """Alone on its track: u' = -mu/kappa u^2 for u = w + theta', until it turns with the rotor."""
+    mu, speed, ahead = 0.02, 10.0, 0.1
+    values = {"a_xi": 0.0, "drag": 0.0, "weight_radius": 0.0, "rolling_resistance": mu}
+    values |= {"weight[1].speed0": ahead, "speed": speed, "stop_at_contact": True}
+    host = begun(fmus, packaging, **values)
+    with pytest.raises(FMICallException):
+        host.slave.doStep(0.0, 0.1)
+    expected = (1.0 / speed - 1.0 / (speed + ahead)) * 1.4 / mu
+    assert last_successful_time(host) == pytest.approx(expected, rel=1e-6)
+    assert host.get("weight[1].speed") == [0.0]
+    host.free()
+
+
+def test_a_step_ends_where_a_weight_breaks_away(fmus, packaging):
+    """At angle 0, pulled along the track by s t: t = mu R w^2/s."""
+    mu, speed, rate = 0.02, 10.0, 3.0
+    values = {"a_xi": 0.0, "der(a_eta)": rate, "weight_radius": 0.0, "rolling_resistance": mu}
+    values |= {"weight[1].speed0": 0.0, "speed": speed, "stop_at_contact": True}
+    host = begun(fmus, packaging, **values)
+    with pytest.raises(FMICallException):
+        host.slave.doStep(0.0, 1.0)
+    assert last_successful_time(host) == pytest.approx(mu * RADIUS * speed**2 / rate, rel=1e-9)
     host.free()
 
 

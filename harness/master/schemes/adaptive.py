@@ -16,10 +16,8 @@ import math
 from collections.abc import Sequence
 
 from ...errors import LoopError, SimulationError
-from ..fmu import EndedEarly
 from ..signals import Knot, SignalState, end_of, extrapolated
 from ..system import System
-from .contacts import before
 from .iterated import MAX_PASSES, Iterated, Trial
 
 LOCAL_SHARE = 0.2  # of the tolerance that one step may err: the errors of many steps add up
@@ -90,29 +88,25 @@ class Adaptive:
             LoopError: no step is short enough for the tolerance.
         """
         allowed, remaining, met = self.share * self.tolerance, step, False
-        while True:
+        while remaining:
             step = longest * 2.0 ** (-self.rung / RUNGS)
             # do not leave a sliver for the last step
             if step >= remaining:
                 step = remaining
             elif step > 0.5 * remaining:
                 step = 0.5 * remaining
-            failed = False
+            trial: Trial | None = None
             with system.saved() as states:
                 try:
-                    trial = self.iterated.attempt(system, states, time, step, MAX_PASSES)
-                except EndedEarly as early:
-                    system.restore(states)
-                    met, remaining = True, before(system, early.length)
-                    if remaining:
-                        continue
-                    return self.iterated.strike(system, time)
+                    trial, step = self.iterated.try_step(system, states, time, step, MAX_PASSES)
                 except SimulationError:  # a unit cannot follow a loop that diverges
                     system.restore(states)
                     if self.rung + 2 * RUNGS > LOWEST:
                         raise
-                    failed = True
                 else:
+                    if not trial:
+                        met, remaining = True, step
+                        continue
                     error, largest_motion = self._error(system, trial)
                     change = GROWTH
                     if error > 0.0:
@@ -126,9 +120,9 @@ class Adaptive:
                         self._largest_motion = largest_motion
                         return self.iterated.go_on(system, trial, met and step == remaining)
                     system.restore(states)
-            if failed or trial.residual > SLOWEST * self.iterated.tolerance:
+            if not trial or trial.residual > SLOWEST * self.iterated.tolerance:
                 self.iterated.after_start(system, time, 0.5 * step)
-            if failed:
+            if not trial:
                 self.rung += 2 * RUNGS
                 continue
             self.rejected += 1
@@ -138,6 +132,7 @@ class Adaptive:
                     f"tolerance {self.tolerance:g} cannot be met at t = {time:g} s: steps of "
                     f"{step:.3g} s still err by {error:.3g}, loop residual {trial.residual:.3g}"
                 )
+        return self.iterated.strike(system, time)
 
     def _error(self, system: System, trial: Trial) -> tuple[float, float]:
         """Largest relative error of the signals' cubics over the step, and the largest motion."""

@@ -1,73 +1,86 @@
-"""Contacts met: a step ends where weights collide, so that no signal jumps within a step.
+"""Events met: a step ends where weights collide, part, stick or slide, so that it holds no jump.
 
 A collision changes the weights' speeds and with them the force, and its impulse reaches the rotor
-as a pulse over the two steps after it (`models.contact.pulse`).  Units that end a step at the first
-collision tell where it is: the step before it ends a moment earlier, the collision and its pulse
-are taken in steps so brief that what they err is lost in rounding, and what follows starts without
-a past.
+as a pulse over the two steps after it (`models.contact.pulse`).  Where a weight comes to rest the
+force jumps, where one breaks away or a contact opens its slope does.  Units that end a step at the
+first such event tell where it is: the step before it ends a moment earlier, the event and a
+collision's pulse are taken in steps so brief that what they err is lost in rounding, and what
+follows starts without a past.
 """
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from copy import copy
 from typing import TYPE_CHECKING
 
 from ...errors import SimulationError
+from ..signals import Knot
 from ..system import System
 
 if TYPE_CHECKING:
     from .iterated import Iterated, Trial
 
-QUIET = 3  # brief steps in which nothing jumps: the collision and its pulse are over
-AWAITED = 20  # brief steps for a collision that corrector passes have put off
-JUMP = 1e-6  # of the largest force: a smooth one changes by less in a brief step
-SHORTER = (1.0, 0.6, 0.36)  # of a brief step, until passes agree on whether it holds a collision
+QUIET = 3  # brief steps in which nothing jumps: the event and its pulse are over
+AWAITED = 20  # brief steps for an event that corrector passes have put off
+JUMP = 1e-6  # of the largest force: a smooth one leaves its tangent by less in a brief step
+KINK = 1e-10  # of the largest force: by so little its tangent turns in a brief step
+SHORTER = (1.0, 0.6, 0.36)  # of a brief step, until passes agree on whether it holds an event
 AGREED = 1e-6  # residual of such a step
 MOST = 1000  # brief steps: weights that bounce ever faster come to rest in their unit
 ROUNDING = 1e-5  # of a pulse: a residual of 1e-10 of that is above what doubles leave
 
 
 def before(system: System, ahead: float) -> float:
-    """Step [s] that ends before a collision so far ahead [s]; 0: it is here."""
+    """Step [s] that ends before an event so far ahead [s]; 0: it is here."""
     return ahead - 0.5 * system.brief if ahead > 2.0 * system.brief else 0.0
 
 
 def strike(scheme: Iterated, system: System, time: float, passes: int) -> tuple[float, float]:
-    """Go behind a collision that is here; time taken [s] and the largest residual.
+    """Go behind an event that is here; time taken [s] and the largest residual.
 
     Args:
         passes: allowed in every brief step.
 
     Raises:
-        SimulationError: one collision follows another without end.
+        SimulationError: one event follows another without end.
     """
     signals = [*system.forces, *system.accelerations]
     sizes, largest = [signal.largest for signal in signals], scheme.largest
-    learned, residual, pulse, quiet, awaited = copy(scheme.newton), 0.0, 0.0, 0, AWAITED
+    learned, residual, pulse, left = copy(scheme.newton), 0.0, 0.0, AWAITED
     now = time
     for _ in range(MOST):
+        system.tell_speed(now)
         trial = _brief(scheme, system, now, passes)
         now += trial.step
-        past = [force.now[0] for force in system.forces]
+        past = [force.now for force in system.forces]
         trial.accept(system)
-        residual = max(residual, trial.residual * trial.largest / max(trial.largest, pulse))
+        if trial.residual > AGREED:
+            residual = max(residual, trial.residual * trial.largest / max(trial.largest, pulse))
         pulse = max(abs(force.now[0]) for force in system.forces)
         # a pulse is no measure of what forces may err by, but for its own rounding, nor of how the
         # loop answers them
         scheme.largest, scheme.newton = max(largest, ROUNDING * pulse), copy(learned)
-        moved = max(abs(f.now[0] - b) for f, b in zip(system.forces, past, strict=True))
-        quiet += 1
-        if moved > JUMP * largest:
-            quiet, awaited = 0, QUIET
-        if quiet == awaited:
+        moved, turned = _left(past, [force.now for force in system.forces], trial.step)
+        left = QUIET if moved > JUMP * largest else left - 1
+        if turned > KINK * largest:
+            left = min(left, QUIET)
+        if not left:
             break
     else:
-        raise SimulationError(f"weights collide without end at t = {time:g} s")
+        raise SimulationError(f"weights collide or stick without end at t = {time:g} s")
     scheme.largest = largest
     for signal, size in zip(signals, sizes, strict=True):
         signal.largest, signal.prediction_error = max(size, abs(signal.now[0])), 0.0
     system.drop_past()
     return now - time, residual
+
+
+def _left(starts: Sequence[Knot], ends: Sequence[Knot], step: float) -> tuple[float, float]:
+    """How far signals leave their tangents over a step, and how far those turn, at most [N]."""
+    pairs = list(zip(starts, ends, strict=True))
+    moved = max(abs(end[0] - start[0] - step * start[1]) for start, end in pairs)
+    return moved, step * max(abs(end[1] - start[1]) for start, end in pairs)
 
 
 def _brief(scheme: Iterated, system: System, time: float, passes: int) -> Trial:

@@ -97,20 +97,26 @@ class Iterated:
     def step(self, system: System, time: float, step: float, longest: float) -> tuple[float, float]:
         """One step, and the residual it leaves of the forces over the largest so far."""
         met = False
-        while True:
+        while step:
             with system.saved() as states:
-                try:
-                    trial = self.attempt(system, states, time, step, self._passes(system))
-                except EndedEarly as early:
-                    system.restore(states)
-                    met, step = True, before(system, early.length)
-                    if step:
-                        continue
-                    return self.strike(system, time)
-            return self.go_on(system, trial, met)
+                trial, step = self.try_step(system, states, time, step, self._passes(system))
+            if trial:
+                return self.go_on(system, trial, met)
+            met = True
+        return self.strike(system, time)
+
+    def try_step(
+        self, system: System, states: Sequence[c_void_p], time: float, step: float, passes: int
+    ) -> tuple[Trial | None, float]:
+        """`attempt` and its step [s]; None and the step before an event, 0 where one is here."""
+        try:
+            return self.attempt(system, states, time, step, passes), step
+        except EndedEarly as early:
+            system.restore(states)
+            return None, before(system, early.length)
 
     def go_on(self, system: System, trial: Trial, met: bool) -> tuple[float, float]:
-        """Accept a step, and go behind the collision that it ends at, if it does (`met`)."""
+        """Accept a step, and go behind the event that it ends at, if it does (`met`)."""
         trial.accept(system)
         if not met:
             return trial.step, trial.residual
@@ -118,7 +124,7 @@ class Iterated:
         return trial.step + behind, max(residual, trial.residual)
 
     def strike(self, system: System, time: float) -> tuple[float, float]:
-        """Go behind a collision that is here; time taken [s] and the residual it leaves."""
+        """Go behind an event that is here; time taken [s] and the residual it leaves."""
         return strike(self, system, time, MAX_PASSES)
 
     def cross_jump(self, system: System, time: float, step: float) -> None:
@@ -194,7 +200,7 @@ class Iterated:
                 g_u = respond(u)
                 change = CHANGE * max(size(u), size(g_u), self.largest)
                 self.newton = QuasiNewton(jacobian(respond, u, g_u, change), step)
-            except EndedEarly:  # a collision within the step: what is known of the loop serves on
+            except EndedEarly:  # an event within the step: what is known of the loop serves on
                 system.restore(states)
 
     def _passes(self, system: System) -> int:

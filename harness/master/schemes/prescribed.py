@@ -8,9 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from ..fmu import EndedEarly
 from ..system import System
-from .contacts import before
 from .iterated import MAX_PASSES, Iterated
 
 SLIVER = 1e-12  # of a time: rounding, not a step
@@ -57,20 +55,17 @@ class Prescribed:
         if self._next < len(self.points):
             step = min(step, self.points[self._next] - time)
         measured = met = False
-        while True:
+        while step:
             with system.saved() as states:
-                try:
-                    trial = self.iterated.attempt(system, states, time, step, MAX_PASSES)
-                except EndedEarly as early:
+                trial, step = self.iterated.try_step(system, states, time, step, MAX_PASSES)
+                if trial and (measured or trial.residual <= self.iterated.tolerance):
+                    return self.iterated.go_on(system, trial, met)
+                if trial:
                     system.restore(states)
-                    met, step = True, before(system, early.length)
-                    if step:
-                        continue
-                    return self.iterated.strike(system, time)
-                if measured or trial.residual <= self.iterated.tolerance:
-                    break
-                system.restore(states)
+            if not trial:
+                met = True
+                continue
             # what passes have made of the loop's Jacobian leads nowhere
             self.iterated.after_start(system, time, step)
             measured = True
-        return self.iterated.go_on(system, trial, met)
+        return self.iterated.strike(system, time)

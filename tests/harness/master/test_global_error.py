@@ -136,7 +136,7 @@ def test_no_collision_takes_or_gives_energy():
     np.testing.assert_allclose(seen, seen[0], rtol=1e-6)
 
 
-def test_weights_that_can_stick_are_given_steps_where_nothing_is_asked():
+def test_weights_that_stick_are_given_steps_by_units_whose_steps_cannot_end_early():
     document = {
         "rotor": {"kind": "planar", "mass": 1.0, "stiffness": 100.0, "damping": 5.0},
         "balancer": [
@@ -150,6 +150,7 @@ def test_weights_that_can_stick_are_given_steps_where_nothing_is_asked():
             }
         ],
         "operation": {"speed": 30.0},
+        "coupling": {"units": "python"},
         "run": {"revolutions": 1},
     }
     assert cosimulate(Scene.from_document(document), record=[]).steps == 40

@@ -40,7 +40,7 @@ def test_a_command_ends_at_once_with_one_word_and_leaves_no_folder(
     folder.mkdir()
     code = getattr(signal, number)
     group = subprocess.Popen(
-        [sys.executable, "-c", "from autobalancer.harness.cli import main; main()", *LONG[command]],
+        [sys.executable, "-m", "autobalancer.harness", *LONG[command]],
         env={**os.environ, "TMPDIR": str(folder), "HOME": str(tmp_path)},
         cwd=tmp_path,
         stdout=subprocess.PIPE,
@@ -149,4 +149,34 @@ def test_a_signal_is_never_lost_and_raised_once(tmp_path, case):
 def test_a_process_that_does_not_end_in_order_is_ended_and_leaves_no_folder(tmp_path, case):
     ended = _python(BY_FORCE[case], tmp_path)
     assert (ended.returncode, ended.stderr) == (143, "terminated\n")
+    assert os.listdir(tmp_path) == []
+
+
+TOLD_LOADING = """
+import os, signal, sys, time
+class Told:  # as a C module does that the interrupt meets
+    def find_spec(self, name, *_):
+        if name == sys.argv[1]:
+            try:
+                os.kill(os.getpid(), signal.SIGINT)
+                time.sleep(20.0)
+            except BaseException:
+                raise ImportError("initialization failed") from None
+sys.meta_path.insert(0, Told())
+from autobalancer.harness.__main__ import main
+main()
+"""
+
+
+@pytest.mark.parametrize("module", ["typer", "autobalancer.harness.stress"])
+def test_ctrl_c_while_the_program_loads_is_answered_in_a_word(tmp_path, answering, module):
+    ended = subprocess.run(
+        [sys.executable, "-c", TOLD_LOADING, module],
+        env={**os.environ, "TMPDIR": str(tmp_path)},
+        capture_output=True,
+        text=True,
+        timeout=20.0,
+        preexec_fn=answering,
+    )
+    assert (ended.returncode, ended.stdout, ended.stderr) == (130, "", "interrupted\n")
     assert os.listdir(tmp_path) == []

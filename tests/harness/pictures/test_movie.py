@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import math
+import shutil
+import subprocess
 
 import numpy as np
 import pytest
-from PIL import Image
+from PIL import Image, ImageSequence
 
 from autobalancer.harness import UserError, cosimulate, load_scene
 from autobalancer.harness.pictures.motion import Motion
@@ -62,6 +64,25 @@ def test_movie_has_the_length_asked_for(result, tmp_path, kind):
         assert movie.info["duration"] == 1000 / FRAMES_PER_SECOND
     assert done[-1] == 1.0
     assert done == sorted(done)
+
+
+@pytest.mark.skipif(not shutil.which("ffmpeg"), reason="no ffmpeg: there are no mp4")
+def test_mp4_shows_the_frames_of_the_gif(result, tmp_path):
+    seconds, shape = 0.5, (320, 624, 3)
+    result.movie(tmp_path / "a.gif", seconds=seconds)
+    result.movie(tmp_path / "a.mp4", seconds=seconds)
+    raw = ["-f", "rawvideo", "-pix_fmt", "rgb24", "-"]
+    command = ["ffmpeg", "-v", "error", "-i", tmp_path / "a.mp4", *raw]
+    decoded = subprocess.run(command, capture_output=True, check=True)
+    frames = np.frombuffer(decoded.stdout, np.uint8).reshape(-1, *shape).astype(float)
+    with Image.open(tmp_path / "a.gif") as movie:
+        stills = [
+            np.asarray(still.convert("RGB"), float) for still in ImageSequence.Iterator(movie)
+        ]
+    assert len(frames) == len(stills) == seconds * FRAMES_PER_SECOND
+    apart = [[np.abs(frame - still).mean() for still in stills] for frame in frames]
+    assert np.argmin(apart, axis=1).tolist() == list(range(len(frames)))
+    assert np.diagonal(apart).max() < 3.0  # of 255: both formats lose a little
 
 
 def test_movie_that_is_interrupted_leaves_what_was_there(result, tmp_path):

@@ -14,6 +14,7 @@ from autobalancer.harness.master.result import UnknownSignalError
 from autobalancer.harness.output.picture import Picture
 from autobalancer.harness.output.plot import drawn
 from autobalancer.harness.pictures.in_space import mode_shapes
+from autobalancer.harness.pictures.motion import Motion
 from autobalancer.harness.pictures.orders import spectra, tracked
 from autobalancer.harness.rotor.plot import polar_response
 from autobalancer.harness.rotor.study import response_of
@@ -217,6 +218,56 @@ def test_settling_map_shows_when_a_run_from_there_settles():
 def test_what_a_scene_does_not_have_is_said(kind, message):
     with pytest.raises(UserError, match=message):
         getattr(cosimulate("liquid_disc"), f"plot_{kind}")()
+
+
+@pytest.mark.parametrize(
+    ("scene", "option", "change", "message"),
+    [
+        ("liquid_disc", "weights", [], "--weights: Liquid-balanced disc"),
+        ("liquid_disc", "weights-over-speed", [], "has no balancer with weights to show"),
+        ("liquid_disc", "settling", [], "has no two weights"),
+        (
+            "two_balls",
+            "settling",
+            ['coupling.scheme="jacobi"'],
+            "--settling: two_balls: coupling.scheme",
+        ),
+        ("sommerfeld", "settling", [], "operation.motor"),
+        ("two_balls", "waterfall", ["run.revolutions=1.5"], "1.5 revolutions are too few"),
+        # of 75 revolutions the speed rises over 23.9
+        ("run_up", "orders", ["operation.run_up.seconds=0.3"], "3.58 revolutions are too few"),
+        ("two_balls", "plot", ["run.record=[]"], "--plot: nothing to draw"),
+    ],
+)
+def test_a_picture_that_the_run_cannot_give_is_refused_before_it(
+    invoke, monkeypatch, tmp_path, scene, option, change, message
+):
+    monkeypatch.setattr("autobalancer.harness.master.cosimulation.cosimulate", None)
+    changes = [part for each in change for part in ("--set", each)]
+    done = invoke("run", scene, f"--{option}", tmp_path / "a.png", *changes)
+    assert done.exit_code == 2, done.output
+    assert message in done.output
+
+
+def test_pictures_of_a_motors_run_go_by_the_speed_that_it_makes():
+    """The angle that pictures take from the speed is the motor's own."""
+    scene = load_scene("sommerfeld").replace({"run.revolutions": 120.0})
+    names = ["motor.speed", "motor.angle", "rotor.x", "rotor.y"]
+    result = cosimulate(scene, record=names)
+    motion = Motion(scene, result.time, result)
+    assert np.ptp(result["motor.speed"]) > 1.0
+    np.testing.assert_array_equal(motion.speed, result["motor.speed"])
+    np.testing.assert_allclose(motion.angle, result["motor.angle"], atol=1e-4)
+    panel = result.plot_waterfall().panels[1]
+    assert panel.axes[0].label == "time [s]"
+    ridge = panel.field.y[np.nanargmax(panel.field.values, axis=0)]
+    speed = np.interp(panel.field.x, result.time, result["motor.speed"])
+    np.testing.assert_allclose(ridge / speed, 1.0, atol=1.5 / 32)  # lines are 1/32 apart
+
+
+def test_a_rotor_that_comes_to_rest_has_no_orders():
+    with pytest.raises(UserError, match="does not turn forwards all the time"):
+        tracked(np.array([0.0, 30.0, 60.0, 60.0]), np.zeros((1, 4)), (1.0,))
 
 
 def test_what_was_not_recorded_is_said():

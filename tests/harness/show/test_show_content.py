@@ -52,7 +52,14 @@ def test_the_heavy_side_is_that_of_the_one_unbalance(name, heavy):
 def test_the_slider_offers_as_many_weights_as_fit():
     counts = [each["weights"] for each in content(load_scene("goncharov_balls"))["tokens"]]
     # Goncharov 2017: radius 45.5 mm on 79.5 mm, of which five touch
-    assert counts == [3, 1, 2, 4, 5]
+    assert counts == [[3], [1], [2], [4], [5]]
+
+
+def test_tracks_that_differ_have_every_pair_of_numbers():
+    scene = load_scene("three_mass_shaft").replace({"left.count": 12, "left.angles": None})
+    counts = [tuple(each["weights"]) for each in content(scene)["tokens"]]
+    assert counts[0] == (12, 2)
+    assert sorted(counts) == [(a, b) for a in (*range(1, 9), 12) for b in range(1, 9)]
 
 
 def test_no_text_ends_the_data_early(monkeypatch):

@@ -20,8 +20,6 @@ def test_every_bundled_scene_is_a_page_that_runs(opened, name):
     shown.wait("return machine.time > 0 && page.frames > 8")
     assert shown("return page.view.running") is True  # a warning may stand there, as of a float
     assert shown("return performance.getEntriesByType('resource').length") == 0
-    # no assertion: `pytest -s` says how fast this machine is
-    print(f"{name}: {shown('return page.measured(120)'):.3g} ms a frame at real time")
 
 
 @pytest.mark.parametrize("name", ["two_balls", "liquid_disc", "three_mass_shaft", "drum", "run_up"])
@@ -42,15 +40,15 @@ def test_sliders_set_what_they_say_and_the_motion_goes_on(opened):
     shown = opened("two_balls")
     shown("machine.advance(5, Infinity)")
     before = shown("return [machine.now.pairs[0].x, ...machine.now.angles]")
-    labels = {"value_0": "rotor.unbalance", "value_1": "weights.drag"}
+    labels = {"value_0": "rotor.unbalance", "value_3": "weights.drag", "value_4": "weights.mass"}
     for slider, variable in labels.items():
         start = shown.value(variable)
         shown.slide(slider, 0.9)
         said = float(shown.said(slider).split()[0])
         assert said == pytest.approx(shown.value(variable), rel=5e-3)
         assert shown.value(variable) > 2.0 * start
-    shown.slide("value_2", 0.75)  # half way in the logarithm from 1 to 4
-    assert shown.said("value_2") == "2 × the scene's"
+    shown.slide("value_1", 0.75)  # half way in the logarithm from 1 to 4
+    assert shown.said("value_1") == "2 × the scene's"
     stiffness = [shown.value(f"rotor.stiffness_{axis}") for axis in "xy"]
     assert stiffness == pytest.approx([2.0, 98.0])
     assert shown("return machine.time") == pytest.approx(5.0, abs=0.05)
@@ -61,15 +59,15 @@ def test_weights_that_join_stand_in_the_widest_gap(opened):
     shown = opened("two_balls")
     shown("machine.advance(5, Infinity)")
     first, second = shown("return machine.now.angles")
-    shown.slide("weights", 2 / 7)
-    assert shown.said("weights") == "3"
+    shown.slide("weights_0", 2 / 7)
+    assert shown.said("weights_0") == "3"
     angles = shown("return machine.now.angles")
     assert angles[:2] == [first, second]
     to_others = [math.remainder(angles[2] - angle, math.tau) for angle in (first, second)]
     assert min(map(abs, to_others)) >= math.pi / 2
     assert sum(to_others) == pytest.approx(0.0, abs=1e-9)
     shown("machine.advance(6, Infinity)")
-    shown.slide("weights", 0.0)
+    shown.slide("weights_0", 0.0)
     assert len(shown("return machine.now.angles")) == 1
     assert shown.refusal() == ""
 
@@ -120,21 +118,34 @@ def test_a_value_changed_on_the_way_up_does_not_end_the_run_up(opened):
     shown = opened("run_up")  # to 150 rad/s in 2 s
     shown("machine.advance(0.5, Infinity)")
     assert shown.value("rotor.speed") == pytest.approx(37.5, rel=0.05)
-    shown.slide("value_1", 0.6)
+    shown.slide("value_3", 0.6)
     assert shown.value("rotor.speed") == pytest.approx(37.5, rel=0.05)
     shown("machine.advance(3, Infinity)")
     assert shown.value("rotor.speed") == pytest.approx(150.0)
     assert shown.refusal() == ""
 
 
-def test_tracks_with_different_numbers_of_weights_are_left_so_until_the_slider_moves(opened):
+def test_tracks_that_differ_have_sliders_of_their_own(opened):
     scene = load_scene("three_mass_shaft").replace({"right.count": 3, "right.angles": None})
     shown = opened(scene)
-    assert shown.said("weights") == "as in the scene"
-    assert len(shown("return machine.now.angles")) == 5
-    shown.slide("weights", 3 / 7)
-    assert shown.said("weights") == "4"
-    assert len(shown("return machine.now.angles")) == 8
+    names = shown("return Object.values(page.sliders).map((s) => s.element.textContent)")
+    own = [name for name in names if name.split(":")[-1].startswith((" left", " right"))]
+    assert [name.split(":")[0] for name in own] == [
+        *2 * ("Drag of the weights", "Mass of a weight"), "Weights", "Weights",
+    ]  # fmt: skip
+    assert [shown.said(f"weights_{k}") for k in (0, 1)] == ["2", "3"]
+    shown("machine.advance(1, Infinity)")
+    before = shown("return machine.now.angles")
+    shown.slide("weights_1", 0.0)
+    labels = "return machine.weights.map(({ label }) => label)"
+    assert shown(labels) == ["left", "left", "right"]
+    assert shown("return machine.now.angles") == before[:3]
+    shown.slide("weights_0", 3 / 7)
+    assert [shown.said(f"weights_{k}") for k in (0, 1)] == ["4", "1"]
+    shown.slide("value_6", 1.0)
+    assert shown.said("value_6") == "0.04 kg"
+    masses = [shown.value(f"{name}.mass") for name in ("left", "right")]
+    assert masses == pytest.approx([0.01, 0.04])
 
 
 def test_a_kick_changes_the_momentum_by_its_impulse(opened):
@@ -152,11 +163,11 @@ def test_a_kick_changes_the_momentum_by_its_impulse(opened):
 
 def test_what_the_units_refuse_is_said_and_the_former_values_stay(opened):
     shown = opened("two_balls")
-    shown("page.change({ factors: [-1, 1, 1, 1] })")
+    shown("page.change({ factors: [-1, 1, 1, 1, 1] })")
     assert "rotor.unbalance = -0.025 kg.m" in shown.refusal()
     assert shown.value("rotor.unbalance") == 0.025
     shown("machine.advance(1, Infinity)")
-    shown("page.change({ factors: [0.5, 1, 1, 1] })")
+    shown("page.change({ factors: [0.5, 1, 1, 1, 1] })")
     assert shown.refusal() == ""
 
 
