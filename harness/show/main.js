@@ -33,9 +33,9 @@ class Page {
   controls() {
     this.sliders = sliders(this.machine, this.view, (settings) => this.change(settings));
     this.strip = strip(this.data);
-    const { speed, ...others } = this.sliders;
-    const rest = Object.values(others).map((slider) => slider.element);
-    const first = make("div", { className: "wide" }, speed.element, this.strip.box, this.strip.said);
+    const [own, ...others] = Object.values(this.sliders); // the speed, or the motor's torque
+    const rest = others.map((slider) => slider.element);
+    const first = make("div", { className: "wide" }, own.element, this.strip.box, this.strip.said);
     element("controls").append(first, ...rest);
     showSettings(this.sliders, this.machine);
   }
@@ -83,7 +83,7 @@ class Page {
       element(id).click();
       event.preventDefault();
     } else if (["ArrowLeft", "ArrowRight"].includes(event.key) && target === document.body) {
-      const { input } = this.sliders.speed;
+      const { input } = Object.values(this.sliders)[0];
       input.value = Number(input.value) + (event.key === "ArrowRight" ? 10 : -10);
       input.dispatchEvent(new Event("input"));
       event.preventDefault();
