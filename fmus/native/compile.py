@@ -47,6 +47,7 @@ _LOOPS = ("-fno-unroll-loops", "-fno-vectorize", "-fno-slp-vectorize")
 _OBJECT = ("-fPIC", "-fvisibility=hidden", "-D_FORTIFY_SOURCE=0", *_LOOPS)
 # nothing unwinds the stack of C; Windows wants its tables
 _NO_TABLES = ("-fno-asynchronous-unwind-tables", "-fno-unwind-tables")
+_LINUX = (*_NO_TABLES, "-fomit-frame-pointer")
 _LINK = ("-nostdlib", "-s")
 _SHARED = ("-shared",)
 # else the path of the output would stand in the library
@@ -74,8 +75,8 @@ class Platform:
 
 # by their names in FMI 3.0
 PLATFORMS = {
-    "x86_64-linux": Platform("x86_64-linux-gnu.2.17", "autobalancer.so", _NO_TABLES),
-    "aarch64-linux": Platform("aarch64-linux-gnu.2.17", "autobalancer.so", _NO_TABLES),
+    "x86_64-linux": Platform("x86_64-linux-gnu.2.17", "autobalancer.so", _LINUX),
+    "aarch64-linux": Platform("aarch64-linux-gnu.2.17", "autobalancer.so", _LINUX),
     "x86_64-windows": Platform("x86_64-windows-gnu", "autobalancer.dll", folder="windows"),
     "x86_64-darwin": Platform("x86_64-macos.11.0", "autobalancer.dylib", *_MACOS),
     "aarch64-darwin": Platform("aarch64-macos.11.0", "autobalancer.dylib", *_MACOS),
