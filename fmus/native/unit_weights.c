@@ -254,6 +254,7 @@ static void observe(Unit *unit)
     const RotorMotion now = weights_motion_now(unit);
     const Complex motion[2] = {now.acceleration, now.slope};
     Complex force[2];
+    Failure failure;
     const Complex moment = track_static_moment(&own->track, unit->memory);
     double *out = unit->real + unit->layout.observed.first;
     memcpy(out, unit->memory, 2 * count * sizeof(double));
@@ -261,10 +262,11 @@ static void observe(Unit *unit)
     out[2 * count + 1] = moment.im;
     out[2 * count + 2] = weights_alignment(own->count, unit->memory);
     out += 2 * count + 3;
-    out[0] = out[1] = not_a_number();
-    if (!weights_force_now(unit, &now, force)) {
-        track_torque(&own->track, unit->memory, unit->memory + count, motion, force, now.speed,
-                     now.spin_up, now.change, out);
+    if (weights_force_now(unit, &now, force) ||
+        track_torque(&own->track, unit->memory, unit->memory + count, unit->memory + 2 * count,
+                     motion, force, now.speed, now.spin_up, now.change, out, own->scratch,
+                     &failure)) {
+        out[0] = out[1] = not_a_number();
     }
 }
 
