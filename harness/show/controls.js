@@ -131,8 +131,10 @@ function strip({ window: { low, high, ends, kinds, words }, balancers }) {
   said.append(...(ends.length ? [`By ${words}: `, ...keys, note] : [`No stability known: ${words}.`]));
   box.setAttribute("aria-label", spans.join("; ") || words);
   box.hidden = !ends.length;
+  let shownAt = null;
   const show = (speed, asScene) => {
-    marker.style.left = part(Math.min(high, Math.max(low, speed)));
+    const at = part(Math.min(high, Math.max(low, speed)));
+    if (at !== shownAt) marker.style.left = shownAt = at;
     const words = asScene || !ends.length ? "" : " (for the scene's own values)";
     if (note.textContent !== words) note.textContent = words;
   };

@@ -8,7 +8,7 @@ const FADING = Math.exp(-1 / REMEMBERED); // of the largest displacement, a samp
 
 class Machine {
   constructor(module, data) {
-    Object.assign(this, { module, data, built: new Map() });
+    Object.assign(this, { module, data, built: new Map(), copies: [] });
     this.step = TURN / (SAMPLES * data.window.high);
     this.stations = data.stations.map((_, k) =>
       data.stations.length > 1 ? `rotor.station[${k + 1}]` : "rotor");
@@ -230,12 +230,17 @@ class Machine {
     this.filled++;
   }
 
-  /* The last `count` samples of rows of the history, oldest first. */
+  /* The last `count` samples of rows of the history, oldest first; valid until it is asked again. */
   last(count, ...rows) {
     const there = Math.min(count, this.filled, REMEMBERED);
-    const first = this.filled - there;
-    return rows.map((row) =>
-      Float64Array.from({ length: there }, (_, k) => row[(first + k) % REMEMBERED]));
+    const first = (this.filled - there) % REMEMBERED;
+    const unbroken = Math.min(there, REMEMBERED - first);
+    return rows.map((row, k) => {
+      const copy = (this.copies[k] ??= new Float64Array(REMEMBERED));
+      copy.set(row.subarray(first, first + unbroken));
+      copy.set(row.subarray(0, there - unbroken), unbroken);
+      return copy.subarray(0, there);
+    });
   }
 }
 
