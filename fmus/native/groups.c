@@ -168,6 +168,22 @@ void group_acceleration(WeightsInOrder *weights, int i, double middle, double an
     *slope = drive_slope - damping_rate * *acceleration;
 }
 
+void ring_turning(WeightsInOrder *weights, const Instant *now, double angular_acceleration,
+                  double *turned)
+{
+    const Groups *groups = &weights->groups;
+    int i;
+    turned[0] = turned[1] = 0.0;
+    find_groups(weights, now, angular_acceleration);
+    for (i = 0; i < groups->runs.count; i++) {
+        double acceleration, slope;
+        group_acceleration(weights, i, groups->middle[i], groups->angle_rate[i], now,
+                           angular_acceleration, &acceleration, &slope);
+        turned[0] += groups->runs.size[i] * acceleration;
+        turned[1] += groups->runs.size[i] * slope;
+    }
+}
+
 void ring_reaction(WeightsInOrder *weights, const Instant *now, double angular_acceleration,
                    Complex *force, Complex *force_slope)
 {

@@ -267,15 +267,16 @@ static void observe(Unit *unit)
 static void observe_torques(Unit *unit)
 {
     const Balls *own = unit->own;
-    const size_t count = (size_t)own->count;
+    const double *angles = unit->memory, *speeds = angles + own->count;
     const RotorMotion now = weights_motion_now(unit);
     const Complex motion[2] = {now.acceleration, now.slope};
-    Complex force[2];
     double *out = unit->real + unit->layout.real_count - 2;
-    out[0] = out[1] = not_a_number();
-    if (!weights_force_now(unit, &now, force)) {
-        track_torque(&own->track, unit->memory, unit->memory + count, motion, force, now.speed,
-                     now.spin_up, now.change, out);
+    Complex force[2];
+    Failure failure;
+    if (weights_force_now(unit, &now, force) ||
+        track_torque(&own->track, angles, speeds, speeds + own->count, motion, force, now.speed,
+                     now.spin_up, now.change, out, own->scratch, &failure)) {
+        out[0] = out[1] = not_a_number();
     }
 }
 

@@ -331,26 +331,39 @@ void weights_reaction(const Weights *weights, const double *angles, const double
     *force_slope = complex_scaled(scale, sum);
 }
 
-void weights_torque(const Weights *weights, const double *angles, const double *speeds,
-                    const Complex *motion, double angular_acceleration, double change,
-                    double *torque)
+void weights_unhindered(const Weights *weights, const double *angles, const double *speeds,
+                        const Complex *motion, double angular_acceleration, double change,
+                        double *turned)
 {
-    const double size = weights->track_radius, body = weights->radius, n = weights->count;
-    const double drag = weights->drag * size * size, share = weights_spin_share(weights);
-    const double rolling = (weights->kappa - 1.0) * weights->mass * (size + body);
-    const double lever = -1.0 / (weights->kappa * size);
+    const double lag = weights->count * weights_spin_share(weights);
+    const double lever = -1.0 / (weights->kappa * weights->track_radius);
     const double damping_rate = weights_damping_rate(weights);
-    double rate = 0.0, turned = 0.0, jerk = 0.0;
+    double rate = 0.0, sum = 0.0, jerk = 0.0;
     int k;
     for (k = 0; k < weights->count; k++) {
         double drawn, drawn_slope;
         along_track(motion[0], motion[1], angles[k], speeds[k], lever, &drawn, &drawn_slope);
         rate += speeds[k];
-        turned += drawn;
+        sum += drawn;
         jerk += drawn_slope;
     }
-    turned -= n * share * angular_acceleration + damping_rate * rate;
-    jerk -= n * share * change + damping_rate * turned;
-    torque[0] = drag * rate - rolling * (n * body * angular_acceleration - size * turned);
-    torque[1] = drag * turned - rolling * (n * body * change - size * jerk);
+    turned[0] = sum - (lag * angular_acceleration + damping_rate * rate);
+    turned[1] = jerk - (lag * change + damping_rate * turned[0]);
+}
+
+void weights_torque(const Weights *weights, const double *angles, const double *speeds,
+                    const Complex *motion, double angular_acceleration, double change,
+                    double *torque)
+{
+    const double size = weights->track_radius, body = weights->radius, n = weights->count;
+    const double drag = weights->drag * size * size;
+    const double rolling = (weights->kappa - 1.0) * weights->mass * (size + body);
+    double rate = 0.0, turned[2];
+    int k;
+    weights_unhindered(weights, angles, speeds, motion, angular_acceleration, change, turned);
+    for (k = 0; k < weights->count; k++) {
+        rate += speeds[k];
+    }
+    torque[0] = drag * rate - rolling * (n * body * angular_acceleration - size * turned[0]);
+    torque[1] = drag * turned[0] - rolling * (n * body * change - size * turned[1]);
 }

@@ -93,6 +93,11 @@ void weights_reaction(const Weights *weights, const double *angles, const double
                       double angular_acceleration, double change, Complex *force,
                       Complex *force_slope, Turned *turned);
 
+/* Sum of theta'' and its slope, of weights that nothing but drag hinders; as weights_torque has it. */
+void weights_unhindered(const Weights *weights, const double *angles, const double *speeds,
+                        const Complex *motion, double angular_acceleration, double change,
+                        double *turned);
+
 /* Torque on the rotor about the track's centre and its slope: drag, and what a body that rolls takes
    to turn; contacts between weights take no part.  motion: acceleration of that centre, its slope. */
 void weights_torque(const Weights *weights, const double *angles, const double *speeds,
