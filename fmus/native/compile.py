@@ -36,11 +36,15 @@ BINARIES = SOURCES / "bin"
 GENERATED = BINARIES / "sources"
 
 # no contraction to fused multiply-add: the same bits on every processor; sqrt an instruction
-FLAGS = ("-std=c99", "-O2", "-ffp-contract=off", "-fno-math-errno")
+FLAGS = ("-std=c99", "-ffp-contract=off", "-fno-math-errno")
+# where steps spend their time, for speed; all else, for size: it is no slower
+FAST, SMALL = "-O2", "-Os"
+HOT = ("propagator", "unit_rotor_step", "weights")
 _WARNINGS = ("-Wall", "-Wextra", "-Wpedantic")
-# macOS headers would call checking variants of memcpy; without unrolled loops a library is a tenth
-# smaller, and no slower
-_OBJECT = ("-fPIC", "-fvisibility=hidden", "-D_FORTIFY_SOURCE=0", "-fno-unroll-loops")
+# macOS headers would call checking variants of memcpy; without loops unrolled or made into vectors
+# a library is a tenth smaller, and no slower
+_LOOPS = ("-fno-unroll-loops", "-fno-vectorize", "-fno-slp-vectorize")
+_OBJECT = ("-fPIC", "-fvisibility=hidden", "-D_FORTIFY_SOURCE=0", *_LOOPS)
 # nothing unwinds the stack of C; Windows wants its tables
 _NO_TABLES = ("-fno-asynchronous-unwind-tables", "-fno-unwind-tables")
 _LINK = ("-nostdlib", "-s")
@@ -139,7 +143,16 @@ def stamp() -> str:
         OSError: layout.h has not been generated yet.
     """
     total = hashlib.sha256()
-    for text in (COMPILER, *FLAGS, *_OBJECT, *_LINK, *map(repr, _TARGETS.values())):
+    for text in (
+        COMPILER,
+        *FLAGS,
+        FAST,
+        SMALL,
+        *HOT,
+        *_OBJECT,
+        *_LINK,
+        *map(repr, _TARGETS.values()),
+    ):
         total.update(text.encode() + b"\0")
     folders = sorted(platform.folder for platform in _TARGETS.values() if platform.folder)
     own = {p.name: source(p) for f in folders for p in sorted((SOURCES / f).iterdir())}
@@ -197,8 +210,18 @@ def _compiled(platform: Platform, environment: dict[str, str]) -> bytes:
     with tempfile.TemporaryDirectory() as folder:
 
         def compiled(file: str) -> str:
-            output = str(Path(folder) / f"{Path(file).stem}.o")
-            options = (*FLAGS, *_WARNINGS, *_OBJECT, *platform.compiler, "-I", str(GENERATED))
+            stem = Path(file).stem
+            output = str(Path(folder) / f"{stem}.o")
+            level = FAST if stem in HOT else SMALL
+            options = (
+                *FLAGS,
+                level,
+                *_WARNINGS,
+                *_OBJECT,
+                *platform.compiler,
+                "-I",
+                str(GENERATED),
+            )
             _zig([*target, *options, "-c", file, "-o", output], environment)
             return output
 

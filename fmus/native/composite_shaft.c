@@ -41,7 +41,7 @@ static void read_torque(const Composite *c, double *torque)
     for (k = 0; k < c->mounted; k++) {
         const Part *part = c->parts + k;
         if (part->torque >= 0) {
-            part->unit->equations->observe(part->unit);
+            part->unit->equations->observe_torques(part->unit);
             torque[0] += part->unit->real[part->torque];
             torque[1] += part->unit->real[part->torque + 1];
         }

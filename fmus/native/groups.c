@@ -138,8 +138,8 @@ void moved(WeightsInOrder *weights, int i, const Instant *now, const Instant *la
         sliding_substep(&group, middle, rate, ends, now->rotor_speed, angular_acceleration,
                         response, step, weights->sides, weights->failure);
     } else {
-        weights_substep(middle, rate, ends, group_lever(weights, i), lag, response,
-                        step, weights->failure);
+        weights_substep(middle, rate, ends, group_lever(weights, i), rect(1.0, *middle), lag,
+                        response, step, weights->failure);
     }
 }
 

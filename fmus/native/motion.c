@@ -66,7 +66,7 @@ int track_advance(const Track *track, const double *angles, const double *speeds
         Quadrature memory = quadrature_empty();
         copy_doubles((size_t)track->weights.count, contacts, moved->contacts);
         return weights_advance(&track->weights, angles, speeds, motion.signal, spin_up,
-                               step, moved->angles, moved->speeds, &memory, failure);
+                               step, moved->angles, moved->speeds, &memory, NULL, failure);
     }
     if (drifts(spin_up)) {
         return fail(failure, FAILURE_SPIN, "der(acceleration)", 0, spin_up[1], 0.0, 0.0, 0.0);
@@ -114,7 +114,7 @@ int track_reaction(const Track *track, const double *angles, const double *speed
         ring_reaction(&weights, &now, angular_acceleration, force, force_slope);
     } else {
         weights_reaction(&track->weights, angles, speeds, acceleration, slope, rotor_speed,
-                         angular_acceleration, change, force, force_slope);
+                         angular_acceleration, change, force, force_slope, NULL);
     }
     if (off) {
         const Complex carried = complex_scaled(weights_added_mass(&track->weights), track->offset);
