@@ -27,6 +27,7 @@ typedef struct {
     double carried, sent; /* parts of the added mass: through the port, in the force [kg] */
     Quadrature quadrature;
     QuinticQuadrature quintic;
+    Turned *turned; /* (N, 2) by the weights' angles */
     double *scratch;
 } Balls;
 

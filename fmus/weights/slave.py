@@ -116,13 +116,11 @@ class BallBalancer(Slave):
 
     def _torque(self) -> tuple[float, float]:
         """Torque on the rotor and its slope."""
-        angles, speeds, _ = self._state()
         now = self._at(self.memory[-1])
         force = self._force(now)
         return motion.torque(
             self.track,
-            angles,
-            speeds,
+            *self._state(),
             (now.motion[0], now.motion[1]),
             force,
             now.speed,
