@@ -63,6 +63,9 @@ class Iterated:
         corrections: corrector passes of every step, or None to go on until converged.
         tolerance: residual, relative to the largest force so far, that counts as converged.
         rounding: of forces that cancel [N]; no smaller residual is asked for.
+
+    Attributes:
+        closed: residual, relative as `tolerance`, of a loop that is solved.
     """
 
     name = "iterated"
@@ -80,6 +83,7 @@ class Iterated:
         rounding: float = 0.0,
     ) -> None:
         self._least = ROUNDING * loop_gain(jacobian)
+        self.closed = max(CONVERGED, self._least)
         self.with_slopes = order == 3
         if not self.with_slopes:
             values = np.tile([True, True, False, False], len(jacobian) // 4)
