@@ -324,3 +324,15 @@ def test_a_loop_that_repeats_its_own_error_is_refused():
         cosimulate(scene)
     result = cosimulate(scene.replace({"coupling.steps_per_rev": 1000}))
     assert max(deviations(result, motion(scene, result)).values()) < 0.01
+
+
+def test_given_steps_say_how_an_error_gathers_of_a_vibration_that_they_do_not_follow():
+    """It hardly decays, and a hundredth of the force wrong in time with it takes it away."""
+    scene = Scene.from_document(
+        RIGHT["a light pendulum on stiff, all but undamped supports"]
+        | {"coupling": {"steps_per_rev": 40}, "run": {"revolutions": 30.0}}
+    )
+    result = cosimulate(scene)
+    error = max(deviations(result, motion(scene, result)).values())
+    assert error > 0.1
+    assert error / 3.0 < result.estimated_error < 3.0 * error
