@@ -16,7 +16,7 @@ import numpy as np
 
 from ...errors import LoopError
 from ..fmu import EndedEarly
-from ..loop import QuasiNewton, Vector, difference, jacobian, loop_gain, pack, size, unpack
+from ..loop import SLOW, QuasiNewton, Vector, difference, jacobian, loop_gain, pack, size, unpack
 from ..signals import MISS_PER_ERROR, Cubic, Knot, end_of, interpolated, joined, predicted
 from ..system import System
 from .contacts import before, strike
@@ -27,7 +27,6 @@ MAX_PASSES = 30  # quasi-Newton meets CONVERGED in two to six; more means it doe
 ROUNDING = 1e-12
 CHANGE = 1e-3  # of the largest force: a disturbance that shows the loop's Jacobian
 LOOSE = 1e-3  # a fixed number of passes that leaves more of the force than this is reported
-SLOW = 0.1  # reduction of the residual per pass above which the Jacobian is refined
 
 
 @dataclass
