@@ -92,24 +92,36 @@ class Against:
         keys = {f"coupling.{key}": value for key, value in coupling.items()}
         return cosimulate(self.scene.replace(keys), record=signals)
 
-    def _reference(self, result: Result, every: int) -> dict[str, np.ndarray]:
+    def _reference(self, times: np.ndarray, signals: Sequence[str]) -> dict[str, np.ndarray]:
         # physical changes only: the motion does not depend on how it is coupled
         changes = tuple(sorted((k, _frozen(v)) for k, v in self.changes.items()))
-        times = tuple(np.round(result.time[::every], 13).tolist())
-        return _motion(self.name, changes, times, tuple(result.signals))
+        return _motion(self.name, changes, tuple(times.tolist()), tuple(signals))
 
     def of_amplitude(self, result: Result, every: int = 1) -> float:
         """Largest error of all signals over the largest amplitude of any."""
-        expected = self._reference(result, every)
+        expected = self._reference(_times(result, every), list(result.signals))
         largest = max(np.abs(values).max() for values in expected.values())
         return max(np.abs(result[k][::every] - v).max() for k, v in expected.items()) / largest
 
-    def of_range(self, result: Result, every: int = 1) -> float:
+    def of_range(self, result: Result) -> float:
         """Largest error of a signal over that signal's own range."""
-        expected = self._reference(result, every)
-        return max(
-            float(np.abs(result[k][::every] - v).max() / np.ptp(v)) for k, v in expected.items()
-        )
+        return self.of_ranges([result])[0]
+
+    def of_ranges(self, results: Sequence[Result]) -> list[float]:
+        """`of_range` of each, by one reference at the communication points of all."""
+        every = np.unique(np.concatenate([_times(result) for result in results]))
+        motion = self._reference(every, list(results[0].signals))
+        errors = []
+        for result in results:
+            expected = {k: v[np.searchsorted(every, _times(result))] for k, v in motion.items()}
+            errors.append(
+                max(float(np.abs(result[k] - v).max() / np.ptp(v)) for k, v in expected.items())
+            )
+        return errors
+
+
+def _times(result: Result, every: int = 1) -> np.ndarray:
+    return np.round(result.time[::every], 13)
 
 
 def _frozen(value: object) -> object:

@@ -23,7 +23,7 @@ class Part:
 
     Attributes:
         name: of the instance; its variables begin with it.
-        model: RotorOnSupports | LiquidBalancer | BallBalancer.
+        model: RotorOnSupports | LiquidBalancer | BallBalancer | Motor.
         sizes: options of the unit.
         start: parameters and start values.
         plane: of the rotor's unit that a balancer sits on, from 1.
@@ -50,7 +50,7 @@ class Composition:
     """Everything that a composite FMU is made from; raises ValueError where it does not fit.
 
     Attributes:
-        parts: the rotor first.
+        parts: the rotor first; a motor of limited power last.
         scheme: auto | iterated | compensated, with cubic signals.
         corrections: corrector passes of a step; None: until the loop has converged, or, with auto,
             as few as its gain asks for.
@@ -77,19 +77,28 @@ class Composition:
         if not rotors or rotors != [True] + [False] * (len(rotors) - 1):
             raise ValueError("parts: the rotor must be the first of them, and the only one")
         planes = self.parts[0].unit.sizes.options["planes"]
-        if any(part.model == "Motor" for part in self.parts):
-            raise ValueError("parts: a Motor: the speed of a composite is prescribed")
+        motors = [part.model == "Motor" for part in self.parts]
+        if any(motors[:-1]):
+            raise ValueError("parts: a motor must be the last of them, and the only one")
+        if motors[-1] and self.scheme == "compensated":
+            raise ValueError('coupling.scheme = "compensated": does not know a motor')
         for part in self.parts:
             if not part.name.isidentifier() or not part.name.isascii():
                 raise ValueError(
                     f"{part.name!r}: a part is named by letters, digits and underscores alone"
                 )
-            if part is not self.parts[0] and not 1 <= part.plane <= planes:
+            mounted = part is not self.parts[0] and part.model != "Motor"
+            if mounted and not 1 <= part.plane <= planes:
                 raise ValueError(f"{part.name}: plane = {part.plane}: must be 1 to {planes}")
+
+    @property
+    def sizes(self) -> CompositeSizes:
+        """Of the composite's own variables."""
+        kind = "motor" if self.parts[-1].model == "Motor" else "prescribed"
+        return CompositeSizes(kind=kind, planes=self.parts[0].unit.sizes.options["planes"])
 
     def described(self, name: str) -> SizedUnit:
         """Name, variables and start values, as descriptions and documentation take them."""
-        planes = self.parts[0].unit.sizes.options["planes"]
         start = dict(self.start)
         for part in self.parts:
             start |= {f"{part.name}.{k}": v for k, v in part.start.items()}
@@ -97,7 +106,7 @@ class Composition:
             replace(v, start=float(start[v.name]))
             if v.name in start and v.causality != "output"
             else v
-            for v in variables([(p.name, p.unit) for p in self.parts], planes)
+            for v in variables([(p.name, p.unit) for p in self.parts], self.sizes)
         ]
         models = ", ".join(f"{part.name} ({part.model})" for part in self.parts)
         unit = Unit(
@@ -109,7 +118,7 @@ class Composition:
             stop=self.stop,
             step=self.step,
         )
-        return SizedUnit(unit, CompositeSizes(planes=planes), Layout(name, found))
+        return SizedUnit(unit, self.sizes, Layout(name, found))
 
     def token(self, stamp: str) -> str:
         """Text from which the library makes the composite: composite_token.c has the form.

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
 
-from ..unit import SizedUnit, Sizes, Unit, count
+from ..unit import SizedUnit, Sizes, Unit, count, one_of
 from ..variables import Variable, output, parameter, plain_input
 
 
@@ -14,14 +14,16 @@ class CompositeSizes(Sizes):
     """Sizes of a composite's own variables.
 
     Attributes:
+        kind: of the drive: prescribed | motor (of limited power, a part of its own).
         planes: of the rotor's unit.
     """
 
+    kind: str = one_of("prescribed", "motor")
     planes: int = count(1)
 
 
 def own_variables(sizes: CompositeSizes) -> list[Variable]:
-    """Parameters and results of the coupling, the drive, and forces from outside."""
+    """Parameters and results of the coupling, a prescribed drive, and forces from outside."""
     return [
         parameter(
             "coupling.tolerance",
@@ -53,16 +55,7 @@ def own_variables(sizes: CompositeSizes) -> list[Variable]:
             "Of the fastest revolution, where it is above the speed",
             minimum=0.0,
         ),
-        parameter(
-            "rise_time",
-            0.0,
-            "s",
-            "For which the rotor speeds up from `speed` by `acceleration`, both as they were at the"
-            " start; 0: they are inputs",
-            minimum=0.0,
-        ),
-        plain_input("speed", 300.0, "rad/s", "Of the rotor, at the start of the step"),
-        plain_input("acceleration", 0.0, "rad/s2", "Angular, of the rotor, over the step"),
+        *(_drive() if sizes.kind == "prescribed" else []),
         *(
             plain_input(
                 f"rotor.plane[{i}].F_{axis}",
@@ -80,6 +73,22 @@ def own_variables(sizes: CompositeSizes) -> list[Variable]:
     ]
 
 
+def _drive() -> list[Variable]:
+    """A speed that the host prescribes, or that rises by itself."""
+    return [
+        parameter(
+            "rise_time",
+            0.0,
+            "s",
+            "For which the rotor speeds up from `speed` by `acceleration`, both as they were at the"
+            " start; 0: they are inputs",
+            minimum=0.0,
+        ),
+        plain_input("speed", 300.0, "rad/s", "Of the rotor, at the start of the step"),
+        plain_input("acceleration", 0.0, "rad/s2", "Angular, of the rotor, over the step"),
+    ]
+
+
 COMPOSITE = Unit(
     name="Composite",
     folder="composite",
@@ -89,12 +98,12 @@ COMPOSITE = Unit(
 )
 
 
-def variables(parts: Iterable[tuple[str, SizedUnit]], planes: int) -> list[Variable]:
+def variables(parts: Iterable[tuple[str, SizedUnit]], sizes: CompositeSizes) -> list[Variable]:
     """All variables: parameters of the parts and the coupling's, inputs, outputs alike.
 
     Start values are the units' own.
     """
-    own = own_variables(CompositeSizes(planes=planes))
+    own = own_variables(sizes)
     ours = [[_of_part(name, v) for v in unit.layout.variables] for name, unit in parts]
     found = []
     for causality in ("parameter", "output"):

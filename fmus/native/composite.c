@@ -42,7 +42,7 @@ static size_t signal_doubles(size_t count)
 size_t composite_memory(Composite *c, double *memory)
 {
     enum { BLOCKS = 11 };
-    const size_t e = (size_t)c->exchanges, p = (size_t)c->planes;
+    const size_t e = (size_t)c->unknowns, p = (size_t)c->planes;
     const size_t outer = 2 * (size_t)c->parts->unit->layout.sizes.planes;
     const size_t counts[BLOCKS] = {
         sizeof(Course) / sizeof(double), outer, signal_doubles(e), signal_doubles(p),
@@ -83,7 +83,7 @@ size_t composite_memory(Composite *c, double *memory)
 static int allocate(Unit *unit)
 {
     Composite *c = unit->own;
-    const size_t e = (size_t)c->exchanges, p = (size_t)c->planes, cubic = SIGNAL_ORDERS;
+    const size_t e = (size_t)c->unknowns, p = (size_t)c->planes, cubic = SIGNAL_ORDERS;
     const size_t n = 4 * (e + p), square = 16 * e * e;
     const size_t stations = (size_t)c->parts->unit->layout.sizes.stations;
     double **vectors[] = {&c->u, &c->g_u, &c->moved, &c->answered, &c->residual, &c->du, &c->old};
@@ -104,8 +104,12 @@ static int allocate(Unit *unit)
     c->work = unit_allocate(unit, 2 * square, sizeof(double));
     c->masses = unit_allocate(unit, 2 * (size_t)c->parts->unit->layout.sizes.planes, sizeof(double));
     c->decay = unit_allocate(unit, 32 * stations * stations, sizeof(double));
+    for (k = 0; k < (size_t)c->part_count; k++) {
+        c->real_count += c->parts[k].unit->layout.real_count;
+    }
+    c->kept = unit_allocate(unit, c->real_count, sizeof(double));
     return missing || !c->assumed || !c->sent || !c->felt || !c->ends || !c->answers ||
-           !c->square || !c->wide || !c->work || !c->decay || !c->masses;
+           !c->square || !c->wide || !c->work || !c->decay || !c->kept || !c->masses;
 }
 
 /* -- the start ------------------------------------------------------------------------------- */
@@ -158,12 +162,14 @@ static void take_inputs(Unit *unit)
 {
     Composite *c = unit->own;
     Course *course = c->course;
-    if (!(unit->real[c->rise] > 0.0)) {
+    if (!c->motor && !(unit->real[c->rise] > 0.0)) {
         course->told = unit->time;
         course->speed = unit->real[c->drive];
         course->acceleration = unit->real[c->drive + 1];
     }
-    course->fastest = larger(course->fastest, absolute(course->speed));
+    if (!c->motor) {
+        course->fastest = larger(course->fastest, absolute(course->speed));
+    }
     memcpy(c->outer_forces, unit->real + c->outer,
            2 * (size_t)c->parts->unit->layout.sizes.planes * sizeof(double));
 }
@@ -187,7 +193,10 @@ static int begin_parts(Unit *unit)
         }
     }
     composite_drive(unit, unit->time);
-    for (k = 1; k < c->part_count; k++) {
+    if (c->motor && shaft_begin(unit)) {
+        return 1;
+    }
+    for (k = 1; k < c->mounted; k++) {
         Unit *part = c->parts[k].unit;
         double *carried = rotor->real + rotor->layout.inputs.first + c->parts[k].plane;
         composite_place(c, c->parts + k);
@@ -215,22 +224,32 @@ static void begin_scheme(Unit *unit, double step)
     }
 }
 
-static int start(Unit *unit)
+/* The speed that is prescribed. */
+static void begin_drive(Unit *unit)
 {
     Composite *c = unit->own;
     Course *course = c->course;
-    double step;
-    memset(course, 0, sizeof *course);
-    memset(c->forces, 0, (size_t)c->exchanges * sizeof(Signal));
-    memset(c->accelerations, 0, (size_t)c->planes * sizeof(Signal));
-    course->fastest = unit->real[c->top_speed];
-    course->begin = course->time = course->told = unit->time;
     course->speed = course->first_speed = unit->real[c->drive];
     course->acceleration = course->first_acceleration = unit->real[c->drive + 1];
     if (unit->real[c->rise] > 0.0) {
         course->rises_until = unit->time + unit->real[c->rise];
         course->fastest = larger(course->fastest, absolute(course->speed +
                                  unit->real[c->rise] * course->acceleration));
+    }
+}
+
+static int start(Unit *unit)
+{
+    Composite *c = unit->own;
+    Course *course = c->course;
+    double step;
+    memset(course, 0, sizeof *course);
+    memset(c->forces, 0, (size_t)c->unknowns * sizeof(Signal));
+    memset(c->accelerations, 0, (size_t)c->planes * sizeof(Signal));
+    course->fastest = unit->real[c->top_speed];
+    course->begin = course->time = course->told = unit->time;
+    if (!c->motor) {
+        begin_drive(unit);
     }
     take_inputs(unit);
     if (!(course->fastest > 0.0)) {
@@ -247,7 +266,7 @@ static int start(Unit *unit)
     }
     begin_scheme(unit, step);
     resolution_begin(unit);
-    course->allowed = c->exchanges ? unit->real[c->tolerance] : 0.0;
+    course->allowed = c->unknowns ? unit->real[c->tolerance] : 0.0;
     if (course->allowed > 0.0) {
         adaptive_begin(unit);
     }
@@ -277,6 +296,9 @@ static void begin_anew(Unit *unit, double time)
         for (k = 0; k < c->exchanges; k++) {
             c->forces[k].now = c->answers[k];
         }
+        if (c->motor) {
+            c->forces[c->exchanges].now = shaft_stand(c);
+        }
         course->within = 0.0;
     }
     course->time = time;
@@ -285,18 +307,25 @@ static void begin_anew(Unit *unit, double time)
     composite_drop_past(c);
 }
 
+/* Whether the forces from outside have changed. */
+static int pushed_anew(const Unit *unit)
+{
+    const Composite *c = unit->own;
+    const size_t outer = 2 * (size_t)c->parts->unit->layout.sizes.planes;
+    return memcmp(c->outer_forces, unit->real + c->outer, outer * sizeof(double)) != 0;
+}
+
 /* Look at what the host has set; 1 with the reason where it may not. */
 static int meet_inputs(Unit *unit)
 {
     const Composite *c = unit->own;
     const Course *course = c->course;
-    const size_t outer = 2 * (size_t)c->parts->unit->layout.sizes.planes;
     const double *drive = unit->real + c->drive;
     const double led = course->speed + (unit->time - course->told) * course->acceleration;
     const int rises = unit->real[c->rise] > 0.0;
     const int same = rises || (drive[1] == course->acceleration &&
                                absolute(drive[0] - led) <= SAME_SPEED * course->fastest);
-    const int jumps = !same || memcmp(c->outer_forces, unit->real + c->outer, outer * sizeof(double));
+    const int jumps = !same || pushed_anew(unit);
     if (rises && (drive[0] != course->first_speed || drive[1] != course->first_acceleration)) {
         return refuse(unit, "speed, acceleration: the rotor speeds up by itself, as rise_time is "
                             "above 0 s");
@@ -328,7 +357,7 @@ static int couple(Unit *unit, double step, int jump)
     if (iterated_step(unit, step)) {
         return 1;
     }
-    return c->exchanges && c->course->striking == 0.0 && judge(unit, c->course->length);
+    return c->unknowns && c->course->striking == 0.0 && judge(unit, c->course->length);
 }
 
 /* A step that an event has cut into several is judged behind it. */
@@ -430,10 +459,14 @@ static int reach(Unit *unit, double end)
 
 static int step(Unit *unit, double length)
 {
-    Course *course = ((Composite *)unit->own)->course;
+    const Composite *c = unit->own;
+    Course *course = c->course;
     const double end = unit->time + length, top = course->rises_until;
     int wrong;
-    if (meet_inputs(unit)) {
+    if (c->motor && pushed_anew(unit)) {
+        take_inputs(unit);
+        begin_anew(unit, unit->time);
+    } else if (!c->motor && meet_inputs(unit)) {
         return 1;
     }
     if (!(length < MOST_STEPS * startup_size(unit))) {
@@ -473,7 +506,8 @@ static void observe(Unit *unit)
                    (part->layout.real_count - first) * sizeof(double));
         }
     }
-    results[0] = c->course->speed + (unit->time - c->course->told) * c->course->acceleration;
+    results[0] = c->motor ? shaft_speed(c)
+                          : c->course->speed + (unit->time - c->course->told) * c->course->acceleration;
     results[1] = c->course->gain;
     results[2] = c->course->steps;
     results[3] = c->course->error;

@@ -1,4 +1,4 @@
-/* The coupled units of a scene as one unit: rotor and balancers under their own coupling.
+/* The coupled units of a scene as one unit: rotor, balancers and motor under their own coupling.
 
    Inside, steps follow the scene's coupling, whatever the steps of the host; between their ends the
    units are moved under the cubic signals of the step, so that outputs can be had at any time.  All
@@ -30,7 +30,7 @@ typedef struct {
     double largest_before;   /* and before the event that is being met */
 } Signal;
 
-/* A unit of the composite; the first is the rotor. */
+/* A unit of the composite; the first is the rotor, the last a motor of limited power if there is one. */
 typedef struct {
     Unit *unit;
     int plane;       /* of the rotor, from 0 */
@@ -38,6 +38,7 @@ typedef struct {
     int drive;       /* value reference of `speed`, -1 for one that is not told */
     int brief;       /* value reference of `shortest_stopped_step`, -1 for one that never stops */
     int place;       /* value reference of `x`, -1 for one that is not told its plane's place */
+    int torque;      /* value reference of `torque` as output, -1 for one that has none */
     size_t first;    /* value reference of its first parameter in the composite, */
     size_t observed; /* and of its first output */
 } Part;
@@ -49,6 +50,9 @@ typedef struct {
     double within;             /* whether the units stand within it, and not at its end */
     double told, speed, acceleration; /* time of the drive [s], and what it was then */
     double fastest;            /* speed so far, and that of the parameter [rad/s] */
+    double spin_scale;         /* what makes a force of a motor's acceleration [kg m] */
+    double speed_reached;      /* by the motor in the step that is being tried [rad/s] */
+    double torque[2], torque_reached[2]; /* on its shaft and their slopes, now and there */
     double first_speed, first_acceleration, rises_until; /* of a rotor that speeds up by itself */
     double changed;            /* whether an input has jumped since the last step */
     double crossing;           /* negligible steps still to be taken over it, */
@@ -94,28 +98,32 @@ typedef struct {
 
 typedef struct {
     Part *parts;
-    int part_count;
+    int part_count, mounted; /* mounted: without the motor, */
+    Part *motor;             /* NULL where the speed is prescribed */
     int exchanges, planes; /* numbers of forces, and of planes of the rotor that exchange force */
+    int unknowns;          /* what a step assumes: the forces, and a motor's acceleration as one */
     int *members;          /* (exchanges,) parts that exchange force */
     int *member_planes;    /* (exchanges,) their planes among those that exchange */
     int *rotor_planes;     /* (planes,) which they are of the rotor's */
     Scheme scheme;
     int corrections; /* as given */
     size_t tolerance, steps_per_rev, fewest, top_speed, rise; /* value references of the coupling's parameters, */
-    size_t drive, outer;                        /* of speed and forces from outside, */
+    size_t drive, outer;                        /* of speed (no motor) and forces from outside, */
     size_t results;                             /* and of the coupling's outputs */
     /* in the unit's memory */
     Course *course;
     double *outer_forces; /* (rotor's planes, 2) as told last [N] */
-    Signal *forces, *accelerations;
-    double *learned;  /* (4 e, 4 e): `solution` before an event */
+    Signal *forces, *accelerations; /* (unknowns,), (planes,) */
+    double *learned;  /* (4 e, 4 e) for e unknowns: `solution` before an event */
     double *solution; /* (4 e, 4 e): inverse of 1 - dG/du; compensated: (4 e + 4 p, 4 e) */
     Knot *missed;     /* (e + p,) value, and slope times step */
     Swung *swung;     /* (p,) */
     double *states;   /* memories of all parts, one after the other, */
     double *at_begin, *at_end; /* and those at the ends of the last step */
     size_t state_count;
+    size_t real_count; /* of all parts' variables, the rotor's first */
     /* scratch */
+    double *kept;      /* (real_count,) */
     Complex *assumed, *sent, *felt; /* (e, 4), (e, 4), (p, 4) cubics over a step */
     Knot *ends, *answers;           /* (p,), (e,) */
     double *u, *g_u, *moved, *answered, *residual, *du, *old; /* (4 e,) as `pack` makes them */
@@ -165,8 +173,28 @@ int composite_accept(Unit *unit, const Knot *accelerations, const Knot *forces, 
 void composite_drop_past(Composite *c);
 /* 1, with a part's reason under its name. */
 int composite_part_failed(Unit *unit, const Part *part);
-/* Names of all forces exchanged. */
+/* Names of all that a step assumes, and of the k-th of it. */
 void composite_name_forces(const Composite *c, Text *text);
+void composite_name_force(const Composite *c, int k, Text *text);
+/* One step of a part. */
+int composite_advance(Unit *unit, Part *part, double step);
+
+/* -- composite_shaft.c: twin of harness/master/shaft.py -------------------------------------- */
+
+/* Take the motor's speed over, and tell it to all units. */
+int shaft_begin(Unit *unit);
+/* Tell all units how the rotor turns in the step to come: cubic of the acceleration, as a force. */
+void shaft_tell(Unit *unit, const Complex *spin, double step);
+/* The acceleration that the motor answers with, as a force: without a step; with one, once all
+   others have done it. */
+int shaft_answer(Unit *unit, Knot *spin);
+int shaft_pass(Unit *unit, double step, Knot *spin);
+/* Go on from the end of the step last taken. */
+void shaft_accept(Composite *c);
+/* Begin a step where the units stand; the acceleration there, as a force. */
+Knot shaft_stand(Composite *c);
+/* Of the rotor where the units stand [rad/s]. */
+double shaft_speed(const Composite *c);
 
 /* -- composite_signals.c: twin of harness/master/signals.py ---------------------------------- */
 

@@ -45,7 +45,7 @@ static double error_of(const Composite *c, double step, double *largest_motion)
         *largest_motion = larger(*largest_motion, magnitude(c->ends[k].value));
     }
     return larger(larger(1.0, course->gain) *
-                      worst(c->forces, c->answers, c->exchanges, step, course->reached),
+                      worst(c->forces, c->answers, c->unknowns, step, course->reached),
                   worst(c->accelerations, c->ends, c->planes, step, *largest_motion));
 }
 

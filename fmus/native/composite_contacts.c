@@ -28,7 +28,7 @@ int contacts_ahead(Unit *unit, double *step)
 
 static size_t loop_bytes(const Composite *c)
 {
-    return 16 * (size_t)c->exchanges * (size_t)c->exchanges * sizeof(double);
+    return 16 * (size_t)c->unknowns * (size_t)c->unknowns * sizeof(double);
 }
 
 void contacts_begin(Unit *unit)
@@ -36,7 +36,7 @@ void contacts_begin(Unit *unit)
     Composite *c = unit->own;
     Course *course = c->course;
     int k;
-    for (k = 0; k < c->exchanges; k++) {
+    for (k = 0; k < c->unknowns; k++) {
         c->forces[k].largest_before = c->forces[k].largest;
     }
     for (k = 0; k < c->planes; k++) {
@@ -60,7 +60,7 @@ static void calm(Signal *signal)
 static void end(Composite *c)
 {
     int k;
-    for (k = 0; k < c->exchanges; k++) {
+    for (k = 0; k < c->unknowns; k++) {
         calm(c->forces + k);
     }
     for (k = 0; k < c->planes; k++) {
@@ -107,7 +107,7 @@ int contacts_step(Unit *unit)
     int k;
     residual = brief(unit, &step);
     share = course->reached / larger(course->reached, course->pulse);
-    for (k = 0; k < c->exchanges && residual >= 0.0; k++) {
+    for (k = 0; k < c->unknowns && residual >= 0.0; k++) {
         const Knot now = c->forces[k].now, end = c->answers[k];
         const Complex led = complex_sum(now.value, complex_scaled(step, now.slope));
         moved = larger(moved, magnitude(complex_difference(end.value, led)));
@@ -120,7 +120,7 @@ int contacts_step(Unit *unit)
         course->worst = larger(course->worst, residual * share);
     }
     course->pulse = 0.0;
-    for (k = 0; k < c->exchanges; k++) {
+    for (k = 0; k < c->unknowns; k++) {
         course->pulse = larger(course->pulse, magnitude(c->forces[k].now.value));
     }
     /* a pulse is no measure of what forces may err by, but for its own rounding, nor of how the

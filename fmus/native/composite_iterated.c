@@ -27,7 +27,7 @@ static int pass(Unit *unit, const double *u, double step)
 {
     Composite *c = unit->own;
     int k;
-    for (k = 0; k < c->exchanges; k++) {
+    for (k = 0; k < c->unknowns; k++) {
         Knot end;
         loop_unpack(u + 4 * k, 1, step, &end);
         knot_hermite(c->forces[k].now, end, step, c->sent + SIGNAL_ORDERS * k);
@@ -51,7 +51,7 @@ static double attempt(Unit *unit, double step, int passes)
 {
     Composite *c = unit->own;
     Course *course = c->course;
-    const int count = 4 * c->exchanges, half = count / 2;
+    const int count = 4 * c->unknowns, half = count / 2;
     /* what is left of a force makes a steep slope in a brief step */
     const double tolerance = course->striking > 0.0 ? smaller(course->tolerance, closed(course))
                                                     : course->tolerance;
@@ -59,7 +59,7 @@ static double attempt(Unit *unit, double step, int passes)
     int number, i;
     course->ahead = -1.0;
     loop_rescale(c, count, step);
-    for (i = 0; i < c->exchanges; i++) {
+    for (i = 0; i < c->unknowns; i++) {
         Knot ahead;
         signal_predicted(c->forces + i, c->assumed + SIGNAL_ORDERS * i);
         ahead = knot_end(c->assumed + SIGNAL_ORDERS * i, step);
@@ -69,7 +69,7 @@ static double attempt(Unit *unit, double step, int passes)
         if (pass(unit, c->u, step)) {
             return -1.0;
         }
-        loop_pack(c->answers, c->exchanges, step, c->g_u);
+        loop_pack(c->answers, c->unknowns, step, c->g_u);
         memcpy(c->old, c->residual, (size_t)count * sizeof(double));
         for (i = 0; i < count; i++) {
             c->residual[i] = c->g_u[i] - c->u[i];
@@ -181,27 +181,35 @@ static int respond(Unit *unit, const double *u, double step, double *answer)
         return 1;
     }
     composite_restore(c);
-    loop_pack(c->answers, c->exchanges, step, answer);
+    loop_pack(c->answers, c->unknowns, step, answer);
     return 0;
 }
 
-/* An event within the step: the Jacobian of the start serves on. */
-static int keep(Composite *c)
+/* The inverse for steps of this length, all of them taken back; an event within one: that of the
+   start serves on. */
+static int learn_anew(Unit *unit, double step)
 {
-    if (c->course->ahead < 0.0) {
-        return 1;
+    Composite *c = unit->own;
+    const int count = 4 * c->unknowns, half = count / 2;
+    double change;
+    int wrong = respond(unit, c->u, step, c->g_u);
+    if (!wrong) {
+        change = larger(larger(loop_size(c->u, half), loop_size(c->g_u, half)), c->course->largest);
+        wrong = loop_jacobian(unit, respond, c->u, c->g_u, CHANGE * change, count, step, c->square);
     }
-    composite_restore(c);
-    return 0;
+    if (wrong) {
+        composite_restore(c);
+        return c->course->ahead < 0.0;
+    }
+    return loop_invert(unit, c->square, step);
 }
 
 int iterated_after_start(Unit *unit, double step)
 {
     Composite *c = unit->own;
-    const int count = 4 * c->exchanges, half = count / 2;
-    double change;
-    int k;
-    for (k = 0; k < c->exchanges; k++) {
+    const size_t states = c->state_count * sizeof(double), reals = c->real_count * sizeof(double);
+    int k, wrong;
+    for (k = 0; k < c->unknowns; k++) {
         Complex straight[SIGNAL_ORDERS] = {{0.0, 0.0}};
         Knot end;
         straight[0] = c->forces[k].now.value;
@@ -209,14 +217,13 @@ int iterated_after_start(Unit *unit, double step)
         end = knot_end(straight, step);
         loop_pack(&end, 1, step, c->u + 4 * k);
     }
-    memcpy(c->at_begin, c->states, c->state_count * sizeof(double));
+    /* the host may still ask for a time within the last step, or for outputs at its end */
+    memcpy(c->at_end, c->at_begin, states);
+    memcpy(c->kept, c->parts->unit->real, reals);
+    memcpy(c->at_begin, c->states, states);
     c->course->ahead = -1.0;
-    if (respond(unit, c->u, step, c->g_u)) {
-        return keep(c);
-    }
-    change = larger(larger(loop_size(c->u, half), loop_size(c->g_u, half)), c->course->largest);
-    if (loop_jacobian(unit, respond, c->u, c->g_u, CHANGE * change, count, step, c->square)) {
-        return keep(c);
-    }
-    return loop_invert(unit, c->square, step);
+    wrong = learn_anew(unit, step);
+    memcpy(c->at_begin, c->at_end, states);
+    memcpy(c->parts->unit->real, c->kept, reals);
+    return wrong;
 }

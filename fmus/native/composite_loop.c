@@ -78,21 +78,21 @@ double spectral_radius(int n, double *matrix, double *work)
 }
 
 /* The part of a matrix between values, (2 e, 2 e). */
-static void values_of(const double *matrix, int exchanges, double *values)
+static void values_of(const double *matrix, int unknowns, double *values)
 {
     int i, j;
-    for (i = 0; i < 2 * exchanges; i++) {
-        for (j = 0; j < 2 * exchanges; j++) {
+    for (i = 0; i < 2 * unknowns; i++) {
+        for (j = 0; j < 2 * unknowns; j++) {
             const int row = 4 * (i / 2) + i % 2, column = 4 * (j / 2) + j % 2;
-            *values++ = matrix[row * 4 * exchanges + column];
+            *values++ = matrix[row * 4 * unknowns + column];
         }
     }
 }
 
 double loop_gain(Composite *c, const double *jacobian)
 {
-    const int count = 2 * c->exchanges;
-    values_of(jacobian, c->exchanges, c->work);
+    const int count = 2 * c->unknowns;
+    values_of(jacobian, c->unknowns, c->work);
     return count ? spectral_radius(count, c->work, c->work + count * count) : 0.0;
 }
 
@@ -100,7 +100,7 @@ int loop_jacobian(Unit *unit, Response response, const double *u, const double *
                   int rows, double step, double *matrix)
 {
     Composite *c = unit->own;
-    const int count = 4 * c->exchanges;
+    const int count = 4 * c->unknowns;
     int i, j;
     for (j = 0; j < count; j++) {
         memcpy(c->moved, u, (size_t)count * sizeof(double));
@@ -118,7 +118,7 @@ int loop_jacobian(Unit *unit, Response response, const double *u, const double *
 int loop_invert(Unit *unit, const double *jacobian, double step)
 {
     Composite *c = unit->own;
-    const int n = 4 * c->exchanges, half = n / 2;
+    const int n = 4 * c->unknowns, half = n / 2;
     int i, singular;
     c->course->solved_step = step;
     memset(c->solution, 0, (size_t)(n * n) * sizeof(double));
@@ -132,7 +132,7 @@ int loop_invert(Unit *unit, const double *jacobian, double step)
     singular = n && matrix_solve(1, n, n, c->work, c->solution);
     if (n && !singular) {
         /* the largest eigenvalue of the inverse is one over the smallest of 1 - dG/du */
-        values_of(c->solution, c->exchanges, c->work);
+        values_of(c->solution, c->unknowns, c->work);
         singular = !(spectral_radius(half, c->work, c->work + half * half) < 1.0 / SINGULAR);
     }
     if (singular) {
@@ -145,7 +145,7 @@ int loop_invert(Unit *unit, const double *jacobian, double step)
 void loop_rescale(Composite *c, int rows, double step)
 {
     const double ratio = step / c->course->solved_step;
-    const int count = 4 * c->exchanges;
+    const int count = 4 * c->unknowns;
     int i, j;
     if (ratio == 1.0) {
         return;
@@ -162,7 +162,7 @@ void loop_rescale(Composite *c, int rows, double step)
 /* Broyden's good update (1965) of the inverse, by Sherman and Morrison. */
 void loop_learn(Composite *c, const double *du, const double *old, const double *now)
 {
-    const int n = 4 * c->exchanges;
+    const int n = 4 * c->unknowns;
     double *change = c->work, *predicted = c->work + n, *row = c->work + 2 * n, weight = 0.0;
     int i, j;
     for (i = 0; i < n; i++) {
@@ -189,11 +189,14 @@ static int rotor_answer(Unit *unit, const double *u, double step)
     Part *rotor = c->parts;
     Knot ends[1];
     int k;
-    memset(c->sent, 0, (size_t)(SIGNAL_ORDERS * c->exchanges) * sizeof(Complex));
-    for (k = 0; k < c->exchanges; k++) {
+    memset(c->sent, 0, (size_t)(SIGNAL_ORDERS * c->unknowns) * sizeof(Complex));
+    for (k = 0; k < c->unknowns; k++) {
         loop_unpack(u + 4 * k, 1, step, ends);
         c->sent[SIGNAL_ORDERS * k] = ends->value;
         c->sent[SIGNAL_ORDERS * k + 1] = ends->slope;
+    }
+    if (c->motor) {
+        shaft_tell(unit, c->sent + SIGNAL_ORDERS * c->exchanges, 0.0);
     }
     composite_set_forces(unit, c->sent, 0.0);
     if (rotor->unit->equations->outputs(rotor->unit)) {
@@ -234,14 +237,17 @@ static int respond(Unit *unit, const double *u, double step, double *answer)
         }
     }
     composite_read_forces(c, c->answers);
-    loop_pack(c->answers, c->exchanges, step, answer);
+    if (c->motor && shaft_answer(unit, c->answers + c->exchanges)) {
+        return 1;
+    }
+    loop_pack(c->answers, c->unknowns, step, answer);
     return 0;
 }
 
 int loop_rotor_response(Unit *unit, double step)
 {
     Composite *c = unit->own;
-    const int count = 4 * c->exchanges;
+    const int count = 4 * c->unknowns;
     memset(c->u, 0, (size_t)count * sizeof(double));
     if (respond_rotor(unit, c->u, step, c->g_u)) {
         return 1;
@@ -268,7 +274,7 @@ static int solve_start(Unit *unit, double step)
 {
     Composite *c = unit->own;
     Course *course = c->course;
-    const int count = 4 * c->exchanges, half = count / 2;
+    const int count = 4 * c->unknowns, half = count / 2;
     const double tolerance = larger(START_TOLERANCE, ROUNDING * course->gain);
     double size = 0.0, left = 0.0, before;
     int turn, i;
@@ -284,8 +290,8 @@ static int solve_start(Unit *unit, double step)
         }
         size = larger(loop_size(c->u, half), loop_size(c->g_u, half));
         if (turn && left <= larger(tolerance * size, course->rounding)) {
-            loop_unpack(c->g_u, c->exchanges, step, c->answers);
-            for (i = 0; i < c->exchanges; i++) {
+            loop_unpack(c->g_u, c->unknowns, step, c->answers);
+            for (i = 0; i < c->unknowns; i++) {
                 c->forces[i].now = c->answers[i];
             }
             return 0;
@@ -304,7 +310,7 @@ static int solve_start(Unit *unit, double step)
 int loop_consistent_start(Unit *unit, double step)
 {
     Composite *c = unit->own;
-    const int count = 4 * c->exchanges;
+    const int count = 4 * c->unknowns;
     double change;
     int i;
     memset(c->u, 0, (size_t)count * sizeof(double));

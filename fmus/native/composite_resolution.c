@@ -82,7 +82,7 @@ static double capacity(const Composite *c)
 {
     double sum = 0.0;
     int k;
-    for (k = 1; k < c->part_count; k++) {
+    for (k = 1; k < c->mounted; k++) {
         const Unit *unit = c->parts[k].unit;
         if (unit->equations == &WEIGHTS_EQUATIONS) {
             const Weights *weights = &((const Balls *)unit->own)->track.weights;

@@ -55,7 +55,7 @@ void composite_added_masses(const Composite *c, double *masses)
     for (k = 0; k < c->parts->unit->layout.sizes.planes; k++) {
         masses[k] = 0.0;
     }
-    for (k = 1; k < c->part_count; k++) {
+    for (k = 1; k < c->mounted; k++) {
         masses[c->parts[k].plane] += added_mass(c->parts[k].unit);
     }
 }
@@ -67,7 +67,7 @@ double composite_largest_force(const Composite *c)
     const double speed = c->course->fastest, spin_up = absolute(c->course->acceleration);
     double own = 0.0, carried = 0.0, mass = 0.0, weight;
     int k;
-    for (k = 1; k < c->part_count; k++) {
+    for (k = 1; k < c->mounted; k++) {
         const Unit *unit = c->parts[k].unit;
         if (unit->equations == &WEIGHTS_EQUATIONS) {
             const Balls *balls = unit->own;

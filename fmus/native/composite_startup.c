@@ -22,7 +22,7 @@ static int halvings(const Composite *c, double step, int least)
 {
     double largest = 0.0, change = 0.0, allowed;
     int k, steep = 0;
-    for (k = 0; k < c->exchanges; k++) {
+    for (k = 0; k < c->unknowns; k++) {
         const Signal *force = c->forces + k;
         largest = larger(largest, larger(magnitude(force->now.value), force->largest));
         change = larger(change, step * magnitude(force->now.slope));
@@ -43,7 +43,7 @@ static int compensates(const Composite *c)
 static void divide(const Composite *c, Course *course)
 {
     course->piece = course->halvings = 0.0;
-    if (course->no_past > 0.0 && c->exchanges) {
+    if (course->no_past > 0.0 && c->unknowns) {
         course->halvings = halvings(c, course->whole, compensates(c) ? STARTUP_HALVINGS : 0);
     }
 }

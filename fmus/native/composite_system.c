@@ -2,6 +2,8 @@
 
 #include "composite.h"
 #include "elementary.h"
+#include "spin.h"
+#include "unit_rotor.h"
 
 int composite_part_failed(Unit *unit, const Part *part)
 {
@@ -15,14 +17,20 @@ int composite_part_failed(Unit *unit, const Part *part)
 void composite_name_forces(const Composite *c, Text *text)
 {
     int k;
-    for (k = 0; k < c->exchanges; k++) {
+    for (k = 0; k < c->unknowns; k++) {
         text_put(text, k ? ", " : "");
-        text_put(text, c->parts[c->members[k]].unit->name);
-        text_put(text, ".F");
+        composite_name_force(c, k, text);
     }
 }
 
-static int advance(Unit *unit, Part *part, double step)
+void composite_name_force(const Composite *c, int k, Text *text)
+{
+    const Part *part = k < c->exchanges ? c->parts + c->members[k] : c->motor;
+    text_put(text, part->unit->name);
+    text_put(text, k < c->exchanges ? ".F" : ".acceleration");
+}
+
+int composite_advance(Unit *unit, Part *part, double step)
 {
     part->unit->time = ((Composite *)unit->own)->course->begin;
     return unit_advance(part->unit, step) ? composite_part_failed(unit, part) : 0;
@@ -35,10 +43,12 @@ static void outer_cubic(const Composite *c, int plane, double step, Complex *cub
 {
     const Unit *rotor = c->parts->unit;
     const double *drive = rotor->real + c->parts->drive;
+    const Drift more = drift(drive + SPIN_UP, step);
     const Complex force = complex_of(c->outer_forces[2 * plane], c->outer_forces[2 * plane + 1]);
-    const double speeds[2] = {drive[0], drive[0] + step * drive[1]};
+    const double speeds[2] = {drive[0], drive[0] + step * drive[1] + more.speed};
     const double angle = rotor->memory[1];
-    const double angles[2] = {angle, angle + step * (drive[0] + 0.5 * drive[1] * step)};
+    const double angles[2] = {angle, angle + step * (drive[0] + 0.5 * drive[1] * step) +
+                                         more.angle};
     Knot ends[2];
     int k;
     for (k = 0; k < 2; k++) {
@@ -120,8 +130,11 @@ void composite_read_forces(const Composite *c, Knot *answers)
 int composite_rotor_pass(Unit *unit, const Complex *forces, double step)
 {
     Composite *c = unit->own;
+    if (c->motor) {
+        shaft_tell(unit, forces + SIGNAL_ORDERS * c->exchanges, step);
+    }
     composite_set_forces(unit, forces, step);
-    if (advance(unit, c->parts, step)) {
+    if (composite_advance(unit, c->parts, step)) {
         return 1;
     }
     composite_read_accelerations(c, c->ends);
@@ -149,7 +162,7 @@ int composite_balancer_pass(Unit *unit, const Complex *accelerations, double ste
                accelerations + SIGNAL_ORDERS * c->member_planes[k],
                SIGNAL_ORDERS * sizeof(Complex));
         composite_place(c, part);
-        if (advance(unit, part, step)) {
+        if (composite_advance(unit, part, step)) {
             return 1;
         }
         if (part->unit->made < step) {
@@ -158,18 +171,18 @@ int composite_balancer_pass(Unit *unit, const Complex *accelerations, double ste
         }
     }
     composite_read_forces(c, c->answers);
-    return 0;
+    return c->motor ? shaft_pass(unit, step, c->answers + c->exchanges) : 0;
 }
 
 int composite_follow(Unit *unit, double step)
 {
     Composite *c = unit->own;
     int k;
-    for (k = 1; k < c->part_count; k++) {
+    for (k = 1; k < c->mounted; k++) {
         Part *part = c->parts + k;
         if (part->exchange < 0) {
             composite_place(c, part);
-            if (advance(unit, part, step)) {
+            if (composite_advance(unit, part, step)) {
                 return 1;
             }
         }
@@ -196,11 +209,11 @@ int composite_move(Unit *unit, double step)
     int k;
     for (k = 0; k < c->part_count; k++) {
         Part *part = c->parts + k;
-        if (k && !composite_asked(unit, part)) {
-            continue; /* the rotor's place may be asked for by another unit */
+        if (k && part != c->motor && !composite_asked(unit, part)) {
+            continue; /* the rotor's place and speed may be asked for by others */
         }
         composite_place(c, part);
-        if (advance(unit, part, step)) {
+        if (composite_advance(unit, part, step)) {
             return 1;
         }
     }
@@ -212,7 +225,7 @@ void composite_drive(Unit *unit, double time)
     const Composite *c = unit->own;
     const Course *course = c->course;
     int k;
-    for (k = 0; k < c->part_count; k++) {
+    for (k = 0; k < c->part_count && !c->motor; k++) { /* which has a shaft of its own */
         const Part *part = c->parts + k;
         if (part->drive >= 0) {
             double *drive = part->unit->real + part->drive;
@@ -231,15 +244,18 @@ int composite_accept(Unit *unit, const Knot *accelerations, const Knot *forces, 
     for (k = 0; k < c->planes; k++) {
         signal_move(c->accelerations + k, accelerations[k], step);
     }
-    for (k = 0; k < c->exchanges; k++) {
+    for (k = 0; k < c->unknowns; k++) {
         const Complex value = forces[k].value;
         if (!is_finite(value.re) || !is_finite(value.im)) {
             Text *reason = unit_reason(unit);
-            text_put(reason, c->parts[c->members[k]].unit->name);
-            text_put(reason, ".F is not finite: the coupling diverged; use smaller steps");
+            composite_name_force(c, k, reason);
+            text_put(reason, " is not finite: the coupling diverged; use smaller steps");
             return 1;
         }
         signal_move(c->forces + k, forces[k], step);
+    }
+    if (c->motor) {
+        shaft_accept(c);
     }
     c->course->no_past = 0.0;
     return 0;
@@ -259,7 +275,7 @@ void composite_drop_past(Composite *c)
     for (k = 0; k < c->planes; k++) {
         forget(c->accelerations + k);
     }
-    for (k = 0; k < c->exchanges; k++) {
+    for (k = 0; k < c->unknowns; k++) {
         forget(c->forces + k);
     }
     c->course->no_past = 1.0;

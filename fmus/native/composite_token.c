@@ -5,8 +5,8 @@
        Composite;scheme=auto;corrections=-;part=rotor,0,-,RotorOnSupports/...;start=0:4028000000000000;
        part=balls,1,s,BallBalancer/...;own=1:4044000000000000;id=<digest>-<stamp>
 
-   A part: name, plane of the rotor from 1 (0 for itself), s where it exchanges force and v where it
-   is told its plane's place, token.  `start` and `flags` are of the part before them: value
+   A part: name, plane of the rotor from 1 (0 for itself and the motor, which is the last part), s where
+   it exchanges force and v where it is told its plane's place, token.  `start` and `flags` are of the part before them: value
    references and the bits of what they start from; Booleans that are true.  `own` are the start
    values of the composite's own variables; the digest is of the layout and all before it. */
 #include <string.h>
@@ -170,10 +170,7 @@ static int make_part(Unit *unit, Part *part, const char *name, const char *token
         return refuse(unit, made->reason.at);
     }
     for (k = 0; k < made->layout.table->flag_count; k++) {
-        /* steps that can be taken back end at events */
-        const int stops = ((Composite *)unit->own)->scheme != SCHEME_COMPENSATED &&
-                          !strncmp(made->layout.table->flags[k].name, STOP, sizeof STOP);
-        made->boolean[k] = (unsigned char)(stops || made->layout.table->flags[k].start);
+        made->boolean[k] = (unsigned char)made->layout.table->flags[k].start;
     }
     return 0;
 }
@@ -200,13 +197,21 @@ static int read_part(Unit *unit, Part *part, const char *at)
         return refuse(unit, "the rotor must be its first part, and the only one, and signals must "
                             "turn with it");
     }
-    if (!first && plane - 1 >= (uint64_t)c->parts->unit->layout.sizes.planes) {
+    if (c->motor) {
+        return refuse(unit, "the motor must be its last part, and the only one");
+    }
+    if (part->unit->equations == &MOTOR_EQUATIONS) {
+        c->motor = part;
+    } else if (!first && plane - 1 >= (uint64_t)c->parts->unit->layout.sizes.planes) {
         return refuse(unit, "a part must be on a plane of the rotor");
+    } else {
+        c->mounted++;
     }
     part->plane = (int)plane - 1;
-    part->drive = reference(part->unit, "speed");
+    part->drive = c->motor ? -1 : reference(part->unit, "speed");
     part->brief = reference(part->unit, "shortest_stopped_step");
     part->place = has(connections, 'v') ? reference(part->unit, "x") : -1;
+    part->torque = c->motor ? -1 : reference(part->unit, "torque");
     part->exchange = has(connections, 's') ? c->exchanges++ : -1;
     c->state_count += part->unit->memory_count;
     return 0;
@@ -264,6 +269,21 @@ static int read_parts(Unit *unit, const char *at, const char **own, const char *
     return c->part_count && *own && *id ? 0 : refuse(unit, "it ends too early");
 }
 
+/* Have steps end at events, where they can be taken back and no motor drives: weights are told the mean
+   of its acceleration over a step, not what it is at a time in it. */
+static void stop_at_contacts(Composite *c)
+{
+    int part, k;
+    for (part = 0; part < c->part_count && !c->motor && c->scheme != SCHEME_COMPENSATED; part++) {
+        Unit *unit = c->parts[part].unit;
+        for (k = 0; k < unit->layout.table->flag_count; k++) {
+            if (!strncmp(unit->layout.table->flags[k].name, STOP, sizeof STOP)) {
+                unit->boolean[k] = 1;
+            }
+        }
+    }
+}
+
 /* -- layout ---------------------------------------------------------------------------------- */
 
 /* Take over variables of a unit, those of a part under its name. */
@@ -295,10 +315,10 @@ static void lay_out(Unit *unit, const Layout *own, const double *starts)
     c->steps_per_rev = at + 1;
     c->fewest = at + 2;
     c->top_speed = at + 3;
-    c->rise = at + 4;
+    c->rise = c->motor ? 0 : at + 4;
     at = take(unit, at, NULL, own, starts, 0, own->parameters.count);
     layout->parameters.count = layout->inputs.first = c->drive = at;
-    c->outer = at + 2;
+    c->outer = at + (c->motor ? 0 : 2);
     at = take(unit, at, NULL, own, starts, own->inputs.first, own->inputs.count);
     layout->inputs.count = own->inputs.count;
     layout->computed.first = layout->observed.first = at;
@@ -323,6 +343,7 @@ static int connect(Unit *unit)
     Composite *c = unit->own;
     const int planes = c->parts->unit->layout.sizes.planes;
     int plane, k;
+    c->unknowns = c->exchanges + (c->motor != NULL);
     c->members = unit_allocate(unit, (size_t)c->exchanges, sizeof(int));
     c->member_planes = unit_allocate(unit, (size_t)c->exchanges, sizeof(int));
     c->rotor_planes = unit_allocate(unit, (size_t)planes, sizeof(int));
@@ -331,7 +352,7 @@ static int connect(Unit *unit)
     }
     for (plane = 0; plane < planes; plane++) {
         int found = 0;
-        for (k = 1; k < c->part_count; k++) {
+        for (k = 1; k < c->mounted; k++) {
             const Part *part = c->parts + k;
             if (part->exchange >= 0 && part->plane == plane) {
                 c->members[part->exchange] = k;
@@ -350,7 +371,7 @@ static int connect(Unit *unit)
 static int describe(Unit *unit, const char *own_starts)
 {
     const Composite *c = unit->own;
-    const Table *table = table_of("Composite", "", "");
+    const Table *table = table_of("Composite", c->motor ? "motor" : "", "");
     Sizes sizes = {1, 1, 1, 1, 0, 2, 0, 0};
     Layout own;
     Variable *reals;
@@ -395,8 +416,14 @@ int composite_build(Unit *unit, const char *token)
     if (!c || !count || count > MOST_PARTS || !(c->parts = unit_allocate(unit, count, sizeof *c->parts))) {
         return refuse(unit, "it has no parts, or too many for the memory");
     }
-    if (read_parts(unit, after(token, "Composite;"), &own, &id) || connect(unit) ||
-        describe(unit, own)) {
+    if (read_parts(unit, after(token, "Composite;"), &own, &id)) {
+        return 1;
+    }
+    if (c->motor && c->scheme == SCHEME_COMPENSATED) {
+        return refuse(unit, "the scheme must not be compensated under a motor");
+    }
+    stop_at_contacts(c);
+    if (connect(unit) || describe(unit, own)) {
         return 1;
     }
     hash = layout_digest(&unit->layout, unit->starts);

@@ -26,7 +26,7 @@ enum {
     FAILURE_WEIGHT_RADIUS,     /* weight_radius; value[1]: track radius; value[2]: largest */
     FAILURE_RESTITUTION,       /* restitution: must be within 0 to 1 */
     FAILURE_RIGID_SLIDERS,     /* two rigid sliders at one support and axis */
-    FAILURE_SPIN,              /* der(acceleration): must be 0; where: 1 by friction, 0 by weights */
+    FAILURE_SPIN,              /* der(acceleration): must be 0 */
     FAILURE_CHARACTERISTIC,    /* points of a motor; where: the first that does not ascend */
     FAILURE_OVERLAP,           /* value[0]: overlap, value[1]: angle neighbours need [rad] */
     /* OverflowError and LinAlgError of the rotor's matrices */

@@ -102,9 +102,7 @@ void failure_words(Text *text, const Failure *failure, const double *values, siz
     case FAILURE_SPIN:
         text_put(text, "der(acceleration) = ");
         text_number(text, value[0]);
-        text_put(text, " rad/s3: must be 0 for ");
-        text_put(text, failure->where ? "dry friction in the supports" : "weights that touch or stick");
-        text_put(text, ", as all its derivatives");
+        text_put(text, " rad/s3: must be 0 for weights that touch or stick, as all its derivatives");
         break;
     case FAILURE_CHARACTERISTIC:
         text_put(text, "point[");

@@ -3,11 +3,37 @@
 #include "elementary.h"
 #include "first_fall.h"
 #include "matrix.h"
+#include "spin.h"
 
 enum { TERMS = MOST_COEFFICIENTS - 1 }; /* 0.5^18/18! is far below rounding */
 enum { MOST_STRETCHES = 10000, SWEEPS = 10000 };
 static const double REACH = 0.5, SETTLED = 1e-15;
 static const double ROUNDING = 1e-12; /* of a limit: a force so near to it has reached it */
+
+/* How the rotor turns over a stretch: Taylor coefficients of its speed and its acceleration. */
+enum { SPEEDS = 5, RATES = 4 };
+typedef struct {
+    double angle, speed[SPEEDS], spin_up[RATES];
+} Turning;
+
+/* Over a stretch h from time t on. */
+static Turning turning_of(const Drive *drive, double t, double h)
+{
+    const double *rates = drive->spin_up;
+    const Drift more = drift(rates, t);
+    Turning found;
+    int k;
+    found.angle = drive->angle + drive->speed * t + 0.5 * rates[0] * t * t + more.angle;
+    found.spin_up[0] = rates[0] + more.acceleration;
+    found.spin_up[1] = h * more.slope;
+    found.spin_up[2] = h * h * (rates[2] + t * rates[3]) / 2.0;
+    found.spin_up[3] = h * h * h * rates[3] / 6.0;
+    found.speed[0] = drive->speed + rates[0] * t + more.speed;
+    for (k = 0; k < RATES; k++) {
+        found.speed[k + 1] = h * found.spin_up[k] / (k + 1);
+    }
+    return found;
+}
 
 static int place_of(const FrictionStep *method, int j)
 {
@@ -129,29 +155,46 @@ void friction_at_start(const Slider *sliders, int count, const double *rates, do
 /* Length of a stretch from time t on [s]. */
 static double stretch_of(const FrictionStep *method, const Drive *drive, double t)
 {
-    const double w = absolute(drive->speed + drive->angular_acceleration * t);
-    const double *norms = method->norms;
+    const Turning now = turning_of(drive, t, 1.0);
+    const double *norms = method->norms, *rates = now.spin_up;
+    const double w = absolute(now.speed[0]);
     const double rate = square_root(norms[0] + w * norms[1]) + norms[2] + w * norms[3] + w;
-    return REACH / (rate + square_root(absolute(drive->angular_acceleration)));
+    double h = REACH / (rate + square_root(absolute(rates[0])));
+    while (h * h * h * (absolute(rates[1]) + h * (absolute(rates[2]) + h * absolute(rates[3]))) >
+           REACH * REACH * REACH) {
+        h *= 0.5;
+    }
+    return h;
 }
 
-/* Coefficients of e^{i beta} over a stretch h from t on. */
-static void set_turn(const Drive *drive, double t, double h, int terms, double *turn)
+/* Coefficients of e^{i beta} over a stretch h. */
+static void set_turn(const Turning *turning, double h, int terms, double *turn)
 {
-    const double w = drive->speed + drive->angular_acceleration * t;
-    const double spin_up = drive->angular_acceleration * h;
-    const Complex first = rect(1.0, drive->angle + drive->speed * t +
-                                        0.5 * drive->angular_acceleration * t * t);
-    int k;
+    const Complex first = rect(1.0, turning->angle);
+    int k, j;
     turn[0] = first.re;
     turn[1] = first.im;
     for (k = 0; k < terms; k++, turn += 2) {
-        const double before_re = k ? spin_up * turn[-2] : 0.0;
-        const double before_im = k ? spin_up * turn[-1] : 0.0;
         const double factor = h / (k + 1);
-        turn[2] = -factor * (w * turn[1] + before_im);
-        turn[3] = factor * (w * turn[0] + before_re);
+        double re = 0.0, im = 0.0;
+        for (j = 0; j < SPEEDS && j <= k; j++) {
+            re += turning->speed[j] * turn[-2 * j];
+            im += turning->speed[j] * turn[1 - 2 * j];
+        }
+        turn[2] = -factor * im;
+        turn[3] = factor * re;
     }
+}
+
+/* Coefficient of w^2 - i w'. */
+static Complex pull_of(const Turning *turning, int k)
+{
+    double square = 0.0;
+    int j;
+    for (j = 0; j <= k; j++) {
+        square += j < SPEEDS && k - j < SPEEDS ? turning->speed[j] * turning->speed[k - j] : 0.0;
+    }
+    return complex_of(square, k < RATES ? -turning->spin_up[k] : 0.0);
 }
 
 /* to (rows of `width`, from row m on) += coefficients of e^{i beta}, times a complex factor. */
@@ -165,18 +208,16 @@ static void add_turned(const double *turn, int terms, int m, int width, double r
     }
 }
 
-/* Coefficients (terms + 1, dof) of what moves the rotor over a stretch h from t on; without the
-   unbalance when `alone`. */
-static void set_pushes(FrictionStep *method, const Drive *drive, double t, double h, int terms,
-                       int alone)
+/* Coefficients (terms + 1, dof) of what moves the rotor over a stretch h from t on; without unbalance
+   and gravity when `alone`. */
+static void set_pushes(FrictionStep *method, const Drive *drive, const Turning *turning, double t,
+                       double h, int terms, int alone)
 {
     const VariableSpeedStep *smooth = method->smooth;
     const int p = smooth->plane_count, width = 2 * p + 2, dof = smooth->dof;
-    const double w = drive->speed + drive->angular_acceleration * t;
-    const double spin_up = drive->angular_acceleration * h;
     double *values = method->drive;
     int k, i, m;
-    set_turn(drive, t, h, terms, method->turn);
+    set_turn(turning, h, terms, method->turn);
     fill_doubles((size_t)(terms + 1) * width, 0.0, values);
     for (i = 0; i < p; i++) {
         double cubic[2][4];
@@ -198,18 +239,15 @@ static void set_pushes(FrictionStep *method, const Drive *drive, double t, doubl
             }
         }
     }
-    if (!alone) {
-        const double pull[3] = {w * w, 2.0 * w * spin_up, spin_up * spin_up};
-        const double turns[3] = {-drive->angular_acceleration, -drive->change * h, 0.0};
-        for (m = 0; m < 3 && m <= terms; m++) {
-            add_turned(method->turn, terms, m, width, pull[m], turns[m], values + 2 * p,
-                       values + 2 * p + 1);
-        }
+    for (m = 0; m < 2 * SPEEDS - 1 && m <= terms && !alone; m++) {
+        const Complex pull = pull_of(turning, m);
+        add_turned(method->turn, terms, m, width, pull.re, pull.im, values + 2 * p,
+                   values + 2 * p + 1);
     }
     for (k = 0; k <= terms; k++, values += width) {
         double *push = method->pushes + k * dof;
-        fill_doubles((size_t)dof, 0.0, push);
         for (i = 0; i < dof; i++) {
+            push[i] = !k && !alone && smooth->falling ? smooth->falling[i] : 0.0;
             for (m = 0; m < 2 * p; m++) {
                 push[i] += smooth->force[i * 2 * p + m] * values[m];
             }
@@ -268,13 +306,12 @@ static int set_series(FrictionStep *method, const double *state, const double *h
 {
     const VariableSpeedStep *smooth = method->smooth;
     const int dof = smooth->dof, m = method->count, width = 2 * dof;
-    const double w = drive->speed + drive->angular_acceleration * t;
-    const double spin_up = drive->angular_acceleration * h;
+    const Turning turning = turning_of(drive, t, h);
     double *motion = method->motion, *rate = method->rate;
-    int i, j, k;
-    set_pushes(method, drive, t, h, terms, !state);
+    int i, j, k, back;
+    set_pushes(method, drive, &turning, t, h, terms, !state);
     for (k = 0; k < width * dof; k++) {
-        method->matrix[k] = smooth->still[k] + w * smooth->per_speed[k];
+        method->matrix[k] = smooth->still[k] + turning.speed[0] * smooth->per_speed[k];
     }
     fill_doubles((size_t)width, 0.0, motion);
     if (state) {
@@ -301,8 +338,11 @@ static int set_series(FrictionStep *method, const double *state, const double *h
             for (j = 0; j < m; j++) {
                 rate[i] += method->push[i * m + j] * forces[j];
             }
-            for (j = 0; j < width && k && spin_up != 0.0; j++) {
-                rate[i] += spin_up * smooth->per_speed[i * width + j] * motion[j - width];
+            for (back = 1; back < SPEEDS && back <= k; back++) {
+                const double faster = turning.speed[back], *then = motion - back * width;
+                for (j = 0; j < width && faster != 0.0; j++) {
+                    rate[i] += faster * smooth->per_speed[i * width + j] * then[j];
+                }
             }
         }
         if (stop(method, held, rate, forces)) {

@@ -1,4 +1,4 @@
-/* Step of the linear rotor with dry friction in its supports, at constant or linearly rising speed;
+/* Step of the linear rotor with dry friction in its supports, at constant or changing speed;
    twin of models/steps/friction.py, which explains it. */
 #ifndef AUTOBALANCER_FRICTION_H
 #define AUTOBALANCER_FRICTION_H
@@ -19,8 +19,8 @@ typedef struct {
 /* What moves the rotor over a step; forces as for variable_speed_advance. */
 typedef struct {
     const double *forces;
-    double angle, speed, angular_acceleration;
-    double change; /* of the angular acceleration [rad/s^3]: for motion at one time; over a step 0 */
+    double angle, speed;
+    const double *spin_up; /* (4,) angular acceleration and its derivatives */
 } Drive;
 
 /* What friction remembers of each slider, in pairs: the direction in which it slips, -1 or 1, 0 while

@@ -42,6 +42,7 @@ TABLES: tuple[tuple[str, dict[str, Any]], ...] = (
     ("BallBalancer", {"weights": _WEIGHTS}),
     ("Motor", {"points": _POINTS}),
     ("Composite", {"planes": _PLANES}),
+    ("Composite", {"planes": _PLANES, "kind": "motor"}),
 )
 
 _INDEX = re.compile(r"(?<=[\[,])\d+(?=[\],])")

@@ -272,10 +272,6 @@ static int set_sliders(Unit *unit)
         }
     }
     own->rotor.sliders = own->slider_count > 0;
-    if (own->rotor.sliders && linear_rotor_heavy(&own->rotor)) {
-        text_put(unit_reason(unit), "sliders: gravity knows no dry friction in the supports");
-        return 1;
-    }
     return 0;
 }
 

@@ -187,14 +187,12 @@ static int propagate_variable(Unit *unit, double step)
 /* What moves a rotor with friction, whose angle `ago` later is that in memory. */
 static Drive friction_drive(Unit *unit, const double *forces, const double *spin_up, double ago)
 {
-    const Drift more = drift(spin_up, ago);
     Drive drive;
     drive.forces = forces;
-    drive.angular_acceleration = spin_up[0] + more.acceleration;
-    drive.change = more.slope;
-    drive.speed = rotor_drive(unit)[0] + more.speed - more.acceleration * ago;
-    drive.angle =
-        unit->memory[REST] - ago * (drive.speed + 0.5 * drive.angular_acceleration * ago);
+    drive.spin_up = spin_up;
+    drive.speed = rotor_drive(unit)[0];
+    drive.angle = unit->memory[REST] - ago * (drive.speed + 0.5 * spin_up[0] * ago) -
+                  drift(spin_up, ago).angle;
     return drive;
 }
 
@@ -224,9 +222,7 @@ static int propagate_friction(Unit *unit, double step)
     if (rotor_make_variable(unit)) {
         return 1;
     }
-    if ((step != 0.0 && drifts(spin_up) &&
-         fail(&failure, FAILURE_SPIN, "der(acceleration)", 1, spin_up[1], 0.0, 0.0, 0.0)) ||
-        friction_move(unit, &drive, step, &failure) ||
+    if (friction_move(unit, &drive, step, &failure) ||
         friction_plane_motion(&own->friction, own->state, own->held, &drive, step,
                               own->acceleration, own->jerk, &failure)) {
         return unit_failed(unit, &failure, NULL, 0);
@@ -262,8 +258,9 @@ int rotor_friction_response(Unit *unit, const double *values, const double *slop
 static int friction_torque(Unit *unit, double ago, double *torque)
 {
     Rotor *own = unit->own;
-    const Drive drive =
-        friction_drive(unit, rotor_drive(unit) + SPUN, rotor_drive(unit) + SPIN_UP, ago);
+    const double *spin_up = rotor_drive(unit) + SPIN_UP;
+    const Drive drive = friction_drive(unit, rotor_drive(unit) + SPUN, spin_up, ago);
+    const Drift more = drift(spin_up, ago);
     double *rates = own->variable_scratch, *jerks = rates + 4 * own->stations;
     Failure failure;
     to_axes(unit->memory + MOTION, 2, 2, own->stations, own->state);
@@ -277,7 +274,7 @@ static int friction_torque(Unit *unit, double ago, double *torque)
         return unit_failed(unit, &failure, NULL, 0);
     }
     shaft_torque(&own->variable, &own->rotor, own->state, rates, jerks, unit->memory[REST],
-                 drive.speed + drive.angular_acceleration * ago, drive.angular_acceleration,
+                 drive.speed + spin_up[0] * ago + more.speed, spin_up[0] + more.acceleration,
                  torque);
     return 0;
 }

@@ -38,7 +38,6 @@ class RotorOnSupports(Slave):
         self.gravity = complex(values["gravity_x"], values["gravity_y"])
         self.rotor = replace(rotor_of(values, self.sizes), gravity=self.gravity)
         if self.gravity:
-            self.rotor.refuse_sliders("gravity")
             self.rotor.sag(0.0)  # refuses supports that carry nothing
         self.turning = self.sizes.frame == "rotor"
         if self.sizes.sliders:

@@ -42,10 +42,12 @@ def command(
     picture: Annotated[Path | None, options.picture("Residual plot.", "--output", "-o")] = None,
     json: Annotated[Path | None, options.json("what is said")] = None,
     at_most: Annotated[str, options.at_most()] = costs.DEFAULT,
+    report: Annotated[Path | None, options.report()] = None,
 ) -> None:
     """Find values of a scene from measured amplitudes, and say how well they are known."""
     from ..master.run_command import changed_scene
     from ..output.files import write_json
+    from ..output.report import Report
     from .measured import read_measured
     from .parameters import parse_free
     from .report import document, lines, table
@@ -56,20 +58,24 @@ def command(
     parameters = parse_free(free, loaded)
     data = read_measured(measured, loaded)
     others = read_measured(predict, loaded) if predict is not None else None
+    page = Report(report, f"Fit: {loaded.heading}", [loaded])
     with costs.limited(at_most, f"--free {','.join(free)}"), progress_bar("fitting") as progress:
         found = fit(loaded, data, parameters, logarithms=not values, progress=progress)
         said = document(found, data, not values, loaded.heading)
         if others is not None:
             said["predicted"] = str(predict)
             said["rms_predicted"] = predicted_rms(loaded, others, found, not values)
-    show(table(said))
-    for line in lines(said):
-        say(line)
-    say(f"Run in C as one composite: {', '.join(u.label for u in loaded.balancer) or 'the rotor'}")
-    if picture is not None:
+    with page.keeping():
+        show(table(said))
+        for line in lines(said):
+            say(line)
+        together = ", ".join(u.label for u in loaded.balancer) or "the rotor"
+        say(f"Run in C as one composite: {together}")
+    for path in filter(None, (picture, page.picture(f"{loaded.name}_fit"))):
         from .plot import plot_fit
 
-        plot_fit(found, data, difference(data.values, not values), loaded.heading, picture)
-        say(f"Written: {picture}")
+        plot_fit(found, data, difference(data.values, not values), loaded.heading, path)
+        say(f"Written: {path}")
+    page.write()
     if json is not None:
         write_json(said, json)

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from ..errors import UserError
 from ..scene import Scene
 from .many import cosimulate_many
+from .one_file import drive
 from .plan import Plan, plan
 
 _DRIVE = ("speed", "acceleration")  # of the composite, which tells its units
@@ -40,7 +41,7 @@ def table_of(scenes: Sequence[Scene]) -> dict[str, list[float]]:
     common = _common(first, plans[0])
     if any(_common(*pair) != common for pair in zip(scenes, plans, strict=True)):
         raise UserError(
-            f"{first.name}: only numbers of the rotor and the balancers, run.initial, "
+            f"{first.name}: only numbers of the rotor, the balancers and the motor, run.initial, "
             "gravity and a constant speed may differ between runs in C"
         )
     starts = [_start(*pair) for pair in zip(scenes, plans, strict=True)]
@@ -57,6 +58,8 @@ def refuse_unvaried(scene: Scene, path: str) -> None:
     holders = ["rotor", *(balancer.label for balancer in scene.balancer)]
     allowed = (*(f"{holder}." for holder in holders), "run.initial.")
     allowed += ("operation.gravity",)
+    if scene.operation.motor:
+        allowed += ("operation.motor.",)
     if path != "operation.speed" and not path.startswith(allowed):
         raise UserError(
             f"{path}: cannot be varied; must be speed or begin with one of: {', '.join(allowed)}"
@@ -78,4 +81,4 @@ def _start(scene: Scene, found: Plan) -> dict[str, float]:
         for name, value in unit.start.items()
         if name not in _DRIVE
     }
-    return values | {"speed": scene.profile().speed(0.0)}
+    return values | drive(scene)

@@ -11,6 +11,7 @@ import shutil
 import zipfile
 from collections.abc import Sequence
 from ctypes import Array, byref, c_double, c_int, c_size_t, c_uint, c_void_p
+from functools import lru_cache
 from pathlib import Path
 from tempfile import mkdtemp
 from typing import TYPE_CHECKING
@@ -49,6 +50,16 @@ class EndedEarly(SimulationError):
     def __init__(self, unit: str, time: float, length: float) -> None:
         super().__init__(f"{unit}: a step from t = {time:g} s ended after {length:g} s")
         self.length = length
+
+
+def described(path: Path) -> ModelDescription:
+    """What an FMU declares; read once while the file stays as it is."""
+    return _described(path, path.stat().st_mtime_ns)
+
+
+@lru_cache(maxsize=64)
+def _described(path: Path, _written: int) -> ModelDescription:
+    return fmpy.read_model_description(str(path))
 
 
 def measured_in(description: ModelDescription) -> dict[str, str]:
@@ -128,7 +139,7 @@ class Fmu(Closing):
         if not self.path.is_file():
             raise UnitError(f"{self.path}: no such FMU file")
         try:
-            self.description = fmpy.read_model_description(str(self.path))
+            self.description = described(self.path)
             fmpy.extract(str(self.path), unzipdir=self._directory, include=_is_loaded)
         except (zipfile.BadZipFile, OSError, KeyError) as error:
             raise UnitError(f"{self.path}: not a readable FMU (zip archive): {error}") from error

@@ -76,9 +76,10 @@ def cosimulate_many(
     asked += ["coupling.error", "coupling.loop_gain"]
     asked += [name for name in results if name not in RESULTS and name not in residuals]
     ends = np.full(len(values), end_time(scene))
-    if "speed" in columns and profile.start == profile.end:
+    paced = "coupling.top_speed" if scene.operation.motor else "speed"
+    if paced in columns and profile.start == profile.end:
         with np.errstate(divide="ignore"):  # the run refuses it
-            ends = math.tau * scene.run.revolutions / np.abs(columns["speed"])
+            ends = math.tau * scene.run.revolutions / np.abs(columns[paced])
     turns = max(2, round(scene.run.revolutions))
     points = turns * (scene.coupling.steps_per_rev or POINTS_PER_REV)
     runs = Runs(made, list(columns), asked, points)

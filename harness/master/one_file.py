@@ -23,9 +23,8 @@ def composition(scene: Scene) -> Composition:
     Raises:
         SceneError: the scene is coupled in a way that a composite does not have.
     """
-    scene.refuse_motor("one file, or runs in C,")
     scene = as_run(scene)
-    coupling, profile = scene.coupling, scene.profile()
+    coupling = scene.coupling
     if coupling.order != 3:
         raise SceneError(f"{scene.name}: coupling.order = {coupling.order}: of one file must be 3")
     found = plan(scene)
@@ -35,9 +34,7 @@ def composition(scene: Scene) -> Composition:
         "coupling.tolerance": coupling.tolerance or 0.0,
         "coupling.steps_per_rev": float(coupling.steps_per_rev or 0),
         "coupling.fewest_steps_per_rev": float(coupling.fewest_steps_per_rev or FEWEST_CHOSEN),
-        "rise_time": profile.seconds if profile.start != profile.end else 0.0,
-        "speed": profile.speed(0.0),
-        "acceleration": profile.acceleration(0.0),
+        **drive(scene),
     }
     parts = [
         Part(
@@ -45,7 +42,7 @@ def composition(scene: Scene) -> Composition:
             unit.model,
             unit.sizes,
             unit.start,
-            0 if unit.name == ROTOR else found.planes[unit.name],
+            found.planes.get(unit.name, 0),
             unit.name in exchanging and unit.name != ROTOR,
             unit.name in following,
         )
@@ -62,6 +59,18 @@ def composition(scene: Scene) -> Composition:
         )
     except ValueError as error:
         raise SceneError(f"{scene.name}: {error}") from None
+
+
+def drive(scene: Scene) -> dict[str, float]:
+    """Start values of a composite's drive; under a motor the top speed alone, which steps go by."""
+    profile = scene.profile()
+    if scene.operation.motor:
+        return {"coupling.top_speed": profile.end}
+    return {
+        "rise_time": profile.seconds if profile.start != profile.end else 0.0,
+        "speed": profile.speed(0.0),
+        "acceleration": profile.acceleration(0.0),
+    }
 
 
 def build_one_file(

@@ -17,7 +17,6 @@ from functools import cache
 from pathlib import Path
 from typing import Any, Literal, NamedTuple
 
-import fmpy
 from fmpy import platform_tuple
 
 from ...fmus.build import build, is_present_build, options_of
@@ -26,7 +25,7 @@ from ..errors import UnitError
 from ..scene import Scene
 from ..scene.balancer import Balancer
 from ..scene.run import LimitedMotor
-from .fmu import measured_in
+from .fmu import described, measured_in
 from .names import AXES, by_unit, components, plane, stations
 from .runtime import Backend, runtime
 
@@ -266,7 +265,7 @@ def signal_units(units: Iterable[UnitPlan], names: Iterable[str]) -> dict[str, s
     """What signals are measured in, as the units' FMUs declare it; nothing is loaded."""
     units = list(units)
     declared = {
-        unit.name: measured_in(fmpy.read_model_description(str(path)))
+        unit.name: measured_in(described(path))
         for unit, path in zip(
             units, find_or_build(units, None, runtime("native").backend), strict=True
         )

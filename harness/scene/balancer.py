@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from cmath import rect
+from random import Random
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal
 
 import numpy as np
@@ -113,6 +114,10 @@ class WeightBalancer(Balancer):
     """Eccentricity of the race, in place of its parts `track_offset_xi`, `track_offset_eta`."""
     track_offset_angle: Annotated[Angle | None, Unit("rad")] = None
     """Direction of `track_offset` in the rotor; default: 0."""
+    track_offset_deviation: Annotated[NotNegative, Unit("m")] = 0.0
+    """Standard deviation of either part of an eccentricity that is drawn and added."""
+    track_offset_seed: Annotated[Whole, Field(ge=0)] = 1
+    """Another seed draws another one; balancers of different names have their own."""
     angles: Annotated[tuple[Angle, ...], Unit("rad"), Feeds("weight[{n}].angle0")] = ()
     """In the rotor, one a weight; default: evenly spread."""
     speeds: Annotated[tuple[Real, ...], Unit("rad/s"), Feeds("weight[{n}].speed0")] = ()
@@ -153,9 +158,18 @@ class WeightBalancer(Balancer):
     @property
     def offset(self) -> complex:
         """Of the track's centre from the plane's, in the rotor, xi + i eta [m]."""
+        given = complex(self.track_offset_xi, self.track_offset_eta)
         if self.track_offset is not None:
-            return rect(self.track_offset, self.track_offset_angle or 0.0)
-        return complex(self.track_offset_xi, self.track_offset_eta)
+            given = rect(self.track_offset, self.track_offset_angle or 0.0)
+        return given + self._drawn_offset
+
+    @property
+    def _drawn_offset(self) -> complex:
+        """Both parts normal: the amount is Rayleigh's, every direction alike (Box, Muller 1958)."""
+        # `random` alone of Python's generator promises the same numbers in every version
+        draw = Random(f"{self.track_offset_seed} {self.label}")
+        amount = math.sqrt(-2.0 * math.log(1.0 - draw.random()))
+        return rect(self.track_offset_deviation * amount, math.tau * draw.random())
 
     def _refuse_tight(self, radius: float) -> None:
         track = self.track_radius

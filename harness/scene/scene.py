@@ -223,12 +223,6 @@ class Scene(Table):
             return [f"rotor: {error}"]
         lines = self._refused_under_a_motor()
         lines += self.balancing.problems(self.rotor) if self.balancing else []
-        if self.rotor.friction:
-            lines += [
-                f"operation.{what}, rotor.friction: take one out, no unit has both"
-                for what in ("gravity", "motor")
-                if getattr(self.operation, what)
-            ]
         one_liquid = [b.kind for b in self.balancer] == ["liquid"]
         fits = one_liquid and rotor.isotropic and self.rotor.kind == "planar"
         lines += [

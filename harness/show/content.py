@@ -27,6 +27,7 @@ BARE = 1e-4  # m: eccentricity that a rotor without unbalance and weights is kic
 # label, unit, variables, largest factor, whether it is spread by its logarithm
 _Slider = tuple[str, str, str, float, bool]
 _OF_ROTOR: tuple[_Slider, ...] = (
+    ("Torque of the motor", "N m", r"motor\.point\[\d+\]\.torque", 2.0, False),
     ("Unbalance", "kg m", r"rotor\.unbalance(\[\d+\]\.amount)?", 3.0, False),
     ("Stiffness of the supports", "N/m", r"rotor\.(support\[\d\]\.)?stiffness_[xy]", 4.0, True),
     ("Damping of the supports", "N s/m", r"rotor\.(support\[\d\]\.)?damping_[xy]", 10.0, True),
@@ -52,6 +53,7 @@ def content(scene: Scene) -> dict[str, Any]:
             {"weights": counts, "token": each.token(stamp())}
             for counts, each in _variants(scene, made)
         ],
+        "motor": scene.operation.motor is not None,
         "speed": profile.end,
         "rate": profile.acceleration(0.0) or profile.end**2 / (math.tau * CHANGED_IN),
         "window": {

@@ -52,13 +52,14 @@ function saying({ base, unit, value }) {
 function sliders(machine, view, change) {
   const { data } = machine;
   const { low, high } = data.window;
-  const found = {
-    speed: new Slider("speed", "Speed", {
+  const found = {};
+  if (!data.motor) {
+    found.speed = new Slider("speed", "Speed", {
       low, high, value: data.speed,
       say: (speed) => `${shown(speed)} rad/s, ${shown((speed * 60) / TURN)} rev/min`,
       set: (speed) => change({ speed }),
-    }),
-  };
+    });
+  }
   data.sliders.forEach((slider, k) => {
     const [least, most] = slider.range;
     found[`value_${k}`] = new Slider(`value_${k}`, slider.label, {
@@ -97,7 +98,7 @@ function sliders(machine, view, change) {
 
 /* Show the machine's settings on its sliders. */
 function showSettings(found, { settings, data }) {
-  found.speed.show(settings.speed);
+  found.speed?.show(settings.speed);
   settings.factors.forEach((factor, k) => found[`value_${k}`].show(factor));
   data.tokens[settings.variant].weights.forEach((count, k) => found[`weights_${k}`]?.show(count));
 }
@@ -130,8 +131,10 @@ function strip({ window: { low, high, ends, kinds, words }, balancers }) {
   said.append(...(ends.length ? [`By ${words}: `, ...keys, note] : [`No stability known: ${words}.`]));
   box.setAttribute("aria-label", spans.join("; ") || words);
   box.hidden = !ends.length;
+  let shownAt = null;
   const show = (speed, asScene) => {
-    marker.style.left = part(Math.min(high, Math.max(low, speed)));
+    const at = part(Math.min(high, Math.max(low, speed)));
+    if (at !== shownAt) marker.style.left = shownAt = at;
     const words = asScene || !ends.length ? "" : " (for the scene's own values)";
     if (note.textContent !== words) note.textContent = words;
   };

@@ -16,7 +16,7 @@ class Drawing {
   }
 
   draw(colours) {
-    const { context, width, height } = cleared(this.canvas);
+    const { context, width, height } = cleared(this.canvas, colours.panel);
     this.context = context;
     this.colours = colours;
     this.magnify();

@@ -35,15 +35,17 @@ function weightColour(colours, k) {
   return colours[`w${1 + (k % 6)}`];
 }
 
-/* A canvas's context in CSS pixels, cleared; its size follows the page. */
-function cleared(canvas) {
+/* A canvas's context in CSS pixels, cleared; its size follows the page.  Opaque: nothing behind it
+   has to be drawn. */
+function cleared(canvas, colour) {
   const ratio = window.devicePixelRatio || 1;
   const [width, height] = [canvas.clientWidth, canvas.clientHeight];
   const [w, h] = [Math.round(width * ratio), Math.round(height * ratio)];
   if (canvas.width !== w || canvas.height !== h) Object.assign(canvas, { width: w, height: h });
-  const context = canvas.getContext("2d");
+  const context = canvas.getContext("2d", { alpha: false });
   context.setTransform(ratio, 0, 0, ratio, 0, 0);
-  context.clearRect(0, 0, width, height);
+  context.fillStyle = colour;
+  context.fillRect(0, 0, width, height);
   context.font = "12px system-ui, sans-serif";
   context.lineJoin = "round";
   return { context, width, height };

@@ -8,7 +8,7 @@ const FADING = Math.exp(-1 / REMEMBERED); // of the largest displacement, a samp
 
 class Machine {
   constructor(module, data) {
-    Object.assign(this, { module, data, built: new Map() });
+    Object.assign(this, { module, data, built: new Map(), copies: [] });
     this.step = TURN / (SAMPLES * data.window.high);
     this.stations = data.stations.map((_, k) =>
       data.stations.length > 1 ? `rotor.station[${k + 1}]` : "rotor");
@@ -52,7 +52,7 @@ class Machine {
   /* From the scene's own start, at the speed of the settings. */
   restart() {
     const { speed } = this.settings;
-    const own = speed === this.data.speed;
+    const own = speed === this.data.speed; // as it always is under a motor
     this.begin(this.settings, own ? {} : { speed, acceleration: 0, rise_time: 0 }, 0);
     this.forget();
   }
@@ -60,8 +60,10 @@ class Machine {
   /* From the scene's own start and standstill to the speed of the settings. */
   runUp() {
     const { speed } = this.settings;
-    const { rate } = this.data;
-    this.begin(this.settings, { speed: 0, acceleration: rate, rise_time: speed / rate }, 0);
+    const { motor, rate } = this.data;
+    const start = motor ? { "motor.speed0": 0 }
+      : { speed: 0, acceleration: rate, rise_time: speed / rate };
+    this.begin(this.settings, start, 0);
     this.forget();
   }
 
@@ -71,8 +73,8 @@ class Machine {
     units.begin({ ...this.sliderValues(settings), ...values }, time);
     if (this.units !== units) this.listen(units);
     this.settings = settings;
-    // a rotor that speeds up by itself takes no speed from outside
-    this.free = !(units.value("rise_time") > 0);
+    // a rotor that speeds up by itself, or by its motor, takes no speed from outside
+    this.free = !this.data.motor && !(units.value("rise_time") > 0);
     this.sampled = time;
     this.told = 0;
     this.pushed = false;
@@ -120,6 +122,7 @@ class Machine {
         angles.push(kept[name]);
       }
     }
+    if (this.data.motor) return kept;
     const speed = this.now.speed;
     const top = settings.speed > speed ? settings.speed : 0;
     return { ...kept, speed, acceleration: 0, rise_time: 0, "coupling.top_speed": top };
@@ -227,12 +230,17 @@ class Machine {
     this.filled++;
   }
 
-  /* The last `count` samples of rows of the history, oldest first. */
+  /* The last `count` samples of rows of the history, oldest first; valid until it is asked again. */
   last(count, ...rows) {
     const there = Math.min(count, this.filled, REMEMBERED);
-    const first = this.filled - there;
-    return rows.map((row) =>
-      Float64Array.from({ length: there }, (_, k) => row[(first + k) % REMEMBERED]));
+    const first = (this.filled - there) % REMEMBERED;
+    const unbroken = Math.min(there, REMEMBERED - first);
+    return rows.map((row, k) => {
+      const copy = (this.copies[k] ??= new Float64Array(REMEMBERED));
+      copy.set(row.subarray(first, first + unbroken));
+      copy.set(row.subarray(0, there - unbroken), unbroken);
+      return copy.subarray(0, there);
+    });
   }
 }
 

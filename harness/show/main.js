@@ -18,6 +18,7 @@ class Page {
     this.machine = new Machine(module, data);
     this.drawing = new Drawing(element("machine"), this.machine);
     this.cost = { frame: FRAME, took: 0, moved: 0 };
+    this.said = {};
     this.controls();
     this.placeChoice();
     this.buttons();
@@ -32,9 +33,9 @@ class Page {
   controls() {
     this.sliders = sliders(this.machine, this.view, (settings) => this.change(settings));
     this.strip = strip(this.data);
-    const { speed, ...others } = this.sliders;
-    const rest = Object.values(others).map((slider) => slider.element);
-    const first = make("div", { className: "wide" }, speed.element, this.strip.box, this.strip.said);
+    const [own, ...others] = Object.values(this.sliders); // the speed, or the motor's torque
+    const rest = others.map((slider) => slider.element);
+    const first = make("div", { className: "wide" }, own.element, this.strip.box, this.strip.said);
     element("controls").append(first, ...rest);
     showSettings(this.sliders, this.machine);
   }
@@ -82,7 +83,7 @@ class Page {
       element(id).click();
       event.preventDefault();
     } else if (["ArrowLeft", "ArrowRight"].includes(event.key) && target === document.body) {
-      const { input } = this.sliders.speed;
+      const { input } = Object.values(this.sliders)[0];
       input.value = Number(input.value) + (event.key === "ArrowRight" ? 10 : -10);
       input.dispatchEvent(new Event("input"));
       event.preventDefault();
@@ -188,7 +189,7 @@ class Page {
     const rows = {
       Time: shown(time, "s"),
       "Speed now": `${shown(now.speed)} rad/s`,
-      [stations.length > 1 ? `At station ${this.view.place + 1}` : "Displacement"]:
+      [stations.length > 1 ? "At that station" : "Displacement"]:
         shown(Math.hypot(x, y), "m", true),
       ...(this.machine.clearances.length && { Clearance: shown(now.clearance, "m", true) }),
       "Error, estimated": shown(now.error),
@@ -197,8 +198,17 @@ class Page {
       "Frames a second": shown(Math.round(1000 / this.cost.frame)),
       "Can run at": speedup ? `${shown(speedup)} × real time` : "not measured yet",
     };
-    element("facts").replaceChildren(...Object.entries(rows).map(([name, value]) =>
-      make("div", {}, make("dt", { textContent: name }), make("dd", { textContent: value }))));
+    for (const [name, value] of Object.entries(rows)) {
+      const said = (this.said[name] ??= this.fact(name));
+      if (said.textContent !== value) said.textContent = value;
+    }
+  }
+
+  /* Room for a value under its name. */
+  fact(name) {
+    const said = make("dd");
+    element("facts").append(make("div", {}, make("dt", { textContent: name }), said));
+    return said;
   }
 
   /* -- for tests ------------------------------------------------------------------------------ */

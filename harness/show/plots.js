@@ -7,7 +7,7 @@ const MARGIN = { left: 12, right: 30, top: 24, bottom: 20 };
 
 /* Axes over a cleared canvas; what maps values to pixels. */
 function axes(canvas, colours, title, [x1, x2], [y1, y2], unit) {
-  const { context: c, width, height } = cleared(canvas);
+  const { context: c, width, height } = cleared(canvas, colours.panel);
   const [left, right] = [MARGIN.left, width - MARGIN.right];
   const [top, bottom] = [MARGIN.top, height - MARGIN.bottom];
   const px = (x) => left + ((x - x1) / (x2 - x1 || 1)) * (right - left);
@@ -138,21 +138,28 @@ function plotSpectrum(canvas, colours, machine, place) {
 
 /* Amplitudes by frequency of evenly spaced samples, Hann window. */
 function spectrum(samples, step) {
-  const size = TRANSFORMED;
-  const [re, im] = [new Float64Array(size), new Float64Array(size)];
   const n = samples.length;
   const mean = samples.reduce((sum, value) => sum + value, 0) / (n || 1);
   let weight = 0;
-  samples.forEach((value, k) => {
+  re.fill(0);
+  im.fill(0);
+  for (let k = 0; k < n; k++) {
     const hann = 0.5 - 0.5 * Math.cos((TURN * (k + 0.5)) / n);
-    re[k] = (value - mean) * hann;
+    re[k] = (samples[k] - mean) * hann;
     weight += hann;
-  });
+  }
   transform(re, im);
-  const frequencies = Float64Array.from({ length: size / 2 }, (_, k) => k / (size * step));
-  const amplitudes = frequencies.map((_, k) => (2 * Math.hypot(re[k], im[k])) / (weight || 1));
+  for (let k = 0; k < frequencies.length; k++) {
+    frequencies[k] = k / (TRANSFORMED * step);
+    amplitudes[k] = (2 * Math.hypot(re[k], im[k])) / (weight || 1);
+  }
   return { frequencies, amplitudes };
 }
+
+// used again for every spectrum: what is thrown away sixty times a second has to be collected
+const [re, im] = [new Float64Array(TRANSFORMED), new Float64Array(TRANSFORMED)];
+const [frequencies, amplitudes] = [re.slice(TRANSFORMED / 2), re.slice(TRANSFORMED / 2)];
+const cosines = re.map((_, k) => Math.cos((TURN * k) / TRANSFORMED));
 
 /* Fourier transform in place, radix 2. */
 function transform(re, im) {
@@ -167,8 +174,9 @@ function transform(re, im) {
     }
   }
   for (let size = 2; size <= n; size *= 2) {
+    const way = n / size; // of the cosines, from one turn to the next
     for (let k = 0; k < size / 2; k++) {
-      const [c, s] = [Math.cos((TURN * k) / size), -Math.sin((TURN * k) / size)];
+      const [c, s] = [cosines[k * way], cosines[(k * way + n / 4) % n]];
       for (let a = k, b = k + size / 2; b < n; a += size, b += size) {
         const [x, y] = [re[b] * c - im[b] * s, re[b] * s + im[b] * c];
         [re[b], im[b]] = [re[a] - x, im[a] - y];

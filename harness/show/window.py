@@ -44,7 +44,7 @@ def window(scene: Scene) -> Window:
             return _liquid(LiquidWindow.of(scene.assembly()), low, high)
         except ValueError as error:
             return Window(low, high, (), (), str(error))
-    found = speeds(scene, (low, high), ["floquet"])
+    found = speeds(scene, (low, high), ["floquet"], whirl=False)
     if "floquet" not in found.methods:
         return Window(low, high, (), (), found.refused["floquet"])
     crossings = found.methods["floquet"]

@@ -116,6 +116,7 @@ def speeds(
     steps: int | None = None,
     workers: Workers = 1,
     progress: Progress | None = None,
+    whirl: bool = True,
 ) -> Speeds:
     """Every speed within a range at which balancing begins or ends, by each method.
 
@@ -131,6 +132,7 @@ def speeds(
         workers: processes for the co-simulation, or an executor; a script that asks for more than
             one process needs `if __name__ == "__main__":`.
         progress: called with the finished fraction of the co-simulation.
+        whirl: whether to look for the steady whirl that remains where weights cannot balance.
 
     Raises:
         UserError: the range is empty, a method is unknown, or the supports have dry friction.
@@ -168,12 +170,12 @@ def speeds(
             result.refused[method] = why
         else:
             _by_units(scene, result, method, nodes, steps, workers, progress)
-    if not why:
+    if not (why and whirl):
         return result
-    whirl = whirls(scene, result.range, why, narrowest, progress)
-    if "floquet" in whirl.methods and "cosim" in wanted:
-        _whirl_by_units(scene, whirl, result.range, steps, workers, progress)
-    return replace(result, whirl=whirl)
+    found = whirls(scene, result.range, why, narrowest, progress)
+    if "floquet" in found.methods and "cosim" in wanted:
+        _whirl_by_units(scene, found, result.range, steps, workers, progress)
+    return replace(result, whirl=found)
 
 
 def _side(growth: float) -> Side:

@@ -60,8 +60,14 @@ def _costs(family: str, scene: Scene) -> Costs:
     def one_piece() -> None:
         simulate(scene.assembly(), profile, points, initial=start, method="LSODA", rtol=RTOL)
 
-    one_file = [_one_file(one) for one in (scene, given)]
-    return Costs(family, _units(scene), _units(given), *one_file, _shortest(one_piece))
+    return Costs(
+        family,
+        _units(scene),
+        _units(given),
+        _one_file(scene),
+        _one_file(given),
+        _shortest(one_piece),
+    )
 
 
 def _units(scene: Scene) -> float:

@@ -1,12 +1,12 @@
-"""Step of the linear rotor with dry friction in its supports, at constant or linearly rising speed.
+"""Step of the linear rotor with dry friction in its supports, at constant or changing speed.
 
 Between events (a slider sticks, lets go or turns round) the system is linear: displacements,
 velocities and friction forces are Taylor series in time, whose recurrence takes the cubic forces,
-the unbalance and the changing speed as they are (Jorba & Zou 2005).  A stretch is half of what the
-fastest rate allows, so that the terms left out are below rounding, and every event function is a
-polynomial on it: its first fall below 0 is isolated by bounds of the polynomial and its slope, so
-that none is missed, and found to rounding.  Nothing is regularised: a rigid slider that sticks is a
-constraint, whose force follows from the acceleration being 0.
+unbalance, gravity and a cubic angular acceleration as they are (Jorba & Zou 2005).  A stretch is
+half of what the fastest rate allows, so that the terms left out are below rounding, and every event
+function is a polynomial on it: its first fall below 0 is isolated by bounds of the polynomial and
+its slope, so that none is missed, and found to rounding.  Nothing is regularised: a rigid slider
+that sticks is a constraint, whose force follows from the acceleration being 0.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..rotor import LinearRotor
-from ..spin import STEADY
+from ..spin import drift
 from .first_fall import first_fall
 from .variable_speed import Drive, VariableSpeedStep
 
@@ -101,15 +101,9 @@ class FrictionStep:
         """State (q, v), x before y, and sliders one `step` [s] later.
 
         Raises:
-            ValueError: the angular acceleration is not constant.
             ArithmeticError: the motion is too fast, or events follow each other too closely, for
                 `MOST_STRETCHES` in the step.
         """
-        if drive.rates != STEADY:
-            raise ValueError(
-                f"der(acceleration) = {drive.rates[0]!r} rad/s3: must be 0 for dry friction in the "
-                "supports, as all its derivatives"
-            )
         time = 0.0
         held = self.resolved(state, held, drive, 0.0)
         for _ in range(MOST_STRETCHES):
@@ -181,18 +175,22 @@ class FrictionStep:
 
     def _stretch(self, drive: Drive, t: float) -> float:
         """Length of a stretch from time t on [s]."""
-        w = abs(drive.speed + drive.angular_acceleration * t)
+        _, speed, rates = _turning(drive, t, 1.0)
+        w, spin_up, *faster = abs(speed[0]), *map(abs, rates)
         spring, spring_1, damper, damper_1 = self._norms
         rate = math.sqrt(spring + w * spring_1) + damper + w * damper_1 + w
-        return _REACH / (rate + math.sqrt(abs(drive.angular_acceleration)))
+        stretch = _REACH / (rate + math.sqrt(spin_up))
+        while sum(change * stretch**k for k, change in enumerate(faster, start=3)) > _REACH**3:
+            stretch *= 0.5
+        return stretch
 
     def _series(
         self, state: NDArray, held: Held, drive: Drive, t: float, stretch: float, terms: int
     ) -> _Series:
         smooth, dof, h = self.smooth, self.smooth.dof, stretch
-        w, spin_up = drive.speed + drive.angular_acceleration * t, drive.angular_acceleration * h
+        w = _turning(drive, t, h).speed
         push = _pushes(smooth, drive, t, stretch, terms)
-        matrix = smooth.still + w * smooth.per_speed
+        matrix = smooth.still + w[0] * smooth.per_speed
         motion = np.zeros((terms + 1, 2 * dof))
         forces = np.zeros((terms + 1, len(self.at)))
         stuck = self.rigid & (held.slips == 0.0)
@@ -206,8 +204,9 @@ class FrictionStep:
             if k:
                 forces[k] = -spring * motion[k, self.at]
             rate = matrix @ motion[k] + push[k] + self.push @ forces[k]
-            if k and spin_up:
-                rate += spin_up * (smooth.per_speed @ motion[k - 1])
+            for j in range(1, min(k, 4) + 1):
+                if w[j]:
+                    rate += w[j] * (smooth.per_speed @ motion[k - j])
             if len(stopped):
                 forces[k, stuck] = -np.linalg.solve(mobility, rate[stopped])
                 rate += self.push[:, stuck] @ forces[k, stuck]
@@ -255,20 +254,20 @@ class FrictionStep:
 
 def _pushes(smooth: VariableSpeedStep, drive: Drive, t: float, h: float, terms: int) -> NDArray:
     """Taylor coefficients (terms + 1, dof) of what moves the rotor, over a stretch h from t on."""
-    forces, angle, speed, angular_acceleration, rates = drive
-    w, spin_up = speed + angular_acceleration * t, angular_acceleration * h
+    forces = drive.forces
+    angle, w, spin_up = _turning(drive, t, h)
     turn = np.zeros(terms + 1, complex)
-    turn[0] = np.exp(1j * (angle + speed * t + 0.5 * angular_acceleration * t * t))
+    turn[0] = np.exp(1j * angle)
     for k in range(terms):
-        turn[k + 1] = 1j * h / (k + 1) * (w * turn[k] + (spin_up * turn[k - 1] if k else 0.0))
+        turn[k + 1] = 1j * h / (k + 1) * sum(w[j] * turn[k - j] for j in range(min(k, 4) + 1))
     cubic = [
         forces[0] + t * (forces[1] + t * (forces[2] / 2 + t * forces[3] / 6)),
         h * (forces[1] + t * (forces[2] + t * forces[3] / 2)),
         h * h * (forces[2] + t * forces[3]) / 2,
         h**3 * forces[3] / 6,
     ]
-    turns = 2.0 * w * spin_up - 1j * rates[0] * h
-    pull = [w * w - 1j * angular_acceleration, turns, spin_up * spin_up]
+    pull = np.convolve(w, w).astype(complex)
+    pull[:4] -= 1j * np.array(spin_up)
     values = np.zeros((terms + 1, forces.shape[1] + 1), complex)
     for m, term in enumerate(cubic[: terms + 1]):
         if smooth.turning_force:
@@ -280,7 +279,38 @@ def _pushes(smooth: VariableSpeedStep, drive: Drive, t: float, h: float, terms: 
     p = forces.shape[1]
     planes = np.hstack([values[:, :p].real, values[:, :p].imag])
     unbalance = np.stack([values[:, p].real, values[:, p].imag], axis=1)
-    return planes @ smooth.force.T + unbalance @ smooth.unbalance.T
+    pushes = planes @ smooth.force.T + unbalance @ smooth.unbalance.T
+    if smooth.falling is not None:
+        pushes[0] += smooth.falling
+    return pushes
+
+
+class _Turning(NamedTuple):
+    """How the rotor turns over a stretch: Taylor coefficients of its speed and acceleration.
+
+    Attributes:
+        angle: at the start.
+        speed, spin_up: (5,), (4,).
+    """
+
+    angle: float
+    speed: tuple[float, ...]
+    spin_up: tuple[float, ...]
+
+
+def _turning(drive: Drive, t: float, h: float) -> _Turning:
+    """Over a stretch h from time t on."""
+    _, second, third = drive.rates
+    gone, faster, more, change = drift(drive.rates, t)
+    spin_up = (
+        drive.angular_acceleration + more,
+        h * change,
+        h * h * (second + t * third) / 2.0,
+        h**3 * third / 6.0,
+    )
+    speed = drive.speed + drive.angular_acceleration * t + faster
+    angle = drive.angle + drive.speed * t + 0.5 * drive.angular_acceleration * t * t + gone
+    return _Turning(angle, (speed, *(h * a / k for k, a in enumerate(spin_up, start=1))), spin_up)
 
 
 def _norm(matrix: NDArray) -> float:

@@ -55,7 +55,7 @@ class VariableSpeedStep:
 
     def __init__(self, rotor: LinearRotor, turning_force: bool = True) -> None:
         self.turning_force = turning_force
-        self._falling = rotor.falling if rotor.gravity else None
+        self.falling = rotor.falling if rotor.gravity else None
         self.axes = 1 if rotor.isotropic else 2
         mass, damping, stiffness = rotor.coefficients(0.0)
         _, damping_1, stiffness_1 = rotor.coefficients(1.0)
@@ -89,8 +89,8 @@ class VariableSpeedStep:
             self.force @ self._axes_of(force) + self.unbalance @ self._axes_of(unbalance)
             for force, unbalance in ((value, pull), (slope, pull_slope))
         )
-        if self._falling is not None:
-            push = push + self._falling
+        if self.falling is not None:
+            push = push + self.falling
         return push, push_slope, w, angular_acceleration
 
     def advance(self, state: NDArray, drive: Drive, step: float) -> NDArray:

@@ -37,15 +37,21 @@ def run(method, state, seconds, steps, drive=REST, held=None):
     found = [(state, held)]
     for k in range(steps):
         t = k * step
-        w = drive.speed + drive.angular_acceleration * t
-        angle = drive.angle + drive.speed * t + 0.5 * drive.angular_acceleration * t * t
+        angle, w, *spin_up = turning(drive, t)
         f0, f1, f2, f3 = drive.forces
         forces = np.array([f0 + t * (f1 + t * (f2 / 2 + t * f3 / 6)), f1 + t * (f2 + t * f3 / 2),
                            f2 + t * f3, f3])  # fmt: skip
-        now = Drive(forces, angle, w, drive.angular_acceleration)
+        now = Drive(forces, angle, w, spin_up[0], tuple(spin_up[1:]))
         state, held = method.advance(state, held, now, step)
         found.append((state, held))
     return found
+
+
+def turning(drive, t):
+    """Angle, speed, angular acceleration and its derivatives at a time."""
+    first = [drive.angle, drive.speed, drive.angular_acceleration, *drive.rates]
+    taylor = np.polynomial.Polynomial(np.array(first) / [math.factorial(k) for k in range(6)])
+    return [float(taylor.deriv(k)(t)) if k else float(taylor(t)) for k in range(6)]
 
 
 @pytest.mark.parametrize("steps", [1, 7, 40])
@@ -178,10 +184,10 @@ def reference(rotor, sliders, state, drive, seconds):
     y = np.concatenate([state, np.zeros(len(sliders))])  # and the springs' forces
 
     def free(t, y):
-        w = drive.speed + drive.angular_acceleration * t
-        _, damping, stiffness = rotor.coefficients(w)
-        beta = drive.angle + drive.speed * t + 0.5 * drive.angular_acceleration * t * t
-        pull = rotor.unbalance * (w * w - 1j * drive.angular_acceleration) * np.exp(1j * beta)
+        beta, w, spin_up, *_ = turning(drive, t)
+        mass, damping, stiffness = rotor.coefficients(w)
+        pull = rotor.unbalance * (w * w - 1j * spin_up) * np.exp(1j * beta)
+        pull = pull + mass[:n, :n].sum(axis=1) * rotor.gravity
         load = np.concatenate([pull.real, pull.imag]) - stiffness @ y[: 2 * n]
         return load - damping @ y[2 * n : 4 * n]
 
@@ -244,24 +250,26 @@ def reference(rotor, sliders, state, drive, seconds):
         y, t = y + h * k + 0.5 * h * (rhs(t + h, y + h * k) - k), t + h
 
 
-@pytest.mark.parametrize("spin_up", [0.0, 400.0])
-def test_stick_and_slip_are_those_of_an_independent_integration(spin_up):
-    sliders = SLIDERS[:5]
+@pytest.mark.parametrize("gravity", [0.0, 4.0 - 9.81j])
+@pytest.mark.parametrize("spin_up", [[0.0], [400.0], [400.0, -8e3, 3e5, -5e6]])
+def test_stick_and_slip_are_those_of_an_independent_integration(spin_up, gravity):
+    sliders, body = SLIDERS[:5], replace(BODY, gravity=gravity)
     state = np.array([2e-4, -1e-4, 1e-4, 2e-4, 0.05, -0.02, 0.01, 0.04])
-    drive = Drive(NO_FORCE, 0.3, 150.0, spin_up)
-    expected, events = reference(BODY, sliders, state, drive, 0.12)
-    assert events > 20
-    method = FrictionStep(replace(BODY, sliders=sliders))
-    found, held = run(method, state, 0.12, 57, drive)[-1]
+    drive = Drive(NO_FORCE, 0.3, 150.0, spin_up[0], (*spin_up[1:], 0.0, 0.0, 0.0)[:3])
+    expected, events = reference(body, sliders, state, drive, 0.1)
+    assert events > 10
+    method = FrictionStep(replace(body, sliders=sliders))
+    found, held = run(method, state, 0.1, 57, drive)[-1]
     np.testing.assert_allclose(found[:4], expected[:4], atol=3e-9 * np.abs(expected[:4]).max())
     springs = method.stiffness > 0.0
     np.testing.assert_allclose(held.force[springs], expected[8:][springs], atol=1e-6)
 
 
+@pytest.mark.parametrize("rates", [(0.0, 0.0, 0.0), (-8e3, 3e5, -5e6)])
 @pytest.mark.parametrize("spin_up", [0.0, 300.0])
-def test_the_step_does_not_depend_on_how_it_is_divided(spin_up):
+def test_the_step_does_not_depend_on_how_it_is_divided(spin_up, rates):
     method = FrictionStep(replace(BODY, sliders=SLIDERS))
-    drive = Drive(NO_FORCE, 0.3, 150.0, spin_up)
+    drive = Drive(NO_FORCE, 0.3, 150.0, spin_up, rates)
     start = [2e-4, -1e-4, 1e-4, 2e-4, 0.05, -0.02, 0.01, 0.04]
     once, often = (run(method, start, 0.1, steps, drive)[-1] for steps in (3, 211))
     np.testing.assert_allclose(once[0], often[0], atol=1e-11 * np.abs(once[0]).max())

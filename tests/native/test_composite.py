@@ -16,11 +16,10 @@ from autobalancer.fmus.composite.build import COMPOSITION, build_composite
 from autobalancer.fmus.native.compile import stamp
 from autobalancer.fmus.native.layout import hashed
 from autobalancer.fmus.xml.archive import unzipped, zipped
-from autobalancer.harness import Scene, cosimulate, load_scene
+from autobalancer.harness import Scene, bundled_scenes, cosimulate, load_scene
 from autobalancer.harness.master.cosimulation import CoSimulation
 from autobalancer.harness.master.one_file import build_one_file, composition
 from autobalancer.harness.master.schedule import at_fixed_steps
-from tests.scenes import driven_scenes
 
 RANGE = 1e-11  # of a signal's range
 KEPT: list[object] = []  # FMPy's one proxy goes on calling the last logger it was given
@@ -57,7 +56,7 @@ def turning(scene: Scene, parts: int, revolutions: float) -> np.ndarray:
 
 
 # the harness keeps a tolerance of the whole run, the composite one of a step
-FIXED_STEPS = [n for n in driven_scenes() if n != "run_up"]
+FIXED_STEPS = [n for n in bundled_scenes() if n != "run_up"]
 
 
 @pytest.mark.parametrize("name", FIXED_STEPS)
@@ -106,6 +105,19 @@ def test_the_steps_of_the_tool_do_not_matter(hosted, name):
         runs[parts] = found[[0, -1]]
     for parts in (5, 7.5, 1000):
         assert runs[parts] == pytest.approx(runs[own], rel=1e-12, abs=1e-15), parts
+
+
+def test_a_first_step_that_heavy_drag_divides_is_seen_as_it_is(hosted):
+    """At its parts' ends with the harness's outputs, and in between."""
+    changes = {"weights.drag": 1.0, "weights.speeds": [1.0, -2.0], "run.revolutions": 1}
+    scene = at_fixed_steps(load_scene("two_balls")).replace(changes)
+    names = ["rotor.plane[1].a_xi", "weights.F_xi", "rotor.vx", "weights.weight[1].angle"]
+    expected = cosimulate(scene, record=names)
+    times = np.linspace(0.0, expected.time[1], 12)
+    fine = driven(hosted(scene.replace({"coupling.steps_per_rev": 640})), times, names)
+    found = driven(hosted(scene), times, names)
+    assert found[-1] == pytest.approx([expected[name][1] for name in names], rel=1e-9)
+    assert (np.abs(found - fine).max(axis=0)[2:] <= 1e-3 * np.ptp(fine, axis=0)[2:]).all()
 
 
 def test_between_the_ends_of_steps_the_order_is_four(hosted):

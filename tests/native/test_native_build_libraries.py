@@ -204,13 +204,12 @@ def test_the_universal_library_holds_both_as_they_are(library):
 
 @pytest.fixture
 def checkout(tmp_path):
-    """The sources elsewhere, without libraries; runs Python with them as the package."""
+    """The sources elsewhere, by default without libraries; runs Python with them as the package."""
 
-    def copy(folder: str):
+    def copy(folder: str, without: tuple[str, ...] = ("bin", "__pycache__")):
         root = tmp_path / folder / "autobalancer"
         for name in ("fmus", "models"):
-            ignored = shutil.ignore_patterns("bin", "__pycache__")
-            shutil.copytree(ROOT / name, root / name, ignore=ignored)
+            shutil.copytree(ROOT / name, root / name, ignore=shutil.ignore_patterns(*without))
 
         def run(code: str, **environment: str) -> str:
             return subprocess.run(
@@ -274,8 +273,8 @@ def test_an_edit_makes_the_libraries_stale_and_the_next_call_makes_them_anew(che
 
 
 def test_an_edit_in_python_that_declares_nothing_else_compiles_nothing(checkout):
-    native, run = checkout("one")
-    run(_MAKE.format("['x86_64-linux']"))
+    libraries(["x86_64-linux"])
+    native, run = checkout("one", without=("__pycache__",))
     first = _bytes(native)
     with (native.parent / "liquid" / "slave.py").open("a") as file:
         file.write("# edited\n")

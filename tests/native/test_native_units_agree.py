@@ -44,11 +44,6 @@ MEETING: dict[str, dict[str, float]] = {
 }
 
 
-def rubs(layout) -> bool:
-    """Whether there is dry friction, which knows neither gravity nor a changing acceleration."""
-    return any(v.name.startswith("slider") for v in layout.reals)
-
-
 def ids(case: tuple[str, dict]) -> str:
     return "-".join([case[0], *map(str, case[1].values())])
 
@@ -87,8 +82,6 @@ def parameters(rng, layout, anisotropic: bool) -> dict[str, float | bool]:
             v.name.startswith("track_offset")
         ):
             continue
-        if v.name.startswith("gravity") and rubs(layout):
-            continue
         if v.name.startswith("slider"):
             supports = 1 + any("support[2]" in other.name for other in layout.reals)
             values[v.name] = slider_value(v.name, supports, float(rng.random()))
@@ -112,8 +105,6 @@ def motion(packaging, path, layout, seed: int, changes: dict | None = None) -> n
         values["inertia_as_force"] = seed % 3 == 0
     host.begin(values)
     names = [v.name for v in layout.reals[layout.inputs]]
-    if rubs(layout):
-        names = [name for name in names if not name.startswith("der(acceleration")]
     seen = [host.outputs()]
     for k in range(STEPS):
         host.set({name: drawn(rng, name, k) for name in names})

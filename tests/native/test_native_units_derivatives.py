@@ -36,8 +36,7 @@ def somewhere(fmus, packaging, case, seed: int, spin_up: float, more: dict | Non
     host.begin(start | (more or {}))
     inputs = [n for n, v in host.variables.items() if v.causality == "input"]
     values = {}
-    # weights that touch take no change of it, nor does dry friction
-    steady = "weight_radius" in (more or {}) or "sliders" in options
+    steady = "weight_radius" in (more or {})  # weights that touch take no change of it
     for name in inputs:
         value = float(rng.normal())
         values[name] = {

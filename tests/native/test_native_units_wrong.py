@@ -74,24 +74,15 @@ def test_a_step_too_large_for_the_matrices_is_refused_as_in_python(fmus, packagi
     assert said[1] == said[0]
 
 
-@pytest.mark.parametrize(
-    ("case", "starts", "of"),
-    [
-        ((ROTOR, {"sliders": 1}), {"slider[1].limit_x": 1.0}, "dry friction in the supports"),
-        ((BALLS, {"weights": 2}), {"weight_radius": 0.004}, "weights that touch or stick"),
-    ],
-)
-def test_what_takes_no_changing_acceleration_says_so_as_in_python(
-    fmus, packaging, case, starts, of
-):
+def test_weights_that_touch_take_no_changing_acceleration_and_say_so_as_in_python(fmus, packaging):
     said = []
     for make in (fmus.python, fmus.native):
-        host = packaging.Host(make(case[0], **case[1])).begin(starts)
+        host = packaging.Host(make(BALLS, weights=2)).begin({"weight_radius": 0.004})
         host.set({"speed": 100.0, "der(acceleration)": 2.5})
         said.append(host.refused(lambda host=host: host.step(1e-3)))
         host.free()
     assert said[1] == said[0]
-    assert f"der(acceleration) = 2.5 rad/s3: must be 0 for {of}, as all" in said[1]
+    assert "der(acceleration) = 2.5 rad/s3: must be 0 for weights that touch" in said[1]
 
 
 @pytest.mark.parametrize("unit", [LIQUID, BALLS, ROTOR])

@@ -60,9 +60,14 @@ def separate(scene: Scene, slopes: bool = True) -> Structure:
     """The units of a scene and their connections, with slopes or the values alone.
 
     Raises:
-        SceneError: an input takes the sum of several forces, which a connection cannot express.
+        SceneError: an input takes the sum of several forces or torques, which a connection cannot
+            express.
     """
-    scene.refuse_motor("an SSP")
+    if scene.operation.motor:
+        raise SceneError(
+            f"{scene.name}: operation.motor: SSP: torques on its shaft add up, and a connection "
+            "has one source: --one-file --ssp takes them"
+        )
     planned, shown = plan(scene), by_unit(recorded(scene))
     with CoSimulation(scene) as cosim:
         cosim.start()

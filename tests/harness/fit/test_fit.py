@@ -196,6 +196,7 @@ def test_the_command_says_draws_and_predicts(invoke, file, tmp_path):
     outcome = invoke(
         *("fit", "two_balls", "--without-balancers", "--measured", file, "--free", FREE[0]),
         *(*sets, "--predict", others, "-o", picture, "--json", document),
+        *("--report", tmp_path / "report"),
     )
     assert outcome.exit_code == 0, outcome.output
     said = json.loads(document.read_text())
@@ -205,6 +206,9 @@ def test_the_command_says_draws_and_predicts(invoke, file, tmp_path):
     assert "Warning" not in outcome.output
     assert f'--set "rotor.stiffness[2]={said["parameters"][0]["value"]:.6g}"' in outcome.output
     assert picture.stat().st_size > 10_000
+    page = (tmp_path / "report" / "report.html").read_text()
+    assert f"{said['parameters'][0]['value']:.6g}" in page
+    assert "data:image/png" in page
     wrong = invoke("fit", "two_balls", "--measured", file, "--free", "rotor.mas")
     assert wrong.exit_code == 2
     assert "rotor.mas" in wrong.stderr

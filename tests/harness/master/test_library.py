@@ -9,7 +9,6 @@ import threading
 from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
-import pytest
 
 from autobalancer.fmus.native.compile import NotCompiled
 from autobalancer.harness import cosimulate, load_scene
@@ -74,27 +73,23 @@ def test_without_a_native_library_python_units_serve_and_the_run_says_so(monkeyp
 
 RUN = """
 from autobalancer.harness import cosimulate, load_scene
-scene = load_scene("two_balls").replace({{"run.revolutions": 1, "coupling.units": {units!r}}})
-print(repr(cosimulate(scene)["rotor.x"][-1]))
+for units in ("native", "python"):
+    scene = load_scene("two_balls").replace({"run.revolutions": 1, "coupling.units": units})
+    print(float(cosimulate(scene)["rotor.x"][-1]))
 """
 
 
-@pytest.mark.parametrize("units", ["native", "python"])
-@pytest.mark.parametrize("folder", ["ü (1)+b", "it's [1]", "100% %41", 'a#b?c"d;e&f'])
-def test_any_name_of_the_temporary_folder_will_do(tmp_path, folder, units):
-    odd = tmp_path / folder
+def test_any_name_of_the_temporary_folder_will_do(tmp_path, capsys):
+    odd = tmp_path / "ü (1)+b it's [1] 100% %41 a#b?c\"d;e&f"
     odd.mkdir()
     done = subprocess.run(
-        [sys.executable, "-c", RUN.format(units=units)],
+        [sys.executable, "-c", RUN],
         env={**os.environ, "TMPDIR": str(odd)},
         capture_output=True,
         text=True,
         check=False,
     )
     assert done.returncode == 0, done.stderr
-    scene = load_scene("two_balls").replace({"run.revolutions": 1, "coupling.units": units})
-    assert (
-        float(done.stdout.replace("np.float64", "").strip("()\n"))
-        == cosimulate(scene)["rotor.x"][-1]
-    )
+    exec(RUN)
+    assert done.stdout == capsys.readouterr().out
     assert os.listdir(odd) == []

@@ -97,6 +97,8 @@ def test_forces_that_add_up_are_refused_with_the_way_out():
     both = [ring, {**ring, "name": "second"}]
     with pytest.raises(SceneError, match=r"weights, second .* add up.*--one-file --ssp"):
         separate(Scene.from_document({**document, "balancer": both}))
+    with pytest.raises(SceneError, match=r"motor: .*torques .* add up.*--one-file --ssp"):
+        separate(load_scene("sommerfeld"))
 
 
 def _simulated(path, scene, steps, **given):
@@ -106,14 +108,15 @@ def _simulated(path, scene, steps, **given):
     return simulate_ssp(str(path), 0.0, (steps - 0.5) * step, step, parameters, **given)
 
 
-def test_the_composite_in_fmpy_is_the_harness_to_the_last_digits(packages):
-    scene = load_scene("two_balls")
+@pytest.mark.parametrize("name", ["two_balls", "sommerfeld"])
+def test_the_composite_in_fmpy_is_the_harness_to_the_last_digits(packages, name):
+    scene = load_scene(name).replace({"run.revolutions": 20})
     steps = round(end_time(scene) / step_size(scene))
-    theirs = _simulated(packages("two_balls", one_file=True), scene, steps)
+    theirs = _simulated(packages(name, one_file=True), scene, steps)
     ours = cosimulate(scene, record=["rotor.x", "rotor.y"])
-    for name in ("rotor.x", "rotor.y"):
-        gap = np.abs(theirs[f"two_balls.{name}"] - ours[name][1:]).max()
-        assert gap < 1e-12 * np.abs(ours[name]).max()
+    for signal in ("rotor.x", "rotor.y"):
+        gap = np.abs(theirs[f"{scene.name}.{signal}"] - ours[signal][1:]).max()
+        assert gap < 1e-12 * np.abs(ours[signal]).max()
 
 
 def test_parameters_of_the_set_reach_the_units_in_fmpy(packages):

@@ -6,14 +6,13 @@ import numpy as np
 import pytest
 
 from autobalancer.fmus.composite.batch import Runs
-from autobalancer.harness import load_scene
+from autobalancer.harness import bundled_scenes, load_scene
 from autobalancer.harness.master.one_file import composition
-from tests.scenes import driven_scenes
 
 MOST_BYTES = 600_000
 
 
-@pytest.mark.parametrize("name", driven_scenes())
+@pytest.mark.parametrize("name", bundled_scenes())
 def test_every_bundled_scene_is_a_page_that_runs(opened, name):
     shown = opened(name, running=True)
     assert shown.path.stat().st_size <= MOST_BYTES
@@ -53,6 +52,21 @@ def test_sliders_set_what_they_say_and_the_motion_goes_on(opened):
     assert stiffness == pytest.approx([2.0, 98.0])
     assert shown("return machine.time") == pytest.approx(5.0, abs=0.05)
     assert shown("return [machine.now.pairs[0].x, ...machine.now.angles]") == before
+
+
+def test_under_a_motor_its_torque_is_on_the_slider_and_the_speed_goes_on(opened):
+    shown = opened("sommerfeld")
+    shown("machine.advance(0.2, Infinity)")
+    now = "return [machine.now.speed, machine.now.pairs[0].x, ...machine.now.angles]"
+    before = shown(now)
+    shown.slide("value_0", 0.25)
+    assert shown.value("motor.point[1].torque") == pytest.approx(10.0, rel=1e-3)
+    assert shown(now) == before
+    assert shown("return document.querySelector('#speed')") is None
+    shown("machine.runUp()")
+    assert shown("return machine.now.speed") == 0.0
+    shown("machine.advance(0.2, Infinity)")
+    assert 0.0 < shown("return machine.now.speed") < 20.0 * 0.2 / 0.5
 
 
 def test_weights_that_join_stand_in_the_widest_gap(opened):

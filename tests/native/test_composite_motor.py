@@ -1,0 +1,203 @@
+"""The composite under a motor of limited power: as the harness drives the separate units."""
+
+from __future__ import annotations
+
+from itertools import pairwise
+
+import numpy as np
+import pytest
+from fmpy import platform_tuple
+from scipy.integrate import solve_ivp
+
+from autobalancer.harness import Scene, UserError, cosimulate, cosimulate_many, load_scene
+from autobalancer.harness.master.alike import cosimulate_alike
+from autobalancer.harness.master.one_file import build_one_file
+from autobalancer.harness.master.schedule import end_time
+from autobalancer.harness.scatter.study import scatter
+from autobalancer.harness.scatter.vary import Variation
+from autobalancer.harness.stability.axis import Axis
+from autobalancer.harness.stability.run_map import run_map
+
+RANGE = 1e-11
+MOTOR = {"inertia": 0.01, "stall_torque": 1.0, "no_load_speed": 200.0, "from": 20.0}
+DOCUMENT = {
+    "rotor": {
+        "kind": "planar", "mass": 1.0, "stiffness": [1e4, 1.3e4], "damping": 8.0,
+        "internal_damping": 2.0, "unbalance": 0.002, "unbalance_angle": 0.3,
+    },
+    "operation": {"motor": MOTOR},
+    "coupling": {"steps_per_rev": 40},
+    "balancer": [{
+        "name": "balls", "kind": "balls", "count": 2, "mass": 0.02, "track_radius": 0.05,
+        "drag": 0.05, "angles": [0.2, 2.5],
+    }],
+    "run": {"revolutions": 6.0},
+}  # fmt: skip
+RECORD = ["rotor.x", "rotor.y", "rotor.angle", "motor.speed", "motor.angle", "motor.power"]
+TABLE = [[0.0, 1.0], [30.0, 0.9], [100.0, 0.6], [200.0, 0.0]]
+
+
+@pytest.fixture
+def hosted(packaging, tmp_path):
+    """Begins the composite of a scene in a host."""
+
+    def begun(scene: Scene, values: dict[str, float] | None = None):
+        path = build_one_file(scene, tmp_path / "one.fmu", platforms=[platform_tuple])
+        return packaging.Host(path).begin(values)
+
+    return begun
+
+
+def driven(host, times, names: list[str]) -> np.ndarray:
+    """Outputs at all times."""
+    rows = [host.get(*names)]
+    for begin, end in pairwise(times):
+        host.time = begin
+        host.step(end - begin)
+        rows.append(host.get(*names))
+    return np.array(rows)
+
+
+CASES = {
+    "points": {},
+    "of finite size": {"balls.weight_radius": 0.005},
+    "rollers": {"balls.kind": "rollers"},
+    "gravity": {"operation.gravity": 9.81},
+    "friction": {"rotor.friction": [{"limit": 2.0}], "operation.gravity": 9.81},
+    "table": {"operation.motor.table": TABLE, "operation.motor.stall_torque": None,
+              "operation.motor.no_load_speed": None},
+    "from standstill": {"operation.motor.from": None},
+    "faster than without load": {"operation.motor.from": 300.0},
+    "heavy drag": {"balls.drag": 200.0, "balls.speeds": [30.0, -20.0]},
+    "a strong loop": {"balls.mass": 2.0, "operation.motor.inertia": 0.05},
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("case", CASES)
+def test_it_moves_as_the_harness_couples_the_units(hosted, case):
+    scene = Scene.from_document(DOCUMENT).replace(CASES[case])
+    expected = cosimulate(scene, record=[*RECORD, "balls.weight[1].angle", "balls.torque"])
+    host = hosted(scene)
+    names = list(expected.signals)
+    found = driven(host, expected.time, names)
+    for k, signal in enumerate(names):
+        size = max(np.ptp(expected[signal]), 1e-3 * np.abs(expected[signal]).max())
+        assert np.abs(found[:, k] - expected[signal]).max() <= RANGE * size, signal
+    assert host.get("coupling.steps") == [expected.steps]
+    assert host.get("rotor.speed") == host.get("motor.speed")
+
+
+def test_a_motor_alone_with_the_rotor_is_a_loop_too(hosted):
+    scene = Scene.from_document({**DOCUMENT, "balancer": []})
+    expected = cosimulate(scene, record=RECORD)
+    found = driven(hosted(scene), expected.time, RECORD)
+    for k, signal in enumerate(RECORD):
+        assert np.abs(found[:, k] - expected[signal]).max() <= RANGE * np.ptp(expected[signal])
+
+
+@pytest.mark.parametrize("tolerance", [1e-3, 1e-5])
+def test_a_tolerance_chooses_steps_that_keep_it(hosted, tolerance):
+    scene = Scene.from_document(DOCUMENT)
+    fine = cosimulate(scene.replace({"coupling.steps_per_rev": 320}), record=RECORD)
+    host = hosted(scene.replace({"coupling.tolerance": tolerance}))
+    found = driven(host, fine.time[::16], RECORD)
+    for k, signal in enumerate(RECORD):
+        assert np.abs(found[:, k] - fine[signal][::16]).max() <= tolerance * np.ptp(fine[signal])
+    assert host.get("coupling.steps")[0] < 40 * 6
+
+
+def test_between_the_ends_of_steps_the_order_is_four(hosted):
+    """At 0.37 of the steps' spacing, against steps 8 times finer."""
+    scene, runs = Scene.from_document(DOCUMENT), []
+    names = ["rotor.x", "rotor.y", "rotor.speed", "balls.weight[1].angle"]
+    times = np.linspace(0.0, end_time(scene), round(6 * 20 / 0.37))
+    for steps in (20, 40, 320):
+        runs.append(driven(hosted(scene.replace({"coupling.steps_per_rev": steps})), times, names))
+    coarse, fine = (np.abs(run - runs[2]).max(axis=0) / np.ptp(runs[2], axis=0) for run in runs[:2])
+    assert (fine < 1e-6).all()
+    assert (coarse > 9.0 * fine).all()
+
+
+def test_a_state_within_a_step_is_everything(hosted):
+    scene = Scene.from_document(DOCUMENT)
+    times = np.linspace(0.0, end_time(scene), 60)
+    host = hosted(scene)
+    driven(host, times[:20], RECORD)
+    state = host.slave.getFMUState()
+    expected = driven(host, times[19:], RECORD)
+    host.slave.setFMUState(state)
+    assert driven(host, times[19:], RECORD).tolist() == expected.tolist()
+    other = hosted(scene, {"motor.inertia": 0.02})
+    other.slave.setFMUState(other.slave.deserializeFMUState(host.slave.serializeFMUState(state)))
+    assert driven(other, times[19:], RECORD).tolist() == expected.tolist()
+
+
+def test_a_force_from_outside_that_begins_within_a_step_moves_rotor_and_shaft(hosted):
+    """Against DOP853; the force lies along a fixed axis."""
+    scene = Scene.from_document({**DOCUMENT, "balancer": []}).replace(
+        {"rotor.internal_damping": 0.0, "coupling.steps_per_rev": 160}
+    )
+    begins, end, force = 0.07123, 0.15, 25.0
+    unbalance = 0.002 * np.exp(0.3j)
+
+    def rate(time, state):
+        x, y, vx, vy, angle, w = state
+        turn = unbalance * np.exp(1j * angle)
+        push = turn * w * w - (1e4 * x + 1.3e4j * y) - 8.0 * (vx + 1j * vy)
+        push += force * (time >= begins)
+        inertia = np.array(
+            [[1.0, 0.0, -turn.imag], [0.0, 1.0, turn.real], [-turn.imag, turn.real, 0.01]]
+        )
+        right = [push.real, push.imag, 1.0 - w / 200.0]
+        return [vx, vy, *np.linalg.solve(inertia, right)[:2], w, np.linalg.solve(inertia, right)[2]]
+
+    def run(span, begin):
+        return solve_ivp(rate, span, begin, "DOP853", rtol=1e-11, atol=1e-13).y[:, -1]
+
+    half = run((0.0, np.nextafter(begins, 0.0)), [0.0, 0.0, 0.0, 0.0, 0.0, 20.0])
+    expected = run((begins, end), half)
+    host = hosted(scene)
+    host.step(begins)
+    host.set({"rotor.plane[1].F_x": force})
+    host.time = begins
+    host.step(end - begins)
+    found = host.get("rotor.x", "rotor.y", "rotor.vx", "rotor.vy", "motor.angle", "motor.speed")
+    assert found == pytest.approx(expected, rel=1e-6, abs=1e-6 * 0.3)
+
+
+def test_its_speed_is_no_input():
+    scene = Scene.from_document(DOCUMENT)
+    with pytest.raises(UserError, match="'speed': not known"):
+        cosimulate_many(scene, {"speed": [10.0]})
+    compensated = {"coupling.scheme": "compensated"}
+    with pytest.raises(UserError, match=r"does not know operation\.motor"):
+        scene.replace(compensated)
+
+
+def test_runs_of_many_motors_are_the_single_runs():
+    scene = Scene.from_document(DOCUMENT)
+    scenes = [
+        scene.replace(
+            {"operation.motor.stall_torque": torque, "operation.motor.no_load_speed": top}
+        )
+        for torque, top in ((0.5, 200.0), (1.0, 150.0), (2.0, 250.0))
+    ]
+    found = cosimulate_alike(scenes, ["largest", "motor.speed"])
+    assert list(found["failure"]) == [""] * 3
+    for k, one in enumerate(scenes):
+        single = cosimulate(one, record=["rotor.x", "rotor.y", "motor.speed"])
+        amplitude = np.hypot(single["rotor.x"], single["rotor.y"])
+        assert found["largest"][k] == pytest.approx(amplitude.max(), rel=1e-11)
+        assert found["motor.speed"][k] == pytest.approx(single["motor.speed"][-1], rel=1e-11)
+
+
+def test_maps_and_scatter_vary_the_motor():
+    scene = load_scene("sommerfeld").replace({"run.revolutions": 60})
+    torques = Axis("operation.motor.stall_torque", np.array([5.0, 80.0]))
+    found = run_map(scene, torques, Axis("rotor.damping", np.array([10.0, 12.0])))
+    assert (found.failure == "").all()
+    # caught at the resonance it vibrates more than behind it
+    assert (found.residual[:, 0] > 2.0 * found.residual[:, 1]).all()
+    drawn = scatter(scene, [Variation.parse("operation.motor.inertia=uniform(0.48, 0.52)")], 3)
+    assert drawn.ran.all()
+    assert len(set(drawn.residual.tolist())) == 3
