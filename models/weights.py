@@ -384,6 +384,25 @@ def reaction(
     return scale * force, scale * force_slope
 
 
+def unhindered(
+    weights: Weights,
+    angles: Sequence[float],
+    speeds: Sequence[float],
+    motion: tuple[complex, complex],
+    angular_acceleration: float,
+    change: float,
+) -> tuple[float, float]:
+    """Sum of theta'' and its slope, where nothing but drag hinders weights; as of `torque`."""
+    turned = jerk = 0.0
+    for angle, speed in zip(angles, speeds, strict=True):
+        drawn, drawn_slope = along_track(*motion, angle, speed, weights.lever)
+        turned += drawn
+        jerk += drawn_slope
+    lag = weights.count * weights.spin_share
+    turned -= lag * angular_acceleration + weights.damping_rate * sum(speeds)
+    return turned, jerk - (lag * change + weights.damping_rate * turned)
+
+
 def torque(
     weights: Weights,
     angles: Sequence[float],
@@ -404,16 +423,9 @@ def torque(
     Returns:
         [N m], [N m/s].
     """
-    size, body, count, share = (
-        weights.track_radius, weights.radius, weights.count, weights.spin_share
-    )  # fmt: skip
-    rate, turned, jerk = sum(speeds), 0.0, 0.0
-    for angle, speed in zip(angles, speeds, strict=True):
-        drawn, drawn_slope = along_track(*motion, angle, speed, weights.lever)
-        turned += drawn
-        jerk += drawn_slope
-    turned -= count * share * angular_acceleration + weights.damping_rate * rate
-    jerk -= count * share * change + weights.damping_rate * turned
+    size, body, count = weights.track_radius, weights.radius, weights.count
+    rate = sum(speeds)
+    turned, jerk = unhindered(weights, angles, speeds, motion, angular_acceleration, change)
     drag = weights.drag * size**2
     rolling = (weights.kappa - 1.0) * weights.mass * (size + body)
     return (

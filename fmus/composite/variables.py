@@ -70,6 +70,12 @@ def own_variables(sizes: CompositeSizes) -> list[Variable]:
         output("coupling.loop_gain", "1", "Of the loop force - acceleration", observed=True),
         output("coupling.steps", "1", "Taken by the coupling", observed=True),
         output("coupling.error", "1", "Of the motion, estimated", observed=True),
+        output(
+            "coupling.unconverged",
+            "1",
+            "Steps that left a residual above 1e-3 of the force",
+            observed=True,
+        ),
     ]
 
 

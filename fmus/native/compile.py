@@ -36,13 +36,18 @@ BINARIES = SOURCES / "bin"
 GENERATED = BINARIES / "sources"
 
 # no contraction to fused multiply-add: the same bits on every processor; sqrt an instruction
-FLAGS = ("-std=c99", "-O2", "-ffp-contract=off", "-fno-math-errno")
+FLAGS = ("-std=c99", "-ffp-contract=off", "-fno-math-errno")
+# where steps spend their time, for speed; all else, for size: it is no slower
+FAST, SMALL = "-O2", "-Os"
+HOT = ("propagator", "unit_rotor_step", "weights")
 _WARNINGS = ("-Wall", "-Wextra", "-Wpedantic")
-# macOS headers would call checking variants of memcpy; without unrolled loops a library is a tenth
-# smaller, and no slower
-_OBJECT = ("-fPIC", "-fvisibility=hidden", "-D_FORTIFY_SOURCE=0", "-fno-unroll-loops")
+# macOS headers would call checking variants of memcpy; without loops unrolled or made into vectors
+# a library is a tenth smaller, and no slower
+_LOOPS = ("-fno-unroll-loops", "-fno-vectorize", "-fno-slp-vectorize")
+_OBJECT = ("-fPIC", "-fvisibility=hidden", "-D_FORTIFY_SOURCE=0", *_LOOPS)
 # nothing unwinds the stack of C; Windows wants its tables
 _NO_TABLES = ("-fno-asynchronous-unwind-tables", "-fno-unwind-tables")
+_LINUX = (*_NO_TABLES, "-fomit-frame-pointer")
 _LINK = ("-nostdlib", "-s")
 _SHARED = ("-shared",)
 # else the path of the output would stand in the library
@@ -70,8 +75,8 @@ class Platform:
 
 # by their names in FMI 3.0
 PLATFORMS = {
-    "x86_64-linux": Platform("x86_64-linux-gnu.2.17", "autobalancer.so", _NO_TABLES),
-    "aarch64-linux": Platform("aarch64-linux-gnu.2.17", "autobalancer.so", _NO_TABLES),
+    "x86_64-linux": Platform("x86_64-linux-gnu.2.17", "autobalancer.so", _LINUX),
+    "aarch64-linux": Platform("aarch64-linux-gnu.2.17", "autobalancer.so", _LINUX),
     "x86_64-windows": Platform("x86_64-windows-gnu", "autobalancer.dll", folder="windows"),
     "x86_64-darwin": Platform("x86_64-macos.11.0", "autobalancer.dylib", *_MACOS),
     "aarch64-darwin": Platform("aarch64-macos.11.0", "autobalancer.dylib", *_MACOS),
@@ -139,7 +144,16 @@ def stamp() -> str:
         OSError: layout.h has not been generated yet.
     """
     total = hashlib.sha256()
-    for text in (COMPILER, *FLAGS, *_OBJECT, *_LINK, *map(repr, _TARGETS.values())):
+    for text in (
+        COMPILER,
+        *FLAGS,
+        FAST,
+        SMALL,
+        *HOT,
+        *_OBJECT,
+        *_LINK,
+        *map(repr, _TARGETS.values()),
+    ):
         total.update(text.encode() + b"\0")
     folders = sorted(platform.folder for platform in _TARGETS.values() if platform.folder)
     own = {p.name: source(p) for f in folders for p in sorted((SOURCES / f).iterdir())}
@@ -197,8 +211,18 @@ def _compiled(platform: Platform, environment: dict[str, str]) -> bytes:
     with tempfile.TemporaryDirectory() as folder:
 
         def compiled(file: str) -> str:
-            output = str(Path(folder) / f"{Path(file).stem}.o")
-            options = (*FLAGS, *_WARNINGS, *_OBJECT, *platform.compiler, "-I", str(GENERATED))
+            stem = Path(file).stem
+            output = str(Path(folder) / f"{stem}.o")
+            level = FAST if stem in HOT else SMALL
+            options = (
+                *FLAGS,
+                level,
+                *_WARNINGS,
+                *_OBJECT,
+                *platform.compiler,
+                "-I",
+                str(GENERATED),
+            )
             _zig([*target, *options, "-c", file, "-o", output], environment)
             return output
 

@@ -492,18 +492,22 @@ static int step(Unit *unit, double length)
     return reach(unit, end);
 }
 
+static void show_outputs(Unit *unit, const Part *part)
+{
+    const size_t first = part->unit->layout.computed.first;
+    memcpy(unit->real + part->observed, part->unit->real + first,
+           (part->unit->layout.real_count - first) * sizeof(double));
+}
+
 static void observe(Unit *unit)
 {
     Composite *c = unit->own;
     double *results = unit->real + c->results;
     int k;
     for (k = 0; k < c->part_count; k++) {
-        Unit *part = c->parts[k].unit;
-        const size_t first = part->layout.computed.first;
         if (composite_asked(unit, c->parts + k)) {
-            part->equations->observe(part);
-            memcpy(unit->real + c->parts[k].observed, part->real + first,
-                   (part->layout.real_count - first) * sizeof(double));
+            c->parts[k].unit->equations->observe(c->parts[k].unit);
+            show_outputs(unit, c->parts + k);
         }
     }
     results[0] = c->motor ? shaft_speed(c)
@@ -511,6 +515,34 @@ static void observe(Unit *unit)
     results[1] = c->course->gain;
     results[2] = c->course->steps;
     results[3] = c->course->error;
+    results[4] = c->course->unconverged;
+}
+
+static void observe_torques(Unit *unit)
+{
+    const Composite *c = unit->own;
+    int k;
+    for (k = 0; k < c->part_count; k++) {
+        Unit *part = c->parts[k].unit;
+        if (part->equations->observe_torques && composite_asked(unit, c->parts + k)) {
+            part->equations->observe_torques(part);
+            show_outputs(unit, c->parts + k);
+        }
+    }
+}
+
+static int is_torque(const Unit *unit, size_t reference)
+{
+    const Composite *c = unit->own;
+    int k;
+    for (k = 0; k < c->part_count; k++) {
+        const Unit *part = c->parts[k].unit;
+        const size_t output = reference - c->parts[k].observed + part->layout.computed.first;
+        if (reference >= c->parts[k].observed && output < part->layout.real_count) {
+            return part->equations->is_torque && part->equations->is_torque(part, output);
+        }
+    }
+    return 0;
 }
 
 /* -- what a composite does not offer ---------------------------------------------------------- */
@@ -539,4 +571,4 @@ static int slope(Unit *unit, size_t reference, double *value)
 
 const Equations COMPOSITE_EQUATIONS = {
     "Composite", memory_size, own_size, starts,  allocate,    parameters, begin,
-    step,        outputs,     observe,  signals, directional, slope};
+    step,        outputs,     observe,  observe_torques, is_torque, signals, directional, slope};

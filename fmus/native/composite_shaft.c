@@ -10,11 +10,11 @@
 /* Outputs of the motor's unit from its first on. */
 enum { RATE, RATE_SLOPE, SPEED_REACHED };
 
-/* Whether weights can touch, which take no change of w' within a step. */
+/* Whether weights can touch or stick, which take no change of w' within a step. */
 static int meets(const Unit *unit)
 {
     return unit->equations == &WEIGHTS_EQUATIONS &&
-           ((const Balls *)unit->own)->track.weight_radius > 0.0;
+           (unit->real[WEIGHT_RADIUS] > 0.0 || unit->real[ROLLING] > 0.0);
 }
 
 /* sqrt(I M), inertia that turns and mass of the loaded rotor: a force of an angular acceleration. */
@@ -41,7 +41,7 @@ static void read_torque(const Composite *c, double *torque)
     for (k = 0; k < c->mounted; k++) {
         const Part *part = c->parts + k;
         if (part->torque >= 0) {
-            part->unit->equations->observe(part->unit);
+            part->unit->equations->observe_torques(part->unit);
             torque[0] += part->unit->real[part->torque];
             torque[1] += part->unit->real[part->torque + 1];
         }

@@ -228,6 +228,23 @@ Complex rect(double size, double angle)
     }
 }
 
+Complex turned_by(Turned *kept, double angle)
+{
+    if (!kept) {
+        return rect(1.0, angle);
+    }
+    if (kept[0].angle != angle) {
+        const Turned last = kept[0];
+        kept[0] = kept[1];
+        kept[1] = last;
+        if (kept[0].angle != angle) {
+            kept[0].angle = angle;
+            kept[0].turn = rect(1.0, angle);
+        }
+    }
+    return kept[0].turn;
+}
+
 double sine(double x)
 {
     return rect(1.0, x).im;

@@ -56,6 +56,16 @@ double cosine(double x);
 /* size e^{i angle}: Python's cmath.rect. */
 Complex rect(double size, double angle);
 
+/* e^{i angle}. */
+typedef struct {
+    double angle;
+    Complex turn;
+} Turned;
+
+/* The same of the last two angles asked for, at first not a number: passes ask for the ends of a
+   step again and again.  kept (2,), or NULL. */
+Complex turned_by(Turned *kept, double angle);
+
 double natural_exp(double x);  /* e^x, below 1 ulp */
 double arc_sine(double x);     /* -1 to 1, below 1 ulp; NaN beyond */
 double hypotenuse(double x, double y); /* sqrt(x^2 + y^2), below 0.6 ulp, no overflow within */

@@ -138,8 +138,8 @@ void moved(WeightsInOrder *weights, int i, const Instant *now, const Instant *la
         sliding_substep(&group, middle, rate, ends, now->rotor_speed, angular_acceleration,
                         response, step, weights->sides, weights->failure);
     } else {
-        weights_substep(middle, rate, ends, group_lever(weights, i), lag, response,
-                        step, weights->failure);
+        weights_substep(middle, rate, ends, group_lever(weights, i), rect(1.0, *middle), lag,
+                        response, step, weights->failure);
     }
 }
 
@@ -166,6 +166,22 @@ void group_acceleration(WeightsInOrder *weights, int i, double middle, double an
     }
     *acceleration = drive - damping_rate * angle_rate;
     *slope = drive_slope - damping_rate * *acceleration;
+}
+
+void ring_turning(WeightsInOrder *weights, const Instant *now, double angular_acceleration,
+                  double *turned)
+{
+    const Groups *groups = &weights->groups;
+    int i;
+    turned[0] = turned[1] = 0.0;
+    find_groups(weights, now, angular_acceleration);
+    for (i = 0; i < groups->runs.count; i++) {
+        double acceleration, slope;
+        group_acceleration(weights, i, groups->middle[i], groups->angle_rate[i], now,
+                           angular_acceleration, &acceleration, &slope);
+        turned[0] += groups->runs.size[i] * acceleration;
+        turned[1] += groups->runs.size[i] * slope;
+    }
 }
 
 void ring_reaction(WeightsInOrder *weights, const Instant *now, double angular_acceleration,

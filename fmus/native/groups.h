@@ -27,6 +27,10 @@ void group_acceleration(WeightsInOrder *weights, int i, double middle, double an
                         const Instant *now, double angular_acceleration, double *acceleration,
                         double *slope);
 
+/* Sum of theta'' of all weights and its slope [rad/s^2, rad/s^3]. */
+void ring_turning(WeightsInOrder *weights, const Instant *now, double angular_acceleration,
+                  double *turned);
+
 /* As weights_reaction: a group counts as its factor times one weight at its middle. */
 void ring_reaction(WeightsInOrder *weights, const Instant *now, double angular_acceleration,
                    Complex *force, Complex *force_slope);

@@ -66,7 +66,7 @@ int track_advance(const Track *track, const double *angles, const double *speeds
         Quadrature memory = quadrature_empty();
         copy_doubles((size_t)track->weights.count, contacts, moved->contacts);
         return weights_advance(&track->weights, angles, speeds, motion.signal, spin_up,
-                               step, moved->angles, moved->speeds, &memory, failure);
+                               step, moved->angles, moved->speeds, &memory, NULL, failure);
     }
     if (drifts(spin_up)) {
         return fail(failure, FAILURE_SPIN, "der(acceleration)", 0, spin_up[1], 0.0, 0.0, 0.0);
@@ -114,7 +114,7 @@ int track_reaction(const Track *track, const double *angles, const double *speed
         ring_reaction(&weights, &now, angular_acceleration, force, force_slope);
     } else {
         weights_reaction(&track->weights, angles, speeds, acceleration, slope, rotor_speed,
-                         angular_acceleration, change, force, force_slope);
+                         angular_acceleration, change, force, force_slope, NULL);
     }
     if (off) {
         const Complex carried = complex_scaled(weights_added_mass(&track->weights), track->offset);
@@ -126,9 +126,41 @@ int track_reaction(const Track *track, const double *angles, const double *speed
     return FINE;
 }
 
-void track_torque(const Track *track, const double *angles, const double *speeds,
-                  const Complex *motion, const Complex *force, double rotor_speed,
-                  double angular_acceleration, double change, double *torque)
+double track_arm(const Track *track)
+{
+    const Weights *body = &track->weights;
+    return track->moment * (body->track_radius - (body->kappa - 1.0) * body->radius);
+}
+
+/* What rolling resistance adds to the torque. */
+static int add_resistance(const Track *track, const double *angles, const double *speeds,
+                          const double *contacts, const Complex *centre, double rotor_speed,
+                          double angular_acceleration, double *torque, double *scratch,
+                          Failure *failure)
+{
+    WeightsInOrder weights;
+    Instant now;
+    double free[2], left[2];
+    const int code = put_in_order(track, angles, speeds, contacts, scratch, &weights, failure);
+    int k;
+    if (code) {
+        return code;
+    }
+    now.acceleration = centre[0];
+    now.slope = centre[1];
+    now.rotor_speed = rotor_speed;
+    weights_unhindered(&track->weights, angles, speeds, centre, angular_acceleration, 0.0, free);
+    ring_turning(&weights, &now, angular_acceleration, left);
+    for (k = 0; k < 2; k++) {
+        torque[k] += track_arm(track) * (free[k] - left[k]);
+    }
+    return FINE;
+}
+
+int track_torque(const Track *track, const double *angles, const double *speeds,
+                 const double *contacts, const Complex *motion, const Complex *force,
+                 double rotor_speed, double angular_acceleration, double change, double *torque,
+                 double *scratch, Failure *failure)
 {
     const Complex whirl = {-(rotor_speed * rotor_speed), angular_acceleration};
     const Complex whirl_slope = {-2.0 * rotor_speed * angular_acceleration, change};
@@ -138,8 +170,16 @@ void track_torque(const Track *track, const double *angles, const double *speeds
     centre[0] = complex_sum(motion[0], complex_product(whirl, track->offset));
     centre[1] = complex_sum(motion[1], complex_product(whirl_slope, track->offset));
     weights_torque(&track->weights, angles, speeds, centre, angular_acceleration, change, torque);
+    if (track->rolling_resistance > 0.0) {
+        const int code = add_resistance(track, angles, speeds, contacts, centre, rotor_speed,
+                                        angular_acceleration, torque, scratch, failure);
+        if (code) {
+            return code;
+        }
+    }
     for (k = 0; k < 2; k++) {
         const Complex pull = complex_difference(force[k], complex_scaled(carried, motion[k]));
         torque[k] += complex_product(complex_conjugate(track->offset), pull).im;
     }
+    return FINE;
 }

@@ -49,12 +49,16 @@ int track_reaction(const Track *track, const double *angles, const double *speed
                    double angular_acceleration, double change, Complex *force,
                    Complex *force_slope, double *scratch, Failure *failure);
 
-/* Torque of the weights on the rotor about the plane's centre and its slope, without impulses and
-   what rolling resistance does.
+/* Torque on the rotor by what resistance takes of a weight's theta'' [N m s^2]: kappa m R^2, less what
+   the body's own turning gives back. */
+double track_arm(const Track *track);
+
+/* Torque of the weights on the rotor about the plane's centre and its slope, without impulses.
 
    motion, force: acceleration of the plane's centre, force of track_reaction, and their slopes. */
-void track_torque(const Track *track, const double *angles, const double *speeds,
-                  const Complex *motion, const Complex *force, double rotor_speed,
-                  double angular_acceleration, double change, double *torque);
+int track_torque(const Track *track, const double *angles, const double *speeds,
+                 const double *contacts, const Complex *motion, const Complex *force,
+                 double rotor_speed, double angular_acceleration, double change, double *torque,
+                 double *scratch, Failure *failure);
 
 #endif

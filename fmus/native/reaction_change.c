@@ -119,35 +119,84 @@ static void ring_change(WeightsInOrder *weights, const Drive *d, Complex *force,
     *force_slope = complex_scaled(scale, sum);
 }
 
+/* Weights in order, what drives them and its change; about the track's centre. */
+static int prepare(const Track *track, const double *angles, const double *speeds,
+                   const double *contacts, Complex acceleration, Complex slope, double rotor_speed,
+                   double angular_acceleration, const Instant *by, double by_angular_acceleration,
+                   double by_change, double *scratch, WeightsInOrder *weights, Drive *d,
+                   Failure *failure)
+{
+    const Complex whirl = {-(rotor_speed * rotor_speed), angular_acceleration};
+    const Complex by_whirl = {-2.0 * rotor_speed * by->rotor_speed, by_angular_acceleration};
+    const double whirl_slope = 2.0 * rotor_speed * angular_acceleration;
+    const Complex offset = track->offset, by_turn = {0.0, by_change};
+    const int code = put_in_order(track, angles, speeds, contacts, scratch, weights, failure);
+    if (code) {
+        return code;
+    }
+    d->now.acceleration = complex_sum(acceleration, complex_product(whirl, offset));
+    d->now.slope = complex_difference(slope, complex_scaled(whirl_slope, offset));
+    d->now.rotor_speed = rotor_speed;
+    d->by.acceleration = complex_sum(by->acceleration, complex_product(by_whirl, offset));
+    d->by.slope = complex_difference(
+        by->slope, complex_scaled(2.0 * (by->rotor_speed * angular_acceleration +
+                                         rotor_speed * by_angular_acceleration), offset));
+    d->by.slope = complex_sum(d->by.slope, complex_product(by_turn, offset));
+    d->by_change = track->eventful ? 0.0 : by_change; /* which weights that meet do not take */
+    d->by.rotor_speed = by->rotor_speed;
+    d->angular_acceleration = angular_acceleration;
+    d->by_angular_acceleration = by_angular_acceleration;
+    return FINE;
+}
+
+int track_turning_change(const Track *track, const double *angles, const double *speeds,
+                         const double *contacts, Complex acceleration, Complex slope,
+                         double rotor_speed, double angular_acceleration, const Instant *by,
+                         double by_angular_acceleration, double by_change, double *turned,
+                         double *scratch, Failure *failure)
+{
+    WeightsInOrder weights;
+    Drive d;
+    int i;
+    const int code = prepare(track, angles, speeds, contacts, acceleration, slope, rotor_speed,
+                             angular_acceleration, by, by_angular_acceleration, by_change, scratch,
+                             &weights, &d, failure);
+    turned[0] = turned[1] = 0.0;
+    if (code) {
+        return code;
+    }
+    find_groups(&weights, &d.now, angular_acceleration);
+    for (i = 0; i < weights.groups.runs.count; i++) {
+        const int size = weights.groups.runs.size[i];
+        double theta_2, theta_3, change, slope_change;
+        group_acceleration(&weights, i, weights.groups.middle[i], weights.groups.angle_rate[i],
+                           &d.now, angular_acceleration, &theta_2, &theta_3);
+        group_change(&weights, i, &d, theta_2, &change, &slope_change);
+        turned[0] += size * change;
+        turned[1] += size * slope_change;
+    }
+    return FINE;
+}
+
 int track_reaction_change(const Track *track, const double *angles, const double *speeds,
                           const double *contacts, Complex acceleration, Complex slope,
                           double rotor_speed, double angular_acceleration, const Instant *by,
                           double by_angular_acceleration, double by_change, Complex *force,
                           Complex *force_slope, double *scratch, Failure *failure)
 {
-    const Complex whirl = {-(rotor_speed * rotor_speed), angular_acceleration};
     const Complex by_whirl = {-2.0 * rotor_speed * by->rotor_speed, by_angular_acceleration};
-    const double whirl_slope = 2.0 * rotor_speed * angular_acceleration;
     const double by_whirl_slope =
         2.0 * (by->rotor_speed * angular_acceleration + rotor_speed * by_angular_acceleration);
-    const Complex offset = track->offset, by_turn = {0.0, by_change};
-    const Complex carried = complex_scaled(weights_added_mass(&track->weights), offset);
+    const Complex by_turn = {0.0, by_change};
+    const Complex carried = complex_scaled(weights_added_mass(&track->weights), track->offset);
     WeightsInOrder weights;
     Drive d;
-    const int code = put_in_order(track, angles, speeds, contacts, scratch, &weights, failure);
+    const int code = prepare(track, angles, speeds, contacts, acceleration, slope, rotor_speed,
+                             angular_acceleration, by, by_angular_acceleration, by_change, scratch,
+                             &weights, &d, failure);
     if (code) {
         return code;
     }
-    d.now.acceleration = complex_sum(acceleration, complex_product(whirl, offset));
-    d.now.slope = complex_difference(slope, complex_scaled(whirl_slope, offset));
-    d.now.rotor_speed = rotor_speed;
-    d.by.acceleration = complex_sum(by->acceleration, complex_product(by_whirl, offset));
-    d.by.slope = complex_difference(by->slope, complex_scaled(by_whirl_slope, offset));
-    d.by.slope = complex_sum(d.by.slope, complex_product(by_turn, offset));
-    d.by_change = track->eventful ? 0.0 : by_change; /* which weights that meet do not take */
-    d.by.rotor_speed = by->rotor_speed;
-    d.angular_acceleration = angular_acceleration;
-    d.by_angular_acceleration = by_angular_acceleration;
     ring_change(&weights, &d, force, force_slope);
     *force = complex_difference(*force, complex_product(carried, by_whirl));
     *force_slope = complex_sum(*force_slope, complex_scaled(by_whirl_slope, carried));

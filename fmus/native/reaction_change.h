@@ -16,4 +16,11 @@ int track_reaction_change(const Track *track, const double *angles, const double
                           double by_angular_acceleration, double by_change, Complex *force,
                           Complex *force_slope, double *scratch, Failure *failure);
 
+/* Changes of the sum of theta'' of all weights and of its slope (2,). */
+int track_turning_change(const Track *track, const double *angles, const double *speeds,
+                         const double *contacts, Complex acceleration, Complex slope,
+                         double rotor_speed, double angular_acceleration, const Instant *by,
+                         double by_angular_acceleration, double by_change, double *turned,
+                         double *scratch, Failure *failure);
+
 #endif

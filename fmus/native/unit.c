@@ -182,7 +182,7 @@ Status unit_enter_initialisation(Unit *unit)
 
 Status unit_exit_initialisation(Unit *unit)
 {
-    if (unit_refresh(unit, FRESH)) {
+    if (unit_refresh(unit, WITHOUT_TORQUES)) {
         return unit_report(unit, STATUS_ERROR, "initialisation failed");
     }
     unit->phase = RUNNING;
@@ -323,7 +323,18 @@ int unit_refresh(Unit *unit, int level)
     }
     if (unit->stale == OBSERVED && level < OBSERVED) {
         equations->observe(unit);
+        unit->stale = WITHOUT_TORQUES;
+    }
+    if (unit->stale == WITHOUT_TORQUES && level < WITHOUT_TORQUES) {
+        if (equations->observe_torques) {
+            equations->observe_torques(unit);
+        }
         unit->stale = FRESH;
     }
     return 0;
+}
+
+int unit_ends_with(const Unit *unit, size_t reference)
+{
+    return reference + 2 >= unit->layout.real_count;
 }

@@ -17,8 +17,9 @@
 /* As both versions of FMI number them. */
 typedef enum { STATUS_OK, STATUS_WARNING, STATUS_DISCARD, STATUS_ERROR, STATUS_FATAL } Status;
 
-/* How stale the outputs are, ascending. */
-enum { FRESH, OBSERVED, COMPUTED, BEGINNING };
+/* How stale the outputs are, ascending: torques, which few read and are dear, and what else is
+   observed, and what is computed. */
+enum { FRESH, WITHOUT_TORQUES, OBSERVED, COMPUTED, BEGINNING };
 
 /* Where in its life an instance is. */
 enum { INSTANTIATED = 1, INITIALISING = 2, RUNNING = 4, TERMINATED = 8 };
@@ -51,8 +52,11 @@ typedef struct {
     int (*step)(Unit *unit, double step);
     /* Compute the outputs from `memory` and the inputs as they are now. */
     int (*outputs)(Unit *unit);
-    /* Compute the outputs declared as observed. */
+    /* Compute the outputs declared as observed, without torques, */
     void (*observe)(Unit *unit);
+    /* and these; NULL where there are none; whether an observed output is one. */
+    void (*observe_torques)(Unit *unit);
+    int (*is_torque)(const Unit *unit, size_t reference);
     /* Signals come as value and derivatives: their number, and their first value reference. */
     size_t (*signals)(const Layout *layout, size_t *first);
     /* How all outputs change, by value reference, when the inputs change by `seed`. */
@@ -158,6 +162,8 @@ Status unit_adjoint(Unit *unit, const unsigned *unknowns, size_t unknown_count,
 
 /* -- for the equations ----------------------------------------------------------------------- */
 
+/* Whether an output is the torque or its slope, where a unit ends with them. */
+int unit_ends_with(const Unit *unit, size_t reference);
 /* Bring the outputs up to date so far that `stale` is at most `level`; 0, or 1 with the reason. */
 int unit_refresh(Unit *unit, int level);
 /* Move the equations by a step [s]; 1 with the reason, and as it was, where they fail. */

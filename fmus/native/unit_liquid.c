@@ -150,4 +150,4 @@ static int slope(Unit *unit, size_t reference, double *value)
 
 const Equations LIQUID_EQUATIONS = {
     "LiquidBalancer", memory_size, own_size, starts,  allocate,    parameters, begin,
-    step,             outputs,     observe,  signals, directional, slope};
+    step,             outputs,     observe,  NULL, NULL, signals, directional, slope};

@@ -190,6 +190,11 @@ static void observe(Unit *unit)
     for (k = 0; k < own->slider_count; k++) {
         *out++ = rotor_held(unit)[2 * k + HOLDS];
     }
+}
+
+static void observe_torques(Unit *unit)
+{
+    double *out = unit->real + unit->layout.real_count - 2;
     if (rotor_torque_now(unit, out)) {
         out[0] = out[1] = not_a_number();
     }
@@ -203,4 +208,5 @@ static size_t signals(const Layout *layout, size_t *first)
 
 const Equations ROTOR_EQUATIONS = {
     "RotorOnSupports", memory_size, own_size, rotor_starts,  allocate,    parameters, begin,
-    step,              outputs,     observe,  signals, rotor_directional, rotor_slope};
+    step,              outputs,     observe,  observe_torques, unit_ends_with,
+    signals,           rotor_directional, rotor_slope};

@@ -3,6 +3,7 @@
 #define AUTOBALANCER_UNIT_ROTOR_H
 
 #include "angle.h"
+#include "elementary.h"
 #include "friction.h"
 #include "linear_rotor.h"
 #include "signals.h"
@@ -37,12 +38,6 @@ typedef struct {
     double *value;
     double *work; /* (2, size) */
 } Rates;
-
-/* e^{i angle}. */
-typedef struct {
-    double angle;
-    Complex turn;
-} Turned;
 
 typedef struct {
     int kind, stations, planes, unbalances, turning;

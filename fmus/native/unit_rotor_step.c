@@ -308,22 +308,6 @@ void rotor_rotated(double *pairs, size_t count, double c, double s)
     }
 }
 
-/* e^{i angle}, kept. */
-static Complex turned_by(Rotor *own, double angle)
-{
-    Turned *kept = own->turned;
-    if (kept[0].angle != angle) {
-        const Turned last = kept[0];
-        kept[0] = kept[1];
-        kept[1] = last;
-        if (kept[0].angle != angle) {
-            kept[0].angle = angle;
-            kept[0].turn = rect(1.0, angle);
-        }
-    }
-    return kept[0].turn;
-}
-
 void rotor_apply(Rotor *own, const double *matrix)
 {
     const int rows = own->rows, columns = own->columns;
@@ -356,7 +340,7 @@ static int set_operand(Unit *unit)
     Rotor *own = unit->own;
     const size_t p = (size_t)own->planes, forces = 4 * (size_t)own->stations;
     const size_t turn = forces + 2 * SIGNAL_ORDERS * p;
-    const Complex turned = turned_by(own, unit->memory[REST]);
+    const Complex turned = turned_by(own->turned, unit->memory[REST]);
     memcpy(own->operand, unit->memory + MOTION, forces * sizeof(double));
     memcpy(own->operand + forces, rotor_drive(unit) + SPUN, (turn - forces) * sizeof(double));
     if (own->turning) {
@@ -419,7 +403,7 @@ void rotor_put(Rotor *own, const double *planes, double angle, double speed, dou
     size_t k;
     memcpy(out, planes, 2 * n * sizeof(double));
     if (own->turning) {
-        const Complex turned = turned_by(own, angle);
+        const Complex turned = turned_by(own->turned, angle);
         /* (a e^{-i beta})' = (j - i w a) e^{-i beta} */
         for (k = 0; k < n; k += 2) {
             out[n + k] += speed * out[k + 1];

@@ -53,11 +53,13 @@ static int refused(Unit *unit, const unsigned *references, size_t count, Range r
 }
 
 /* How stale the outputs may be for a value to be read. */
-static int level_of(const Layout *layout, size_t reference)
+static int level_of(const Unit *unit, size_t reference)
 {
-    return reference < layout->computed.first   ? BEGINNING
-           : reference < layout->observed.first ? OBSERVED
-                                                : FRESH;
+    const Equations *equations = unit->equations;
+    return reference < unit->layout.computed.first   ? BEGINNING
+           : reference < unit->layout.observed.first ? OBSERVED
+           : equations->is_torque && equations->is_torque(unit, reference) ? FRESH
+                                                                           : WITHOUT_TORQUES;
 }
 
 Status unit_get_reals(Unit *unit, const unsigned *references, size_t count, double *values)
@@ -68,7 +70,7 @@ Status unit_get_reals(Unit *unit, const unsigned *references, size_t count, doub
         return unit_report(unit, STATUS_ERROR, "reading failed");
     }
     for (k = 0; k < count; k++) {
-        const int needed = level_of(&unit->layout, references[k]);
+        const int needed = level_of(unit, references[k]);
         level = needed < level ? needed : level;
     }
     if (unit->stale > level && unit_refresh(unit, level)) {

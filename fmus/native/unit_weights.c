@@ -32,7 +32,8 @@ static int allocate(Unit *unit)
     Balls *own = unit->own;
     own->count = unit->layout.sizes.weights;
     own->scratch = unit_allocate(unit, track_scratch(own->count), sizeof(double));
-    return !own->scratch;
+    own->turned = unit_allocate(unit, 2 * (size_t)own->count, sizeof(Turned));
+    return !own->scratch || !own->turned;
 }
 
 /* A Boolean parameter; 0 where the unit is declared without it. */
@@ -65,6 +66,7 @@ static int parameters(Unit *unit)
     Track *track = &own->track;
     const double *real = unit->real;
     Failure failure;
+    int k;
     track->weights.count = own->count;
     track->weights.mass = real[MASS];
     track->weights.track_radius = real[TRACK_RADIUS];
@@ -75,6 +77,9 @@ static int parameters(Unit *unit)
     track->rolling_resistance = real[ROLLING];
     track->offset = complex_of(real[OFFSET_XI], real[OFFSET_ETA]);
     own->quadrature = quadrature_empty();
+    for (k = 0; k < 2 * own->count; k++) {
+        own->turned[k].angle = not_a_number();
+    }
     if (real[WEIGHT_RADIUS] >= real[TRACK_RADIUS]) {
         return refuse_size(unit, real[WEIGHT_RADIUS], real[TRACK_RADIUS]);
     }
@@ -139,7 +144,7 @@ int weights_force_now(Unit *unit, const RotorMotion *now, Complex *force)
     Failure failure;
     if (own->plain) {
         weights_reaction(&own->track.weights, angles, angles + count, now->acceleration, now->slope,
-                         now->speed, now->spin_up, now->change, force, force + 1);
+                         now->speed, now->spin_up, now->change, force, force + 1, own->turned);
     } else if (track_reaction(&own->track, angles, angles + count, angles + 2 * count,
                               now->acceleration, now->slope, now->speed, now->spin_up, now->change,
                               force, force + 1, own->scratch, &failure)) {
@@ -234,7 +239,7 @@ static int step(Unit *unit, double length)
             return 1;
         }
     } else if (weights_advance(&own->track.weights, angles, speeds, cubic, spin_up, length,
-                               angles, speeds, &own->quadrature, &failure)) {
+                               angles, speeds, &own->quadrature, own->turned, &failure)) {
         return unit_failed(unit, &failure, unit->before, (size_t)own->count);
     }
     unit->memory[unit->memory_count - 1] = unit->made;
@@ -251,20 +256,27 @@ static void observe(Unit *unit)
 {
     const Balls *own = unit->own;
     const size_t count = (size_t)own->count;
-    const RotorMotion now = weights_motion_now(unit);
-    const Complex motion[2] = {now.acceleration, now.slope};
-    Complex force[2];
     const Complex moment = track_static_moment(&own->track, unit->memory);
     double *out = unit->real + unit->layout.observed.first;
     memcpy(out, unit->memory, 2 * count * sizeof(double));
     out[2 * count] = moment.re;
     out[2 * count + 1] = moment.im;
     out[2 * count + 2] = weights_alignment(own->count, unit->memory);
-    out += 2 * count + 3;
-    out[0] = out[1] = not_a_number();
-    if (!weights_force_now(unit, &now, force)) {
-        track_torque(&own->track, unit->memory, unit->memory + count, motion, force, now.speed,
-                     now.spin_up, now.change, out);
+}
+
+static void observe_torques(Unit *unit)
+{
+    const Balls *own = unit->own;
+    const double *angles = unit->memory, *speeds = angles + own->count;
+    const RotorMotion now = weights_motion_now(unit);
+    const Complex motion[2] = {now.acceleration, now.slope};
+    double *out = unit->real + unit->layout.real_count - 2;
+    Complex force[2];
+    Failure failure;
+    if (weights_force_now(unit, &now, force) ||
+        track_torque(&own->track, angles, speeds, speeds + own->count, motion, force, now.speed,
+                     now.spin_up, now.change, out, own->scratch, &failure)) {
+        out[0] = out[1] = not_a_number();
     }
 }
 
@@ -276,4 +288,5 @@ static size_t signals(const Layout *layout, size_t *first)
 
 const Equations WEIGHTS_EQUATIONS = {
     "BallBalancer", memory_size, own_size, starts,  allocate,    parameters, begin,
-    step,           outputs,     observe,  signals, weights_directional, weights_slope};
+    step,           outputs,     observe,  observe_torques, unit_ends_with,
+    signals,        weights_directional, weights_slope};

@@ -23,6 +23,7 @@ typedef struct {
     int stop_at_contact;  /* whether a step ends behind the first event */
     double carried, sent; /* parts of the added mass: through the port, in the force [kg] */
     Quadrature quadrature;
+    Turned *turned; /* (N, 2) by the weights' angles */
     double *scratch;
 } Balls;
 

@@ -6,7 +6,7 @@
 #include "unit_weights.h"
 
 /* Change of the torque and its slope by that of plane and rotor and of the force, rotor frame. */
-static void torque_response(const Unit *unit, const RotorMotion *now, const Instant *by,
+static int torque_response(Unit *unit, const RotorMotion *now, const Instant *by,
                             double by_spin_up, double by_change, const Complex *by_force,
                             double *change)
 {
@@ -18,8 +18,9 @@ static void torque_response(const Unit *unit, const RotorMotion *now, const Inst
     const Complex by_motion[2] = {by->acceleration, by->slope}, none[2] = {{0.0, 0.0}, {0.0, 0.0}};
     const double added = weights_added_mass(&track->weights);
     const double *rates = unit->memory + own->count;
-    double still[2], moved[2];
+    double still[2], moved[2], free[2][2], left[2];
     Complex centre[2];
+    Failure failure;
     int k;
     centre[0] = complex_sum(by->acceleration, complex_product(by_whirl, track->offset));
     centre[1] = complex_sum(by->slope, complex_product(by_whirl_slope, track->offset));
@@ -32,6 +33,20 @@ static void torque_response(const Unit *unit, const RotorMotion *now, const Inst
         change[k] = moved[k] - still[k] +
                     complex_product(complex_conjugate(track->offset), pull).im;
     }
+    if (!(track->rolling_resistance > 0.0)) {
+        return 0;
+    }
+    if (track_turning_change(track, unit->memory, rates, rates + own->count, now->acceleration,
+                             now->slope, now->speed, now->spin_up, by, by_spin_up, by_change, left,
+                             own->scratch, &failure)) {
+        return unit_failed(unit, &failure, unit->memory, (size_t)own->count);
+    }
+    weights_unhindered(&track->weights, unit->memory, rates, none, 0.0, 0.0, free[0]);
+    weights_unhindered(&track->weights, unit->memory, rates, centre, by_spin_up, 0.0, free[1]);
+    for (k = 0; k < 2; k++) {
+        change[k] += track_arm(track) * (free[1][k] - free[0][k] - left[k]);
+    }
+    return 0;
 }
 
 int weights_directional(Unit *unit, const double *seed, double *change)
@@ -67,8 +82,10 @@ int weights_directional(Unit *unit, const double *seed, double *change)
     }
     by_force[0] = force;
     by_force[1] = force_slope;
-    torque_response(unit, &now, &by, seed[ACCELERATION], seed[ACCELERATION + 1], by_force,
-                    change + unit->layout.real_count - unit->layout.computed.first - 2);
+    if (torque_response(unit, &now, &by, seed[ACCELERATION], seed[ACCELERATION + 1], by_force,
+                        change + unit->layout.real_count - unit->layout.computed.first - 2)) {
+        return 1;
+    }
     force = complex_difference(force, complex_scaled(own->sent, by.acceleration));
     force_slope = complex_difference(force_slope, complex_scaled(own->sent, by.slope));
     if (fixed) {

@@ -1,5 +1,7 @@
 #include "weights.h"
 
+#include <stddef.h>
+
 #include "cubic.h"
 #include "elementary.h"
 #include "spin.h"
@@ -144,19 +146,19 @@ static Complex direction_at(Complex direction, double moved, double lever, doubl
     if (!(absolute(moved) < NEARBY)) {
         return rect(lever, -angle);
     }
-    c = 1.0 - z * (1.0 / 2.0 - z * (1.0 / 24.0 - z * (1.0 / 720.0 - z * (1.0 / 40320.0 - z / 3628800.0))));
-    s = 1.0 - z * (1.0 / 6.0 - z * (1.0 / 120.0 - z * (1.0 / 5040.0 - z / 362880.0)));
+    c = 1.0 - z * (1.0 / 2.0 - z * (1.0 / 24.0 - z * (1.0 / 720.0 - z * (1.0 / 40320.0 - z * (1.0 / 3628800.0)))));
+    s = 1.0 - z * (1.0 / 6.0 - z * (1.0 / 120.0 - z * (1.0 / 5040.0 - z * (1.0 / 362880.0))));
     return complex_product(direction, complex_of(c, -moved * s));
 }
 
 int weights_substep(double *angle, double *angle_rate, const Complex *ends, double lever,
-                    const double *lag, const double *response, double step,
+                    Complex unit, const double *lag, const double *response, double step,
                     Failure *failure)
 {
     const double *s = response + 1, *t = response + 6; /* to g0..g3 */
     double g0, g1, free_rate, free_angle, new_rate, new_angle;
     const double start = *angle;
-    const Complex direction = rect(lever, -start);
+    const Complex direction = complex_scaled(lever, complex_conjugate(unit));
     double change = 1.0; /* a weight moves less than 0.15 rad in a substep: it contracts fast */
     int iteration;
     along(ends[0], ends[1], direction, *angle_rate, &g0, &g1);
@@ -218,7 +220,8 @@ double fastest_rate(int count, const double *speeds, const Complex *signal, doub
 
 /* Move one weight over `count` substeps of h. */
 static int move(double *angle, double *speed, int count, double h, const Complex *signal,
-                double lever, const double *lag, const double *response, Failure *failure)
+                double lever, const double *lag, const double *response, Turned *turned,
+                Failure *failure)
 {
     const int varies = drifts(lag);
     double now[4] = {lag[0], lag[1], lag[2], lag[3]};
@@ -236,7 +239,8 @@ static int move(double *angle, double *speed, int count, double h, const Complex
             now[1] = more.slope;
             now[2] = lag[2] + time * lag[3];
         }
-        code = weights_substep(angle, speed, ends, lever, now, response, h, failure);
+        code = weights_substep(angle, speed, ends, lever, turned_by(turned, *angle), now, response,
+                               h, failure);
         ends[0] = ends[2];
         ends[1] = ends[3];
     }
@@ -245,7 +249,8 @@ static int move(double *angle, double *speed, int count, double h, const Complex
 
 int weights_advance(const Weights *weights, const double *angles, const double *speeds,
                     const Complex *signal, const double *spin_up, double step,
-                    double *new_angles, double *new_speeds, Quadrature *memory, Failure *failure)
+                    double *new_angles, double *new_speeds, Quadrature *memory, Turned *turned,
+                    Failure *failure)
 {
     const double lever = -1.0 / (weights->kappa * weights->track_radius);
     const double damping_rate = weights_damping_rate(weights);
@@ -277,7 +282,8 @@ int weights_advance(const Weights *weights, const double *angles, const double *
     for (k = 0; k < n && !code; k++) {
         const double behind = far ? TAU * nearest(angles[k] / TAU) : 0.0;
         double angle = angles[k] - behind, speed = speeds[k];
-        code = move(&angle, &speed, count, h, signal, lever, lag, response, failure);
+        code = move(&angle, &speed, count, h, signal, lever, lag, response,
+                    turned ? turned + 2 * k : NULL, failure);
         new_angles[k] = angle + behind;
         new_speeds[k] = speed;
     }
@@ -287,7 +293,7 @@ int weights_advance(const Weights *weights, const double *angles, const double *
 void weights_reaction(const Weights *weights, const double *angles, const double *speeds,
                       Complex acceleration, Complex slope, double speed,
                       double angular_acceleration, double change, Complex *force,
-                      Complex *force_slope)
+                      Complex *force_slope, Turned *turned)
 {
     const double lever = -1.0 / (weights->kappa * weights->track_radius);
     const double damping_rate = weights_damping_rate(weights);
@@ -301,7 +307,8 @@ void weights_reaction(const Weights *weights, const double *angles, const double
     slope = complex_scaled(lever, slope);
     for (k = 0; k < weights->count; k++) {
         const double nu = speeds[k], squared = nu * nu;
-        const Complex unit = rect(1.0, angles[k]), back = complex_conjugate(unit);
+        const Complex unit = turned_by(turned ? turned + 2 * k : NULL, angles[k]);
+        const Complex back = complex_conjugate(unit);
         const Complex along = complex_product(acceleration, back);
         const double bend = along.im - lag - damping_rate * nu;
         const double torque_slope = complex_product(slope, back).im - along.re * nu;
@@ -324,26 +331,39 @@ void weights_reaction(const Weights *weights, const double *angles, const double
     *force_slope = complex_scaled(scale, sum);
 }
 
-void weights_torque(const Weights *weights, const double *angles, const double *speeds,
-                    const Complex *motion, double angular_acceleration, double change,
-                    double *torque)
+void weights_unhindered(const Weights *weights, const double *angles, const double *speeds,
+                        const Complex *motion, double angular_acceleration, double change,
+                        double *turned)
 {
-    const double size = weights->track_radius, body = weights->radius, n = weights->count;
-    const double drag = weights->drag * size * size, share = weights_spin_share(weights);
-    const double rolling = (weights->kappa - 1.0) * weights->mass * (size + body);
-    const double lever = -1.0 / (weights->kappa * size);
+    const double lag = weights->count * weights_spin_share(weights);
+    const double lever = -1.0 / (weights->kappa * weights->track_radius);
     const double damping_rate = weights_damping_rate(weights);
-    double rate = 0.0, turned = 0.0, jerk = 0.0;
+    double rate = 0.0, sum = 0.0, jerk = 0.0;
     int k;
     for (k = 0; k < weights->count; k++) {
         double drawn, drawn_slope;
         along_track(motion[0], motion[1], angles[k], speeds[k], lever, &drawn, &drawn_slope);
         rate += speeds[k];
-        turned += drawn;
+        sum += drawn;
         jerk += drawn_slope;
     }
-    turned -= n * share * angular_acceleration + damping_rate * rate;
-    jerk -= n * share * change + damping_rate * turned;
-    torque[0] = drag * rate - rolling * (n * body * angular_acceleration - size * turned);
-    torque[1] = drag * turned - rolling * (n * body * change - size * jerk);
+    turned[0] = sum - (lag * angular_acceleration + damping_rate * rate);
+    turned[1] = jerk - (lag * change + damping_rate * turned[0]);
+}
+
+void weights_torque(const Weights *weights, const double *angles, const double *speeds,
+                    const Complex *motion, double angular_acceleration, double change,
+                    double *torque)
+{
+    const double size = weights->track_radius, body = weights->radius, n = weights->count;
+    const double drag = weights->drag * size * size;
+    const double rolling = (weights->kappa - 1.0) * weights->mass * (size + body);
+    double rate = 0.0, turned[2];
+    int k;
+    weights_unhindered(weights, angles, speeds, motion, angular_acceleration, change, turned);
+    for (k = 0; k < weights->count; k++) {
+        rate += speeds[k];
+    }
+    torque[0] = drag * rate - rolling * (n * body * angular_acceleration - size * turned[0]);
+    torque[1] = drag * turned[0] - rolling * (n * body * change - size * turned[1]);
 }

@@ -4,6 +4,7 @@
 #define AUTOBALANCER_WEIGHTS_H
 
 #include "complex_number.h"
+#include "elementary.h"
 #include "failure.h"
 
 #define TURN_PER_SUBSTEP 0.15 /* rad of weight motion: the error of a step is then below 1e-6 */
@@ -51,10 +52,10 @@ void along_track(Complex a, Complex da, double angle, double angle_rate, double 
 /* Angle and rate of one weight after `step`, in place; order 4.
 
    ends: acceleration of the track's centre and its slope at the start, and at the end; lever:
-   -1/(kappa R), times a group's factor; lag (4,): s w', by which a free weight falls behind, at
+   -1/(kappa R), times a group's factor; unit: e^{i angle}; lag (4,): s w', by which a free weight falls behind, at
    the start and its derivatives of order 1 to 3; response: of `quadrature`. */
 int weights_substep(double *angle, double *angle_rate, const Complex *ends, double lever,
-                    const double *lag, const double *response, double step,
+                    Complex unit, const double *lag, const double *response, double step,
                     Failure *failure);
 
 /* Whether the next iteration of a substep would change no more than rounding: a linear one changes
@@ -76,19 +77,26 @@ double fastest_rate(int count, const double *speeds, const Complex *signal, doub
 
    angles, speeds: (N,), and new_angles, new_speeds (N,) for the result, which may be the same
    arrays; without meaning after a failure.  signal: acceleration of the track's centre in the rotor
-   frame at the start of the step and its derivatives of order 1 to 3; spin_up (4,) likewise. */
+   frame at the start of the step and its derivatives of order 1 to 3; spin_up (4,) likewise; turned
+   (N, 2) as `turned_by` keeps them, or NULL. */
 int weights_advance(const Weights *weights, const double *angles, const double *speeds,
                     const Complex *signal, const double *spin_up, double step,
-                    double *new_angles, double *new_speeds, Quadrature *memory, Failure *failure);
+                    double *new_angles, double *new_speeds, Quadrature *memory, Turned *turned,
+                    Failure *failure);
 
 /* Residual force on the rotor in the rotor frame and its exact slope; N m is not in it.
 
    acceleration, slope: of the track's centre in the rotor frame; speed, angular_acceleration: of
-   the rotor. */
+   the rotor; turned: as above. */
 void weights_reaction(const Weights *weights, const double *angles, const double *speeds,
                       Complex acceleration, Complex slope, double speed,
                       double angular_acceleration, double change, Complex *force,
-                      Complex *force_slope);
+                      Complex *force_slope, Turned *turned);
+
+/* Sum of theta'' and its slope, of weights that nothing but drag hinders; as weights_torque has it. */
+void weights_unhindered(const Weights *weights, const double *angles, const double *speeds,
+                        const Complex *motion, double angular_acceleration, double change,
+                        double *turned);
 
 /* Torque on the rotor about the track's centre and its slope: drag, and what a body that rolls takes
    to turn; contacts between weights take no part.  motion: acceleration of that centre, its slope. */

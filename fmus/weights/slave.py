@@ -104,11 +104,10 @@ class BallBalancer(Slave):
 
     def _torque(self) -> tuple[float, float]:
         """Torque on the rotor and its slope."""
-        angles, speeds, _ = self._state()
         now = self._at(self.memory[-1])
         force = self._force(now)
         return motion.torque(
-            self.track, angles, speeds, now[:2], force, now.speed, now.spin_up, now.change
+            self.track, *self._state(), now[:2], force, now.speed, now.spin_up, now.change
         )
 
     def _at(self, time: float) -> _Now:

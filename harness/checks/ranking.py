@@ -37,6 +37,7 @@ def check_ranking(
         starts=check.starts,
         workers=workers,
         progress=lambda done: progress(share * done),
+        separate="checks are of the FMUs",
     )
     yield from _order(data, rows)
     found = [run.decay for c in data.with_capacity for run in c.runs]

@@ -21,6 +21,7 @@ from .liquid_window import check_liquid_window
 from .measured_error import check_measured_error
 from .ranking import check_ranking
 from .rig import check_rig, rig_parts
+from .rig_fitted import check_rig_fitted, rig_fitted_parts
 from .row import Row, Rows
 from .runtimes import check_runtimes
 from .slow_root import check_slow_root
@@ -35,6 +36,7 @@ CHECKS: dict[str, Callable[..., Iterator[Row]]] = {
     "goncharov_table": check_sizes,
     "contact_order": check_contact_order,
     "rig": check_rig,
+    "rig_fitted": check_rig_fitted,
     "runtimes": check_runtimes,
     "measured_error": check_measured_error,
     "sommerfeld": check_sommerfeld,
@@ -51,6 +53,7 @@ UNDER_GRAVITY = ("contact_order", "runtimes", "measured_error")
 SPLIT: dict[str, Callable[[Any], list[dict[str, Any]]]] = {
     "filimonikhina_table": table_rows,
     "rig": rig_parts,
+    "rig_fitted": rig_fitted_parts,
 }
 
 

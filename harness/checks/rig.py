@@ -87,16 +87,16 @@ def _critical_speeds(scene: Scene, _check: RigCheck, rows: Rows) -> Iterator[Row
         curve = speeds, steady(scene.without_balancers(), washers, speeds)
         both = [response(washers, 0, falling=falling) for falling in (0, 1)]
         for mode, band in BANDS.items():
-            expected = np.mean([_peak(one, band) for one in both])
+            expected = np.mean([peak(one, band) for one in both])
             label = f"critical speed, {mode}, {washers} washers [rpm]"
             source = f"{SOURCE}, Fig. {figure}, mean of up and down"
-            yield rows.number(label, expected, _peak(curve, band), CRITICAL, source)
+            yield rows.number(label, expected, peak(curve, band), CRITICAL, source)
 
 
-def _peak(curve: Curve, band: tuple[float, float]) -> float:
+def peak(curve: Curve, band: tuple[float, float], prominent: float = PROMINENT) -> float:
     """Speed of the largest local maximum within a band; NaN: there is none."""
     speeds, amplitude = curve
-    places, _ = find_peaks(amplitude, prominence=PROMINENT)
+    places, _ = find_peaks(amplitude, prominence=prominent)
     inside = [k for k in places if band[0] < speeds[k] < band[1]]
     return speeds[max(inside, key=lambda k: amplitude[k])] if inside else math.nan
 

@@ -10,6 +10,8 @@ import numpy as np
 
 from ...models.papers import capacity as theory
 from ...models.papers.settling import settling_time, slow_root
+from ..master.one_file import why_separate
+from ..master.schedule import at_fixed_steps
 from ..output.workers import Progress, Workers, in_order
 from ..scene import Scene
 from ..stability.main_motion import refuse_gravity
@@ -23,7 +25,14 @@ from .scenes import (
     unbalance_of,
     weights_of,
 )
-from .settling import SETTLED, SettlingRun, median_interval, refuse_few, run_batch
+from .settling import (
+    SETTLED,
+    SettlingRun,
+    median_interval,
+    refuse_few,
+    run_batch,
+    run_batch_in_c,
+)
 
 
 @dataclass(frozen=True)
@@ -75,13 +84,18 @@ class Choice:
 
 @dataclass(frozen=True)
 class Design:
-    """All numbers of weights for one rotor and space."""
+    """All numbers of weights for one rotor and space.
+
+    Attributes:
+        separate: why separate FMUs ran; empty where the starts ran in C as one composite.
+    """
 
     title: str
     kind: str
     unbalance: float
     race: float
     choices: tuple[Choice, ...]
+    separate: str = ""
 
     @property
     def with_capacity(self) -> list[Choice]:
@@ -90,7 +104,7 @@ class Design:
 
     @property
     def units(self) -> list[str]:
-        """Names of the FMUs that were loaded; none where no number has the capacity."""
+        """Names of the FMUs that were loaded."""
         loaded = (name for c in self.choices for run in c.runs for name in run.units)
         return list(dict.fromkeys(loaded))
 
@@ -106,8 +120,11 @@ def design(
     starts: int = 200,
     workers: Workers = 1,
     progress: Progress | None = None,
+    separate: str = "",
 ) -> Design:
     """Compare numbers of weights on the rotor of a scene.
+
+    Starts run in C as one composite where the scene's coupling allows it.
 
     Args:
         unbalance: the largest to be balanced [kg m], by default the scene's.
@@ -117,6 +134,7 @@ def design(
         starts: random starts for every number of weights.
         workers: processes, or an executor.
         progress: called with the finished fraction.
+        separate: why separate FMUs are to run all the same; empty: they are not.
 
     Raises:
         SceneError: the scene is not a planar isotropic rotor at constant speed with one set of
@@ -130,12 +148,14 @@ def design(
     race = race_of(balls) if race is None else race
     scenes = sized(scene, counts, amount, race, width, density)
     work = [batch for n in counts for batch in batches(scenes[n], amount, starts)]
-    outcomes = in_order(run_batch, work, workers, progress)
+    separate = separate or why_separate(at_fixed_steps(scene))
+    run = run_batch if separate else run_batch_in_c
+    outcomes = in_order(run, work, workers, progress)
     runs: dict[int, list[SettlingRun]] = {n: [] for n in counts}
     for batch, outcome in zip(work, outcomes, strict=True):
         runs[weights_of(batch.scene).count] += outcome
     choices = tuple(_choice(scenes[n], amount, runs[n]) for n in counts)
-    return Design(scene.title, balls.kind, amount, race, choices)
+    return Design(scene.title, balls.kind, amount, race, choices, separate)
 
 
 def _choice(scene: Scene, unbalance: float, runs: list[SettlingRun]) -> Choice:

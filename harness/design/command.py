@@ -68,6 +68,10 @@ def command(
         show(table(data, starts))
         for line in words(data):
             say(line)
+        if data.separate:
+            say(f"Separate units ran: {data.separate}")
+        elif data.with_capacity:
+            say("All starts ran in C as one composite")
         say(f"FMUs loaded: {', '.join(data.units) or 'none'}")
     for path in filter(None, (output, page.picture(f"{loaded.name}_design"))):
         from .plot import plot_design

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import random
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -13,22 +13,26 @@ from ...models.papers.settling import settling_time
 from ...models.weights import alignment
 from ..errors import SimulationError
 from ..master.cosimulation import CoSimulation
+from ..master.one_file import composition
 from ..master.schedule import at_fixed_steps, schedule, steps_per_rev
 from ..scene import Scene
 from ..scene.balancer import WeightBalancer
 from .decay import WINDOW, Decay, below, decay
 
 Start = tuple[float, ...]  # angles of the weights [rad]
+# times [s], residuals over the scale, and angles of all weights [rad]
+Readings = tuple[np.ndarray, np.ndarray, list[list[float]]]
 
 SETTLED = 0.01  # of the scale: residual unbalance that counts as balanced
 READINGS = 8  # about, in a revolution: enough to see when a residual falls below a limit for good
 CONFIDENCE = 0.95
+_COUNTS = ("coupling.unconverged", "coupling.steps")
 FEWEST_STARTS = 6  # all on one side of the median: 2/2^6 = 3 %, but 2/2^5 = 6 %
 
 
 @dataclass(frozen=True)
 class Batch:
-    """Starts of one design, run one after the other with the same loaded units.
+    """Starts of one design, run one after the other by the same units.
 
     Attributes:
         starts: angles of all weights [rad], one list a start.
@@ -50,7 +54,7 @@ class SettlingRun:
         decay: the linear end of the run against the slow root.
         unconverged, steps: communication steps whose loop left more than `LOOSE` of the force; of
             all.
-        units: names of the FMUs loaded for it.
+        units: names of the FMUs loaded for it; none where it ran in C as one composite.
     """
 
     seconds: float
@@ -97,52 +101,108 @@ def facing_start(count: int, alpha: float, rng: random.Random) -> Start:
 
 
 def run_batch(batch: Batch) -> list[SettlingRun]:
-    """Every start of a batch."""
-    balls = batch.scene.balancer[0]
-    assert isinstance(balls, WeightBalancer)
+    """Every start of a batch, by separate units."""
+    balls = _balls(batch)
     with CoSimulation(at_fixed_steps(batch.scene)) as units:
         return [_run(units, batch, balls, start) for start in batch.starts]
 
 
 def _run(units: CoSimulation, batch: Batch, balls: WeightBalancer, start: Start) -> SettlingRun:
-    angles = {f"weight[{k}].angle0": angle for k, angle in enumerate(start, start=1)}
-    units.start({balls.label: angles})
-    times, residuals, places = _readings(units, batch, balls)
+    units.start({balls.label: dict(zip(_start_names(balls), start, strict=True))})
+    unit, numbers = units.units[balls.label], set(_read_after(batch.scene))
+    group = unit.group(_read_names(balls))
+    samples = (
+        (units.time, unit.get(group))
+        for number, _ in enumerate(units.run(), start=1)
+        if number in numbers
+    )
+    readings = _until_settled(batch, samples)
+    files = tuple(path.name for path in dict.fromkeys(units.paths))
+    return _settling_run(batch, balls, readings, units.unconverged, units.steps, files)
+
+
+def run_batch_in_c(batch: Batch) -> list[SettlingRun]:
+    """Every start of a batch, by the scene's composite: the same runs, of full length.
+
+    Raises:
+        SimulationError: a run has failed.
+    """
+    from ...fmus.composite.batch import Runs  # compiles where it has to
+
+    balls, scene = _balls(batch), at_fixed_steps(batch.scene)
+    changed, asked = (
+        [f"{balls.label}.{name}" for name in of(balls)] for of in (_start_names, _read_names)
+    )
+    ((length, count),) = schedule(scene)
+    runs = Runs(composition(scene), changed, [*asked, *_COUNTS], count)
+    signals, reasons = runs(np.array(batch.starts), np.full(len(batch.starts), length * count))
+    if any(reasons):
+        raise SimulationError(f"{scene.name}: {next(filter(None, reasons))}")
+    numbers, found = _read_after(scene), []
+    for rows in signals[:, numbers]:
+        samples = zip((length * number for number in numbers), rows[:, :-2].tolist(), strict=True)
+        readings = _until_settled(batch, samples)
+        counts = rows[len(readings[0]) - 1, -2:].astype(int).tolist()
+        found.append(_settling_run(batch, balls, readings, *counts))
+    return found
+
+
+def _balls(batch: Batch) -> WeightBalancer:
+    balls = batch.scene.balancer[0]
+    assert isinstance(balls, WeightBalancer)
+    return balls
+
+
+def _start_names(balls: WeightBalancer) -> list[str]:
+    return [f"weight[{k}].angle0" for k in range(1, balls.count + 1)]
+
+
+def _read_names(balls: WeightBalancer) -> list[str]:
+    angles = [f"weight[{k}].angle" for k in range(1, balls.count + 1)]
+    return ["moment_xi", "moment_eta", *angles]
+
+
+def _read_after(scene: Scene) -> list[int]:
+    """Numbers of the steps after which a run is read."""
+    every = max(1, round(steps_per_rev(scene) / READINGS))
+    ((_, count),) = schedule(scene)
+    return [number for number in range(1, count + 1) if number % every == 0 or number == count]
+
+
+def _until_settled(batch: Batch, samples: Iterable[tuple[float, Sequence[float]]]) -> Readings:
+    """Readings until the run has settled, from times [s] with moments and angles of the weights."""
+    unbalance = complex(batch.scene.assembly().rotor.unbalance[0])
+    times, residuals, places = [], [], []
+    turn = math.tau / batch.scene.profile().speed(0.0)
+    low_since = math.inf
+    for time, (xi, eta, *angles) in samples:
+        times.append(time)
+        residuals.append(abs(unbalance + complex(xi, eta)) / batch.scale)
+        places.append(angles)
+        low_since = min(low_since, time) if residuals[-1] <= WINDOW[0] else math.inf
+        if time - low_since > turn:  # far below SETTLED for a whole revolution
+            break
+    return np.array(times), np.array(residuals), places
+
+
+def _settling_run(
+    batch: Batch,
+    balls: WeightBalancer,
+    readings: Readings,
+    unconverged: int,
+    steps: int,
+    units: tuple[str, ...] = (),
+) -> SettlingRun:
+    times, residuals, places = readings
     assembly, speed = batch.scene.assembly(), batch.scene.profile().speed(0.0)
     return SettlingRun(
         settled_at(times, residuals),
         alignment(places[-1]),
         decay(assembly, speed, balls.half_angle, times, residuals, places),
-        units.unconverged,
-        units.steps,
-        tuple(path.name for path in dict.fromkeys(units.paths)),
+        unconverged,
+        steps,
+        units,
     )
-
-
-def _readings(
-    units: CoSimulation, batch: Batch, balls: WeightBalancer
-) -> tuple[np.ndarray, np.ndarray, list[list[float]]]:
-    """Times [s], residuals over the scale, and angles of all weights until the run has settled."""
-    unbalance = complex(batch.scene.assembly().rotor.unbalance[0])
-    unit = units.units[balls.label]
-    wanted = [f"weight[{k}].angle" for k in range(1, balls.count + 1)]
-    group = unit.group(["moment_xi", "moment_eta", *wanted])
-    times, residuals, places = [], [], []
-    every = max(1, round(steps_per_rev(batch.scene) / READINGS))
-    turn = math.tau / batch.scene.profile().speed(0.0)
-    low_since = math.inf
-    ((_, count),) = schedule(batch.scene)
-    for number, _ in enumerate(units.run(), start=1):
-        if number % every and number < count:
-            continue
-        xi, eta, *angles = unit.get(group)
-        times.append(units.time)
-        residuals.append(abs(unbalance + complex(xi, eta)) / batch.scale)
-        places.append(angles)
-        low_since = min(low_since, units.time) if residuals[-1] <= WINDOW[0] else math.inf
-        if units.time - low_since > turn:  # far below SETTLED for a whole revolution
-            break
-    return np.array(times), np.array(residuals), places
 
 
 def settled_at(times: np.ndarray, residuals: np.ndarray) -> float:

@@ -12,6 +12,7 @@ from ..errors import SceneError
 from ..scene import Scene
 from ..scene.run import FEWEST_CHOSEN
 from .plan import ROTOR, plan
+from .runtime import runtime
 from .schedule import as_run, end_time, step_size
 
 
@@ -59,6 +60,18 @@ def composition(scene: Scene) -> Composition:
         )
     except ValueError as error:
         raise SceneError(f"{scene.name}: {error}") from None
+
+
+def why_separate(scene: Scene) -> str:
+    """Why a scene's units cannot run in C as one composite; empty where they can."""
+    units = runtime(scene.coupling.units)
+    if units.backend == "python":
+        return units.note or "coupling.units = python"
+    try:
+        composition(scene)
+    except SceneError as error:
+        return str(error)
+    return ""
 
 
 def drive(scene: Scene) -> dict[str, float]:

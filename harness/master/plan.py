@@ -57,8 +57,8 @@ class UnitPlan:
 
     @property
     def meets(self) -> bool:
-        """Whether it has weights that can touch, which take no change of w' within a step."""
-        return bool(self.start.get("weight_radius"))
+        """Whether it has weights that can touch or stick, which take no change of w' in a step."""
+        return any(self.start.get(key) for key in ("weight_radius", "rolling_resistance"))
 
     @property
     def file_name(self) -> str:

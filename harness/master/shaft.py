@@ -55,7 +55,8 @@ class Shaft:
     def tell(self, spin: Cubic, step: float = 0.0) -> None:
         """Tell all units how the rotor turns in the step to come [s].
 
-        Weights that can touch are told the mean of its acceleration: of order 1, as contacts are.
+        Weights that can touch or stick are told the mean of its acceleration: of order 1, as
+        contacts are.
         """
         rates = [k.real / self._scale for k in spin[: self.order + 1]]
         for (unit, group), steady in zip(self._told, self._steady, strict=True):

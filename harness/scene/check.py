@@ -158,6 +158,12 @@ class RigCheck(Table):
     """Scene of the same rig with a shaft that bends: a file, or a bundled one."""
 
 
+class RigFittedCheck(Table):
+    """The same rig with all that was fitted to 1 and 3 washers, held against 0 to 4."""
+
+    kind: Literal["rig_fitted"]
+
+
 class RuntimesCheck(Table):
     """Native units against the units in Python, to rounding."""
 
@@ -193,6 +199,7 @@ AnyCheck = Annotated[
     | LargestSpreadCheck
     | ContactOrderCheck
     | RigCheck
+    | RigFittedCheck
     | RuntimesCheck
     | MeasuredErrorCheck
     | SommerfeldCheck,

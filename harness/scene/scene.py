@@ -238,12 +238,7 @@ class Scene(Table):
         motor, rotor = self.operation.motor, self._linear_rotor
         if motor is None:
             return []
-        lines = [
-            f"balancer[{i}].rolling_resistance: its torque on the rotor is not known, which "
-            "operation.motor needs: leave it out"
-            for i, balancer in enumerate(self.balancer, start=1)
-            if getattr(balancer, "rolling_resistance", 0.0)
-        ]
+        lines = []
         u = rotor.unbalance
         least = float((u.conj() @ np.linalg.solve(rotor.mass, u)).real)
         if not motor.inertia > least:

@@ -86,9 +86,9 @@ def _variants(scene: Scene, own: Composition) -> Iterator[tuple[list[int], Compo
     there = {b.label: b.count for b in scene.balancer if isinstance(b, WeightBalancer)}
     counts = [there[labels[0]] for labels in tracks]
     yield counts, own
-    each = min(MOST_WEIGHTS, int(MOST_VARIANTS ** (1.0 / max(1, len(tracks))) + 1e-9))
+    most = min(MOST_WEIGHTS, int(MOST_VARIANTS ** (1.0 / max(1, len(tracks))) + 1e-9))
     choices = [
-        sorted({n, *_fitting(bare, labels, each)}) for n, labels in zip(counts, tracks, strict=True)
+        sorted({n, *_fitting(bare, labels, most)}) for n, labels in zip(counts, tracks, strict=True)
     ]
     for numbers in product(*choices):
         if list(numbers) != counts:
@@ -119,8 +119,10 @@ def _sliders(scene: Scene, made: Composition) -> Iterator[dict[str, Any]]:
     found = list(_OF_ROTOR)
     for labels in tracks:
         named = f": {labels[0]}" if len(tracks) > 1 else ""
-        for label, unit, pattern, *rest in _OF_WEIGHTS:
-            found.append((f"{label}{named}", unit, pattern.format("|".join(labels)), *rest))
+        found += [
+            (f"{label}{named}", unit, pattern.format("|".join(labels)), most, log)
+            for label, unit, pattern, most, log in _OF_WEIGHTS
+        ]
     for label, unit, pattern, most, log in found:
         base = {v.name: float(v.start or 0.0) for v in parameters if re.fullmatch(pattern, v.name)}
         value = 1.0

@@ -134,6 +134,17 @@ def group_acceleration(
     return acceleration, drive_slope - damping_rate * acceleration
 
 
+def ring_turning(weights: WeightsInOrder, now: Instant) -> tuple[float, float]:
+    """Sum of theta'' of all weights and its slope [rad/s^2, rad/s^3]."""
+    groups, turned, slope = weights.groups, 0.0, 0.0
+    find_groups(weights, now)
+    for i in range(groups.count):
+        both = group_acceleration(weights, i, groups.middle[i], groups.angle_rate[i], now)
+        turned += groups.size[i] * both[0]
+        slope += groups.size[i] * both[1]
+    return turned, slope
+
+
 def ring_reaction(weights: WeightsInOrder, now: Instant) -> tuple[complex, complex]:
     """As `weights.reaction`: a group counts as its factor times one weight at its middle."""
     speed, angular_acceleration = now.rotor_speed, now.angular_acceleration

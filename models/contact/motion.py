@@ -13,7 +13,7 @@ from .. import weights as points
 from ..spin import STEADY, Rates
 from .centre import CentreMotion, Instant, shifted, turned
 from .events import EventStepper, run
-from .groups import ring_reaction
+from .groups import ring_reaction, ring_turning
 from .ring import as_given, gap, put_in_order
 from .track import TOUCH, Track
 
@@ -148,6 +148,7 @@ def torque(
     track: Track,
     angles: Sequence[float],
     speeds: Sequence[float],
+    contacts: Sequence[float],
     motion: tuple[complex, complex],
     force: tuple[complex, complex],
     rotor_speed: float,
@@ -162,7 +163,7 @@ def torque(
         rotor_speed, angular_acceleration, change: w, w', w'' [rad/s, rad/s^2, rad/s^3].
 
     Returns:
-        [N m], [N m/s]; what rolling resistance does is not in it.
+        [N m], [N m/s].
     """
     offset, carried = track.offset, track.weights.added_mass
     whirl = 1j * angular_acceleration - rotor_speed * rotor_speed
@@ -171,6 +172,14 @@ def torque(
     drawn, slope = points.torque(
         track.weights, angles, speeds, centre, angular_acceleration, change
     )
+    if track.rolling_resistance:
+        # what it takes of kappa m R^2 theta'', less what the body's own turning gives back
+        body, now = track.weights, Instant(*centre, rotor_speed, angular_acceleration)
+        arm = body.track_radius - (body.kappa - 1.0) * body.radius
+        free = points.unhindered(body, angles, speeds, centre, angular_acceleration, 0.0)
+        left = ring_turning(put_in_order(track, angles, speeds, contacts), now)
+        drawn += body.moment * arm * (free[0] - left[0])
+        slope += body.moment * arm * (free[1] - left[1])
     if offset:  # the whole force goes through the track's centre
         pull, pull_slope = (f - carried * a for f, a in zip(force, motion, strict=True))
         drawn += (offset.conjugate() * pull).imag

@@ -49,34 +49,65 @@ def half_turn_steps(radians: NDArray) -> NDArray[np.int_]:
     return np.minimum(np.ceil(2.0 ** (rungs / 4.0) - 1e-9), MOST_STEPS).astype(int)
 
 
-def half_turn(at_nodes: Callable[[int], NDArray], steps: int) -> NDArray[np.float64]:
+def half_turn(
+    at_nodes: Callable[[int], NDArray],
+    steps: int,
+    held: tuple[NDArray, NDArray] | None = None,
+) -> NDArray[np.float64]:
     """Map over half a revolution, (b, d, d), of x' = A x by the rotor's angle.
 
     Args:
-        at_nodes: A (b, `STAGES`, d, d) at the nodes of the step of that number, at the angles
-            pi (number + `NODES`)/steps.
+        at_nodes: rows of A (b, `STAGES`, s, d) at the nodes of the step of that number, at the
+            angles pi (number + `NODES`)/steps.
         steps: how many.
+        held: which rows (d,) are the same at every node, and these (b, d - s, d): their stages
+            are eliminated, once for all steps.  The others are those of `at_nodes`.
     """
-    step = math.pi / steps
-    coefficients = step * COEFFICIENTS
+    coefficients = math.pi / steps * COEFFICIENTS
+    rows = at_nodes(0)
+    batch, _, _, size = rows.shape
+    mask, constant = held or (np.zeros(size, bool), np.zeros((batch, 0, size)))
+    p, s = np.flatnonzero(mask), np.flatnonzero(~mask)
+    # stages of p from p at the begin and the stages of s
+    kept = _eliminated(constant[..., p], constant[..., s], coefficients)
+    width = kept.shape[-1]
+    right = np.zeros((batch, STAGES, len(s), size))
+    right[..., len(p) :] = np.eye(len(s))
+    unit = np.eye(STAGES * len(s))
+    total = np.broadcast_to(np.eye(size), (batch, size, size))
     for k in range(steps):
-        at_node = at_nodes(k)
-        batch, _, size, _ = at_node.shape
-        if k == 0:
-            unit = np.eye(STAGES * size).reshape(STAGES, size, STAGES, size)
-            right = np.broadcast_to(
-                np.tile(np.eye(size), (STAGES, 1)), (batch, STAGES * size, size)
-            )
-            total = np.broadcast_to(np.eye(size), (batch, size, size))
-            system = np.empty((batch, STAGES, size, STAGES, size))
-        for i in range(STAGES):
-            for j in range(STAGES):
-                np.multiply(at_node[:, j], -coefficients[i, j], out=system[:, i, :, j])
-        system += unit
-        flat = system.reshape(batch, STAGES * size, STAGES * size)
-        values = np.linalg.solve(flat, right).reshape(batch, STAGES, size, size)
-        total = values[:, -1] @ total  # the last stage is the end of the step
-    return total
+        rows = rows if k == 0 else at_nodes(k)
+        slopes = rows[..., p] @ kept
+        for j in range(STAGES):
+            begin = len(p) + j * len(s)
+            slopes[:, j, :, begin : begin + len(s)] += rows[:, j][..., s]
+        mixed = coefficients @ slopes.reshape(batch, STAGES, len(s) * width)
+        mixed = mixed.reshape(batch, STAGES * len(s), width)
+        right[..., : len(p)] = mixed[..., : len(p)].reshape(batch, STAGES, len(s), len(p))
+        stages = np.linalg.solve(unit - mixed[..., len(p) :], right.reshape(batch, -1, size))
+        # the last stage is the end of the step
+        end = kept[:, -1, :, len(p) :] @ stages
+        end[..., : len(p)] += kept[:, -1, :, : len(p)]
+        total = np.concatenate([end, stages[:, (STAGES - 1) * len(s) :]], axis=1) @ total
+    back = np.argsort(np.concatenate([p, s]))
+    return total[:, back][:, :, back]
+
+
+def _eliminated(own: NDArray, others: NDArray, coefficients: NDArray) -> NDArray[np.float64]:
+    """Stages (b, `STAGES`, p, p + `STAGES` s) of p' = own p + others s by p and the stages of s."""
+    batch, p, s = others.shape
+    size = STAGES * p
+    left = np.eye(size) - _kron_each(coefficients, own)
+    begin = np.broadcast_to(np.tile(np.eye(p), (STAGES, 1)), (batch, size, p))
+    right = np.concatenate([begin, _kron_each(coefficients, others)], axis=2)
+    return np.linalg.solve(left, right).reshape(batch, STAGES, p, p + STAGES * s)
+
+
+def _kron_each(one: NDArray, each: NDArray) -> NDArray[np.float64]:
+    """np.kron(one, each[k]) of every k."""
+    batch, m, n = each.shape
+    product = one[:, None, :, None] * each[:, None, :, None, :]
+    return product.reshape(batch, len(one) * m, len(one) * n)
 
 
 def _harmonics_of(steady: NDArray, speeds: NDArray) -> NDArray:
@@ -85,12 +116,11 @@ def _harmonics_of(steady: NDArray, speeds: NDArray) -> NDArray:
     return steady[:, 0] / w + steady[:, 1] + steady[:, 2] * w
 
 
-def _at_nodes(parts: tuple[NDArray, ...], w: NDArray, steps: int, number: int) -> NDArray:
-    """A/w (b, `STAGES`, d, d) at the nodes of a step, from A/w without anisotropy and harmonics."""
-    steady, cosine, sine = parts
-    angles = 2.0 * math.pi / steps * (number + NODES)
-    swings = [math.cos(angle) / w * cosine + math.sin(angle) / w * sine for angle in angles]
-    return steady[:, None] + np.stack(swings, axis=1)
+def _at_nodes(parts: tuple[NDArray, ...], steps: int, number: int) -> NDArray:
+    """Rows of A/w (b, `STAGES`, s, d) at the nodes of a step, from parts (b, s, d) each."""
+    steady, cosine, sine = (part[:, None] for part in parts)
+    angles = 2.0 * math.pi / steps * (number + NODES)[:, None, None]
+    return steady + np.cos(angles) * cosine + np.sin(angles) * sine
 
 
 def one_turn_multipliers(
@@ -106,6 +136,7 @@ def one_turn_multipliers(
     steady = np.stack([s.steady for s in systems])
     cosine = np.stack([s.cosine for s in systems])
     sine = np.stack([s.sine for s in systems])
+    held = np.asarray(~(cosine.any(axis=(0, 2)) | sine.any(axis=(0, 2))))
     steps = half_turn_steps(_radians(systems, which, speeds))
     result = np.empty((len(speeds), systems[0].size), complex)
     for count in np.unique(steps):
@@ -113,9 +144,11 @@ def one_turn_multipliers(
         for start in range(0, len(members), _CHUNK):
             rows = members[start : start + _CHUNK]
             w, system = speeds[rows], which[rows]
-            parts = _harmonics_of(steady[system], w), cosine[system], sine[system]
-            at_nodes = partial(_at_nodes, parts, w[:, None, None], int(count))
-            result[rows] = np.linalg.eigvals(half_turn(at_nodes, int(count))) ** 2
+            mean, each = _harmonics_of(steady[system], w), w[:, None, None]
+            swings = (part[system][:, ~held] / each for part in (cosine, sine))
+            at_nodes = partial(_at_nodes, (mean[:, ~held], *swings), int(count))
+            turn: NDArray = half_turn(at_nodes, int(count), (held, mean[:, held]))
+            result[rows] = np.linalg.eigvals(turn) ** 2
     return result
 
 

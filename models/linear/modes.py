@@ -13,7 +13,6 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import eigh
-from scipy.optimize import linear_sum_assignment
 
 from ..rotor import LinearRotor
 
@@ -166,6 +165,8 @@ def _whirl(shapes: NDArray) -> NDArray[np.float64]:
 
 def _match(last: Modes, now: Modes) -> NDArray[np.intp]:
     """Index in `now` of every mode of `last`: nearest eigenvalue, least change of shape."""
+    from scipy.optimize import linear_sum_assignment  # a third of what a run would load
+
     a = last.shapes.reshape(len(last.shapes), -1)
     b = now.shapes.reshape(len(now.shapes), -1)
     a = a / np.linalg.norm(a, axis=1)[:, None]

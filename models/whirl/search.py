@@ -153,7 +153,8 @@ def _starts(assembly: Assembly, speed: float) -> tuple[list[Array], list[int]]:
     together = [np.angle(needed)[table.plane] + turn * math.pi / 2.0 for turn in range(4)]
     rotor = replace(assembly.rotor, planes=np.eye(len(needed)), unbalance=-needed)
     starts = [balanced_angles(replace(assembly, rotor=rotor)), table.angle, *together]
-    one_way = 2 * np.linalg.matrix_rank(assembly.rotor.planes[within])
+    # NumPy 2.2 gives an empty matrix no rank
+    one_way = 2 * np.linalg.matrix_rank(assembly.rotor.planes[within]) if within else 0
     shared = not assembly.rotor.isotropic and np.isin(table.plane, within).sum() > one_way
     return starts, within if shared else []
 

@@ -66,6 +66,7 @@ CASES = {
     "friction": {"rotor.friction": [{"limit": 2.0}], "operation.gravity": 9.81},
     "table": {"operation.motor.table": TABLE, "operation.motor.stall_torque": None,
               "operation.motor.no_load_speed": None},
+    "rolling resistance": {"balls.rolling_resistance": 0.05},
     "from standstill": {"operation.motor.from": None},
     "faster than without load": {"operation.motor.from": 300.0},
     "heavy drag": {"balls.drag": 200.0, "balls.speeds": [30.0, -20.0]},

@@ -29,7 +29,7 @@ def _bits(core):
     core.demand(
         "weights_advance", byref(native), angles, speeds, signal * 1e3,
         np.array([7.0, 30.0, -2e3, 1e5]), 1e-2, moved, rates,
-        byref(core("quadrature_empty")),
+        byref(core("quadrature_empty")), None,
     )  # fmt: skip
     return b"".join(values.tobytes() for values in [*results, moved, rates, *_contact(core)])
 

@@ -41,7 +41,7 @@ def _advance(core, native, angles, speeds, signal, spin_up, step, memory=None, r
     memory = memory or core("quadrature_empty")
     core.demand(
         "weights_advance", byref(native), angles, speeds, np.array(signal, complex),
-        np.array([spin_up, *rates]), step, new_angles, new_speeds, byref(memory),
+        np.array([spin_up, *rates]), step, new_angles, new_speeds, byref(memory), None,
     )  # fmt: skip
     return new_angles, new_speeds
 
@@ -76,7 +76,7 @@ def test_a_step_may_overwrite_the_state_it_starts_from(core):
         core.demand(
             "weights_advance", byref(native), angles, speeds, signal,
             np.array([3.0, *STEADY]), 1e-3, angles, speeds,
-            byref(core("quadrature_empty")),
+            byref(core("quadrature_empty")), None,
         )  # fmt: skip
         assert angles.tolist() == apart[0].tolist()
         assert speeds.tolist() == apart[1].tolist()
@@ -94,7 +94,7 @@ def test_reactions_of_point_weights_are_those_of_python(core):
         force, force_slope = core.structures.Complex(), core.structures.Complex()
         core(
             "weights_reaction", byref(native), angles, speeds, a, slope, *drive, byref(force),
-            byref(force_slope),
+            byref(force_slope), None,
         )  # fmt: skip
         radius = python.point_capacity * python.damping_rate
         for found, exact, size in (

@@ -36,7 +36,8 @@ def somewhere(fmus, packaging, case, seed: int, spin_up: float, more: dict | Non
     host.begin(start | (more or {}))
     inputs = [n for n, v in host.variables.items() if v.causality == "input"]
     values = {}
-    steady = "weight_radius" in (more or {})  # weights that touch take no change of it
+    # weights that touch or stick take no change of it
+    steady = bool({"weight_radius", "rolling_resistance"} & (more or {}).keys())
     for name in inputs:
         value = float(rng.normal())
         values[name] = {
@@ -94,6 +95,14 @@ def test_weights_that_press_on_each_other_answer_together(fmus, packaging, frame
     case = ("BallBalancer", {"weights": 3, "frame": frame})
     # far away a contact would open, where the outputs have a kink
     agree(*somewhere(fmus, packaging, case, 3, 5.0, {**TOUCHING, **packed, **rates}), reach=0.01)
+
+
+@pytest.mark.parametrize("frame", ["rotor", "fixed"])
+def test_weights_that_roll_against_a_resistance_go_on_to_do_so(fmus, packaging, frame):
+    """Off centre, where the load depends on all that moves the rotor."""
+    more = {"rolling_resistance": 0.02, "track_offset_xi": 1e-4, "track_offset_eta": 2e-4}
+    case = ("BallBalancer", {"weights": 2, "frame": frame})
+    agree(*somewhere(fmus, packaging, case, 3, 5.0, more), reach=0.01)
 
 
 def agree(host, inputs: list[str], reach: float = 1.0) -> None:

@@ -15,3 +15,14 @@ def test_every_row_holds_but_the_authors_curve_without_balls():
     ]
     missed = [row for row in missed if row.source.endswith("Fig. 8a")]
     assert max(row.error for row in missed) < 0.053
+
+
+def test_of_what_was_fitted_to_one_and_three_washers_these_rows_hold():
+    """Which do not, and what is known of it: harness/bristol.md."""
+    rows = check(load_scene("bristol_friction"))
+    assert {row.quantity.split(",")[1].strip() for row in rows if row.holds} == {
+        "cylindrical y",
+        *(f"{speed} rpm" for speed in (4000, 4500, 5000)),
+    }
+    (balls,) = (row for row in rows if row.quantity.startswith("balls"))
+    assert balls.measured < 0.31

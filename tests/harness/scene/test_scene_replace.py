@@ -54,7 +54,7 @@ WRONG = {
 change = st.sampled_from(sorted(RIGHT)).flatmap(
     lambda path: RIGHT[path].map(lambda value: (path, value))
 )
-law = settings(deadline=None, database=None, max_examples=60)
+law = settings(database=None, max_examples=60)
 
 
 def read(scene, path):

@@ -1,0 +1,135 @@
+"""Every quantity of the rig that can be compared, of one model, washer by washer.
+
+`python -m autobalancer.harness.checks.rig_quantities` prints them as a table in Markdown, with one
+piece of physics after the other.  Amplitudes in mm, speeds in rpm.
+"""
+
+from __future__ import annotations
+
+import math
+import sys
+from collections.abc import Iterator
+from typing import NamedTuple
+
+import numpy as np
+
+from ..scene import Scene, load_scene
+from .rig import BANDS, HIGH, peak
+from .rig_data import Array, at, response, steady, swept
+from .rig_sweeps import FIRST, FITTED_DRAG
+
+WASHERS = range(5)
+CURVE = (*range(1100, 2601, 60), 2800, 3000, *range(3800, 5201, 200))  # not the bearing's resonance
+GRID = np.arange(FIRST[0], BANDS["conical x"][1], 20.0)  # rpm, on which peaks are looked for
+WITH_BALLS = (3000.0, *HIGH)
+RUN_UP = (2400.0, 5050.0)  # rpm: balls leave the heavy side above the resonances, and settle
+SETTLED = 150  # revolutions of the rotor alone
+PROMINENT = 0.005  # mm, of a peak: few washers make small ones
+STEPS = {"coupling.steps_per_rev": 20}  # enough where balls are left out, or do not meet
+ROLLING = {"balls.rolling_resistance": 1.5e-4}  # chosen on 1 and 3 washers, among five values
+
+
+class Quantity(NamedTuple):
+    """Of 0 to 4 washers, as measured and as co-simulated; NaN where there is none.
+
+    Attributes:
+        kind: "critical speed", "plain", "curve" or "balls".
+        measured, found: (5,), or (5, k) where many points are judged together.
+    """
+
+    kind: str
+    label: str
+    measured: Array
+    found: Array
+
+    @property
+    def errors(self) -> Array:
+        """(5,) relative, or the rms of the logarithms of many points."""
+        if self.found.ndim == 1:
+            return np.abs(self.found / self.measured - 1.0)
+        return np.sqrt(np.mean(np.log(self.found / self.measured) ** 2, axis=1))
+
+
+def without_balls(scene: Scene) -> Iterator[Quantity]:
+    """Critical speeds, amplitudes above the resonances, the whole curve; at constant speed.
+
+    Raises:
+        SimulationError: a run has failed.
+    """
+    scene = scene.without_balancers().replace(STEPS)
+    grids = [(GRID, steady(scene, n, GRID, SETTLED)) for n in WASHERS]
+    both = [[response(n, 0, falling=way) for way in (0, 1)] for n in WASHERS]
+    for mode, band in BANDS.items():
+        rig = np.array([np.mean([peak(c, band, PROMINENT) for c in ways]) for ways in both])
+        ours = np.array([peak(curve, band, PROMINENT) for curve in grids])
+        yield Quantity("critical speed", f"critical speed, {mode}", rig, ours)
+    found = np.array([steady(scene, n, [*CURVE, 4500.0], SETTLED) for n in WASHERS])
+    measured = np.array([at(response(n, 0), CURVE, 12.5) for n in WASHERS])
+    for speed in HIGH:
+        at_speed = [*CURVE, 4500].index(int(speed))
+        wide = np.array([at(response(n, 0), [speed])[0] for n in WASHERS])
+        yield Quantity("plain", f"no balls, {speed:g} rpm", wide, found[:, at_speed])
+    label = f"no balls, {len(CURVE)} speeds, 1100 to 5200 rpm, rms of the logarithms"
+    yield Quantity("curve", label, measured, found[:, :-1])
+
+
+def with_balls(scene: Scene) -> Iterator[Quantity]:
+    """What remains after a run-up above the resonances, from the heavy side.
+
+    Raises:
+        SimulationError: a run has failed.
+    """
+    ends = swept(scene.replace(STEPS), WASHERS, *RUN_UP, falling=False)
+    measured = np.array([at(response(n, 2), WITH_BALLS) for n in WASHERS])
+    found = np.array([at(curve, WITH_BALLS) for curve in ends.values()])
+    label = "balls, 3000, 4000, 4500, 5000 rpm, rms of the logarithms"
+    yield Quantity("balls", label, measured, found)
+
+
+def with_fitted_balls(scene: Scene) -> Scene:
+    """A rotor with the balls of `bristol` on its disk: drag and rolling resistance as fitted."""
+    (balls,) = load_scene("bristol").document["balancer"]
+    document = {**scene.document, "balancer": [{**balls, "at": 2}]}
+    made = Scene.from_document(document, path=scene.path, label=scene.label)
+    return made.replace(FITTED_DRAG | ROLLING)
+
+
+def models() -> dict[str, Scene]:
+    """The rig with one piece of physics after the other; what is said of it, and the scene."""
+    rigid, fitted = load_scene("bristol"), load_scene("bristol_friction")
+    tables = ("support_stiffness", "support_damping"), ("stiffness", "damping")
+    bends = {f"rotor.{of}": getattr(rigid.rotor, own) for of, own in zip(*tables, strict=True)}
+    left = [one.model_dump() for one in rigid.rotor.unbalances]
+    left[0]["position"] = fitted.rotor.unbalances[0].position
+    bends |= {"rotor.friction": [], "rotor.unbalances": left}
+    return {
+        "rigid, as published": rigid.without_balancers(),
+        "shaft that bends": fitted.replace(bends),
+        "friction, fitted": fitted,
+    }
+
+
+def table() -> Iterator[str]:
+    """Lines in Markdown: every quantity without balls as measured, then by model."""
+    yield "| | | 0 | 1 | 2 | 3 | 4 | worst, 1 to 4 |"
+    yield "|---|---|---:|---:|---:|---:|---:|---:|"
+    found = {name: list(without_balls(scene)) for name, scene in models().items()}
+    for alike in zip(*found.values(), strict=True):
+        first = alike[0]
+        if first.measured.ndim == 1:
+            yield _line(first.label, "measured", first.measured, "")
+        for name, one in zip(found, alike, strict=True):
+            values = one.found if one.found.ndim == 1 else one.errors
+            worst = np.nanmax(one.errors[1:])
+            text = f"{worst:.2f}" if one.found.ndim > 1 else f"{worst:.0%}"
+            yield _line(one.label, name, values, text)
+
+
+def _line(label: str, name: str, values: Array, worst: str) -> str:
+    digits = 0 if "critical" in label else 4 if "rms" not in label else 2
+    cells = ["-" if math.isnan(value) else f"{value:.{digits}f}" for value in values]
+    return f"| {label} | {name} | {' | '.join(cells)} | {worst} |"
+
+
+if __name__ == "__main__":
+    sys.stdout.writelines(f"{line}\n" for line in table())
