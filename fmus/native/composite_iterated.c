@@ -9,10 +9,16 @@
 static const double CONVERGED_FORCES = 1e-10, ROUNDING = 1e-12, CHANGE = 1e-3, LOOSE = 1e-3, SLOW = 0.1;
 enum { MAX_PASSES = 30, UNCONVERGED = 1 };
 
+/* Residual of a loop that is solved. */
+static double closed(const Course *course)
+{
+    return larger(CONVERGED_FORCES, ROUNDING * course->gain);
+}
+
 void iterated_begin(Composite *c)
 {
     Course *course = c->course;
-    course->tolerance = larger(CONVERGED_FORCES, ROUNDING * course->gain);
+    course->tolerance = closed(course);
     course->largest = course->rounding / (course->corrections < 0.0 ? course->tolerance : LOOSE);
 }
 
@@ -46,6 +52,9 @@ static double attempt(Unit *unit, double step, int passes)
     Composite *c = unit->own;
     Course *course = c->course;
     const int count = 4 * c->unknowns, half = count / 2;
+    /* what is left of a force makes a steep slope in a brief step */
+    const double tolerance = course->striking > 0.0 ? smaller(course->tolerance, closed(course))
+                                                    : course->tolerance;
     double error = 0.0, error_before = 0.0;
     int number, i;
     course->ahead = -1.0;
@@ -68,10 +77,10 @@ static double attempt(Unit *unit, double step, int passes)
         /* of passes and steps that are taken back none counts: they can be far too large */
         course->reached = larger(course->largest, loop_size(c->g_u, half));
         error = course->reached > 0.0 ? loop_size(c->residual, half) / course->reached : 0.0;
-        if (number > 1 && error > larger(course->tolerance, SLOW * error_before)) {
+        if (number > 1 && error > larger(tolerance, SLOW * error_before)) {
             loop_learn(c, c->du, c->old, c->residual);
         }
-        if (number >= passes || !(error > course->tolerance)) {
+        if (number >= passes || !(error > tolerance)) {
             return error;
         }
         matrix_product(1, count, count, 1, c->solution, c->residual, c->du);

@@ -7,6 +7,7 @@
 static const double START_TOLERANCE = 1e-12; /* of the largest force */
 static const double ROUNDING = 1e-13;        /* of it, times the gain: what the loop makes of rounding */
 static const double SINGULAR = 1e-12; /* |1 - eigenvalue| below which a loop counts as one of gain 1 */
+static const double SLOW = 0.1; /* reduction of a residual per pass above which the Jacobian is refined */
 enum { START_ITERATIONS = 20, SQUARINGS = 50 };
 
 /* -- vectors --------------------------------------------------------------------------------- */
@@ -275,13 +276,18 @@ static int solve_start(Unit *unit, double step)
     Course *course = c->course;
     const int count = 4 * c->unknowns, half = count / 2;
     const double tolerance = larger(START_TOLERANCE, ROUNDING * course->gain);
-    double size = 0.0, left = 0.0;
+    double size = 0.0, left = 0.0, before;
     int turn, i;
-    for (turn = 0; turn < START_ITERATIONS; turn++) {
+    for (turn = 0; turn <= START_ITERATIONS; turn++) {
+        memcpy(c->old, c->residual, (size_t)count * sizeof(double));
         for (i = 0; i < count; i++) {
             c->residual[i] = c->g_u[i] - c->u[i];
         }
+        before = left;
         left = loop_size(c->residual, half);
+        if (turn && left > SLOW * before) { /* a weight sticks where the one before has slid */
+            loop_learn(c, c->du, c->old, c->residual);
+        }
         size = larger(loop_size(c->u, half), loop_size(c->g_u, half));
         if (turn && left <= larger(tolerance * size, course->rounding)) {
             loop_unpack(c->g_u, c->unknowns, step, c->answers);

@@ -9,7 +9,7 @@
 #include "unit_weights.h"
 
 static const double SAID = 0.01, REFUSED = 0.3, UNRESOLVED = 0.05, NOISE = 1e-9, BEYOND = 10.0;
-static const double GROWTH = 2.0, WEAK_LOOP = 0.1, MISS_PER_ERROR = 120.0;
+static const double UNFOLLOWED = 0.5, GROWTH = 2.0, WEAK_LOOP = 0.1, MISS_PER_ERROR = 120.0;
 static const double EXPLICIT_MISS_PER_ERROR = 4.0;
 enum { PERSISTENT = 20, RUNAWAY = 4, TOO_LONG = 2 };
 
@@ -153,7 +153,8 @@ static void change(Composite *c, double step)
     course->judged_step = step;
     course->blind = 1.0;
     course->kept = natural_exp(-step * course->pace / TAU);
-    if (course->gain > WEAK_LOOP) {
+    if (course->gain > WEAK_LOOP ||
+        (course->pace > course->top && step * course->pace > UNFOLLOWED)) {
         course->kept = larger(course->kept, left_of_vibration(c, step));
     }
     course->kept_turning = natural_exp(-step * course->top / TAU);

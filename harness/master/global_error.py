@@ -4,8 +4,8 @@ What a step errs says little of the end: lightly damped motion gathers errors, m
 stable multiplies them.  So the run is done twice.  The first chooses its steps by what each of them
 errs (`schemes.adaptive`); the second takes every one of them in two, and is the result.  Where they
 meet they differ by 15 times the error of the second, for the coupling is of order 4 (with quintic
-signals of order 6, and by 63 times; taken for 1 where weights can collide or stick).  If that is
-more than the tolerance, every step is divided again, into as many parts as it takes.
+signals of order 6, and by 63 times; taken for 1 where weights can collide, or stick within a step).
+If that is more than the tolerance, every step is divided again, into as many parts as it takes.
 
 Hairer, Norsett & Wanner 1993, II.4: Richardson's extrapolation, here of the run as a whole.
 """
@@ -30,15 +30,12 @@ from .schemes.adaptive import RESIDUAL_SHARE, Adaptive
 from .schemes.prescribed import SLIVER
 
 ORDER = {3: 4, 5: 6}  # of the coupling, by that of the signals
-# weights that stick make the force jump; motion with collisions, met ones too, is no smooth
-# function of the steps' errors
+# forces that jump within a step; motion with collisions, met ones too, is no smooth function of the
+# steps' errors
 ORDER_OF_JUMPS = 1
 LEFT = 2  # power of the parts with which what is left in the loop shrinks at least
-SHARES = (
-    10.0,
-    1.0,
-    0.1,
-)  # of the tolerance, what a step of the first run may err; halved, 1/16 or 1/64
+# of the tolerance, what a step of the first run may err; halved, it errs by 1/16 or 1/64
+SHARES = (10.0, 1.0, 0.1)
 AIM = 0.3  # of the tolerance: what further parts are to leave
 MOST_TIMES = 4  # as many parts as in the run before, which is to be confirmed
 MOST_PARTS = 128  # of a step of the first run

@@ -21,6 +21,7 @@ Vector = list[complex]
 _START_TOLERANCE = 1e-12  # of the largest force: start values are as exact as the units
 _ROUNDING = 1e-13  # of the largest force, times the gain: what the loop makes of rounding
 _SINGULAR = 1e-12  # |1 - eigenvalue| below which a loop counts as one of gain 1
+SLOW = 0.1  # reduction of a residual per pass above which the Jacobian is refined
 _START_ITERATIONS = 20  # the map is affine in values and in slopes; Newton needs two or three
 
 
@@ -185,9 +186,12 @@ def consistent_start(system: System, step: float, rounding: float = 0.0) -> np.n
     residual = difference(g_u, u)
     tolerance = max(_START_TOLERANCE, _ROUNDING * loop_gain(slope_of_g, parts))
     for _ in range(_START_ITERATIONS):
-        u = [a + b for a, b in zip(u, newton.correction(residual), strict=True)]
+        du, before = newton.correction(residual), residual
+        u = [a + b for a, b in zip(u, du, strict=True)]
         g_u = respond(u)
         residual = difference(g_u, u)
+        if size(residual) > SLOW * size(before):  # a weight sticks where the one before has slid
+            newton.learn(du, before, residual)
         if size(residual) <= max(tolerance * max(size(u), size(g_u)), rounding):
             break
     else:

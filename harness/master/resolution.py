@@ -13,8 +13,9 @@ what an explicit scheme steps on.  What such errors do to the motion is estimate
 
 Errors are added without their signs, since a weight that turns with a signal makes a steady push
 of it, and forgotten over a revolution, or as slowly as the rotor's vibrations decay where the loop
-between force and acceleration is strong.  The larger of the two sums is the estimated error.  A
-signal that is not resolved at all makes estimates meaningless: such steps are counted.
+between force and acceleration is strong, or where steps turn the slowest vibration by more than
+half a radian.  The larger of the two sums is the estimated error.  A signal that is not resolved at
+all makes estimates meaningless: such steps are counted.
 """
 
 from __future__ import annotations
@@ -40,6 +41,7 @@ PERSISTENT = 20  # such steps in all: a transient that dies sooner is left to th
 NOISE = 1e-9  # of what all weights together can pull: below it a signal is cancellation
 LOST_PREDICTION = MISS_PER_ERROR[3] * UNRESOLVED  # of a signal's largest value: then it is lost
 BEYOND = 10.0  # times the largest force of the scene: what a resonance makes in three revolutions
+UNFOLLOWED = 0.5  # rad a step of the slowest vibration: what cubics miss of it gathers
 GROWTH = 2.0  # in a step: no resolved motion grows so fast
 RUNAWAY = 4  # such steps in a row
 _TURN = 2.0 * math.pi
@@ -92,9 +94,7 @@ class Resolution:
         soft = min(_slowest(rotor.mass, k) for k in (rotor.stiffness_x, rotor.stiffness_y))
         self._pace = max(self._speed, soft)
         self._mass = float(rotor.mass.sum())
-        # a strong loop goes on pushing a rotor that hardly damps
-        slowest = _slowest_decay(rotor, self._speed) if gain > WEAK_LOOP else math.inf
-        self._forgotten = min(self._pace / _TURN, slowest)
+        self._decay, self._strong = _slowest_decay(rotor, self._speed), gain > WEAK_LOOP
         pull = (assembly.capacity + float(np.abs(rotor.unbalance).sum())) * self._speed**2
         out = math.hypot(start.x, start.y) + math.hypot(start.vx, start.vy) / self._pace
         self._reach = pull / (self._mass * self._pace**2) + out  # m: how far the rotor moves
@@ -160,7 +160,11 @@ class Resolution:
     def _change(self, step: float) -> None:
         """Take over another length of the steps [s]."""
         self._step, self._blind = step, True
-        self._kept = math.exp(-step * self._forgotten)
+        # a strong loop goes on pushing a rotor that hardly damps, and steps that do not follow its
+        # vibration push it in time with that
+        gathers = self._strong or (self._pace > self._speed and step * self._pace > UNFOLLOWED)
+        slowest = self._decay if gathers else math.inf
+        self._kept = math.exp(-step * min(self._pace / _TURN, slowest))
         self._kept_turning = math.exp(-step * self._speed / _TURN)
         self._new = 1.0 - math.exp(-step * self._pace)
         # m/N: a force that lasts longer than 1/pace moves the rotor no further

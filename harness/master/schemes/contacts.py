@@ -48,6 +48,9 @@ def strike(scheme: Iterated, system: System, time: float, passes: int) -> tuple[
     signals = [*system.forces, *system.accelerations]
     sizes, largest = [signal.largest for signal in signals], scheme.largest
     learned, residual, pulse, left = copy(scheme.newton), 0.0, 0.0, AWAITED
+    allowed = scheme.tolerance
+    # what is left of a force makes a steep slope in a brief step
+    scheme.tolerance = min(allowed, scheme.closed)
     now = time
     for _ in range(MOST):
         system.tell_speed(now)
@@ -69,7 +72,7 @@ def strike(scheme: Iterated, system: System, time: float, passes: int) -> tuple[
             break
     else:
         raise SimulationError(f"weights collide or stick without end at t = {time:g} s")
-    scheme.largest = largest
+    scheme.largest, scheme.tolerance = largest, allowed
     for signal, size in zip(signals, sizes, strict=True):
         signal.largest, signal.prediction_error = max(size, abs(signal.now[0])), 0.0
     system.drop_past()

@@ -18,6 +18,7 @@ import numpy as np
 from ...errors import LoopError
 from ..fmu import EndedEarly
 from ..loop import (
+    SLOW,
     QuasiNewton,
     Vector,
     difference,
@@ -48,7 +49,6 @@ MAX_PASSES = 30  # quasi-Newton meets CONVERGED in two to six; more means it doe
 ROUNDING = 1e-12
 CHANGE = 1e-3  # of the largest force: a disturbance that shows the loop's Jacobian
 LOOSE = 1e-3  # a fixed number of passes that leaves more of the force than this is reported
-SLOW = 0.1  # reduction of the residual per pass above which the Jacobian is refined
 
 
 @dataclass
@@ -84,6 +84,9 @@ class Iterated:
         corrections: corrector passes of every step, or None to go on until converged.
         tolerance: residual, relative to the largest force so far, that counts as converged.
         rounding: of forces that cancel [N]; no smaller residual is asked for.
+
+    Attributes:
+        closed: residual, relative as `tolerance`, of a loop that is solved.
     """
 
     name = "iterated"
@@ -101,6 +104,7 @@ class Iterated:
     ) -> None:
         self.parts = EXACT[max(3, order)] + 1
         self._least = ROUNDING * loop_gain(jacobian, self.parts)
+        self.closed = max(CONVERGED, self._least)
         self.with_slopes = order >= 3
         self.miss_per_error = MISS_PER_ERROR[max(3, order)]
         if not self.with_slopes:

@@ -8,9 +8,10 @@ import numpy as np
 import pytest
 
 from autobalancer.harness import Scene, cosimulate
+from autobalancer.harness.master.cosimulation import CoSimulation
 from autobalancer.harness.master.schedule import end_time
 from autobalancer.models.reference.coupled import Monolith
-from tests.sticking import integrate
+from tests.sticking import Sticking, integrate
 
 MU = 5e-3
 SCENE = {
@@ -75,3 +76,30 @@ def test_where_they_stay_depends_on_the_way_there():
     assert apart.max() > 0.3
     for angles in (up, held):
         assert abs(2e-3 + 2e-3 * np.exp(1j * angles).sum()) > 2e-4
+
+
+HEAVY = {
+    "rotor": {"kind": "planar", "mass": 1.0, "stiffness": 8e3, "damping": 40.0, "unbalance": 0.02},
+    "balancer": [
+        {"kind": "balls", "name": "weights", "count": 2, "mass": 0.8, "track_radius": 0.1,
+         "drag": 0.6, "angles": [0.4, 2.5], "rolling_resistance": 0.05}
+    ],
+    "operation": {"speed": 150.0},
+    "run": {"revolutions": 1},
+}  # fmt: skip
+
+
+def test_heavy_balls_that_may_stick_have_a_consistent_start():
+    """Which of them slide depends on the rotor's acceleration, and that on them."""
+    scene = Scene.from_document(HEAVY)
+    with CoSimulation(scene) as cosim:
+        cosim.start()
+        assert cosim.gain > 0.25
+        system = Monolith(scene.assembly(), scene.profile())
+        bodies, y = Sticking(system, 0.05), system.initial(scene.run.initial.motion())
+        signs = np.zeros(2)
+        for k in range(2):
+            signs = bodies.after(0.0, y, signs, k)
+        (ax, ay), _, _ = bodies.parts(0.0, y, bodies.pushes(0.0, y, signs))
+        (found,) = cosim.system.accelerations
+        assert found.now[0] == pytest.approx(complex(ax, ay), rel=1e-9)

@@ -179,3 +179,15 @@ def assert_only_more_steps_are_right(document: dict, steps: int, words: str) -> 
     fine = coarse.replace({"coupling.steps_per_rev": steps})
     result = cosimulate(fine)
     assert max(deviations(result, motion(fine, result)).values()) < 0.01
+
+
+def test_given_steps_say_how_an_error_gathers_of_a_vibration_that_they_do_not_follow():
+    """It hardly decays, and a hundredth of the force wrong in time with it takes it away."""
+    stiff = Scene.from_document(
+        RIGHT["a light pendulum on stiff, all but undamped supports"]
+        | {"coupling": {"steps_per_rev": 40}, "run": {"revolutions": 30.0}}
+    )
+    result = cosimulate(stiff)
+    error = max(deviations(result, motion(stiff, result)).values())
+    assert error > 0.1
+    assert error / 3.0 < result.estimated_error < 3.0 * error

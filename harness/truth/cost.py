@@ -1,0 +1,120 @@
+"""What a run costs that asks for nothing, against given steps and an integration in one piece."""
+
+from __future__ import annotations
+
+import math
+import time as clock
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from ...models.monolith import simulate
+from ..errors import SimulationError, UserError
+from ..master.cosimulation import CoSimulation
+from ..master.global_error import Controlled
+from ..master.many import cosimulate_many
+from ..master.recorder import Recorder, recorded
+from ..master.schedule import at_fixed_steps, end_time
+from ..output.table import Sheet
+from ..scene import Scene
+from .draw import draw
+
+RTOL = 1e-6  # of the integration in one piece
+REPEATED = 3  # the shortest counts
+
+
+@dataclass(frozen=True)
+class Costs:
+    """Processor time of one scene's runs [s], without loading units; NaN where one is refused.
+
+    Attributes:
+        family: of the scene.
+        units, composite: by the tolerance of a scene that asks for nothing; the composite, whose
+            time is that with its set-up, keeps it of a step.
+        units_given, composite_given: at the default number of given steps.
+        one_piece: LSODA.
+    """
+
+    family: str
+    units: float
+    units_given: float
+    composite: float
+    composite_given: float
+    one_piece: float
+
+
+def costs(counts: dict[str, int], seed: int) -> Iterator[Costs]:
+    """Of the drawn scenes in which force is exchanged, and weights do not collide."""
+    for family, count in counts.items():
+        for number in range(count):
+            scene = Scene.from_document(draw(family, seed, number))
+            if any(b.exchanges_force for b in scene.balancer) and family != "finite":
+                yield _costs(family, scene)
+
+
+def _costs(family: str, scene: Scene) -> Costs:
+    given, profile, start = at_fixed_steps(scene), scene.profile(), scene.run.initial.motion()
+    points = np.linspace(0.0, end_time(scene), math.ceil(40 * scene.run.revolutions) + 1)
+
+    def one_piece() -> None:
+        simulate(scene.assembly(), profile, points, initial=start, method="LSODA", rtol=RTOL)
+
+    return Costs(
+        family,
+        _units(scene),
+        _units(given),
+        _one_file(scene),
+        _one_file(given),
+        _shortest(one_piece),
+    )
+
+
+def _units(scene: Scene) -> float:
+    names = list(recorded(scene))
+    with CoSimulation(scene) as cosim:
+
+        def run() -> None:
+            if scene.coupling.tolerance is not None:
+                Controlled(cosim, names).run(None)
+            else:
+                cosim.start()
+                cosim.record(Recorder(cosim.units, names), None)
+
+        return _shortest(run)
+
+
+def _one_file(scene: Scene) -> float:
+    speed = {"speed": [scene.profile().start]}
+    return _shortest(lambda: cosimulate_many(scene, speed, threads=1))
+
+
+def _shortest(run: Callable[[], object]) -> float:
+    times = []
+    for _ in range(REPEATED):
+        begun = clock.process_time()
+        try:
+            run()
+        except (SimulationError, UserError, ArithmeticError):
+            return math.nan
+        times.append(clock.process_time() - begun)
+    return min(times)
+
+
+def cost_table(found: Sequence[Costs]) -> Sheet:
+    """Medians of the ratios of run times by family."""
+    ratios = {
+        "units: over given steps": ("units", "units_given"),
+        "over LSODA": ("units", "one_piece"),
+        "composite: over given steps": ("composite", "composite_given"),
+        "composite over LSODA": ("composite", "one_piece"),
+    }
+    rows = []
+    for name in [*dict.fromkeys(one.family for one in found), "all"]:
+        mine = [one for one in found if name in (one.family, "all")]
+        medians = [
+            np.nanmedian([getattr(one, over) / getattr(one, under) for one in mine])
+            for over, under in ratios.values()
+        ]
+        rows.append([name, str(len(mine)), *(f"{value:.2g}" for value in medians)])
+    return Sheet(["family", "scenes", *ratios], rows, "l" + "r" * (len(ratios) + 1))
