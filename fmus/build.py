@@ -47,8 +47,9 @@ def build(
             `weight.angle`; most tools connect scalars more easily.
         platforms: of native units, default: all.
         name: model name and file name, default: that of the unit.
-        options: frame ("rotor", or "fixed" for signals along fixed axes); of a rotor kind,
-            stations, planes, unbalances and shaft; of a ball balancer weights.  `Sizes` of the
+        options: frame ("rotor", or "fixed" for signals along fixed axes), order (3, or 5 for
+            quintic signals); of a rotor kind, stations, planes, unbalances and shaft; of a ball
+            balancer weights.  `Sizes` of the
             units say what they mean and what is allowed; a unit leaves those of others aside.
 
     Returns:
@@ -103,7 +104,7 @@ def contents(
         can = Capabilities(
             input_derivatives=True,
             output_derivatives=1,
-            directional_derivatives=True,
+            directional_derivatives=getattr(sized.sizes, "order", 3) == 3,
             early_return=sized.unit.returns_early,
             arrays=arrays,
         )

@@ -19,12 +19,18 @@ def one_of(*words: str, of: tuple[str, ...] = ()) -> Any:
     return field(default=words[0], metadata={"words": words, "of": of})
 
 
+def order_of_signals() -> Any:
+    """3 or 5; the usual 3 is not written down."""
+    return field(default=3, metadata={"words": (3, 5), "of": (), "silent": 3})
+
+
 def count(default: int, of: tuple[str, ...] = ()) -> Any:
     """A whole number, at least 1; when `of` is given, of these kinds of the unit only.
 
     With 0 for a default it may be 0: the unit has none, and the option is not written down.
     """
-    return field(default=default, metadata={"words": (), "of": of, "least": min(1, default)})
+    known: dict[str, Any] = {"words": (), "of": of, "least": min(1, default)}
+    return field(default=default, metadata=known | ({} if default else {"silent": 0}))
 
 
 @dataclass(frozen=True)
@@ -43,15 +49,15 @@ class Sizes:
     def __post_init__(self) -> None:
         for name, value in self.options.items():
             words = self.words(name)
-            if words and value not in words:
+            if words and (value not in words or type(value) is not type(words[0])):
                 raise ValueError(f"{name} = {value!r}: must be one of {alternatives(words)}")
             least = self.__dataclass_fields__[name].metadata.get("least", 1)
             if not words and (type(value) is not int or value < least):
                 raise ValueError(f"{name} = {value!r}: must be a whole number, at least {least}")
 
     @classmethod
-    def words(cls, name: str) -> tuple[str, ...]:
-        """The words allowed for an option; none for a number."""
+    def words(cls, name: str) -> tuple[Any, ...]:
+        """What is allowed for an option; nothing for any number."""
         return next(f.metadata["words"] for f in fields(cls) if f.name == name)
 
     @property
@@ -60,12 +66,29 @@ class Sizes:
         kind = getattr(self, "kind", "")
         concerned = [f for f in fields(self) if not f.metadata["of"] or kind in f.metadata["of"]]
         values = ((f, getattr(self, f.name)) for f in concerned)
-        return {f.name: v for f, v in values if v != 0 or f.metadata.get("least") != 0}
+        return {f.name: v for f, v in values if v != f.metadata.get("silent")}
 
     @property
     def axes(self) -> tuple[str, str]:
         """Names of the axes of the signals."""
         return ("xi", "eta") if self.frame == "rotor" else ("x", "y")
+
+
+@dataclass(frozen=True)
+class SignalSizes(Sizes):
+    """Sizes of a unit with coupling signals.
+
+    Attributes:
+        order: of the signals over a step: 3, cubics between exact values and slopes, or 5, quintics
+            between these and exact second derivatives, for a constant speed.
+    """
+
+    order: int = order_of_signals()
+
+    @property
+    def spin(self) -> tuple[str, ...]:
+        """The speed's derivatives as far as outputs answer them: order 5 keeps them at 0."""
+        return ("acceleration", "der(acceleration)") if self.order == 3 else ()
 
 
 @dataclass(frozen=True)

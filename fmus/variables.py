@@ -12,10 +12,9 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from itertools import chain
 
-ORDERS = 4  # an input signal is a cubic: value and derivatives of order 1 to 3
 _SIGNALS = {  # units of value and derivatives
-    "acceleration": ("m/s2", "m/s3", "m/s4", "m/s5"),
-    "force": ("N", "N/s", "N/s2", "N/s3"),
+    "acceleration": ("m/s2", "m/s3", "m/s4", "m/s5", "m/s6", "m/s7"),
+    "force": ("N", "N/s", "N/s2", "N/s3", "N/s4", "N/s5"),
     "angular acceleration": ("rad/s2", "rad/s3", "rad/s4", "rad/s5"),
     "torque": ("N.m", "N.m/s", "N.m/s2", "N.m/s3"),
 }
@@ -101,12 +100,14 @@ def derivative(name: str, order: int) -> str:
     return (name, f"der({name})", f"der({name},{order})")[min(order, 2)]
 
 
-def signal_inputs(names: Sequence[str], quantity: str, description: str) -> list[Variable]:
-    """Cubic input signals (`_SIGNALS`): all values, then all first derivatives, and so on.
+def signal_inputs(
+    names: Sequence[str], quantity: str, description: str, order: int = 3
+) -> list[Variable]:
+    """Input signals (`_SIGNALS`): all values, then all first derivatives, and so on to `order`.
 
     A master that holds its signals sets the leading part of this group only.
     """
-    texts = [description] + [f"{description}, derivative of order {k}" for k in range(1, ORDERS)]
+    texts = [description] + [f"{description}, derivative of order {k}" for k in range(1, order + 1)]
     return [
         plain_input(
             derivative(name, order),
@@ -115,7 +116,7 @@ def signal_inputs(names: Sequence[str], quantity: str, description: str) -> list
             f"{texts[order]} at the start of the step",
             derivative_of=derivative(name, order - 1) if order else "",
         )
-        for order, unit in enumerate(_SIGNALS[quantity])
+        for order, unit in enumerate(_SIGNALS[quantity][: order + 1])
         for name in names
     ]
 
@@ -137,9 +138,13 @@ def signal_outputs(
     description: str,
     depends: Sequence[tuple[str, ...]],
     slopes_depend: Sequence[tuple[str, ...]],
+    seconds_depend: Sequence[tuple[str, ...]] = (),
     **more,
 ) -> list[Variable]:
-    """Output signals, then the exact slope of each; what they depend on in the order of `names`."""
+    """Output signals, then the exact slope of each, and the second derivative of some units.
+
+    What they depend on is in the order of `names`.
+    """
     values = [
         output(name, _SIGNALS[quantity][0], description, depends=inputs, **more)
         for name, inputs in zip(names, depends, strict=True)
@@ -149,7 +154,12 @@ def signal_outputs(
                derivative_of=name, **more)
         for name, inputs in zip(names, slopes_depend, strict=True)
     ]  # fmt: skip
-    return values + slopes
+    seconds = [
+        output(derivative(name, 2), _SIGNALS[quantity][2], f"Exact second derivative of {name}",
+               depends=inputs, derivative_of=derivative(name, 1), **more)
+        for name, inputs in zip(names, seconds_depend, strict=False)
+    ]  # fmt: skip
+    return values + slopes + seconds
 
 
 def observed(name: str, unit: str, description: str, begins: tuple[str, ...], **more) -> Variable:

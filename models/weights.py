@@ -29,8 +29,8 @@ KAPPA = {"balls": 7.0 / 5.0, "rollers": 3.0 / 2.0, "pendulums": 1.0}
 TURN_PER_SUBSTEP = 0.15  # rad of weight motion per substep: the error of a step is then below 1e-6
 MAX_ITERATIONS = 12  # the fixed point gains about two digits an iteration; more means divergence
 CONVERGED = 1e-14  # relative to the size of the change over the substep
-_MAX_SUBSTEPS = 1_000_000
-_FAR = 1e4  # rad: beyond, whole turns are taken off while a step is computed
+MAX_SUBSTEPS = 1_000_000
+FAR = 1e4  # rad: beyond, whole turns are taken off while a step is computed
 
 
 @dataclass(frozen=True)
@@ -291,13 +291,13 @@ def advance(
     """
     if not math.isfinite(sum(angles)):
         raise ArithmeticError(f"the weights' angles {list(angles)} are not finite")
-    if max(map(abs, angles)) > _FAR:
+    if max(map(abs, angles)) > FAR:
         # the iteration's end is judged by the angle: turns behind a weight must not loosen it
         behind = [2.0 * math.pi * round(angle / (2.0 * math.pi)) for angle in angles]
         near = [angle - turned for angle, turned in zip(angles, behind, strict=True)]
         moved, end_rates = advance(weights, near, speeds, signal, angular_acceleration, step, rates)
         return [angle + turned for angle, turned in zip(moved, behind, strict=True)], end_rates
-    count = substeps(weights, speeds, signal, angular_acceleration, step, step, _MAX_SUBSTEPS)
+    count = substeps(weights, speeds, signal, angular_acceleration, step, step, MAX_SUBSTEPS)
     h = step / count
     lever, damping_rate = weights.lever, weights.damping_rate
     lag = weights.spin_share * angular_acceleration

@@ -87,6 +87,10 @@ class Composition:
                 raise ValueError(
                     f"{part.name!r}: a part is named by letters, digits and underscores alone"
                 )
+            if part.sizes.get("order", 3) != 3:
+                raise ValueError(
+                    f"{part.name}: order = {part.sizes['order']}: must be 3 in one file"
+                )
             mounted = part is not self.parts[0] and part.model != "Motor"
             if mounted and not 1 <= part.plane <= planes:
                 raise ValueError(f"{part.name}: plane = {part.plane}: must be 1 to {planes}")

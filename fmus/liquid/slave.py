@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from ...models.cubic import at
 from ...models.liquid import Liquid
-from ..python.signals import orders
+from ..python.signals import derivatives_at, orders
 from ..python.slave import Slave
 from .variables import LIQUID
 
@@ -32,11 +31,8 @@ class LiquidBalancer(Slave):
         """Outputs with the input signals taken t after the start of the step."""
         layout, real = self.layout, self.real
         *signal, x, y = real[layout.inputs]
-        acceleration, slope = at(orders(signal), t)
-        if self.sent:
-            force, force_slope = -self.sent * acceleration, -self.sent * slope
-        else:
-            force = force_slope = 0j
+        motion = derivatives_at(orders(signal), t)
+        force = [-self.sent * a if self.sent else 0j for a in motion]
         clearance = self.liquid.clearance(complex(x, y))
         if clearance < 0.0:
             self.warn_once(
@@ -46,10 +42,7 @@ class LiquidBalancer(Slave):
                 self.time + t,
             )
         real[layout.computed] = [
-            force.real,
-            force.imag,
-            force_slope.real,
-            force_slope.imag,
+            *(part for f in force for part in (f.real, f.imag)),
             self.carried,
             self.liquid.liquid_mass,
             clearance,

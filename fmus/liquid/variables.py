@@ -2,13 +2,21 @@
 
 from __future__ import annotations
 
-from ..unit import Sizes, Unit
-from ..variables import Variable, output, parameter, plain_input, signal_inputs, signal_outputs
+from ..unit import SignalSizes, Unit
+from ..variables import (
+    Variable,
+    derivative,
+    output,
+    parameter,
+    plain_input,
+    signal_inputs,
+    signal_outputs,
+)
 
 _LIQUID = ("chamber_radius", "height", "density")
 
 
-def variables(sizes: Sizes) -> list[Variable]:
+def variables(sizes: SignalSizes) -> list[Variable]:
     """Parameters, the chamber's acceleration, the force on the rotor."""
     a = [f"a_{axis}" for axis in sizes.axes]
     force = [f"F_{axis}" for axis in sizes.axes]
@@ -20,12 +28,14 @@ def variables(sizes: Sizes) -> list[Variable]:
         parameter("height", 0.02, "m", "Height h of the chamber", minimum=0.0, above=True),
         parameter("density", 1000.0, "kg/m3", "Of the liquid", minimum=0.0, above=True),
         parameter("inertia_as_force", False, "", "True: r m2 acts in F and added_mass is zero"),
-        *signal_inputs(a, "acceleration", "Acceleration of the chamber's centre"),
+        *signal_inputs(a, "acceleration", "Acceleration of the chamber's centre", sizes.order),
         plain_input("x", 0.0, "m", place, quantity="Displacement"),
         plain_input("y", 0.0, "m", place, quantity="Displacement"),
         *signal_outputs(
             force, "force", "Force on the rotor", [(name,) for name in a],
-            [(f"der({name})",) for name in a], begins=begins, kind="fixed",
+            [(f"der({name})",) for name in a],
+            [(derivative(name, 2),) for name in a] if sizes.order == 5 else (),
+            begins=begins, kind="fixed",
         ),
         output("added_mass", "kg", "Mass r m2 to be carried by the rotor", begins=begins),
         output("liquid_mass", "kg", "Mass m2 of the liquid", begins=(*_LIQUID, "float_radius")),
@@ -44,6 +54,6 @@ LIQUID = Unit(
     name="LiquidBalancer",
     folder="liquid",
     summary="Chamber, float and liquid: the acceleration of the chamber's centre in, force out.",
-    sizes=Sizes,
+    sizes=SignalSizes,
     variables=variables,
 )

@@ -197,6 +197,9 @@ static int read_part(Unit *unit, Part *part, const char *at)
         return refuse(unit, "the rotor must be its first part, and the only one, and signals must "
                             "turn with it");
     }
+    if (part->unit->layout.sizes.order != 3) {
+        return refuse(unit, "the signals of its parts must be of order 3");
+    }
     if (c->motor) {
         return refuse(unit, "the motor must be its last part, and the only one");
     }
@@ -371,8 +374,8 @@ static int connect(Unit *unit)
 static int describe(Unit *unit, const char *own_starts)
 {
     const Composite *c = unit->own;
-    const Table *table = table_of("Composite", c->motor ? "motor" : "", "");
-    Sizes sizes = {1, 1, 1, 1, 0, 2, 0, 0};
+    const Table *table = table_of("Composite", c->motor ? "motor" : "", "", 3);
+    Sizes sizes = {1, 1, 1, 1, 0, 2, 0, 0, 3};
     Layout own;
     Variable *reals;
     double *starts;

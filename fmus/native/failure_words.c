@@ -104,6 +104,13 @@ void failure_words(Text *text, const Failure *failure, const double *values, siz
         text_number(text, value[0]);
         text_put(text, " rad/s3: must be 0 for weights that touch or stick, as all its derivatives");
         break;
+    case FAILURE_QUINTIC_SPIN:
+        text_put(text, "acceleration: must be 0, as its derivatives, with signals of order = 5");
+        break;
+    case FAILURE_QUINTIC_WEIGHTS:
+        text_put(text, "order = 5: only point weights on a centred track have such signals; "
+                       "weight_radius, rolling_resistance and track_offset must be 0");
+        break;
     case FAILURE_CHARACTERISTIC:
         text_put(text, "point[");
         text_integer(text, (unsigned long)failure->where);

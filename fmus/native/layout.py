@@ -32,14 +32,18 @@ _REPEATS = {
 _PLANAR = {"planes": _PLANES, "sliders": _SLIDERS, "stations": 1}
 _ROTOR = {**_PLANAR, "stations": _STATIONS, "unbalances": _UNBALANCES}
 
-# what the C library holds: unit, and options of the sizes looked at
-TABLES: tuple[tuple[str, dict[str, Any]], ...] = (
+_CUBIC: tuple[tuple[str, dict[str, Any]], ...] = (
     ("RotorOnSupports", {**_PLANAR, "kind": "planar"}),
     ("RotorOnSupports", {**_ROTOR, "kind": "two_support", "stations": 2}),
     ("RotorOnSupports", {**_ROTOR, "kind": "flexible", "shaft": "uniform"}),
     ("RotorOnSupports", {**_ROTOR, "kind": "flexible", "shaft": "compliance"}),
     ("LiquidBalancer", {}),
     ("BallBalancer", {"weights": _WEIGHTS}),
+)
+# what the C library holds: unit, and options of the sizes looked at
+TABLES = (
+    *_CUBIC,
+    *((unit, {**options, "order": 5, "sliders": 0}) for unit, options in _CUBIC),
     ("Motor", {"points": _POINTS}),
     ("Composite", {"planes": _PLANES}),
     ("Composite", {"planes": _PLANES, "kind": "motor"}),
@@ -85,7 +89,8 @@ def header() -> str:
     records = []
     for unit, options in TABLES:
         kind, shaft = options.get("kind", ""), options.get("shaft", "")
-        title = "_".join(filter(None, (unit.lower(), kind, shaft)))
+        order = options.get("order", 3)
+        title = "_".join(filter(None, (unit.lower(), kind, shaft, "quintic" * (order == 5))))
         blocks = _blocks(unit, options)
         rows = [_row(*row) for b in blocks for row in zip(b.patterns, b.variables, strict=True)]
         parts.append(f"static const Declared {title}[] = {{\n    " + ",\n    ".join(rows) + "};")
@@ -98,7 +103,7 @@ def header() -> str:
             where = f"{title}_booleans"
             parts.append(f"static const Flag {where}[] = {{{', '.join(booleans)}}};")
         records.append(
-            f'{{"{unit}", "{kind}", "{shaft}", {title}, {title}_blocks, {len(blocks)}, '
+            f'{{"{unit}", "{kind}", "{shaft}", {order}, {title}, {title}_blocks, {len(blocks)}, '
             f"{where}, {len(booleans)}}}"
         )
     parts.append("static const Table TABLES[] = {\n    " + ",\n    ".join(records) + "};")

@@ -101,19 +101,19 @@ int exponential(int parts, int size, int upper, double *matrix, double *scratch,
     return FINE;
 }
 
-int step_matrix_rows(int stations, int planes, int axes)
+int step_matrix_rows(int stations, int planes, int orders, int axes)
 {
-    return axes * (2 * stations + 2 * planes);
+    return axes * (2 * stations + orders / 2 * planes);
 }
 
-int step_matrix_columns(int stations, int planes, int axes)
+int step_matrix_columns(int stations, int planes, int orders, int axes)
 {
-    return axes * (2 * stations + ORDERS * planes + 1);
+    return axes * (2 * stations + orders * planes + 1);
 }
 
-size_t step_matrix_scratch(int stations, int planes, int axes)
+size_t step_matrix_scratch(int stations, int planes, int orders, int axes)
 {
-    const size_t size = (size_t)step_matrix_columns(stations, planes, axes);
+    const size_t size = (size_t)step_matrix_columns(stations, planes, orders, axes);
     const size_t parts = axes == 1 ? 2 : 1;
     return 5 * parts * size * size; /* Z, its exponential, and what that needs */
 }
@@ -173,12 +173,12 @@ static void set_turning(int parts, int size, int first, int count, double speed,
     }
 }
 
-int generator(const LinearRotor *rotor, double speed, int turning_force, double *z, double *scratch,
-              Failure *failure)
+int generator(const LinearRotor *rotor, double speed, int turning_force, int orders, double *z,
+              double *scratch, Failure *failure)
 {
     const int axes = linear_rotor_isotropic(rotor) ? 1 : 2, parts = 3 - axes;
     const int p = rotor->plane_count, dof = axes * rotor->stations, forces = axes * p;
-    const int size = 2 * dof + ORDERS * forces + axes, f = 2 * dof, e = size - axes;
+    const int size = 2 * dof + orders * forces + axes, f = 2 * dof, e = size - axes;
     const int width = 2 * dof + forces + axes;
     const size_t square = (size_t)dof * dof * parts;
     double *mass = scratch, *damping = mass + square, *stiffness = damping + square;
@@ -197,12 +197,12 @@ int generator(const LinearRotor *rotor, double speed, int turning_force, double 
         copy_doubles((size_t)(2 * dof + forces) * parts, from, row);
         copy_doubles((size_t)axes * parts, from + (2 * dof + forces) * parts, row + e * parts);
     }
-    for (k = 0; k < ORDERS; k++) {
+    for (k = 0; k < orders; k++) {
         const int first = f + k * forces;
         if (turning_force) {
             set_turning(parts, size, first, p, speed, z);
         }
-        for (i = first; i < first + forces && k + 1 < ORDERS; i++) {
+        for (i = first; i < first + forces && k + 1 < orders; i++) {
             z[((size_t)i * size + i + forces) * parts] = 1.0;
         }
     }
@@ -210,17 +210,17 @@ int generator(const LinearRotor *rotor, double speed, int turning_force, double 
     return FINE;
 }
 
-int step_matrix(const LinearRotor *rotor, double speed, double step, int turning_force,
+int step_matrix(const LinearRotor *rotor, double speed, double step, int turning_force, int orders,
                 double *matrix, double *scratch, Failure *failure)
 {
     const int axes = linear_rotor_isotropic(rotor) ? 1 : 2, parts = 3 - axes;
     const int n = rotor->stations, p = rotor->plane_count, dof = axes * n, forces = axes * p;
-    const int size = step_matrix_columns(n, p, axes);
+    const int size = step_matrix_columns(n, p, orders, axes);
     const size_t count = (size_t)size * size * parts, width = (size_t)size * parts;
     double *z = scratch, *propagated = z + count, *work = propagated + count;
-    double *rates = work, *jerks = rates + dof * width, *planes = jerks + dof * width;
+    double *rates = work, *next = rates + dof * width, *planes = next + dof * width;
     size_t i;
-    int code = generator(rotor, speed, turning_force, z, work, failure);
+    int k, code = generator(rotor, speed, turning_force, orders, z, work, failure);
     if (code) {
         return code;
     }
@@ -234,10 +234,14 @@ int step_matrix(const LinearRotor *rotor, double speed, double step, int turning
     copy_doubles(2 * dof * width, propagated, matrix);
     /* e^{Zt} Z, not Z e^{Zt}: a stiff support would lose the small difference of k q and F */
     matrix_product(parts, dof, size, size, propagated + dof * width, z, rates);
-    matrix_product(parts, dof, size, size, rates, z, jerks);
     matrix_per_axis(parts, axes, p, n, rotor->planes, planes);
-    matrix_product(parts, forces, dof, size, planes, rates, matrix + 2 * dof * width);
-    matrix_product(parts, forces, dof, size, planes, jerks,
-                   matrix + (2 * (size_t)dof + forces) * width);
+    for (k = 0; k < orders / 2; k++) { /* of the acceleration, the jerk and so on */
+        double *kept = rates;
+        matrix_product(parts, forces, dof, size, planes, rates,
+                       matrix + (2 * (size_t)dof + (size_t)k * forces) * width);
+        matrix_product(parts, dof, size, size, rates, z, next);
+        rates = next;
+        next = kept;
+    }
     return FINE;
 }

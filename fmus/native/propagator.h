@@ -10,31 +10,32 @@
 #include "failure.h"
 #include "linear_rotor.h"
 
-#define ORDERS 4 /* value and three derivatives of a force signal */
-
 /* e^matrix (size, size), in place, by a Taylor series and doubling of e^A - 1.
 
    `upper`: rows from this one on have zeros in the columns before it (0 is always right; more saves
    time).  scratch: 3 parts size^2 doubles. */
 int exponential(int parts, int size, int upper, double *matrix, double *scratch, Failure *failure);
 
-/* Elements in a row and rows of a step matrix; in doubles it has rows * columns * parts. */
-int step_matrix_rows(int stations, int planes, int axes);
-int step_matrix_columns(int stations, int planes, int axes);
+/* Elements in a row and rows of a step matrix; in doubles it has rows * columns * parts.
+
+   orders: numbers that tell a force signal, value and derivatives: 4 of a cubic, 6 of a quintic. */
+int step_matrix_rows(int stations, int planes, int orders, int axes);
+int step_matrix_columns(int stations, int planes, int orders, int axes);
 /* Doubles of scratch for step_matrix. */
-size_t step_matrix_scratch(int stations, int planes, int axes);
+size_t step_matrix_scratch(int stations, int planes, int orders, int axes);
 
 /* Matrix Z (columns, columns) of the autonomous system (q, v, f_0..f_3, e)' =
-   Z (q, v, f_0..f_3, e); the same scratch. */
-int generator(const LinearRotor *rotor, double speed, int turning_force, double *z, double *scratch,
-              Failure *failure);
+   Z (q, v, f_0..f_3, e), of quintics with f_0..f_5; the same scratch. */
+int generator(const LinearRotor *rotor, double speed, int turning_force, int orders, double *z,
+              double *scratch, Failure *failure);
 
-/* Matrix (rows, columns) that takes (q, v, f_0..f_3, e) to (q, v, a, j) one `step` [s] later.
+/* Matrix (rows, columns) that takes (q, v, f_0..f_3, e) to (q, v, a, j) one `step` [s] later, of
+   quintics to the jerk's derivative as well.
 
    a and j are acceleration and jerk of the p planes in fixed axes; blocks are (x..., y...) for an
    anisotropic rotor, complex for an isotropic one.  With `turning_force` 0 the f_k are derivatives
    in fixed axes.  With step = 0 it evaluates a and j at the start. */
-int step_matrix(const LinearRotor *rotor, double speed, double step, int turning_force,
+int step_matrix(const LinearRotor *rotor, double speed, double step, int turning_force, int orders,
                 double *matrix, double *scratch, Failure *failure);
 
 #endif

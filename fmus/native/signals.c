@@ -1,6 +1,7 @@
 #include "signals.h"
 
 #include "cubic.h"
+#include "quintic.h"
 
 void signal_orders(const double *signal, Complex *cubic)
 {
@@ -10,10 +11,31 @@ void signal_orders(const double *signal, Complex *cubic)
     }
 }
 
+void signal_quintic(const double *signal, Complex *quintic)
+{
+    int k;
+    for (k = 0; k < QUINTIC_ORDERS; k++) {
+        quintic[k] = complex_of(signal[2 * k], signal[2 * k + 1]);
+    }
+}
+
 void signal_at(const Complex *cubic, double t, Complex *value, Complex *slope)
 {
     *value = cubic_value(cubic, t);
     *slope = cubic_slope(cubic, t);
+}
+
+void signal_derivatives(const double *signal, int order, double t, Complex *derivatives)
+{
+    if (order == 5) {
+        Complex quintic[QUINTIC_ORDERS];
+        signal_quintic(signal, quintic);
+        quintic_at(quintic, t, derivatives);
+    } else {
+        Complex cubic[SIGNAL_ORDERS];
+        signal_orders(signal, cubic);
+        signal_at(cubic, t, derivatives, derivatives + 1);
+    }
 }
 
 static Complex quotient(Complex a, double by)
@@ -34,4 +56,23 @@ void signal_hermite(Complex start, Complex start_slope, Complex end, Complex end
     cubic[1] = start_slope;
     cubic[2] = quotient(second, step);
     cubic[3] = quotient(third, step * step);
+}
+
+void signal_quintic_hermite(const Complex *start, const Complex *end, double step,
+                            Complex *quintic)
+{
+    double from[2][3], to[2][3], higher[2][3];
+    int k;
+    for (k = 0; k < 3; k++) {
+        from[0][k] = start[k].re;
+        from[1][k] = start[k].im;
+        to[0][k] = end[k].re;
+        to[1][k] = end[k].im;
+        quintic[k] = start[k];
+    }
+    quintic_hermite(from[0], to[0], step, higher[0]);
+    quintic_hermite(from[1], to[1], step, higher[1]);
+    for (k = 0; k < 3; k++) {
+        quintic[3 + k] = complex_of(higher[0][k], higher[1][k]);
+    }
 }

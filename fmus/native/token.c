@@ -45,7 +45,7 @@ int token_read(const char *token, const Table **table, Sizes *sizes, Text *reaso
 {
     char unit[WORD_SIZE], key[WORD_SIZE], value[WORD_SIZE], kind[WORD_SIZE], shaft[WORD_SIZE];
     const char *at;
-    const Sizes none = {1, 1, 1, 1, 0, 2, 0, 0};
+    const Sizes none = {1, 1, 1, 1, 0, 2, 0, 0, 3};
     *sizes = none;
     kind[0] = shaft[0] = 0;
     at = token ? word_until(token, '/', unit) : NULL;
@@ -77,6 +77,7 @@ int token_read(const char *token, const Table **table, Sizes *sizes, Text *reaso
                         : text_equal(key, "weights")    ? &sizes->weights
                         : text_equal(key, "sliders")    ? &sizes->sliders
                         : text_equal(key, "points")     ? &sizes->points
+                        : text_equal(key, "order")      ? &sizes->order
                                                         : NULL;
             if (!size) {
                 return refuse(reason, token, "has an option this library does not know");
@@ -87,13 +88,14 @@ int token_read(const char *token, const Table **table, Sizes *sizes, Text *reaso
             }
         }
     }
-    *table = table_of(unit, kind, shaft);
+    *table = table_of(unit, kind, shaft, sizes->order);
     if (!*table) {
         return refuse(reason, token, "names a unit that this library does not have");
     }
     if ((text_equal(kind, "planar") && sizes->stations != 1) ||
         (text_equal(kind, "two_support") && sizes->stations != 2) ||
         (text_equal(kind, "flexible") && sizes->stations < 2) || sizes->points < 2 ||
+        (sizes->order != 3 && sizes->sliders) ||
         layout_count(*table, sizes, MOST_REALS) > MOST_REALS) {
         return refuse(reason, token, "has a size in which this unit does not exist");
     }
@@ -126,6 +128,11 @@ static void put_options(Text *text, const Layout *layout)
     put_option(text, "frame=", sizes->fixed_frame ? "fixed" : "rotor");
     if (table->kind[0]) {
         put_option(text, "kind=", table->kind);
+    }
+    if (sizes->order != 3) {
+        put_size(text, "order=", sizes->order);
+    }
+    if (table->kind[0]) {
         put_size(text, "planes=", sizes->planes);
         if (table->shaft[0]) {
             put_option(text, "shaft=", table->shaft);

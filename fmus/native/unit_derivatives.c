@@ -24,13 +24,15 @@ static int within(size_t reference, Range range)
 static const char *wrong_derivative(const Unit *unit, size_t reference, int order, double value)
 {
     const Range values = signal_values(unit);
+    const int highest = unit->layout.sizes.order;
     Range signals = values;
-    signals.count *= SIGNAL_ORDERS;
+    signals.count *= (size_t)highest + 1;
     if (!within(reference, unit->layout.inputs)) {
         return ": is no input";
     }
-    if (order < 1 || order >= SIGNAL_ORDERS) {
-        return ": the order of a derivative must be 1 to 3";
+    if (order < 1 || order > highest) {
+        return highest == 5 ? ": the order of a derivative must be 1 to 5"
+                            : ": the order of a derivative must be 1 to 3";
     }
     if (!is_finite(value)) {
         return ": a derivative must be a finite number";
@@ -91,7 +93,7 @@ static int derivative_of(Unit *unit, size_t reference, double *value)
         *value = unit->real[reference + signals.count];
         return 0;
     }
-    if (reference < signals.first + 2 * signals.count) {
+    if (reference < signals.first + (size_t)(unit->layout.sizes.order + 1) / 2 * signals.count) {
         return 1;
     }
     return unit->equations->slope(unit, reference, value);
@@ -151,6 +153,9 @@ static const char *wrong_sides(const Unit *unit, Range outputs, const unsigned *
                                size_t unknown_count, const unsigned *knowns, size_t known_count)
 {
     size_t k;
+    if (unit->layout.sizes.order != 3) {
+        return "a unit with signals of order 5 gives none";
+    }
     for (k = 0; k < known_count; k++) {
         if (!within(knowns[k], unit->layout.inputs)) {
             return "knowns must be inputs";

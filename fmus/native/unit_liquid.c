@@ -6,14 +6,20 @@
 
 enum { SIGNALS = 2, TOUCHES = 1 };
 
-/* Inputs from the first of them on, and outputs. */
-enum { X = 8, Y = 9 };
-enum { FORCE = 0, SLOPE = 2, ADDED_MASS = 4, LIQUID_MASS = 5, CLEARANCE = 6 };
+/* Inputs behind the signal, and outputs behind the force with its derivatives. */
+enum { X, Y };
+enum { ADDED_MASS, LIQUID_MASS, CLEARANCE };
 
 typedef struct {
     Liquid liquid;
     double carried, sent; /* parts of the added mass: through the port, in the force [kg] */
 } Own;
+
+/* Numbers that tell the signal, value and derivatives, and the exact derivatives of the force. */
+static size_t orders_of(const Unit *unit)
+{
+    return (size_t)unit->layout.sizes.order + 1;
+}
 
 static size_t memory_size(const Layout *layout)
 {
@@ -79,24 +85,20 @@ static void put(Unit *unit, double t)
 {
     const Own *own = unit->own;
     const double *in = unit->real + unit->layout.inputs.first;
+    const double *place = in + SIGNALS * orders_of(unit);
     double *out = unit->real + unit->layout.computed.first;
-    const Complex displacement = complex_of(in[X], in[Y]);
+    const Complex displacement = complex_of(place[X], place[Y]);
     const double clearance = liquid_clearance(&own->liquid, displacement);
-    Complex cubic[SIGNAL_ORDERS], acceleration, slope;
-    Complex force = {0.0, 0.0}, force_slope = {0.0, 0.0};
-    signal_orders(in, cubic);
-    signal_at(cubic, t, &acceleration, &slope);
-    if (own->sent != 0.0) {
-        force = complex_scaled(-own->sent, acceleration);
-        force_slope = complex_scaled(-own->sent, slope);
+    Complex motion[3];
+    size_t k;
+    signal_derivatives(in, unit->layout.sizes.order, t, motion);
+    for (k = 0; k < orders_of(unit) / 2; k++, out += SIGNALS) {
+        out[0] = own->sent != 0.0 ? -own->sent * motion[k].re : 0.0;
+        out[1] = own->sent != 0.0 ? -own->sent * motion[k].im : 0.0;
     }
     if (clearance < 0.0) {
         warn_of_touch(unit, displacement, unit->time + t);
     }
-    out[FORCE] = force.re;
-    out[FORCE + 1] = force.im;
-    out[SLOPE] = force_slope.re;
-    out[SLOPE + 1] = force_slope.im;
     out[ADDED_MASS] = own->carried;
     out[LIQUID_MASS] = liquid_mass(&own->liquid);
     out[CLEARANCE] = clearance;
@@ -128,12 +130,14 @@ static size_t signals(const Layout *layout, size_t *first)
 static int directional(Unit *unit, const double *seed, double *change)
 {
     const Own *own = unit->own;
-    const double *in = unit->real + unit->layout.inputs.first;
+    const size_t orders = orders_of(unit), behind = SIGNALS * orders;
+    const double *in = unit->real + unit->layout.inputs.first + behind;
     const double bending = magnitude(complex_of(in[X], in[Y]));
-    int k;
-    for (k = 0; k < 2 * SIGNALS; k++) {
-        change[FORCE + k] = -own->sent * seed[k];
+    size_t k;
+    for (k = 0; k < SIGNALS * (orders / 2); k++) {
+        *change++ = -own->sent * seed[k];
     }
+    seed += behind;
     change[ADDED_MASS] = change[LIQUID_MASS] = 0.0;
     /* at rest in the middle every direction closes the gap alike, and there is no derivative */
     change[CLEARANCE] =
@@ -143,7 +147,8 @@ static int directional(Unit *unit, const double *seed, double *change)
 
 static int slope(Unit *unit, size_t reference, double *value)
 {
-    const size_t output = reference - unit->layout.computed.first;
+    const size_t force = SIGNALS * (orders_of(unit) / 2);
+    const size_t output = reference - unit->layout.computed.first - force;
     *value = 0.0;
     return output != ADDED_MASS && output != LIQUID_MASS;
 }

@@ -29,10 +29,16 @@ static size_t larger_of(size_t (*size)(int, int, int), int n, int p)
     return one > two ? one : two;
 }
 
-static size_t matrix_doubles(int n, int p, int axes)
+/* Doubles of a step matrix; the larger for one axis and for two. */
+static size_t matrix_doubles(int n, int p, int orders)
 {
-    return (size_t)step_matrix_rows(n, p, axes) * (size_t)step_matrix_columns(n, p, axes) *
-           (axes == 1 ? 2 : 1);
+    size_t sizes[2];
+    int axes;
+    for (axes = 1; axes <= 2; axes++) {
+        sizes[axes - 1] = (size_t)step_matrix_rows(n, p, orders, axes) *
+                          (size_t)step_matrix_columns(n, p, orders, axes) * (axes == 1 ? 2 : 1);
+    }
+    return sizes[0] > sizes[1] ? sizes[0] : sizes[1];
 }
 
 static int allocate(Unit *unit)
@@ -41,12 +47,15 @@ static int allocate(Unit *unit)
     const Sizes *sizes = &unit->layout.sizes;
     const int n = sizes->stations, p = sizes->planes;
     const size_t stations = (size_t)n, planes = (size_t)p, free = n > 2 ? stations - 2 : 0;
-    const size_t matrix = larger_of(matrix_doubles, n, p);
-    const size_t size = 4 * stations + 2 * SIGNAL_ORDERS * planes + 2;
+    const int orders = sizes->order + 1;
+    const size_t matrix = matrix_doubles(n, p, orders);
+    const size_t size = 4 * stations + 2 * (size_t)orders * planes + 2;
+    const size_t one = step_matrix_scratch(n, p, orders, 1), two = step_matrix_scratch(n, p, orders, 2);
     int k, missing = 0;
     own->kind = rotor_kind(&unit->layout);
     own->stations = n;
     own->planes = p;
+    own->orders = orders;
     own->unbalances = sizes->unbalances;
     own->turning = !sizes->fixed_frame;
     own->slider_count = 2 * sizes->sliders;
@@ -62,9 +71,9 @@ static int allocate(Unit *unit)
                                     linear_rotor_flexible_scratch(n));
     own->ports = unit_allocate(unit, planes, sizeof(int));
     own->unsorted = doubles(unit, matrix);
-    own->matrix_scratch = doubles(unit, larger_of(step_matrix_scratch, n, p));
+    own->matrix_scratch = doubles(unit, one > two ? one : two);
     own->operand = doubles(unit, size);
-    own->result = doubles(unit, 4 * stations + 4 * planes);
+    own->result = doubles(unit, 4 * stations + (size_t)orders * planes);
     own->sag = doubles(unit, 2 * stations);
     own->sag_mass = doubles(unit, planes);
     own->variable_mass = doubles(unit, planes);
@@ -104,8 +113,8 @@ static int parameters(Unit *unit)
     }
     own->axes = linear_rotor_isotropic(&own->rotor) ? 1 : 2;
     own->parts = 3 - own->axes;
-    own->rows = step_matrix_rows(own->stations, own->planes, own->axes);
-    own->columns = step_matrix_columns(own->stations, own->planes, own->axes);
+    own->rows = step_matrix_rows(own->stations, own->planes, own->orders, own->axes);
+    own->columns = step_matrix_columns(own->stations, own->planes, own->orders, own->axes);
     for (k = 0; k < KEPT_MATRICES; k++) {
         own->kept[k].used = 0;
     }

@@ -41,6 +41,7 @@ typedef struct {
 
 typedef struct {
     int kind, stations, planes, unbalances, turning;
+    int orders; /* numbers that tell a force signal: value and derivatives */
     LinearRotor rotor;
     int axes, parts; /* as in propagator.h */
     int rows, columns; /* of a step matrix, in elements */
@@ -91,8 +92,8 @@ int rotor_column(const Rotor *own, int k);
 const double *rotor_matrix(Unit *unit, double speed, double step);
 /* own->result = matrix own->operand. */
 void rotor_apply(Rotor *own, const double *matrix);
-/* Motion of the stations, and acceleration and jerk of the planes, after `step` [s], in
-   own->result; all in fixed axes, x and y alternating; the acceleration is less gravity's, which
+/* Motion of the stations, and acceleration and jerk of the planes (with signals of order 5 its
+   derivative), after `step` [s], in own->result; all in fixed axes, x and y alternating; the acceleration is less gravity's, which
    every body on the rotor feels: what an accelerometer would read. */
 int rotor_propagate(Unit *unit, double step);
 /* Directions and forces of the sliders in the unit's memory. */
@@ -101,7 +102,8 @@ double *rotor_held(const Unit *unit);
 int rotor_make_variable(Unit *unit);
 /* Vectors (x, y alternating) turned by the angle with this cosine and sine. */
 void rotor_rotated(double *pairs, size_t count, double c, double s);
-/* Computed outputs from acceleration and jerk of the planes in fixed axes. */
+/* Computed outputs from acceleration and jerk of the planes in fixed axes, with signals of order 5
+   the jerk's derivative as well. */
 void rotor_put(Rotor *own, const double *planes, double angle, double speed, double *out);
 /* Change of acceleration and jerk of the planes, in own->result behind the stations, by a change of
    the forces' values and slopes, (2p,) each. */

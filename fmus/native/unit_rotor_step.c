@@ -4,6 +4,7 @@
 #include "elementary.h"
 #include "matrix.h"
 #include "propagator.h"
+#include "quintic.h"
 #include "spin.h"
 #include "unit_rotor.h"
 
@@ -34,7 +35,11 @@ static int alternating(const int *ends, int k)
 int rotor_column(const Rotor *own, int k)
 {
     const int n = own->stations, p = own->planes, f = 2 * n;
-    const int ends[7] = {n, f, f + p, f + 2 * p, f + 3 * p, f + 4 * p, f + 4 * p + 1};
+    int ends[QUINTIC_ORDERS + 3] = {n, f}, j;
+    for (j = 1; j <= own->orders; j++) {
+        ends[1 + j] = f + j * p;
+    }
+    ends[1 + j] = f + own->orders * p + 1;
     return alternating(ends, k);
 }
 
@@ -42,7 +47,7 @@ int rotor_column(const Rotor *own, int k)
 static void sort_matrix(const Rotor *own, const double *from, double *to)
 {
     const int n = own->stations, p = own->planes;
-    const int rows[4] = {n, 2 * n, 2 * n + p, 2 * n + 2 * p};
+    const int rows[5] = {n, 2 * n, 2 * n + p, 2 * n + 2 * p, 2 * n + 3 * p};
     int j, k;
     for (k = 0; k < own->columns; k++) {
         const double *column = from + rotor_column(own, k);
@@ -86,8 +91,8 @@ const double *rotor_matrix(Unit *unit, double speed, double step)
     kept = oldest(own);
     kept->used = 0;
     loaded = linear_rotor_with_added_mass(&own->rotor, masses, own->loaded_mass);
-    if (step_matrix(&loaded, speed, step, own->turning, own->unsorted, own->matrix_scratch,
-                    &failure)) {
+    if (step_matrix(&loaded, speed, step, own->turning, own->orders, own->unsorted,
+                    own->matrix_scratch, &failure)) {
         unit_failed(unit, &failure, NULL, 0);
         return NULL;
     }
@@ -279,6 +284,27 @@ static int friction_torque(Unit *unit, double ago, double *torque)
     return 0;
 }
 
+/* Quintic forces `time` after their start, as far as the torque asks: value and slope. */
+static void forces_now(const Rotor *own, const double *forces, double time, double *now)
+{
+    const size_t p = (size_t)own->planes;
+    size_t k;
+    int order;
+    memset(now, 0, 2 * SIGNAL_ORDERS * p * sizeof(double));
+    for (k = 0; k < p; k++) {
+        Complex quintic[QUINTIC_ORDERS], derivatives[3];
+        for (order = 0; order < QUINTIC_ORDERS; order++) {
+            const double *f = forces + 2 * ((size_t)order * p + k);
+            quintic[order] = complex_of(f[0], f[1]);
+        }
+        quintic_at(quintic, time, derivatives);
+        for (order = 0; order < 2; order++) {
+            now[2 * ((size_t)order * p + k)] = derivatives[order].re;
+            now[2 * ((size_t)order * p + k) + 1] = derivatives[order].im;
+        }
+    }
+}
+
 int rotor_torque_now(Unit *unit, double *torque)
 {
     Rotor *own = unit->own;
@@ -293,6 +319,13 @@ int rotor_torque_now(Unit *unit, double *torque)
         return friction_torque(unit, ago, torque);
     }
     to_axes(unit->memory + MOTION, own->axes, 2, own->stations, own->state);
+    if (own->orders == QUINTIC_ORDERS) { /* the speed is constant: begin at the present */
+        forces_now(own, rotor_drive(unit) + SPUN, ago, own->operand);
+        variable_speed_torque(&own->variable, &own->rotor, own->state, own->operand,
+                              unit->memory[REST], speed, spin_up, 0.0, torque,
+                              own->variable_scratch);
+        return 0;
+    }
     variable_speed_torque(&own->variable, &own->rotor, own->state, rotor_drive(unit) + SPUN,
                           angle, speed, spin_up, ago, torque, own->variable_scratch);
     return 0;
@@ -317,7 +350,7 @@ void rotor_apply(Rotor *own, const double *matrix)
         add_multiples(2, rows, columns, own->operand, matrix, 2 * (size_t)rows, own->result);
         return;
     }
-    for (i = 0; i < rows; i += 4) { /* two axes: 4 rows a station and plane */
+    for (i = 0; i + 4 <= rows; i += 4) { /* two axes: 4 rows a station and plane */
         const double *m = matrix + i;
         double a = 0.0, b = 0.0, c = 0.0, d = 0.0;
         for (k = 0; k < columns; k++, m += rows) {
@@ -332,6 +365,16 @@ void rotor_apply(Rotor *own, const double *matrix)
         own->result[i + 2] = c;
         own->result[i + 3] = d;
     }
+    if (i < rows) { /* the jerk's derivative on an odd number of planes */
+        const double *m = matrix + i;
+        double a = 0.0, b = 0.0;
+        for (k = 0; k < columns; k++, m += rows) {
+            a += own->operand[k] * m[0];
+            b += own->operand[k] * m[1];
+        }
+        own->result[i] = a;
+        own->result[i + 1] = b;
+    }
 }
 
 /* State, forces and turn that a step begins with, in own->operand, less the sag; 1 with the reason. */
@@ -339,12 +382,12 @@ static int set_operand(Unit *unit)
 {
     Rotor *own = unit->own;
     const size_t p = (size_t)own->planes, forces = 4 * (size_t)own->stations;
-    const size_t turn = forces + 2 * SIGNAL_ORDERS * p;
+    const size_t turn = forces + 2 * (size_t)own->orders * p;
     const Complex turned = turned_by(own->turned, unit->memory[REST]);
     memcpy(own->operand, unit->memory + MOTION, forces * sizeof(double));
     memcpy(own->operand + forces, rotor_drive(unit) + SPUN, (turn - forces) * sizeof(double));
     if (own->turning) {
-        rotor_rotated(own->operand + forces, SIGNAL_ORDERS * p, turned.re, turned.im);
+        rotor_rotated(own->operand + forces, (size_t)own->orders * p, turned.re, turned.im);
     }
     own->operand[turn] = turned.re;
     own->operand[turn + 1] = turned.im;
@@ -360,6 +403,11 @@ static int propagate(Unit *unit, double step)
         return propagate_friction(unit, step);
     }
     if (rotor_drive(unit)[SPIN_UP] != 0.0 || drifts(rotor_drive(unit) + SPIN_UP)) {
+        Failure failure;
+        if (own->orders == QUINTIC_ORDERS) {
+            fail(&failure, FAILURE_QUINTIC_SPIN, "acceleration", 0, 0.0, 0.0, 0.0, 0.0);
+            return unit_failed(unit, &failure, NULL, 0);
+        }
         return propagate_variable(unit, step);
     }
     if (set_operand(unit)) {
@@ -399,17 +447,23 @@ int rotor_propagate(Unit *unit, double step)
 
 void rotor_put(Rotor *own, const double *planes, double angle, double speed, double *out)
 {
-    const size_t n = 2 * (size_t)own->planes;
+    const size_t n = 2 * (size_t)own->planes, exact = (size_t)own->orders / 2;
     size_t k;
-    memcpy(out, planes, 2 * n * sizeof(double));
+    memcpy(out, planes, exact * n * sizeof(double));
     if (own->turning) {
         const Complex turned = turned_by(own->turned, angle);
+        /* (a e^{-i beta})'' = (s - 2 i w j - w^2 a) e^{-i beta} */
+        for (k = 0; exact == 3 && k < n; k += 2) {
+            const double *a = planes + k, *j = a + n;
+            out[2 * n + k] += speed * (2.0 * j[1] - speed * a[0]);
+            out[2 * n + k + 1] -= speed * (2.0 * j[0] + speed * a[1]);
+        }
         /* (a e^{-i beta})' = (j - i w a) e^{-i beta} */
         for (k = 0; k < n; k += 2) {
             out[n + k] += speed * out[k + 1];
             out[n + k + 1] -= speed * out[k];
         }
-        rotor_rotated(out, n, turned.re, -turned.im);
+        rotor_rotated(out, exact * n / 2, turned.re, -turned.im);
     }
 }
 

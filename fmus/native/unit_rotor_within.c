@@ -80,7 +80,7 @@ int rotor_rates(Unit *unit)
     }
     rates->made = 0;
     loaded = linear_rotor_with_added_mass(&own->rotor, masses, own->loaded_mass);
-    if (generator(&loaded, speed, own->turning, z,
+    if (generator(&loaded, speed, own->turning, SIGNAL_ORDERS, z,
                   z + (size_t)own->columns * (size_t)(own->columns * own->parts), &failure)) {
         return unit_failed(unit, &failure, NULL, 0);
     }

@@ -4,6 +4,7 @@
 
 #include "elementary.h"
 #include "pulse.h"
+#include "quintic.h"
 #include "spin.h"
 #include "unit_weights.h"
 
@@ -31,6 +32,7 @@ static int allocate(Unit *unit)
 {
     Balls *own = unit->own;
     own->count = unit->layout.sizes.weights;
+    own->orders = unit->layout.sizes.order + 1;
     own->scratch = unit_allocate(unit, track_scratch(own->count), sizeof(double));
     own->turned = unit_allocate(unit, 2 * (size_t)own->count, sizeof(Turned));
     return !own->scratch || !own->turned;
@@ -77,6 +79,7 @@ static int parameters(Unit *unit)
     track->rolling_resistance = real[ROLLING];
     track->offset = complex_of(real[OFFSET_XI], real[OFFSET_ETA]);
     own->quadrature = quadrature_empty();
+    own->quintic = quintic_quadrature_empty();
     for (k = 0; k < 2 * own->count; k++) {
         own->turned[k].angle = not_a_number();
     }
@@ -87,6 +90,10 @@ static int parameters(Unit *unit)
         return unit_failed(unit, &failure, NULL, 0);
     }
     own->plain = !track->eventful && real[OFFSET_XI] == 0.0 && real[OFFSET_ETA] == 0.0;
+    if (own->orders == QUINTIC_ORDERS && !own->plain) {
+        fail(&failure, FAILURE_QUINTIC_WEIGHTS, "order", 0, 5.0, 0.0, 0.0, 0.0);
+        return unit_failed(unit, &failure, NULL, 0);
+    }
     own->stop_at_contact = flag(unit, "stop_at_contact") && unit->may_end_early;
     own->carried = flag(unit, "inertia_as_force") ? 0.0 : weights_added_mass(&track->weights);
     own->sent = weights_added_mass(&track->weights) - own->carried;
@@ -108,6 +115,18 @@ static int begin(Unit *unit)
     return 0;
 }
 
+/* The second derivative of a vector in the axes of weights_rotating, from the fixed axes' vector. */
+static Complex rotating_second(double angle, double speed, Complex value, Complex slope,
+                               Complex second)
+{
+    /* second - 2 i w slope - w^2 value */
+    const double squared = speed * speed;
+    const Complex seen =
+        complex_of(second.re + 2.0 * speed * slope.im - squared * value.re,
+                   second.im - 2.0 * speed * slope.re - squared * value.im);
+    return complex_product(seen, rect(1.0, -angle));
+}
+
 void weights_rotating(double angle, double speed, Complex *value, Complex *slope)
 {
     const Complex turn = rect(1.0, -angle);
@@ -119,18 +138,28 @@ void weights_rotating(double angle, double speed, Complex *value, Complex *slope
 
 RotorMotion weights_motion_now(const Unit *unit)
 {
-    const double *in = unit->real + unit->layout.inputs.first, *spin_up = in + ACCELERATION;
+    const double *in = weights_drive(unit), *spin_up = in + ACCELERATION;
     const double ago = unit->memory[unit->memory_count - 1];
     const Drift more = drift(spin_up, ago);
-    Complex cubic[SIGNAL_ORDERS];
     RotorMotion now;
-    signal_orders(in, cubic);
-    signal_at(cubic, ago, &now.acceleration, &now.slope);
+    now.second = complex_of(0.0, 0.0);
+    if (unit->layout.sizes.order == 5) {
+        Complex motion[3];
+        signal_derivatives(unit->real + unit->layout.inputs.first, 5, ago, motion);
+        now.acceleration = motion[0];
+        now.slope = motion[1];
+        now.second = motion[2];
+    } else {
+        Complex cubic[SIGNAL_ORDERS];
+        signal_orders(in, cubic);
+        signal_at(cubic, ago, &now.acceleration, &now.slope);
+    }
     now.angle = in[ANGLE] + ago * (in[SPEED] + 0.5 * spin_up[0] * ago) + more.angle;
     now.speed = in[SPEED] + spin_up[0] * ago + more.speed;
     now.spin_up = spin_up[0] + more.acceleration;
     now.change = more.slope;
     if (unit->layout.sizes.fixed_frame) {
+        now.second = rotating_second(now.angle, now.speed, now.acceleration, now.slope, now.second);
         weights_rotating(now.angle, now.speed, &now.acceleration, &now.slope);
     }
     return now;
@@ -153,6 +182,33 @@ int weights_force_now(Unit *unit, const RotorMotion *now, Complex *force)
     return 0;
 }
 
+/* 1 with the reason where the speed changes, for which there are no second derivatives. */
+static int refuse_spin(Unit *unit)
+{
+    const double *spin_up = weights_drive(unit) + ACCELERATION;
+    Failure failure;
+    if (spin_up[0] == 0.0 && !drifts(spin_up)) {
+        return 0;
+    }
+    fail(&failure, FAILURE_QUINTIC_SPIN, "acceleration", 0, 0.0, 0.0, 0.0, 0.0);
+    return unit_failed(unit, &failure, NULL, 0);
+}
+
+/* Second derivative of the force, whose value and slope are given in the rotor's axes. */
+static void put_second(Unit *unit, const RotorMotion *now, const Complex *force, double *out)
+{
+    const Balls *own = unit->own;
+    const Complex motion[3] = {now->acceleration, now->slope, now->second};
+    Complex second = quintic_weights_reaction_second(&own->track.weights, unit->memory,
+                                                     unit->memory + own->count, motion, now->speed);
+    second = complex_difference(second, complex_scaled(own->sent, now->second));
+    if (unit->layout.sizes.fixed_frame) {
+        second = rotating_second(-now->angle, -now->speed, force[0], force[1], second);
+    }
+    out[0] = second.re;
+    out[1] = second.im;
+}
+
 /* Computed outputs. */
 static int put(Unit *unit)
 {
@@ -160,7 +216,10 @@ static int put(Unit *unit)
     const double *pulse = unit->memory + 3 * own->count + 2;
     const RotorMotion now = weights_motion_now(unit);
     double *out = unit->real + unit->layout.computed.first;
-    Complex force[2];
+    Complex force[3];
+    if (own->orders == QUINTIC_ORDERS && refuse_spin(unit)) {
+        return 1;
+    }
     if (weights_force_now(unit, &now, force)) {
         return 1;
     }
@@ -171,14 +230,19 @@ static int put(Unit *unit)
         force[0] = complex_difference(force[0], complex_scaled(own->sent, now.acceleration));
         force[1] = complex_difference(force[1], complex_scaled(own->sent, now.slope));
     }
+    if (own->orders == QUINTIC_ORDERS) {
+        out += 2;
+        put_second(unit, &now, force, out + FORCE_SLOPE);
+    }
     if (unit->layout.sizes.fixed_frame) {
         weights_rotating(-now.angle, -now.speed, force, force + 1);
     }
+    out[ADDED_MASS] = own->carried;
+    out = unit->real + unit->layout.computed.first;
     out[FORCE] = force[0].re;
     out[FORCE + 1] = force[0].im;
     out[FORCE_SLOPE] = force[1].re;
     out[FORCE_SLOPE + 1] = force[1].im;
-    out[ADDED_MASS] = own->carried;
     return 0;
 }
 
@@ -216,6 +280,38 @@ static int meet(Unit *unit, const Complex *cubic, double speed, const double *sp
     return 0;
 }
 
+/* Move point weights under a quintic signal. */
+static int step_quintic(Unit *unit, double length)
+{
+    Balls *own = unit->own;
+    const double *in = weights_drive(unit);
+    double *angles = unit->memory, *speeds = unit->memory + own->count;
+    Complex signal[QUINTIC_ORDERS];
+    Failure failure;
+    if (refuse_spin(unit)) {
+        return 1;
+    }
+    signal_quintic(unit->real + unit->layout.inputs.first, signal);
+    if (unit->layout.sizes.fixed_frame) {
+        Complex ends[2][3];
+        int k;
+        for (k = 0; k < 2; k++) {
+            const double angle = in[ANGLE] + k * length * in[SPEED];
+            Complex *end = ends[k];
+            quintic_at(signal, k * length, end);
+            end[2] = rotating_second(angle, in[SPEED], end[0], end[1], end[2]);
+            weights_rotating(angle, in[SPEED], end, end + 1);
+        }
+        signal_quintic_hermite(ends[0], ends[1], length, signal);
+    }
+    if (quintic_weights_advance(&own->track.weights, angles, speeds, signal, length, angles, speeds,
+                                &own->quintic, &failure)) {
+        return unit_failed(unit, &failure, unit->before, (size_t)own->count);
+    }
+    unit->memory[unit->memory_count - 1] = unit->made;
+    return put(unit);
+}
+
 static int step(Unit *unit, double length)
 {
     Balls *own = unit->own;
@@ -224,6 +320,9 @@ static int step(Unit *unit, double length)
     double *angles = unit->memory, *speeds = unit->memory + own->count;
     Complex cubic[SIGNAL_ORDERS];
     Failure failure;
+    if (own->orders == QUINTIC_ORDERS) {
+        return step_quintic(unit, length);
+    }
     signal_orders(in, cubic);
     if (unit->layout.sizes.fixed_frame) {
         const Drift more = drift(spin_up, length);

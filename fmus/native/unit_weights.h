@@ -3,6 +3,7 @@
 #define AUTOBALANCER_UNIT_WEIGHTS_H
 
 #include "motion.h"
+#include "quintic_weights.h"
 #include "signals.h"
 #include "unit.h"
 
@@ -12,26 +13,36 @@ enum { SIGNALS = 2 };
 enum { MASS, TRACK_RADIUS, KAPPA, DRAG, WEIGHT_RADIUS, RESTITUTION, ROLLING };
 enum { OFFSET_XI = 7, OFFSET_ETA = 8 };
 enum { SHORTEST_STOPPED = 9, FIRST_ANGLE = 10 };
+/* with quintic signals two derivatives more stand before these */
 enum { ANGLE = 8, SPEED = 9, ACCELERATION = 10 };
 enum { INPUTS = 14 }; /* the last of them derivatives of the acceleration */
 enum { FORCE = 0, FORCE_SLOPE = 2, ADDED_MASS = 4 };
 
 typedef struct {
     int count;
+    int orders; /* numbers that tell a signal: value and derivatives */
     Track track;
     int plain;            /* point weights on a centred track keep their shorter way */
     int stop_at_contact;  /* whether a step ends behind the first event */
     double carried, sent; /* parts of the added mass: through the port, in the force [kg] */
     Quadrature quadrature;
+    QuinticQuadrature quintic;
     Turned *turned; /* (N, 2) by the weights' angles */
     double *scratch;
 } Balls;
+
+/* The inputs, from where angle, speed and acceleration have their names. */
+static inline const double *weights_drive(const Unit *unit)
+{
+    return unit->real + unit->layout.inputs.first + 2 * (unit->layout.sizes.order - 3);
+}
 
 /* A vector and its slope seen in axes that turn with the rotor. */
 void weights_rotating(double angle, double speed, Complex *value, Complex *slope);
 /* The rotor's motion at the present time. */
 typedef struct {
     Complex acceleration, slope; /* of the plane's centre, rotor frame */
+    Complex second;              /* its second derivative, with quintic signals */
     double angle, speed, spin_up, change; /* each the next one's integral */
 } RotorMotion;
 

@@ -108,7 +108,7 @@ int weights_slope(Unit *unit, size_t reference, double *value)
     const size_t count = (size_t)((const Balls *)unit->own)->count;
     const size_t output = reference - unit->layout.observed.first;
     *value = 0.0;
-    if (reference == unit->layout.computed.first + ADDED_MASS) {
+    if (reference == unit->layout.observed.first - 1) { /* the added mass */
         return 0;
     }
     if (reference == unit->layout.real_count - 2) { /* the torque, whose slope is beside it */

@@ -40,6 +40,7 @@ typedef struct {
 /* The variables of a kind of unit. */
 typedef struct {
     const char *unit, *kind, *shaft;
+    int order;
     const Declared *declared;
     const Block *blocks;
     int block_count;
@@ -52,6 +53,7 @@ typedef struct {
     int stations, planes, unbalances, weights, sliders, points;
     int fixed_frame; /* signals along fixed axes */
     int arrays;      /* rows of Reals are arrays, in FMI 3.0 */
+    int order;       /* of the signals: 3, or 5 */
 } Sizes;
 
 /* A Real's declaration, its indices, from 1, and the row of those that differ in `index` alone: how
@@ -77,8 +79,9 @@ typedef struct {
     Range parameters, inputs, computed, observed;
 } Layout;
 
-/* The table of this unit, kind and shaft (parts of `kind` and `shaft` not had are ""), or NULL. */
-const Table *table_of(const char *unit, const char *kind, const char *shaft);
+/* The table of this unit, kind, shaft and order of the signals (parts of `kind` and `shaft` not had
+   are ""), or NULL. */
+const Table *table_of(const char *unit, const char *kind, const char *shaft, int order);
 
 /* Number of Reals; above `most` for any larger number. */
 size_t layout_count(const Table *table, const Sizes *sizes, size_t most);

@@ -218,6 +218,34 @@ double fastest_rate(int count, const double *speeds, const Complex *signal, doub
     return largest_of(count, speeds) + square_root(-strength * lever) + gained;
 }
 
+double weights_turns_behind(double angle)
+{
+    return absolute(angle) > FAR ? TAU * nearest(angle / TAU) : 0.0;
+}
+
+int weights_substeps(int number, const double *angles, const double *speeds, const Complex *signal,
+                     double lever, double lag, double damping_rate, double step, int *count,
+                     Failure *failure)
+{
+    double strongest, turns, sum = 0.0;
+    const double fastest =
+        fastest_rate(number, speeds, signal, lever, lag, damping_rate, step, &strongest);
+    int k;
+    for (k = 0; k < number; k++) {
+        sum += angles[k];
+    }
+    if (!is_finite(sum)) {
+        return fail(failure, FAILURE_ANGLES, "angles", 0, 0.0, 0.0, 0.0, 0.0);
+    }
+    turns = step * fastest / TURN_PER_SUBSTEP;
+    if (!(turns < MAX_SUBSTEPS)) {
+        return fail(failure, FAILURE_SUBSTEPS, "weights", 0, turns, step, strongest,
+                    largest_of(number, speeds));
+    }
+    *count = 1 + (int)turns;
+    return FINE;
+}
+
 /* Move one weight over `count` substeps of h. */
 static int move(double *angle, double *speed, int count, double h, const Complex *signal,
                 double lever, const double *lag, const double *response, Turned *turned,
@@ -256,25 +284,16 @@ int weights_advance(const Weights *weights, const double *angles, const double *
     const double damping_rate = weights_damping_rate(weights);
     const int n = weights->count;
     const double *response;
-    double strongest, turns, h, sum = 0.0;
+    double h;
     const double share = weights_spin_share(weights);
     const double lag[4] = {share * spin_up[0], share * spin_up[1], share * spin_up[2],
                            share * spin_up[3]};
-    const double fastest =
-        fastest_rate(n, speeds, signal, lever, lag[0], damping_rate, step, &strongest);
-    int k, count, far, code = FINE;
-    for (k = 0; k < n; k++) {
-        sum += angles[k];
+    int k, count, far, code;
+    code = weights_substeps(n, angles, speeds, signal, lever, lag[0], damping_rate, step, &count,
+                            failure);
+    if (code) {
+        return code;
     }
-    if (!is_finite(sum)) {
-        return fail(failure, FAILURE_ANGLES, "angles", 0, 0.0, 0.0, 0.0, 0.0);
-    }
-    turns = step * fastest / TURN_PER_SUBSTEP;
-    if (!(turns < MAX_SUBSTEPS)) {
-        return fail(failure, FAILURE_SUBSTEPS, "weights", 0, turns, step, strongest,
-                    largest_of(n, speeds));
-    }
-    count = 1 + (int)turns;
     h = step / count;
     response = quadrature(memory, damping_rate, h);
     /* the iteration's end is judged by the angle: turns behind a weight must not loosen it */

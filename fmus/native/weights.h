@@ -73,6 +73,14 @@ double largest_of(int count, const double *values);
 double fastest_rate(int count, const double *speeds, const Complex *signal, double lever,
                     double lag, double damping_rate, double step, double *strongest);
 
+/* Substeps that a step of so many weights is taken in, whose angles must be finite. */
+int weights_substeps(int number, const double *angles, const double *speeds, const Complex *signal,
+                     double lever, double lag, double damping_rate, double step, int *count,
+                     Failure *failure);
+
+/* Whole turns that are taken off a far angle while a step is computed [rad]. */
+double weights_turns_behind(double angle);
+
 /* Move every weight over one communication step.
 
    angles, speeds: (N,), and new_angles, new_speeds (N,) for the result, which may be the same

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from ..unit import Sizes, count, one_of
+from ..unit import SignalSizes, count, one_of
 from ..variables import Variable, parameter
 
 _SPAN = 0.8  # m, between the supports of a body nobody has described yet
@@ -14,7 +14,7 @@ _STEEL_20_MM = 1.6e3  # N m^2, E I of a steel shaft of 20 mm
 
 
 @dataclass(frozen=True)
-class RotorSizes(Sizes):
+class RotorSizes(SignalSizes):
     """Sizes of a rotor.
 
     Attributes:

@@ -9,13 +9,13 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
+from ...models import quintic
 from ...models.rotor import LinearRotor
 from ...models.spin import Drift, drift
 from ...models.steps.friction import FrictionStep, Held, held_at_start
 from ...models.steps.propagator import step_matrix
 from ...models.steps.variable_speed import Drive, VariableSpeedStep
 from ..python.slave import Slave
-from ..variables import ORDERS
 from .angle import total, turned
 from .kinds import rotor_of
 from .parameters import RotorSizes
@@ -43,7 +43,7 @@ class RotorOnSupports(Slave):
         if self.sizes.sliders:
             self._friction()
             return
-        size = (4 * self.sizes.stations) + 2 * ORDERS * self.sizes.planes + 2
+        size = 4 * self.sizes.stations + 2 * (self.sizes.order + 1) * self.sizes.planes + 2
         self._vector = np.empty(size)
         # an isotropic rotor computes with complex numbers over the same memory
         self._operand = self._vector.view(complex) if self.rotor.isotropic else self._vector
@@ -88,6 +88,9 @@ class RotorOnSupports(Slave):
         more = self._drift(t)
         angle = turned(self.memory[:3], -t * (speed + 0.5 * spin_up * t) - more.angle)[1]
         drive = self._drive_of(inputs, angle)
+        if self.sizes.order == 5:  # the speed is constant: begin at the present
+            now = [*quintic.at(list(drive.forces), t), np.zeros(self.sizes.planes)]
+            drive, t = drive._replace(forces=np.array(now), angle=self.memory[1]), 0.0
         if self.sizes.sliders:
             state, held = self._held()
             return self._friction().torque(state, held, drive, t)
@@ -117,8 +120,9 @@ class RotorOnSupports(Slave):
     def _propagate(self, step: float) -> tuple[list[float], list[float]]:
         """Motion of the stations (and sliders), acceleration and jerk of the planes, after `step`.
 
-        Both in fixed axes, x and y alternating; the acceleration is less gravity's, which every
-        body on the rotor feels: what an accelerometer would read.
+        With signals of order 5 the jerk's derivative follows.  All in fixed axes, x and y
+        alternating; the acceleration is less gravity's, which every body on the rotor feels: what
+        an accelerometer would read.
         """
         motion, planes = self._propagate_all(step)
         if self.gravity:
@@ -135,6 +139,10 @@ class RotorOnSupports(Slave):
         if self.sizes.sliders:
             return self._propagate_friction(step, inputs)
         if any(inputs[p + 1 : p + 5]):
+            if self.sizes.order == 5:
+                raise ValueError(
+                    "acceleration: must be 0, as its derivatives, with signals of order = 5"
+                )
             return self._propagate_variable(step, inputs)
         rest = self.memory[1]
         c, s = math.cos(rest), math.sin(rest)
@@ -146,7 +154,7 @@ class RotorOnSupports(Slave):
         if self.gravity:  # the rotor moves about its sag as it would about zero without gravity
             sag = _sag(self.rotor, tuple(inputs[:p]), speed)
             self._vector[: n // 2] -= sag
-        matrix = _matrix(self.rotor, tuple(inputs[:p]), speed, step, self.turning)
+        matrix = _matrix(self.rotor, tuple(inputs[:p]), speed, step, self.turning, self.sizes.order)
         result = matrix.dot(self._operand).view(float)
         if self.gravity:
             result[: n // 2] += sag
@@ -195,19 +203,23 @@ class RotorOnSupports(Slave):
         """What moves the rotor from this angle on."""
         p = self.sizes.planes
         speed, spin_up, *rates = inputs[p : p + 5]
-        forces = np.array(inputs[p + 5 :]).view(complex).reshape(ORDERS, p)
+        forces = np.array(inputs[p + 5 :]).view(complex).reshape(-1, p)
         return Drive(forces, angle, speed, spin_up, (rates[0], rates[1], rates[2]))
 
     def _put(self, planes: list[float], angle: float, speed: float) -> None:
-        """Computed outputs from acceleration and jerk of the planes in fixed axes."""
+        """Computed outputs from what the planes do in fixed axes, see `_propagate`."""
         n = 2 * self.sizes.planes
-        a, j = planes[:n], planes[n:]
+        a, j, s = planes[:n], planes[n : 2 * n], planes[2 * n :]
         if self.turning:
+            # (a e^{-i beta})'' = (s - 2 i w j - w^2 a) e^{-i beta}
+            for k in range(0, len(s), 2):
+                s[k] += speed * (2.0 * j[k + 1] - speed * a[k])
+                s[k + 1] -= speed * (2.0 * j[k] + speed * a[k + 1])
             # (a e^{-i beta})' = (j - i w a) e^{-i beta}
             for k in range(0, n, 2):
                 j[k] += speed * a[k + 1]
                 j[k + 1] -= speed * a[k]
-            planes = _rotated(a + j, math.cos(angle), -math.sin(angle))
+            planes = _rotated(a + j + s, math.cos(angle), -math.sin(angle))
         self.real[self.layout.computed] = planes
 
 
@@ -231,13 +243,19 @@ def _loaded(rotor: LinearRotor, added_mass: tuple[float, ...]) -> LinearRotor:
 
 @lru_cache(maxsize=256)
 def _matrix(
-    rotor: LinearRotor, added_mass: tuple[float, ...], speed: float, step: float, turning: bool
+    rotor: LinearRotor,
+    added_mass: tuple[float, ...],
+    speed: float,
+    step: float,
+    turning: bool,
+    order: int,
 ) -> NDArray:
     """Step matrix with x and y alternating in rows and columns."""
-    matrix = step_matrix(_loaded(rotor, added_mass), speed, step, turning)
+    matrix = step_matrix(_loaded(rotor, added_mass), speed, step, turning, order)
     if not rotor.isotropic:
         n, p = rotor.stations, rotor.plane_count
-        rows, columns = _alternating([n, n, p, p]), _alternating([n, n, *[p] * ORDERS, 1])
+        rows = _alternating([n, n, *[p] * (order // 2 + 1)])
+        columns = _alternating([n, n, *[p] * (order + 1), 1])
         matrix = matrix[np.ix_(rows, columns)]
     return np.ascontiguousarray(matrix)
 

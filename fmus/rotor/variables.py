@@ -7,6 +7,7 @@ import re
 from ..unit import Unit
 from ..variables import (
     Variable,
+    derivative,
     observed,
     parameter,
     plain_input,
@@ -26,13 +27,15 @@ def station(j: int, stations: int) -> str:
 def variables(sizes: RotorSizes) -> list[Variable]:
     """Parameters of the kind, motion at the start, drive, forces on the planes and their answer."""
     stations, planes, axes = sizes.stations, sizes.planes, sizes.axes
+    if sizes.order == 5 and sizes.sliders:
+        raise ValueError(f"order = 5: must be 3 with dry friction, sliders = {sizes.sliders}")
     of_kind = PARAMETERS[sizes.kind](sizes)
     forces = [f"plane[{i}].F_{axis}" for i in range(1, planes + 1) for axis in axes]
     carried = [f"plane[{i}].added_mass" for i in range(1, planes + 1)]
     parameters = [*of_kind, *_gravity(), *friction(sizes), *_initial(stations)]
     names = tuple(v.name for v in parameters)
-    drive = (*carried, "speed", "acceleration")
-    changing = (*drive, "der(acceleration)")
+    drive = (*carried, "speed", *sizes.spin[:1])
+    changing = (*carried, "speed", *sizes.spin)
     accelerations = [f"plane[{i}].a_{axis}" for i in range(1, planes + 1) for axis in axes]
     # the mass is the same along both axes: a force acts along its own axis at once, along the
     # other one in the slope only, through gyroscopic or (in the rotor) anisotropic damping
@@ -41,27 +44,31 @@ def variables(sizes: RotorSizes) -> list[Variable]:
     at_once = [(*drive, *own) for own in along]
     in_slope = [
         (
-            *drive,
-            "der(acceleration)",
+            *changing,
             *(forces if crossed else own),
             *(f"der({name})" for name in own),
         )
         for own in along
+    ]
+    slopes = [derivative(name, 1) for name in forces]
+    in_second = [
+        (*drive, *forces, *slopes, *(derivative(name, 2) for name in own)) for own in along
     ]
     text = "Mass of the balancers on this plane that the rotor carries; it keeps it over a step"
     return [
         *parameters,
         *(plain_input(name, 0.0, "kg", text, minimum=0.0) for name in carried),
         *spin_inputs(),
-        *signal_inputs(forces, "force", "Force on the plane"),
+        *signal_inputs(forces, "force", "Force on the plane", sizes.order),
         *signal_outputs(
             accelerations, "acceleration", "Acceleration of the plane, less gravity",
-            at_once * planes, in_slope * planes, begins=names,
+            at_once * planes, in_slope * planes,
+            in_second * planes if sizes.order == 5 else (), begins=names,
         ),
         *_observed(stations, planes, of_kind),
         *_friction_forces(sizes),
         *torque_outputs(
-            (*drive, *forces), (*changing, *forces, *(f"der({name})" for name in forces)), names,
+            (*drive, *forces), (*changing, *forces, *slopes), names,
             "Of unbalance and internal damping on the shaft",
         ),
     ]  # fmt: skip

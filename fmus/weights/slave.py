@@ -3,15 +3,16 @@
 from __future__ import annotations
 
 import cmath
+from collections.abc import Sequence
 from typing import NamedTuple
 
+from ...models import cubic, quintic, quintic_weights
 from ...models.contact import motion
 from ...models.contact.pulse import discharge
 from ...models.contact.track import Track
-from ...models.cubic import at, hermite
 from ...models.spin import drift
 from ...models.weights import Weights, alignment
-from ..python.signals import orders
+from ..python.signals import derivatives_at, orders
 from ..python.slave import Slave
 from .variables import BALLS, WeightSizes
 
@@ -20,12 +21,12 @@ class _Now(NamedTuple):
     """The rotor's motion at one time.
 
     Attributes:
-        acceleration, slope: of the plane's centre, rotor frame [m/s^2, m/s^3].
+        motion: acceleration of the plane's centre in the rotor frame, its slope and, with signals
+            of order 5, its second derivative [m/s^2, m/s^3, ...].
         angle, speed, spin_up, change: of the rotor, each the next one's integral.
     """
 
-    acceleration: complex
-    slope: complex
+    motion: tuple[complex, ...]
     angle: float
     speed: float
     spin_up: float
@@ -64,6 +65,11 @@ class BallBalancer(Slave):
         )
         # one weight meets nobody
         self.plain = not (self.track.eventful or self.track.offset)
+        if self.sizes.order == 5 and not self.plain:
+            raise ValueError(
+                "order = 5: only point weights on a centred track have such signals; "
+                "weight_radius, rolling_resistance and track_offset must be 0"
+            )
         self.carried = 0.0 if self.flag("inertia_as_force") else self.model.added_mass
         self.sent = self.model.added_mass - self.carried
 
@@ -77,12 +83,18 @@ class BallBalancer(Slave):
     def step(self, step: float) -> None:
         now = self._at(step)
         *signal, angle, speed, spin_up, first, second, third = self.real[self.layout.inputs]
-        cubic = orders(signal)
+        track = orders(signal)
         if self.sizes.frame == "fixed":
-            start = _rotating(*cubic[:2], angle, speed)
-            cubic = (*start, *hermite(*start, now.acceleration, now.slope, step))
+            start = _rotating(track[: len(now.motion)], angle, speed)
+            track = (*start, *_joined(start, now.motion, step))
         rates = (first, second, third)
-        moved = motion.advance(self.track, *self._state(), cubic, speed, spin_up, step, rates)
+        if self.sizes.order == 5:
+            angles, speeds, _ = self._state()
+            angles, speeds = quintic_weights.advance(self.model, angles, speeds, track, step)
+            self.memory = [*angles, *speeds, step]
+            self._put(now)
+            return
+        moved = motion.advance(self.track, *self._state(), track, speed, spin_up, step, rates)
         memory = [*moved.angles, *moved.speeds, *moved.contacts]
         if not self.plain:
             owed, pulse = complex(*self.memory[-5:-3]), complex(*self.memory[-3:-1])
@@ -107,19 +119,29 @@ class BallBalancer(Slave):
         now = self._at(self.memory[-1])
         force = self._force(now)
         return motion.torque(
-            self.track, *self._state(), now[:2], force, now.speed, now.spin_up, now.change
+            self.track,
+            *self._state(),
+            (now.motion[0], now.motion[1]),
+            force,
+            now.speed,
+            now.spin_up,
+            now.change,
         )
 
     def _at(self, time: float) -> _Now:
         """The rotor's motion so long after the inputs were set."""
         *signal, angle, speed, spin_up, first, second, third = self.real[self.layout.inputs]
-        acceleration, slope = at(orders(signal), time)
+        seen = derivatives_at(orders(signal), time)
         gone, faster, more, change = drift((first, second, third), time)
         angle += time * (speed + 0.5 * spin_up * time) + gone
         speed += spin_up * time + faster
+        if self.sizes.order == 5 and (spin_up or first or second or third):
+            raise ValueError(
+                "acceleration: must be 0, as its derivatives, with signals of order = 5"
+            )
         if self.sizes.frame == "fixed":
-            acceleration, slope = _rotating(acceleration, slope, angle, speed)
-        return _Now(acceleration, slope, angle, speed, spin_up + more, change)
+            seen = _rotating(seen, angle, speed)
+        return _Now(seen, angle, speed, spin_up + more, change)
 
     def _state(self) -> tuple[list[float], list[float], list[float]]:
         """Angles, speeds and contacts of the weights; no contacts where there can be none."""
@@ -129,33 +151,48 @@ class BallBalancer(Slave):
     def _force(self, now: _Now) -> tuple[complex, complex]:
         """Residual force of the weights and its slope, rotor frame, without pulses."""
         return motion.reaction(
-            self.track, *self._state(), now.acceleration, now.slope, now.speed, now.spin_up,
+            self.track,
+            *self._state(),
+            now.motion[0],
+            now.motion[1],
+            now.speed,
+            now.spin_up,
             now.change,
-        )  # fmt: skip
+        )
 
     def _put(self, now: _Now) -> None:
         """Computed outputs."""
-        force, force_slope = self._force(now)
+        force: tuple[complex, ...] = self._force(now)
+        if len(now.motion) == 3:
+            second = quintic_weights.reaction_second(
+                self.model, *self._state()[:2], now.motion, now.speed
+            )
+            force = (*force, second)
         if not self.plain:
-            force += complex(*self.memory[-3:-1])
+            force = (force[0] + complex(*self.memory[-3:-1]), *force[1:])
         if self.sent:
-            force -= self.sent * now.acceleration
-            force_slope -= self.sent * now.slope
+            force = tuple(f - self.sent * a for f, a in zip(force, now.motion, strict=True))
         if self.sizes.frame == "fixed":
-            turn = cmath.rect(1.0, now.angle)
-            force, force_slope = force * turn, (force_slope + 1j * now.speed * force) * turn
-        self.real[self.layout.computed] = [
-            force.real,
-            force.imag,
-            force_slope.real,
-            force_slope.imag,
-            self.carried,
-        ]
+            force = _rotating(force, -now.angle, -now.speed)
+        parts = [part for f in force for part in (f.real, f.imag)]
+        self.real[self.layout.computed] = [*parts, self.carried]
 
 
-def _rotating(
-    value: complex, slope: complex, angle: float, speed: float
-) -> tuple[complex, complex]:
-    """A vector and its slope seen in axes that turn with the rotor."""
+def _rotating(vector: Sequence[complex], angle: float, speed: float) -> tuple[complex, ...]:
+    """A vector, its slope and, at a constant speed, its second derivative in axes that turn.
+
+    Those of the rotor, or with the negative angle and speed the fixed ones.
+    """
     turn = cmath.rect(1.0, -angle)
-    return value * turn, (slope - 1j * speed * value) * turn
+    value, slope = vector[:2]
+    seen = value * turn, (slope - 1j * speed * value) * turn
+    if len(vector) == 2:
+        return seen
+    return *seen, (vector[2] - 2j * speed * slope - speed * speed * value) * turn
+
+
+def _joined(start: Sequence[complex], end: Sequence[complex], step: float) -> tuple[complex, ...]:
+    """What of a signal over a step follows from its two ends, as derivatives at its start."""
+    if len(start) == 2:
+        return cubic.hermite(start[0], start[1], end[0], end[1], step)
+    return quintic.hermite(start, end, step)

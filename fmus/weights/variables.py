@@ -5,9 +5,10 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from ..unit import Sizes, Unit, count
+from ..unit import SignalSizes, Unit, count
 from ..variables import (
     Variable,
+    derivative,
     observed,
     output,
     parameter,
@@ -18,7 +19,6 @@ from ..variables import (
     torque_outputs,
 )
 
-_DRIVE = ("angle", "speed", "acceleration")
 _CARRIED = ("mass", "inertia_as_force")
 _FORCE = (
     "mass", "track_radius", "kappa", "drag", "weight_radius", "restitution", "rolling_resistance",
@@ -29,7 +29,7 @@ _START = "in the rotor at the start"
 
 
 @dataclass(frozen=True)
-class WeightSizes(Sizes):
+class WeightSizes(SignalSizes):
     """Sizes of a ball balancer.
 
     Attributes:
@@ -48,9 +48,9 @@ def variables(sizes: WeightSizes) -> list[Variable]:
     speeds = tuple(f"weight[{k}].speed0" for k in numbers)
     begins = (*_FORCE, *angles, *speeds)
     # seen in the rotor's axes the force does not depend on the rotor's angle
-    drive = ("speed", "acceleration") if sizes.frame == "rotor" else _DRIVE
+    drive = (*(() if sizes.frame == "rotor" else ("angle",)), "speed", *sizes.spin[:1])
     values, slopes = (*a, *drive), (*a, *(f"der({name})" for name in a), *drive)
-    slopes = (*slopes, "der(acceleration)")
+    slopes = (*slopes, *sizes.spin[1:])
     return [
         *_parameters(),
         *(
@@ -58,16 +58,33 @@ def variables(sizes: WeightSizes) -> list[Variable]:
             for k, name in enumerate(angles)
         ),
         *(parameter(name, 0.0, "rad/s", f"Speed {_START}") for name in speeds),
-        *signal_inputs(a, "acceleration", "Acceleration of the track's centre"),
+        *signal_inputs(a, "acceleration", "Acceleration of the track's centre", sizes.order),
         plain_input("angle", 0.0, "rad", "Angle of the rotor at the start of the step"),
         *spin_inputs(),
         *signal_outputs(
-            force, "force", "Force on the rotor", [values] * 2, [slopes] * 2, begins=begins
+            force,
+            "force",
+            "Force on the rotor",
+            [values] * 2,
+            [slopes] * 2,
+            [(*slopes, *(derivative(name, 2) for name in a))] * 2 if sizes.order == 5 else (),
+            begins=begins,
         ),
         output("added_mass", "kg", "Mass N m to be carried by the rotor", begins=_CARRIED),
         *_observed(angles, speeds),
-        *torque_outputs(values, slopes, begins, _TORQUE),
+        *torque_outputs(*_felt(sizes, values, slopes), begins, _TORQUE),
     ]
+
+
+def _felt(
+    sizes: WeightSizes, values: tuple[str, ...], slopes: tuple[str, ...]
+) -> tuple[tuple[str, ...], tuple[str, ...]]:
+    """What of these the torque and its slope depend on: a constant speed only turns the signals."""
+    if sizes.order == 3:
+        return values, slopes
+    still = tuple(name for name in values if name != "speed")
+    turning = sizes.frame == "fixed"
+    return still, slopes if turning else tuple(name for name in slopes if name != "speed")
 
 
 def _parameters() -> list[Variable]:

@@ -99,7 +99,7 @@ class CoSimulation(Closing):
             self.scheme = Prescribed(self.scheme.iterated, *points)
         for unit in self.units.values():
             unit.start()
-        share = self.scheme.miss_per_error if self.system.order == 3 else 0.0
+        share = self.scheme.miss_per_error if self.system.order >= 3 else 0.0
         # an exchange that is unstable at any step is no matter of resolution
         judged = share and self.amplification <= 1.0 and self.system.coupled
         self.resolution = None
@@ -122,9 +122,10 @@ class CoSimulation(Closing):
             response = rotor_response(system, step)
         rounding = ROUNDING * largest_force(self.scene)
         jacobian = consistent_start(system, step, rounding)
-        self.gain = loop_gain(jacobian)
+        self.gain = loop_gain(jacobian, system.parts)
         scheme = choose(self.scene, system, jacobian, response, step, self.gain, rounding)
-        self.amplification = scheme.amplification(value_eigenvalues(jacobian), system.order)
+        eigenvalues = value_eigenvalues(jacobian, system.parts)
+        self.amplification = scheme.amplification(eigenvalues, system.order)
         return scheme
 
     def step(self, step: float, longest: float | None = None) -> float:

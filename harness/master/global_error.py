@@ -3,9 +3,9 @@
 What a step errs says little of the end: lightly damped motion gathers errors, motion that is not
 stable multiplies them.  So the run is done twice.  The first chooses its steps by what each of them
 errs (`schemes.adaptive`); the second takes every one of them in two, and is the result.  Where they
-meet they differ by 15 times the error of the second, for the coupling is of order 4 (taken for 1
-where weights can collide, or stick within a step).  If that is more than the tolerance, every
-step is divided again, into as many parts as it takes.
+meet they differ by 15 times the error of the second, for the coupling is of order 4 (with quintic
+signals of order 6, and by 63 times; taken for 1 where weights can collide, or stick within a step).
+If that is more than the tolerance, every step is divided again, into as many parts as it takes.
 
 Hairer, Norsett & Wanner 1993, II.4: Richardson's extrapolation, here of the run as a whole.
 """
@@ -29,12 +29,13 @@ from .schedule import force_jumps
 from .schemes.adaptive import RESIDUAL_SHARE, Adaptive
 from .schemes.prescribed import SLIVER
 
-ORDER = 4
+ORDER = {3: 4, 5: 6}  # of the coupling, by that of the signals
 # forces that jump within a step; motion with collisions, met ones too, is no smooth function of the
 # steps' errors
 ORDER_OF_JUMPS = 1
 LEFT = 2  # power of the parts with which what is left in the loop shrinks at least
-SHARES = (10.0, 1.0, 0.1)  # of the tolerance, what a step of the first run may err; halved, 1/16
+# of the tolerance, what a step of the first run may err; halved, it errs by 1/16 or 1/64
+SHARES = (10.0, 1.0, 0.1)
 AIM = 0.3  # of the tolerance: what further parts are to leave
 MOST_TIMES = 4  # as many parts as in the run before, which is to be confirmed
 MOST_PARTS = 128  # of a step of the first run
@@ -61,7 +62,8 @@ class Controlled:
         self.cosim, self.names = cosim, names
         self.tolerance = cosim.scene.coupling.tolerance
         touching = any(balancer.can_meet for balancer in cosim.scene.balancer)
-        self.order = ORDER_OF_JUMPS if touching or force_jumps(cosim.scene) else ORDER
+        jumping = touching or force_jumps(cosim.scene)
+        self.order = ORDER_OF_JUMPS if jumping else ORDER[cosim.system.order]
         self.parts, self.error = 1, math.inf
         self._done = 0  # work, in first runs
 

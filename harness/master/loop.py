@@ -11,10 +11,12 @@ from collections.abc import Callable, Sequence
 import numpy as np
 
 from ..errors import SimulationError
-from .signals import Knot
+from .signals import Knot, begun
 from .system import System
 
-Vector = list[complex]  # of each connection the force and its slope times the step, one unit
+# of each connection the force, its slope times the step, and with order 5 the second derivative
+# times the step's square, all of one unit
+Vector = list[complex]
 
 _START_TOLERANCE = 1e-12  # of the largest force: start values are as exact as the units
 _ROUNDING = 1e-13  # of the largest force, times the gain: what the loop makes of rounding
@@ -26,14 +28,23 @@ _START_ITERATIONS = 20  # the map is affine in values and in slopes; Newton need
 def pack(ends: Sequence[Knot], step: float) -> Vector:
     """Forces and slopes as one vector."""
     vector: Vector = []
+    if ends and len(ends[0]) == 3:
+        for value, slope, second in ends:
+            vector += (value, step * slope, step * step * second)
+        return vector
     for value, slope in ends:
         vector += (value, step * slope)
     return vector
 
 
-def unpack(vector: Sequence[complex], step: float) -> list[Knot]:
-    """Inverse of `pack`."""
-    return [(vector[i], vector[i + 1] / step) for i in range(0, len(vector), 2)]
+def unpack(vector: Sequence[complex], step: float, parts: int = 2) -> list[Knot]:
+    """Inverse of `pack`, of signals whose ends have so many `parts`."""
+    if parts == 2:
+        return [(vector[i], vector[i + 1] / step) for i in range(0, len(vector), 2)]
+    return [
+        (vector[i], vector[i + 1] / step, vector[i + 2] / (step * step))
+        for i in range(0, len(vector), 3)
+    ]
 
 
 def size(vector: Sequence[complex]) -> float:
@@ -67,14 +78,15 @@ class QuasiNewton:
 
     Args:
         jacobian: dG/du in the units of `pack` with `step` [s].
+        parts: of a signal's end.
 
     Raises:
         SimulationError: an eigenvalue is 1, so that u = G(u) has no unique solution.
     """
 
-    def __init__(self, jacobian: np.ndarray, step: float) -> None:
-        self.step = step
-        if any(abs(1.0 - j) < _SINGULAR for j in value_eigenvalues(jacobian)):
+    def __init__(self, jacobian: np.ndarray, step: float, parts: int = 2) -> None:
+        self.step, self.parts = step, parts
+        if any(abs(1.0 - j) < _SINGULAR for j in value_eigenvalues(jacobian, parts)):
             raise SimulationError(
                 "the loop between force and acceleration has gain 1: every force answers itself, "
                 "and there is no unique solution"
@@ -85,7 +97,7 @@ class QuasiNewton:
         """Adapt to another step [s]: slopes enter as slope times step."""
         ratio = step / self.step
         if ratio != 1.0:
-            self.inverse, self.step = rescaled(self.inverse, ratio), step
+            self.inverse, self.step = rescaled(self.inverse, ratio, self.parts), step
 
     def correction(self, residual: Sequence[complex]) -> Vector:
         """The step du that would make the residual G(u) - u vanish."""
@@ -107,9 +119,10 @@ def applied(matrix: np.ndarray, vector: Sequence[complex]) -> Vector:
     return matrix.dot(_components(vector)).view(complex).tolist()
 
 
-def rescaled(matrix: np.ndarray, ratio: float) -> np.ndarray:
+def rescaled(matrix: np.ndarray, ratio: float, parts: int = 2) -> np.ndarray:
     """A matrix between vectors as `pack` makes them, for steps `ratio` times as long."""
-    rows, columns = (np.tile([1.0, 1.0, ratio, ratio], n // 4) for n in matrix.shape)
+    powers = np.repeat(ratio ** np.arange(parts), 2)
+    rows, columns = (np.tile(powers, n // len(powers)) for n in matrix.shape)
     return rows[:, None] * matrix / columns
 
 
@@ -144,7 +157,8 @@ def consistent_start(system: System, step: float, rounding: float = 0.0) -> np.n
         rounding: of the forces [N]: where they cancel, nothing larger can be made of them.
 
     Returns:
-        dG/du at the start, (4 c, 4 c) for c connections; its spectral radius is the loop gain.
+        dG/du at the start, (4 c, 4 c) for c connections, with order 5 (6 c, 6 c); its spectral
+        radius is the loop gain.
 
     Raises:
         SimulationError: the iteration did not converge, or the loop has gain 1.
@@ -152,22 +166,25 @@ def consistent_start(system: System, step: float, rounding: float = 0.0) -> np.n
     if not system.coupled:
         return np.zeros((0, 0))
 
+    parts = system.parts
+
     def respond(u: Vector) -> Vector:
-        ends = unpack(u, step)
-        system.set_forces([(value, slope, 0j, 0j) for value, slope in ends])
+        ends = unpack(u, step, parts)
+        system.set_forces([begun(end) for end in ends])
         for state, knot in zip(system.accelerations, system.read_accelerations(), strict=True):
             state.now = knot
-        return pack(system.answer([(*a.now, 0j, 0j) for a in system.accelerations]), step)
+        return pack(system.answer([begun(a.now) for a in system.accelerations]), step)
 
-    u = [0j] * (2 * len(system.forces))
+    # second derivatives take squares of the values, but these converge before them
+    u = [0j] * (parts * len(system.forces))
     g_u = respond(u)
     change = size(g_u) or 1.0
     slope_of_g = jacobian(respond, u, g_u, change)
     if not np.isfinite(slope_of_g).all():
         raise SimulationError("start values: the forces of the balancers are not finite at t = 0 s")
-    newton = QuasiNewton(slope_of_g, step)
+    newton = QuasiNewton(slope_of_g, step, parts)
     residual = difference(g_u, u)
-    tolerance = max(_START_TOLERANCE, _ROUNDING * loop_gain(slope_of_g))
+    tolerance = max(_START_TOLERANCE, _ROUNDING * loop_gain(slope_of_g, parts))
     for _ in range(_START_ITERATIONS):
         du, before = newton.correction(residual), residual
         u = [a + b for a, b in zip(u, du, strict=True)]
@@ -181,23 +198,28 @@ def consistent_start(system: System, step: float, rounding: float = 0.0) -> np.n
         raise SimulationError(
             f"consistent start values were not found in {_START_ITERATIONS} iterations: forces "
             f"still change by {size(residual):.3g} N of {size(u):.3g} N; loop gain "
-            f"{loop_gain(slope_of_g):.3g}"
+            f"{loop_gain(slope_of_g, parts):.3g}"
         )
-    for force, knot in zip(system.forces, unpack(g_u, step), strict=True):
+    for force, knot in zip(system.forces, unpack(g_u, step, parts), strict=True):
         force.now = knot
     system.drop_past()
     return slope_of_g
 
 
-def value_eigenvalues(jacobian: np.ndarray) -> list[complex]:
+def values_in(jacobian: np.ndarray, parts: int = 2) -> np.ndarray:
+    """Which rows and columns are of values."""
+    return np.arange(len(jacobian)) % (2 * parts) < 2
+
+
+def value_eigenvalues(jacobian: np.ndarray, parts: int = 2) -> list[complex]:
     """Eigenvalues of the loop of values, 2 c of them; slopes answer slopes with the same ones.
 
     As double eigenvalues of the whole they would have half the digits.
     """
-    values = np.tile([True, True, False, False], len(jacobian) // 4)
+    values = values_in(jacobian, parts)
     return np.linalg.eigvals(jacobian[np.ix_(values, values)]).tolist()
 
 
-def loop_gain(jacobian: np.ndarray) -> float:
+def loop_gain(jacobian: np.ndarray, parts: int = 2) -> float:
     """Spectral radius of the coupling loop; explicit schemes need it below 1."""
-    return max(map(abs, value_eigenvalues(jacobian)), default=0.0)
+    return max(map(abs, value_eigenvalues(jacobian, parts)), default=0.0)

@@ -146,7 +146,8 @@ def plan(scene: Scene, frame: str = "rotor") -> Plan:
     profile, motor = scene.profile(), scene.operation.motor
     speed = motor.start if motor else profile.speed(0.0)
     drive = {"speed": speed, "acceleration": profile.acceleration(0.0)}
-    built = {} if frame == "rotor" else {"frame": frame}
+    built: dict[str, Any] = {} if frame == "rotor" else {"frame": frame}
+    built |= {"order": 5} if scene.coupling.order == 5 else {}
     planes = scene.rotor.unit_planes([balancer.at for balancer in scene.balancer])
     start = {
         f"{'' if name == 'angle' else prefix}{name}0": value
@@ -290,7 +291,12 @@ def refuse_other_build(path: Path, unit: UnitPlan) -> None:
         raise UnitError(f"{path}: cannot be read: {error.strerror or error}") from error
     different = [
         f"{key} = {found[key]} instead of {value}"
-        for key, value in {"unit": unit.model, "frame": "rotor", **unit.sizes}.items()
+        for key, value in {
+            "unit": unit.model,
+            "frame": "rotor",
+            "order": 3,
+            **unit.sizes,
+        }.items()
         if key in found and found[key] != value
     ]
     why = "its content is not what this installation builds"

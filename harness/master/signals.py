@@ -1,8 +1,9 @@
-"""Signals between units: complex xi + i eta, a cubic over each communication step.
+"""Signals between units: complex xi + i eta, a cubic or quintic over each communication step.
 
 A cubic is (value, first, second, third derivative) at the start of the step.  An exchange order
 says how much of it is used: 0 held, 1 linear, 3 cubic Hermite from values and exact slopes of both
-ends.
+ends.  With order 5 a signal is a quintic, two derivatives more, from the exact second derivatives
+of both ends as well; how many derivatives its ends have tells it from a cubic.
 """
 
 from __future__ import annotations
@@ -10,18 +11,28 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-Cubic = tuple[complex, complex, complex, complex]
-Knot = tuple[complex, complex]  # value and slope at one point
+from ...models import quintic
+
+Cubic = tuple[complex, ...]  # four numbers, of a quintic six
+Knot = tuple[complex, ...]  # value and slope at one point, and of a quintic the second derivative
 
 ZERO: Knot = (0j, 0j)
-# (h + h)^2 h^2/24 over h^4/720: how far the cubic of the step before misses the end of a step, over
-# what the step's own cubic errs on average
-MISS_PER_ERROR = 120.0
+EXACT = {0: 0, 1: 1, 3: 1, 5: 2}  # by order, derivatives that the units answer with
+# how far the cubic of the step before misses the end of a step, over what the step's own cubic errs
+# on average: (h + h)^2 h^2/24 over h^4/720; of quintics (h + h)^3 h^3/720 over h^6/100800
+MISS_PER_ERROR = {3: 120.0, 5: 1120.0}
 REST: Cubic = (0j, 0j, 0j, 0j)
 
 
+def begun(knot: Knot) -> Cubic:
+    """A signal of which the start alone is known."""
+    return (*knot, 0j, 0j) if len(knot) == 2 else (*knot, 0j, 0j, 0j)
+
+
 def hermite(start: Knot, end: Knot, step: float) -> Cubic:
-    """The cubic with value and slope given at both ends of a step [s]; error step^4/384 f''''."""
+    """The cubic, or quintic, through both ends of a step [s]; error step^4/384 f''''."""
+    if len(start) == 3:
+        return (*start, *quintic.hermite(start, end, step))
     (f0, d0), (f1, d1) = start, end
     rise = (f1 - f0) / step
     return (
@@ -33,8 +44,8 @@ def hermite(start: Knot, end: Knot, step: float) -> Cubic:
 
 
 def interpolated(start: Knot, end: Knot, step: float, order: int) -> Cubic:
-    """Signal over a step both of whose ends are known, of exchange order 0 (end value), 1 or 3."""
-    if order == 3:
+    """Signal over a step both of whose ends are known, of exchange order 0 (end value), 1, 3, 5."""
+    if order >= 3:
         return hermite(start, end, step)
     if order == 1:
         return (start[0], (end[0] - start[0]) / step, 0j, 0j)
@@ -45,13 +56,18 @@ def extrapolated(start: Knot, past: Cubic, past_step: float, order: int) -> Cubi
     """Signal over a step of which only the start is known, and the cubic of the step before it."""
     if order == 3:
         return (start[0], start[1], past[2] + past_step * past[3], past[3])
+    if order == 5:
+        _, _, _, d3, d4, d5 = past
+        return (*start, d3 + past_step * (d4 + 0.5 * past_step * d5), d4 + past_step * d5, d5)
     if order == 1:
         return (start[0], start[1], 0j, 0j)
     return (start[0], 0j, 0j, 0j)
 
 
 def end_of(cubic: Cubic, step: float) -> Knot:
-    """Value and slope of a cubic at the end of its step."""
+    """Value and slope of a cubic at the end of its step; of a quintic the second derivative too."""
+    if len(cubic) == 6:
+        return quintic.at(cubic, step)
     f, d, d2, d3 = cubic
     half, third = 0.5 * step, step / 3.0
     return f + step * (d + half * (d2 + third * d3)), d + step * (d2 + half * d3)
@@ -78,8 +94,14 @@ class SignalState:
         """Accept the signal of a finished step."""
         missed = 0.0
         if self.last_step == step:
-            f, d, d2, d3 = self.last
-            missed = abs(end[0] - (f + 2.0 * step * (d + step * (d2 + 2.0 / 3.0 * step * d3))))
+            if len(self.last) == 4:
+                f, d, d2, d3 = self.last
+                led = f + 2.0 * step * (d + step * (d2 + 2.0 / 3.0 * step * d3))
+            else:
+                f, d, d2, d3, d4, d5 = self.last
+                led = d2 + 2.0 / 3.0 * step * (d3 + step * (0.5 * d4 + 0.2 * step * d5))
+                led = f + 2.0 * step * (d + step * led)
+            missed = abs(end[0] - led)
         self.arrive(cubic, end, step, missed)
 
     def arrive(self, cubic: Cubic, end: Knot, step: float, missed: float) -> None:

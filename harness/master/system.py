@@ -18,7 +18,7 @@ from .fmu import Fmu, Variables
 from .names import components, signals
 from .plan import MOTOR, ROTOR, Plan, Port
 from .shaft import Shaft
-from .signals import Cubic, Knot, SignalState
+from .signals import EXACT, Cubic, Knot, SignalState, begun
 
 
 @dataclass(slots=True)
@@ -44,7 +44,7 @@ class System:
     Args:
         plan: units and connections.
         units: the loaded units by name.
-        order: of the exchanged signals, 0, 1 or 3.
+        order: of the exchanged signals, 0, 1, 3 or 5.
         watch: also tell balancers where their plane is that report their clearance.
         brief: step that is taken whole [s]: balancers that can end longer ones at an event; 0:
             none does.
@@ -56,8 +56,10 @@ class System:
             as well.
         accelerations: of every plane that exchanges force; `acceleration_names` as well.
         pushed: what the rotor is told as reals, (order + 1, planes, 2): forces and derivatives.
-        felt: what it answers, (2, planes, 2) with slopes: accelerations and their slopes.
+        felt: what it answers, (2, planes, 2) with slopes: accelerations and their slopes; with
+            order 5 (3, planes, 2).
         told, answers: the same of the balancers, (exchanges, order + 1, 2), (exchanges, 2, 2).
+        parts: of a signal's end: value and slope, with order 5 the second derivative.
         masses: added mass handed to the rotor at the start, by its input [kg].
         has_no_past: no step has been taken since the start or the last jump of the drive.
         tell_speed: tells the units the rotor's speed at a time [s], where it varies.
@@ -77,7 +79,8 @@ class System:
         self.masses: dict[str, float] = {}
         self.brief = brief
         self.tell_speed: Callable[[float], object] = lambda time: None
-        slopes = 0 if order == 0 else 1
+        slopes = EXACT[order]
+        self.parts = EXACT[max(3, order)] + 1
         exchanged = plan.of_kind("signal")
         followed = {c.target.unit: c.source.variable for c in exchanged if c.source.unit == ROTOR}
         pushed = {c.source.unit: c.target.variable for c in exchanged if c.target.unit == ROTOR}
@@ -174,7 +177,7 @@ class System:
         """Step every exchanging balancer under its plane's acceleration; what `forces` become."""
         for exchange in self.exchanges:
             cubic = accelerations[exchange.plane]
-            exchange.inputs.vectors[:] = cubic if self.order == 3 else self._used(cubic)
+            exchange.inputs.vectors[:] = cubic if self.order >= 3 else self._used(cubic)
         self.step_balancers(time, step)
         knots = [k for e in self.exchanges for k in self._knots(e.outputs.vectors.tolist())]
         return [*knots, self.shaft.step(time, step)] if self.shaft else knots
@@ -206,7 +209,7 @@ class System:
         rows = self._force_rows
         if self._alone:
             for plane, cubic in enumerate(forces[: len(rows)]):
-                rows[plane] = cubic if self.order == 3 else self._used(cubic)
+                rows[plane] = cubic if self.order >= 3 else self._used(cubic)
         else:
             rows[:] = 0.0
             for exchange, cubic in zip(self.exchanges, forces, strict=False):
@@ -226,8 +229,11 @@ class System:
             return [(value, 0j) for value in vectors]
         if len(vectors) == 2:
             return [(vectors[0], vectors[1])]
-        count = len(vectors) // 2
-        return list(zip(vectors[:count], vectors[count:], strict=True))
+        count = len(vectors) // self.parts
+        if self.parts == 2:
+            return list(zip(vectors[:count], vectors[count:], strict=True))
+        slopes, seconds = vectors[count : 2 * count], vectors[2 * count :]
+        return list(zip(vectors[:count], slopes, seconds, strict=True))
 
     def present(self) -> dict[Port, complex]:
         """Present values of the coupling signals by their source."""
@@ -295,7 +301,7 @@ class System:
     def drop_past(self) -> None:
         """Drop what the signals did before now: it says nothing of what comes."""
         for state in [*self.accelerations, *self.forces]:
-            state.last, state.last_step = (*state.now, 0j, 0j), 0.0
+            state.last, state.last_step = begun(state.now), 0.0
         self.has_no_past = True
 
     def restart(self, changes: Mapping[str, Mapping[str, float | bool]]) -> None:

@@ -144,7 +144,7 @@ def controlled(scene: Scene, tolerance: float) -> Scene:
     """The scene with the second run's tolerance; itself where steps stay given."""
     if not exchanging(scene) or (force_jumps(scene) and scene.coupling.tolerance is None):
         return scene
-    tighter = {"tolerance": tolerance, "scheme": "auto", "order": 3}
+    tighter = {"tolerance": tolerance, "scheme": "auto", "order": max(3, scene.coupling.order)}
     tighter |= {"steps_per_rev": None, "corrections": None}
     return scene.replace({f"coupling.{key}": value for key, value in tighter.items()})
 

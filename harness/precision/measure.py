@@ -20,7 +20,14 @@ from ..master.recorder import recorded
 from ..output.workers import ItemProgress
 from ..scene import Scene
 from ..scene.balancer import LiquidBalancer
-from .methods import LIBCOSIM, Method, coupling_methods, monolith_methods, ready
+from .methods import (
+    LIBCOSIM,
+    Method,
+    coupling_methods,
+    monolith_methods,
+    quintic_methods,
+    ready,
+)
 from .reference import right_motion, signal_ranges
 from .runner import Run, Runner
 
@@ -135,6 +142,8 @@ def all_methods(scene: Scene) -> list[Method]:
     """Every method that could run the scene."""
     exchanges = any(not isinstance(b, LiquidBalancer) or b.inertia_as_force for b in scene.balancer)
     found = coupling_methods(exchanges)
+    if exchanges and scene.takes_quintics:
+        found += quintic_methods()
     if exchanges:
         found += [Method(LIBCOSIM, 0, n) for n in LIBCOSIM_STEPS]
     return found + monolith_methods()

@@ -20,6 +20,7 @@ from .runner import Run, Runner
 
 EXPLICIT_STEPS = (10, 20, 40, 80, 160)
 ITERATED_STEPS = (8, 10, 14, 20, 28, 40, 80)
+QUINTIC_STEPS = (6, 8, 10, 14, 20, 28, 40)
 COMPENSATED_STEPS = (6, 8, 10, 12, 14, 20, 30, 40, 80)
 PYTHON_STEPS = (20, 40)  # the same digits as native units, at another price
 # of the composite, which takes a thirtieth of the time
@@ -74,7 +75,7 @@ class Method:
         """The method without its step or tolerance, in words."""
         words = [self.name]
         if self.order is not None:
-            words.append({0: "held", 1: "linear", 3: "cubic"}[self.order])
+            words.append({0: "held", 1: "linear", 3: "cubic", 5: "quintic"}[self.order])
         if self.tolerance is not None and not self.in_one_piece:
             words.append("tolerance" if self.fewest is None else "tolerance, steps of any length")
         elif self.name == "iterated":
@@ -163,6 +164,12 @@ def coupling_methods(exchanges_force: bool) -> list[Method]:
     ]
     found += [Method("compensated", 3, n, units="python") for n in PYTHON_STEPS]
     return found + one_file_methods()
+
+
+def quintic_methods() -> list[Method]:
+    """The iterated scheme with quintic signals, for scenes whose units have them."""
+    found = [Method("iterated", 5, n, passes) for passes in (1, None) for n in QUINTIC_STEPS]
+    return found + [Method("iterated", 5, tolerance=t) for t in TOLERANCES]
 
 
 def one_file_methods() -> list[Method]:

@@ -26,8 +26,8 @@ _COLOURS = {
     "monolith LSODA": "0.0",
     "monolith Radau": "0.82",
 }
-_STYLES: dict[int | None, str] = {0: ":", 1: "--", 3: "-", None: "-"}
-_MARKERS: dict[int | None, str] = {0: "v", 1: "s", 3: "o", None: "."}
+_STYLES: dict[int | None, str] = {0: ":", 1: "--", 3: "-", 5: "-", None: "-"}
+_MARKERS: dict[int | None, str] = {0: "v", 1: "s", 3: "o", 5: "*", None: "."}
 _TOLERANCE = "tab:green"
 
 

@@ -125,7 +125,7 @@ class Operation(Table):
 def _whole_choice(value: object) -> object:
     """Keep true and 1.0 from passing as 1."""
     if type(value) is not int:
-        raise ValueError("must be one of 0 (held), 1 (linear), 3 (cubic Hermite)")
+        raise ValueError("must be one of 0 (held), 1 (linear), 3 (cubic), 5 (quintic Hermite)")
     return value
 
 
@@ -141,8 +141,9 @@ class Coupling(Table):
     """Communication steps in the fastest revolution; default: 40 where no tolerance is kept."""
     fewest_steps_per_rev: Annotated[Whole | None, Field(ge=1, le=1_000_000)] = None
     """With a tolerance: steps in the fastest revolution where longer ones would do; default: 8."""
-    order: Annotated[Literal[0, 1, 3], BeforeValidator(_whole_choice)] = 3
-    """Of the signals over a step: 0 held, 1 linear, 3 cubic Hermite."""
+    order: Annotated[Literal[0, 1, 3, 5], BeforeValidator(_whole_choice)] = 3
+    """Of the signals over a step: 0 held, 1 linear, 3 cubic, 5 quintic Hermite; the last takes a
+    constant speed, supports without dry friction, and point weights on centred tracks."""
     corrections: Annotated[Whole | None, Field(ge=0, le=100)] = None
     """Corrector passes of `iterated` with given steps; default: until the loop has converged, with
     `auto` as few as the loop gain asks for."""
@@ -182,6 +183,12 @@ class Coupling(Table):
             raise refusal("fewest_steps_per_rev", "needs a tolerance, which chooses the steps")
         if self.order != 3 and self.scheme == "compensated":
             raise refusal("order", 'must be 3 with scheme = "compensated", which exchanges slopes')
+        if self.order == 5 and self.scheme in UNCORRECTED:
+            raise refusal(
+                "order",
+                f'must be 0, 1 or 3 with scheme = "{self.scheme}": quintic signals are for '
+                '"iterated" and "auto"',
+            )
         return self
 
 

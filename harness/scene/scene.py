@@ -221,7 +221,7 @@ class Scene(Table):
             rotor = self._linear_rotor
         except ValueError as error:
             return [f"rotor: {error}"]
-        lines = self._refused_under_a_motor()
+        lines = self._refused_under_a_motor() + self._refused_with_quintics()
         lines += self.balancing.problems(self.rotor) if self.balancing else []
         one_liquid = [b.kind for b in self.balancer] == ["liquid"]
         fits = one_liquid and rotor.isotropic and self.rotor.kind == "planar"
@@ -232,6 +232,32 @@ class Scene(Table):
             if check.kind == "liquid_window" and not fits
         ]
         return lines
+
+    @property
+    def takes_quintics(self) -> bool:
+        """Whether its units have signals of order 5."""
+        return not self._without_second_derivatives()
+
+    def _without_second_derivatives(self) -> list[str]:
+        """Keys of what has no second derivatives of its signals."""
+        drives = ("run_up", "motor")
+        wrong = [f"operation.{what}" for what in drives if getattr(self.operation, what)]
+        wrong += ["rotor.friction"] if self.rotor.friction else []
+        wrong += [
+            f"balancer[{i}].{key}"
+            for i, balancer in enumerate(self.balancer, start=1)
+            for key, what in _WITHOUT_SECOND_DERIVATIVES.items()
+            if getattr(balancer, what, None)
+        ]
+        return wrong
+
+    def _refused_with_quintics(self) -> list[str]:
+        """What cannot be coupled by them."""
+        return [
+            f"{what}: coupling.order = 5 takes a constant speed, supports without dry friction, "
+            "and point weights on centred tracks: leave this out, or take order = 3"
+            for what in (self._without_second_derivatives() if self.coupling.order == 5 else ())
+        ]
 
     def _refused_under_a_motor(self) -> list[str]:
         """What a motor of limited power cannot drive."""
@@ -252,6 +278,14 @@ class Scene(Table):
                 '"iterated", "gauss-seidel" or "jacobi"'
             )
         return lines
+
+
+# keys of a balancer by what is then true of it
+_WITHOUT_SECOND_DERIVATIVES = {
+    "weight_radius": "can_meet",
+    "rolling_resistance": "can_stick",
+    "track_offset": "offset",
+}
 
 
 def _plane_count(rotor: Any) -> int | None:

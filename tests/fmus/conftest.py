@@ -28,10 +28,13 @@ SHAPES = [
     ("RotorOnSupports", {"kind": "two_support", "stations": 2, "unbalances": 2}),
     ("RotorOnSupports", {"kind": "flexible", "stations": 4, "shaft": "compliance"}),
     ("RotorOnSupports", {"planes": 3, "frame": "fixed"}),
+    ("RotorOnSupports", {"planes": 2, "order": 5}),
     ("LiquidBalancer", {}),
+    ("LiquidBalancer", {"order": 5}),
     ("LiquidBalancer", {"frame": "fixed"}),
     ("BallBalancer", {}),
     ("BallBalancer", {"weights": 1}),
+    ("BallBalancer", {"order": 5}),
     ("BallBalancer", {"weights": 5, "frame": "fixed"}),
 ]
 

@@ -266,14 +266,18 @@ class Core:
                 ctypes.memmove(getattr(made, name), values.ctypes.data, values.nbytes)
         return made
 
-    def step_matrix(self, rotor: Any, speed: float, step: float, turning: bool) -> NDArray:
+    def step_matrix(
+        self, rotor: Any, speed: float, step: float, turning: bool, order: int = 3
+    ) -> NDArray:
         """As `models.propagator.step_matrix`, of a rotor made by `rotor` or `rotor_of`."""
         axes = 1 if self("linear_rotor_isotropic", byref(rotor)) else 2
-        sizes = rotor.stations, rotor.plane_count, axes
+        orders = order + 1
+        sizes = rotor.stations, rotor.plane_count, orders, axes
         shape = self("step_matrix_rows", *sizes), self("step_matrix_columns", *sizes)
         matrix = np.empty(shape, complex if axes == 1 else float)
         scratch = np.full(self("step_matrix_scratch", *sizes), math.nan)
-        self.demand("step_matrix", byref(rotor), speed, step, int(turning), matrix, scratch)
+        how = int(turning), orders
+        self.demand("step_matrix", byref(rotor), speed, step, *how, matrix, scratch)
         return matrix
 
 

@@ -219,17 +219,18 @@ def _scaled_difference(found, expected):
     return (np.abs(found - expected) / np.where(scale == 0.0, 1.0, scale)).max()
 
 
+@pytest.mark.parametrize("order", [3, 5])
 @pytest.mark.parametrize("turning", [True, False])
 @pytest.mark.parametrize("kind", KINDS)
-def test_step_matrices_are_those_of_python(drawn, kind, turning):
+def test_step_matrices_are_those_of_python(drawn, kind, turning, order):
     worst = 0.0
     for seed in range(40):
         draw = drawn(kind, seed)
         python, loaded = _added(draw)
         speed = float(draw.random.choice([0.0, draw.random.uniform(-900.0, 900.0)]))
         step = float(draw.random.choice([0.0, _log(draw.random, 1e-8, 1e-2)]))
-        expected = step_matrix(python, speed, step, turning)
-        found = draw.core.step_matrix(loaded, speed, step, turning)
+        expected = step_matrix(python, speed, step, turning, order)
+        found = draw.core.step_matrix(loaded, speed, step, turning, order)
         assert found.shape == expected.shape
         assert found.dtype == expected.dtype
         worst = max(worst, _scaled_difference(found, expected))

@@ -1,6 +1,7 @@
 """Iterated: step, compare the forces with those assumed, roll back and step again.
 
-Order: 4 with cubic Hermite signals from values and slopes of both ends, 2 linear, 1 held.
+Order: 6 with quintic Hermite signals from values, slopes and second derivatives of both ends, 4
+with cubic ones from values and slopes, 2 linear, 1 held.
 Stability: any loop gain, as long as no eigenvalue of the loop is 1: each corrector pass is a
 quasi-Newton step with the loop's Jacobian measured at the start (fixed-point passes would need a
 gain below 1).  Broyden's update refines it where the loop changes along the run.
@@ -16,8 +17,29 @@ import numpy as np
 
 from ...errors import LoopError
 from ..fmu import EndedEarly
-from ..loop import SLOW, QuasiNewton, Vector, difference, jacobian, loop_gain, pack, size, unpack
-from ..signals import MISS_PER_ERROR, Cubic, Knot, end_of, interpolated, joined, predicted
+from ..loop import (
+    SLOW,
+    QuasiNewton,
+    Vector,
+    difference,
+    jacobian,
+    loop_gain,
+    pack,
+    size,
+    unpack,
+    values_in,
+)
+from ..signals import (
+    EXACT,
+    MISS_PER_ERROR,
+    Cubic,
+    Knot,
+    begun,
+    end_of,
+    interpolated,
+    joined,
+    predicted,
+)
 from ..system import System
 from .contacts import before, strike
 
@@ -58,7 +80,7 @@ class Iterated:
 
     Args:
         jacobian: of the loop at the start, from `loop.consistent_start` with `step` [s].
-        order: of the exchanged signals; slopes take part in the iteration only if it is 3.
+        order: of the exchanged signals; slopes take part in the iteration only from 3 on.
         corrections: corrector passes of every step, or None to go on until converged.
         tolerance: residual, relative to the largest force so far, that counts as converged.
         rounding: of forces that cancel [N]; no smaller residual is asked for.
@@ -70,7 +92,6 @@ class Iterated:
     name = "iterated"
     chooses_steps = False
     startup_halvings = 0
-    miss_per_error = MISS_PER_ERROR
 
     def __init__(
         self,
@@ -81,13 +102,15 @@ class Iterated:
         tolerance: float = CONVERGED,
         rounding: float = 0.0,
     ) -> None:
-        self._least = ROUNDING * loop_gain(jacobian)
+        self.parts = EXACT[max(3, order)] + 1
+        self._least = ROUNDING * loop_gain(jacobian, self.parts)
         self.closed = max(CONVERGED, self._least)
-        self.with_slopes = order == 3
+        self.with_slopes = order >= 3
+        self.miss_per_error = MISS_PER_ERROR[max(3, order)]
         if not self.with_slopes:
-            values = np.tile([True, True, False, False], len(jacobian) // 4)
+            values = values_in(jacobian)
             jacobian = np.where(np.outer(values, values), jacobian, 0.0)
-        self.newton = QuasiNewton(jacobian, step)
+        self.newton = QuasiNewton(jacobian, step, self.parts)
         self.corrections = corrections
         self.rounding = rounding
         self.allow(tolerance)
@@ -191,7 +214,7 @@ class Iterated:
         through within one.
         """
         starts = [force.now for force in system.forces]
-        u = self._pack([end_of((*start, 0j, 0j), step) for start in starts], step)
+        u = self._pack([end_of(begun(start), step) for start in starts], step)
         with system.saved() as states:
 
             def respond(assumed: Vector) -> Vector:
@@ -202,7 +225,7 @@ class Iterated:
             try:
                 g_u = respond(u)
                 change = CHANGE * max(size(u), size(g_u), self.largest)
-                self.newton = QuasiNewton(jacobian(respond, u, g_u, change), step)
+                self.newton = QuasiNewton(jacobian(respond, u, g_u, change), step, self.parts)
             except EndedEarly:  # an event within the step: what is known of the loop serves on
                 system.restore(states)
 
@@ -213,7 +236,7 @@ class Iterated:
         return self.corrections + 1
 
     def _pack(self, ends: list[Knot], step: float) -> Vector:
-        return pack(ends if self.with_slopes else [(value, 0j) for value, _ in ends], step)
+        return pack(ends if self.with_slopes else [(end[0], 0j) for end in ends], step)
 
     def _pass(
         self, system: System, starts: list[Knot], u: Vector, time: float, step: float
@@ -222,7 +245,7 @@ class Iterated:
         order = system.order
         forces = [
             interpolated(start, end, step, order)
-            for start, end in zip(starts, unpack(u, step), strict=True)
+            for start, end in zip(starts, unpack(u, step, self.parts), strict=True)
         ]
         ends = system.rotor_pass(forces, time, step)
         accelerations = [

@@ -109,7 +109,7 @@ def choose(
         return Compensated(jacobian, response, step, scene.profile().speed)
     if coupling.tolerance is not None:
         mass = float(scene.assembly().loaded_rotor.mass.sum())
-        iterated = Iterated(jacobian, step, rounding=rounding)
+        iterated = Iterated(jacobian, step, system.order, rounding=rounding)
         return Adaptive(iterated, coupling.tolerance, gain, mass, bool(scene.rotor.friction))
     corrections = coupling.corrections
     if corrections is None and coupling.scheme == "auto" and gain <= WEAK_LOOP:
@@ -122,9 +122,9 @@ def refuse_loose_tolerance(scene: Scene) -> None:
     coupling = scene.coupling
     if coupling.tolerance is None:
         return
-    if coupling.scheme in UNCORRECTED or coupling.order != 3:
+    if coupling.scheme in UNCORRECTED or coupling.order < 3:
         raise SceneError(
             f"{scene.name}: coupling.tolerance = {coupling.tolerance:g}: kept only by scheme "
-            f'"iterated" or "auto" with order 3, not by "{coupling.scheme}" with order '
+            f'"iterated" or "auto" with order 3 or 5, not by "{coupling.scheme}" with order '
             f"{coupling.order}; give steps_per_rev instead"
         )

@@ -97,7 +97,7 @@ class LinearLoop:
     constant: np.ndarray
 
     def __post_init__(self) -> None:
-        self.coupled = True
+        self.coupled, self.parts = True, 2
         self.forces = [SignalState() for _ in self.constant]
         self.accelerations = [SignalState() for _ in self.constant]
 

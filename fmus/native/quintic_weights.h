@@ -1,0 +1,27 @@
+/* Point weights at a constant speed under a quintic signal; twin of models/quintic_weights.py. */
+#ifndef AUTOBALANCER_QUINTIC_WEIGHTS_H
+#define AUTOBALANCER_QUINTIC_WEIGHTS_H
+
+#include "weights.h"
+
+/* As `Quadrature`, of g's derivatives of order 0 to 5. */
+typedef struct {
+    double damping_rate, step;
+    double response[14];
+} QuinticQuadrature;
+
+QuinticQuadrature quintic_quadrature_empty(void);
+
+/* Move every weight over one communication step; as weights_advance, with the derivatives of the
+   signal up to order 5. */
+int quintic_weights_advance(const Weights *weights, const double *angles, const double *speeds,
+                            const Complex *signal, double step, double *new_angles,
+                            double *new_speeds, QuinticQuadrature *memory, Failure *failure);
+
+/* Second derivative of the force of weights_reaction at a constant speed.  motion: acceleration of
+   the track's centre in the rotor frame and its derivatives of order 1 and 2. */
+Complex quintic_weights_reaction_second(const Weights *weights, const double *angles,
+                                        const double *speeds, const Complex *motion,
+                                        double rotor_speed);
+
+#endif

@@ -1,0 +1,132 @@
+"""Quintic signals, `coupling.order = 5`: what they are worth, what they are refused for."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from autobalancer.fmus.catalogue import sized_unit
+from autobalancer.fmus.composite.composition import Composition, Part
+from autobalancer.harness import SceneError, load_scene
+from autobalancer.harness.master.cosimulation import CoSimulation
+from autobalancer.harness.master.one_file import composition
+from autobalancer.harness.master.plan import plan
+from autobalancer.harness.master.signals import (
+    MISS_PER_ERROR,
+    SignalState,
+    end_of,
+    extrapolated,
+    hermite,
+)
+
+LATERAL = ("rotor.x", "rotor.y")
+MOVED = [1e-3 - 2e-3j, 0.5 + 0.1j, -40.0 + 9.0j, 3e3, -2e5j, 4e6 + 1e6j]
+
+
+def polynomial(t: float, k: int) -> complex:
+    """k-th derivative of a polynomial of degree 5, by NumPy."""
+    coefficients = np.array(MOVED) / np.cumprod([1, 1, 2, 3, 4, 5])
+    return complex(np.polynomial.Polynomial(coefficients).deriv(k)(t))
+
+
+def test_the_quintic_before_continues_any_quintic():
+    past, step = 0.01, 0.003
+    knots = [tuple(polynomial(t, k) for k in range(3)) for t in (0.0, past, past + step)]
+    before = hermite(knots[0], knots[1], past)
+    ahead = extrapolated(knots[1], before, past, 5)
+    assert end_of(ahead, step) == pytest.approx(knots[2], rel=1e-9)
+
+
+def test_a_prediction_misses_1120_times_as_far_as_a_quintic_errs_on_average():
+    # of t^6 the sixth derivative is constant, and both errors are what the formulas say
+    knots = [(t**6 + 0j, 6 * t**5 + 0j, 30 * t**4 + 0j) for t in (0.0, 1.0, 2.0)]
+    signal = SignalState(now=knots[1], last=hermite(knots[0], knots[1], 1.0), last_step=1.0)
+    own = hermite(knots[1], knots[2], 1.0)
+    signal.move(own, knots[2], 1.0)
+    times = np.linspace(0.0, 1.0, 2001)
+    errors = [abs((1.0 + t) ** 6 - end_of(own, float(t))[0]) for t in times]
+    assert signal.prediction_error / np.mean(errors) == pytest.approx(MISS_PER_ERROR[5], rel=1e-3)
+
+
+def test_forty_quintic_steps_are_a_hundred_times_better_than_forty_cubic_ones(against):
+    scene = against("two_balls")
+    steps = {"scheme": "iterated", "corrections": 1, "steps_per_rev": 40}
+    cubic, quintic = (
+        scene.of_amplitude(scene.run({**steps, "order": order}, LATERAL)) for order in (3, 5)
+    )
+    assert cubic > 100.0 * quintic > 0.0
+
+
+def test_a_tight_tolerance_is_kept_with_fewer_steps_than_cubics_take(against):
+    scene = against("two_balls", {"run.revolutions": 5})
+    steps = {}
+    for order in (3, 5):
+        keys = {"tolerance": 1e-7, "steps_per_rev": None, "order": order, "corrections": None}
+        result = scene.run({**keys, "scheme": "auto"}, LATERAL)
+        assert result.estimated_error <= 1e-7
+        steps[order] = result.steps
+        assert scene.of_amplitude(result) <= 1e-7
+    assert steps[5] < 0.6 * steps[3]
+
+
+@pytest.mark.parametrize("units", ["native", "python"])
+def test_both_runtimes_meet_the_loop_of_a_heavy_balancer(against, heavy_weights, units):
+    changes = {**heavy_weights, "weights.inertia_as_force": True, "run.revolutions": 2}
+    scene = against("two_balls", changes)
+    keys = {"scheme": "iterated", "order": 5, "steps_per_rev": 80}
+    keys |= {"corrections": None, "units": units}
+    assert scene.of_amplitude(scene.run(keys, LATERAL)) <= 1e-7
+
+
+def test_the_loop_gain_does_not_depend_on_the_order(heavy_weights):
+    gains = []
+    for order in (3, 5):
+        scene = load_scene("two_balls").replace({**heavy_weights, "coupling.order": order})
+        with CoSimulation(scene) as cosim:
+            cosim.start()
+            gains.append(cosim.gain)
+    assert gains[1] == pytest.approx(gains[0], rel=1e-9)
+
+
+def test_only_the_units_of_such_a_scene_are_built_for_it():
+    scene = load_scene("two_balls")
+    assert all("order" not in unit.sizes for unit in plan(scene).units)
+    quintic = plan(scene.replace({"coupling.order": 5}))
+    assert [unit.sizes["order"] for unit in quintic.units] == [5, 5]
+    assert "order-5" in quintic.units[0].file_name
+
+
+@pytest.mark.parametrize(
+    ("changes", "named"),
+    [
+        ({"operation.run_up": {"from": 0.0, "to": 3.0, "seconds": 9.0}}, "operation.run_up"),
+        ({"rotor.friction": [{"limit": 0.1}]}, "rotor.friction"),
+        ({"weights.weight_radius": 0.1}, "balancer[1].weight_radius"),
+        ({"weights.rolling_resistance": 0.01}, "balancer[1].rolling_resistance"),
+        ({"weights.track_offset_xi": 0.01}, "balancer[1].track_offset"),
+        ({"coupling.scheme": "compensated"}, "coupling.order"),
+        ({"coupling.scheme": "jacobi"}, "coupling.order"),
+    ],
+)
+def test_what_has_no_second_derivatives_is_refused_by_the_name_of_its_key(changes, named):
+    with pytest.raises(SceneError) as refused:
+        load_scene("two_balls").replace({"coupling.order": 5, **changes})
+    assert named in str(refused.value)
+
+
+def test_one_file_couples_by_cubics_alone():
+    with pytest.raises(SceneError, match="order = 5: of one file must be 3"):
+        composition(load_scene("two_balls").replace({"coupling.order": 5}))
+
+
+def test_parts_of_one_file_exchange_cubics():
+    parts = Part("rotor", "RotorOnSupports"), Part("balls", "BallBalancer", {"order": 5}, plane=1)
+    with pytest.raises(ValueError, match="balls: order = 5: must be 3 in one file"):
+        Composition(parts)
+
+
+def test_dry_friction_has_no_unit_with_quintic_signals():
+    with pytest.raises(ValueError, match="order = 5: must be 3 with dry friction, sliders = 1"):
+        sized_unit("RotorOnSupports", sliders=1, order=5)
+    with pytest.raises(ValueError, match="order = 4: must be one of 3, 5"):
+        sized_unit("BallBalancer", order=4)
