@@ -5,7 +5,8 @@
 #include "composite.h"
 #include "elementary.h"
 
-static const double BRIEF = 1e-6, ROUNDING = 1e-5, JUMP = 1e-6, KINK = 1e-10, AGREED = 1e-6;
+static const double BRIEF = 1e-6, ROUNDING = 1e-5, JUMP = 1e-6, GROWTH = 10.0, KINK = 1e-10,
+                    AGREED = 1e-6;
 enum { QUIET = 3, AWAITED = 20, MOST = 1000, TRIES = 3 };
 static const double SHORTER[TRIES] = {1.0, 0.6, 0.36};
 
@@ -103,7 +104,7 @@ int contacts_step(Unit *unit)
 {
     Composite *c = unit->own;
     Course *course = c->course;
-    double step, residual, share, moved = 0.0, turned = 0.0;
+    double step, residual, share, moved = 0.0, turned = 0.0, grown = 0.0;
     int k;
     residual = brief(unit, &step);
     share = course->reached / larger(course->reached, course->pulse);
@@ -112,6 +113,7 @@ int contacts_step(Unit *unit)
         const Complex led = complex_sum(now.value, complex_scaled(step, now.slope));
         moved = larger(moved, magnitude(complex_difference(end.value, led)));
         turned = larger(turned, step * magnitude(complex_difference(end.slope, now.slope)));
+        grown = larger(grown, step * magnitude(end.slope));
     }
     if (residual < 0.0 || iterated_accept(unit, step)) {
         return 1;
@@ -129,7 +131,11 @@ int contacts_step(Unit *unit)
     relearn(c);
     course->length = step;
     course->strikes += 1.0;
-    course->striking = moved > JUMP * course->unpulsed ? QUIET : course->striking - 1.0;
+    if (moved > JUMP * larger(course->unpulsed, GROWTH * grown)) {
+        course->striking = QUIET;
+    } else {
+        course->striking -= 1.0;
+    }
     if (turned > KINK * course->unpulsed) {
         course->striking = smaller(course->striking, QUIET);
     }

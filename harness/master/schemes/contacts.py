@@ -24,6 +24,7 @@ if TYPE_CHECKING:
 QUIET = 3  # brief steps in which nothing jumps: the event and its pulse are over
 AWAITED = 20  # brief steps for an event that corrector passes have put off
 JUMP = 1e-6  # of the largest force: a smooth one leaves its tangent by less in a brief step
+GROWTH = 10.0  # brief steps of growth: the measure of a force that is small so far
 KINK = 1e-10  # of the largest force: by so little its tangent turns in a brief step
 SHORTER = (1.0, 0.6, 0.36)  # of a brief step, until passes agree on whether it holds an event
 AGREED = 1e-6  # residual of such a step
@@ -64,8 +65,8 @@ def strike(scheme: Iterated, system: System, time: float, passes: int) -> tuple[
         # a pulse is no measure of what forces may err by, but for its own rounding, nor of how the
         # loop answers them
         scheme.largest, scheme.newton = max(largest, ROUNDING * pulse), copy(learned)
-        moved, turned = _left(past, [force.now for force in system.forces], trial.step)
-        left = QUIET if moved > JUMP * largest else left - 1
+        moved, turned, grown = _left(past, [force.now for force in system.forces], trial.step)
+        left = QUIET if moved > JUMP * max(largest, GROWTH * grown) else left - 1
         if turned > KINK * largest:
             left = min(left, QUIET)
         if not left:
@@ -79,11 +80,12 @@ def strike(scheme: Iterated, system: System, time: float, passes: int) -> tuple[
     return now - time, residual
 
 
-def _left(starts: Sequence[Knot], ends: Sequence[Knot], step: float) -> tuple[float, float]:
-    """How far signals leave their tangents over a step, and how far those turn, at most [N]."""
+def _left(starts: Sequence[Knot], ends: Sequence[Knot], step: float) -> tuple[float, float, float]:
+    """How far signals leave their tangents over a step, those turn, and they grow, at most [N]."""
     pairs = list(zip(starts, ends, strict=True))
     moved = max(abs(end[0] - start[0] - step * start[1]) for start, end in pairs)
-    return moved, step * max(abs(end[1] - start[1]) for start, end in pairs)
+    turned = step * max(abs(end[1] - start[1]) for start, end in pairs)
+    return moved, turned, step * max(abs(end[1]) for end in ends)
 
 
 def _brief(scheme: Iterated, system: System, time: float, passes: int) -> Trial:

@@ -7,13 +7,16 @@ import math
 import numpy as np
 import pytest
 
-from autobalancer.harness import Scene, cosimulate
+from autobalancer.harness import Scene, cosimulate, cosimulate_many, load_scene
+from autobalancer.harness.checks.rig_data import with_washers
+from autobalancer.harness.checks.rig_quantities import with_fitted_balls
 from autobalancer.harness.master.cosimulation import CoSimulation
 from autobalancer.harness.master.schedule import end_time
 from autobalancer.models.reference.coupled import Monolith
 from tests.sticking import Sticking, integrate
 
 MU = 5e-3
+BEARING = "rotor.station[1].y"
 SCENE = {
     "rotor": {"kind": "planar", "mass": 2.0, "stiffness": 8e3, "damping": 40.0, "unbalance": 2e-3},
     "balancer": [
@@ -103,3 +106,18 @@ def test_heavy_balls_that_may_stick_have_a_consistent_start():
         (ax, ay), _, _ = bodies.parts(0.0, y, bodies.pushes(0.0, y, signs))
         (found,) = cosim.system.accelerations
         assert found.now[0] == pytest.approx(complex(ax, ay), rel=1e-9)
+
+
+def test_balls_whose_forces_cancel_break_away_once():
+    """A force that grows out of nothing is not one event after another; in C the same."""
+    rig = with_washers(with_fitted_balls(load_scene("bristol_friction")), 0).replace(
+        {
+            "balls.angles": [math.pi / 2, 3 * math.pi / 2],
+            "operation.run_up": {"from": 282.7, "to": 136.1, "seconds": 56.0},
+            "run.revolutions": 4,
+        }
+    )
+    coarse, fine = (rig.replace({"coupling.steps_per_rev": steps}) for steps in (20, 40))
+    first, second = (cosimulate(one, record=[BEARING])[BEARING][-1] for one in (coarse, fine))
+    assert first == pytest.approx(second, rel=1e-3)
+    assert cosimulate_many(coarse, {"balls.drag": [rig.balancer[0].drag]})["failure"] == [""]
