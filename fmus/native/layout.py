@@ -64,6 +64,7 @@ _STARTS_IN_C = (
     "point[#].speed",
     "point[#].torque",
 )
+_UNIT_LENGTH = 7
 _FNV_START, _FNV_PRIME = 0xCBF29CE484222325, 0x100000001B3
 
 
@@ -240,6 +241,10 @@ def _row(pattern: str, variables: Sequence[Any]) -> str:
     one = variables[0]
     if any((v.unit, v.minimum, v.above) != (one.unit, one.minimum, one.above) for v in variables):
         raise ValueError(f"{one.name}: every one of it must have the same unit and limits")
+    if len(one.unit) > _UNIT_LENGTH or not float(one.minimum or 0.0).is_integer():
+        raise ValueError(
+            f"{one.name}: C takes units of at most {_UNIT_LENGTH} letters, and whole least values"
+        )
     varies = pattern in _STARTS_IN_C
     if not varies and any(v.start != one.start for v in variables):
         raise ValueError(f"{one.name}: C has one start value for all of them")
@@ -252,5 +257,5 @@ def _row(pattern: str, variables: Sequence[Any]) -> str:
     low = 0.0 if one.minimum is None else float(one.minimum)
     return (
         f'{{"{pattern}", "{one.unit}", \'{_group(one)}\', {" | ".join(flags) or 0}, '
-        f"{start!r}, {low!r}}}"
+        f"{low!r}, {start!r}}}"
     )

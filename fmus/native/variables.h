@@ -19,10 +19,12 @@ enum { HAS_MINIMUM = 1, ABOVE_MINIMUM = 2, START_VARIES = 4 };
 /* A Real, or a row of them that differ in their index: `group` is p (parameter), i (input),
    o (computed output) or v (observed output). */
 typedef struct {
-    const char *name, *unit;
+    const char *name;
+    char unit[8]; /* in place: a pointer would take three times the room, with its relocation */
     char group;
-    int flags;
-    double start, minimum;
+    unsigned char flags;
+    float minimum; /* small whole numbers */
+    double start;
 } Declared;
 
 /* So many of a table's Reals, repeated together. */
