@@ -232,7 +232,6 @@ def test_what_a_scene_does_not_have_is_said(kind, message):
             ['coupling.scheme="jacobi"'],
             "--settling: two_balls: coupling.scheme",
         ),
-        ("sommerfeld", "settling", [], "operation.motor"),
         ("two_balls", "waterfall", ["run.revolutions=1.5"], "1.5 revolutions are too few"),
         # of 75 revolutions the speed rises over 23.9
         ("run_up", "orders", ["operation.run_up.seconds=0.3"], "3.58 revolutions are too few"),
