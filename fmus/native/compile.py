@@ -39,7 +39,7 @@ GENERATED = BINARIES / "sources"
 FLAGS = ("-std=c99", "-ffp-contract=off", "-fno-math-errno")
 # where steps spend their time, for speed; all else, for size: it is no slower
 FAST, SMALL = "-O2", "-Os"
-HOT = ("propagator", "unit_rotor_step", "weights")
+HOT = ("propagator", "quintic_weights", "unit_rotor_step", "weights")
 _WARNINGS = ("-Wall", "-Wextra", "-Wpedantic")
 # macOS headers would call checking variants of memcpy; without loops unrolled or made into vectors
 # a library is a tenth smaller, and no slower

@@ -47,23 +47,26 @@ static double sum_of(const double *t, const double *g)
     return t[0] * g[0] + t[1] * g[1] + t[2] * g[2];
 }
 
-/* Angle and rate of one weight after `step`, in place; order 6. */
+/* Angle and rate of one weight in this direction after `step`, in place; order 6. */
 static int substep(double *angle, double *angle_rate, const Complex *start, const Complex *end,
-                   double lever, double damping_rate, const double *response, double step,
-                   Failure *failure)
+                   double lever, Complex unit, double damping_rate, const double *response,
+                   double step, Failure *failure)
 {
+    const Complex direction = complex_scaled(lever, complex_conjugate(unit));
+    const double from = *angle;
     const double *s = response + 1, *t = response + 8; /* to g's derivatives */
     double begin[3], reached[3], higher[3];
     double free_rate, free_angle, new_rate, new_angle, change = 1.0;
     int iteration;
-    along_track_of(start, rect(lever, -*angle), *angle_rate, damping_rate, begin);
+    along_track_of(start, direction, *angle_rate, damping_rate, begin);
     free_rate = response[0] * *angle_rate + sum_of(s, begin);
     free_angle = *angle + response[7] * *angle_rate + sum_of(t, begin);
     new_angle = free_angle;
     new_rate = free_rate;
     for (iteration = 0; iteration < MAX_ITERATIONS; iteration++) {
         const double last_angle = new_angle, last_rate = new_rate, last_change = change;
-        along_track_of(end, rect(lever, -new_angle), new_rate, damping_rate, reached);
+        along_track_of(end, direction_at(direction, new_angle - from, lever, new_angle), new_rate,
+                       damping_rate, reached);
         quintic_hermite(begin, reached, step, higher);
         new_rate = free_rate + sum_of(s + 3, higher);
         new_angle = free_angle + sum_of(t + 3, higher);
@@ -80,7 +83,8 @@ static int substep(double *angle, double *angle_rate, const Complex *start, cons
 
 int quintic_weights_advance(const Weights *weights, const double *angles, const double *speeds,
                             const Complex *signal, double step, double *new_angles,
-                            double *new_speeds, QuinticQuadrature *memory, Failure *failure)
+                            double *new_speeds, QuinticQuadrature *memory, Turned *turned,
+                            Failure *failure)
 {
     const double lever = -1.0 / (weights->kappa * weights->track_radius);
     const double damping_rate = weights_damping_rate(weights);
@@ -102,8 +106,8 @@ int quintic_weights_advance(const Weights *weights, const double *angles, const 
         quintic_at(signal, 0.0, ends[0]);
         for (j = 1; j <= count && !code; j++) {
             quintic_at(signal, j * h, ends[j % 2]);
-            code = substep(&angle, &speed, ends[(j - 1) % 2], ends[j % 2], lever, damping_rate,
-                           response, h, failure);
+            code = substep(&angle, &speed, ends[(j - 1) % 2], ends[j % 2], lever,
+                           turned_by(turned + 2 * k, angle), damping_rate, response, h, failure);
         }
         new_angles[k] = angle + behind;
         new_speeds[k] = speed;
@@ -113,7 +117,7 @@ int quintic_weights_advance(const Weights *weights, const double *angles, const 
 
 Complex quintic_weights_reaction_second(const Weights *weights, const double *angles,
                                         const double *speeds, const Complex *motion,
-                                        double rotor_speed)
+                                        double rotor_speed, Turned *turned)
 {
     const double lever = -1.0 / (weights->kappa * weights->track_radius);
     const double damping_rate = weights_damping_rate(weights), w = rotor_speed;
@@ -121,7 +125,7 @@ Complex quintic_weights_reaction_second(const Weights *weights, const double *an
     int k;
     for (k = 0; k < weights->count; k++) {
         const double nu = speeds[k];
-        const Complex unit = rect(1.0, angles[k]);
+        const Complex unit = turned_by(turned + 2 * k, angles[k]);
         double g[3], nu_1, nu_2, nu_3;
         Complex second, third, fourth, sum;
         along_track_of(motion, complex_scaled(lever, complex_conjugate(unit)), nu, damping_rate, g);

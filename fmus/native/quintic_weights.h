@@ -13,15 +13,16 @@ typedef struct {
 QuinticQuadrature quintic_quadrature_empty(void);
 
 /* Move every weight over one communication step; as weights_advance, with the derivatives of the
-   signal up to order 5. */
+   signal up to order 5. turned: (N, 2) as `turned_by` keeps them. */
 int quintic_weights_advance(const Weights *weights, const double *angles, const double *speeds,
                             const Complex *signal, double step, double *new_angles,
-                            double *new_speeds, QuinticQuadrature *memory, Failure *failure);
+                            double *new_speeds, QuinticQuadrature *memory, Turned *turned,
+                            Failure *failure);
 
 /* Second derivative of the force of weights_reaction at a constant speed.  motion: acceleration of
    the track's centre in the rotor frame and its derivatives of order 1 and 2. */
 Complex quintic_weights_reaction_second(const Weights *weights, const double *angles,
                                         const double *speeds, const Complex *motion,
-                                        double rotor_speed);
+                                        double rotor_speed, Turned *turned);
 
 #endif

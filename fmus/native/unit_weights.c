@@ -200,7 +200,8 @@ static void put_second(Unit *unit, const RotorMotion *now, const Complex *force,
     const Balls *own = unit->own;
     const Complex motion[3] = {now->acceleration, now->slope, now->second};
     Complex second = quintic_weights_reaction_second(&own->track.weights, unit->memory,
-                                                     unit->memory + own->count, motion, now->speed);
+                                                     unit->memory + own->count, motion, now->speed,
+                                                     own->turned);
     second = complex_difference(second, complex_scaled(own->sent, now->second));
     if (unit->layout.sizes.fixed_frame) {
         second = rotating_second(-now->angle, -now->speed, force[0], force[1], second);
@@ -305,7 +306,7 @@ static int step_quintic(Unit *unit, double length)
         signal_quintic_hermite(ends[0], ends[1], length, signal);
     }
     if (quintic_weights_advance(&own->track.weights, angles, speeds, signal, length, angles, speeds,
-                                &own->quintic, &failure)) {
+                                &own->quintic, own->turned, &failure)) {
         return unit_failed(unit, &failure, unit->before, (size_t)own->count);
     }
     unit->memory[unit->memory_count - 1] = unit->made;

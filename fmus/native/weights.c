@@ -138,8 +138,7 @@ void along_track(Complex a, Complex da, double angle, double speed, double lever
     along(a, da, rect(lever, -angle), speed, value, slope);
 }
 
-/* rect(lever, -angle) from `direction`, the same `moved` radians before: a small turn is cheap. */
-static Complex direction_at(Complex direction, double moved, double lever, double angle)
+Complex direction_at(Complex direction, double moved, double lever, double angle)
 {
     const double z = moved * moved;
     double c, s;

@@ -80,6 +80,8 @@ int weights_substeps(int number, const double *angles, const double *speeds, con
 
 /* Whole turns that are taken off a far angle while a step is computed [rad]. */
 double weights_turns_behind(double angle);
+/* rect(lever, -angle) from `direction`, the same `moved` radians before: a small turn is cheap. */
+Complex direction_at(Complex direction, double moved, double lever, double angle);
 
 /* Move every weight over one communication step.
 
