@@ -51,7 +51,7 @@ class Composition:
 
     Attributes:
         parts: the rotor first; a motor of limited power last.
-        scheme: auto | iterated | compensated, with cubic signals.
+        scheme: auto | iterated | compensated, the last with cubic signals alone.
         corrections: corrector passes of a step; None: until the loop has converged, or, with auto,
             as few as its gain asks for.
         start: of the coupling's own parameters and inputs: `coupling.steps_per_rev`, `speed` ...
@@ -77,20 +77,21 @@ class Composition:
         if not rotors or rotors != [True] + [False] * (len(rotors) - 1):
             raise ValueError("parts: the rotor must be the first of them, and the only one")
         planes = self.parts[0].unit.sizes.options["planes"]
+        order = self.parts[0].sizes.get("order", 3)
         motors = [part.model == "Motor" for part in self.parts]
         if any(motors[:-1]):
             raise ValueError("parts: a motor must be the last of them, and the only one")
         if motors[-1] and self.scheme == "compensated":
             raise ValueError('coupling.scheme = "compensated": does not know a motor')
+        if order != 3 and self.scheme == "compensated":
+            raise ValueError(f'coupling.scheme = "compensated": takes order = 3, not {order}')
         for part in self.parts:
             if not part.name.isidentifier() or not part.name.isascii():
                 raise ValueError(
                     f"{part.name!r}: a part is named by letters, digits and underscores alone"
                 )
-            if part.sizes.get("order", 3) != 3:
-                raise ValueError(
-                    f"{part.name}: order = {part.sizes['order']}: must be 3 in one file"
-                )
+            if (own := part.sizes.get("order", 3)) != order:
+                raise ValueError(f"{part.name}: order = {own}: must be {order}, as the rotor's")
             mounted = part is not self.parts[0] and part.model != "Motor"
             if mounted and not 1 <= part.plane <= planes:
                 raise ValueError(f"{part.name}: plane = {part.plane}: must be 1 to {planes}")

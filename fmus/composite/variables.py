@@ -123,13 +123,18 @@ def variables(parts: Iterable[tuple[str, SizedUnit]], sizes: CompositeSizes) -> 
 
 def _of_part(name: str, variable: Variable) -> Variable:
     """A variable under the name of its part; outputs wait until they are read."""
-    der = "der(" * variable.name.startswith("der(")
     return replace(
         variable,
-        name=f"{der}{name}.{variable.name.removeprefix(der)}",
+        name=_named(name, variable.name),
         description=f"{name}: {variable.description}",
-        derivative_of=variable.derivative_of and f"{name}.{variable.derivative_of}",
+        derivative_of=variable.derivative_of and _named(name, variable.derivative_of),
         depends=(),
         begins=(),
         observed=variable.causality == "output",
     )
+
+
+def _named(part: str, variable: str) -> str:
+    """`part.F_xi`, `der(part.F_xi)`."""
+    der = "der(" * variable.startswith("der(")
+    return f"{der}{part}.{variable.removeprefix(der)}"

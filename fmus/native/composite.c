@@ -43,10 +43,10 @@ size_t composite_memory(Composite *c, double *memory)
 {
     enum { BLOCKS = 11 };
     const size_t e = (size_t)c->unknowns, p = (size_t)c->planes;
-    const size_t outer = 2 * (size_t)c->parts->unit->layout.sizes.planes;
+    const size_t outer = 2 * (size_t)c->parts->unit->layout.sizes.planes, o = (size_t)c->orders;
     const size_t counts[BLOCKS] = {
         sizeof(Course) / sizeof(double), outer, signal_doubles(e), signal_doubles(p),
-        16 * e * e, 16 * e * (e + p), 4 * (e + p), p * sizeof(Swung) / sizeof(double), c->state_count,
+        o * o * e * e, o * o * e * (e + p), 4 * (e + p), p * sizeof(Swung) / sizeof(double), c->state_count,
         c->state_count, c->state_count};
     size_t at[BLOCKS], total = 0, state;
     int k;
@@ -71,7 +71,7 @@ size_t composite_memory(Composite *c, double *memory)
         c->accelerations = (Signal *)(memory + at[3]);
         c->learned = memory + at[4];
         c->solution = memory + at[5];
-        c->missed = (Knot *)(memory + at[6]);
+        c->missed = (Missed *)(memory + at[6]);
         c->swung = (Swung *)(memory + at[7]);
         c->at_begin = memory + at[8];
         c->at_end = memory + at[9];
@@ -83,8 +83,8 @@ size_t composite_memory(Composite *c, double *memory)
 static int allocate(Unit *unit)
 {
     Composite *c = unit->own;
-    const size_t e = (size_t)c->unknowns, p = (size_t)c->planes, cubic = SIGNAL_ORDERS;
-    const size_t n = 4 * (e + p), square = 16 * e * e;
+    const size_t e = (size_t)c->unknowns, p = (size_t)c->planes, o = (size_t)c->orders;
+    const size_t n = o * (e + p), square = o * o * e * e;
     const size_t stations = (size_t)c->parts->unit->layout.sizes.stations;
     double **vectors[] = {&c->u, &c->g_u, &c->moved, &c->answered, &c->residual, &c->du, &c->old};
     size_t k;
@@ -94,13 +94,13 @@ static int allocate(Unit *unit)
         *vectors[k] = unit_allocate(unit, n, sizeof(double));
         missing |= !*vectors[k];
     }
-    c->assumed = unit_allocate(unit, cubic * e, sizeof(Complex));
-    c->sent = unit_allocate(unit, cubic * e, sizeof(Complex));
-    c->felt = unit_allocate(unit, cubic * p, sizeof(Complex));
+    c->assumed = unit_allocate(unit, o * e, sizeof(Complex));
+    c->sent = unit_allocate(unit, o * e, sizeof(Complex));
+    c->felt = unit_allocate(unit, o * p, sizeof(Complex));
     c->ends = unit_allocate(unit, p, sizeof(Knot));
     c->answers = unit_allocate(unit, e, sizeof(Knot));
     c->square = unit_allocate(unit, square, sizeof(double));
-    c->wide = unit_allocate(unit, 16 * e * p, sizeof(double));
+    c->wide = unit_allocate(unit, o * o * e * p, sizeof(double));
     c->work = unit_allocate(unit, 2 * square, sizeof(double));
     c->masses = unit_allocate(unit, 2 * (size_t)c->parts->unit->layout.sizes.planes, sizeof(double));
     c->decay = unit_allocate(unit, 32 * stations * stations, sizeof(double));

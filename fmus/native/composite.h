@@ -1,9 +1,10 @@
 /* The coupled units of a scene as one unit: rotor, balancers and motor under their own coupling.
 
    Inside, steps follow the scene's coupling, whatever the steps of the host; between their ends the
-   units are moved under the cubic signals of the step, so that outputs can be had at any time.  All
-   that changes while stepping lies in the unit's `memory`: the units' values and states, the
-   signals, and what the scheme remembers. */
+   units are moved under the signals of the step, so that outputs can be had at any time.  Signals are
+   cubics, of 4 numbers, or quintics, of 6 (`orders`), as the units were built for.  All that changes
+   while stepping lies in the unit's `memory`: the units' values and states, the signals, and what the
+   scheme remembers. */
 #ifndef AUTOBALANCER_COMPOSITE_H
 #define AUTOBALANCER_COMPOSITE_H
 
@@ -15,17 +16,22 @@ typedef enum { SCHEME_AUTO, SCHEME_ITERATED, SCHEME_COMPENSATED } Scheme;
 
 enum { UNTIL_CONVERGED = -1 }; /* corrections */
 
-/* Value and slope of a signal at one point. */
+/* Value and slope of a signal at one point, and of a quintic its second derivative, else 0. */
 typedef struct {
-    Complex value, slope;
+    Complex value, slope, second;
 } Knot;
 
-/* A coupling signal: value and slope now, and its cubic over the step before. */
+/* What a step missed of a signal's end: value, and slope times step. */
+typedef struct {
+    Complex value, slope;
+} Missed;
+
+/* A coupling signal: its end now, and how it went over the step before. */
 typedef struct {
     Knot now;
-    Complex last[SIGNAL_ORDERS];
+    Complex last[QUINTIC_ORDERS];
     double last_step;        /* [s] */
-    double prediction_error; /* how far the last step ended from where the cubic before it led */
+    double prediction_error; /* how far the last step ended from where the one before led */
     double largest;          /* modulus so far, */
     double largest_before;   /* and before the event that is being met */
 } Signal;
@@ -102,6 +108,7 @@ typedef struct {
     Part *motor;             /* NULL where the speed is prescribed */
     int exchanges, planes; /* numbers of forces, and of planes of the rotor that exchange force */
     int unknowns;          /* what a step assumes: the forces, and a motor's acceleration as one */
+    int orders;            /* numbers that tell a signal, and reals of an unknown in the loop's vectors */
     int *members;          /* (exchanges,) parts that exchange force */
     int *member_planes;    /* (exchanges,) their planes among those that exchange */
     int *rotor_planes;     /* (planes,) which they are of the rotor's */
@@ -114,9 +121,9 @@ typedef struct {
     Course *course;
     double *outer_forces; /* (rotor's planes, 2) as told last [N] */
     Signal *forces, *accelerations; /* (unknowns,), (planes,) */
-    double *learned;  /* (4 e, 4 e) for e unknowns: `solution` before an event */
-    double *solution; /* (4 e, 4 e): inverse of 1 - dG/du; compensated: (4 e + 4 p, 4 e) */
-    Knot *missed;     /* (e + p,) value, and slope times step */
+    double *learned;  /* (o e, o e) for e unknowns and o orders: `solution` before an event */
+    double *solution; /* (o e, o e): inverse of 1 - dG/du; compensated: (4 e + 4 p, 4 e) */
+    Missed *missed;   /* (e + p,) */
     Swung *swung;     /* (p,) */
     double *states;   /* memories of all parts, one after the other, */
     double *at_begin, *at_end; /* and those at the ends of the last step */
@@ -124,10 +131,10 @@ typedef struct {
     size_t real_count; /* of all parts' variables, the rotor's first */
     /* scratch */
     double *kept;      /* (real_count,) */
-    Complex *assumed, *sent, *felt; /* (e, 4), (e, 4), (p, 4) cubics over a step */
+    Complex *assumed, *sent, *felt; /* (e, o), (e, o), (p, o) signals over a step */
     Knot *ends, *answers;           /* (p,), (e,) */
-    double *u, *g_u, *moved, *answered, *residual, *du, *old; /* (4 e,) as `pack` makes them */
-    double *square, *wide, *work;  /* (4 e, 4 e), (4 p, 4 e), 2 (4 e, 4 e) */
+    double *u, *g_u, *moved, *answered, *residual, *du, *old; /* (o e,) as `pack` makes them */
+    double *square, *wide, *work;  /* (o e, o e), (o p, o e), 2 (o e, o e) */
     double *masses;                /* (rotor's planes,) */
     double *decay;                 /* 2 (4 n, 4 n) for n stations */
     Carried carried[2];            /* of forces, and of accelerations */
@@ -149,9 +156,9 @@ size_t composite_memory(Composite *c, double *memory);
 
 /* -- composite_system.c: twin of harness/master/system.py ------------------------------------ */
 
-/* Step the rotor under force cubics (e, 4); accelerations of the planes in c->ends. */
+/* Step the rotor under force signals (e, o); accelerations of the planes in c->ends. */
 int composite_rotor_pass(Unit *unit, const Complex *forces, double step);
-/* Step the balancers that exchange force under cubics (p, 4); their forces in c->answers. */
+/* Step the balancers that exchange force under signals (p, o); their forces in c->answers. */
 int composite_balancer_pass(Unit *unit, const Complex *accelerations, double step);
 /* Step the balancers that exchange none, once the others have finished. */
 int composite_follow(Unit *unit, double step);
@@ -198,19 +205,22 @@ double shaft_speed(const Composite *c);
 
 /* -- composite_signals.c: twin of harness/master/signals.py ---------------------------------- */
 
-void knot_hermite(Knot start, Knot end, double step, Complex *cubic);
-Knot knot_end(const Complex *cubic, double step);
-void signal_predicted(const Signal *signal, Complex *cubic);
-void signal_move(Signal *signal, Knot end, double step);
+/* A signal of which the start alone is known. */
+void knot_begun(const Knot *start, int orders, Complex *signal);
+void knot_hermite(const Knot *start, const Knot *end, int orders, double step, Complex *signal);
+Knot knot_end(const Complex *signal, int orders, double step);
+void signal_predicted(const Signal *signal, int orders, Complex *ahead);
+void signal_move(Signal *signal, const Knot *end, int orders, double step);
 
 /* -- composite_loop.c: twin of harness/master/loop.py ---------------------------------------- */
 
-/* What the loop, or a part of it, makes of u; vectors as pairs of value and slope times step. */
+/* What the loop, or a part of it, makes of u; vectors have of every unknown the value, the slope times
+   step, and of quintics the second derivative times its square. */
 typedef int (*Response)(Unit *unit, const double *u, double step, double *answer);
-void loop_pack(const Knot *ends, int count, double step, double *u);
-void loop_unpack(const double *u, int count, double step, Knot *ends);
+void loop_pack(const Composite *c, const Knot *ends, int count, double step, double *u);
+void loop_unpack(const Composite *c, const double *u, int count, double step, Knot *ends);
 double loop_size(const double *u, int count); /* largest modulus of `count` complex numbers */
-/* dG/du (rows, 4 e) by differences of size `change`. */
+/* dG/du (rows, o e) by differences of size `change`. */
 int loop_jacobian(Unit *unit, Response response, const double *u, const double *g_u, double change,
                   int rows, double step, double *matrix);
 /* The inverse of 1 - dG/du; 1 with the reason when the loop has gain 1. */
@@ -220,7 +230,7 @@ void loop_learn(Composite *c, const double *du, const double *old, const double 
 double loop_gain(Composite *c, const double *jacobian);
 /* Bring forces and accelerations into agreement; dG/du in c->square. */
 int loop_consistent_start(Unit *unit, double step);
-/* d(acceleration)/d(force) of the rotor, (4 p, 4 e), in c->wide. */
+/* d(acceleration)/d(force) of the rotor, (o p, o e), in c->wide. */
 int loop_rotor_response(Unit *unit, double step);
 /* Largest modulus of the eigenvalues of a (n, n) matrix, which is overwritten; work: (n, n). */
 double spectral_radius(int n, double *matrix, double *work);

@@ -20,17 +20,27 @@ void adaptive_begin(Unit *unit)
     course->largest_motion = course->largest / course->mass;
 }
 
-/* Largest error of signals' cubics over a step that ends so, relative to `scale`. */
-static double worst(const Signal *signals, const Knot *ends, int count, double step, double scale)
+/* Part of a prediction's miss that is error of the step's own signal. */
+static double share_of(int orders, double step, double last_step)
+{
+    const double sum = step + last_step;
+    if (orders == QUINTIC_ORDERS) {
+        return step * step * step / (140.0 * (sum * sum * sum));
+    }
+    return step * step / (30.0 * (sum * sum));
+}
+
+/* Largest error of signals over a step that ends so, relative to `scale`. */
+static double worst(const Signal *signals, const Knot *ends, int count, int orders, double step,
+                    double scale)
 {
     double largest = 0.0;
     int k;
     for (k = 0; k < count; k++) {
-        const double sum = step + signals[k].last_step;
-        const double share = step * step / (30.0 * (sum * sum));
-        Complex cubic[SIGNAL_ORDERS], led;
-        signal_predicted(signals + k, cubic);
-        led = knot_end(cubic, step).value;
+        const double share = share_of(orders, step, signals[k].last_step);
+        Complex ahead[QUINTIC_ORDERS], led;
+        signal_predicted(signals + k, orders, ahead);
+        led = knot_end(ahead, orders, step).value;
         largest = larger(largest, share * magnitude(complex_difference(ends[k].value, led)));
     }
     return scale > 0.0 ? largest / scale : 0.0;
@@ -45,15 +55,29 @@ static double error_of(const Composite *c, double step, double *largest_motion)
         *largest_motion = larger(*largest_motion, magnitude(c->ends[k].value));
     }
     return larger(larger(1.0, course->gain) *
-                      worst(c->forces, c->answers, c->unknowns, step, course->reached),
-                  worst(c->accelerations, c->ends, c->planes, step, *largest_motion));
+                      worst(c->forces, c->answers, c->unknowns, c->orders, step, course->reached),
+                  worst(c->accelerations, c->ends, c->planes, c->orders, step, *largest_motion));
+}
+
+/* Whole number of rungs in ratio^(1/4), of quintics in ratio^(1/6), rounded down. */
+static int rungs_in(double ratio, int orders)
+{
+    const int power = binary_exponent(ratio) - 1;
+    double rest;
+    int square; /* log2 of the ratio's square */
+    if (orders != QUINTIC_ORDERS) {
+        return power;
+    }
+    rest = scaled_by_power(ratio, -power);
+    square = 2 * power + (rest * rest >= 2.0);
+    return square < 0 ? -((2 - square) / 3) : square / 3;
 }
 
 /* Whole number of rungs up that an error of this ratio to the one aimed at allows; `slack` as a
    factor. */
-static int rise(double ratio, double slack)
+static int rise(double ratio, double slack, int orders)
 {
-    const int power = ratio > 0.0 ? binary_exponent(slack * ratio) - 1 : -HOPELESS;
+    const int power = ratio > 0.0 ? rungs_in(slack * ratio, orders) : -HOPELESS;
     return power < MOST_RISE ? power : MOST_RISE;
 }
 
@@ -108,7 +132,7 @@ int adaptive_step(Unit *unit, double longest)
         ratio = error > 0.0 ? AIM * allowed / error : infinity();
         minute = jumps && rung >= MINUTE; /* what such a step misses of a jump moves nothing */
         if ((error <= allowed || minute) && residual <= course->tolerance) {
-            const int higher = error > 0.0 ? rise(ratio, 1.0 + 1e-9) : MOST_RISE;
+            const int higher = error > 0.0 ? rise(ratio, 1.0 + 1e-9, c->orders) : MOST_RISE;
             course->rung = rung > higher ? rung - higher : 0;
             if (minute) {
                 course->rung = smaller(course->rung, MINUTE);
@@ -123,7 +147,7 @@ int adaptive_step(Unit *unit, double longest)
         if (residual > SLOWEST * course->tolerance && iterated_after_start(unit, 0.5 * step)) {
             return 1;
         }
-        lower = error > 0.0 ? -rise(ratio, 1.0) : 1;
+        lower = error > 0.0 ? -rise(ratio, 1.0, c->orders) : 1;
         course->rung = rung + (lower > 1 ? lower : 1);
         if (course->rung > LOWEST) {
             return refuse(unit, step, error, residual);

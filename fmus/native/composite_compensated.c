@@ -72,7 +72,7 @@ static void carry(Carried *carried, double turn, double past, double step)
 }
 
 /* Signals over the step with what was missed in the past one added. */
-static void make_good(const Carried *carried, const Knot *missed, int count, Complex *signals)
+static void make_good(const Carried *carried, const Missed *missed, int count, Complex *signals)
 {
     int j, k;
     for (j = 0; j < count; j++, signals += SIGNAL_ORDERS) {
@@ -94,7 +94,7 @@ static int diverges(Unit *unit, double step)
     Text *reason;
     int k;
     for (k = 0; k < c->exchanges; k++) {
-        const Complex expected = knot_end(c->assumed + SIGNAL_ORDERS * k, step).value;
+        const Complex expected = knot_end(c->assumed + SIGNAL_ORDERS * k, SIGNAL_ORDERS, step).value;
         const Complex value = c->answers[k].value;
         const double missed = magnitude(complex_difference(value, expected));
         worst = missed <= worst ? worst : missed;
@@ -129,17 +129,17 @@ static void solve(Composite *c, double step)
     int k;
     loop_rescale(c, e + p, step);
     for (k = 0; k < c->exchanges; k++) {
-        const Knot expected = knot_end(c->assumed + SIGNAL_ORDERS * k, step);
+        const Knot expected = knot_end(c->assumed + SIGNAL_ORDERS * k, SIGNAL_ORDERS, step);
         Knot gap;
         gap.value = complex_difference(c->answers[k].value, expected.value);
         gap.slope = complex_difference(c->answers[k].slope, expected.slope);
-        loop_pack(&gap, 1, step, c->residual + 4 * k);
+        loop_pack(c, &gap, 1, step, c->residual + 4 * k);
     }
     matrix_product(1, e + p, e, 1, c->solution, c->residual, (double *)c->missed);
 }
 
 /* A signal's end with what was missed (value, and slope times step) added. */
-static Knot righted(Knot end, Knot missed, double step)
+static Knot righted(Knot end, Missed missed, double step)
 {
     const Complex slope = complex_of(missed.slope.re / step, missed.slope.im / step);
     end.value = complex_sum(end.value, missed.value);
@@ -155,7 +155,7 @@ int compensated_step(Unit *unit, double step, int jump)
     const double speed = c->parts->unit->real[c->parts->drive];
     int k;
     for (k = 0; k < c->exchanges; k++) {
-        signal_predicted(c->forces + k, c->assumed + SIGNAL_ORDERS * k);
+        signal_predicted(c->forces + k, SIGNAL_ORDERS, c->assumed + SIGNAL_ORDERS * k);
     }
     memcpy(c->sent, c->assumed, (size_t)(SIGNAL_ORDERS * c->exchanges) * sizeof(Complex));
     if (past > 0.0) {
@@ -166,7 +166,8 @@ int compensated_step(Unit *unit, double step, int jump)
         return 1;
     }
     for (k = 0; k < c->planes; k++) {
-        knot_hermite(c->accelerations[k].now, c->ends[k], step, c->felt + SIGNAL_ORDERS * k);
+        knot_hermite(&c->accelerations[k].now, c->ends + k, SIGNAL_ORDERS, step,
+                     c->felt + SIGNAL_ORDERS * k);
     }
     if (past > 0.0) {
         carry(c->carried + 1, 0.0, past, step);
@@ -177,7 +178,7 @@ int compensated_step(Unit *unit, double step, int jump)
     }
     solve(c, step);
     for (k = 0; k < c->exchanges; k++) {
-        const Knot end = knot_end(c->assumed + SIGNAL_ORDERS * k, step);
+        const Knot end = knot_end(c->assumed + SIGNAL_ORDERS * k, SIGNAL_ORDERS, step);
         c->answers[k] = righted(end, c->missed[k], step);
     }
     for (k = 0; k < c->planes; k++) {

@@ -29,7 +29,8 @@ int contacts_ahead(Unit *unit, double *step)
 
 static size_t loop_bytes(const Composite *c)
 {
-    return 16 * (size_t)c->unknowns * (size_t)c->unknowns * sizeof(double);
+    const size_t count = (size_t)(c->orders * c->unknowns);
+    return count * count * sizeof(double);
 }
 
 void contacts_begin(Unit *unit)

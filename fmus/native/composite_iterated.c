@@ -26,17 +26,18 @@ void iterated_begin(Composite *c)
 static int pass(Unit *unit, const double *u, double step)
 {
     Composite *c = unit->own;
+    const int o = c->orders;
     int k;
     for (k = 0; k < c->unknowns; k++) {
         Knot end;
-        loop_unpack(u + 4 * k, 1, step, &end);
-        knot_hermite(c->forces[k].now, end, step, c->sent + SIGNAL_ORDERS * k);
+        loop_unpack(c, u + o * k, 1, step, &end);
+        knot_hermite(&c->forces[k].now, &end, o, step, c->sent + o * k);
     }
     if (composite_rotor_pass(unit, c->sent, step)) {
         return 1;
     }
     for (k = 0; k < c->planes; k++) {
-        knot_hermite(c->accelerations[k].now, c->ends[k], step, c->felt + SIGNAL_ORDERS * k);
+        knot_hermite(&c->accelerations[k].now, c->ends + k, o, step, c->felt + o * k);
     }
     return composite_balancer_pass(unit, c->felt, step);
 }
@@ -51,7 +52,7 @@ static double attempt(Unit *unit, double step, int passes)
 {
     Composite *c = unit->own;
     Course *course = c->course;
-    const int count = 4 * c->unknowns, half = count / 2;
+    const int o = c->orders, count = o * c->unknowns, half = count / 2;
     /* what is left of a force makes a steep slope in a brief step */
     const double tolerance = course->striking > 0.0 ? smaller(course->tolerance, closed(course))
                                                     : course->tolerance;
@@ -61,15 +62,15 @@ static double attempt(Unit *unit, double step, int passes)
     loop_rescale(c, count, step);
     for (i = 0; i < c->unknowns; i++) {
         Knot ahead;
-        signal_predicted(c->forces + i, c->assumed + SIGNAL_ORDERS * i);
-        ahead = knot_end(c->assumed + SIGNAL_ORDERS * i, step);
-        loop_pack(&ahead, 1, step, c->u + 4 * i);
+        signal_predicted(c->forces + i, o, c->assumed + o * i);
+        ahead = knot_end(c->assumed + o * i, o, step);
+        loop_pack(c, &ahead, 1, step, c->u + o * i);
     }
     for (number = 1;; number++) {
         if (pass(unit, c->u, step)) {
             return -1.0;
         }
-        loop_pack(c->answers, c->unknowns, step, c->g_u);
+        loop_pack(c, c->answers, c->unknowns, step, c->g_u);
         memcpy(c->old, c->residual, (size_t)count * sizeof(double));
         for (i = 0; i < count; i++) {
             c->residual[i] = c->g_u[i] - c->u[i];
@@ -181,7 +182,7 @@ static int respond(Unit *unit, const double *u, double step, double *answer)
         return 1;
     }
     composite_restore(c);
-    loop_pack(c->answers, c->unknowns, step, answer);
+    loop_pack(c, c->answers, c->unknowns, step, answer);
     return 0;
 }
 
@@ -190,7 +191,7 @@ static int respond(Unit *unit, const double *u, double step, double *answer)
 static int learn_anew(Unit *unit, double step)
 {
     Composite *c = unit->own;
-    const int count = 4 * c->unknowns, half = count / 2;
+    const int count = c->orders * c->unknowns, half = count / 2;
     double change;
     int wrong = respond(unit, c->u, step, c->g_u);
     if (!wrong) {
@@ -210,12 +211,11 @@ int iterated_after_start(Unit *unit, double step)
     const size_t states = c->state_count * sizeof(double), reals = c->real_count * sizeof(double);
     int k, wrong;
     for (k = 0; k < c->unknowns; k++) {
-        Complex straight[SIGNAL_ORDERS] = {{0.0, 0.0}};
+        Complex begun[QUINTIC_ORDERS];
         Knot end;
-        straight[0] = c->forces[k].now.value;
-        straight[1] = c->forces[k].now.slope;
-        end = knot_end(straight, step);
-        loop_pack(&end, 1, step, c->u + 4 * k);
+        knot_begun(&c->forces[k].now, c->orders, begun);
+        end = knot_end(begun, c->orders, step);
+        loop_pack(c, &end, 1, step, c->u + c->orders * k);
     }
     /* the host may still ask for a time within the last step, or for outputs at its end */
     memcpy(c->at_end, c->at_begin, states);

@@ -12,23 +12,31 @@ enum { START_ITERATIONS = 20, SQUARINGS = 50 };
 
 /* -- vectors --------------------------------------------------------------------------------- */
 
-void loop_pack(const Knot *ends, int count, double step, double *u)
+void loop_pack(const Composite *c, const Knot *ends, int count, double step, double *u)
 {
     int k;
-    for (k = 0; k < count; k++, u += 4) {
+    for (k = 0; k < count; k++, u += c->orders) {
         u[0] = ends[k].value.re;
         u[1] = ends[k].value.im;
         u[2] = step * ends[k].slope.re;
         u[3] = step * ends[k].slope.im;
+        if (c->orders == QUINTIC_ORDERS) {
+            u[4] = step * step * ends[k].second.re;
+            u[5] = step * step * ends[k].second.im;
+        }
     }
 }
 
-void loop_unpack(const double *u, int count, double step, Knot *ends)
+void loop_unpack(const Composite *c, const double *u, int count, double step, Knot *ends)
 {
     int k;
-    for (k = 0; k < count; k++, u += 4) {
+    for (k = 0; k < count; k++, u += c->orders) {
         ends[k].value = complex_of(u[0], u[1]);
         ends[k].slope = complex_of(u[2] / step, u[3] / step);
+        ends[k].second = complex_of(0.0, 0.0);
+        if (c->orders == QUINTIC_ORDERS) {
+            ends[k].second = complex_of(u[4] / (step * step), u[5] / (step * step));
+        }
     }
 }
 
@@ -78,13 +86,14 @@ double spectral_radius(int n, double *matrix, double *work)
 }
 
 /* The part of a matrix between values, (2 e, 2 e). */
-static void values_of(const double *matrix, int unknowns, double *values)
+static void values_of(const Composite *c, const double *matrix, double *values)
 {
+    const int count = 2 * c->unknowns, o = c->orders;
     int i, j;
-    for (i = 0; i < 2 * unknowns; i++) {
-        for (j = 0; j < 2 * unknowns; j++) {
-            const int row = 4 * (i / 2) + i % 2, column = 4 * (j / 2) + j % 2;
-            *values++ = matrix[row * 4 * unknowns + column];
+    for (i = 0; i < count; i++) {
+        for (j = 0; j < count; j++) {
+            const int row = o * (i / 2) + i % 2, column = o * (j / 2) + j % 2;
+            *values++ = matrix[row * o * c->unknowns + column];
         }
     }
 }
@@ -92,7 +101,7 @@ static void values_of(const double *matrix, int unknowns, double *values)
 double loop_gain(Composite *c, const double *jacobian)
 {
     const int count = 2 * c->unknowns;
-    values_of(jacobian, c->unknowns, c->work);
+    values_of(c, jacobian, c->work);
     return count ? spectral_radius(count, c->work, c->work + count * count) : 0.0;
 }
 
@@ -100,7 +109,7 @@ int loop_jacobian(Unit *unit, Response response, const double *u, const double *
                   int rows, double step, double *matrix)
 {
     Composite *c = unit->own;
-    const int count = 4 * c->unknowns;
+    const int count = c->orders * c->unknowns;
     int i, j;
     for (j = 0; j < count; j++) {
         memcpy(c->moved, u, (size_t)count * sizeof(double));
@@ -118,7 +127,7 @@ int loop_jacobian(Unit *unit, Response response, const double *u, const double *
 int loop_invert(Unit *unit, const double *jacobian, double step)
 {
     Composite *c = unit->own;
-    const int n = 4 * c->unknowns, half = n / 2;
+    const int n = c->orders * c->unknowns, values = 2 * c->unknowns;
     int i, singular;
     c->course->solved_step = step;
     memset(c->solution, 0, (size_t)(n * n) * sizeof(double));
@@ -132,8 +141,8 @@ int loop_invert(Unit *unit, const double *jacobian, double step)
     singular = n && matrix_solve(1, n, n, c->work, c->solution);
     if (n && !singular) {
         /* the largest eigenvalue of the inverse is one over the smallest of 1 - dG/du */
-        values_of(c->solution, c->unknowns, c->work);
-        singular = !(spectral_radius(half, c->work, c->work + half * half) < 1.0 / SINGULAR);
+        values_of(c, c->solution, c->work);
+        singular = !(spectral_radius(values, c->work, c->work + values * values) < 1.0 / SINGULAR);
     }
     if (singular) {
         text_put(unit_reason(unit), "the loop between force and acceleration has gain 1: every "
@@ -145,15 +154,20 @@ int loop_invert(Unit *unit, const double *jacobian, double step)
 void loop_rescale(Composite *c, int rows, double step)
 {
     const double ratio = step / c->course->solved_step;
-    const int count = 4 * c->unknowns;
-    int i, j;
+    const double powers[QUINTIC_ORDERS] = {1.0, 1.0, ratio, ratio, ratio * ratio, ratio * ratio};
+    const int count = c->orders * c->unknowns;
+    double *element = c->solution;
+    int i, j, k;
     if (ratio == 1.0) {
         return;
     }
     for (i = 0; i < rows; i++) {
-        for (j = 0; j < count; j++) {
-            c->solution[i * count + j] *= i % 4 < 2 ? 1.0 : ratio;
-            c->solution[i * count + j] /= j % 4 < 2 ? 1.0 : ratio;
+        const double power = powers[i % c->orders];
+        for (j = 0; j < count; j += c->orders) {
+            for (k = 0; k < c->orders; k++) {
+                *element *= power;
+                *element++ /= powers[k];
+            }
         }
     }
     c->course->solved_step = step;
@@ -162,7 +176,7 @@ void loop_rescale(Composite *c, int rows, double step)
 /* Broyden's good update (1965) of the inverse, by Sherman and Morrison. */
 void loop_learn(Composite *c, const double *du, const double *old, const double *now)
 {
-    const int n = 4 * c->unknowns;
+    const int n = c->orders * c->unknowns;
     double *change = c->work, *predicted = c->work + n, *row = c->work + 2 * n, weight = 0.0;
     int i, j;
     for (i = 0; i < n; i++) {
@@ -189,14 +203,12 @@ static int rotor_answer(Unit *unit, const double *u, double step)
     Part *rotor = c->parts;
     Knot ends[1];
     int k;
-    memset(c->sent, 0, (size_t)(SIGNAL_ORDERS * c->unknowns) * sizeof(Complex));
     for (k = 0; k < c->unknowns; k++) {
-        loop_unpack(u + 4 * k, 1, step, ends);
-        c->sent[SIGNAL_ORDERS * k] = ends->value;
-        c->sent[SIGNAL_ORDERS * k + 1] = ends->slope;
+        loop_unpack(c, u + c->orders * k, 1, step, ends);
+        knot_begun(ends, c->orders, c->sent + c->orders * k);
     }
     if (c->motor) {
-        shaft_tell(unit, c->sent + SIGNAL_ORDERS * c->exchanges, 0.0);
+        shaft_tell(unit, c->sent + c->orders * c->exchanges, 0.0);
     }
     composite_set_forces(unit, c->sent, 0.0);
     if (rotor->unit->equations->outputs(rotor->unit)) {
@@ -212,7 +224,7 @@ static int respond_rotor(Unit *unit, const double *u, double step, double *answe
     if (rotor_answer(unit, u, step)) {
         return 1;
     }
-    loop_pack(c->ends, c->planes, step, answer);
+    loop_pack(c, c->ends, c->planes, step, answer);
     return 0;
 }
 
@@ -230,8 +242,8 @@ static int respond(Unit *unit, const double *u, double step, double *answer)
     for (k = 0; k < c->exchanges; k++) {
         Part *part = c->parts + c->members[k];
         double *input = part->unit->real + part->unit->layout.inputs.first;
-        memset(input, 0, SIGNAL_ORDERS * sizeof(Complex));
-        memcpy(input, c->ends + c->member_planes[k], sizeof(Knot));
+        memset(input, 0, (size_t)c->orders * sizeof(Complex));
+        memcpy(input, c->ends + c->member_planes[k], (size_t)c->orders / 2 * sizeof(Complex));
         if (part->unit->equations->outputs(part->unit)) {
             return composite_part_failed(unit, part);
         }
@@ -240,19 +252,20 @@ static int respond(Unit *unit, const double *u, double step, double *answer)
     if (c->motor && shaft_answer(unit, c->answers + c->exchanges)) {
         return 1;
     }
-    loop_pack(c->answers, c->unknowns, step, answer);
+    loop_pack(c, c->answers, c->unknowns, step, answer);
     return 0;
 }
 
 int loop_rotor_response(Unit *unit, double step)
 {
     Composite *c = unit->own;
-    const int count = 4 * c->unknowns;
+    const int count = c->orders * c->unknowns;
     memset(c->u, 0, (size_t)count * sizeof(double));
     if (respond_rotor(unit, c->u, step, c->g_u)) {
         return 1;
     }
-    return loop_jacobian(unit, respond_rotor, c->u, c->g_u, 1.0, 4 * c->planes, step, c->wide);
+    return loop_jacobian(unit, respond_rotor, c->u, c->g_u, 1.0, c->orders * c->planes, step,
+                         c->wide);
 }
 
 static int refuse_start(Unit *unit, double residual, double size, double gain)
@@ -274,7 +287,7 @@ static int solve_start(Unit *unit, double step)
 {
     Composite *c = unit->own;
     Course *course = c->course;
-    const int count = 4 * c->unknowns, half = count / 2;
+    const int count = c->orders * c->unknowns, half = count / 2;
     const double tolerance = larger(START_TOLERANCE, ROUNDING * course->gain);
     double size = 0.0, left = 0.0, before;
     int turn, i;
@@ -290,7 +303,7 @@ static int solve_start(Unit *unit, double step)
         }
         size = larger(loop_size(c->u, half), loop_size(c->g_u, half));
         if (turn && left <= larger(tolerance * size, course->rounding)) {
-            loop_unpack(c->g_u, c->unknowns, step, c->answers);
+            loop_unpack(c, c->g_u, c->unknowns, step, c->answers);
             for (i = 0; i < c->unknowns; i++) {
                 c->forces[i].now = c->answers[i];
             }
@@ -310,7 +323,7 @@ static int solve_start(Unit *unit, double step)
 int loop_consistent_start(Unit *unit, double step)
 {
     Composite *c = unit->own;
-    const int count = 4 * c->unknowns;
+    const int count = c->orders * c->unknowns;
     double change;
     int i;
     memset(c->u, 0, (size_t)count * sizeof(double));

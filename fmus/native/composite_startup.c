@@ -4,6 +4,9 @@
 
 static const double STEEP = 0.2, FIRST = 0.05, KINK = 1e-6, SLIVER = 1e-12;
 enum { MOST_HALVINGS = 60, JUMP_PARTS = 8, STARTUP_HALVINGS = 2 };
+/* of quintics behind a jump: over a negligible step second derivatives are rounding, which moves a
+   short step by nothing */
+enum { QUINTIC_HALVINGS = 4 };
 enum { DEFAULT_STEPS = 40 }; /* a revolution */
 
 double startup_share(const Unit *unit, double steps)
@@ -97,6 +100,8 @@ int startup_taken(Unit *unit, int struck)
         course->piece = course->halvings = course->first_step = 0.0;
         if (course->crossing == 0.0 && compensates(c)) {
             course->halvings = halvings(c, whole, STARTUP_HALVINGS);
+        } else if (course->crossing == 0.0 && c->orders == QUINTIC_ORDERS) {
+            course->halvings = halvings(c, whole, QUINTIC_HALVINGS);
         }
         return 0;
     }

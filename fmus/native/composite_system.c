@@ -39,7 +39,7 @@ int composite_advance(Unit *unit, Part *part, double step)
 /* -- forces and accelerations ---------------------------------------------------------------- */
 
 /* Force from outside on a plane of the rotor over a step, in axes that turn with it. */
-static void outer_cubic(const Composite *c, int plane, double step, Complex *cubic)
+static void outer_signal(const Composite *c, int plane, double step, Complex *signal)
 {
     const Unit *rotor = c->parts->unit;
     const double *drive = rotor->real + c->parts->drive;
@@ -55,24 +55,27 @@ static void outer_cubic(const Composite *c, int plane, double step, Complex *cub
         const Complex seen = complex_product(force, rect(1.0, -angles[k]));
         ends[k].value = seen;
         ends[k].slope = complex_of(speeds[k] * seen.im, -speeds[k] * seen.re);
+        ends[k].second = complex_of(0.0, 0.0);
+        if (c->orders == QUINTIC_ORDERS) { /* the speed is constant */
+            ends[k].second = complex_scaled(-speeds[k] * speeds[k], seen);
+        }
     }
     if (step > 0.0) {
-        knot_hermite(ends[0], ends[1], step, cubic);
+        knot_hermite(ends, ends + 1, c->orders, step, signal);
     } else {
-        cubic[0] = ends[0].value;
-        cubic[1] = ends[0].slope;
-        cubic[2] = cubic[3] = complex_of(0.0, 0.0);
+        knot_begun(ends, c->orders, signal);
     }
 }
 
-static void add_cubic(Unit *rotor, size_t first, int plane, const Complex *cubic)
+static void add_signal(const Composite *c, size_t first, int plane, const Complex *signal)
 {
+    Unit *rotor = c->parts->unit;
     const size_t planes = (size_t)rotor->layout.sizes.planes;
     int k;
-    for (k = 0; k < SIGNAL_ORDERS; k++) {
+    for (k = 0; k < c->orders; k++) {
         double *force = rotor->real + first + 2 * (planes * (size_t)k + (size_t)plane);
-        force[0] += cubic[k].re;
-        force[1] += cubic[k].im;
+        force[0] += signal[k].re;
+        force[1] += signal[k].im;
     }
 }
 
@@ -84,20 +87,20 @@ void composite_set_forces(Unit *unit, const Complex *forces, double step)
     size_t first;
     const size_t count = rotor->equations->signals(&rotor->layout, &first);
     int k;
-    memset(rotor->real + first, 0, SIGNAL_ORDERS * count * sizeof(double));
+    memset(rotor->real + first, 0, (size_t)c->orders * count * sizeof(double));
     for (k = 0; k < c->exchanges; k++) {
-        add_cubic(rotor, first, c->parts[c->members[k]].plane, forces + SIGNAL_ORDERS * k);
+        add_signal(c, first, c->parts[c->members[k]].plane, forces + c->orders * k);
     }
     for (k = 0; k < planes; k++) {
-        Complex cubic[SIGNAL_ORDERS];
+        Complex signal[QUINTIC_ORDERS];
         if (c->outer_forces[2 * k] != 0.0 || c->outer_forces[2 * k + 1] != 0.0) {
-            outer_cubic(c, k, step, cubic);
-            add_cubic(rotor, first, k, cubic);
+            outer_signal(c, k, step, signal);
+            add_signal(c, first, k, signal);
         }
     }
 }
 
-/* Value and slope of the `index`-th of `count` vectors, all values standing before all slopes. */
+/* The end of the `index`-th of `count` vectors, all values standing before all slopes. */
 static Knot knot_of(const Unit *unit, int index, int count)
 {
     const double *values = unit->real + unit->layout.computed.first;
@@ -105,6 +108,10 @@ static Knot knot_of(const Unit *unit, int index, int count)
     Knot knot;
     knot.value = complex_of(value[0], value[1]);
     knot.slope = complex_of(slope[0], slope[1]);
+    knot.second = complex_of(0.0, 0.0);
+    if (unit->layout.sizes.order == 5) {
+        knot.second = complex_of(slope[2 * count], slope[2 * count + 1]);
+    }
     return knot;
 }
 
@@ -131,7 +138,7 @@ int composite_rotor_pass(Unit *unit, const Complex *forces, double step)
 {
     Composite *c = unit->own;
     if (c->motor) {
-        shaft_tell(unit, forces + SIGNAL_ORDERS * c->exchanges, step);
+        shaft_tell(unit, forces + c->orders * c->exchanges, step);
     }
     composite_set_forces(unit, forces, step);
     if (composite_advance(unit, c->parts, step)) {
@@ -155,12 +162,12 @@ void composite_place(const Composite *c, const Part *part)
 int composite_balancer_pass(Unit *unit, const Complex *accelerations, double step)
 {
     Composite *c = unit->own;
+    const size_t size = (size_t)c->orders * sizeof(Complex);
     int k;
     for (k = 0; k < c->exchanges; k++) {
         Part *part = c->parts + c->members[k];
         memcpy(part->unit->real + part->unit->layout.inputs.first,
-               accelerations + SIGNAL_ORDERS * c->member_planes[k],
-               SIGNAL_ORDERS * sizeof(Complex));
+               accelerations + c->orders * c->member_planes[k], size);
         composite_place(c, part);
         if (composite_advance(unit, part, step)) {
             return 1;
@@ -242,7 +249,7 @@ int composite_accept(Unit *unit, const Knot *accelerations, const Knot *forces, 
     Composite *c = unit->own;
     int k;
     for (k = 0; k < c->planes; k++) {
-        signal_move(c->accelerations + k, accelerations[k], step);
+        signal_move(c->accelerations + k, accelerations + k, c->orders, step);
     }
     for (k = 0; k < c->unknowns; k++) {
         const Complex value = forces[k].value;
@@ -252,7 +259,7 @@ int composite_accept(Unit *unit, const Knot *accelerations, const Knot *forces, 
             text_put(reason, " is not finite: the coupling diverged; use smaller steps");
             return 1;
         }
-        signal_move(c->forces + k, forces[k], step);
+        signal_move(c->forces + k, forces + k, c->orders, step);
     }
     if (c->motor) {
         shaft_accept(c);
@@ -263,9 +270,7 @@ int composite_accept(Unit *unit, const Knot *accelerations, const Knot *forces, 
 
 static void forget(Signal *signal)
 {
-    memset(signal->last, 0, sizeof signal->last);
-    signal->last[0] = signal->now.value;
-    signal->last[1] = signal->now.slope;
+    knot_begun(&signal->now, QUINTIC_ORDERS, signal->last);
     signal->last_step = 0.0;
 }
 

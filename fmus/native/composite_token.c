@@ -197,8 +197,9 @@ static int read_part(Unit *unit, Part *part, const char *at)
         return refuse(unit, "the rotor must be its first part, and the only one, and signals must "
                             "turn with it");
     }
-    if (part->unit->layout.sizes.order != 3) {
-        return refuse(unit, "the signals of its parts must be of order 3");
+    c->orders = c->parts->unit->layout.sizes.order + 1;
+    if (part->unit->layout.sizes.order + 1 != c->orders) {
+        return refuse(unit, "the signals of its parts must be of one order");
     }
     if (c->motor) {
         return refuse(unit, "the motor must be its last part, and the only one");
@@ -422,8 +423,8 @@ int composite_build(Unit *unit, const char *token)
     if (read_parts(unit, after(token, "Composite;"), &own, &id)) {
         return 1;
     }
-    if (c->motor && c->scheme == SCHEME_COMPENSATED) {
-        return refuse(unit, "the scheme must not be compensated under a motor");
+    if (c->scheme == SCHEME_COMPENSATED && (c->motor || c->orders == QUINTIC_ORDERS)) {
+        return refuse(unit, "the scheme must not be compensated under a motor, nor with quintics");
     }
     stop_at_contacts(c);
     if (connect(unit) || describe(unit, own)) {

@@ -84,8 +84,8 @@ static int allocate(Unit *unit)
     own->jerk = doubles(unit, 2 * planes);
     own->rates.added_mass = doubles(unit, planes);
     own->rates.first = unit_allocate(unit, size + 1, sizeof(int));
-    own->rates.column = unit_allocate(unit, rotor_rates_doubles(n, p), sizeof(int));
-    own->rates.value = doubles(unit, rotor_rates_doubles(n, p));
+    own->rates.column = unit_allocate(unit, rotor_rates_doubles(n, p, orders), sizeof(int));
+    own->rates.value = doubles(unit, rotor_rates_doubles(n, p, orders));
     own->rates.work = doubles(unit, 2 * size);
     for (k = 0; k < KEPT_MATRICES; k++) {
         own->kept[k].added_mass = doubles(unit, planes);

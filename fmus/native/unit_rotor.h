@@ -127,7 +127,7 @@ void rotor_lower(Rotor *own);
 /* -- unit_rotor_within.c ---------------------------------------------------------------------- */
 
 /* Elements of Z that are not 0, at most. */
-size_t rotor_rates_doubles(int stations, int planes);
+size_t rotor_rates_doubles(int stations, int planes, int orders);
 /* Bring own->rates up to date; 1 with the reason. */
 int rotor_rates(Unit *unit);
 /* As rotor_apply with the matrix of a step to `time` [s] within own->whole; 0 where the state

@@ -11,10 +11,10 @@ static const double SOFT = 3.0;
 static const double NEGLIGIBLE = 1e-16; /* of the sum: a term, and the one before */
 enum { MOST_TERMS = 60 };
 
-size_t rotor_rates_doubles(int n, int p)
+size_t rotor_rates_doubles(int n, int p, int orders)
 {
     /* rows of v' are full, a force turns and goes on to its derivative */
-    const size_t motion = 4 * (size_t)n, forces = 2 * SIGNAL_ORDERS * (size_t)p;
+    const size_t motion = 4 * (size_t)n, forces = 2 * (size_t)orders * (size_t)p;
     return motion / 2 * (motion + forces + 2) + motion / 2 + 2 * forces + 2;
 }
 
@@ -80,7 +80,7 @@ int rotor_rates(Unit *unit)
     }
     rates->made = 0;
     loaded = linear_rotor_with_added_mass(&own->rotor, masses, own->loaded_mass);
-    if (generator(&loaded, speed, own->turning, SIGNAL_ORDERS, z,
+    if (generator(&loaded, speed, own->turning, own->orders, z,
                   z + (size_t)own->columns * (size_t)(own->columns * own->parts), &failure)) {
         return unit_failed(unit, &failure, NULL, 0);
     }
@@ -121,6 +121,9 @@ int rotor_within(Rotor *own, double time)
 {
     const Rates *rates = &own->rates;
     const int half = 2 * own->stations, planes = 2 * own->planes, size = rates->size;
+    /* of the acceleration's derivatives the last one asks for velocities alone */
+    const int quintic = own->orders == QUINTIC_ORDERS;
+    const int first = quintic ? 0 : half, end = quintic ? size : 2 * half;
     double *sum = own->operand, *term = rates->work, *next = term + size, *kept;
     double *out = own->result + 2 * half;
     int k, i, before = 0, small = 0;
@@ -144,9 +147,14 @@ int rotor_within(Rotor *own, double time)
         return 0;
     }
     changes(rates, 0, size, sum, term);
-    changes(rates, half, 2 * half, term, next);
+    changes(rates, first, end, term, next);
     memcpy(own->result, sum, 2 * (size_t)half * sizeof(double));
     rotor_vectors_at(own->rotor.planes, own->planes, own->stations, term + half, out);
     rotor_vectors_at(own->rotor.planes, own->planes, own->stations, next + half, out + planes);
+    if (quintic) {
+        changes(rates, half, 2 * half, next, term);
+        rotor_vectors_at(own->rotor.planes, own->planes, own->stations, term + half,
+                         out + 2 * planes);
+    }
     return 1;
 }

@@ -26,8 +26,10 @@ def composition(scene: Scene) -> Composition:
     """
     scene = as_run(scene)
     coupling = scene.coupling
-    if coupling.order != 3:
-        raise SceneError(f"{scene.name}: coupling.order = {coupling.order}: of one file must be 3")
+    if coupling.order < 3:
+        raise SceneError(
+            f"{scene.name}: coupling.order = {coupling.order}: of one file must be 3 or 5"
+        )
     found = plan(scene)
     exchanging = {c.source.unit for c in found.of_kind("signal")}
     following = {c.target.unit for c in found.of_kind("value")}

@@ -169,14 +169,19 @@ def coupling_methods(exchanges_force: bool) -> list[Method]:
 def quintic_methods() -> list[Method]:
     """The iterated scheme with quintic signals, for scenes whose units have them."""
     found = [Method("iterated", 5, n, passes) for passes in (1, None) for n in QUINTIC_STEPS]
-    return found + [Method("iterated", 5, tolerance=t) for t in TOLERANCES]
+    found += [Method("iterated", 5, tolerance=t) for t in TOLERANCES]
+    return found + one_file_methods(5)
 
 
-def one_file_methods() -> list[Method]:
-    """The composite by each of its schemes."""
-    found = [Method("compensated", 3, n, one_file=True) for n in sorted(ONE_FILE_STEPS)]
-    found += [Method("iterated", 3, n, 1, one_file=True) for n in sorted(ONE_FILE_STEPS)]
-    return found + [Method("iterated", 3, tolerance=t, one_file=True) for t in ONE_FILE_TOLERANCES]
+def one_file_methods(order: int = 3) -> list[Method]:
+    """The composite by each of its schemes that has signals of this order."""
+    steps, found = sorted(ONE_FILE_STEPS), []
+    if order == 3:
+        found = [Method("compensated", 3, n, one_file=True) for n in steps]
+    found += [Method("iterated", order, n, 1, one_file=True) for n in steps]
+    return found + [
+        Method("iterated", order, tolerance=t, one_file=True) for t in ONE_FILE_TOLERANCES
+    ]
 
 
 def monolith_methods() -> list[Method]:

@@ -25,7 +25,8 @@ def main() -> None:
     with tempfile.TemporaryDirectory(prefix="autobalancer-") as folder:
         whole = OnePiece(scene, Path(folder))
         errors = {steps: whole.error(steps) for steps in dict.fromkeys(STEPS)}
-        found = precision(scene, seconds=20.0, methods=one_file_methods())
+        ways = one_file_methods() + one_file_methods(5)
+        found = precision(scene, seconds=20.0, methods=ways)
         rows = []
         for target in TARGETS:
             one = found.cheapest(target, coupled=True, one_file=True)
@@ -33,9 +34,9 @@ def main() -> None:
             if one is None or one.seconds is None or steps is None:
                 continue
             seconds = min(whole.seconds(steps) for _ in range(ROUNDS))
-            ways = (f"{steps} steps", f"{one.method.family}, {one.method.setting}")
+            chosen = (f"{steps} steps", f"{one.method.family}, {one.method.setting}")
             times = (f"{1e3 * seconds:.3f}", f"{1e3 * one.seconds:.3f}")
-            rows.append([f"{target:g}", *ways, *times, f"{one.seconds / seconds:.1f}"])
+            rows.append([f"{target:g}", *chosen, *times, f"{one.seconds / seconds:.1f}"])
     columns = ("error", "in one piece in C", "composite", "ms", "ms", "ratio")
     print(f"{scene.name}\n\n{Sheet(columns, rows, 'lllrrr').markdown()}\n\n{machine()}")
 

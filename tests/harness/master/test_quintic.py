@@ -114,15 +114,21 @@ def test_what_has_no_second_derivatives_is_refused_by_the_name_of_its_key(change
     assert named in str(refused.value)
 
 
-def test_one_file_couples_by_cubics_alone():
-    with pytest.raises(SceneError, match="order = 5: of one file must be 3"):
-        composition(load_scene("two_balls").replace({"coupling.order": 5}))
+def test_one_file_couples_by_cubics_or_quintics():
+    with pytest.raises(SceneError, match="order = 1: of one file must be 3 or 5"):
+        composition(load_scene("two_balls").replace({"coupling.order": 1}))
 
 
-def test_parts_of_one_file_exchange_cubics():
+def test_parts_of_one_file_exchange_signals_of_one_order():
     parts = Part("rotor", "RotorOnSupports"), Part("balls", "BallBalancer", {"order": 5}, plane=1)
-    with pytest.raises(ValueError, match="balls: order = 5: must be 3 in one file"):
+    with pytest.raises(ValueError, match="balls: order = 5: must be 3, as the rotor's"):
         Composition(parts)
+
+
+def test_one_file_compensates_cubics_alone():
+    rotor = Part("rotor", "RotorOnSupports", {"order": 5})
+    with pytest.raises(ValueError, match='"compensated": takes order = 3, not 5'):
+        Composition((rotor,), "compensated")
 
 
 def test_dry_friction_has_no_unit_with_quintic_signals():
