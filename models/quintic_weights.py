@@ -21,6 +21,7 @@ from .weights import (
     converged,
     phi_functions,
     substeps,
+    unsolved,
 )
 
 Motion = tuple[complex, complex, complex]  # acceleration of the track's centre, derivatives 1 and 2
@@ -93,11 +94,7 @@ def substep(
         change = abs(new_angle - last_angle) + abs(new_rate - last_rate) * step
         if converged(change, last_change, new_angle):
             return new_angle, new_rate
-    raise ArithmeticError(
-        f"the weights' step of {step:g} s did not converge (angle {angle:g} rad, "
-        f"rate {angle_rate:g} rad/s, acceleration {abs(ends[0][0]):g} m/s^2): use smaller "
-        "communication steps"
-    )
+    raise unsolved(step, angle, angle_rate, ends[0][0])
 
 
 def advance(

@@ -202,9 +202,16 @@ def substep(
         change = abs(new_angle - last_angle) + abs(new_rate - last_rate) * step
         if converged(change, last_change, new_angle):
             return new_angle, new_rate
-    raise ArithmeticError(
+    raise unsolved(step, angle, angle_rate, a0)
+
+
+def unsolved(
+    step: float, angle: float, angle_rate: float, acceleration: complex
+) -> ArithmeticError:
+    """What a step of the weights raises whose implicit equations did not converge."""
+    return ArithmeticError(
         f"the weights' step of {step:g} s did not converge (angle {angle:g} rad, "
-        f"rate {angle_rate:g} rad/s, acceleration {abs(a0):g} m/s^2): use smaller "
+        f"rate {angle_rate:g} rad/s, acceleration {abs(acceleration):g} m/s^2): use smaller "
         "communication steps"
     )
 

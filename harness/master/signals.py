@@ -98,9 +98,7 @@ class SignalState:
                 f, d, d2, d3 = self.last
                 led = f + 2.0 * step * (d + step * (d2 + 2.0 / 3.0 * step * d3))
             else:
-                f, d, d2, d3, d4, d5 = self.last
-                led = d2 + 2.0 / 3.0 * step * (d3 + step * (0.5 * d4 + 0.2 * step * d5))
-                led = f + 2.0 * step * (d + step * led)
+                led = quintic.at(self.last, 2.0 * step)[0]
             missed = abs(end[0] - led)
         self.arrive(cubic, end, step, missed)
 

@@ -16,7 +16,11 @@ from typing import Any
 
 import numpy as np
 import pytest
+from fmpy import platform_tuple
 from numpy.typing import NDArray
+
+from autobalancer.harness import Scene
+from autobalancer.harness.master.one_file import build_one_file
 
 SOURCES = Path(__file__).parents[2] / "fmus" / "native"
 CORE = [
@@ -314,3 +318,14 @@ def packaging() -> Any:
 def fmus(packaging: Any, tmp_path_factory: pytest.TempPathFactory) -> Any:
     """Builds native and Python FMUs."""
     return packaging.Packager(tmp_path_factory.mktemp("units"))
+
+
+@pytest.fixture
+def hosted(packaging: Any, tmp_path: Path) -> Any:
+    """Begins the composite of a scene in a host."""
+
+    def begun(scene: Scene, values: dict[str, float] | None = None) -> Any:
+        path = build_one_file(scene, tmp_path / "one.fmu", platforms=[platform_tuple])
+        return packaging.Host(path).begin(values)
+
+    return begun

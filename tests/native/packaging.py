@@ -6,14 +6,16 @@ import itertools
 import shutil
 import subprocess
 import zipfile
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from functools import partial
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
 import fmpy
+import numpy as np
 from fmpy import fmi2
 from fmpy.fmi1 import FMICallException
+from numpy.typing import NDArray
 
 from autobalancer.fmus.build import build, contents
 from autobalancer.fmus.catalogue import sized_unit
@@ -166,6 +168,15 @@ class Host:
         """One communication step from where the unit is."""
         self.slave.doStep(self.time, length)
         self.time += length
+
+    def driven(self, times: Sequence[float], names: Sequence[str]) -> NDArray:
+        """Outputs at all times, (times, names)."""
+        rows = [self.get(*names)]
+        for begin, end in itertools.pairwise(times):
+            self.time = begin
+            self.step(end - begin)
+            rows.append(self.get(*names))
+        return np.array(rows)
 
     def refused(self, call: Callable[[], object]) -> str:
         """The reason logged for a call that must fail."""

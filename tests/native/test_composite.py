@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from itertools import pairwise
 
 import fmpy
 import numpy as np
@@ -12,41 +11,18 @@ from fmpy import platform_tuple, simulate_fmu
 from fmpy.validation import validate_fmu
 from scipy.interpolate import CubicSpline
 
-from autobalancer.fmus.composite.build import COMPOSITION, build_composite
+from autobalancer.fmus.composite.build import COMPOSITION
 from autobalancer.fmus.native.compile import stamp
 from autobalancer.fmus.native.layout import hashed
 from autobalancer.fmus.xml.archive import unzipped, zipped
 from autobalancer.harness import Scene, bundled_scenes, cosimulate, load_scene
 from autobalancer.harness.master.cosimulation import CoSimulation
-from autobalancer.harness.master.one_file import build_one_file, composition
+from autobalancer.harness.master.one_file import build_one_file
 from autobalancer.harness.master.schedule import at_fixed_steps
 
 RANGE = 1e-11  # of a signal's range
 KEPT: list[object] = []  # FMPy's one proxy goes on calling the last logger it was given
 RANGE_MET = 1e-9  # where weights collide: a pulse, a million times the force, has its rounding
-
-
-@pytest.fixture
-def hosted(packaging, tmp_path):
-    """Begins the composite of a scene in a host."""
-
-    def begun(scene: Scene, values: dict[str, float] | None = None):
-        path = build_composite(
-            composition(scene), tmp_path, name="composite", platforms=[platform_tuple]
-        )
-        return packaging.Host(path).begin(values)
-
-    return begun
-
-
-def driven(host, times, names: list[str]) -> np.ndarray:
-    """Outputs at all times."""
-    rows = [host.get(*names)]
-    for begin, end in pairwise(times):
-        host.time = begin
-        host.step(end - begin)
-        rows.append(host.get(*names))
-    return np.array(rows)
 
 
 def turning(scene: Scene, parts: int, revolutions: float) -> np.ndarray:
@@ -72,7 +48,7 @@ def test_a_scene_moves_as_the_harness_couples_it(hosted, name, changes):
     expected = cosimulate(scene)
     host = hosted(scene)
     names = list(expected.signals)
-    found = driven(host, expected.time, names)
+    found = host.driven(expected.time, names)
     allowed = RANGE_MET if any(b.can_meet for b in scene.balancer) else RANGE
     for k, signal in enumerate(names):
         size = max(np.ptp(expected[signal]), 1e-3 * np.abs(expected[signal]).max())
@@ -92,7 +68,7 @@ def test_schemes_do_what_the_harness_does(hosted, name, scheme):
     expected = cosimulate(scene)
     names = list(expected.signals)
     host = hosted(scene)
-    found = driven(host, expected.time, names)
+    found = host.driven(expected.time, names)
     for k, signal in enumerate(names):
         allowed = RANGE * max(1e-3 * np.abs(expected[signal]).max(), np.ptp(expected[signal]))
         assert np.abs(found[:, k] - expected[signal]).max() <= allowed, signal
@@ -108,7 +84,7 @@ def test_the_steps_of_the_tool_do_not_matter(hosted, name):
     own = round(scene.coupling.steps_per_rev)
     runs = {}
     for parts in (own, 5, 7.5, 1000):
-        found = driven(hosted(scene), turning(scene, parts, 2), names)
+        found = hosted(scene).driven(turning(scene, parts, 2), names)
         runs[parts] = found[[0, -1]]
     for parts in (5, 7.5, 1000):
         assert runs[parts] == pytest.approx(runs[own], rel=1e-12, abs=1e-15), parts
@@ -121,8 +97,8 @@ def test_a_first_step_that_heavy_drag_divides_is_seen_as_it_is(hosted):
     names = ["rotor.plane[1].a_xi", "weights.F_xi", "rotor.vx", "weights.weight[1].angle"]
     expected = cosimulate(scene, record=names)
     times = np.linspace(0.0, expected.time[1], 12)
-    fine = driven(hosted(scene.replace({"coupling.steps_per_rev": 640})), times, names)
-    found = driven(hosted(scene), times, names)
+    fine = hosted(scene.replace({"coupling.steps_per_rev": 640})).driven(times, names)
+    found = hosted(scene).driven(times, names)
     assert found[-1] == pytest.approx([expected[name][1] for name in names], rel=1e-9)
     assert (np.abs(found - fine).max(axis=0)[2:] <= 1e-3 * np.ptp(fine, axis=0)[2:]).all()
 
@@ -137,7 +113,7 @@ def test_between_the_ends_of_steps_the_order_is_four_or_with_quintics_six(
     for steps in (20, 40, 320):
         changes = {"coupling.steps_per_rev": steps, "coupling.order": order}
         scene = load_scene("two_balls").replace(changes)
-        runs.append(driven(hosted(scene), turning(scene, 20 / 0.37, 5), names))
+        runs.append(hosted(scene).driven(turning(scene, 20 / 0.37, 5), names))
     coarse, fine = (np.abs(run - runs[2]).max(axis=0) / np.ptp(runs[2], axis=0) for run in runs[:2])
     assert (fine < error).all()
     assert (coarse > ratio * fine).all()
@@ -150,14 +126,14 @@ def test_a_state_within_a_step_is_everything(hosted, order):
     names = ["rotor.x", "balls.weight[2].angle", "liquid.clearance", "coupling.steps"]
     times = turning(scene, 7.3, 8)
     host = hosted(scene)
-    driven(host, times[:20], names)
+    host.driven(times[:20], names)
     state = host.slave.getFMUState()
-    expected = driven(host, times[19:], names)
+    expected = host.driven(times[19:], names)
     host.slave.setFMUState(state)
-    assert driven(host, times[19:], names).tolist() == expected.tolist()
+    assert host.driven(times[19:], names).tolist() == expected.tolist()
     other = hosted(scene, {"balls.drag": 0.1})
     other.slave.setFMUState(other.slave.deserializeFMUState(host.slave.serializeFMUState(state)))
-    assert driven(other, times[19:], names).tolist() == expected.tolist()
+    assert other.driven(times[19:], names).tolist() == expected.tolist()
 
 
 @pytest.mark.parametrize("fmi", [2, 3])
@@ -184,7 +160,7 @@ def test_parameters_and_speed_are_those_that_are_set(hosted):
     changed = scene.replace({"rotor.mass": 1.1, "weights.drag": 0.02, "operation.speed": 3.4})
     expected = cosimulate(changed)
     values = {"rotor.mass": 1.1, "weights.drag": 0.02, "speed": 3.4, "coupling.top_speed": 3.4}
-    found = driven(hosted(scene, values), expected.time, ["rotor.x", "rotor.y"])
+    found = hosted(scene, values).driven(expected.time, ["rotor.x", "rotor.y"])
     for k, signal in enumerate(("rotor.x", "rotor.y")):
         assert found[:, k] == pytest.approx(expected[signal], abs=RANGE * np.ptp(expected[signal]))
 
@@ -250,7 +226,7 @@ def test_a_rotor_without_balancers_is_a_composite_too(hosted):
     expected = cosimulate(scene)
     host = hosted(scene)
     assert host.get("coupling.loop_gain") == [0.0]
-    found = driven(host, expected.time, ["rotor.x", "rotor.y"])
+    found = host.driven(expected.time, ["rotor.x", "rotor.y"])
     for k, signal in enumerate(("rotor.x", "rotor.y")):
         error = np.abs(found[:, k] - expected[signal]).max()
         assert error <= RANGE * np.ptp(expected[signal])
@@ -274,8 +250,8 @@ def test_within_a_step_the_rotor_is_where_a_step_as_short_would_take_it(hosted, 
     names = [f"rotor.plane[1].{v}" for v in ("x", "y", "a_xi")] + ["der(rotor.plane[1].a_eta)"]
     names += ["der(rotor.plane[1].a_eta,2)"] if scene.coupling.order == 5 else []
     runs = [
-        driven(
-            hosted(scene.replace({"coupling.steps_per_rev": steps})), turning(scene, 140, 2), names
+        hosted(scene.replace({"coupling.steps_per_rev": steps})).driven(
+            turning(scene, 140, 2), names
         )
         for steps in (20, 140)
     ]

@@ -6,23 +6,10 @@ import math
 
 import numpy as np
 import pytest
-from fmpy import platform_tuple
 
 from autobalancer.harness import Scene, cosimulate, load_scene
-from autobalancer.harness.master.one_file import build_one_file
 
 RISE, STAY = 300, 200  # steps
-
-
-@pytest.fixture
-def hosted(packaging, tmp_path):
-    """Begins the composite of a scene in a host."""
-
-    def begun(scene: Scene, values: dict[str, float] | None = None):
-        path = build_one_file(scene, tmp_path / "one.fmu", platforms=[platform_tuple])
-        return packaging.Host(path).begin(values)
-
-    return begun
 
 
 @pytest.mark.parametrize("told", [True, False])

@@ -2,16 +2,12 @@
 
 from __future__ import annotations
 
-from itertools import pairwise
-
 import numpy as np
 import pytest
-from fmpy import platform_tuple
 from scipy.integrate import solve_ivp
 
 from autobalancer.harness import Scene, UserError, cosimulate, cosimulate_many, load_scene
 from autobalancer.harness.master.alike import cosimulate_alike
-from autobalancer.harness.master.one_file import build_one_file
 from autobalancer.harness.master.schedule import end_time
 from autobalancer.harness.scatter.study import scatter
 from autobalancer.harness.scatter.vary import Variation
@@ -37,27 +33,6 @@ RECORD = ["rotor.x", "rotor.y", "rotor.angle", "motor.speed", "motor.angle", "mo
 TABLE = [[0.0, 1.0], [30.0, 0.9], [100.0, 0.6], [200.0, 0.0]]
 
 
-@pytest.fixture
-def hosted(packaging, tmp_path):
-    """Begins the composite of a scene in a host."""
-
-    def begun(scene: Scene, values: dict[str, float] | None = None):
-        path = build_one_file(scene, tmp_path / "one.fmu", platforms=[platform_tuple])
-        return packaging.Host(path).begin(values)
-
-    return begun
-
-
-def driven(host, times, names: list[str]) -> np.ndarray:
-    """Outputs at all times."""
-    rows = [host.get(*names)]
-    for begin, end in pairwise(times):
-        host.time = begin
-        host.step(end - begin)
-        rows.append(host.get(*names))
-    return np.array(rows)
-
-
 CASES = {
     "points": {},
     "of finite size": {"balls.weight_radius": 0.005},
@@ -80,7 +55,7 @@ def test_it_moves_as_the_harness_couples_the_units(hosted, case):
     expected = cosimulate(scene, record=[*RECORD, "balls.weight[1].angle", "balls.torque"])
     host = hosted(scene)
     names = list(expected.signals)
-    found = driven(host, expected.time, names)
+    found = host.driven(expected.time, names)
     for k, signal in enumerate(names):
         size = max(np.ptp(expected[signal]), 1e-3 * np.abs(expected[signal]).max())
         assert np.abs(found[:, k] - expected[signal]).max() <= RANGE * size, signal
@@ -91,7 +66,7 @@ def test_it_moves_as_the_harness_couples_the_units(hosted, case):
 def test_a_motor_alone_with_the_rotor_is_a_loop_too(hosted):
     scene = Scene.from_document({**DOCUMENT, "balancer": []})
     expected = cosimulate(scene, record=RECORD)
-    found = driven(hosted(scene), expected.time, RECORD)
+    found = hosted(scene).driven(expected.time, RECORD)
     for k, signal in enumerate(RECORD):
         assert np.abs(found[:, k] - expected[signal]).max() <= RANGE * np.ptp(expected[signal])
 
@@ -101,7 +76,7 @@ def test_a_tolerance_chooses_steps_that_keep_it(hosted, tolerance):
     scene = Scene.from_document(DOCUMENT)
     fine = cosimulate(scene.replace({"coupling.steps_per_rev": 320}), record=RECORD)
     host = hosted(scene.replace({"coupling.tolerance": tolerance}))
-    found = driven(host, fine.time[::16], RECORD)
+    found = host.driven(fine.time[::16], RECORD)
     for k, signal in enumerate(RECORD):
         assert np.abs(found[:, k] - fine[signal][::16]).max() <= tolerance * np.ptp(fine[signal])
     assert host.get("coupling.steps")[0] < 40 * 6
@@ -113,7 +88,7 @@ def test_between_the_ends_of_steps_the_order_is_four(hosted):
     names = ["rotor.x", "rotor.y", "rotor.speed", "balls.weight[1].angle"]
     times = np.linspace(0.0, end_time(scene), round(6 * 20 / 0.37))
     for steps in (20, 40, 320):
-        runs.append(driven(hosted(scene.replace({"coupling.steps_per_rev": steps})), times, names))
+        runs.append(hosted(scene.replace({"coupling.steps_per_rev": steps})).driven(times, names))
     coarse, fine = (np.abs(run - runs[2]).max(axis=0) / np.ptp(runs[2], axis=0) for run in runs[:2])
     assert (fine < 1e-6).all()
     assert (coarse > 9.0 * fine).all()
@@ -123,14 +98,14 @@ def test_a_state_within_a_step_is_everything(hosted):
     scene = Scene.from_document(DOCUMENT)
     times = np.linspace(0.0, end_time(scene), 60)
     host = hosted(scene)
-    driven(host, times[:20], RECORD)
+    host.driven(times[:20], RECORD)
     state = host.slave.getFMUState()
-    expected = driven(host, times[19:], RECORD)
+    expected = host.driven(times[19:], RECORD)
     host.slave.setFMUState(state)
-    assert driven(host, times[19:], RECORD).tolist() == expected.tolist()
+    assert host.driven(times[19:], RECORD).tolist() == expected.tolist()
     other = hosted(scene, {"motor.inertia": 0.02})
     other.slave.setFMUState(other.slave.deserializeFMUState(host.slave.serializeFMUState(state)))
-    assert driven(other, times[19:], RECORD).tolist() == expected.tolist()
+    assert other.driven(times[19:], RECORD).tolist() == expected.tolist()
 
 
 def test_a_force_from_outside_that_begins_within_a_step_moves_rotor_and_shaft(hosted):
