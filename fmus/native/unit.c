@@ -224,12 +224,12 @@ static int out_of_place(Unit *unit, double time, double step)
 static int demand_finite(Unit *unit, Range range)
 {
     const double *values = unit->real + range.first;
-    double none = 0.0; /* x - x is 0 of a finite number, else not a number */
+    double sum = 0.0; /* not finite where one of them is not, or where they are huge */
     size_t k;
     for (k = 0; k < range.count; k++) {
-        none += values[k] - values[k];
+        sum += values[k];
     }
-    if (none == 0.0) {
+    if (is_finite(sum)) {
         return 0;
     }
     for (k = range.first; k < range.first + range.count; k++) {

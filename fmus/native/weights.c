@@ -47,22 +47,29 @@ double weights_damping_rate(const Weights *weights)
     return weights->drag / (weights->kappa * weights->mass);
 }
 
-Complex weights_static_moment(const Weights *weights, const double *angles)
+/* e^{i theta} of the k-th weight. */
+static Complex unit_of(Turned *turned, const double *angles, int k)
+{
+    return turned_by(turned ? turned + 2 * k : NULL, angles[k]);
+}
+
+Complex weights_static_moment(const Weights *weights, const double *angles, Turned *turned)
 {
     Complex sum = {0.0, 0.0};
     int k;
     for (k = 0; k < weights->count; k++) {
-        sum = complex_sum(sum, rect(1.0, angles[k]));
+        sum = complex_sum(sum, unit_of(turned, angles, k));
     }
     return complex_scaled(weights->mass * weights->track_radius, sum);
 }
 
-double weights_alignment(int count, const double *angles)
+double weights_alignment(int count, const double *angles, Turned *turned)
 {
     Complex sum = {0.0, 0.0};
     int k;
     for (k = 0; k < count; k++) {
-        sum = complex_sum(sum, rect(1.0, 2.0 * angles[k]));
+        const Complex unit = unit_of(turned, angles, k);
+        sum = complex_sum(sum, complex_product(unit, unit));
     }
     return magnitude(sum) / count;
 }
@@ -325,7 +332,7 @@ void weights_reaction(const Weights *weights, const double *angles, const double
     slope = complex_scaled(lever, slope);
     for (k = 0; k < weights->count; k++) {
         const double nu = speeds[k], squared = nu * nu;
-        const Complex unit = turned_by(turned ? turned + 2 * k : NULL, angles[k]);
+        const Complex unit = unit_of(turned, angles, k);
         const Complex back = complex_conjugate(unit);
         const Complex along = complex_product(acceleration, back);
         const double bend = along.im - lag - damping_rate * nu;
