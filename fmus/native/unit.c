@@ -224,12 +224,13 @@ static int out_of_place(Unit *unit, double time, double step)
 static int demand_finite(Unit *unit, Range range)
 {
     const double *values = unit->real + range.first;
-    double sum = 0.0; /* not finite where one of them is not, or where they are huge */
+    double even = 0.0, odd = 0.0; /* sums, not finite where one of them is not, or where they are huge */
     size_t k;
-    for (k = 0; k < range.count; k++) {
-        sum += values[k];
+    for (k = 0; k + 1 < range.count; k += 2) {
+        even += values[k];
+        odd += values[k + 1];
     }
-    if (is_finite(sum)) {
+    if (is_finite(even + odd + (k < range.count ? values[k] : 0.0))) {
         return 0;
     }
     for (k = range.first; k < range.first + range.count; k++) {
