@@ -19,9 +19,9 @@ are no longer than `longest`, which follows every revolution, until all rests in
 the end of a step no acceleration, no slope of one and no change of a force is left that counts.  A
 vibration shows in value or slope, whatever its phase.  After `RESTED` such steps of one length the
 next is twice as long, so that none is longer than a quarter of the time that rest has lasted: what
-is not stable grows meanwhile.  Steps longer than `longest` hold the signals at their end values, order
-1: cubics would amplify what they do not resolve.  One that ends in motion is taken back, and what
-follows is at most `longest`.
+is not stable grows meanwhile.  Steps longer than `longest` hold the signals at their end values,
+order 1: cubics would amplify what they do not resolve.  One that ends in motion is taken back, and
+what follows is at most `longest`.
 """
 
 from __future__ import annotations
