@@ -4,7 +4,8 @@ What a step errs says little of the end: lightly damped motion gathers errors, m
 stable multiplies them.  So the run is done twice.  The first chooses its steps by what each of them
 errs (`schemes.adaptive`); the second takes every one of them in two, and is the result.  Where they
 meet they differ by 15 times the error of the second, for the coupling is of order 4 (with quintic
-signals of order 6, and by 63 times; taken for 1 where weights can collide, or stick within a step).
+signals of order 6, and by 63 times; taken for 1 where weights can collide, or stick within a step,
+and from where steps at rest have held their signals).
 If that is more than the tolerance, every step is divided again, into as many parts as it takes.
 
 Hairer, Norsett & Wanner 1993, II.4: Richardson's extrapolation, here of the run as a whole.
@@ -25,14 +26,15 @@ from .names import kin, stations
 from .plan import MOTOR
 from .recorder import Recorder, Signal
 from .scales import least_motion
-from .schedule import force_jumps
+from .schedule import fewest_chosen, force_jumps, step_size
 from .schemes.adaptive import RESIDUAL_SHARE, Adaptive
-from .schemes.prescribed import SLIVER
+from .schemes.prescribed import LONG, SLIVER
 
 ORDER = {3: 4, 5: 6}  # of the coupling, by that of the signals
 # forces that jump within a step; motion with collisions, met ones too, is no smooth function of the
 # steps' errors
 ORDER_OF_JUMPS = 1
+ORDER_HELD = 1
 LEFT = 2  # power of the parts with which what is left in the loop shrinks at least
 # of the tolerance, what a step of the first run may err; halved, it errs by 1/16 or 1/64
 SHARES = (10.0, 1.0, 0.1)
@@ -75,6 +77,7 @@ class Controlled:
         """
         recorder = self._first(progress)
         grid, signals = recorder.columns()
+        held = _first_held(self.cosim.scene, grid)
         least = least_motion(self.cosim.scene)
         scale = {name: least.get(unit, 0.0) for name, unit in recorder.signal_units.items()}
         parts = 1
@@ -89,9 +92,13 @@ class Controlled:
             times, finer = recorder.columns()
             at = np.searchsorted(times, grid * (1.0 - SLIVER))
             finer = {name: values[at] for name, values in finer.items()}
-            apart = _apart(signals, finer, scale)
-            far = apart >= ASYMPTOTIC
-            self.error = apart if far else apart / ((parts / self.parts) ** self.order - 1.0)
+            apart = _apart(signals, finer, scale, slice(held))
+            later = _apart(signals, finer, scale, slice(held, None))
+            far = max(apart, later) >= ASYMPTOTIC
+            ratio = parts / self.parts
+            self.error = max(apart / (ratio**self.order - 1.0), later / (ratio**ORDER_HELD - 1.0))
+            if far:
+                self.error = max(apart, later)
             self.parts, signals = parts, finer
             # of motions that part no run says more than the one before
             if self.error <= self.tolerance or parts >= (PARTING if far else MOST_PARTS):
@@ -144,6 +151,12 @@ def _motion(scene: Scene) -> list[str]:
     return names + [f"{b.label}.{v}" for b in scene.balancer for v in b.records if v != "clearance"]
 
 
+def _first_held(scene: Scene, grid: Signal) -> int:
+    """The first point that a step with held signals led to; the number of points if none did."""
+    lengths = np.append(np.diff(grid), math.inf)
+    return int(np.argmax(lengths > LONG * step_size(scene, fewest_chosen(scene)))) + 1
+
+
 def _divided(grid: Signal, parts: int) -> list[float]:
     """Points that divide every step between those of a grid."""
     shares = np.arange(parts) / parts
@@ -152,9 +165,9 @@ def _divided(grid: Signal, parts: int) -> list[float]:
 
 
 def _apart(
-    one: Mapping[str, Signal], other: Mapping[str, Signal], least: Mapping[str, float]
+    one: Mapping[str, Signal], other: Mapping[str, Signal], least: Mapping[str, float], at: slice
 ) -> float:
-    """Largest difference of signals at common times, each over the largest value of its kind.
+    """Largest difference of signals at some common times, each over the largest value of its kind.
 
     `least` is by signal the smallest that this value is taken to be.
     """
@@ -163,7 +176,7 @@ def _apart(
     sizes = {n: max(least[n], float(np.abs(other[n]).max())) for n in compared}
     worst = 0.0
     for name in compared:
-        gap = float(np.abs(other[name] - one[name]).max())
+        gap = float(np.abs(other[name] - one[name])[at].max(initial=0.0))
         scale = max(sizes[related] for related in kin(name, compared))
         worst = max(worst, gap / scale if scale else gap)
     return worst
