@@ -103,7 +103,8 @@ def packed_turn(response: complex, share: float) -> float:
 def _amplitude(result: Result, speed: float) -> float:
     """Of the whirl at the rotor's speed over the last revolution [m]."""
     turn = math.tau / speed * (1.0 + 1e-9)  # rounding must not lose its first point
-    begin = int(np.searchsorted(result.time, result.time[-1] - turn))
+    # at rest a step may be longer
+    begin = min(int(np.searchsorted(result.time, result.time[-1] - turn)), len(result.time) - 2)
     whirl = result["rotor.x"] + 1j * result["rotor.y"]
     return float(abs(np.mean((whirl * np.exp(-1j * speed * result.time))[begin:-1])))
 
