@@ -20,13 +20,13 @@ import numpy as np
 
 from ..errors import SimulationError
 from ..scene import Scene
-from .cosimulation import CoSimulation
+from .cosimulation import Simulation
 from .names import kin, stations
 from .plan import MOTOR
 from .recorder import Recorder, Signal
 from .scales import least_motion
 from .schedule import force_jumps
-from .schemes.adaptive import RESIDUAL_SHARE, Adaptive
+from .schemes.adaptive import RESIDUAL_SHARE
 from .schemes.prescribed import SLIVER
 
 ORDER = {3: 4, 5: 6}  # of the coupling, by that of the signals
@@ -57,13 +57,13 @@ class Controlled:
         parts: of each step of the first run.
     """
 
-    def __init__(self, cosim: CoSimulation, names: Sequence[str]) -> None:
+    def __init__(self, cosim: Simulation, names: Sequence[str]) -> None:
         assert cosim.scene.coupling.tolerance is not None
         self.cosim, self.names = cosim, names
         self.tolerance = cosim.scene.coupling.tolerance
         touching = any(balancer.can_meet for balancer in cosim.scene.balancer)
         jumping = touching or force_jumps(cosim.scene)
-        self.order = ORDER_OF_JUMPS if jumping else ORDER[cosim.system.order]
+        self.order = ORDER_OF_JUMPS if jumping else ORDER[cosim.order]
         self.parts, self.error = 1, math.inf
         self._done = 0  # work, in first runs
 
@@ -125,9 +125,7 @@ class Controlled:
         recorder = Recorder(cosim.units, self.names, _motion(cosim.scene))
         # what is left in the loop must shrink with the rest, or no run would show it
         residual = RESIDUAL_SHARE * self.tolerance / parts ** max(self.order, LEFT)
-        cosim.start(points=(points, residual) if points else None)
-        if isinstance(cosim.scheme, Adaptive):
-            cosim.scheme.share = share
+        cosim.start(points=(points, residual) if points else None, share=share)
         # of a first run it is certain that another follows
         done, work = self._done, max(3, self._done + parts)
         report = progress and (lambda part: progress((done + part * parts) / work))

@@ -1,0 +1,174 @@
+"""One run of a composition by the library itself, in as many calls as the caller likes."""
+
+from __future__ import annotations
+
+import ctypes
+from collections.abc import Sequence
+from ctypes import POINTER, Structure, byref, c_char_p, c_double, c_int, c_size_t, c_uint, c_void_p
+from functools import cache
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .batch import present
+from .composition import Composition
+
+_D, _U = POINTER(c_double), POINTER(c_uint)
+
+
+class _Steps(Structure):
+    _fields_ = (
+        ("share", c_double),
+        ("residual", c_double),
+        ("points", _D),
+        ("count", c_size_t),
+    )
+
+
+class Stretch(Structure):
+    """Communication steps up to a time.
+
+    Args:
+        begin: where the run is [s].
+        end: that must be met [s].
+        step: given steps [s]; 0: they are chosen by the tolerance, or prescribed,
+        longest: and at most that long [s].
+        count: of given steps.
+
+    Attributes:
+        done: steps taken so far.
+    """
+
+    _fields_ = (
+        ("begin", c_double),
+        ("end", c_double),
+        ("step", c_double),
+        ("longest", c_double),
+        ("count", c_size_t),
+        ("done", c_size_t),
+    )
+
+
+class Facts(Structure):
+    """What a run has done since its start; run.h says what each is."""
+
+    _fields_ = tuple(
+        (name, c_double)
+        for name in (
+            "time", "loop_gain", "steps", "passes", "unconverged", "worst_residual",
+            "estimated_error", "unresolved", "loop_failed",
+        )
+    )  # fmt: skip
+
+
+class Failed(Exception):
+    """A run cannot go on; the text says why."""
+
+
+@cache
+def _functions() -> ctypes.CDLL:
+    library, _ = present()
+    for name, result, arguments in (
+        ("new", c_void_p, (c_char_p,)),
+        ("free", None, (c_void_p,)),
+        ("start", c_int, (c_void_p, POINTER(_Steps))),
+        ("on", c_size_t, (c_void_p, POINTER(Stretch), _U, c_size_t, c_size_t, _D)),
+        ("read", c_int, (c_void_p, _U, c_size_t, _D)),
+        ("facts", None, (c_void_p, POINTER(Facts))),
+        ("reason", c_char_p, (c_void_p,)),
+        ("warnings", c_char_p, (c_void_p,)),
+    ):
+        function = library[f"autobalancer_run_{name}"]
+        function.restype, function.argtypes = result, arguments
+        setattr(library, f"autobalancer_run_{name}", function)
+    return library
+
+
+class Run:
+    """A run that is started as often as wanted; a thread has its own.
+
+    Args:
+        composition: what is run, from the start values it has.
+
+    Raises:
+        NotCompiled: the library is not of the present sources, and there is no compiler.
+    """
+
+    def __init__(self, composition: Composition) -> None:
+        self._library, (_, stamp) = _functions(), present()
+        self._points = np.zeros(0)  # the library reads them while it runs
+        self._run = self._library.autobalancer_run_new(composition.token(stamp).encode())
+        if not self._run:
+            raise MemoryError
+
+    def start(
+        self, points: Sequence[float] | None = None, residual: float = 0.0, share: float = 0.0
+    ) -> None:
+        """From the start values; with a tolerance its steps lead to `points` if they are given.
+
+        Args:
+            points: ascending [s].
+            residual: of the largest force, that may stay in the loop on the way to them.
+            share: of the tolerance that one step may err; 0: the usual one.
+
+        Raises:
+            Failed: a parameter is wrong, or there is no consistent start.
+        """
+        self._points = np.array([] if points is None else points, float)
+        data = None if points is None else self._points.ctypes.data_as(_D)
+        steps = _Steps(share, residual, data, len(self._points))
+        if self._library.autobalancer_run_start(self._run, byref(steps)):
+            raise Failed(self.reason)
+
+    def on(
+        self, stretch: Stretch, outputs: NDArray[np.uintc], rows: NDArray[np.float64]
+    ) -> NDArray[np.float64]:
+        """Go on; the interpreter's lock is released meanwhile.
+
+        Args:
+            stretch: is gone on with where the call before has left it.
+            outputs: (asked,) value references.
+            rows: (most, 1 + asked) memory for the time and the outputs behind every step.
+
+        Returns:
+            Rows that were filled: fewer than `most` where the stretch is over, or the run cannot go
+            on, and `reason` says why.
+        """
+        done = self._library.autobalancer_run_on(
+            self._run,
+            byref(stretch),
+            outputs.ctypes.data_as(_U),
+            len(outputs),
+            len(rows),
+            rows.ctypes.data_as(_D),
+        )
+        return rows[:done]
+
+    def read(self, references: NDArray[np.uintc], values: NDArray[np.float64]) -> None:
+        """Present values of variables, into contiguous memory."""
+        addresses = references.ctypes.data_as(_U), len(references), values.ctypes.data_as(_D)
+        if self._library.autobalancer_run_read(self._run, *addresses):
+            raise Failed("values cannot be read before the start")
+
+    @property
+    def facts(self) -> Facts:
+        """What the run has done since its start."""
+        found = Facts()
+        self._library.autobalancer_run_facts(self._run, byref(found))
+        return found
+
+    @property
+    def reason(self) -> str:
+        """Why the run cannot go on; empty where it can."""
+        return self._library.autobalancer_run_reason(self._run).decode()
+
+    @property
+    def warnings(self) -> list[str]:
+        """What the units have warned of since the start."""
+        return self._library.autobalancer_run_warnings(self._run).decode().splitlines()
+
+    def close(self) -> None:
+        """Free the run."""
+        if self._run:
+            self._library.autobalancer_run_free(self._run)
+            self._run = None
