@@ -1,4 +1,4 @@
-"""Runs one after another and by eight threads: the ratio of times, and whether the bits are the same.
+"""Runs one after another and by eight threads: how many times as fast, and with which bits.
 
 python -m tests.threads
 """
