@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import ctypes
 from collections.abc import Sequence
-from ctypes import POINTER, Structure, byref, c_char_p, c_double, c_int, c_size_t, c_uint, c_void_p
+from ctypes import POINTER, Structure, byref, c_char_p, c_double, c_int, c_size_t, c_uint
 from functools import cache
 
 import numpy as np
@@ -52,13 +52,21 @@ class Stretch(Structure):
 class Facts(Structure):
     """What a run has done since its start; run.h says what each is."""
 
-    _fields_ = tuple(
-        (name, c_double)
-        for name in (
-            "time", "loop_gain", "steps", "passes", "unconverged", "worst_residual",
-            "estimated_error", "unresolved", "loop_failed",
-        )
-    )  # fmt: skip
+    _fields_ = (
+        ("time", c_double),
+        ("steps", c_double),
+        ("passes", c_double),
+        ("unconverged", c_double),
+        ("worst_residual", c_double),
+        ("estimated_error", c_double),
+        ("unresolved", c_double),
+        ("loop_failed", c_double),
+        ("reason", c_char_p),
+        ("warnings", c_char_p),
+    )
+
+
+_R = POINTER(Facts)
 
 
 class Failed(Exception):
@@ -69,14 +77,11 @@ class Failed(Exception):
 def _functions() -> ctypes.CDLL:
     library, _ = present()
     for name, result, arguments in (
-        ("new", c_void_p, (c_char_p,)),
-        ("free", None, (c_void_p,)),
-        ("start", c_int, (c_void_p, POINTER(_Steps))),
-        ("on", c_size_t, (c_void_p, POINTER(Stretch), _U, c_size_t, c_size_t, _D)),
-        ("read", c_int, (c_void_p, _U, c_size_t, _D)),
-        ("facts", None, (c_void_p, POINTER(Facts))),
-        ("reason", c_char_p, (c_void_p,)),
-        ("warnings", c_char_p, (c_void_p,)),
+        ("new", _R, (c_char_p,)),
+        ("free", None, (_R,)),
+        ("start", c_int, (_R, POINTER(_Steps))),
+        ("on", c_size_t, (_R, POINTER(Stretch), _U, c_size_t, c_size_t, _D)),
+        ("read", c_int, (_R, _U, c_size_t, _D)),
     ):
         function = library[f"autobalancer_run_{name}"]
         function.restype, function.argtypes = result, arguments
@@ -153,19 +158,17 @@ class Run:
     @property
     def facts(self) -> Facts:
         """What the run has done since its start."""
-        found = Facts()
-        self._library.autobalancer_run_facts(self._run, byref(found))
-        return found
+        return self._run.contents
 
     @property
     def reason(self) -> str:
         """Why the run cannot go on; empty where it can."""
-        return self._library.autobalancer_run_reason(self._run).decode()
+        return self._run.contents.reason.decode()
 
     @property
     def warnings(self) -> list[str]:
         """What the units have warned of since the start."""
-        return self._library.autobalancer_run_warnings(self._run).decode().splitlines()
+        return self._run.contents.warnings.decode().splitlines()
 
     def close(self) -> None:
         """Free the run."""

@@ -10,18 +10,18 @@ enum { WARNINGS_SIZE = 8192 };
 static const char NAME[] = "run", OF_PART[] = "run: ";
 static const double SLIVER = 1e-12; /* of a time: rounding, not a step */
 
-struct Run {
+typedef struct {
+    Run shown;
     Unit *unit;
-    const char *reason;
     Text warnings;
     char refusal[REASON_SIZE], buffer[WARNINGS_SIZE];
-};
+} Whole;
 
 /* Keep why there is no unit, and what its parts warn of; what the coupling itself would say is among
    the facts. */
 static void keep(void *host, const char *name, Status status, const char *message)
 {
-    Run *run = host;
+    Whole *run = host;
     (void)name;
     if (!run->unit) {
         Text text = text_in(run->refusal, sizeof run->refusal);
@@ -34,25 +34,44 @@ static void keep(void *host, const char *name, Status status, const char *messag
 
 Run *autobalancer_run_new(const char *token)
 {
-    Run *run = calloc(1, sizeof *run);
-    if (run) {
-        run->warnings = text_in(run->buffer, sizeof run->buffer);
-        run->reason = run->refusal;
-        run->unit = unit_instantiate(NAME, token, keep, run);
+    Whole *run = calloc(1, sizeof *run);
+    if (!run) {
+        return NULL;
     }
-    return run;
+    run->warnings = text_in(run->buffer, sizeof run->buffer);
+    run->shown.warnings = run->buffer;
+    run->shown.reason = run->refusal;
+    run->unit = unit_instantiate(NAME, token, keep, run);
+    return &run->shown;
 }
 
-void autobalancer_run_free(Run *run)
+void autobalancer_run_free(Run *shown)
 {
+    Whole *run = (Whole *)shown;
     if (run->unit) {
         unit_free(run->unit);
     }
     free(run);
 }
 
-int autobalancer_run_start(Run *run, const Steps *steps)
+static void show(Whole *run)
 {
+    const Composite *c = run->unit->own;
+    const Course *course = c->course;
+    Run *shown = &run->shown;
+    shown->time = course->time;
+    shown->steps = course->steps;
+    shown->passes = course->passes;
+    shown->unconverged = course->unconverged;
+    shown->worst_residual = course->worst_left;
+    shown->estimated_error = course->allowed > 0.0 ? 0.0 : course->error;
+    shown->unresolved = course->unresolved;
+    shown->loop_failed = c->loop_failed;
+}
+
+int autobalancer_run_start(Run *shown, const Steps *steps)
+{
+    Whole *run = (Whole *)shown;
     Unit *unit = run->unit;
     Composite *c;
     if (!unit) {
@@ -60,21 +79,22 @@ int autobalancer_run_start(Run *run, const Steps *steps)
     }
     c = unit->own;
     run->warnings = text_in(run->buffer, sizeof run->buffer);
-    run->reason = "";
     memset(&c->pacing, 0, sizeof c->pacing);
     c->loop_failed = 0;
     unit_reset(unit);
     if (unit_setup(unit, 0.0, infinity()) || unit_enter_initialisation(unit) ||
         unit_exit_initialisation(unit)) {
-        run->reason = unit->reason.at;
+        shown->reason = unit->reason.at;
         return 1;
     }
+    shown->reason = "";
     c->pacing.share = steps->share;
     c->pacing.points = steps->points;
     c->pacing.count = steps->count;
     if (steps->points) {
         iterated_allow(c, steps->residual);
     }
+    show(run);
     return 0;
 }
 
@@ -106,9 +126,10 @@ static int is_over(const Unit *unit, const Stretch *stretch)
     return !(stretch->end - time > SLIVER * stretch->end);
 }
 
-size_t autobalancer_run_on(Run *run, Stretch *stretch, const unsigned *outputs, size_t asked,
+size_t autobalancer_run_on(Run *shown, Stretch *stretch, const unsigned *outputs, size_t asked,
                            size_t most, double *rows)
 {
+    Whole *run = (Whole *)shown;
     Unit *unit = run->unit;
     Composite *c = unit->own;
     size_t k;
@@ -121,43 +142,20 @@ size_t autobalancer_run_on(Run *run, Stretch *stretch, const unsigned *outputs, 
     for (k = 0; k < most && !is_over(unit, stretch); k++, rows += 1 + asked) {
         *rows = go_on(unit, stretch);
         if (*rows < 0.0) {
-            run->reason = unit->reason.at;
+            shown->reason = unit->reason.at;
             break;
         }
         stand(unit, *rows);
         unit_get_reals(unit, outputs, asked, rows + 1);
     }
     unit->asked = NULL;
+    show(run);
     return k;
 }
 
-int autobalancer_run_read(Run *run, const unsigned *references, size_t count, double *values)
+int autobalancer_run_read(Run *shown, const unsigned *references, size_t count, double *values)
 {
-    run->unit->stale = run->unit->stale < OBSERVED ? OBSERVED : run->unit->stale;
-    return unit_get_reals(run->unit, references, count, values) != STATUS_OK;
-}
-
-void autobalancer_run_facts(const Run *run, Facts *facts)
-{
-    const Composite *c = run->unit->own;
-    const Course *course = c->course;
-    facts->time = course->time;
-    facts->loop_gain = course->gain;
-    facts->steps = course->steps;
-    facts->passes = course->passes;
-    facts->unconverged = course->unconverged;
-    facts->worst_residual = course->worst_left;
-    facts->estimated_error = course->allowed > 0.0 ? 0.0 : course->error;
-    facts->unresolved = course->unresolved;
-    facts->loop_failed = c->loop_failed;
-}
-
-const char *autobalancer_run_reason(const Run *run)
-{
-    return run->reason;
-}
-
-const char *autobalancer_run_warnings(const Run *run)
-{
-    return run->buffer;
+    Unit *unit = ((Whole *)shown)->unit;
+    unit->stale = unit->stale < OBSERVED ? OBSERVED : unit->stale;
+    return unit_get_reals(unit, references, count, values) != STATUS_OK;
 }

@@ -10,8 +10,6 @@
 
 #include "export.h"
 
-typedef struct Run Run;
-
 /* How the steps are chosen from the start on. */
 typedef struct {
     double share;         /* of the tolerance that one may err; 0: the usual one */
@@ -30,11 +28,13 @@ typedef struct {
     size_t done;    /* of them; written */
 } Stretch;
 
-/* What a run has done since its start. */
+/* A run, and what it has done since its start, as the last call has left it. */
 typedef struct {
-    double time, loop_gain, steps, passes, unconverged, worst_residual, estimated_error, unresolved;
-    double loop_failed; /* whether the last error was that the loop does not close */
-} Facts;
+    double time, steps, passes, unconverged, worst_residual, estimated_error, unresolved;
+    double loop_failed;   /* whether the reason is that the loop does not close */
+    const char *reason;   /* why the call failed; empty where it did not */
+    const char *warnings; /* of the units, a line each */
+} Run;
 
 /* A run of the composite with this text; NULL without memory.  Where the text is refused every start
    is, with the reason. */
@@ -48,10 +48,5 @@ EXPORT size_t autobalancer_run_on(Run *run, Stretch *stretch, const unsigned *ou
                                   size_t most, double *rows);
 /* Present values of variables. */
 EXPORT int autobalancer_run_read(Run *run, const unsigned *references, size_t count, double *values);
-EXPORT void autobalancer_run_facts(const Run *run, Facts *facts);
-/* Why the last call failed; empty where it did not. */
-EXPORT const char *autobalancer_run_reason(const Run *run);
-/* What the units have warned of since the start, a line each. */
-EXPORT const char *autobalancer_run_warnings(const Run *run);
 
 #endif

@@ -86,7 +86,8 @@ class Recorder:
 
     def extend(self, rows: NDArray[np.float64]) -> None:
         """Record rows of times and values, in the order of the groups."""
-        self.rows.frombytes(rows.tobytes())
+        if rows.size:  # a view of nothing has no bytes
+            self.rows.frombytes(rows.data.cast("B"))
 
     def refuse_too_much(self, done: float) -> None:
         """Refuse a record that will not fit into memory, judged by the finished fraction of a run.
@@ -103,7 +104,7 @@ class Recorder:
 
     def columns(self) -> tuple[Signal, dict[str, Signal]]:
         """Times [s], and every signal by name, those watched as well."""
-        table = np.array(self.rows).reshape(-1, 1 + len(self.signal_units))
+        table = np.frombuffer(self.rows).reshape(-1, 1 + len(self.signal_units))
         return table[:, 0].copy(), {
             n: table[:, i].copy() for i, n in enumerate(self.signal_units, 1)
         }
