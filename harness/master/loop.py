@@ -39,10 +39,12 @@ def pack(ends: Sequence[Knot], step: float) -> Vector:
 
 def unpack(vector: Sequence[complex], step: float, parts: int = 2) -> list[Knot]:
     """Inverse of `pack`, of signals whose ends have so many `parts`."""
+    per_step = 1.0 / step
     if parts == 2:
-        return [(vector[i], vector[i + 1] / step) for i in range(0, len(vector), 2)]
+        return [(vector[i], per_step * vector[i + 1]) for i in range(0, len(vector), 2)]
+    square = per_step * per_step
     return [
-        (vector[i], vector[i + 1] / step, vector[i + 2] / (step * step))
+        (vector[i], per_step * vector[i + 1], square * vector[i + 2])
         for i in range(0, len(vector), 3)
     ]
 
