@@ -15,7 +15,7 @@ from numpy.typing import ArrayLike, NDArray
 from .rotor import LinearRotor
 
 Array = NDArray[np.float64]
-Complex = NDArray[np.complex128]
+Complex = NDArray[np.complexfloating]
 
 _STEPS, _HALVINGS = 100, 12  # of Newton's method, of one of its steps
 _SETTLED = 1e-9  # of the largest motion without sliders

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from typing import Any
 
@@ -21,7 +22,7 @@ from .parameters import Parameter
 
 STEP = 1e-3  # of a parameter's start: far above the error of a run, far below what bends a curve
 MOST_STEPS = 60
-ENOUGH = 1e-6  # change of a parameter or of the sum of squares at which the fit has ended
+ENOUGH = 1e-5  # change of a parameter or of the sum of squares at which the fit has ended
 CONFIDENCE = 0.95
 ALIKE = math.sqrt(10.0)  # a variance inflation of 10 is commonly taken for too much
 BLIND = 1e-6  # of the strongest parameter's effect: none at all
@@ -118,12 +119,9 @@ def fit(
         )
     model, differ = Model(scene, parameters, measured), difference(values, logarithms)
     scale = np.array([parameter.start for parameter in parameters])
-    start, guessed = np.ones(len(parameters)), math.nan
-    try:
-        guess = _search(HarmonicModel(scene, parameters, measured), differ, start)
-        first, guessed = guess.x, rms(guess.fun)
-    except NoResponse:
-        first = start
+    first, guessed = np.ones(len(parameters)), math.nan
+    with suppress(NoResponse):
+        first, guessed = _first_guess(HarmonicModel(scene, parameters, measured), model, differ)
     found = _search(model, differ, first, progress)
     uncertainty, correlation, inflation = _known(found.jac, found.fun)
     uncertainty = np.where(found.active_mask == 0, uncertainty, math.nan)
@@ -139,6 +137,22 @@ def fit(
         guessed,
         found.message,
     )
+
+
+def _first_guess(harmonic: HarmonicModel, model: Model, differ: Difference) -> tuple[Array, float]:
+    """Parameters over their starts (p,) by harmonic balance, and its rms.
+
+    Once more with what it misses of the runs there (one set of them): these then have little to do.
+
+    Raises:
+        NoResponse: it has no answer.
+        SimulationError: a run has failed.
+    """
+    scale = np.array([parameter.start for parameter in model.parameters])
+    guess = _search(harmonic, differ, np.ones(len(scale)))
+    runs, own = (differ(one.amplitudes(guess.x[None] * scale)[0]) for one in (model, harmonic))
+    closer = _search(harmonic, lambda amplitudes: differ(amplitudes) + runs - own, guess.x)
+    return closer.x, rms(guess.fun)
 
 
 def _search(
