@@ -71,6 +71,14 @@ class Adaptive:
         self.rejected = 0
         self._largest_motion = iterated.largest / mass
 
+    def loosen(self, share: float, residual: float, rung: float) -> None:
+        """Before the first step: what a step may err, of the tolerance, and leave in the loop.
+
+        `rung` is that of the first step.
+        """
+        self.share, self.rung = share, rung
+        self.iterated.allow(residual)
+
     def cross_jump(self, system: System, time: float, step: float) -> None:
         """One step of given length, where nothing of the past can be used."""
         self.iterated.cross_jump(system, time, step)
