@@ -16,7 +16,8 @@ typedef enum { SCHEME_AUTO, SCHEME_ITERATED, SCHEME_COMPENSATED } Scheme;
 
 enum { UNTIL_CONVERGED = -1 }; /* corrections */
 
-/* Value and slope of a signal at one point, and of a quintic its second derivative, else 0. */
+/* Value and slope of a signal at one point, and of a quintic its second derivative, else 0: in this
+   order, as an array of three. */
 typedef struct {
     Complex value, slope, second;
 } Knot;
@@ -84,6 +85,10 @@ typedef struct {
     double unpulsed, learned_step; /* `largest` and `solved_step` before them */
     double steps, unconverged, error;
     double allowed, rung, largest_motion; /* tolerance, 0 for fixed steps; step as 2^(-rung/4) */
+    double rested;             /* steps of this length in which nothing has moved */
+    double held;               /* whether the step holds its signals at the values they end with */
+    double shown;              /* when the units stand, within it [s] */
+    double slowest;            /* rate of the rotor's slowest motion [1/s] */
     /* what the resolution is judged by; see resolution.py for what these are */
     double top, mass, pace, reach, most, pushed, judged_step, blind, kept, kept_turning, renewed;
     double moved, grown, unresolved;
@@ -98,7 +103,7 @@ typedef struct {
 /* Cubic over a step per value and slope missed in the one before, and what it was worked out for:
    turn of the axes [rad], past step, and step [s]. */
 typedef struct {
-    double key[3];
+    double turn, past, step;
     Complex rows[SIGNAL_ORDERS][2];
 } Carried;
 
@@ -207,6 +212,8 @@ double shaft_speed(const Composite *c);
 
 /* A signal of which the start alone is known. */
 void knot_begun(const Knot *start, int orders, Complex *signal);
+/* A signal held at a value. */
+void knot_held(const Knot *knot, int orders, Complex *signal);
 void knot_hermite(const Knot *start, const Knot *end, int orders, double step, Complex *signal);
 Knot knot_end(const Complex *signal, int orders, double step);
 void signal_predicted(const Signal *signal, int orders, Complex *ahead);

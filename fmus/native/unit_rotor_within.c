@@ -6,10 +6,10 @@
 #include "propagator.h"
 #include "unit_rotor.h"
 
-/* A mode may turn so far in the step [rad]: beyond, terms cancel, and a matrix keeps more digits. */
+/* A mode may turn so far in a piece [rad]: beyond, terms cancel, and a matrix keeps more digits. */
 static const double SOFT = 3.0;
 static const double NEGLIGIBLE = 1e-16; /* of the sum: a term, and the one before */
-enum { MOST_TERMS = 60 };
+enum { MOST_TERMS = 60, MOST_PIECES = 12 }; /* more cost as much as a matrix */
 
 size_t rotor_rates_doubles(int n, int p, int orders)
 {
@@ -92,8 +92,9 @@ int rotor_rates(Unit *unit)
     return 0;
 }
 
-/* Z times a state (size,), its elements from `first` up to `end`. */
-static void changes(const Rates *rates, int first, int end, const double *state, double *change)
+/* Z times a state (size,) times `factor`, its elements from `first` up to `end`. */
+static void changes(const Rates *rates, int first, int end, const double *state, double factor,
+                    double *change)
 {
     int i, k;
     for (i = first; i < end; i++) {
@@ -101,7 +102,7 @@ static void changes(const Rates *rates, int first, int end, const double *state,
         for (k = rates->first[i]; k < rates->first[i + 1]; k++) {
             sum += rates->value[k] * state[rates->column[k]];
         }
-        change[i] = sum;
+        change[i] = factor * sum;
     }
 }
 
@@ -117,6 +118,26 @@ static int vanishes(int count, const double *term, const double *sum)
     return small <= NEGLIGIBLE * large;
 }
 
+/* A state (size,), `time` on; 0 where the series does not end.  `term` and `next`: (size,) each. */
+static int advance(const Rates *rates, int half, double time, double *sum, double *term, double *next)
+{
+    const int size = rates->size;
+    int k, i, small = 0;
+    memcpy(term, sum, (size_t)size * sizeof(double));
+    for (k = 1; k < MOST_TERMS && !small; k += 2) {
+        changes(rates, 0, size, term, time / k, next);
+        changes(rates, 0, size, next, time / (k + 1), term);
+        for (i = 0; i < size; i++) {
+            sum[i] += next[i];
+            sum[i] += term[i];
+        }
+        /* one term alone may be 0 before the last */
+        small = vanishes(half, term, sum) && vanishes(half, next, sum) &&
+                vanishes(half, term + half, sum + half) && vanishes(half, next + half, sum + half);
+    }
+    return small;
+}
+
 int rotor_within(Rotor *own, double time)
 {
     const Rates *rates = &own->rates;
@@ -124,35 +145,26 @@ int rotor_within(Rotor *own, double time)
     /* of the acceleration's derivatives the last one asks for velocities alone */
     const int quintic = own->orders == QUINTIC_ORDERS;
     const int first = quintic ? 0 : half, end = quintic ? size : 2 * half;
-    double *sum = own->operand, *term = rates->work, *next = term + size, *kept;
+    double *sum = own->operand, *term = rates->work, *next = term + size;
     double *out = own->result + 2 * half;
-    int k, i, before = 0, small = 0;
-    if (!(rates->quickest * own->whole <= SOFT)) {
+    const double turned = rates->quickest * time;
+    const int pieces = turned <= MOST_PIECES * SOFT ? 1 + (int)(turned / SOFT) : 0;
+    int k;
+    if (!pieces) {
         return 0;
     }
-    memcpy(term, sum, (size_t)size * sizeof(double));
-    for (k = 1; k <= MOST_TERMS && !(small && before); k++) {
-        changes(rates, 0, size, term, next);
-        for (i = 0; i < size; i++) {
-            next[i] *= time / k;
-            sum[i] += next[i];
+    for (k = 0; k < pieces; k++) {
+        if (!advance(rates, half, time / pieces, sum, term, next)) {
+            return 0;
         }
-        before = small;
-        small = vanishes(half, next, sum) && vanishes(half, next + half, sum + half);
-        kept = term;
-        term = next;
-        next = kept;
     }
-    if (!(small && before)) {
-        return 0;
-    }
-    changes(rates, 0, size, sum, term);
-    changes(rates, first, end, term, next);
+    changes(rates, 0, size, sum, 1.0, term);
+    changes(rates, first, end, term, 1.0, next);
     memcpy(own->result, sum, 2 * (size_t)half * sizeof(double));
     rotor_vectors_at(own->rotor.planes, own->planes, own->stations, term + half, out);
     rotor_vectors_at(own->rotor.planes, own->planes, own->stations, next + half, out + planes);
     if (quintic) {
-        changes(rates, half, 2 * half, next, term);
+        changes(rates, half, 2 * half, next, 1.0, term);
         rotor_vectors_at(own->rotor.planes, own->planes, own->stations, term + half,
                          out + 2 * planes);
     }

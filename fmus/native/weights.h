@@ -21,11 +21,15 @@ typedef struct {
     double radius;       /* of a body that rolls r [m] */
 } Weights;
 
-/* Exact response of angle and rate over a step, remembered for one damping rate and step. */
+/* Exact response of rate and angle over a step to the rate and to g0..g3, remembered for one damping
+   rate and step; then what a cubic's ends, by its derivatives of order 2 and 3, add to the rate and to
+   the angle: its value at the start takes off as much as that at the end adds. */
 typedef struct {
     double damping_rate, step;
-    double response[10];
+    double response[16];
 } Quadrature;
+
+enum { END_VALUE, END_SLOPE, START_SLOPE };
 
 /* 0, or what is not allowed. */
 int weights_check(const Weights *weights, Failure *failure);
@@ -34,10 +38,10 @@ double weights_damping_rate(const Weights *weights); /* d = b/(kappa m) [1/s] */
 /* s: part of the track's angular acceleration by which a free weight falls behind. */
 double weights_spin_share(const Weights *weights);
 
-/* Sum of m R e^{i theta} in the rotor frame [kg m]. */
-Complex weights_static_moment(const Weights *weights, const double *angles);
+/* Sum of m R e^{i theta} in the rotor frame [kg m]; turned: (N, 2) as `turned_by` keeps them, or NULL. */
+Complex weights_static_moment(const Weights *weights, const double *angles, Turned *turned);
 /* |sum e^{2 i theta}|/N: 0 for evenly spread weights, 1 for a pair. */
-double weights_alignment(int count, const double *angles);
+double weights_alignment(int count, const double *angles, Turned *turned);
 
 /* phi_0(z)..phi_count(z) for z <= 0; count at most 8. */
 void phi_functions(double z, int count, double *phi);

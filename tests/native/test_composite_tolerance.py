@@ -56,6 +56,8 @@ def loose(name: str, tolerance: float, revolutions: float) -> Scene:
         ("two_balls", 1e-7, 5, QUINTIC),
         ("liquid_heavy_force", 1e-6, 5, QUINTIC),
         ("two_plane_rodrigues", 1e-6, 4, QUINTIC),
+        ("balls_and_liquid", 1e-3, 200, {}),
+        ("balls_and_liquid", 1e-5, 200, QUINTIC),
     ],
 )
 def test_steps_and_motion_are_those_of_the_harness(instance, name, tolerance, revolutions, changes):
