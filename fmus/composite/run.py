@@ -20,6 +20,7 @@ class _Steps(Structure):
     _fields_ = (
         ("share", c_double),
         ("residual", c_double),
+        ("rung", c_double),
         ("points", _D),
         ("count", c_size_t),
     )
@@ -107,21 +108,24 @@ class Run:
             raise MemoryError
 
     def start(
-        self, points: Sequence[float] | None = None, residual: float = 0.0, share: float = 0.0
+        self,
+        points: tuple[Sequence[float], float] | None = None,
+        loosened: tuple[float, float, int] | None = None,
     ) -> None:
         """From the start values; with a tolerance its steps lead to `points` if they are given.
 
         Args:
-            points: ascending [s].
-            residual: of the largest force, that may stay in the loop on the way to them.
-            share: of the tolerance that one step may err; 0: the usual one.
+            points: ascending [s], and the residual, of the largest force, that may stay then.
+            loosened: share of the tolerance that a step may err, that residual, and the rung of the
+                first step; by default the usual ones.
 
         Raises:
             Failed: a parameter is wrong, or there is no consistent start.
         """
-        self._points = np.array([] if points is None else points, float)
-        data = None if points is None else self._points.ctypes.data_as(_D)
-        steps = _Steps(share, residual, data, len(self._points))
+        grid, residual = points or ([], 0.0)
+        self._points = np.array(grid, float)
+        data = self._points.ctypes.data_as(_D) if points else None
+        steps = _Steps(*(loosened or (0.0, residual, 0.0)), data, len(self._points))
         if self._library.autobalancer_run_start(self._run, byref(steps)):
             raise Failed(self.reason)
 

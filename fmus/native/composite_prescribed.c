@@ -1,9 +1,9 @@
 /* Prescribed: the communication points of an earlier run, with others between them; twin of
-   harness/master/schemes/prescribed.py. */
+   harness/master/schemes/prescribed.py, which says why signals are held over long ones. */
 #include "composite.h"
 #include "elementary.h"
 
-static const double SLIVER = 1e-12; /* of a time: rounding, not a step */
+static const double LONG = 1.01, SLIVER = 1e-12; /* of a time: rounding, not a step */
 
 int prescribed_step(Unit *unit)
 {
@@ -11,7 +11,7 @@ int prescribed_step(Unit *unit)
     Course *course = c->course;
     Pacing *pacing = &c->pacing;
     double step = pacing->step;
-    int measured = 0, met = 0;
+    int measured = 0, met = 0, held;
     while (pacing->next < pacing->count &&
            pacing->points[pacing->next] <= course->time * (1.0 + SLIVER)) {
         pacing->next++;
@@ -19,8 +19,12 @@ int prescribed_step(Unit *unit)
     if (pacing->next < pacing->count) {
         step = smaller(step, pacing->points[pacing->next] - course->time);
     }
+    held = step > LONG * pacing->longest;
     for (;;) {
-        const double residual = iterated_attempt(unit, step);
+        double residual;
+        course->held = held;
+        residual = iterated_attempt(unit, step);
+        course->held = 0.0;
         if (residual < 0.0) {
             if (contacts_ahead(unit, &step)) {
                 return 1;
@@ -33,6 +37,7 @@ int prescribed_step(Unit *unit)
         }
         if (measured || residual <= course->tolerance) {
             course->residual = residual;
+            course->held = held;
             return iterated_go_on(unit, step, met);
         }
         composite_restore(c);

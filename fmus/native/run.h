@@ -12,8 +12,9 @@
 
 /* How the steps are chosen from the start on. */
 typedef struct {
-    double share;         /* of the tolerance that one may err; 0: the usual one */
-    double residual;      /* of the largest force that may stay in the loop on the way to */
+    double share;         /* of the tolerance that one may err; 0: all as usual */
+    double residual;      /* of the largest force that may stay in the loop */
+    double rung;          /* of the first step */
     const double *points; /* that they lead to, ascending [s]; NULL: to none.  Kept by the caller */
     size_t count;         /* of the points */
 } Steps;

@@ -61,15 +61,16 @@ class OneFileRun(Closing):
         self.time, self._passes = 0.0, 0.0
 
     def start(
-        self, points: tuple[Sequence[float], float] | None = None, share: float = 0.0
+        self,
+        points: tuple[Sequence[float], float] | None = None,
+        loosened: tuple[float, float, int] | None = None,
     ) -> None:
         """As `CoSimulation.start`."""
         if self.time:
             self._passes += self._run.facts.passes
         self.time = 0.0
-        grid, residual = points or (None, 0.0)
         try:
-            self._run.start(grid, residual, share)
+            self._run.start(points, loosened)
         except Failed as failure:
             raise SimulationError(f"{self.scene.name}: {failure}") from None
 
