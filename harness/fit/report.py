@@ -57,11 +57,13 @@ def _spread(one: Mapping[str, Any]) -> str:
 
 def lines(said: Mapping[str, Any]) -> list[str]:
     """What the table does not say."""
-    predicted = "rms_predicted" in said
+    predicted = []
+    if "rms_predicted" in said:
+        predicted = [f"Predicted: rms {said['rms_predicted']:.4g}, {said['predicted']}"]
     return [
         f"{said['values']} measured amplitudes; rms of the difference in {said['difference']}: "
         f"{said['rms_before']:.4g} before, {said['rms']:.4g} after ({said['ended']})",
-        *([f"Predicted: rms {said['rms_predicted']:.4g}, {said['predicted']}"] * predicted),
+        *predicted,
         *(f"Warning: {text}" for text in said["warnings"]),
         "As options: "
         + " ".join(
