@@ -19,17 +19,21 @@ static void keep(void *host, const char *name, Status status, const char *messag
 /* The run of one set of values; how many of its points were reached. */
 static size_t run(Unit *unit, const Batch *batch, const double *values, double end, double *signals)
 {
+    int level;
     size_t k;
     unit_reset(unit);
     if (unit_set_reals(unit, batch->references, batch->changed, values) ||
         unit_setup(unit, 0.0, infinity()) || unit_enter_initialisation(unit) ||
-        unit_exit_initialisation(unit)) {
+        unit_exit_initialisation(unit) ||
+        unit_get_reals(unit, batch->outputs, batch->asked, signals)) {
         return 0;
     }
-    for (k = 0; k <= batch->points; k++, signals += batch->asked) {
+    level = unit_level(unit, batch->outputs, batch->asked);
+    for (k = 1; k <= batch->points; k++) {
         const double time = end * ((double)k / (double)batch->points);
-        if ((k && unit_step(unit, unit->time, time - unit->time)) ||
-            unit_get_reals(unit, batch->outputs, batch->asked, signals)) {
+        signals += batch->asked;
+        if (unit_step(unit, unit->time, time - unit->time) ||
+            unit_read(unit, level, batch->outputs, batch->asked, signals)) {
             return k;
         }
     }

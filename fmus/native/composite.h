@@ -16,7 +16,8 @@ typedef enum { SCHEME_AUTO, SCHEME_ITERATED, SCHEME_COMPENSATED } Scheme;
 
 enum { UNTIL_CONVERGED = -1 }; /* corrections */
 
-/* Value and slope of a signal at one point, and of a quintic its second derivative, else 0. */
+/* Value and slope of a signal at one point, and of a quintic its second derivative, else 0: in this
+   order, as an array of three. */
 typedef struct {
     Complex value, slope, second;
 } Knot;
@@ -98,7 +99,7 @@ typedef struct {
 /* Cubic over a step per value and slope missed in the one before, and what it was worked out for:
    turn of the axes [rad], past step, and step [s]. */
 typedef struct {
-    double key[3];
+    double turn, past, step;
     Complex rows[SIGNAL_ORDERS][2];
 } Carried;
 

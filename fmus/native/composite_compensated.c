@@ -37,11 +37,11 @@ static void carry(Carried *carried, double turn, double past, double step)
 {
     static const double shape[SIGNAL_ORDERS][2] = {
         {1.0, 0.0}, {0.0, 1.0}, {-6.0, -4.0}, {12.0, 6.0}};
-    const double key[3] = {turn, past, step}, ratio = step / past;
+    const double ratio = step / past;
     Complex missed[4], given[4]; /* (2, 2): impulse and its moment, per value and slope */
     double power = 1.0;
     int k, i;
-    if (!memcmp(carried->key, key, sizeof key)) {
+    if (carried->turn == turn && carried->past == past && carried->step == step) {
         return;
     }
     memset(missed, 0, sizeof missed);
@@ -68,7 +68,9 @@ static void carry(Carried *carried, double turn, double past, double step)
             carried->rows[k][i] = complex_of(sum.re / power, sum.im / power);
         }
     }
-    memcpy(carried->key, key, sizeof key);
+    carried->turn = turn;
+    carried->past = past;
+    carried->step = step;
 }
 
 /* Signals over the step with what was missed in the past one added. */
@@ -141,7 +143,7 @@ static void solve(Composite *c, double step)
 /* A signal's end with what was missed (value, and slope times step) added. */
 static Knot righted(Knot end, Missed missed, double step)
 {
-    const Complex slope = complex_of(missed.slope.re / step, missed.slope.im / step);
+    const Complex slope = complex_scaled(1.0 / step, missed.slope);
     end.value = complex_sum(end.value, missed.value);
     end.slope = complex_sum(end.slope, slope);
     return end;

@@ -29,13 +29,14 @@ void loop_pack(const Composite *c, const Knot *ends, int count, double step, dou
 
 void loop_unpack(const Composite *c, const double *u, int count, double step, Knot *ends)
 {
+    const double per_step = 1.0 / step, square = per_step * per_step;
     int k;
     for (k = 0; k < count; k++, u += c->orders) {
         ends[k].value = complex_of(u[0], u[1]);
-        ends[k].slope = complex_of(u[2] / step, u[3] / step);
+        ends[k].slope = complex_of(per_step * u[2], per_step * u[3]);
         ends[k].second = complex_of(0.0, 0.0);
         if (c->orders == QUINTIC_ORDERS) {
-            ends[k].second = complex_of(u[4] / (step * step), u[5] / (step * step));
+            ends[k].second = complex_of(square * u[4], square * u[5]);
         }
     }
 }
@@ -60,10 +61,10 @@ double loop_size(const double *u, int count)
 double spectral_radius(int n, double *matrix, double *work)
 {
     const size_t count = (size_t)n * (size_t)n;
-    double radius = 1.0;
-    int turn, root;
+    double sizes[SQUARINGS + 1], radius = 1.0;
+    int turn;
     for (turn = 0; turn <= SQUARINGS; turn++) {
-        double size = 0.0, share;
+        double size = 0.0;
         size_t k;
         for (k = 0; k < count; k++) {
             size = larger(size, absolute(matrix[k]));
@@ -71,16 +72,14 @@ double spectral_radius(int n, double *matrix, double *work)
         if (!(size > 0.0)) {
             return 0.0;
         }
-        share = size;
-        for (root = 0; root < turn; root++) {
-            share = square_root(share);
-        }
-        radius *= share;
+        sizes[turn] = size;
         for (k = 0; k < count; k++) {
-            matrix[k] /= size;
+            work[k] = matrix[k] / size;
         }
-        matrix_product(1, n, n, n, matrix, matrix, work);
-        memcpy(matrix, work, count * sizeof(double));
+        matrix_product(1, n, n, n, work, work, matrix);
+    }
+    while (turn--) { /* what the t-th was divided by counts by its 2^t-th root */
+        radius = sizes[turn] * square_root(radius);
     }
     return radius;
 }

@@ -16,9 +16,7 @@ void knot_begun(const Knot *start, int orders, Complex *signal)
 void knot_hermite(const Knot *start, const Knot *end, int orders, double step, Complex *signal)
 {
     if (orders == QUINTIC_ORDERS) {
-        const Complex from[3] = {start->value, start->slope, start->second};
-        const Complex to[3] = {end->value, end->slope, end->second};
-        signal_quintic_hermite(from, to, step, signal);
+        signal_quintic_hermite(&start->value, &end->value, step, signal);
     } else {
         signal_hermite(start->value, start->slope, end->value, end->slope, step, signal);
     }

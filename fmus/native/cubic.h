@@ -9,17 +9,16 @@
 static inline void hermite(double start, double slope, double end, double end_slope, double step,
                            double *second, double *third)
 {
-    const double rise = (end - start) / step;
-    *second = (6.0 * rise - 4.0 * slope - 2.0 * end_slope) / step;
-    *third = (6.0 * (slope + end_slope) - 12.0 * rise) / (step * step);
+    const double per_step = 1.0 / step, rise = (end - start) * per_step;
+    *second = (6.0 * rise - 4.0 * slope - 2.0 * end_slope) * per_step;
+    *third = (6.0 * (slope + end_slope) - 12.0 * rise) * (per_step * per_step);
 }
 
 /* Value of a complex cubic `time` after its start. */
 static inline Complex cubic_value(const Complex *cubic, double time)
 {
-    const Complex third = complex_of(time * cubic[3].re / 6.0, time * cubic[3].im / 6.0);
-    Complex sum = complex_sum(complex_scaled(0.5, cubic[2]), third);
-    sum = complex_sum(cubic[1], complex_scaled(time, sum));
+    Complex sum = complex_sum(cubic[2], complex_scaled(time / 3.0, cubic[3]));
+    sum = complex_sum(cubic[1], complex_scaled(0.5 * time, sum));
     return complex_sum(cubic[0], complex_scaled(time, sum));
 }
 

@@ -6,6 +6,7 @@
 #include <stdint.h>
 
 #define WHOLE 4503599627370496.0   /* 2^52: from here on every number is whole */
+#define ROUNDER 6755399441055744.0 /* 3 2^51: leaves whole numbers of what is added to it */
 #define SPLITTER 134217729.0       /* 2^27 + 1 */
 #define SMALL_ANGLE 1.0e5          /* the products n P1, n P2 are exact up to here */
 #define CANCELLED 1e-17            /* less, a quarter turn, is left of an angle: too few digits */
@@ -164,7 +165,7 @@ static int reduced_exactly(double x, double *high, double *low)
 static int reduced(double x, double *high, double *low)
 {
     if (absolute(x) <= SMALL_ANGLE) {
-        const double n = nearest(x * TWO_OVER_PI);
+        const double n = (x * TWO_OVER_PI + ROUNDER) - ROUNDER;
         double error;
         const double near = two_sum(x - n * P1, -(n * P2), &error);
         const double rest = n * P3 - error;

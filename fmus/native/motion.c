@@ -18,9 +18,9 @@ static int is_offset(const Track *track)
     return track->offset.re != 0.0 || track->offset.im != 0.0;
 }
 
-Complex track_static_moment(const Track *track, const double *angles)
+Complex track_static_moment(const Track *track, const double *angles, Turned *turned)
 {
-    return complex_sum(weights_static_moment(&track->weights, angles),
+    return complex_sum(weights_static_moment(&track->weights, angles, turned),
                        complex_scaled(weights_added_mass(&track->weights), track->offset));
 }
 

@@ -25,7 +25,7 @@ typedef struct {
 size_t track_scratch(int count);
 
 /* Static moment about the plane's centre, sum m (e + R e^{i theta}), rotor frame [kg m]. */
-Complex track_static_moment(const Track *track, const double *angles);
+Complex track_static_moment(const Track *track, const double *angles, Turned *turned);
 
 /* `contacts` (N,) of a fresh start: weights that touch and move alike, whatever drives them. */
 int track_first_contacts(const Track *track, const double *angles, const double *speeds,

@@ -67,7 +67,7 @@ static int substep(double *angle, double *angle_rate, const Complex *start, cons
         const double last_angle = new_angle, last_rate = new_rate, last_change = change;
         along_track_of(end, direction_at(direction, new_angle - from, lever, new_angle), new_rate,
                        damping_rate, reached);
-        quintic_hermite(begin, reached, step, higher);
+        quintic_hermite(begin, reached, 1, step, higher);
         new_rate = free_rate + sum_of(s + 3, higher);
         new_angle = free_angle + sum_of(t + 3, higher);
         change = absolute(new_angle - last_angle) + absolute(new_rate - last_rate) * step;

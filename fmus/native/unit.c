@@ -224,12 +224,13 @@ static int out_of_place(Unit *unit, double time, double step)
 static int demand_finite(Unit *unit, Range range)
 {
     const double *values = unit->real + range.first;
-    double none = 0.0; /* x - x is 0 of a finite number, else not a number */
+    double even = 0.0, odd = 0.0; /* sums, not finite where one of them is not, or where they are huge */
     size_t k;
-    for (k = 0; k < range.count; k++) {
-        none += values[k] - values[k];
+    for (k = 0; k + 1 < range.count; k += 2) {
+        even += values[k];
+        odd += values[k + 1];
     }
-    if (none == 0.0) {
+    if (is_finite(even + odd + (k < range.count ? values[k] : 0.0))) {
         return 0;
     }
     for (k = range.first; k < range.first + range.count; k++) {

@@ -142,6 +142,10 @@ int unit_allocate_elements(Unit *unit);
 Status unit_elements(Unit *unit, const char *function, const unsigned *references, size_t count,
                      size_t value_count, Elements *elements);
 Status unit_get_reals(Unit *unit, const unsigned *references, size_t count, double *values);
+/* The same of references that are known, whose outputs may be as stale as `unit_level` says: for who
+   reads them again and again. */
+int unit_level(const Unit *unit, const unsigned *references, size_t count);
+Status unit_read(Unit *unit, int level, const unsigned *references, size_t count, double *values);
 Status unit_set_reals(Unit *unit, const unsigned *references, size_t count, const double *values);
 /* One Boolean, 0 or 1. */
 Status unit_get_boolean(Unit *unit, unsigned reference, int *value);

@@ -178,7 +178,7 @@ static double largest_bending(const Rotor *own, const double *stations)
         double bending[2];
         const double *row = rotor->deflection + i * own->stations;
         rotor_vectors_at(row, 1, own->stations, stations, bending);
-        largest = larger(largest, hypotenuse(bending[0], bending[1]));
+        largest = larger(largest, magnitude(complex_of(bending[0], bending[1])));
     }
     return largest;
 }

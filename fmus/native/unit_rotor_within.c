@@ -92,8 +92,9 @@ int rotor_rates(Unit *unit)
     return 0;
 }
 
-/* Z times a state (size,), its elements from `first` up to `end`. */
-static void changes(const Rates *rates, int first, int end, const double *state, double *change)
+/* Z times a state (size,) times `factor`, its elements from `first` up to `end`. */
+static void changes(const Rates *rates, int first, int end, const double *state, double factor,
+                    double *change)
 {
     int i, k;
     for (i = first; i < end; i++) {
@@ -101,7 +102,7 @@ static void changes(const Rates *rates, int first, int end, const double *state,
         for (k = rates->first[i]; k < rates->first[i + 1]; k++) {
             sum += rates->value[k] * state[rates->column[k]];
         }
-        change[i] = sum;
+        change[i] = factor * sum;
     }
 }
 
@@ -124,35 +125,34 @@ int rotor_within(Rotor *own, double time)
     /* of the acceleration's derivatives the last one asks for velocities alone */
     const int quintic = own->orders == QUINTIC_ORDERS;
     const int first = quintic ? 0 : half, end = quintic ? size : 2 * half;
-    double *sum = own->operand, *term = rates->work, *next = term + size, *kept;
+    double *sum = own->operand, *term = rates->work, *next = term + size;
     double *out = own->result + 2 * half;
-    int k, i, before = 0, small = 0;
+    int k, i, small = 0;
     if (!(rates->quickest * own->whole <= SOFT)) {
         return 0;
     }
     memcpy(term, sum, (size_t)size * sizeof(double));
-    for (k = 1; k <= MOST_TERMS && !(small && before); k++) {
-        changes(rates, 0, size, term, next);
+    for (k = 1; k < MOST_TERMS && !small; k += 2) {
+        changes(rates, 0, size, term, time / k, next);
+        changes(rates, 0, size, next, time / (k + 1), term);
         for (i = 0; i < size; i++) {
-            next[i] *= time / k;
             sum[i] += next[i];
+            sum[i] += term[i];
         }
-        before = small;
-        small = vanishes(half, next, sum) && vanishes(half, next + half, sum + half);
-        kept = term;
-        term = next;
-        next = kept;
+        /* one term alone may be 0 before the last */
+        small = vanishes(half, term, sum) && vanishes(half, next, sum) &&
+                vanishes(half, term + half, sum + half) && vanishes(half, next + half, sum + half);
     }
-    if (!(small && before)) {
+    if (!small) {
         return 0;
     }
-    changes(rates, 0, size, sum, term);
-    changes(rates, first, end, term, next);
+    changes(rates, 0, size, sum, 1.0, term);
+    changes(rates, first, end, term, 1.0, next);
     memcpy(own->result, sum, 2 * (size_t)half * sizeof(double));
     rotor_vectors_at(own->rotor.planes, own->planes, own->stations, term + half, out);
     rotor_vectors_at(own->rotor.planes, own->planes, own->stations, next + half, out + planes);
     if (quintic) {
-        changes(rates, half, 2 * half, next, term);
+        changes(rates, half, 2 * half, next, 1.0, term);
         rotor_vectors_at(own->rotor.planes, own->planes, own->stations, term + half,
                          out + 2 * planes);
     }

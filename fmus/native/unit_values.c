@@ -62,17 +62,20 @@ static int level_of(const Unit *unit, size_t reference)
                                                                            : WITHOUT_TORQUES;
 }
 
-Status unit_get_reals(Unit *unit, const unsigned *references, size_t count, double *values)
+int unit_level(const Unit *unit, const unsigned *references, size_t count)
 {
     int level = BEGINNING;
     size_t k;
-    if (unknown(unit, references, count, 0, unit->layout.real_count)) {
-        return unit_report(unit, STATUS_ERROR, "reading failed");
-    }
     for (k = 0; k < count; k++) {
         const int needed = level_of(unit, references[k]);
         level = needed < level ? needed : level;
     }
+    return level;
+}
+
+Status unit_read(Unit *unit, int level, const unsigned *references, size_t count, double *values)
+{
+    size_t k;
     if (unit->stale > level && unit_refresh(unit, level)) {
         return unit_report(unit, STATUS_ERROR, "reading failed");
     }
@@ -80,6 +83,14 @@ Status unit_get_reals(Unit *unit, const unsigned *references, size_t count, doub
         values[k] = unit->real[references[k]];
     }
     return STATUS_OK;
+}
+
+Status unit_get_reals(Unit *unit, const unsigned *references, size_t count, double *values)
+{
+    if (unknown(unit, references, count, 0, unit->layout.real_count)) {
+        return unit_report(unit, STATUS_ERROR, "reading failed");
+    }
+    return unit_read(unit, unit_level(unit, references, count), references, count, values);
 }
 
 /* 0, or 1 with the reason when these values may not be set now. */

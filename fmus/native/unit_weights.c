@@ -356,12 +356,12 @@ static void observe(Unit *unit)
 {
     const Balls *own = unit->own;
     const size_t count = (size_t)own->count;
-    const Complex moment = track_static_moment(&own->track, unit->memory);
+    const Complex moment = track_static_moment(&own->track, unit->memory, own->turned);
     double *out = unit->real + unit->layout.observed.first;
     memcpy(out, unit->memory, 2 * count * sizeof(double));
     out[2 * count] = moment.re;
     out[2 * count + 1] = moment.im;
-    out[2 * count + 2] = weights_alignment(own->count, unit->memory);
+    out[2 * count + 2] = weights_alignment(own->count, unit->memory, own->turned);
 }
 
 static void observe_torques(Unit *unit)

@@ -47,22 +47,29 @@ double weights_damping_rate(const Weights *weights)
     return weights->drag / (weights->kappa * weights->mass);
 }
 
-Complex weights_static_moment(const Weights *weights, const double *angles)
+/* e^{i theta} of the k-th weight. */
+static Complex unit_of(Turned *turned, const double *angles, int k)
+{
+    return turned_by(turned ? turned + 2 * k : NULL, angles[k]);
+}
+
+Complex weights_static_moment(const Weights *weights, const double *angles, Turned *turned)
 {
     Complex sum = {0.0, 0.0};
     int k;
     for (k = 0; k < weights->count; k++) {
-        sum = complex_sum(sum, rect(1.0, angles[k]));
+        sum = complex_sum(sum, unit_of(turned, angles, k));
     }
     return complex_scaled(weights->mass * weights->track_radius, sum);
 }
 
-double weights_alignment(int count, const double *angles)
+double weights_alignment(int count, const double *angles, Turned *turned)
 {
     Complex sum = {0.0, 0.0};
     int k;
     for (k = 0; k < count; k++) {
-        sum = complex_sum(sum, rect(1.0, 2.0 * angles[k]));
+        const Complex unit = unit_of(turned, angles, k);
+        sum = complex_sum(sum, complex_product(unit, unit));
     }
     return magnitude(sum) / count;
 }
@@ -140,13 +147,15 @@ void along_track(Complex a, Complex da, double angle, double speed, double lever
 
 Complex direction_at(Complex direction, double moved, double lever, double angle)
 {
-    const double z = moved * moved;
+    const double z = moved * moved, zz = z * z;
     double c, s;
     if (!(absolute(moved) < NEARBY)) {
         return rect(lever, -angle);
     }
-    c = 1.0 - z * (1.0 / 2.0 - z * (1.0 / 24.0 - z * (1.0 / 720.0 - z * (1.0 / 40320.0 - z * (1.0 / 3628800.0)))));
-    s = 1.0 - z * (1.0 / 6.0 - z * (1.0 / 120.0 - z * (1.0 / 5040.0 - z * (1.0 / 362880.0))));
+    /* in pairs of terms: a short chain of sums takes half as long */
+    c = (1.0 - z * (1.0 / 2.0)) + zz * ((1.0 / 24.0 - z * (1.0 / 720.0)) +
+                                        zz * (1.0 / 40320.0 - z * (1.0 / 3628800.0)));
+    s = (1.0 - z * (1.0 / 6.0)) + zz * ((1.0 / 120.0 - z * (1.0 / 5040.0)) + zz * (1.0 / 362880.0));
     return complex_product(direction, complex_of(c, -moved * s));
 }
 
@@ -325,7 +334,7 @@ void weights_reaction(const Weights *weights, const double *angles, const double
     slope = complex_scaled(lever, slope);
     for (k = 0; k < weights->count; k++) {
         const double nu = speeds[k], squared = nu * nu;
-        const Complex unit = turned_by(turned ? turned + 2 * k : NULL, angles[k]);
+        const Complex unit = unit_of(turned, angles, k);
         const Complex back = complex_conjugate(unit);
         const Complex along = complex_product(acceleration, back);
         const double bend = along.im - lag - damping_rate * nu;

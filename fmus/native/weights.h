@@ -34,10 +34,10 @@ double weights_damping_rate(const Weights *weights); /* d = b/(kappa m) [1/s] */
 /* s: part of the track's angular acceleration by which a free weight falls behind. */
 double weights_spin_share(const Weights *weights);
 
-/* Sum of m R e^{i theta} in the rotor frame [kg m]. */
-Complex weights_static_moment(const Weights *weights, const double *angles);
+/* Sum of m R e^{i theta} in the rotor frame [kg m]; turned: (N, 2) as `turned_by` keeps them, or NULL. */
+Complex weights_static_moment(const Weights *weights, const double *angles, Turned *turned);
 /* |sum e^{2 i theta}|/N: 0 for evenly spread weights, 1 for a pair. */
-double weights_alignment(int count, const double *angles);
+double weights_alignment(int count, const double *angles, Turned *turned);
 
 /* phi_0(z)..phi_count(z) for z <= 0; count at most 8. */
 void phi_functions(double z, int count, double *phi);

@@ -251,6 +251,7 @@ class WeightBalancer(Balancer):
             self.offset,
             self.half_angle,
             self.restitution,
+            self.rolling_resistance,
         )
 
 

@@ -231,7 +231,7 @@ def test_first_contacts_and_static_moment_are_those_of_python(core):
             speeds = [random.choice([0.0, speeds[0]])] * count
             contacts = first_contacts(pair.python, angles, speeds)
             assert pair.first_contacts(angles, speeds) == contacts
-            moment = core("track_static_moment", byref(pair.native), np.array(angles))
+            moment = core("track_static_moment", byref(pair.native), np.array(angles), None)
             exact = static_moment(pair.python, angles)
             assert abs(complex(moment.re, moment.im) - exact) < 1e-15 * count * 0.01 * 0.05
 

@@ -109,10 +109,10 @@ def test_moment_and_spread_of_weights_are_those_of_python(core):
     for _ in range(100):
         python, native = _weights(core, random)
         angles = random.uniform(-1e3, 1e3, python.count)
-        moment = core("weights_static_moment", byref(native), angles)
+        moment = core("weights_static_moment", byref(native), angles, None)
         expected = points.static_moment(python, angles)
         assert abs(complex(moment.re, moment.im) - expected) <= 1e-15 * python.point_capacity
-        spread = core("weights_alignment", python.count, angles)
+        spread = core("weights_alignment", python.count, angles, None)
         assert spread == pytest.approx(points.alignment(angles), abs=1e-15)
         assert core("weights_added_mass", byref(native)) == python.added_mass
         assert core("weights_damping_rate", byref(native)) == python.damping_rate
