@@ -34,10 +34,11 @@ LOADED = [  # by some command or other, which would otherwise load it anew each 
     *["tomli_w", "rich.progress", "rich.table", "rich.markdown", "typer.rich_utils", "jinja2"],
 ]
 WRONG = "wrong"
+TOLD = 500  # cases between two words of progress
 SHORT = ["--set", "run.revolutions=0.1"]
 BRIEF = ["--at-most", "2s"]
 ON_SCENE = [
-    *[["run", *SHORT, *BRIEF]] * 12,
+    *[["run", *SHORT, *BRIEF]] * 40,
     ["rotor", *BRIEF],
     ["rotor", "--campbell", "c.png", "--response", "r.svg", "--range", "1", "50", *BRIEF],
     ["check", *BRIEF],
@@ -45,7 +46,7 @@ ON_SCENE = [
     ["build", "-o", "built", "--platform", "x86_64-linux", "--one-file", "--ssp"],
     ["build", "-o", "built", "--platform", "x86_64-linux", "--ssp"],
     ["speeds", "--range", "0.5", "5", "--method", "criterion,floquet", *BRIEF],
-    ["map", "--x", "speed=0.5:9:2", "--y", "rotor.mass=0.5:2:2", "-o", "m.png", *BRIEF],
+    ["map", "--x", "speed=0.5:9:2", "--y", "rotor.mass=0.5:2:2", "--csv", "m.csv", *BRIEF],
     ["balance", *BRIEF],
     ["scatter", "--vary", "rotor.mass=uniform(0.9,1.1)", "-n", "3", *BRIEF],
     ["run", *SHORT, *BRIEF, "--verify", "--json", "f.json", "--python"],
@@ -128,11 +129,17 @@ def _prepare() -> None:
     gc.freeze()  # else the collector writes on every page that processes share
 
 
+def _counted(codes: Counter[str]) -> str:
+    return ", ".join(f"{n} times {code}" for code, n in sorted(codes.items()))
+
+
 def many(kind: str, count: int, first: int) -> Counter[str]:
     """How many cases ended with which exit code, or were wrong: those are told as they come."""
     _prepare()
     codes: Counter[str] = Counter()
     for seed in range(first, first + count):
+        if seed > first and (seed - first) % TOLD == 0:
+            print(f"{kind} {first} to {seed - 1}: {_counted(codes)}", flush=True)
         with tempfile.TemporaryDirectory() as name:
             folder = Path(name) / "here"
             folder.mkdir()
@@ -149,6 +156,5 @@ if __name__ == "__main__":
         raise SystemExit(f"{__doc__}\nKIND: {', '.join(KINDS)}")
     kind, count, first = sys.argv[1], int(sys.argv[2]), int((sys.argv[3:] or ["0"])[0])
     codes = many(kind, count, first)
-    told = ", ".join(f"{n} times {code}" for code, n in sorted(codes.items()))
-    print(f"{kind} {first} to {first + count - 1}: {told}")
+    print(f"{kind} {first} to {first + count - 1}: {_counted(codes)}")
     raise SystemExit(codes[WRONG] > 0)

@@ -8,10 +8,11 @@ from __future__ import annotations
 
 import csv
 import json
+import multiprocessing
 import os
 import random
 import re
-import select
+import resource
 import signal
 import sys
 import tempfile
@@ -19,6 +20,7 @@ import time
 import traceback
 import zipfile
 from collections.abc import Callable, Sequence
+from multiprocessing.process import BaseProcess
 from pathlib import Path
 from xml.etree import ElementTree
 
@@ -28,7 +30,8 @@ KEPT = b"kept\n"  # what stands in a file before a command that may replace it
 _LONGEST = 600.0  # s: what takes longer is endless, on a busy machine too
 _MOST = 6_000_000  # kB: what takes more would end in the dark on many a machine
 _PATIENCE = 15.0  # s for processes to see that their parent is gone
-_UNFORESEEN = 99
+_UNFORESEEN, _LARGE = 99, 98  # exit codes of our own
+_WHO = (resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN)
 _NEVER_SAID = re.compile(r"Traceback|Exception ignored|\w+Warning:|\x1b\[31m")
 
 
@@ -36,55 +39,52 @@ class Wrong(Exception):
     """What a command must never do."""
 
 
-def alone(work: Callable[[], int], said: Path, told: Callable[[int], None] | None = None) -> int:
+def alone(
+    work: Callable[[], int], said: Path, told: Callable[[BaseProcess], None] | None = None
+) -> int:
     """Exit code of some work in a process of its own, whose output goes to `said`.
 
     Args:
-        told: what is done with it on the way, given its number.
+        told: what is done with the process on the way.
 
     Raises:
         Wrong: it was ended by a signal, was endless, took too much memory, or left processes.
     """
-    sys.stdout.flush()
-    number = os.fork()
-    if not number:
-        _become(said)
-        code = _UNFORESEEN
-        try:
-            code = work()
-        except BaseException:
-            traceback.print_exc()
-        finally:
-            for stream in (sys.stdout, sys.stderr):
-                stream.flush()
-            os._exit(code)
+    process = multiprocessing.get_context("fork").Process(target=_work, args=(work, said))
+    process.start()
+    number = process.pid or 0
     if told is not None:
-        told(number)
-    handle = os.pidfd_open(number)
-    ended, _, _ = select.select([handle], [], [], _LONGEST)
-    os.close(handle)
-    if not ended:
+        told(process)
+    process.join(_LONGEST)
+    if process.is_alive():
         os.killpg(number, signal.SIGKILL)
-    _, status, used = os.wait4(number, 0)
-    if not ended:
+        process.join()
         raise Wrong(f"not done after {_LONGEST:g} s")
-    if not os.WIFEXITED(status):
-        raise Wrong(f"ended by {signal.Signals(os.WTERMSIG(status)).name}")
-    if used.ru_maxrss > _MOST:
-        raise Wrong(f"took {used.ru_maxrss / 1e6:.1f} GB")
+    code = process.exitcode or 0
+    if code < 0:
+        raise Wrong(f"ended by {signal.Signals(-code).name}")
+    if code == _LARGE:
+        raise Wrong(f"took more than {_MOST / 1e6:g} GB")
     _refuse_orphans(number)
-    return os.WEXITSTATUS(status)
+    return code
 
 
-def _become(said: Path) -> None:
-    """A process with a group, an output and nothing to read, as if just begun."""
+def _work(work: Callable[[], int], said: Path) -> None:
+    """Of a process with a group and an output of its own, as if just begun."""
     os.setsid()
     os.dup2(os.open(os.devnull, os.O_RDONLY), 0)
     output = os.open(said, os.O_WRONLY | os.O_CREAT | os.O_APPEND)
     for stream in (1, 2):
         os.dup2(output, stream)
-    sys.stdin, sys.stdout = os.fdopen(0), os.fdopen(1, "w", encoding="utf-8")
+    sys.stdout = os.fdopen(1, "w", encoding="utf-8")
     sys.stderr = os.fdopen(2, "w", buffering=1, encoding="utf-8", errors="backslashreplace")
+    try:
+        code = work()
+    except BaseException:
+        traceback.print_exc()
+        sys.exit(_UNFORESEEN)
+    used = max(resource.getrusage(who).ru_maxrss for who in _WHO)
+    sys.exit(_LARGE if used > _MOST else code)
 
 
 def _refuse_orphans(group: int) -> None:
@@ -114,7 +114,7 @@ def refuse_wrong(arguments: Sequence[str], folder: Path, draw: random.Random | N
         number, after = draw.choice((signal.SIGINT, signal.SIGTERM)), draw.random() ** 2 * 3.0
         codes = (*codes, 128 + number)
 
-        def told(process: int) -> None:
+        def told(process: BaseProcess) -> None:
             _interrupt(process, number, after, scratch)
 
     try:
@@ -149,15 +149,13 @@ def _main(arguments: Sequence[str], folder: Path, scratch: Path) -> int:
     return 0
 
 
-def _interrupt(process: int, number: int, after: float, scratch: Path) -> None:
-    """Tell a process and its workers, as a terminal does, once it has begun."""
-    until = time.monotonic() + _LONGEST
-    while not any(scratch.iterdir()) and time.monotonic() < until:
+def _interrupt(process: BaseProcess, number: int, after: float, scratch: Path) -> None:
+    """Tell a process and its workers, as a terminal does, some time after it has begun."""
+    while process.is_alive() and not any(scratch.iterdir()):
         time.sleep(0.002)
-        if os.waitid(os.P_PID, process, os.WEXITED | os.WNOHANG | os.WNOWAIT):
-            return
-    time.sleep(after)
-    os.killpg(process, number)
+    process.join(after)
+    if process.is_alive():
+        os.killpg(process.pid or 0, number)
 
 
 def _refuse_half(path: Path) -> None:

@@ -16,6 +16,7 @@ from . import scenes
 from .judge import KEPT
 
 QUICK = ["two_balls", "filimonikhina", "liquid_disc", "three_mass_shaft", "run_up", "sommerfeld"]
+LONG = ("check", "precision", "stress")  # made of many runs
 NUMBERS = [
     "0",
     "1",
@@ -222,7 +223,12 @@ def _brief(draw: random.Random, name: str, words: list[str]) -> list[str]:
     """Options that keep most lines short."""
     known = {option for each in commands()[name].params for option in each.opts}
     brief = {"--set": "run.revolutions=0.3", "-n": "4", "--movie-seconds": "0.2", "--scan": "4"}
-    brief |= {"--starts": "6", "--most": "2", "--seconds": "1", "--at-most": "5s"}
+    brief |= {
+        "--starts": "6",
+        "--most": "2",
+        "--seconds": "1",
+        "--at-most": "1s" if name in LONG else "5s",
+    }
     return [
         part
         for option, what in brief.items()

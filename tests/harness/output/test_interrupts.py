@@ -220,3 +220,21 @@ def test_a_signal_before_a_command_begins_is_answered_in_a_word(tmp_path, answer
 
 def test_ctrl_c_does_not_meet_workers_that_load(tmp_path, answering):
     assert _told(TOLD_WORKERS, tmp_path, answering) == (0, "3\n", "")
+
+
+def test_programs_that_are_begun_and_killed_leave_no_files(tmp_path):
+    other = "import tempfile, time; tempfile.mkdtemp(); print(flush=True); time.sleep(30.0)"
+    ended = _python(
+        f"""
+        import subprocess
+        with interrupts.temporary_files():
+            other = subprocess.Popen([sys.executable, "-c", {other!r}], stdout=subprocess.PIPE)
+            other.stdout.readline()
+            other.kill()
+            other.wait()
+        print(os.environ["TMPDIR"])
+        """,
+        tmp_path,
+    )
+    assert (ended.returncode, ended.stdout) == (0, f"{tmp_path}\n")
+    assert os.listdir(tmp_path) == []
