@@ -28,9 +28,11 @@ SLOW = (  # folders and files that take most of the time: `-m "not slow"` leaves
     "harness/pictures", "harness/precision", "harness/rotor", "harness/show", "harness/stability",
     "harness/stress", "harness/test_cli", "harness/test_fuzz", "harness/truth",
     "models/test_colliding", "models/test_contact", "models/test_finite_elements",
-    "models/test_monolith", "models/test_papers_tables", "models/test_stability",
-    "models/test_whirl", "native/test_native_build", "native/test_native_core_bits",
-    "native/test_native_units_host", "native/test_native_units_scenes", "test_readme", "tools/",
+    "models/test_friction", "models/test_monolith", "models/test_papers_tables",
+    "models/test_stability", "models/test_whirl", "native/test_native_build",
+    "native/test_native_core_bits", "native/test_native_units_agree",
+    "native/test_native_units_host", "native/test_native_units_scenes", "test_pages",
+    "test_readme", "tools/",
 )  # fmt: skip
 
 

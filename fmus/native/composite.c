@@ -391,6 +391,7 @@ static int advance(Unit *unit)
     memcpy(c->at_begin, c->states, size);
     course->begin = course->time;
     course->length = step;
+    course->held = 0.0;
     composite_drive(unit, course->begin);
     if (strikes  ? strike(unit)
         : adapts ? adaptive_step(unit, startup_share(unit, unit->real[c->fewest]))
@@ -412,6 +413,10 @@ static int show(Unit *unit, double time, int end)
     Course *course = c->course;
     Rotor *rotor = c->parts->unit->own;
     const size_t size = c->state_count * sizeof(double);
+    /* under signals that do not change they can go on from where they stand */
+    const int goes_on = course->within > 0.0 && course->held > 0.0 && !end &&
+                        course->acceleration == 0.0 && !c->motor && time >= course->shown;
+    double from = course->begin;
     int wrong;
     if (end && course->within == 0.0) {
         return 0;
@@ -419,10 +424,15 @@ static int show(Unit *unit, double time, int end)
     if (course->within == 0.0) {
         memcpy(c->at_end, c->states, size);
     }
-    memcpy(c->states, c->at_begin, size);
+    if (goes_on) {
+        from = course->shown;
+    } else {
+        memcpy(c->states, c->at_begin, size);
+    }
     course->within = end ? 0.0 : 1.0;
-    rotor->whole = end ? 0.0 : course->length;
-    wrong = composite_move(unit, end ? course->length : time - course->begin);
+    course->shown = time;
+    rotor->whole = end ? 0.0 : course->held > 0.0 ? time - from : course->length;
+    wrong = composite_move(unit, end ? course->length : time - from);
     rotor->whole = 0.0;
     return wrong;
 }

@@ -81,10 +81,14 @@ typedef struct {
     double ahead;              /* time to an event in the pass that failed for it, else below 0 [s] */
     double striking, strikes;  /* brief steps still to take behind an event, and taken */
     double met;                /* when the step that met it began [s] */
-    double pulse, worst;       /* force, and residual so far, of those */
+    double pulse, worst;       /* force of those, and residual of the step before them */
     double unpulsed, learned_step; /* `largest` and `solved_step` before them */
     double steps, unconverged, error;
     double allowed, rung, largest_motion; /* tolerance, 0 for fixed steps; step as 2^(-rung/4) */
+    double rested;             /* steps of this length in which nothing has moved */
+    double held;               /* whether the step holds its signals at the values they end with */
+    double shown;              /* when the units stand, within it [s] */
+    double slowest;            /* rate of the rotor's slowest motion [1/s] */
     /* what the resolution is judged by; see resolution.py for what these are */
     double top, mass, pace, reach, most, pushed, judged_step, blind, kept, kept_turning, renewed;
     double moved, grown, unresolved;
@@ -208,6 +212,8 @@ double shaft_speed(const Composite *c);
 
 /* A signal of which the start alone is known. */
 void knot_begun(const Knot *start, int orders, Complex *signal);
+/* A signal held at a value. */
+void knot_held(const Knot *knot, int orders, Complex *signal);
 void knot_hermite(const Knot *start, const Knot *end, int orders, double step, Complex *signal);
 Knot knot_end(const Complex *signal, int orders, double step);
 void signal_predicted(const Signal *signal, int orders, Complex *ahead);

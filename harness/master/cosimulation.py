@@ -19,7 +19,7 @@ from ..scene import Scene, load_scene
 from ..scene.run import FEWEST_CHOSEN
 from .facts import Facts, advice, result
 from .fmu import Closing, Fmu
-from .loop import consistent_start, loop_gain, rotor_response, value_eigenvalues
+from .loop import consistent_start, rotor_response, value_eigenvalues
 from .plan import find_or_build, plan
 from .recorder import Recorder, recorded, refuse_unknown
 from .resolution import Resolution
@@ -69,6 +69,7 @@ class CoSimulation(Closing):
             self._stack = stack.pop_all()
         self.gain = self.amplification = 0.0
         self._at: Scene | None = None  # kept: a map starts often at one speed
+        self._jacobian: np.ndarray | None = None  # of the loop, at the last start
         self.time = 0.0
         self.steps = self.unconverged = 0
         self.worst_residual = 0.0
@@ -83,7 +84,7 @@ class CoSimulation(Closing):
 
         `step` is the communication step to come [s], by default the scene's; a scheme that chooses
         its steps meets `points` instead, where they are given: times [s], and the residual, of the
-        largest force, that may stay in the loop.
+        largest force, that may stay in the loop, which is known from the start before.
 
         Raises:
             SimulationError: a unit refuses its parameters, or no consistent start exists.
@@ -94,7 +95,7 @@ class CoSimulation(Closing):
         self.worst_residual = 0.0
         self.drive = Drive(self.scene, self.system)
         step = step or step_size(self.scene)
-        self.scheme = self._prepare(step)
+        self.scheme = self._prepare(step, None if points is None else self._jacobian)
         if points is not None and isinstance(self.scheme, Adaptive):
             self.scheme = Prescribed(self.scheme.iterated, *points)
         for unit in self.units.values():
@@ -115,16 +116,16 @@ class CoSimulation(Closing):
             self._at = self.scene.replace({"operation.speed": speeds[0]})
         return self._at
 
-    def _prepare(self, step: float) -> Scheme:
+    def _prepare(self, step: float, known: np.ndarray | None) -> Scheme:
         """Bring the units to a consistent start, and make the scheme for this loop."""
         system, response = self.system, np.zeros((0, 0))
         if self.scene.coupling.scheme == "compensated":
             response = rotor_response(system, step)
         rounding = ROUNDING * largest_force(self.scene)
-        jacobian = consistent_start(system, step, rounding)
-        self.gain = loop_gain(jacobian, system.parts)
-        scheme = choose(self.scene, system, jacobian, response, step, self.gain, rounding)
+        self._jacobian = jacobian = consistent_start(system, step, rounding, known)
         eigenvalues = value_eigenvalues(jacobian, system.parts)
+        self.gain = max(map(abs, eigenvalues), default=0.0)
+        scheme = choose(self.scene, system, jacobian, response, step, self.gain, rounding)
         self.amplification = scheme.amplification(eigenvalues, system.order)
         return scheme
 

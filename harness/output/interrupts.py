@@ -129,8 +129,8 @@ def temporary_files() -> Iterator[None]:
     """All temporary files lie in one folder within the block, gone at its end.
 
     So do those of other programs that are begun in it: one that is killed leaves its own.  An
-    interrupt between the making of a folder and the note of it thus leaves nothing.  Where no folder
-    can be made the block runs all the same: what needs one says so itself.
+    interrupt between the making of a folder and the note of it thus leaves nothing.  Where no
+    folder can be made the block runs all the same: what needs one says so itself.
     """
     global _folder
     try:

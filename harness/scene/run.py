@@ -140,7 +140,8 @@ class Coupling(Table):
     steps_per_rev: Annotated[Whole | None, Field(ge=FEWEST_STEPS, le=1_000_000)] = None
     """Communication steps in the fastest revolution; default: 40 where no tolerance is kept."""
     fewest_steps_per_rev: Annotated[Whole | None, Field(ge=1, le=1_000_000)] = None
-    """With a tolerance: steps in the fastest revolution where longer ones would do; default: 8."""
+    """With a tolerance: steps in the fastest revolution where longer ones would do, until all rests
+    in the rotor; default: 8."""
     order: Annotated[Literal[0, 1, 3, 5], BeforeValidator(_whole_choice)] = 3
     """Of the signals over a step: 0 held, 1 linear, 3 cubic, 5 quintic Hermite; the last takes a
     constant speed, supports without dry friction, and point weights on centred tracks."""
