@@ -81,7 +81,7 @@ typedef struct {
     double ahead;              /* time to an event in the pass that failed for it, else below 0 [s] */
     double striking, strikes;  /* brief steps still to take behind an event, and taken */
     double met;                /* when the step that met it began [s] */
-    double pulse, worst;       /* force, and residual so far, of those */
+    double pulse, worst;       /* force of those, and residual of the step before them */
     double unpulsed, learned_step; /* `largest` and `solved_step` before them */
     double steps, unconverged, error;
     double allowed, rung, largest_motion; /* tolerance, 0 for fixed steps; step as 2^(-rung/4) */

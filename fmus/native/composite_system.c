@@ -2,6 +2,7 @@
 
 #include "composite.h"
 #include "elementary.h"
+#include "matrix.h"
 #include "spin.h"
 #include "unit_rotor.h"
 
@@ -162,12 +163,12 @@ void composite_place(const Composite *c, const Part *part)
 int composite_balancer_pass(Unit *unit, const Complex *accelerations, double step)
 {
     Composite *c = unit->own;
-    const size_t size = (size_t)c->orders * sizeof(Complex);
+    const size_t size = 2 * (size_t)c->orders;
     int k;
     for (k = 0; k < c->exchanges; k++) {
         Part *part = c->parts + c->members[k];
-        memcpy(part->unit->real + part->unit->layout.inputs.first,
-               accelerations + c->orders * c->member_planes[k], size);
+        copy_doubles(size, &accelerations[c->orders * c->member_planes[k]].re,
+                     part->unit->real + part->unit->layout.inputs.first);
         composite_place(c, part);
         if (composite_advance(unit, part, step)) {
             return 1;
