@@ -15,10 +15,11 @@ def hermite(
 
     Of a smooth f the cubic errs by at most step^4/384 f''''.
     """
-    rise = (end - start) / step
+    per_step = 1.0 / step
+    rise = (end - start) * per_step
     return (
-        (6.0 * rise - 4.0 * slope - 2.0 * end_slope) / step,
-        (6.0 * (slope + end_slope) - 12.0 * rise) / (step * step),
+        (6.0 * rise - 4.0 * slope - 2.0 * end_slope) * per_step,
+        (6.0 * (slope + end_slope) - 12.0 * rise) * (per_step * per_step),
     )
 
 
@@ -26,6 +27,6 @@ def at(cubic: Sequence[Number], time: float) -> tuple[Number, Number]:
     """Value and slope of a cubic `time` after its start."""
     f0, f1, f2, f3 = cubic
     return (
-        f0 + time * (f1 + time * (f2 / 2.0 + time * f3 / 6.0)),
-        f1 + time * (f2 + time * f3 / 2.0),
+        f0 + time * (f1 + 0.5 * time * (f2 + time / 3.0 * f3)),
+        f1 + time * (f2 + 0.5 * time * f3),
     )

@@ -35,7 +35,7 @@ def hermite(
 def at(quintic: Sequence[Number], time: float) -> tuple[Number, Number, Number]:
     """Value, slope and second derivative of a quintic `time` after its start."""
     f0, f1, f2, f3, f4, f5 = quintic
-    half, third, fourth, fifth = time / 2.0, time / 3.0, time / 4.0, time / 5.0
+    half, third, fourth, fifth = 0.5 * time, time / 3.0, 0.25 * time, 0.2 * time
     return (
         f0 + time * (f1 + half * (f2 + third * (f3 + fourth * (f4 + fifth * f5)))),
         f1 + time * (f2 + half * (f3 + third * (f4 + fourth * f5))),

@@ -39,12 +39,13 @@ def hermite(start: Knot, end: Knot, step: float) -> Cubic:
     if len(start) == 3:
         return (*start, *quintic.hermite(start, end, step))
     (f0, d0), (f1, d1) = start, end
-    rise = (f1 - f0) / step
+    per_step = 1.0 / step
+    rise = (f1 - f0) * per_step
     return (
         f0,
         d0,
-        (6.0 * rise - 4.0 * d0 - 2.0 * d1) / step,
-        (6.0 * (d0 + d1) - 12.0 * rise) / (step * step),
+        (6.0 * rise - 4.0 * d0 - 2.0 * d1) * per_step,
+        (6.0 * (d0 + d1) - 12.0 * rise) * (per_step * per_step),
     )
 
 

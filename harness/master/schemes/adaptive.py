@@ -86,6 +86,14 @@ class Adaptive:
         # what moves slowly is still on its way when its acceleration is small
         self._still_motion = 0.0 if jumps else self._still * min(1.0, slowest) ** 2
 
+    def loosen(self, share: float, residual: float, rung: float) -> None:
+        """Before the first step: what a step may err, of the tolerance, and leave in the loop.
+
+        `rung` is that of the first step.
+        """
+        self.share, self.rung = share, rung
+        self.iterated.allow(residual)
+
     def cross_jump(self, system: System, time: float, step: float) -> None:
         """One step of given length, where nothing of the past can be used."""
         self.iterated.cross_jump(system, time, step)

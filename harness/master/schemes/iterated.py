@@ -153,12 +153,12 @@ class Iterated:
         trial.accept(system)
         if not met:
             return trial.step, trial.residual
-        behind, residual = self.strike(system, trial.time + trial.step)
-        return trial.step + behind, max(residual, trial.residual)
+        behind, _ = self.strike(system, trial.time + trial.step)
+        return trial.step + behind, trial.residual
 
     def strike(self, system: System, time: float) -> tuple[float, float]:
-        """Go behind an event that is here; time taken [s] and the residual it leaves."""
-        return strike(self, system, time, MAX_PASSES)
+        """Go behind an event that is here; time taken [s], and no residual is left."""
+        return strike(self, system, time, MAX_PASSES), 0.0
 
     def cross_jump(self, system: System, time: float, step: float) -> None:
         """One step with as many passes as it takes, where nothing of the past can be used."""
