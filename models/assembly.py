@@ -26,6 +26,7 @@ class Mounted:
         offset: of the weights' track from the plane's centre, rotor frame, xi + i eta [m].
         half_angle: half the angle between weights that touch [rad]; 0 where they pass.
         restitution: of two weights that collide on the free rotor.
+        rolling_resistance: over load; 0: none.
     """
 
     name: str
@@ -36,6 +37,7 @@ class Mounted:
     offset: complex = 0j
     half_angle: float = 0.0
     restitution: float = 0.0
+    rolling_resistance: float = 0.0
 
 
 @dataclass(frozen=True)

@@ -10,7 +10,8 @@ from scipy.integrate import solve_ivp
 
 from .assembly import Assembly, SpeedProfile
 from .reference.colliding import integrate_contacts
-from .reference.coupled import REST, Array, Monolith, RightHandSide, Start
+from .reference.coupled import REST, Array, Monolith, Start
+from .reference.dry import integrate_dry
 from .reference.trajectory import Trajectory, differences
 
 NON_STIFF = ("DOP853", "LSODA")
@@ -41,7 +42,8 @@ def simulate(
         atol: absolute tolerance of every part of the state; by default `rtol` times its size.
 
     Raises:
-        ValueError: `times` are not ascending from 0 on, or the start does not fit the assembly.
+        ValueError: `times` are not ascending from 0 on, the start does not fit the assembly, or
+            weights can collide as well as stick.
         ArithmeticError: the method gave up, or the motion is not finite.
     """
     time = np.asarray(times, float)
@@ -49,11 +51,17 @@ def simulate(
     if not listed or time[0] < 0.0 or not (np.diff(time) > 0.0).all():
         raise ValueError("times must be an ascending list of numbers, 0 or more")
     system = Monolith(assembly, profile, initial.angle)
-    if any(m.half_angle for m in assembly.weights):
+    solved = None
+    finite = any(m.half_angle for m in assembly.weights)
+    if system.dry and finite:
+        raise ValueError("weights that collide: not where something sticks")
+    if system.dry:
+        states, solved = integrate_dry(system, time, initial, method=method, rtol=rtol)
+    elif finite:
         states = integrate_contacts(system, time, initial, method=method, rtol=rtol)
     else:
         _, states, _ = integrate(system, time, initial, method=method, rtol=rtol, atol=atol)
-    return trajectory(system, time, states)
+    return trajectory(system, time, states, solved)
 
 
 def integrate(
@@ -75,24 +83,23 @@ def integrate(
     Raises:
         ArithmeticError: the method gave up, or the motion is not finite.
     """
-    profile, state = system.profile, system.initial(initial)
+    if system.dry:
+        raise ValueError("dry friction: `simulate` integrates it, from event to event")
+    state = system.initial(initial)
     absolute = rtol * system.scales(initial) if atol is None else atol
     listed = None if isinstance(time, float) else time
     end = time if isinstance(time, float) else float(time[-1])
-    # the acceleration jumps where the run-up ends: no method may step across it
-    kink = profile.seconds if profile.start != profile.end else 0.0
-    stops = [kink, end] if 0.0 < kink < end else [end]
     shown = slice(1 if listed is None or listed[0] == 0.0 else 0)
     times, states = [np.zeros(1)[shown]], [state[None][shown]]
     begin, evaluations = 0.0, 0
-    for stop in (s for s in stops if s > 0.0):
+    for stop in system.stops(end):
         at, shown = None, slice(1, None)
         if listed is not None:
             at = listed[(listed > begin) & (listed <= stop)]
             shown = slice(len(at))
             at = at if stop in at else np.append(at, stop)
         solved = solve_ivp(
-            _within(system, begin, stop), (begin, stop), state, method, at,
+            system.between(begin, stop).rhs, (begin, stop), state, method, at,
             rtol=rtol, atol=absolute,
         )  # fmt: skip
         if not solved.success or not np.isfinite(solved.y).all():
@@ -105,26 +112,24 @@ def integrate(
     return np.concatenate(times), np.concatenate(states), evaluations
 
 
-def _within(system: Monolith, begin: float, stop: float) -> RightHandSide:
-    """The right-hand side up to `stop`, where the run-up's acceleration is the one before it."""
-    profile = system.profile
-    if profile.start == profile.end or begin >= profile.seconds:
-        ahead = SpeedProfile.constant(profile.end)
-        offset = profile.angle(begin) - profile.end * begin
-        return Monolith(system.assembly, ahead, system.angle + offset).rhs
-    slope = profile.acceleration(begin)
-    ramp = SpeedProfile(profile.start, profile.start + 2.0 * slope * stop, 2.0 * stop)
-    return Monolith(system.assembly, ramp, system.angle).rhs
+def trajectory(
+    system: Monolith,
+    time: Array,
+    states: Array,
+    solved: Sequence[tuple[Array, Array]] | None = None,
+) -> Trajectory:
+    """Every signal of the states (T, size) that `integrate` found.
 
-
-def trajectory(system: Monolith, time: Array, states: Array) -> Trajectory:
-    """Every signal of the states (T, size) that `integrate` found."""
+    Args:
+        solved: accelerations there, where friction takes part in them.
+    """
     n, profile = system.stations, system.profile
     count = (system.size - 4 * n) // 2
     speed = np.array([profile.speed(t) for t in time])
     angular_acceleration = np.array([profile.acceleration(t) for t in time])
     angle = system.angle + np.array([profile.angle(t) for t in time])
-    solved = [system.accelerations(t, y) for t, y in zip(time, states, strict=True)]
+    if solved is None:
+        solved = [system.accelerations(t, y) for t, y in zip(time, states, strict=True)]
     phi2 = np.array([turning for _, turning in solved]).reshape(len(time), count)
     theta, theta_1, theta_2, first = {}, {}, {}, 0
     for m in system.assembly.weights:

@@ -185,3 +185,13 @@ class LinearRotor:
         damped = [[self.damping_x + internal, turned], [-turned, self.damping_y + internal]]
         stiff = [[self.stiffness_x, followed], [-followed, self.stiffness_y]]
         return np.kron(np.eye(2), self.mass), np.block(damped), np.block(stiff)
+
+    def free_rates(self, speed: float) -> NDArray:
+        """Eigenvalues [1/s] of the free motion at a constant speed [rad/s].
+
+        2n for an isotropic rotor, else 4n.
+        """
+        mass, damping, stiffness = self.coefficients(speed)
+        dof = len(mass)
+        still = np.linalg.solve(mass, np.hstack([-stiffness, -damping]))
+        return np.linalg.eigvals(np.vstack([np.eye(dof, 2 * dof, dof), still]))

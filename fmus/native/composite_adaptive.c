@@ -5,7 +5,7 @@
 #include "unit_rotor.h"
 
 static const double LOCAL_SHARE = 0.2, AIM = 0.5, RESIDUAL_SHARE = 0.01, SLOWEST = 1e3;
-enum { RUNGS = 4, FIRST_RUNG = 40, MINUTE = 80, LOWEST = 160, MOST_RISE = 4, HOPELESS = 40 };
+enum { RUNGS = 4, FIRST_RUNG = 40, MINUTE = 80, LOWEST = 160, MOST_RISE = 4, HOPELESS = 40, RESTED = 4 };
 
 /* 2^(-k/4) */
 static const double ROOTS[RUNGS] = {1.0, 0.8408964152537145, 0.7071067811865476, 0.5946035575013605};
@@ -14,9 +14,8 @@ void adaptive_begin(Unit *unit)
 {
     Course *course = ((Composite *)unit->own)->course;
     course->corrections = UNTIL_CONVERGED;
-    course->tolerance = RESIDUAL_SHARE * course->allowed;
     course->rung = FIRST_RUNG;
-    course->largest = course->rounding / course->tolerance;
+    iterated_allow(unit->own, RESIDUAL_SHARE * course->allowed);
     course->largest_motion = course->largest / course->mass;
 }
 
@@ -81,12 +80,44 @@ static int rise(double ratio, double slack, int orders)
     return power < MOST_RISE ? power : MOST_RISE;
 }
 
+/* Whether nothing moves in the rotor at the end of a step. */
+static int rests(const Composite *c, double longest, double largest_motion)
+{
+    const Course *course = c->course;
+    const double still = LOCAL_SHARE * course->allowed, force = still * course->reached;
+    const double slowness = smaller(1.0, course->slowest / course->top);
+    const double motion = still * slowness * slowness * largest_motion;
+    const double cancelled = larger(1.0, course->gain);
+    int k, moves = 0;
+    for (k = 0; k < c->planes; k++) {
+        const Knot *end = c->ends + k;
+        moves |= !(larger(magnitude(end->value), longest * magnitude(end->slope)) < motion);
+    }
+    for (k = 0; k < c->unknowns; k++) {
+        const Knot *end = c->answers + k;
+        const double change = magnitude(complex_difference(end->value, c->forces[k].now.value));
+        moves |= !(cancelled * larger(change, longest * magnitude(end->slope)) < force);
+    }
+    return !moves;
+}
+
+/* The length that a rung stands for [s]; below 0 it is longer than `longest`. */
+static double length_of(int rung, double longest)
+{
+    const int powers = rung < 0 ? -((RUNGS - 1 - rung) / RUNGS) : rung / RUNGS;
+    return scaled_by_power(longest * ROOTS[rung - RUNGS * powers], -powers);
+}
+
 static int refuse(Unit *unit, double step, double error, double residual)
 {
+    Composite *c = unit->own;
     Text *reason = unit_reason(unit);
+    c->loop_failed = 1;
     text_put(reason, "tolerance ");
-    text_rounded(reason, ((Composite *)unit->own)->course->allowed, 6);
-    text_put(reason, " cannot be met: steps of ");
+    text_rounded(reason, c->course->allowed, 6);
+    text_put(reason, " cannot be met");
+    composite_put_time(reason, c->course->time);
+    text_put(reason, ": steps of ");
     text_rounded(reason, step, 3);
     text_put(reason, " s still err by ");
     text_rounded(reason, error, 3);
@@ -100,16 +131,24 @@ int adaptive_step(Unit *unit, double longest)
     Composite *c = unit->own;
     const int jumps = ((const Rotor *)c->parts->unit->own)->slider_count > 0;
     Course *course = c->course;
-    const double allowed = LOCAL_SHARE * course->allowed;
-    double remaining = infinity(); /* before an event */
+    const Pacing *pacing = &c->pacing;
+    const double allowed = (pacing->share > 0.0 ? pacing->share : LOCAL_SHARE) * course->allowed;
+    /* before an event, or a point that must be met */
+    double remaining = pacing->step > 0.0 ? pacing->step : infinity();
+    int met = 0;
+    if (course->no_past > 0.0) {
+        course->rung = larger(course->rung, 0.0);
+    }
     for (;;) {
         const int rung = (int)course->rung;
-        const double own = scaled_by_power(longest * ROOTS[rung % RUNGS], -(rung / RUNGS));
+        const double own = length_of(rung, longest);
         /* do not leave a sliver for the last step */
         const double step = own >= remaining ? remaining : own > 0.5 * remaining ? 0.5 * remaining : own;
         double residual, error, ratio, largest_motion;
-        int lower, minute;
+        int lower, higher, minute, still;
+        course->held = rung < 0;
         residual = iterated_attempt(unit, step);
+        course->held = 0.0;
         if (residual < 0.0 && contacts_ahead(unit, &remaining)) {
             /* a unit cannot follow a loop that diverges */
             if (rung + 2 * RUNGS > LOWEST) {
@@ -123,6 +162,7 @@ int adaptive_step(Unit *unit, double longest)
             continue;
         }
         if (residual < 0.0) {
+            met = 1;
             if (remaining == 0.0) {
                 return contacts_strike(unit);
             }
@@ -131,17 +171,25 @@ int adaptive_step(Unit *unit, double longest)
         error = error_of(c, step, &largest_motion);
         ratio = error > 0.0 ? AIM * allowed / error : infinity();
         minute = jumps && rung >= MINUTE; /* what such a step misses of a jump moves nothing */
-        if ((error <= allowed || minute) && residual <= course->tolerance) {
-            const int higher = error > 0.0 ? rise(ratio, 1.0 + 1e-9, c->orders) : MOST_RISE;
-            course->rung = rung > higher ? rung - higher : 0;
+        higher = error > 0.0 ? rise(ratio, 1.0 + 1e-9, c->orders) : MOST_RISE;
+        still = !jumps && (rung < 0 || rung < higher) && rests(c, longest, largest_motion);
+        if (((error <= allowed && (still || rung >= 0)) || minute) && residual <= course->tolerance) {
+            double lowest = still ? smaller(rung, 0.0) : 0.0;
+            course->rested = still ? course->rested + 1.0 : 0.0;
+            if (course->rested == RESTED) {
+                course->rested = 0.0;
+                lowest -= RUNGS;
+            }
+            course->rung = larger(lowest, rung - higher);
             if (minute) {
                 course->rung = smaller(course->rung, MINUTE);
             } else {
                 course->error = larger(course->error, error);
             }
             course->residual = residual;
+            course->held = rung < 0;
             course->largest_motion = largest_motion;
-            return iterated_go_on(unit, step, step == remaining);
+            return iterated_go_on(unit, step, met && step == remaining);
         }
         composite_restore(c);
         if (residual > SLOWEST * course->tolerance && iterated_after_start(unit, 0.5 * step)) {
@@ -149,6 +197,11 @@ int adaptive_step(Unit *unit, double longest)
         }
         lower = error > 0.0 ? -rise(ratio, 1.0, c->orders) : 1;
         course->rung = rung + (lower > 1 ? lower : 1);
+        if (rung < 0 && !still) {
+            course->rung = larger(course->rung, 0.0);
+            course->rested = 0.0;
+            composite_drop_past(c);
+        }
         if (course->rung > LOWEST) {
             return refuse(unit, step, error, residual);
         }

@@ -87,11 +87,15 @@ static double brief(Unit *unit, double *step)
         double residual;
         *step = SHORTER[k] * contacts_brief(unit);
         residual = iterated_attempt(unit, *step);
-        if (residual <= AGREED || k == TRIES - 1) {
+        if ((residual >= 0.0 && residual <= AGREED) || k == TRIES - 1) {
             return residual;
         }
         composite_restore(c);
         relearn(c);
+        /* weights that stick answer otherwise than those that slide */
+        if (k == TRIES - 2 && iterated_after_start(unit, SHORTER[TRIES - 1] * contacts_brief(unit))) {
+            return -1.0;
+        }
     }
 }
 
@@ -105,10 +109,9 @@ int contacts_step(Unit *unit)
 {
     Composite *c = unit->own;
     Course *course = c->course;
-    double step, residual, share, moved = 0.0, turned = 0.0, grown = 0.0;
+    double step, residual, moved = 0.0, turned = 0.0, grown = 0.0;
     int k;
     residual = brief(unit, &step);
-    share = course->reached / larger(course->reached, course->pulse);
     for (k = 0; k < c->unknowns && residual >= 0.0; k++) {
         const Knot now = c->forces[k].now, end = c->answers[k];
         const Complex led = complex_sum(now.value, complex_scaled(step, now.slope));
@@ -118,9 +121,6 @@ int contacts_step(Unit *unit)
     }
     if (residual < 0.0 || iterated_accept(unit, step)) {
         return 1;
-    }
-    if (residual > AGREED) {
-        course->worst = larger(course->worst, residual * share);
     }
     course->pulse = 0.0;
     for (k = 0; k < c->unknowns; k++) {
@@ -132,7 +132,8 @@ int contacts_step(Unit *unit)
     relearn(c);
     course->length = step;
     course->strikes += 1.0;
-    if (moved > JUMP * larger(course->unpulsed, GROWTH * grown)) {
+    /* passes that do not agree disagree on whether the step holds an event; it is soon over */
+    if (moved > JUMP * larger(course->unpulsed, GROWTH * grown) || residual > AGREED) {
         course->striking = QUIET;
     } else {
         course->striking -= 1.0;
@@ -144,6 +145,7 @@ int contacts_step(Unit *unit)
         end(c);
     } else if (course->strikes > MOST) {
         text_put(unit_reason(unit), "weights collide or stick without end");
+        composite_put_time(&unit->reason, course->met);
         return 1;
     }
     return 0;

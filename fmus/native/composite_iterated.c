@@ -15,11 +15,27 @@ static double closed(const Course *course)
     return larger(CONVERGED_FORCES, ROUNDING * course->gain);
 }
 
+void iterated_allow(Composite *c, double residual)
+{
+    c->course->tolerance = larger(residual, ROUNDING * c->course->gain);
+    c->course->largest = c->course->rounding / c->course->tolerance;
+}
+
 void iterated_begin(Composite *c)
 {
     Course *course = c->course;
     course->tolerance = closed(course);
     course->largest = course->rounding / (course->corrections < 0.0 ? course->tolerance : LOOSE);
+}
+
+/* A signal over a step that ends so. */
+static void led_to(const Composite *c, const Knot *start, const Knot *end, double step, Complex *signal)
+{
+    if (c->course->held > 0.0) {
+        knot_held(end, c->orders, signal);
+    } else {
+        knot_hermite(start, end, c->orders, step, signal);
+    }
 }
 
 /* Step all units once with forces that end at u. */
@@ -31,15 +47,25 @@ static int pass(Unit *unit, const double *u, double step)
     for (k = 0; k < c->unknowns; k++) {
         Knot end;
         loop_unpack(c, u + o * k, 1, step, &end);
-        knot_hermite(&c->forces[k].now, &end, o, step, c->sent + o * k);
+        led_to(c, &c->forces[k].now, &end, step, c->sent + o * k);
     }
     if (composite_rotor_pass(unit, c->sent, step)) {
         return 1;
     }
     for (k = 0; k < c->planes; k++) {
-        knot_hermite(&c->accelerations[k].now, c->ends + k, o, step, c->felt + o * k);
+        led_to(c, &c->accelerations[k].now, c->ends + k, step, c->felt + o * k);
     }
     return composite_balancer_pass(unit, c->felt, step);
+}
+
+/* Where signals are held only their values count. */
+static void drop_slopes(const Composite *c, double *u)
+{
+    const int o = c->orders, count = o * c->unknowns;
+    int i;
+    for (i = 0; i < count && c->course->held > 0.0; i++) {
+        u[i] = i % o < 2 ? u[i] : 0.0;
+    }
 }
 
 void composite_restore(Composite *c)
@@ -62,7 +88,11 @@ static double attempt(Unit *unit, double step, int passes)
     loop_rescale(c, count, step);
     for (i = 0; i < c->unknowns; i++) {
         Knot ahead;
-        signal_predicted(c->forces + i, o, c->assumed + o * i);
+        if (course->held > 0.0) {
+            knot_held(&c->forces[i].now, o, c->assumed + o * i);
+        } else {
+            signal_predicted(c->forces + i, o, c->assumed + o * i);
+        }
         ahead = knot_end(c->assumed + o * i, o, step);
         loop_pack(c, &ahead, 1, step, c->u + o * i);
     }
@@ -71,6 +101,7 @@ static double attempt(Unit *unit, double step, int passes)
             return -1.0;
         }
         loop_pack(c, c->answers, c->unknowns, step, c->g_u);
+        drop_slopes(c, c->g_u);
         memcpy(c->old, c->residual, (size_t)count * sizeof(double));
         for (i = 0; i < count; i++) {
             c->residual[i] = c->g_u[i] - c->u[i];
@@ -89,6 +120,7 @@ static double attempt(Unit *unit, double step, int passes)
         for (i = 0; i < count; i++) {
             c->u[i] += c->du[i];
         }
+        drop_slopes(c, c->u);
         composite_restore(c);
     }
 }
@@ -106,13 +138,17 @@ int iterated_judge(Unit *unit)
     }
     if (residual < 1.0 && !converges) {
         course->unconverged += 1.0;
+        course->worst_left = larger(course->worst_left, residual);
         unit_warn_once(unit, UNCONVERGED, course->time,
                        "a step left a residual above 1e-3 of the force: use smaller steps or more "
                        "corrections");
         return 0;
     }
     reason = unit_reason(unit);
-    text_put(reason, "the loop did not converge: ");
+    ((Composite *)unit->own)->loop_failed = 1;
+    text_put(reason, "the loop did not converge");
+    composite_put_time(reason, course->time);
+    text_put(reason, ": ");
     composite_name_forces(c, reason);
     text_put(reason, " still changes by ");
     text_rounded(reason, residual, 2);

@@ -56,6 +56,40 @@ static double left_of_vibration(Composite *c, double step)
     return matrix ? smaller(1.0, spectral_radius(n, c->decay, c->decay + n * n)) : 1.0;
 }
 
+/* Smallest modulus of an eigenvalue of the rotor's free motion [1/s]; 0 for one without. */
+static double slowest_rate(Composite *c)
+{
+    Unit *unit = c->parts->unit;
+    const Rotor *own = unit->own;
+    const Rates *rates = &own->rates;
+    const int n = 4 * own->stations;
+    double *carried = unit->real + unit->layout.inputs.first, *inverse = c->decay + n * n;
+    const size_t size = (size_t)own->planes * sizeof(double);
+    double *kept = c->masses + own->planes, radius;
+    int i, k, wrong;
+    memcpy(kept, carried, size);
+    memcpy(carried, c->masses, size);
+    wrong = rotor_rates(unit);
+    memcpy(carried, kept, size);
+    if (wrong) {
+        return 0.0;
+    }
+    memset(c->decay, 0, 2 * (size_t)(n * n) * sizeof(double));
+    for (i = 0; i < n; i++) {
+        for (k = rates->first[i]; k < rates->first[i + 1]; k++) {
+            if (rates->column[k] < n) {
+                c->decay[i * n + rates->column[k]] = rates->value[k];
+            }
+        }
+        inverse[i * n + i] = 1.0;
+    }
+    if (matrix_solve(1, n, n, c->decay, inverse)) {
+        return 0.0;
+    }
+    radius = spectral_radius(n, inverse, c->decay);
+    return radius > 0.0 ? 1.0 / radius : 0.0;
+}
+
 /* Angle [rad] by which a push of 1 m/s turns a weight of a part until it is forgotten. */
 static double turned(const Unit *unit, double speed)
 {
@@ -142,6 +176,7 @@ void resolution_begin(Unit *unit)
         Swung *plane = c->swung + c->member_planes[k];
         plane->turned = larger(plane->turned, turned(c->parts[c->members[k]].unit, top));
     }
+    course->slowest = slowest_rate(c);
     course->judged_step = course->pushed = course->grown = course->unresolved = 0.0;
     course->error = 0.0;
 }
@@ -169,8 +204,16 @@ static Text *refuse(Unit *unit)
     Text *reason = unit_reason(unit);
     text_put(reason, "coupling steps of ");
     text_rounded(reason, c->course->judged_step, 3);
-    text_put(reason, " s are too long (use more coupling.steps_per_rev, or a tolerance): ");
+    text_put(reason, " s are too long");
+    composite_put_time(reason, c->course->time);
+    text_put(reason, ": ");
     return reason;
+}
+
+static int refused(Text *reason)
+{
+    text_put(reason, "; use more coupling.steps_per_rev, or a tolerance");
+    return 1;
 }
 
 /* What is `number`-th of forces and then accelerations. */
@@ -205,7 +248,7 @@ static int runs_away(Unit *unit)
         put_name(c, 0, reason);
         text_put(reason, " is beyond all that the scene can make of it and has grown 2-fold or more "
                          "in each of the last 4 steps");
-        return 1;
+        return refused(reason);
     }
     return 0;
 }
@@ -221,7 +264,7 @@ static int count_lost(Unit *unit, int number, const Signal *signal)
         text_put(reason, " has ended 20 steps far from where the one before led, now by ");
         text_rounded(reason, signal->prediction_error / signal->largest, 2);
         text_put(reason, " of its largest value");
-        return 1;
+        return refused(reason);
     }
     return 0;
 }
@@ -290,7 +333,7 @@ int resolution_check(Unit *unit, double step)
             text_put(reason, " moves the units ");
             text_rounded(reason, worst, 2);
             text_put(reason, " times as far as they move at all");
-            return 1;
+            return refused(reason);
         }
         if (worst >= SAID) {
             unit_warn_once(unit, TOO_LONG, course->time,

@@ -13,6 +13,12 @@ void knot_begun(const Knot *start, int orders, Complex *signal)
     }
 }
 
+void knot_held(const Knot *knot, int orders, Complex *signal)
+{
+    Knot flat = {knot->value, {0.0, 0.0}, {0.0, 0.0}};
+    knot_begun(&flat, orders, signal);
+}
+
 void knot_hermite(const Knot *start, const Knot *end, int orders, double step, Complex *signal)
 {
     if (orders == QUINTIC_ORDERS) {

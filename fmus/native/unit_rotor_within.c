@@ -6,10 +6,10 @@
 #include "propagator.h"
 #include "unit_rotor.h"
 
-/* A mode may turn so far in the step [rad]: beyond, terms cancel, and a matrix keeps more digits. */
+/* A mode may turn so far in a piece [rad]: beyond, terms cancel, and a matrix keeps more digits. */
 static const double SOFT = 3.0;
 static const double NEGLIGIBLE = 1e-16; /* of the sum: a term, and the one before */
-enum { MOST_TERMS = 60 };
+enum { MOST_TERMS = 60, MOST_PIECES = 12 }; /* more cost as much as a matrix */
 
 size_t rotor_rates_doubles(int n, int p, int orders)
 {
@@ -118,19 +118,11 @@ static int vanishes(int count, const double *term, const double *sum)
     return small <= NEGLIGIBLE * large;
 }
 
-int rotor_within(Rotor *own, double time)
+/* A state (size,), `time` on; 0 where the series does not end.  `term` and `next`: (size,) each. */
+static int advance(const Rates *rates, int half, double time, double *sum, double *term, double *next)
 {
-    const Rates *rates = &own->rates;
-    const int half = 2 * own->stations, planes = 2 * own->planes, size = rates->size;
-    /* of the acceleration's derivatives the last one asks for velocities alone */
-    const int quintic = own->orders == QUINTIC_ORDERS;
-    const int first = quintic ? 0 : half, end = quintic ? size : 2 * half;
-    double *sum = own->operand, *term = rates->work, *next = term + size;
-    double *out = own->result + 2 * half;
+    const int size = rates->size;
     int k, i, small = 0;
-    if (!(rates->quickest * own->whole <= SOFT)) {
-        return 0;
-    }
     memcpy(term, sum, (size_t)size * sizeof(double));
     for (k = 1; k < MOST_TERMS && !small; k += 2) {
         changes(rates, 0, size, term, time / k, next);
@@ -143,8 +135,28 @@ int rotor_within(Rotor *own, double time)
         small = vanishes(half, term, sum) && vanishes(half, next, sum) &&
                 vanishes(half, term + half, sum + half) && vanishes(half, next + half, sum + half);
     }
-    if (!small) {
+    return small;
+}
+
+int rotor_within(Rotor *own, double time)
+{
+    const Rates *rates = &own->rates;
+    const int half = 2 * own->stations, planes = 2 * own->planes, size = rates->size;
+    /* of the acceleration's derivatives the last one asks for velocities alone */
+    const int quintic = own->orders == QUINTIC_ORDERS;
+    const int first = quintic ? 0 : half, end = quintic ? size : 2 * half;
+    double *sum = own->operand, *term = rates->work, *next = term + size;
+    double *out = own->result + 2 * half;
+    const double turned = rates->quickest * time;
+    const int pieces = turned <= MOST_PIECES * SOFT ? 1 + (int)(turned / SOFT) : 0;
+    int k;
+    if (!pieces) {
         return 0;
+    }
+    for (k = 0; k < pieces; k++) {
+        if (!advance(rates, half, time / pieces, sum, term, next)) {
+            return 0;
+        }
     }
     changes(rates, 0, size, sum, 1.0, term);
     changes(rates, first, end, term, 1.0, next);

@@ -89,8 +89,8 @@ def steady(
 
 
 def swept(
-    scene: Scene, washers: Sequence[int], low: float, high: float, falling: bool
-) -> dict[int, Curve]:
+    scene: Scene, washers: Sequence[float], low: float, high: float, falling: bool
+) -> dict[float, Curve]:
     """Co-simulated sweeps between two speeds at the rig's rate, by number of washers.
 
     Balls start where the scene has them; on the way down balanced, as far as they can.
@@ -112,7 +112,7 @@ def swept(
     return {number: (speeds, curve) for number, curve in zip(washers, amplitude, strict=True)}
 
 
-def _balanced_half_angle(scene: Scene, washers: int) -> float:
+def _balanced_half_angle(scene: Scene, washers: float) -> float:
     """Of two balls about the light spot: 2 m R cos(half) is the washers' unbalance."""
     (balls,) = scene.balancer
     assert isinstance(balls, WeightBalancer)  # the check has set its drag

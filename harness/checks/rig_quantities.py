@@ -1,14 +1,13 @@
 """Every quantity of the rig that can be compared, of one model, washer by washer.
 
-`python -m autobalancer.harness.checks.rig_quantities` prints them as a table in Markdown, with one
-piece of physics after the other.  Amplitudes in mm, speeds in rpm.
+`python -m autobalancer.harness.checks.rig_quantities` prints tables in Markdown, without and with
+balls, one piece of physics after the other.  Amplitudes in mm, speeds in rpm.
 """
 
 from __future__ import annotations
 
 import math
-import sys
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from typing import NamedTuple
 
 import numpy as np
@@ -16,7 +15,7 @@ import numpy as np
 from ..scene import Scene, load_scene
 from .rig import BANDS, HIGH, peak
 from .rig_data import Array, at, response, steady, swept
-from .rig_sweeps import FIRST, FITTED_DRAG
+from .rig_sweeps import FIRST, FITTED_DRAG, SWEPT, gained, lost
 
 WASHERS = range(5)
 CURVE = (*range(1100, 2601, 60), 2800, 3000, *range(3800, 5201, 200))  # not the bearing's resonance
@@ -33,7 +32,7 @@ class Quantity(NamedTuple):
     """Of 0 to 4 washers, as measured and as co-simulated; NaN where there is none.
 
     Attributes:
-        kind: "critical speed", "plain", "curve" or "balls".
+        kind: "critical speed", "plain", "curve", "balls", "order" or "helping".
         measured, found: (5,), or (5, k) where many points are judged together.
     """
 
@@ -84,6 +83,24 @@ def with_balls(scene: Scene) -> Iterator[Quantity]:
     found = np.array([at(curve, WITH_BALLS) for curve in ends.values()])
     label = "balls, 3000, 4000, 4500, 5000 rpm, rms of the logarithms"
     yield Quantity("balls", label, measured, found)
+    label = "balls, mean of 4000, 4500, 5000 rpm"
+    yield Quantity("order", label, measured[:, 1:].mean(axis=1), found[:, 1:].mean(axis=1))
+
+
+def helping(scene: Scene) -> Iterator[Quantity]:
+    """Speeds at which balance is gained and lost, of 3 and 4 washers.
+
+    Raises:
+        SimulationError: a run has failed.
+    """
+    scene, some = scene.replace(STEPS), (3, 4)
+    for falling, speed_of, name in ((False, gained, "gained"), (True, lost, "lost")):
+        both = [swept(one, some, *SWEPT, falling) for one in (scene, scene.without_balancers())]
+        measured, found = np.full((2, len(WASHERS)), math.nan)
+        for n in some:
+            measured[n] = speed_of(*(response(n, balls, falling=falling) for balls in (2, 0)))
+            found[n] = speed_of(*(curves[n] for curves in both))
+        yield Quantity("helping", f"balance is {name} at", measured, found)
 
 
 def with_fitted_balls(scene: Scene) -> Scene:
@@ -109,27 +126,53 @@ def models() -> dict[str, Scene]:
     }
 
 
-def table() -> Iterator[str]:
-    """Lines in Markdown: every quantity without balls as measured, then by model."""
-    yield "| | | 0 | 1 | 2 | 3 | 4 | worst, 1 to 4 |"
-    yield "|---|---|---:|---:|---:|---:|---:|---:|"
-    found = {name: list(without_balls(scene)) for name, scene in models().items()}
-    for alike in zip(*found.values(), strict=True):
+def models_with_balls() -> dict[str, Scene]:
+    """The same with balls, and what these bring."""
+    _, bends, friction = models().values()
+    bends, friction = with_fitted_balls(bends), with_fitted_balls(friction)
+    points = {"balls.rolling_resistance": 0.0}
+    return {
+        "rigid, drag fitted": load_scene("bristol").replace(FITTED_DRAG),
+        "shaft that bends": bends.replace(points),
+        "friction, fitted": friction.replace(points),
+        "rolling resistance": friction,
+    }
+
+
+def table(models: dict[str, Scene], *parts: Callable[[Scene], Iterator[Quantity]]) -> Iterator[str]:
+    """Lines in Markdown: every quantity as measured, then by model."""
+    yield f"| | | {' | '.join(map(str, WASHERS))} | worst, 1 to 4 |"
+    yield f"|---|---|{'---:|' * (len(WASHERS) + 1)}"
+    found = [[one for part in parts for one in part(scene)] for scene in models.values()]
+    for alike in zip(*found, strict=True):
         first = alike[0]
         if first.measured.ndim == 1:
-            yield _line(first.label, "measured", first.measured, "")
-        for name, one in zip(found, alike, strict=True):
+            yield _line(first, "measured", first.measured, _least(first, first.measured))
+        for name, one in zip(models, alike, strict=True):
             values = one.found if one.found.ndim == 1 else one.errors
-            worst = np.nanmax(one.errors[1:])
-            text = f"{worst:.2f}" if one.found.ndim > 1 else f"{worst:.0%}"
-            yield _line(one.label, name, values, text)
+            yield _line(one, name, values, _least(one, values) or _worst(one))
 
 
-def _line(label: str, name: str, values: Array, worst: str) -> str:
-    digits = 0 if "critical" in label else 4 if "rms" not in label else 2
+def _least(one: Quantity, values: Array) -> str:
+    return f"least: {np.argmin(values)}" if one.kind == "order" else ""
+
+
+def _worst(one: Quantity) -> str:
+    if one.kind == "balls":
+        return f"all: {math.sqrt(np.mean(one.errors**2)):.2f}"
+    worst = np.nanmax(one.errors[1:])
+    return f"{worst:.2f}" if one.kind == "curve" else f"{worst:.0%}"
+
+
+def _line(one: Quantity, name: str, values: Array, last: str) -> str:
+    digits = {"critical speed": 0, "helping": 0, "curve": 2, "balls": 2}.get(one.kind, 4)
     cells = ["-" if math.isnan(value) else f"{value:.{digits}f}" for value in values]
-    return f"| {label} | {name} | {' | '.join(cells)} | {worst} |"
+    return f"| {one.label} | {name} | {' | '.join(cells)} | {last} |"
 
 
 if __name__ == "__main__":
-    sys.stdout.writelines(f"{line}\n" for line in table())
+    for line in table(models(), without_balls):
+        print(line, flush=True)
+    print(flush=True)
+    for line in table(models_with_balls(), with_balls, helping):
+        print(line, flush=True)

@@ -32,7 +32,7 @@ def sweep_rows(scene: Scene, _check: RigCheck, rows: Rows, falling: bool) -> Ite
         rig = response(number, 2, falling=falling, run=1)
         label = f"first resonance with balls on the way {way}, washers: {number} [mm]"
         source = f"{SOURCE}; drag fitted to these rows"
-        yield rows.number(label, _first_peak(rig), _first_peak(curve), PEAK, source)
+        yield rows.number(label, first_peak(rig), first_peak(curve), PEAK, source)
     speed_of, name = (lost, "lost") if falling else (gained, "gained")
     for number in plain:
         expected = speed_of(*(response(number, balls, falling=falling) for balls in (2, 0)))
@@ -40,7 +40,7 @@ def sweep_rows(scene: Scene, _check: RigCheck, rows: Rows, falling: bool) -> Ite
         yield rows.number(label, expected, speed_of(ours[number], plain[number]), HELPING, SOURCE)
 
 
-def _first_peak(curve: Curve) -> float:
+def first_peak(curve: Curve) -> float:
     speeds, amplitude = curve
     return float(amplitude[(speeds > FIRST[0]) & (speeds < FIRST[1])].max())
 

@@ -28,6 +28,14 @@ def command(
             help="Values to find: rotor.stiffness[1],balls.drag; PATH=PATH is one for both.",
         ),
     ],
+    limits: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--limit",
+            metavar="PATH=LOW:HIGH,...",
+            help="Between which a free value stays; rotor.damping=2: has no upper limit.",
+        ),
+    ] = None,
     values: Annotated[
         bool, typer.Option("--values", help="Squares of differences, not of logarithms' ones.")
     ] = False,
@@ -55,7 +63,7 @@ def command(
 
     loaded = changed_scene(scene, changes)
     loaded = loaded.without_balancers() if without_balancers else loaded
-    parameters = parse_free(free, loaded)
+    parameters = parse_free(free, loaded, limits or [])
     data = read_measured(measured, loaded)
     others = read_measured(predict, loaded) if predict is not None else None
     page = Report(report, f"Fit: {loaded.heading}", [loaded])

@@ -1,4 +1,7 @@
-"""Amplitudes that runs of a scene show where they were measured, for many parameters at once."""
+"""Amplitudes that a scene shows where they were measured, for many parameters at once.
+
+By runs in C; or, as a first guess, by harmonic balance, where the scene is a rotor alone.
+"""
 
 from __future__ import annotations
 
@@ -7,12 +10,13 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from ...models.harmonic_balance import NoResponse, largest_displacement, unbalance_response
 from ..errors import SimulationError, UserError
 from ..master.alike import table_of
 from ..master.many import cosimulate_many
 from ..master.names import station_residuals
 from ..scene import Scene
-from .measured import AMPLITUDE, SPEED, Measured
+from .measured import AMPLITUDE, LARGEST, SPEED, Measured
 from .parameters import Parameter
 
 Array = NDArray[np.float64]
@@ -31,14 +35,14 @@ class Model:
     def __init__(self, scene: Scene, parameters: Sequence[Parameter], measured: Measured) -> None:
         if scene.operation.run_up is not None:
             raise UserError(f"{scene.name}: operation.run_up: a fit takes runs at constant speed")
-        self._scene, self._parameters, self._measured = scene, parameters, measured
+        self._scene, self.parameters, self._measured = scene, parameters, measured
         others = {name: column for name, column in measured.settings.items() if name != SPEED}
         rows = np.array(list(others.values())).T.reshape(self._count, len(others))
         distinct, self._kind = np.unique(rows, axis=0, return_inverse=True)
         self._kind = self._kind.ravel()
         self._kinds = [dict(zip(others, row, strict=True)) for row in distinct.tolist()]
-        stations = station_residuals(len(scene.rotor.stations))
-        self._supports = [stations[number - 1] for number in scene.rotor.supports]
+        self._stations = station_residuals(len(scene.rotor.stations))
+        self._supports = [self._stations[number - 1] for number in scene.rotor.supports]
 
     @property
     def _count(self) -> int:
@@ -50,7 +54,7 @@ class Model:
         Raises:
             SceneError: they do not fit together.
         """
-        pairs = zip(self._parameters, values, strict=True)
+        pairs = zip(self.parameters, values, strict=True)
         changes = [parameter.changes(value).items() for parameter, value in pairs]
         return self._scene.replace(dict(item for some in changes for item in some))
 
@@ -64,16 +68,53 @@ class Model:
         bases = [self.scene(values) for values in sets.tolist()]
         scenes = [base.replace(kind) for base in bases for kind in self._kinds]
         place = (np.arange(len(sets))[:, None] * len(self._kinds) + self._kind).ravel()
-        table = {name: np.array(column)[place] for name, column in table_of(scenes).items()}
-        if SPEED in self._measured.settings:
-            table[SPEED] = np.tile(self._measured.settings[SPEED], len(sets))
-        own = [name for name in self._measured.amplitudes if name != AMPLITUDE]
-        found = cosimulate_many(scenes[0], table, results=[*{*own, *self._supports}])
-        for reason in filter(None, found["failure"]):
-            raise SimulationError(f"{self._scene.name}: a run failed: {reason}")
+        speeds = self._measured.settings.get(SPEED)
+        found = self._found(scenes, place, None if speeds is None else np.tile(speeds, len(sets)))
         found[AMPLITUDE] = np.mean([found[name] for name in self._supports], axis=0)
         columns = [
             found[name].reshape(len(sets), -1)[:, ~np.isnan(column)]
             for name, column in self._measured.amplitudes.items()
         ]
         return np.concatenate(columns, axis=1)
+
+    def _found(
+        self, scenes: Sequence[Scene], place: NDArray[np.int_], speeds: Array | None
+    ) -> dict[str, Array]:
+        """By name the residuals of what was measured and of the supports, (places,) [m].
+
+        Args:
+            place: (places,) of the scenes.
+            speeds: (places,) [rad/s]; else the scene's.
+        """
+        table = {name: np.array(column)[place] for name, column in table_of(scenes).items()}
+        if speeds is not None:
+            table[SPEED] = speeds
+        own = [name for name in self._measured.amplitudes if name != AMPLITUDE]
+        found = cosimulate_many(scenes[0], table, results=[*{*own, *self._supports}])
+        for reason in filter(None, found["failure"]):
+            raise SimulationError(f"{self._scene.name}: a run failed: {reason}")
+        return dict(found)
+
+
+class HarmonicModel(Model):
+    """The same by harmonic balance: a rotor alone, as it vibrates when it has settled.
+
+    Raises:
+        NoResponse: the scene has balancers, gravity or a motor.
+    """
+
+    def __init__(self, scene: Scene, parameters: Sequence[Parameter], measured: Measured) -> None:
+        operation = scene.operation
+        if scene.balancer or operation.gravity or operation.motor:
+            raise NoResponse("harmonic balance knows no balancers, gravity or motor")
+        super().__init__(scene, parameters, measured)
+
+    def _found(
+        self, scenes: Sequence[Scene], place: NDArray[np.int_], speeds: Array | None
+    ) -> dict[str, Array]:
+        largest = np.empty((len(place), len(self._stations)))
+        for k, scene in enumerate(scenes):
+            here = place == k
+            own = np.full(here.sum(), scene.operation.speed) if speeds is None else speeds[here]
+            largest[here] = largest_displacement(unbalance_response(scene.assembly().rotor, own))
+        return {LARGEST: largest.max(axis=1), **dict(zip(self._stations, largest.T, strict=True))}

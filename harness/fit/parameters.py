@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 from ..errors import SceneError, UserError
@@ -23,7 +23,8 @@ class Parameter:
     Attributes:
         paths: of the scene, all given the same value.
         start: the scene's.
-        limits: between which the scene takes it while the others keep their start.
+        limits: between which the scene takes it while the others keep their start, and no farther
+            than was asked for.
     """
 
     paths: tuple[str, ...]
@@ -40,11 +41,15 @@ class Parameter:
         return dict.fromkeys(self.paths, value)
 
 
-def parse_free(texts: Sequence[str], scene: Scene) -> list[Parameter]:
+def parse_free(texts: Sequence[str], scene: Scene, limits: Sequence[str] = ()) -> list[Parameter]:
     """PATH,PATH,...: each a number of the scene; PATH=PATH is one number for both.
 
+    Args:
+        limits: PATH=LOW:HIGH,..., of those that are free; either may be left out.
+
     Raises:
-        UserError: nothing is free, a path is unknown, twice there, no number or 0.
+        UserError: nothing is free, a path is unknown, twice there, no number or 0; a limit is of
+            what is not free, no number, or leaves the start outside.
     """
     groups = [
         tuple(path.strip() for path in group.split("="))
@@ -57,7 +62,30 @@ def parse_free(texts: Sequence[str], scene: Scene) -> list[Parameter]:
         raise UserError("--free: nothing is free; give paths such as rotor.stiffness[1],balls.drag")
     if repeated := {path for path in paths if paths.count(path) > 1}:
         raise UserError(f"--free {', '.join(sorted(repeated))}: given twice")
-    return [_parameter(group, scene) for group in groups]
+    found = [_parameter(group, scene) for group in groups]
+    for text in (one.strip() for some in limits for one in some.split(",") if one.strip()):
+        found = _limited(found, text)
+    return found
+
+
+def _limited(parameters: list[Parameter], text: str) -> list[Parameter]:
+    path, _, ends = text.partition("=")
+    if not any(path in parameter.paths for parameter in parameters):
+        raise UserError(f"--limit {text}: {path} is not free; must be PATH=LOW:HIGH of --free")
+    try:
+        low, high = (
+            float(end) if end else far
+            for end, far in zip(ends.split(":"), (-math.inf, math.inf), strict=True)
+        )
+    except ValueError:
+        raise UserError(f"--limit {text}: must be PATH=LOW:HIGH, numbers or nothing") from None
+    for k, one in enumerate(parameters):
+        if path in one.paths:
+            if not low <= one.start <= high or low == high:
+                raise UserError(f"--limit {text}: starts at {one.start:g}, outside: --set it")
+            both = max(low, one.limits[0]), min(high, one.limits[1])
+            parameters[k] = replace(one, limits=both)
+    return parameters
 
 
 def _parameter(paths: tuple[str, ...], scene: Scene) -> Parameter:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from typing import Any
 
@@ -22,6 +23,7 @@ def document(found: Fit, measured: Measured, logarithms: bool, scene: str) -> di
         "difference": "logarithms" if logarithms else "values over their rms",
         "rms_before": found.rms[0],
         "rms": found.rms[1],
+        "rms_first_guess": found.guessed if math.isfinite(found.guessed) else None,
         "ended": found.ended,
         "parameters": [
             {
@@ -57,11 +59,15 @@ def _spread(one: Mapping[str, Any]) -> str:
 
 def lines(said: Mapping[str, Any]) -> list[str]:
     """What the table does not say."""
-    predicted = "rms_predicted" in said
+    predicted = []
+    if "rms_predicted" in said:
+        predicted = [f"Predicted: rms {said['rms_predicted']:.4g}, {said['predicted']}"]
+    guessed = said["rms_first_guess"]
     return [
+        *([f"First guess by harmonic balance: rms {guessed:.4g}"] if guessed is not None else []),
         f"{said['values']} measured amplitudes; rms of the difference in {said['difference']}: "
         f"{said['rms_before']:.4g} before, {said['rms']:.4g} after ({said['ended']})",
-        *([f"Predicted: rms {said['rms_predicted']:.4g}, {said['predicted']}"] * predicted),
+        *predicted,
         *(f"Warning: {text}" for text in said["warnings"]),
         "As options: "
         + " ".join(

@@ -20,13 +20,14 @@ import numpy as np
 
 from ..errors import SimulationError
 from ..scene import Scene
-from .cosimulation import CoSimulation
+from .cosimulation import Simulation
 from .names import kin, stations
 from .plan import MOTOR
 from .recorder import Recorder, Signal
 from .scales import least_motion
 from .schedule import force_jumps
-from .schemes.adaptive import RESIDUAL_SHARE, Adaptive
+from .schemes.adaptive import RUNGS
+from .schemes.iterated import LOOSE
 from .schemes.prescribed import SLIVER
 
 ORDER = {3: 4, 5: 6}  # of the coupling, by that of the signals
@@ -35,8 +36,13 @@ ORDER = {3: 4, 5: 6}  # of the coupling, by that of the signals
 ORDER_OF_JUMPS = 1
 LEFT = 2  # power of the parts with which what is left in the loop shrinks at least
 # of the tolerance, what a step of the first run may err; halved, it errs by 1/16 or 1/64
-SHARES = (10.0, 1.0, 0.1)
-AIM = 0.3  # of the tolerance: what further parts are to leave
+SHARE = 300.0
+FOLLOWED = 0.03  # of a signal: a step that errs by more does not follow it
+TIGHTER = (1.0, 30.0, 300.0, 3000.0)  # times, where longer steps do not come to the end
+FIRST_RUNG = 3 * RUNGS  # of the first step: it is taken back where it is too long
+# of the tolerance: what further parts are to leave, and two runs may say, for they do not tell by
+# which order errors shrink; if by 1.3 already, the tolerance is still kept within a factor of 3
+AIM = 0.3
 MOST_TIMES = 4  # as many parts as in the run before, which is to be confirmed
 MOST_PARTS = 128  # of a step of the first run
 PARTING = 32  # parts that should be enough to see runs come together
@@ -57,14 +63,16 @@ class Controlled:
         parts: of each step of the first run.
     """
 
-    def __init__(self, cosim: CoSimulation, names: Sequence[str]) -> None:
+    def __init__(self, cosim: Simulation, names: Sequence[str]) -> None:
         assert cosim.scene.coupling.tolerance is not None
         self.cosim, self.names = cosim, names
         self.tolerance = cosim.scene.coupling.tolerance
         touching = any(balancer.can_meet for balancer in cosim.scene.balancer)
         jumping = touching or force_jumps(cosim.scene)
-        self.order = ORDER_OF_JUMPS if jumping else ORDER[cosim.system.order]
+        self.highest_order = ORDER_OF_JUMPS if jumping else ORDER[cosim.order]
+        self.order: float = self.highest_order
         self.parts, self.error = 1, math.inf
+        self._apart = self._times = 0.0  # how far the last two runs were, and by how many parts
         self._done = 0  # work, in first runs
 
     def run(self, progress: Report | None) -> Recorder:
@@ -90,21 +98,32 @@ class Controlled:
             at = np.searchsorted(times, grid * (1.0 - SLIVER))
             finer = {name: values[at] for name, values in finer.items()}
             apart = _apart(signals, finer, scale)
-            far = apart >= ASYMPTOTIC
-            self.error = apart if far else apart / ((parts / self.parts) ** self.order - 1.0)
-            self.parts, signals = parts, finer
+            far, signals = apart >= ASYMPTOTIC, finer
             # of motions that part no run says more than the one before
-            if self.error <= self.tolerance or parts >= (PARTING if far else MOST_PARTS):
+            if self._kept(apart, far, parts) or parts >= (PARTING if far else MOST_PARTS):
                 return recorder
+
+    def _kept(self, apart: float, far: bool, parts: int) -> bool:
+        """Whether the tolerance is kept by a run so far `apart` from the one before."""
+        times, enough = parts / self.parts, self.tolerance
+        if self._apart and apart:  # three runs show by which order errors shrink
+            shown = math.log1p(self._apart / apart) / math.log(self._times)
+            self.order = min(self.highest_order, max(shown, ORDER_OF_JUMPS))
+        elif self.order > ORDER_OF_JUMPS:
+            enough *= AIM
+        self.error = apart if far else apart / (times**self.order - 1.0)
+        self.parts, self._times, self._apart = parts, times, apart
+        return self.error <= enough
 
     def _first(self, progress: Report | None) -> Recorder:
         """The run that chooses its steps, which shorter ones may bring to its end."""
-        for share in SHARES[:-1]:
+        share = min(SHARE, FOLLOWED / self.tolerance)
+        for times in TIGHTER[:-1]:
             try:
-                return self._run(1, None, progress, share)
+                return self._run(1, None, progress, share / times)
             except SimulationError:
                 continue
-        return self._run(1, None, progress, SHARES[-1])
+        return self._run(1, None, progress, share / TIGHTER[-1])
 
     def _next_parts(self) -> int:
         """Parts of each step of the first run that should keep the tolerance."""
@@ -124,10 +143,11 @@ class Controlled:
         cosim = self.cosim
         recorder = Recorder(cosim.units, self.names, _motion(cosim.scene))
         # what is left in the loop must shrink with the rest, or no run would show it
-        residual = RESIDUAL_SHARE * self.tolerance / parts ** max(self.order, LEFT)
-        cosim.start(points=(points, residual) if points else None)
-        if isinstance(cosim.scheme, Adaptive):
-            cosim.scheme.share = share
+        residual = min(self.tolerance, LOOSE) / parts ** max(self.highest_order, LEFT)
+        if points is None:
+            cosim.start(loosened=(share, residual, FIRST_RUNG))
+        else:
+            cosim.start(points=(points, residual))
         # of a first run it is certain that another follows
         done, work = self._done, max(3, self._done + parts)
         report = progress and (lambda part: progress((done + part * parts) / work))

@@ -7,6 +7,7 @@ with; a consistent start and every implicit step solve u = G(u).
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from functools import cache
 
 import numpy as np
 
@@ -123,9 +124,14 @@ def applied(matrix: np.ndarray, vector: Sequence[complex]) -> Vector:
 
 def rescaled(matrix: np.ndarray, ratio: float, parts: int = 2) -> np.ndarray:
     """A matrix between vectors as `pack` makes them, for steps `ratio` times as long."""
-    powers = np.repeat(ratio ** np.arange(parts), 2)
-    rows, columns = (np.tile(powers, n // len(powers)) for n in matrix.shape)
-    return rows[:, None] * matrix / columns
+    return matrix * ratio ** _powers(matrix.shape, parts)
+
+
+@cache
+def _powers(shape: tuple[int, int], parts: int) -> np.ndarray:
+    """By which a matrix's entries grow with the step."""
+    rows, columns = (np.arange(n) // 2 % parts for n in shape)
+    return np.subtract.outer(rows, columns)
 
 
 def _components(vector: Sequence[complex]) -> np.ndarray:
@@ -151,12 +157,15 @@ def rotor_response(system: System, step: float) -> np.ndarray:
     return found
 
 
-def consistent_start(system: System, step: float, rounding: float = 0.0) -> np.ndarray:
+def consistent_start(
+    system: System, step: float, rounding: float = 0.0, known: np.ndarray | None = None
+) -> np.ndarray:
     """Bring forces and accelerations of units in initialisation mode into agreement.
 
     Args:
         step: communication step to come [s].
         rounding: of the forces [N]: where they cancel, nothing larger can be made of them.
+        known: what an earlier start from the same values has returned; it is not measured again.
 
     Returns:
         dG/du at the start, (4 c, 4 c) for c connections, with order 5 (6 c, 6 c); its spectral
@@ -180,8 +189,7 @@ def consistent_start(system: System, step: float, rounding: float = 0.0) -> np.n
     # second derivatives take squares of the values, but these converge before them
     u = [0j] * (parts * len(system.forces))
     g_u = respond(u)
-    change = size(g_u) or 1.0
-    slope_of_g = jacobian(respond, u, g_u, change)
+    slope_of_g = jacobian(respond, u, g_u, size(g_u) or 1.0) if known is None else known
     if not np.isfinite(slope_of_g).all():
         raise SimulationError("start values: the forces of the balancers are not finite at t = 0 s")
     newton = QuasiNewton(slope_of_g, step, parts)

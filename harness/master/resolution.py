@@ -200,8 +200,8 @@ class Resolution:
         if not self.strict:
             return
         raise SimulationError(
-            f"communication steps of {self._step:.3g} s are too long at t = {time:g} s: {why}; "
-            "use more steps_per_rev, or a tolerance"
+            f"coupling steps of {self._step:.3g} s are too long at t = {time:g} s: {why}; "
+            "use more coupling.steps_per_rev, or a tolerance"
         )
 
 
@@ -213,11 +213,7 @@ def _slowest(mass: np.ndarray, stiffness: np.ndarray) -> float:
 
 def _slowest_decay(rotor: LinearRotor, speed: float) -> float:
     """Rate at which the rotor's longest-lived vibration decays [1/s]; 0 for one that grows."""
-    mass, damping, stiffness = rotor.coefficients(speed)
-    dof = len(mass)
-    still = np.linalg.solve(mass, np.hstack([-stiffness, -damping]))
-    system = np.vstack([np.eye(dof, 2 * dof, dof), still])
-    return max(0.0, -float(np.linalg.eigvals(system).real.max()))
+    return max(0.0, -float(rotor.free_rates(speed).real.max()))
 
 
 def _turned(scene: Scene, system: System, plane: int, speed: float) -> float:

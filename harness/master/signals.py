@@ -29,6 +29,11 @@ def begun(knot: Knot) -> Cubic:
     return (*knot, 0j, 0j) if len(knot) == 2 else (*knot, 0j, 0j, 0j)
 
 
+def flat(knot: Knot) -> Knot:
+    """The same value, at rest."""
+    return (knot[0], *(0j,) * (len(knot) - 1))
+
+
 def hermite(start: Knot, end: Knot, step: float) -> Cubic:
     """The cubic, or quintic, through both ends of a step [s]; error step^4/384 f''''."""
     if len(start) == 3:
@@ -50,7 +55,7 @@ def interpolated(start: Knot, end: Knot, step: float, order: int) -> Cubic:
         return hermite(start, end, step)
     if order == 1:
         return (start[0], (end[0] - start[0]) / step, 0j, 0j)
-    return (end[0], 0j, 0j, 0j)
+    return begun(flat(end))
 
 
 def extrapolated(start: Knot, past: Cubic, past_step: float, order: int) -> Cubic:
@@ -62,7 +67,7 @@ def extrapolated(start: Knot, past: Cubic, past_step: float, order: int) -> Cubi
         return (*start, d3 + past_step * (d4 + 0.5 * past_step * d5), d4 + past_step * d5, d5)
     if order == 1:
         return (start[0], start[1], 0j, 0j)
-    return (start[0], 0j, 0j, 0j)
+    return begun(flat(start))
 
 
 def end_of(cubic: Cubic, step: float) -> Knot:

@@ -179,6 +179,42 @@ def offset(generator: random.Random) -> Document:
     return _risen(generator, sketch, document) if generator.random() < 0.25 else document
 
 
+def sticking(generator: random.Random) -> Document:
+    """Weights with rolling resistance, a fifth of them heavy, a quarter in a run-up."""
+    sketch = _Sketch(generator)
+    balancer = _weights(
+        generator, sketch, *((0.1, 2.0) if generator.random() < 0.2 else (1e-4, 0.1))
+    )
+    balancer["drag"] = float(f"{balancer['drag'] / 300.0:.4g}")  # nothing stops a weight in drag
+    balancer["rolling_resistance"] = _sized(generator, 1e-4, 0.1)
+    document = _scene(generator, sketch, _disc(generator, sketch), [balancer])
+    return _risen(generator, sketch, document) if generator.random() < 0.25 else document
+
+
+def friction(generator: random.Random) -> Document:
+    """Sliders in the supports, rigid or behind springs, half of the rotors with light weights."""
+    sketch = _Sketch(generator)
+    rotor = _disc(generator, sketch)
+    largest = sketch.mass * max(sketch.speed, sketch.mode) ** 2 * 1e-2 * sketch.radius
+    limit = max(rotor["unbalance"] * sketch.speed**2, 1e-3 * largest)
+    slider: Document = {"limit": _pair(generator, lambda g: _sized(g, 0.01, 1.0) * limit)}
+    if generator.random() < 0.5:
+        slider["stiffness"] = sketch.stiffness(generator)
+    rotor["friction"] = [slider]
+    balancers = [_weights(generator, sketch, 1e-4, 0.1)] if generator.random() < 0.5 else []
+    document = _scene(generator, sketch, rotor, balancers)
+    return _risen(generator, sketch, document) if generator.random() < 0.25 else document
+
+
+def gravity(generator: random.Random) -> Document:
+    """Any smooth kind of rotor across whose axis gravity pulls, as a rule downwards."""
+    document = generator.choice((planar, run_up, two_support, flexible, liquid, offset))(generator)
+    document["operation"]["gravity"] = _sized(generator, 0.1, 9.81)
+    if generator.random() < 0.3:
+        document["operation"]["gravity_angle"] = _even(generator, 0.0, 6.283)
+    return document
+
+
 FAMILIES: dict[str, Callable[[random.Random], Document]] = {
     "planar": planar,
     "run_up": run_up,
@@ -188,6 +224,9 @@ FAMILIES: dict[str, Callable[[random.Random], Document]] = {
     "heavy": heavy,
     "finite": finite,
     "offset": offset,
+    "sticking": sticking,
+    "friction": friction,
+    "gravity": gravity,
 }
 
 

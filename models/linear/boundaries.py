@@ -18,6 +18,7 @@ from .linearised import Linearised, linearise
 MARGIN = 1e-10  # growth per revolution that rounding alone can make
 GRID = 1000  # intervals of the scan, unless the caller says how narrow a band may be missed
 _SPLIT = 12  # parts of a bracket per round of refinement
+_PLATEAU = 1e-9  # of the growth: what rounding makes of one that does not depend on the speed
 _PROBE_ROUNDS = 6  # an extremum is located to (2/_SPLIT)^rounds of the scan's spacing
 _TOLERANCE = 1e-9  # of the speed
 
@@ -50,7 +51,10 @@ def _probe(
     middle: the extremum is closed in on until the sign changes or the spacing is used up.
     """
     same = (np.sign(g[:-2]) == np.sign(g[1:-1])) & (np.sign(g[1:-1]) == np.sign(g[2:]))
-    near = (np.abs(g[1:-1]) <= np.abs(g[:-2])) & (np.abs(g[1:-1]) <= np.abs(g[2:]))
+    before, size, behind = np.abs(g[:-2]), np.abs(g[1:-1]), np.abs(g[2:])
+    near = (size <= np.minimum(before, behind)) & (
+        np.maximum(before, behind) > (1.0 + _PLATEAU) * size
+    )
     middle = np.flatnonzero(same & near & _decided(w[1:-1], g[1:-1])) + 1
     low, high, sign = w[middle - 1], w[middle + 1], np.sign(g[middle])
     found_w: list[NDArray] = []

@@ -56,7 +56,6 @@ class Monolith:
     def __init__(self, assembly: Assembly, profile: SpeedProfile, angle: float = 0.0) -> None:
         """Set up the matrices; `angle` [rad] is the rotor's at time 0."""
         rotor = assembly.rotor
-        rotor.refuse_sliders("the motion in one piece")
         self.assembly, self.profile, self.angle = assembly, profile, angle
         self.stations = rotor.stations
         mounted = [m for m in assembly.weights for _ in range(_weights(m.device).count)]
@@ -119,7 +118,9 @@ class Monolith:
         lateral = np.repeat([length, velocity], 2 * n)
         return np.concatenate([lateral, ones, turning * ones])
 
-    def accelerations(self, t: float, y: Array, push: Array | float = 0.0) -> tuple[Array, Array]:
+    def accelerations(
+        self, t: float, y: Array, push: Array | float = 0.0, force: Array | float = 0.0
+    ) -> tuple[Array, Array]:
         """x'' and y'' of the stations, (2, n) [m/s^2], and phi'' of the weights (N,) [rad/s^2].
 
         Gravity acts as if everything were accelerated against it: it is added where all is solved.
@@ -127,6 +128,7 @@ class Monolith:
         Args:
             push: what else would accelerate each weight along its track on a rotor that is held,
                 (N,) [rad/s^2].
+            force: what else pushes the stations, (2, n) [N].
         """
         rotor, n, count = self.assembly.rotor, self.stations, len(self._plane)
         q_x, q_y, v_x, v_y = y[: 4 * n].reshape(4, n)
@@ -156,7 +158,8 @@ class Monolith:
         inner, gyro = w * rotor.internal_damping, w * rotor.gyroscopic
         f_x -= self._damping_x @ v_x + gyro @ v_y + rotor.stiffness_x @ q_x + inner @ q_y
         f_y -= self._damping_y @ v_y - gyro @ v_x + rotor.stiffness_y @ q_y - inner @ q_x
-        a = np.linalg.solve(mass, np.concatenate([f_x, f_y])).reshape(2, n)
+        right = (np.array([f_x, f_y]) + force).ravel()
+        a = np.linalg.solve(mass, right).reshape(2, n)
         a_x, a_y = (a @ lateral.T)[:, self._plane]
         if rotor.gravity:
             a = a + np.array([[rotor.gravity.real], [rotor.gravity.imag]])
@@ -228,10 +231,37 @@ class Monolith:
         return rhs
 
     @property
+    def dry(self) -> bool:
+        """Whether anything can stick: weights with resistance, sliders in the supports."""
+        resist = any(m.rolling_resistance for m in self.assembly.weights)
+        return resist or bool(self.assembly.rotor.sliders)
+
+    @property
+    def fastest_vibration(self) -> float:
+        """Largest modulus of an eigenvalue of the rotor [1/s]."""
+        return float(max(modes(self.assembly.loaded_rotor, self.profile.end).natural_frequencies))
+
+    @property
     def fastest_mode(self) -> float:
-        """Largest modulus of an eigenvalue of the rotor, or rate of a drag [1/s]."""
-        of_rotor = modes(self.assembly.loaded_rotor, self.profile.end).natural_frequencies
-        return float(max([*of_rotor, *self._drag]))
+        """Of the rotor's eigenvalues and the weights' drag [1/s]."""
+        return max([self.fastest_vibration, *self._drag.tolist()])
+
+    def stops(self, end: float) -> list[float]:
+        """Times up to which the motion is smooth [s]: the acceleration jumps after a run-up."""
+        profile = self.profile
+        kink = profile.seconds if profile.start != profile.end else 0.0
+        return [kink, end] if 0.0 < kink < end else [end] if end else []
+
+    def between(self, begin: float, stop: float) -> Monolith:
+        """The same up to `stop`, where the run-up's acceleration is the one before it."""
+        profile = self.profile
+        if profile.start == profile.end or begin >= profile.seconds:
+            ahead = SpeedProfile.constant(profile.end)
+            offset = profile.angle(begin) - profile.end * begin
+            return Monolith(self.assembly, ahead, self.angle + offset)
+        slope = profile.acceleration(begin)
+        ramp = SpeedProfile(profile.start, profile.start + 2.0 * slope * stop, 2.0 * stop)
+        return Monolith(self.assembly, ramp, self.angle)
 
 
 def _weights(device: object) -> Weights:

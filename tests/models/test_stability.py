@@ -14,7 +14,7 @@ from autobalancer.models.linear.balanced import (
     balanced_angles,
     residual_unbalance,
 )
-from autobalancer.models.linear.boundaries import MARGIN, balancing_boundaries
+from autobalancer.models.linear.boundaries import MARGIN, balancing_boundaries, growth_boundaries
 from autobalancer.models.linear.linearised import linearise
 from autobalancer.models.liquid import Liquid
 from autobalancer.models.papers.dimensionless import Dimensionless
@@ -197,6 +197,18 @@ def test_boundaries_do_not_move_under_doubled_discretisation(row, monkeypatch):
     twice = balancing_boundaries(assembly, 0.5, 13.0, narrowest=0.1, tolerance=1e-12)
     assert [c.above for c in once] == [c.above for c in twice]
     assert [c.speed for c in once] == pytest.approx([c.speed for c in twice], abs=1e-8)
+
+
+def test_a_growth_that_does_not_depend_on_the_speed_is_not_looked_into():
+    """Rounding gives it a least value between any three speeds."""
+    asked = []
+
+    def growth(speeds):
+        asked.append(speeds.size)
+        return -2.0 * (1.0 + 1e-13 * np.sin(1e5 * speeds))
+
+    assert growth_boundaries(growth, np.linspace(1.0, 2.0, 101)) == []
+    assert asked == [101]
 
 
 def test_isotropic_rotor_by_eigenvalues_is_the_limit_of_floquet():

@@ -13,6 +13,15 @@ Quintics (order 5) miss it by (h + h0)^3 h^3 f^(6)/720 and by h^6 f^(6)/100800 o
 Both signals belong to a loop that has converged, so the estimate holds with direct feedthrough,
 where comparing one step with two halves does not (Schierz, Arnold, Clauss 2012).  Order 4,
 with quintics 6.
+
+The estimate sees ends alone, and nothing of a vibration that turns whole times in a step.  So steps
+are no longer than `longest`, which follows every revolution, until all rests in the rotor: until at
+the end of a step no acceleration, no slope of one and no change of a force is left that counts.  A
+vibration shows in value or slope, whatever its phase.  After `RESTED` such steps of one length the
+next is twice as long, so that none is longer than a quarter of the time that rest has lasted: what
+is not stable grows meanwhile.  Steps longer than `longest` hold the signals at their end values,
+order 1: cubics would amplify what they do not resolve.  One that ends in motion is taken back, and
+what follows is at most `longest`.
 """
 
 from __future__ import annotations
@@ -30,6 +39,7 @@ AIM = 0.5  # of what is allowed, so that few steps are rejected
 RUNGS = 4  # of the ladder of step sizes per factor 2, so that the rotor's matrices are reused
 MINUTE = 20 * RUNGS  # steps 2^20 times shorter: what one misses of a jump moves nothing
 LOWEST = 40 * RUNGS  # steps 2^40 times shorter than the longest are no way to finish
+RESTED = 4  # steps at rest of one length
 GROWTH = 2.0  # at most, from one step to the next: a lucky zero of f'''' must not mislead
 SLOWEST = 1e3  # times the residual allowed: passes then lead nowhere, with the Jacobian they have
 RESIDUAL_SHARE = 0.01  # of the tolerance that may stay in the loop
@@ -45,6 +55,7 @@ class Adaptive:
             much larger in the motion that is left.
         mass: of the loaded rotor [kg], which forces that are rounding can accelerate.
         jumps: whether accelerations jump (dry friction), so that no step over one is short enough.
+        slowest: rate of the rotor's slowest motion, over its speed; 0: steps stay short at rest.
 
     Attributes:
         share: of the tolerance that one step may err.
@@ -62,14 +73,26 @@ class Adaptive:
         gain: float = 0.0,
         mass: float = math.inf,
         jumps: bool = False,
+        slowest: float = 0.0,
     ) -> None:
         self.iterated, self.tolerance, self.share = iterated, tolerance, LOCAL_SHARE
         self._cancelled = max(1.0, gain)
         iterated.allow(RESIDUAL_SHARE * tolerance)
-        self.rung: float = 10 * RUNGS  # start short: nothing is known of the signals yet
+        self.rung: int = 10 * RUNGS  # start short: nothing is known of the signals yet
         self._minute = 2.0 ** (-MINUTE / RUNGS) if jumps else 0.0
-        self.rejected = 0
+        self.rejected = self._rested = 0
         self._largest_motion = iterated.largest / mass
+        self._still = LOCAL_SHARE * tolerance
+        # what moves slowly is still on its way when its acceleration is small
+        self._still_motion = 0.0 if jumps else self._still * min(1.0, slowest) ** 2
+
+    def loosen(self, share: float, residual: float, rung: float) -> None:
+        """Before the first step: what a step may err, of the tolerance, and leave in the loop.
+
+        `rung` is that of the first step.
+        """
+        self.share, self.rung = share, rung
+        self.iterated.allow(residual)
 
     def cross_jump(self, system: System, time: float, step: float) -> None:
         """One step of given length, where nothing of the past can be used."""
@@ -93,6 +116,8 @@ class Adaptive:
             LoopError: no step is short enough for the tolerance.
         """
         allowed, remaining, met = self.share * self.tolerance, step, False
+        if system.has_no_past:
+            self.rung = max(self.rung, 0)
         while remaining:
             step = longest * 2.0 ** (-self.rung / RUNGS)
             # do not leave a sliver for the last step
@@ -103,7 +128,9 @@ class Adaptive:
             trial: Trial | None = None
             with system.saved() as states:
                 try:
-                    trial, step = self.iterated.try_step(system, states, time, step, MAX_PASSES)
+                    trial, step = self.iterated.try_step(
+                        system, states, time, step, MAX_PASSES, held=self.rung < 0
+                    )
                 except SimulationError:  # a unit cannot follow a loop that diverges
                     system.restore(states)
                     if self.rung + 2 * RUNGS > LOWEST:
@@ -118,8 +145,13 @@ class Adaptive:
                         change = min(GROWTH, (AIM * allowed / error) ** (1.0 / (system.order + 1)))
                     wanted = RUNGS * math.log2(longest / (step * change))
                     minute = step <= self._minute * longest
-                    if (error <= allowed or minute) and trial.residual <= self.iterated.tolerance:
-                        self.rung = max(0, math.ceil(wanted - 1e-9))
+                    long = self.rung < 0
+                    rests = (long or wanted < 0.0) and self._rests(
+                        system, trial, longest, largest_motion
+                    )
+                    exact = error <= allowed and (rests or not long)
+                    if (exact or minute) and trial.residual <= self.iterated.tolerance:
+                        self.rung = max(self._lowest(rests), math.ceil(wanted - 1e-9))
                         if minute:
                             self.rung = min(self.rung, MINUTE)
                         self._largest_motion = largest_motion
@@ -132,6 +164,9 @@ class Adaptive:
                 continue
             self.rejected += 1
             self.rung = max(math.ceil(wanted), self.rung + 1)
+            if long and not rests:
+                self.rung, self._rested = max(self.rung, 0), 0
+                system.drop_past()
             if self.rung > LOWEST:
                 raise LoopError(
                     f"tolerance {self.tolerance:g} cannot be met at t = {time:g} s: steps of "
@@ -151,6 +186,24 @@ class Adaptive:
             _worst(system.accelerations, motion, trial.step, largest, system.order),
         )
         return error, largest
+
+    def _lowest(self, rests: bool) -> int:
+        """The rung of the longest step that may follow the one now accepted."""
+        lowest = min(self.rung, 0) if rests else 0
+        self._rested = self._rested + 1 if rests else 0
+        if self._rested == RESTED:
+            self._rested, lowest = 0, lowest - RUNGS
+        return lowest
+
+    def _rests(self, system: System, trial: Trial, longest: float, largest_motion: float) -> bool:
+        """Whether nothing moves in the rotor at the end of a step."""
+        motion, force = self._still_motion * largest_motion, self._still * trial.largest
+        return all(
+            max(abs(end[0]), longest * abs(end[1])) < motion for _, end in trial.motion
+        ) and all(
+            self._cancelled * max(abs(end[0] - s.now[0]), longest * abs(end[1])) < force
+            for s, (_, end) in zip(system.forces, trial.forces, strict=True)
+        )
 
 
 def _worst(

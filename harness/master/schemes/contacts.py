@@ -37,8 +37,8 @@ def before(system: System, ahead: float) -> float:
     return ahead - 0.5 * system.brief if ahead > 2.0 * system.brief else 0.0
 
 
-def strike(scheme: Iterated, system: System, time: float, passes: int) -> tuple[float, float]:
-    """Go behind an event that is here; time taken [s] and the largest residual.
+def strike(scheme: Iterated, system: System, time: float, passes: int) -> float:
+    """Go behind an event that is here; time taken [s].
 
     Args:
         passes: allowed in every brief step.
@@ -48,7 +48,7 @@ def strike(scheme: Iterated, system: System, time: float, passes: int) -> tuple[
     """
     signals = [*system.forces, *system.accelerations]
     sizes, largest = [signal.largest for signal in signals], scheme.largest
-    learned, residual, pulse, left = copy(scheme.newton), 0.0, 0.0, AWAITED
+    learned, left = copy(scheme.newton), AWAITED
     allowed = scheme.tolerance
     # what is left of a force makes a steep slope in a brief step
     scheme.tolerance = min(allowed, scheme.closed)
@@ -59,14 +59,14 @@ def strike(scheme: Iterated, system: System, time: float, passes: int) -> tuple[
         now += trial.step
         past = [force.now for force in system.forces]
         trial.accept(system)
-        if trial.residual > AGREED:
-            residual = max(residual, trial.residual * trial.largest / max(trial.largest, pulse))
         pulse = max(abs(force.now[0]) for force in system.forces)
         # a pulse is no measure of what forces may err by, but for its own rounding, nor of how the
         # loop answers them
         scheme.largest, scheme.newton = max(largest, ROUNDING * pulse), copy(learned)
         moved, turned, grown = _left(past, [force.now for force in system.forces], trial.step)
-        left = QUIET if moved > JUMP * max(largest, GROWTH * grown) else left - 1
+        jumped = moved > JUMP * max(largest, GROWTH * grown)
+        # passes that do not agree disagree on whether the step holds an event; it is soon over
+        left = QUIET if jumped or trial.residual > AGREED else left - 1
         if turned > KINK * largest:
             left = min(left, QUIET)
         if not left:
@@ -77,7 +77,7 @@ def strike(scheme: Iterated, system: System, time: float, passes: int) -> tuple[
     for signal, size in zip(signals, sizes, strict=True):
         signal.largest, signal.prediction_error = max(size, abs(signal.now[0])), 0.0
     system.drop_past()
-    return now - time, residual
+    return now - time
 
 
 def _left(starts: Sequence[Knot], ends: Sequence[Knot], step: float) -> tuple[float, float, float]:
@@ -93,9 +93,15 @@ def _brief(scheme: Iterated, system: System, time: float, passes: int) -> Trial:
     newton = copy(scheme.newton)
     with system.saved() as states:
         for share in SHORTER:
-            trial = scheme.attempt(system, states, time, share * system.brief, passes)
-            if trial.residual <= AGREED or share == SHORTER[-1]:
-                break
+            try:
+                trial = scheme.attempt(system, states, time, share * system.brief, passes)
+                if trial.residual <= AGREED or share == SHORTER[-1]:
+                    break
+            except SimulationError:  # a unit cannot follow passes that lead nowhere
+                if share == SHORTER[-1]:
+                    raise
             system.restore(states)
             scheme.newton = copy(newton)
+            if share == SHORTER[-2]:  # weights that stick answer otherwise than those that slide
+                scheme.after_start(system, time, SHORTER[-1] * system.brief)
     return trial

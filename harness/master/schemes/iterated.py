@@ -36,6 +36,7 @@ from ..signals import (
     Knot,
     begun,
     end_of,
+    flat,
     interpolated,
     joined,
     predicted,
@@ -132,11 +133,17 @@ class Iterated:
         return self.strike(system, time)
 
     def try_step(
-        self, system: System, states: Sequence[c_void_p], time: float, step: float, passes: int
+        self,
+        system: System,
+        states: Sequence[c_void_p],
+        time: float,
+        step: float,
+        passes: int,
+        held: bool = False,
     ) -> tuple[Trial | None, float]:
         """`attempt` and its step [s]; None and the step before an event, 0 where one is here."""
         try:
-            return self.attempt(system, states, time, step, passes), step
+            return self.attempt(system, states, time, step, passes, held), step
         except EndedEarly as early:
             system.restore(states)
             return None, before(system, early.length)
@@ -146,12 +153,12 @@ class Iterated:
         trial.accept(system)
         if not met:
             return trial.step, trial.residual
-        behind, residual = self.strike(system, trial.time + trial.step)
-        return trial.step + behind, max(residual, trial.residual)
+        behind, _ = self.strike(system, trial.time + trial.step)
+        return trial.step + behind, trial.residual
 
     def strike(self, system: System, time: float) -> tuple[float, float]:
-        """Go behind an event that is here; time taken [s] and the residual it leaves."""
-        return strike(self, system, time, MAX_PASSES)
+        """Go behind an event that is here; time taken [s], and no residual is left."""
+        return strike(self, system, time, MAX_PASSES), 0.0
 
     def cross_jump(self, system: System, time: float, step: float) -> None:
         """One step with as many passes as it takes, where nothing of the past can be used."""
@@ -180,17 +187,27 @@ class Iterated:
         return False
 
     def attempt(
-        self, system: System, states: Sequence[c_void_p], time: float, step: float, passes: int
+        self,
+        system: System,
+        states: Sequence[c_void_p],
+        time: float,
+        step: float,
+        passes: int,
+        held: bool = False,
     ) -> Trial:
-        """Take a step with at most so many passes; it can still be taken back to `states`."""
+        """Take a step with at most so many passes; it can still be taken back to `states`.
+
+        `held`: signals are held at the values they end with, whatever the order.
+        """
+        order = 0 if held else system.order
         self.newton.rescale(step)
         starts = [force.now for force in system.forces]
-        ahead = [end_of(cubic, step) for cubic in predicted(system.forces, system.order)]
-        u = self._pack(ahead, step)
+        ahead = [end_of(cubic, step) for cubic in predicted(system.forces, order)]
+        u = self._pack(ahead, step, order)
         previous: tuple[Vector, Vector, float] | None = None
         for number in range(1, passes + 1):
-            accelerations, ends, answers = self._pass(system, starts, u, time, step)
-            g_u = self._pack(answers, step)
+            accelerations, ends, answers = self._pass(system, starts, u, time, step, order)
+            g_u = self._pack(answers, step, order)
             residual = difference(g_u, u)
             # of passes and steps that are taken back none counts: they can be far too large
             largest = max(self.largest, size(g_u))
@@ -202,8 +219,12 @@ class Iterated:
             du = self.newton.correction(residual)
             previous = (du, residual, error)
             u = [a + b for a, b in zip(u, du, strict=True)]
+            if held:
+                u = [0j if k % self.parts else a for k, a in enumerate(u)]
             system.restore(states)
         motion = list(zip(accelerations, ends, strict=True))
+        if held:
+            motion = joined(system.accelerations, ends, step)
         forces = joined(system.forces, answers, step)
         return Trial(self, time, step, motion, forces, error, largest)
 
@@ -214,13 +235,14 @@ class Iterated:
         through within one.
         """
         starts = [force.now for force in system.forces]
-        u = self._pack([end_of(begun(start), step) for start in starts], step)
+        order = system.order
+        u = self._pack([end_of(begun(start), step) for start in starts], step, order)
         with system.saved() as states:
 
             def respond(assumed: Vector) -> Vector:
-                ends = self._pass(system, starts, assumed, time, step)[2]
+                ends = self._pass(system, starts, assumed, time, step, order)[2]
                 system.restore(states)
-                return self._pack(ends, step)
+                return self._pack(ends, step, order)
 
             try:
                 g_u = respond(u)
@@ -235,14 +257,19 @@ class Iterated:
             return MAX_PASSES
         return self.corrections + 1
 
-    def _pack(self, ends: list[Knot], step: float) -> Vector:
-        return pack(ends if self.with_slopes else [(end[0], 0j) for end in ends], step)
+    def _pack(self, ends: list[Knot], step: float, order: int) -> Vector:
+        return pack(ends if order >= 3 else [flat(end) for end in ends], step)
 
     def _pass(
-        self, system: System, starts: list[Knot], u: Vector, time: float, step: float
+        self,
+        system: System,
+        starts: list[Knot],
+        u: Vector,
+        time: float,
+        step: float,
+        order: int,
     ) -> tuple[list[Cubic], list[Knot], list[Knot]]:
         """Step all units once with forces that end at u."""
-        order = system.order
         forces = [
             interpolated(start, end, step, order)
             for start, end in zip(starts, unpack(u, step, self.parts), strict=True)

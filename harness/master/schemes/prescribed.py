@@ -1,7 +1,8 @@
 """Prescribed: the communication points of an earlier run, with others between them.
 
 The same step as with a tolerance, solved as far, but of given length: two runs that meet at common
-points differ by their errors alone.
+points differ by their errors alone.  Signals are held over steps longer than `longest`, as there:
+all is at rest.
 """
 
 from __future__ import annotations
@@ -11,6 +12,7 @@ from collections.abc import Sequence
 from ..system import System
 from .iterated import MAX_PASSES, Iterated
 
+LONG = 1.01  # times the longest step where anything moves; at rest they are twice as long or more
 SLIVER = 1e-12  # of a time: rounding, not a step
 
 
@@ -54,10 +56,10 @@ class Prescribed:
             self._next += 1
         if self._next < len(self.points):
             step = min(step, self.points[self._next] - time)
-        measured = met = False
+        measured, met, held = False, False, step > LONG * longest
         while step:
             with system.saved() as states:
-                trial, step = self.iterated.try_step(system, states, time, step, MAX_PASSES)
+                trial, step = self.iterated.try_step(system, states, time, step, MAX_PASSES, held)
                 if trial and (measured or trial.residual <= self.iterated.tolerance):
                     return self.iterated.go_on(system, trial, met)
                 if trial:

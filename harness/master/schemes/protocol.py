@@ -108,9 +108,16 @@ def choose(
     if coupling.scheme == Compensated.name:
         return Compensated(jacobian, response, step, scene.profile().speed)
     if coupling.tolerance is not None:
-        mass = float(scene.assembly().loaded_rotor.mass.sum())
-        iterated = Iterated(jacobian, step, system.order, rounding=rounding)
-        return Adaptive(iterated, coupling.tolerance, gain, mass, bool(scene.rotor.friction))
+        rotor, profile = scene.assembly().loaded_rotor, scene.profile()
+        top = max(profile.start, profile.end)
+        return Adaptive(
+            Iterated(jacobian, step, system.order, rounding=rounding),
+            coupling.tolerance,
+            gain,
+            float(rotor.mass.sum()),
+            bool(scene.rotor.friction),
+            float(np.abs(rotor.free_rates(top)).min()) / top,
+        )
     corrections = coupling.corrections
     if corrections is None and coupling.scheme == "auto" and gain <= WEAK_LOOP:
         corrections = 1

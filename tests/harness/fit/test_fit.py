@@ -12,6 +12,7 @@ from autobalancer.harness import UserError, cosimulate, load_scene
 from autobalancer.harness.fit.measured import read_measured
 from autobalancer.harness.fit.parameters import parse_free
 from autobalancer.harness.fit.study import fit
+from autobalancer.harness.master.many import cosimulate_many
 
 MASS, STIFFNESS, DAMPING, UNBALANCE = 2.0, 800.0, 6.0, 0.01
 SPEEDS = np.linspace(8.0, 45.0, 24)
@@ -68,6 +69,7 @@ def test_values_and_intervals_are_those_of_a_fit_of_the_closed_form(rotor, file,
     assert found.correlation[0, 1] == pytest.approx(correlation, abs=0.01)
     assert abs(found.values - (STIFFNESS, DAMPING)) == pytest.approx(0.0, abs=1.5 * max(intervals))
     assert found.rms[0] > 5 * found.rms[1]
+    assert found.guessed == pytest.approx(found.rms[1], rel=1e-3)
     assert not found.warnings()
 
 
@@ -108,6 +110,48 @@ def test_drag_is_found_from_runs_that_have_not_settled(tmp_path):
     start = scene.replace({"weights.drag": 0.025})
     found = fit(start, read_measured(path, start), parse_free(["weights.drag"], start))
     assert found.values == pytest.approx([0.02], rel=2e-3)
+    assert math.isnan(found.guessed)  # balancers are not harmonic balance's
+
+
+def test_friction_is_found_from_amplitudes_of_runs(tmp_path):
+    start = load_scene("bristol_friction").replace({"run.revolutions": 50})
+    speeds = [1300.0, 1400.0, 1450.0, 1600.0, 1660.0, 1720.0, 1900.0, 1960.0, 2100.0]
+    rows = {"speed": np.array(speeds) * math.pi / 30.0}
+    true = start.replace({f"rotor.friction[{n}].limit[1]": 0.3 for n in (1, 2)})
+    stations = [f"rotor.station[{k}].residual" for k in (1, 3)]
+    run = cosimulate_many(true, rows, results=stations)
+    path = tmp_path / "friction.csv"
+    lines = [
+        f"{w},{(a + b) / 2}\n" for w, a, b in zip(speeds, *map(run.get, stations), strict=True)
+    ]
+    path.write_text("speed [rpm],amplitude\n" + "".join(lines))
+    free = ["rotor.friction[1].limit[1]=rotor.friction[2].limit[1],rotor.support_damping[1][2]"]
+    found = fit(start, read_measured(path, start), parse_free(free, start))
+    assert found.values == pytest.approx([0.3, 9.791], rel=1e-3)
+    assert found.guessed < 0.02  # what higher harmonics and points between samples are
+
+
+def test_a_limit_that_was_asked_for_is_kept(rotor, file):
+    measured = read_measured(file, rotor)
+    found = fit(
+        rotor, measured, parse_free(FREE, rotor, ["rotor.damping=:5,rotor.stiffness[2]=1:"])
+    )
+    assert found.values[1] == pytest.approx(5.0)
+    assert any("rotor.damping: ended at its limit, 5" in text for text in found.warnings())
+
+
+@pytest.mark.parametrize(
+    ("limit", "words"),
+    [
+        ("rotor.mass=1:2", "rotor.mass is not free"),
+        ("rotor.damping=1", "must be PATH=LOW:HIGH"),
+        ("rotor.damping=1:x", "must be PATH=LOW:HIGH"),
+        ("rotor.damping=5:9", "starts at 4, outside"),
+    ],
+)
+def test_a_limit_that_is_wrong_is_refused(rotor, limit, words):
+    with pytest.raises(UserError, match=words):
+        parse_free(FREE, rotor, [limit])
 
 
 def test_every_support_can_be_measured_on_its_own(tmp_path):
@@ -209,6 +253,12 @@ def test_the_command_says_draws_and_predicts(invoke, file, tmp_path):
     page = (tmp_path / "report" / "report.html").read_text()
     assert f"{said['parameters'][0]['value']:.6g}" in page
     assert "data:image/png" in page
+    alone = invoke(
+        *("fit", "two_balls", "--without-balancers", "--measured", file, "--free", FREE[0], *sets)
+    )
+    assert alone.exit_code == 0, alone.output
+    assert "Predicted" in outcome.output
+    assert "Predicted" not in alone.output
     wrong = invoke("fit", "two_balls", "--measured", file, "--free", "rotor.mas")
     assert wrong.exit_code == 2
     assert "rotor.mas" in wrong.stderr

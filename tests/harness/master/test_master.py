@@ -87,7 +87,8 @@ def test_forces_of_all_balancers_on_a_plane_add_up():
     "name", [n for n in driven_scenes() if n not in ("contact_order", "bristol_friction")]
 )
 def test_tolerance_is_kept_on_every_bundled_scene(against, name):
-    runs = against(name, {"run.revolutions": 4})
+    # the reference of a shaft whose fastest mode turns fifty times as fast as the rotor takes long
+    runs = against(name, {"run.revolutions": 2 if name == "bristol_flexible" else 4})
     tolerances = (1e-3, 1e-5, 1e-7)
     coupling = {"scheme": "auto", "steps_per_rev": None}
     results = [runs.run({**coupling, "tolerance": tolerance}) for tolerance in tolerances]
@@ -104,14 +105,16 @@ def test_tolerance_is_kept_through_a_run_up(against, tolerance):
     assert 8.0 in result.time, "the end of the ramp is a communication point"
 
 
-def test_a_run_that_comes_to_rest_keeps_its_tolerance_in_fewer_steps_than_eight_a_revolution(
-    against,
-):
-    runs = against("balls_and_liquid", {"run.revolutions": 100})
-    tolerance = {"tolerance": 1e-3, "steps_per_rev": None}
-    result = runs.run({**tolerance, "fewest_steps_per_rev": 1})
+@pytest.mark.parametrize(("fewest", "steps"), [(None, 900), (1, 650)])
+@pytest.mark.parametrize("order", [3, 5])
+def test_at_rest_steps_last_many_revolutions_within_the_tolerance(against, fewest, steps, order):
+    """Eight a revolution, each taken in two, would be 3200."""
+    runs = against("balls_and_liquid", {"run.revolutions": 200})
+    coupling = {"tolerance": 1e-3, "steps_per_rev": None, "order": order}
+    result = runs.run({**coupling, "fewest_steps_per_rev": fewest})
     assert runs.of_range(result) <= 1e-3
-    assert result.steps < 0.5 * runs.run(tolerance).steps
+    assert result.steps < steps
+    assert np.diff(result.time)[-3:].max() > 5.0 * 2.0 * math.pi / 250.0
 
 
 def test_a_tighter_tolerance_costs_order_4_steps():

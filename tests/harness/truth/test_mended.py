@@ -129,6 +129,21 @@ RIGHT = {
         {"speed": 100.0},
         {"revolutions": 3.0},
     ),
+    "heavy weights whose resistance makes them stick one after another": scene(
+        planar(0.124, 0.1024),
+        pendulums(
+            4,
+            0.1631,
+            0.1,
+            kind="balls",
+            drag=10.15,
+            angles=[6.158, 4.776, 2.933, 3.776],
+            inertia_as_force=True,
+            rolling_resistance=0.2566,
+        ),
+        {"speed": 1.037},
+        {"revolutions": 1.5},
+    ),
     "heavy liquid as a force on a lightly damped rotor": scene(*HEAVY_LIQUID, {"revolutions": 3.0}),
 }
 

@@ -1,0 +1,123 @@
+"""Steady vibration of a rotor under its unbalance, dry friction in the supports by its harmonic.
+
+A slider behind a spring that moves by Re(a e^{i w t}) pulls back with N a, N its describing
+function (Jenkins 1962; first harmonic alone).  With s = F/(k_t |a|) < 1, the part of the amplitude
+at which it slips, and cos h = 1 - 2 s
+
+    N = k_t/pi (h - sin h cos h) + i 4/pi k_t s (1 - s);      N = k_t where it never slips.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from .rotor import LinearRotor
+
+Array = NDArray[np.float64]
+Complex = NDArray[np.complexfloating]
+
+_STEPS, _HALVINGS = 100, 12  # of Newton's method, of one of its steps
+_SETTLED = 1e-9  # of the largest motion without sliders
+
+
+class NoResponse(ValueError):
+    """Harmonic balance does not cover a rotor, or has no answer."""
+
+
+def unbalance_response(rotor: LinearRotor, speeds: ArrayLike) -> Complex:
+    """Displacements (k, 2, n) at constant speeds (k,) [rad/s]: x, y = Re(found e^{i w t}) [m].
+
+    Without friction exact.  Gravity is left out: without friction it only shifts the motion.
+
+    Raises:
+        NoResponse: a slider is rigid; an undamped rotor has no bounded response; Newton's method
+            does not settle.
+    """
+    sliders = [slider for slider in rotor.sliders if slider.limit]
+    at = [slider.axis * rotor.stations + slider.station for slider in sliders]
+    spring, limit = np.array([(s.stiffness, s.limit) for s in sliders]).reshape(-1, 2).T
+    if not spring.all():
+        raise NoResponse("sliders: harmonic balance takes those behind a spring alone")
+    w = np.asarray(speeds, float)[:, None, None]
+    mass, damping, stiffness = rotor.real_coefficients(0.0)
+    _, with_speed, followed = rotor.real_coefficients(1.0)  # both are linear in it
+    damping, stiffness = (
+        damping + w * (with_speed - damping),
+        stiffness + w * (followed - stiffness),
+    )
+    forces = np.zeros((2 * rotor.stations, 1 + len(at)), complex)
+    forces[:, 0] = np.concatenate([rotor.unbalance, -1j * rotor.unbalance])
+    forces[at, range(1, 1 + len(at))] = 1.0
+    try:
+        found = np.linalg.solve(stiffness - w**2 * mass + 1j * w * damping, forces)
+    except np.linalg.LinAlgError:
+        raise NoResponse("an undamped rotor has no bounded response at a critical speed") from None
+    motion, compliance = w[:, 0] ** 2 * found[..., 0], found[..., 1:]
+    if at:
+        slack = limit / spring
+        there = _at_sliders(motion[:, at], compliance[:, at], spring, slack)
+        pull = _describing(there, spring, slack)[0] * there
+        motion = motion - np.einsum("kij,kj->ki", compliance, pull)
+    return motion.reshape(len(w), 2, rotor.stations)
+
+
+def largest_displacement(displacement: Complex) -> Array:
+    """Half the long axes (k, n) of ellipses (k, 2, n): the largest sqrt(x^2 + y^2)."""
+    x, y = displacement[:, 0], displacement[:, 1]
+    return np.sqrt(0.5 * (abs(x) ** 2 + abs(y) ** 2 + abs(x**2 + y**2)))
+
+
+def _describing(motion: Complex, spring: Array, slack: Array) -> tuple[Complex, Complex]:
+    """N and |a| dN/d|a| of sliders (m,) that move by a (k, m); `slack`: F/k_t [m]."""
+    s = slack / np.maximum(abs(motion), slack)
+    h, product = np.arccos(1.0 - 2.0 * s), s * (1.0 - s)
+    stiffness = spring / np.pi * (h - np.sin(h) * np.cos(h) + 4j * product)
+    slope = -4.0 / np.pi * spring * s * (2.0 * np.sqrt(product) + 1j * (1.0 - 2.0 * s))
+    return stiffness, np.where(s < 1.0, slope, 0.0)
+
+
+def _at_sliders(free: Complex, compliance: Complex, spring: Array, slack: Array) -> Complex:
+    """a (k, m) with a + compliance N(a) a = free: Newton's method from where all stick."""
+    count, settled = free.shape[1], _SETTLED * abs(free).max()
+
+    def missing(motion: Complex) -> Complex:
+        pull = _describing(motion, spring, slack)[0] * motion
+        return motion + np.einsum("kij,kj->ki", compliance, pull) - free
+
+    motion = np.linalg.solve(np.eye(count) + compliance * spring, free[..., None])[..., 0]
+    left = missing(motion)
+    for _ in range(_STEPS):
+        size = np.linalg.norm(left, axis=1)
+        if size.max() <= settled:
+            return motion
+        step, part = _newton_step(motion, left, compliance, spring, slack), np.ones((len(free), 1))
+        for _ in range(_HALVINGS):
+            left = missing(motion - part * step)
+            less = np.linalg.norm(left, axis=1) <= (1.0 - 0.1 * part[:, 0]) * size
+            if (less | (size <= settled)).all():
+                break
+            part[~less] *= 0.5
+        motion = motion - part * step
+        left = missing(motion)
+    raise NoResponse(f"harmonic balance of the sliders has not settled in {_STEPS} steps")
+
+
+def _newton_step(
+    motion: Complex, left: Complex, compliance: Complex, spring: Array, slack: Array
+) -> Complex:
+    """What to take from a (k, m), by its real and imaginary parts: |a| has no complex slope."""
+    count = motion.shape[1]
+    stiffness, slope = _describing(motion, spring, slack)
+    turn = np.exp(1j * np.angle(motion))
+    columns = [
+        unit * np.eye(count)
+        + compliance * (stiffness * unit + slope * turn * (turn / unit).real)[:, None]
+        for unit in (1.0, 1j)
+    ]
+    matrix = np.concatenate(columns, axis=2)
+    step = np.linalg.solve(
+        np.concatenate([matrix.real, matrix.imag], axis=1),
+        np.concatenate([left.real, left.imag], axis=1)[..., None],
+    )
+    return step[:, :count, 0] + 1j * step[:, count:, 0]

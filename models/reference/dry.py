@@ -1,0 +1,263 @@
+"""Dry friction in the coupled equations: weights and supports that stick and slip.
+
+Apart from the units, which know the rest of the machine by signals: here the force of everything
+that can stick is solved for with all accelerations at once.  Rolling resistance pushes a weight
+against its sliding by c |n| (Goncharov 2017, section 2; c, n as in `contact.resistance`), a rigid
+slider pushes its station by its limit; at rest both push as it takes to stay there, until that is
+more than the limit.  A slider behind a spring has the spring's force as a state (Jenkins 1962).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.integrate import solve_ivp
+
+from .coupled import REST, Array, Monolith, Start
+
+MARGIN = 1e-9  # of a limit: what holds may push by so much more, so that rounding frees nothing
+ROUNDING = 1e-14  # of the rate at which a weight turns in space
+LONGEST = 1.0  # rad of the fastest turning in a step: nothing may stop and go within one
+MOST_EVENTS = 5000  # of a run
+
+
+@dataclass(frozen=True)
+class Phase:
+    """What holds between two events.
+
+    Attributes:
+        slips: (g,) -1 or 1, the direction in which each grip slips; 0 while it sticks.
+        sides: (w,) 1 where the outer wall of the race carries a weight with resistance, else -1.
+    """
+
+    slips: Array
+    sides: Array
+
+
+class Dry:
+    """The grips of a `Monolith`: weights with resistance, rigid sliders, sliders behind springs.
+
+    The state is that of the monolith, and the springs' forces on the rotor [N].
+    """
+
+    def __init__(self, system: Monolith) -> None:
+        self.system, n = system, system.stations
+        self.count = (system.size - 4 * n) // 2
+        mounted = [m for m in system.assembly.weights for _ in m.angles]
+        self.weights = [k for k, m in enumerate(mounted) if m.rolling_resistance]
+        self._of = [mounted[k] for k in self.weights]
+        self._share = np.array([m.rolling_resistance / _lever(m.device) for m in self._of])
+        sliders = [s for s in system.assembly.rotor.sliders if s.limit]
+        rigid = [s for s in sliders if not s.stiffness]
+        springs = [s for s in sliders if s.stiffness]
+        self.sliders, self.solved = rigid + springs, len(self.weights) + len(rigid)
+        self._springs, self._rigid = springs, rigid
+        self._limits = np.array([s.limit for s in self.sliders])
+        turning = [4 * n + self.count + k for k in self.weights]
+        # of every grip the place of its rate in the state
+        self.places = turning + [(2 + s.axis) * n + s.station for s in self.sliders]
+
+    def initial(self, start: Start) -> Array:
+        """State at time 0, springs without force."""
+        return np.concatenate([self.system.initial(start), np.zeros(len(self._springs))])
+
+    def scales(self, start: Start) -> Array:
+        """Typical size of each part of the state."""
+        limits = [s.limit for s in self._springs]
+        return np.concatenate([self.system.scales(start), limits])
+
+    def rates(self, t: float, y: Array) -> Array:
+        """Rate at which every grip slips (g,)."""
+        found = y[self.places]
+        found[: len(self.weights)] -= self.system.profile.speed(t)
+        return found
+
+    def accelerations(self, t: float, y: Array, pushes: Array) -> tuple[Array, Array]:
+        """As `Monolith.accelerations`, with `pushes` of the grips that are solved for."""
+        push, force = np.zeros(self.count), np.zeros((2, self.system.stations))
+        push[self.weights] = pushes[: len(self.weights)]
+        of_sliders = [*pushes[len(self.weights) :], *y[self.system.size :]]
+        for slider, value in zip(self.sliders, of_sliders, strict=True):
+            force[slider.axis, slider.station] += value
+        return self.system.accelerations(t, y[: self.system.size], push, force)
+
+    def answers(self, t: float, y: Array, pushes: Array) -> Array:
+        """Accelerations of stations and weights, of the grips that are solved for, and loads n."""
+        a, phi2 = self.accelerations(t, y, pushes)
+        profile, rotor = self.system.profile, self.system.assembly.rotor
+        w, w1 = profile.speed(t), profile.acceleration(t)
+        grips = [*(phi2[self.weights] - w1), *(a[s.axis, s.station] for s in self._rigid)]
+        felt = a[0] + 1j * a[1] - rotor.gravity
+        whirl = (1j * w1 - w * w) * np.exp(1j * (self.system.angle + profile.angle(t)))
+        loads = []
+        for k, m in zip(self.weights, self._of, strict=True):
+            phi, rate = y[4 * self.system.stations + k :: self.count][:2]
+            centre = rotor.planes[m.plane] @ felt + whirl * m.offset
+            inward = (centre * np.exp(-1j * phi)).real
+            loads.append(m.device.track_radius * rate**2 - inward)  # type: ignore[union-attr]
+        return np.concatenate([a.ravel(), phi2, grips, loads])
+
+    def solve(self, t: float, y: Array, phase: Phase) -> tuple[Array, Array, Array]:
+        """Pushes of the grips, accelerations of stations and weights, limits of all grips (g,).
+
+        Accelerations, loads and so limits are linear in the pushes that they are to agree with.
+        """
+        trials = np.vstack([np.zeros(self.solved), np.eye(self.solved)])
+        found = np.array([self.answers(t, y, pushes) for pushes in trials])
+        found[1:] -= found[0]
+        lateral, weights = 2 * self.system.stations + self.count, len(self.weights)
+        grips = found[:, lateral : lateral + self.solved]
+        limits = np.zeros((1 + self.solved, len(phase.slips)))
+        limits[:, :weights] = self._share * phase.sides * found[:, lateral + self.solved :]
+        limits[0, weights:] = self._limits
+        slips = phase.slips[: self.solved]
+        left = np.where(slips == 0.0, grips, trials + slips * limits[:, : self.solved])
+        pushes = np.linalg.solve(left[1:].T, -left[0])
+        factors = np.concatenate([[1.0], pushes])
+        return pushes, (factors @ found)[:lateral], factors @ limits
+
+    def rhs(self, t: float, y: Array, phase: Phase) -> Array:
+        """Derivative of the state."""
+        n = self.system.stations
+        accelerations = self.solve(t, y, phase)[1]
+        springs = [
+            0.0 if slips else -s.stiffness * y[place]
+            for s, slips, place in zip(
+                self._springs, phase.slips[self.solved :], self.places[self.solved :], strict=True
+            )
+        ]
+        turning = y[4 * n + self.count : self.system.size]
+        lateral, bend = np.split(accelerations, [2 * n])
+        for j in np.flatnonzero(phase.slips[: self.solved] == 0.0):  # exactly at rest
+            if j < len(self.weights):
+                bend[self.weights[j]] = self.system.profile.acceleration(t)
+            else:
+                lateral[self.places[j] - 2 * n] = 0.0
+        return np.concatenate([y[2 * n : 4 * n], lateral, turning, bend, springs])
+
+    def watched(self, t: float, y: Array, phase: Phase) -> Array:
+        """What falls through 0 where a grip comes to rest or lets go, or a weight changes walls."""
+        pushes, _, limits = self.solve(t, y, phase)
+        forces = np.concatenate([pushes, y[self.system.size :]])
+        room = limits * (1.0 + MARGIN) - np.abs(forces)
+        # by rounding nothing that has just let go comes to rest
+        rests = phase.slips * self.rates(t, y) + ROUNDING * np.abs(y[self.places])
+        stops = np.where(phase.slips == 0.0, room, rests)
+        return np.concatenate([stops, limits[: len(self.weights)] / self._share])
+
+    def after(
+        self, t: float, y: Array, phase: Phase, happened: Sequence[int]
+    ) -> tuple[Array, Phase]:
+        """State and phase behind events, numbered as `watched`."""
+        y, slips, sides = y.copy(), phase.slips.copy(), phase.sides.copy()
+        forces = [*self.solve(t, y, phase)[0], *y[self.system.size :]]
+        for j in happened:
+            if j >= len(slips):
+                sides[j - len(slips)] *= -1.0
+            elif phase.slips[j]:  # all that slip there come to rest
+                weight = j < len(self.weights)
+                y[self.places[j]] = self.system.profile.speed(t) if weight else 0.0
+                slips[[place == self.places[j] for place in self.places]] = 0.0
+            else:
+                slips[j] = -np.sign(forces[j])
+                if j >= self.solved:
+                    spring = j - self.solved
+                    y[self.system.size + spring] = -slips[j] * self._springs[spring].limit
+        return y, self.settled(t, y, Phase(slips, sides))
+
+    def settled(self, t: float, y: Array, phase: Phase) -> Phase:
+        """The phase once everything has let go that cannot be held."""
+        slips = phase.slips.copy()
+        while True:
+            pushes, _, limits = self.solve(t, y, Phase(slips, phase.sides))
+            over = np.abs(pushes) / (limits[: self.solved] * (1.0 + MARGIN))
+            over[slips[: self.solved] != 0.0] = 0.0
+            if not (over > 1.0).any():
+                return Phase(slips, phase.sides)
+            first = int(over.argmax())
+            slips[first] = -np.sign(pushes[first])
+
+    def begun(self, y: Array) -> Phase:
+        """The phase of the start: what moves slips, springs are slack, outer walls carry."""
+        slips = np.sign(self.rates(0.0, y))
+        slips[self.solved :] = 0.0
+        phase = Phase(slips, np.ones(len(self.weights)))
+        for _ in range(1 + len(self.weights)):
+            phase = self.settled(0.0, y, phase)
+            limits = self.solve(0.0, y, phase)[2][: len(self.weights)]
+            if not (limits < 0.0).any():
+                break
+            phase = Phase(slips, np.where(limits < 0.0, -phase.sides, phase.sides))
+        return phase
+
+
+def _lever(device: object) -> float:
+    return device.kappa * device.track_radius  # type: ignore[attr-defined]
+
+
+def integrate_dry(
+    system: Monolith, time: Array, initial: Start = REST, *, method: str, rtol: float
+) -> tuple[Array, list[tuple[Array, Array]]]:
+    """States at ascending times (T, size), and what `Monolith.accelerations` gives there.
+
+    Raises:
+        ArithmeticError: the method gave up, or there is no end of sticking and slipping.
+    """
+    grips = Dry(system)
+    y, t, left = grips.initial(initial), 0.0, MOST_EVENTS
+    phase, absolute = grips.begun(y), rtol * grips.scales(initial)
+    states, solved = np.empty((len(time), system.size)), []
+
+    def keep(grips: Dry, phase: Phase, at: Array, found: Array) -> None:
+        for moment, state in zip(at, found, strict=True):
+            states[len(solved)] = state[: system.size]
+            found = grips.solve(moment, state, phase)[1]
+            lateral, bend = np.split(found, [2 * system.stations])
+            solved.append((lateral.reshape(2, -1), bend))
+
+    if time[0] == 0.0:
+        keep(grips, phase, time[:1], y[None])
+    for stop in system.stops(float(time[-1])):
+        grips = Dry(system.between(t, stop))
+        phase = grips.settled(t, y, phase)
+        while t < stop:
+            fastest = max(abs(grips.system.profile.end), system.fastest_vibration)
+            done = solve_ivp(
+                grips.rhs, (t, stop), y, method, args=(phase,), events=_events(grips, phase),
+                rtol=rtol, atol=absolute, dense_output=True, max_step=LONGEST / fastest,
+            )  # fmt: skip
+            if not done.success or not np.isfinite(done.y).all():
+                raise ArithmeticError(f"{method} stopped after {done.t[-1]:g} s: {done.message}")
+            at = time[(time > t) & (time <= done.t[-1])]
+            if len(at):
+                keep(grips, phase, at, done.sol(at).T)
+            t, y = float(done.t[-1]), done.y[:, -1]
+            happened = [j for j, times in enumerate(done.t_events) if len(times)]
+            if happened:
+                y, phase = grips.after(t, y, phase, happened)
+            left -= 1
+            if not left:
+                raise ArithmeticError(f"more than {MOST_EVENTS} stops and starts by {t:g} s")
+    return states, solved
+
+
+def _events(grips: Dry, phase: Phase) -> list:
+    """One event of `solve_ivp` for every value watched, which are computed once for all."""
+    last: list = [None, None, None]
+
+    def value(t: float, y: Array, number: int) -> float:
+        if last[0] != t or not np.array_equal(last[1], y):
+            last[:] = t, y.copy(), grips.watched(t, y, phase)
+        return float(last[2][number])
+
+    events = []
+    for number in range(len(phase.slips) + len(phase.sides)):
+
+        def event(t: float, y: Array, *_: object, number: int = number) -> float:
+            return value(t, y, number)
+
+        event.terminal, event.direction = True, -1  # type: ignore[attr-defined]
+        events.append(event)
+    return events
