@@ -20,13 +20,13 @@ import numpy as np
 
 from ..errors import SimulationError
 from ..scene import Scene
-from .cosimulation import CoSimulation
+from .cosimulation import Simulation
 from .names import kin, stations
 from .plan import MOTOR
 from .recorder import Recorder, Signal
 from .scales import least_motion
 from .schedule import force_jumps
-from .schemes.adaptive import RUNGS, Adaptive
+from .schemes.adaptive import RUNGS
 from .schemes.iterated import LOOSE
 from .schemes.prescribed import SLIVER
 
@@ -63,13 +63,13 @@ class Controlled:
         parts: of each step of the first run.
     """
 
-    def __init__(self, cosim: CoSimulation, names: Sequence[str]) -> None:
+    def __init__(self, cosim: Simulation, names: Sequence[str]) -> None:
         assert cosim.scene.coupling.tolerance is not None
         self.cosim, self.names = cosim, names
         self.tolerance = cosim.scene.coupling.tolerance
         touching = any(balancer.can_meet for balancer in cosim.scene.balancer)
         jumping = touching or force_jumps(cosim.scene)
-        self.highest_order = ORDER_OF_JUMPS if jumping else ORDER[cosim.system.order]
+        self.highest_order = ORDER_OF_JUMPS if jumping else ORDER[cosim.order]
         self.order: float = self.highest_order
         self.parts, self.error = 1, math.inf
         self._apart = self._times = 0.0  # how far the last two runs were, and by how many parts
@@ -144,9 +144,10 @@ class Controlled:
         recorder = Recorder(cosim.units, self.names, _motion(cosim.scene))
         # what is left in the loop must shrink with the rest, or no run would show it
         residual = min(self.tolerance, LOOSE) / parts ** max(self.highest_order, LEFT)
-        cosim.start(points=(points, residual) if points else None)
-        if isinstance(cosim.scheme, Adaptive):
-            cosim.scheme.loosen(share, residual, FIRST_RUNG)
+        if points is None:
+            cosim.start(loosened=(share, residual, FIRST_RUNG))
+        else:
+            cosim.start(points=(points, residual))
         # of a first run it is certain that another follows
         done, work = self._done, max(3, self._done + parts)
         report = progress and (lambda part: progress((done + part * parts) / work))

@@ -40,6 +40,10 @@ def command(
     ] = False,
     json_file: Annotated[Path | None, options.json("facts, signals and errors")] = None,
     python: Annotated[bool, options.python()] = False,
+    one_file: Annotated[
+        bool,
+        typer.Option("--one-file", help="Couple in C, as the scene's one file; as exact, faster."),
+    ] = False,
     at_most: Annotated[str, options.at_most()] = costs.DEFAULT,
     weights: Annotated[
         Path | None, options.figure("Displacement and angles of all weights against time.")
@@ -95,7 +99,9 @@ def command(
     with progress_bar(f"running {loaded.name}") as progress:
         key = f"run.revolutions = {loaded.run.revolutions:g}"
         limited = costs.within(at_most, key, progress)
-        result = cosimulate(loaded, record=record, fmus=fmus, progress=limited, verify=verify)
+        result = cosimulate(
+            loaded, record=record, fmus=fmus, progress=limited, verify=verify, one_file=one_file
+        )
     show(summary(result))
     if result.verification is not None and result.verification.parting is not None:
         show(statistics(result.verification))
