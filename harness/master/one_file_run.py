@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import time as clock
 from collections.abc import Callable, Iterator, Sequence
+from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -165,6 +166,7 @@ class Part:
         self._run.read(*group)
 
 
+@lru_cache(maxsize=4096)
 def _owned(name: str) -> tuple[str, str]:
     """Unit and variable of a name in the one file: `der(balls.F_xi)` is `der(F_xi)` of `balls`."""
     der = "der(" * name.startswith("der(")
