@@ -98,8 +98,7 @@ class OneFileRun(Closing):
                 over = len(rows) < most
                 recorder.extend(rows)
                 self.time = float(rows[-1, 0]) if len(rows) else self.time
-                if clock.perf_counter() - begun < SLICE / MORE:
-                    most *= MORE
+                most = _adapted(most, clock.perf_counter() - begun)
                 if not over:
                     recorder.refuse_too_much(self.time / end)
                 if progress:
@@ -164,6 +163,13 @@ class Part:
     def fetch(self, group: Group) -> None:
         """Read the group's variables."""
         self._run.read(*group)
+
+
+def _adapted(most: int, took: float) -> int:
+    """Rows of the next call, where this one with so many `took` so long [s]."""
+    if took < SLICE / MORE:
+        return most * MORE
+    return max(FIRST_ROWS, most // MORE) if took > SLICE else most
 
 
 @lru_cache(maxsize=4096)
