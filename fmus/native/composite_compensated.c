@@ -116,7 +116,9 @@ static int diverges(Unit *unit, double step)
         return 0;
     }
     reason = unit_reason(unit);
-    text_put(reason, "compensated coupling diverges: ");
+    text_put(reason, "compensated coupling diverges");
+    composite_put_time(reason, course->time + step);
+    text_put(reason, ": ");
     composite_name_forces(c, reason);
     text_put(reason, " differs from what was assumed for the step by ");
     text_rounded(reason, worst / course->largest, 3);

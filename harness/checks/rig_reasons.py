@@ -20,7 +20,11 @@ Line = tuple[str, str, str]  # what, of which scene, found
 
 CLOSER = 0.1373  # m: washers 2.5 mm nearer the disk; the tables know lengths to 5 mm
 LEFT = 0.25  # washers: half of the static unbalance that balancing left at most
-HOLDING = {  # sliders along x that stick up to some 0.1 mm
+HOLDING = {  # supports along x whose sliders stick up to some 0.1 mm
+    "rotor.support_stiffness[1][1]": 19740.0,
+    "rotor.support_stiffness[2][1]": 19740.0,
+    "rotor.support_damping[1][1]": 2.6,
+    "rotor.support_damping[2][1]": 2.6,
     "rotor.friction[1].limit[1]": 0.7,
     "rotor.friction[2].limit[1]": 0.42,
     "rotor.friction[1].stiffness[1]": 8000.0,

@@ -13,6 +13,10 @@ import pytest
 
 LONG = {
     "run": ["run", "two_balls", "--set", "run.revolutions=1e6", "--set", "run.record=[]"],
+    "one_file": [
+        *["run", "two_balls", "--one-file"],
+        *["--set", "run.revolutions=3e6", "--set", "run.record=[]"],
+    ],
     "python": [
         *["run", "two_balls", "--set", "run.revolutions=1e6", "--set", "run.record=[]"],
         *["--set", 'coupling.units="python"'],
