@@ -74,11 +74,11 @@ def check_capacity(scene: Scene, check: CapacityCheck, progress: Progress) -> It
         if unbalance > limit:
             turn = packed_turn(response, limit / unbalance)
             packed = np.array(theory.packed_angles(weights, balls.weight_radius, turn))
-            found = np.array([result[name][-1] for name in angles])
+            ended = np.array([result[name][-1] for name in angles])
             yield rows.number(
                 f"unbalance {part:.3g} S: packed angles [rad]",
                 packed,
-                packed + np.array(_nearest(found, packed)),
+                packed + np.array(_nearest(ended, packed)),
                 ANGLES,
                 f"{SOURCE}, turned by {turn:.4f} rad by the rotor's damping",
                 1.0,
@@ -109,9 +109,9 @@ def _amplitude(result: Result, speed: float) -> float:
     return float(abs(np.mean((whirl * np.exp(-1j * speed * result.time))[begin:-1])))
 
 
-def _nearest(found: np.ndarray, packed: np.ndarray) -> list[float]:
+def _nearest(ended: np.ndarray, packed: np.ndarray) -> list[float]:
     """For each packed place, how far on the circle its nearest weight stands [rad]."""
-    apart = (found[None, :] - packed[:, None] + math.pi) % math.tau - math.pi
+    apart = (ended[None, :] - packed[:, None] + math.pi) % math.tau - math.pi
     return [float(row[np.argmin(np.abs(row))]) for row in apart]
 
 
