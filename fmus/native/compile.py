@@ -43,7 +43,8 @@ FAST, SMALL, SMALLEST = ("-O2",), ("-Os",), ("-Os", "-Xclang", "-Oz")
 HOT = ("propagator", "quintic_weights", "unit_rotor_step", "weights")
 COLD = (
     *("composite_token", "decimal", "failure_words", "resource", "rotor_kinds", "text", "token"),
-    *("unit_messages", "unit_rotor_kinds", "unit_state_bytes", "variables"),
+    *("unit_derivatives", "unit_elements", "unit_messages", "unit_rotor_derivatives"),
+    *("unit_rotor_kinds", "unit_state_bytes", "unit_weights_derivatives", "variables"),
 )
 _WARNINGS = ("-Wall", "-Wextra", "-Wpedantic")
 # macOS headers would call checking variants of memcpy; without loops unrolled or made into vectors
