@@ -72,6 +72,7 @@ def alone(
 def _work(work: Callable[[], int], said: Path) -> None:
     """Of a process with a group and an output of its own, as if just begun."""
     os.setsid()
+    signal.signal(signal.SIGINT, signal.default_int_handler)  # a background job ignores it
     os.dup2(os.open(os.devnull, os.O_RDONLY), 0)
     output = os.open(said, os.O_WRONLY | os.O_CREAT | os.O_APPEND)
     for stream in (1, 2):
