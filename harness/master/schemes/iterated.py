@@ -88,6 +88,7 @@ class Iterated:
 
     Attributes:
         closed: residual, relative as `tolerance`, of a loop that is solved.
+        struck: events that steps have ended at.
     """
 
     name = "iterated"
@@ -113,7 +114,7 @@ class Iterated:
             jacobian = np.where(np.outer(values, values), jacobian, 0.0)
         self.newton = QuasiNewton(jacobian, step, self.parts)
         self.corrections = corrections
-        self.rounding = rounding
+        self.rounding, self.struck = rounding, 0
         self.allow(tolerance)
 
     def allow(self, residual: float) -> None:
@@ -158,6 +159,7 @@ class Iterated:
 
     def strike(self, system: System, time: float) -> tuple[float, float]:
         """Go behind an event that is here; time taken [s], and no residual is left."""
+        self.struck += 1
         return strike(self, system, time, MAX_PASSES), 0.0
 
     def cross_jump(self, system: System, time: float, step: float) -> None:
