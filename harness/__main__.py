@@ -1,4 +1,4 @@
-"""Entry point of `autobalancer`; Ctrl-C before a command is at work is answered in a word, too."""
+"""Entry point of `autobalancer`; signals before a command is at work are answered in a word."""
 
 from __future__ import annotations
 
@@ -12,13 +12,14 @@ def main() -> None:
     loading = True
 
     def end(number: int, _frame: FrameType | None) -> None:
-        os.write(2, b"interrupted\n")
+        os.write(2, b"interrupted\n" if number == signal.SIGINT else b"terminated\n")
         if loading:  # C modules that are being imported turn any exception into an ImportError
             os._exit(128 + number)
         raise SystemExit(128 + number)
 
-    if signal.getsignal(signal.SIGINT) is signal.default_int_handler:  # else it is to be ignored
-        signal.signal(signal.SIGINT, end)
+    for number in (signal.SIGINT, signal.SIGTERM):
+        if signal.getsignal(number) is not signal.SIG_IGN:  # else it is to be ignored
+            signal.signal(number, end)
     from .cli import main as commands
 
     loading = False

@@ -31,6 +31,7 @@ def cosim(request: pytest.FixtureRequest) -> Callable[..., Result]:
         record: Iterable[str] | None = None,
         fmus: Path | None = None,
         verify: bool = False,
+        one_file: bool = False,
         **overrides: Any,
     ) -> Result:
         from .master.cosimulation import cosimulate
@@ -43,6 +44,6 @@ def cosim(request: pytest.FixtureRequest) -> Callable[..., Result]:
             scene = load_scene(beside if beside.is_file() else source)
         if overrides:
             scene = scene.replace(overrides)
-        return cosimulate(scene, record=record, fmus=fmus, verify=verify)
+        return cosimulate(scene, record=record, fmus=fmus, verify=verify, one_file=one_file)
 
     return run

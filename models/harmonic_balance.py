@@ -40,8 +40,12 @@ def unbalance_response(rotor: LinearRotor, speeds: ArrayLike) -> Complex:
     if not spring.all():
         raise NoResponse("sliders: harmonic balance takes those behind a spring alone")
     w = np.asarray(speeds, float)[:, None, None]
-    matrices = [rotor.real_coefficients(speed) for speed in w.ravel().tolist()]
-    mass, damping, stiffness = map(np.array, zip(*matrices, strict=True))
+    mass, damping, stiffness = rotor.real_coefficients(0.0)
+    _, with_speed, followed = rotor.real_coefficients(1.0)  # both are linear in it
+    damping, stiffness = (
+        damping + w * (with_speed - damping),
+        stiffness + w * (followed - stiffness),
+    )
     forces = np.zeros((2 * rotor.stations, 1 + len(at)), complex)
     forces[:, 0] = np.concatenate([rotor.unbalance, -1j * rotor.unbalance])
     forces[at, range(1, 1 + len(at))] = 1.0

@@ -29,8 +29,12 @@ class _Batch(Structure):
 
 
 @cache
-def _present() -> tuple[ctypes.CDLL, str]:
-    """The library and the stamp of its sources: a process loads it once."""
+def present() -> tuple[ctypes.CDLL, str]:
+    """The library and the stamp of its sources: a process loads it once.
+
+    Raises:
+        NotCompiled: it is not of the present sources, and there is no compiler.
+    """
     library = ctypes.CDLL(str(libraries([platform_tuple])[platform_tuple]))
     function = library.autobalancer_runs
     function.argtypes = (c_char_p, POINTER(_Batch), c_size_t, _D, _D, _D, POINTER(c_char))
@@ -59,9 +63,9 @@ class Runs:
         asked: Sequence[str],
         points: int,
     ) -> None:
-        self._library, current = _present()
+        self._library, current = present()
         self._token = composition.token(current).encode()
-        index = composition.described("Composite").layout.index
+        index = composition.layout.index
         self._references, self._outputs = (
             np.array([index[name] for name in names], np.uintc) for names in (changed, asked)
         )

@@ -102,6 +102,11 @@ class Composition:
         kind = "motor" if self.parts[-1].model == "Motor" else "prescribed"
         return CompositeSizes(kind=kind, planes=self.parts[0].unit.sizes.options["planes"])
 
+    @cached_property
+    def layout(self) -> Layout:
+        """Value references and start values."""
+        return self.described("Composite").layout
+
     def described(self, name: str) -> SizedUnit:
         """Name, variables and start values, as descriptions and documentation take them."""
         start = dict(self.start)
@@ -111,7 +116,7 @@ class Composition:
             replace(v, start=float(start[v.name]))
             if v.name in start and v.causality != "output"
             else v
-            for v in variables([(p.name, p.unit) for p in self.parts], self.sizes)
+            for v in variables(tuple((p.name, p.unit) for p in self.parts), self.sizes)
         ]
         models = ", ".join(f"{part.name} ({part.model})" for part in self.parts)
         unit = Unit(
@@ -137,7 +142,7 @@ class Composition:
             connected = "s" * part.exchanges_force + "v" * part.follows or "-"
             entries.append(f"part={part.name},{part.plane},{connected},{token(part.unit, stamp)}")
             entries += _starts(part)
-        own = self.described("Composite").layout
+        own = self.layout
         first = own.index["coupling.tolerance"]
         given = [f"{own.index[k] - first}:{bits(v)}" for k, v in self.start.items()]
         text = ";".join(["Composite", *entries, f"own={','.join(given)}", "id="])

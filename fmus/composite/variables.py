@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
 from dataclasses import dataclass, replace
+from functools import cache
 
 from ..unit import SizedUnit, Sizes, Unit, count, one_of
 from ..variables import Variable, output, parameter, plain_input
@@ -104,7 +104,8 @@ COMPOSITE = Unit(
 )
 
 
-def variables(parts: Iterable[tuple[str, SizedUnit]], sizes: CompositeSizes) -> list[Variable]:
+@cache
+def variables(parts: tuple[tuple[str, SizedUnit], ...], sizes: CompositeSizes) -> list[Variable]:
     """All variables: parameters of the parts and the coupling's, inputs, outputs alike.
 
     Start values are the units' own.

@@ -1,7 +1,6 @@
 /* Many runs of a composite, each with values of its own: from memory to memory, in one call.
 
-   The library's only function that is not FMI's.  It shares nothing, so that threads may each make a
-   call of their own. */
+   It shares nothing, so that threads may each make a call of their own. */
 #ifndef AUTOBALANCER_BATCH_H
 #define AUTOBALANCER_BATCH_H
 

@@ -250,8 +250,16 @@ def _without_time(library: bytes) -> bytes:
     return library[:position] + bytes(4) + library[position + 4 :]
 
 
+def _compiler() -> Path:
+    package = importlib.util.find_spec("ziglang")
+    assert package is not None  # `_installed`
+    assert package.origin is not None
+    return Path(package.origin).with_name("zig")
+
+
 def _zig(arguments: list[str], environment: dict[str, str]) -> None:
-    command = [sys.executable, "-m", "ziglang", *arguments]
+    # not `python -m ziglang`: while that loads it answers Ctrl-C with a traceback
+    command = [str(_compiler()), *arguments]
     subprocess.run(command, cwd=SOURCES, env=environment, check=True, stdin=subprocess.DEVNULL)
 
 

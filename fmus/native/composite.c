@@ -339,9 +339,11 @@ static int meet_inputs(Unit *unit)
     return 0;
 }
 
+/* With a tolerance nothing is left to be estimated. */
 static int judge(Unit *unit, double step)
 {
-    return resolution_check(unit, step) || iterated_judge(unit);
+    const Course *course = ((Composite *)unit->own)->course;
+    return (course->allowed == 0.0 && resolution_check(unit, step)) || iterated_judge(unit);
 }
 
 /* One step of given length; `jump`: over a jump of an input. */
@@ -360,10 +362,23 @@ static int couple(Unit *unit, double step, int jump)
     return c->unknowns && c->course->striking == 0.0 && judge(unit, c->course->length);
 }
 
+/* One step of the length that a tolerance allows, or that a run prescribes. */
+static int adapt(Unit *unit)
+{
+    const Composite *c = unit->own;
+    const double longest = c->pacing.longest;
+    if (!c->pacing.points) {
+        return adaptive_step(unit, longest > 0.0 ? longest
+                                                 : startup_share(unit, unit->real[c->fewest]));
+    }
+    return prescribed_step(unit) || (c->course->striking == 0.0 && iterated_judge(unit));
+}
+
 /* A step that an event has cut into several is judged behind it. */
 static int strike(Unit *unit)
 {
-    Course *course = ((Composite *)unit->own)->course;
+    const Composite *c = unit->own;
+    Course *course = c->course;
     if (contacts_step(unit)) {
         return 1;
     }
@@ -371,11 +386,11 @@ static int strike(Unit *unit)
         return 0;
     }
     course->residual = course->worst;
-    return course->allowed == 0.0 && judge(unit, course->time + course->length - course->met);
+    return (course->allowed == 0.0 || c->pacing.points) &&
+           judge(unit, course->time + course->length - course->met);
 }
 
-/* One step of the coupling, from its end to the next. */
-static int advance(Unit *unit)
+int composite_go_on(Unit *unit)
 {
     Composite *c = unit->own;
     Course *course = c->course;
@@ -394,7 +409,7 @@ static int advance(Unit *unit)
     course->held = 0.0;
     composite_drive(unit, course->begin);
     if (strikes  ? strike(unit)
-        : adapts ? adaptive_step(unit, startup_share(unit, unit->real[c->fewest]))
+        : adapts ? adapt(unit)
                  : couple(unit, step, crosses)) {
         return 1;
     }
@@ -447,6 +462,30 @@ static int refuse_length(Unit *unit, double own)
     return 1;
 }
 
+void composite_put_time(Text *reason, double time)
+{
+    text_put(reason, " at t = ");
+    text_rounded(reason, time, 6);
+    text_put(reason, " s");
+}
+
+void composite_put_gain(const Unit *unit, Text *reason)
+{
+    text_put(reason, "; loop gain ");
+    text_rounded(reason, ((const Composite *)unit->own)->course->gain, 3);
+}
+
+void composite_level_off(Unit *unit)
+{
+    Course *course = ((Composite *)unit->own)->course;
+    const double top = course->rises_until;
+    course->speed += (top - course->told) * course->acceleration;
+    course->acceleration = 0.0;
+    course->told = top;
+    course->fastest = larger(course->fastest, absolute(course->speed));
+    begin_anew(unit, top);
+}
+
 /* Step and move the units to a time. */
 static int reach(Unit *unit, double end)
 {
@@ -456,12 +495,8 @@ static int reach(Unit *unit, double end)
         if (!(course->time < end - point)) {
             return show(unit, end, course->time <= end + point);
         }
-        if (advance(unit)) {
-            Text *reason = &unit->reason;
-            text_put(reason, "; at t = ");
-            text_rounded(reason, course->time, 6);
-            text_put(reason, " s, loop gain ");
-            text_rounded(reason, course->gain, 3);
+        if (composite_go_on(unit)) {
+            composite_put_gain(unit, &unit->reason);
             return 1;
         }
     }
@@ -490,11 +525,7 @@ static int step(Unit *unit, double length)
         if (wrong) {
             return 1;
         }
-        course->speed += (top - course->told) * course->acceleration;
-        course->acceleration = 0.0;
-        course->told = top;
-        course->fastest = larger(course->fastest, absolute(course->speed));
-        begin_anew(unit, top);
+        composite_level_off(unit);
         if (top == end) {
             return 0;
         }

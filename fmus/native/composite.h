@@ -83,7 +83,7 @@ typedef struct {
     double met;                /* when the step that met it began [s] */
     double pulse, worst;       /* force of those, and residual of the step before them */
     double unpulsed, learned_step; /* `largest` and `solved_step` before them */
-    double steps, unconverged, error;
+    double steps, passes, unconverged, worst_left, error; /* worst_left: residual of those */
     double allowed, rung, largest_motion; /* tolerance, 0 for fixed steps; step as 2^(-rung/4) */
     double rested;             /* steps of this length in which nothing has moved */
     double held;               /* whether the step holds its signals at the values they end with */
@@ -107,6 +107,15 @@ typedef struct {
     Complex rows[SIGNAL_ORDERS][2];
 } Carried;
 
+/* How a run goes on in place of a host, which leaves all of it 0. */
+typedef struct {
+    double step;          /* communication step to come, with a tolerance the time to a point to meet [s] */
+    double longest;       /* that a tolerance may choose [s] */
+    double share;         /* of the tolerance that a step may err */
+    const double *points; /* that steps lead to, ascending [s]; NULL: steps are chosen */
+    size_t count, next;   /* of the points, and the first of them that is ahead */
+} Pacing;
+
 typedef struct {
     Part *parts;
     int part_count, mounted; /* mounted: without the motor, */
@@ -122,6 +131,8 @@ typedef struct {
     size_t tolerance, steps_per_rev, fewest, top_speed, rise; /* value references of the coupling's parameters, */
     size_t drive, outer;                        /* of speed (no motor) and forces from outside, */
     size_t results;                             /* and of the coupling's outputs */
+    Pacing pacing;
+    int loop_failed;                            /* whether the last failure was that of the loop */
     /* in the unit's memory */
     Course *course;
     double *outer_forces; /* (rotor's planes, 2) as told last [N] */
@@ -158,6 +169,19 @@ int composite_build(Unit *unit, const char *token);
 
 /* Doubles of the unit's memory; where there is one already, pointers are set into it. */
 size_t composite_memory(Composite *c, double *memory);
+/* One step of the coupling, from its end to the next; 1 with the reason. */
+int composite_go_on(Unit *unit);
+/* Begin a step where a rotor that speeds up by itself has reached its speed. */
+void composite_level_off(Unit *unit);
+/* Say in the reason when it went wrong, and the loop gain. */
+void composite_put_time(Text *reason, double time);
+void composite_put_gain(const Unit *unit, Text *reason);
+
+/* -- composite_run.c: twin of harness/master/cosimulation.py ---------------------------------- */
+
+/* The communication step to come, which may take several of the coupling; with a tolerance one that
+   is chosen, at most that long [s]; 1 with the reason. */
+int composite_run_step(Unit *unit, double step);
 
 /* -- composite_system.c: twin of harness/master/system.py ------------------------------------ */
 
@@ -254,9 +278,12 @@ void resolution_begin(Unit *unit);
 /* Look at the step just finished; 1 with the reason where steps are too long for the signals. */
 int resolution_check(Unit *unit, double step);
 
-/* -- composite_iterated.c, _compensated.c, _adaptive.c: twins of harness/master/schemes ------- */
+/* -- composite_iterated.c, _compensated.c, _adaptive.c, _prescribed.c: twins of
+   harness/master/schemes ------------------------------------------------------------------------ */
 
 void iterated_begin(Composite *c);
+/* From the start on, count as converged what leaves so much of the largest force. */
+void iterated_allow(Composite *c, double residual);
 int iterated_step(Unit *unit, double step);
 /* 1 with the reason where what the step left of the forces cannot be tolerated. */
 int iterated_judge(Unit *unit);
@@ -272,6 +299,8 @@ void composite_restore(Composite *c);
 void adaptive_begin(Unit *unit);
 /* One accepted step of at most `longest` [s]; its length in course->length. */
 int adaptive_step(Unit *unit, double longest);
+/* One step to the next of the points that a run prescribes. */
+int prescribed_step(Unit *unit);
 /* Take the loop's Jacobian from steps of this length, all of them taken back. */
 int iterated_after_start(Unit *unit, double step);
 void compensated_begin(Composite *c, double step);

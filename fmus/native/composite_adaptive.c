@@ -14,9 +14,8 @@ void adaptive_begin(Unit *unit)
 {
     Course *course = ((Composite *)unit->own)->course;
     course->corrections = UNTIL_CONVERGED;
-    course->tolerance = RESIDUAL_SHARE * course->allowed;
     course->rung = FIRST_RUNG;
-    course->largest = course->rounding / course->tolerance;
+    iterated_allow(unit->own, RESIDUAL_SHARE * course->allowed);
     course->largest_motion = course->largest / course->mass;
 }
 
@@ -111,10 +110,14 @@ static double length_of(int rung, double longest)
 
 static int refuse(Unit *unit, double step, double error, double residual)
 {
+    Composite *c = unit->own;
     Text *reason = unit_reason(unit);
+    c->loop_failed = 1;
     text_put(reason, "tolerance ");
-    text_rounded(reason, ((Composite *)unit->own)->course->allowed, 6);
-    text_put(reason, " cannot be met: steps of ");
+    text_rounded(reason, c->course->allowed, 6);
+    text_put(reason, " cannot be met");
+    composite_put_time(reason, c->course->time);
+    text_put(reason, ": steps of ");
     text_rounded(reason, step, 3);
     text_put(reason, " s still err by ");
     text_rounded(reason, error, 3);
@@ -128,8 +131,11 @@ int adaptive_step(Unit *unit, double longest)
     Composite *c = unit->own;
     const int jumps = ((const Rotor *)c->parts->unit->own)->slider_count > 0;
     Course *course = c->course;
-    const double allowed = LOCAL_SHARE * course->allowed;
-    double remaining = infinity(); /* before an event */
+    const Pacing *pacing = &c->pacing;
+    const double allowed = (pacing->share > 0.0 ? pacing->share : LOCAL_SHARE) * course->allowed;
+    /* before an event, or a point that must be met */
+    double remaining = pacing->step > 0.0 ? pacing->step : infinity();
+    int met = 0;
     if (course->no_past > 0.0) {
         course->rung = larger(course->rung, 0.0);
     }
@@ -156,6 +162,7 @@ int adaptive_step(Unit *unit, double longest)
             continue;
         }
         if (residual < 0.0) {
+            met = 1;
             if (remaining == 0.0) {
                 return contacts_strike(unit);
             }
@@ -182,7 +189,7 @@ int adaptive_step(Unit *unit, double longest)
             course->residual = residual;
             course->held = rung < 0;
             course->largest_motion = largest_motion;
-            return iterated_go_on(unit, step, step == remaining);
+            return iterated_go_on(unit, step, met && step == remaining);
         }
         composite_restore(c);
         if (residual > SLOWEST * course->tolerance && iterated_after_start(unit, 0.5 * step)) {

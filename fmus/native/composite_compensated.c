@@ -116,7 +116,9 @@ static int diverges(Unit *unit, double step)
         return 0;
     }
     reason = unit_reason(unit);
-    text_put(reason, "compensated coupling diverges: ");
+    text_put(reason, "compensated coupling diverges");
+    composite_put_time(reason, course->time + step);
+    text_put(reason, ": ");
     composite_name_forces(c, reason);
     text_put(reason, " differs from what was assumed for the step by ");
     text_rounded(reason, worst / course->largest, 3);
@@ -159,7 +161,7 @@ int compensated_step(Unit *unit, double step, int jump)
     for (k = 0; k < c->exchanges; k++) {
         signal_predicted(c->forces + k, SIGNAL_ORDERS, c->assumed + SIGNAL_ORDERS * k);
     }
-    memcpy(c->sent, c->assumed, (size_t)(SIGNAL_ORDERS * c->exchanges) * sizeof(Complex));
+    copy_doubles((size_t)(2 * SIGNAL_ORDERS * c->exchanges), &c->assumed->re, &c->sent->re);
     if (past > 0.0) {
         carry(c->carried, speed * past, past, step);
         make_good(c->carried, c->missed, c->exchanges, c->sent);

@@ -145,6 +145,7 @@ int contacts_step(Unit *unit)
         end(c);
     } else if (course->strikes > MOST) {
         text_put(unit_reason(unit), "weights collide or stick without end");
+        composite_put_time(&unit->reason, course->met);
         return 1;
     }
     return 0;

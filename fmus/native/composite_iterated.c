@@ -15,6 +15,12 @@ static double closed(const Course *course)
     return larger(CONVERGED_FORCES, ROUNDING * course->gain);
 }
 
+void iterated_allow(Composite *c, double residual)
+{
+    c->course->tolerance = larger(residual, ROUNDING * c->course->gain);
+    c->course->largest = c->course->rounding / c->course->tolerance;
+}
+
 void iterated_begin(Composite *c)
 {
     Course *course = c->course;
@@ -132,13 +138,17 @@ int iterated_judge(Unit *unit)
     }
     if (residual < 1.0 && !converges) {
         course->unconverged += 1.0;
+        course->worst_left = larger(course->worst_left, residual);
         unit_warn_once(unit, UNCONVERGED, course->time,
                        "a step left a residual above 1e-3 of the force: use smaller steps or more "
                        "corrections");
         return 0;
     }
     reason = unit_reason(unit);
-    text_put(reason, "the loop did not converge: ");
+    ((Composite *)unit->own)->loop_failed = 1;
+    text_put(reason, "the loop did not converge");
+    composite_put_time(reason, course->time);
+    text_put(reason, ": ");
     composite_name_forces(c, reason);
     text_put(reason, " still changes by ");
     text_rounded(reason, residual, 2);

@@ -204,8 +204,16 @@ static Text *refuse(Unit *unit)
     Text *reason = unit_reason(unit);
     text_put(reason, "coupling steps of ");
     text_rounded(reason, c->course->judged_step, 3);
-    text_put(reason, " s are too long (use more coupling.steps_per_rev, or a tolerance): ");
+    text_put(reason, " s are too long");
+    composite_put_time(reason, c->course->time);
+    text_put(reason, ": ");
     return reason;
+}
+
+static int refused(Text *reason)
+{
+    text_put(reason, "; use more coupling.steps_per_rev, or a tolerance");
+    return 1;
 }
 
 /* What is `number`-th of forces and then accelerations. */
@@ -240,7 +248,7 @@ static int runs_away(Unit *unit)
         put_name(c, 0, reason);
         text_put(reason, " is beyond all that the scene can make of it and has grown 2-fold or more "
                          "in each of the last 4 steps");
-        return 1;
+        return refused(reason);
     }
     return 0;
 }
@@ -256,7 +264,7 @@ static int count_lost(Unit *unit, int number, const Signal *signal)
         text_put(reason, " has ended 20 steps far from where the one before led, now by ");
         text_rounded(reason, signal->prediction_error / signal->largest, 2);
         text_put(reason, " of its largest value");
-        return 1;
+        return refused(reason);
     }
     return 0;
 }
@@ -325,7 +333,7 @@ int resolution_check(Unit *unit, double step)
             text_put(reason, " moves the units ");
             text_rounded(reason, worst, 2);
             text_put(reason, " times as far as they move at all");
-            return 1;
+            return refused(reason);
         }
         if (worst >= SAID) {
             unit_warn_once(unit, TOO_LONG, course->time,

@@ -20,6 +20,13 @@ double startup_size(const Unit *unit)
     return startup_share(unit, steps > 0.0 ? steps : DEFAULT_STEPS);
 }
 
+/* The communication step to come [s]: a run says it, else the parameters do. */
+static double communication(const Unit *unit)
+{
+    const double step = ((const Composite *)unit->own)->pacing.step;
+    return step > 0.0 ? step : startup_size(unit);
+}
+
 /* How often a step without a past is halved, so that nothing is steep in its first part. */
 static int halvings(const Composite *c, double step, int least)
 {
@@ -57,7 +64,7 @@ double startup_length(Unit *unit)
     Course *course = c->course;
     int parts;
     if (course->changed > 0.0) {
-        const double step = startup_size(unit);
+        const double step = communication(unit);
         course->changed = 0.0;
         course->crossing = compensates(c) ? JUMP_PARTS : 1;
         course->negligible = KINK * step / course->crossing;
@@ -68,7 +75,7 @@ double startup_length(Unit *unit)
         return course->negligible;
     }
     if (course->whole == 0.0) {
-        course->whole = startup_size(unit);
+        course->whole = communication(unit);
         course->ends = course->time + course->whole;
         course->first_step = course->no_past;
         divide(c, course);

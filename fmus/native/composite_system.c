@@ -2,16 +2,28 @@
 
 #include "composite.h"
 #include "elementary.h"
+#include "matrix.h"
 #include "spin.h"
 #include "unit_rotor.h"
 
-int composite_part_failed(Unit *unit, const Part *part)
+static int part_failed(Unit *unit, const Part *part, double step)
 {
     Text *reason = unit_reason(unit);
     text_put(reason, part->unit->name);
+    if (step > 0.0) {
+        composite_put_time(reason, part->unit->time);
+        text_put(reason, ": a step of ");
+        text_rounded(reason, step, 6);
+        text_put(reason, " s failed");
+    }
     text_put(reason, ": ");
     text_put(reason, part->unit->reason.at);
     return 1;
+}
+
+int composite_part_failed(Unit *unit, const Part *part)
+{
+    return part_failed(unit, part, 0.0);
 }
 
 void composite_name_forces(const Composite *c, Text *text)
@@ -33,7 +45,7 @@ void composite_name_force(const Composite *c, int k, Text *text)
 int composite_advance(Unit *unit, Part *part, double step)
 {
     part->unit->time = ((Composite *)unit->own)->course->begin;
-    return unit_advance(part->unit, step) ? composite_part_failed(unit, part) : 0;
+    return unit_advance(part->unit, step) ? part_failed(unit, part, step) : 0;
 }
 
 /* -- forces and accelerations ---------------------------------------------------------------- */
@@ -137,6 +149,7 @@ void composite_read_forces(const Composite *c, Knot *answers)
 int composite_rotor_pass(Unit *unit, const Complex *forces, double step)
 {
     Composite *c = unit->own;
+    c->course->passes += 1.0;
     if (c->motor) {
         shaft_tell(unit, forces + c->orders * c->exchanges, step);
     }
@@ -162,12 +175,12 @@ void composite_place(const Composite *c, const Part *part)
 int composite_balancer_pass(Unit *unit, const Complex *accelerations, double step)
 {
     Composite *c = unit->own;
-    const size_t size = (size_t)c->orders * sizeof(Complex);
+    const size_t size = 2 * (size_t)c->orders;
     int k;
     for (k = 0; k < c->exchanges; k++) {
         Part *part = c->parts + c->members[k];
-        memcpy(part->unit->real + part->unit->layout.inputs.first,
-               accelerations + c->orders * c->member_planes[k], size);
+        copy_doubles(size, &accelerations[c->orders * c->member_planes[k]].re,
+                     part->unit->real + part->unit->layout.inputs.first);
         composite_place(c, part);
         if (composite_advance(unit, part, step)) {
             return 1;
@@ -256,7 +269,9 @@ int composite_accept(Unit *unit, const Knot *accelerations, const Knot *forces, 
         if (!is_finite(value.re) || !is_finite(value.im)) {
             Text *reason = unit_reason(unit);
             composite_name_force(c, k, reason);
-            text_put(reason, " is not finite: the coupling diverged; use smaller steps");
+            text_put(reason, " is not finite");
+            composite_put_time(reason, c->course->time + step);
+            text_put(reason, ": the coupling diverged; use smaller steps");
             return 1;
         }
         signal_move(c->forces + k, forces + k, c->orders, step);

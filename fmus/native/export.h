@@ -1,4 +1,4 @@
-/* What the library shows of itself: FMI's functions, and the batch call. */
+/* What the library shows of itself: FMI's functions, and its own for runs without an FMU. */
 #ifndef AUTOBALANCER_EXPORT_H
 #define AUTOBALANCER_EXPORT_H
 

@@ -12,6 +12,7 @@ import re
 import struct
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from functools import cache
 from typing import Any
 
 from ..catalogue import sized_unit
@@ -112,6 +113,7 @@ def header() -> str:
     return "\n\n".join(parts) + "\n"
 
 
+@cache
 def token(unit: SizedUnit, stamp: str, *, arrays: bool = False) -> str:
     """Identity of a native unit: GUID in FMI 2.0, instantiation token in FMI 3.0.
 

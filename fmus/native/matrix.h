@@ -7,6 +7,7 @@
 
 #include <stddef.h>
 
+/* Number by number: what has just been written one by one is not there yet for memcpy's wide reads. */
 void copy_doubles(size_t count, const double *from, double *to);
 void fill_doubles(size_t count, double value, double *to);
 

@@ -3,7 +3,7 @@
 #include "elementary.h"
 #include "matrix.h"
 
-#define TAYLOR_TERMS 20 /* 0.5^20/20! is far below rounding */
+#define TAYLOR_TERMS 16 /* 0.5^16/17! is far below rounding */
 
 /* Largest sum of a column's absolute values. */
 static double norm_of(int parts, int size, const double *matrix)
@@ -23,14 +23,15 @@ static double norm_of(int parts, int size, const double *matrix)
     return norm;
 }
 
-/* result = a b, all of them with zeros where rows from `upper` on meet columns before it. */
-static void upper_product(int parts, int size, int upper, const double *a, const double *b,
-                          double *result)
+/* result = a b in the first `rows` rows, all of them with zeros where rows from `upper` on meet columns
+   before it. */
+static void upper_product(int parts, int size, int upper, int rows, const double *a,
+                          const double *b, double *result)
 {
     const size_t width = (size_t)size * parts, corner = upper * width + (size_t)upper * parts;
     int i;
-    fill_doubles(width * size, 0.0, result);
-    for (i = 0; i < size; i++) {
+    fill_doubles(width * rows, 0.0, result);
+    for (i = 0; i < rows; i++) {
         const double *factors = a + i * width;
         if (i < upper) {
             add_multiples(parts, size, upper, factors, b, width, result + i * width);
@@ -62,11 +63,15 @@ static void sparse_product(int parts, int size, int upper, const double *a, cons
     }
 }
 
-int exponential(int parts, int size, int upper, double *matrix, double *scratch, Failure *failure)
+/* The first `upper` rows of e^matrix (size, size), in place, by a Taylor series and doubling of e^A - 1;
+   the other rows have zeros in the columns before `upper`.  scratch: 3 parts size^2 doubles. */
+static int exponential(int parts, int size, int upper, double *matrix, double *scratch,
+                       Failure *failure)
 {
     const size_t count = (size_t)size * size * parts;
     double *scaled = scratch, *product = scaled + count, *from = product, *to = matrix, *kept;
     const double norm = norm_of(parts, size, matrix);
+    double part;
     int doublings, j, k;
     size_t i;
     if (!is_finite(norm)) {
@@ -74,8 +79,9 @@ int exponential(int parts, int size, int upper, double *matrix, double *scratch,
     }
     doublings = binary_exponent(norm) + 1;
     doublings = doublings > 0 ? doublings : 0;
+    part = scaled_by_power(1.0, -doublings);
     for (i = 0; i < count; i++) {
-        scaled[i] = scaled_by_power(matrix[i], -doublings);
+        scaled[i] = part * matrix[i];
         from[i] = scaled[i] / TAYLOR_TERMS;
     }
     /* e^A - 1 = A (1 + A/2 (1 + A/3 (1 + ...))); an even number of terms ends in `matrix` */
@@ -90,12 +96,13 @@ int exponential(int parts, int size, int upper, double *matrix, double *scratch,
     }
     /* E -> 2 E + E^2 instead of squaring e^A keeps slow modes exact next to fast ones */
     for (j = 0; j < doublings; j++) {
-        upper_product(parts, size, upper, matrix, matrix, product);
-        for (i = 0; i < count; i++) {
+        const int rows = j + 1 < doublings ? size : upper;
+        upper_product(parts, size, upper, rows, matrix, matrix, product);
+        for (i = 0; i < (size_t)(rows * size * parts); i++) {
             matrix[i] = 2.0 * matrix[i] + product[i];
         }
     }
-    for (i = 0; i < (size_t)size; i++) {
+    for (i = 0; i < (size_t)upper; i++) {
         matrix[(i * size + i) * parts] += 1.0;
     }
     return FINE;

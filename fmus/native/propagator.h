@@ -10,12 +10,6 @@
 #include "failure.h"
 #include "linear_rotor.h"
 
-/* e^matrix (size, size), in place, by a Taylor series and doubling of e^A - 1.
-
-   `upper`: rows from this one on have zeros in the columns before it (0 is always right; more saves
-   time).  scratch: 3 parts size^2 doubles. */
-int exponential(int parts, int size, int upper, double *matrix, double *scratch, Failure *failure);
-
 /* Elements in a row and rows of a step matrix; in doubles it has rows * columns * parts.
 
    orders: numbers that tell a force signal, value and derivatives: 4 of a cubic, 6 of a quintic. */

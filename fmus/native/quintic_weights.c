@@ -120,7 +120,7 @@ int quintic_weights_advance(const Weights *weights, const double *angles, const 
     if (code) {
         return code;
     }
-    h = step / count;
+    h = count > 1 ? step / count : step;
     response = quadrature_of(memory, damping_rate, h);
     for (k = 0; k < weights->count && !code; k++) {
         /* the iteration's end is judged by the angle: turns behind a weight must not loosen it */

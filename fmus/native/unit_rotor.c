@@ -3,6 +3,7 @@
 #include <string.h>
 
 #include "elementary.h"
+#include "matrix.h"
 #include "propagator.h"
 #include "spin.h"
 #include "unit_rotor.h"
@@ -150,7 +151,7 @@ static int step(Unit *unit, double length)
         return 1;
     }
     angle_turn(unit->memory, length * (speed + 0.5 * spin_up * length) + more.angle);
-    memcpy(unit->memory + MOTION, own->result, motion * sizeof(double));
+    copy_doubles(motion, own->result, unit->memory + MOTION);
     end_speed[0] = speed + spin_up * length + more.speed;
     end_speed[1] = length;
     if (own->slider_count) {

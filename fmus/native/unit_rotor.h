@@ -100,8 +100,8 @@ int rotor_propagate(Unit *unit, double step);
 double *rotor_held(const Unit *unit);
 /* The variable-speed step and the friction step for the masses that the planes carry now. */
 int rotor_make_variable(Unit *unit);
-/* Vectors (x, y alternating) turned by the angle with this cosine and sine. */
-void rotor_rotated(double *pairs, size_t count, double c, double s);
+/* Vectors (x, y alternating) turned by the angle with this cosine and sine; `to` may be `pairs`. */
+void rotor_rotated(const double *pairs, size_t count, double c, double s, double *to);
 /* Computed outputs from acceleration and jerk of the planes in fixed axes, with signals of order 5
    the jerk's derivative as well. */
 void rotor_put(Rotor *own, const double *planes, double angle, double speed, double *out);

@@ -27,7 +27,7 @@ static int force_response(Unit *unit, const double *values, const double *slopes
     memcpy(forces, values, 2 * p * sizeof(double));
     memcpy(forces + 2 * p, slopes, 2 * p * sizeof(double));
     if (own->turning) {
-        rotor_rotated(forces, 2 * p, c, s);
+        rotor_rotated(forces, 2 * p, c, s, forces);
     }
     rotor_apply(own, matrix);
     rotor_put(own, own->result + 4 * n, unit->memory[REST], speed, change);

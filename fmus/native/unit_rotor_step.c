@@ -331,13 +331,13 @@ int rotor_torque_now(Unit *unit, double *torque)
     return 0;
 }
 
-void rotor_rotated(double *pairs, size_t count, double c, double s)
+void rotor_rotated(const double *pairs, size_t count, double c, double s, double *to)
 {
     size_t k;
     for (k = 0; k < 2 * count; k += 2) {
         const double x = pairs[k], y = pairs[k + 1];
-        pairs[k] = x * c - y * s;
-        pairs[k + 1] = x * s + y * c;
+        to[k] = x * c - y * s;
+        to[k + 1] = x * s + y * c;
     }
 }
 
@@ -384,10 +384,12 @@ static int set_operand(Unit *unit)
     const size_t p = (size_t)own->planes, forces = 4 * (size_t)own->stations;
     const size_t turn = forces + 2 * (size_t)own->orders * p;
     const Complex turned = turned_by(own->turned, unit->memory[REST]);
-    memcpy(own->operand, unit->memory + MOTION, forces * sizeof(double));
-    memcpy(own->operand + forces, rotor_drive(unit) + SPUN, (turn - forces) * sizeof(double));
+    copy_doubles(forces, unit->memory + MOTION, own->operand);
     if (own->turning) {
-        rotor_rotated(own->operand + forces, (size_t)own->orders * p, turned.re, turned.im);
+        rotor_rotated(rotor_drive(unit) + SPUN, (size_t)own->orders * p, turned.re, turned.im,
+                      own->operand + forces);
+    } else {
+        copy_doubles(turn - forces, rotor_drive(unit) + SPUN, own->operand + forces);
     }
     own->operand[turn] = turned.re;
     own->operand[turn + 1] = turned.im;
@@ -449,7 +451,7 @@ void rotor_put(Rotor *own, const double *planes, double angle, double speed, dou
 {
     const size_t n = 2 * (size_t)own->planes, exact = (size_t)own->orders / 2;
     size_t k;
-    memcpy(out, planes, exact * n * sizeof(double));
+    copy_doubles(exact * n, planes, out);
     if (own->turning) {
         const Complex turned = turned_by(own->turned, angle);
         /* (a e^{-i beta})'' = (s - 2 i w j - w^2 a) e^{-i beta} */
@@ -463,7 +465,7 @@ void rotor_put(Rotor *own, const double *planes, double angle, double speed, dou
             out[n + k] += speed * out[k + 1];
             out[n + k + 1] -= speed * out[k];
         }
-        rotor_rotated(out, exact * n / 2, turned.re, -turned.im);
+        rotor_rotated(out, exact * n / 2, turned.re, -turned.im, out);
     }
 }
 

@@ -321,7 +321,7 @@ int weights_advance(const Weights *weights, const double *angles, const double *
     if (code) {
         return code;
     }
-    h = step / count;
+    h = count > 1 ? step / count : step;
     response = quadrature(memory, damping_rate, h);
     /* the iteration's end is judged by the angle: turns behind a weight must not loosen it */
     far = largest_of(n, angles) > FAR;

@@ -70,12 +70,12 @@ def value(variable: Variable, references: Mapping[str, str]) -> dict[str, str]:
     """Type, bounds and start value of a variable, in both versions; `references` by name."""
     if variable.boolean:
         return {"start": flag(bool(variable.start))}
-    found = {"declaredType": type_name(variable), "unit": variable.unit, **bounds(variable)}
+    attributes = {"declaredType": type_name(variable), "unit": variable.unit, **bounds(variable)}
     if variable.start is not None:
-        found["start"] = repr(float(variable.start))
+        attributes["start"] = repr(float(variable.start))
     if variable.derivative_of:
-        found["derivative"] = references[variable.derivative_of]
-    return found
+        attributes["derivative"] = references[variable.derivative_of]
+    return attributes
 
 
 def unknown(variable: Variable, references: Mapping[str, str], initially: bool) -> dict[str, str]:
@@ -100,8 +100,8 @@ def log_categories(root: Element, prefix: str) -> None:
 
 def experiment(root: Element, unit: Unit) -> None:
     """DefaultExperiment."""
-    found = {"startTime": 0.0, "stopTime": unit.stop, "stepSize": unit.step}
-    SubElement(root, "DefaultExperiment", {key: f"{value:.15g}" for key, value in found.items()})
+    times = {"startTime": 0.0, "stopTime": unit.stop, "stepSize": unit.step}
+    SubElement(root, "DefaultExperiment", {key: f"{value:.15g}" for key, value in times.items()})
 
 
 def built(parent: Element, unit: SizedUnit) -> None:
@@ -112,10 +112,10 @@ def built(parent: Element, unit: SizedUnit) -> None:
 
 def options_in(root: Element) -> dict[str, Any]:
     """Unit and build options that a model description of either version names; else nothing."""
-    found = root.find(".//Built")
-    if found is None:
+    built = root.find(".//Built")
+    if built is None:
         return {}
-    return {key: int(v) if v.isdecimal() else v for key, v in found.attrib.items()}
+    return {key: int(v) if v.isdecimal() else v for key, v in built.attrib.items()}
 
 
 def text_of(root: Element) -> bytes:

@@ -87,10 +87,10 @@ def read_measured(path: Path) -> Measured:
             f"{', '.join(unmoved)} differ from that of the reference, {runs[0]!r}"
         )
     if "samples" in names:
-        unit, found = "", _from_samples(path, rows)
+        unit, by_run = "", _from_samples(path, rows)
     else:
-        unit, found = _from_readings(path, rows, names)
-    sensors, speeds, responses = _table(path, runs, found)
+        unit, by_run = _from_readings(path, rows, names)
+    sensors, speeds, responses = _table(path, runs, by_run)
     return Measured(runs, sensors, unit, planes, radii, speeds, responses, mounted)
 
 
@@ -110,19 +110,19 @@ def _number(path: Path, row: Row, line: int, name: str) -> float:
 
 def _mounted(path: Path, rows: Sequence[Row], lines: list[int], plane: str) -> complex:
     """Mass and angle in a plane during a run; an empty mass is none."""
-    found = set()
+    trials = set()
     for i in lines:
         mass = 0.0
         if (rows[i].get(f"mass_g[{plane}]") or "").strip():
             mass = _number(path, rows[i], i, f"mass_g[{plane}]")
         angle = math.radians(_number(path, rows[i], i, f"angle_deg[{plane}]")) if mass else 0.0
-        found.add((mass, angle))
-    if len(found) > 1:
+        trials.add((mass, angle))
+    if len(trials) > 1:
         raise UserError(
             f"{path}: run {rows[lines[0]]['run']!r}: its lines do not agree on the mass in plane "
             f"{plane}"
         )
-    ((mass, angle),) = found
+    ((mass, angle),) = trials
     return mass * complex(math.cos(angle), math.sin(angle))
 
 
@@ -156,7 +156,7 @@ def _from_readings(path: Path, rows: Sequence[Row], names: Sequence[str]) -> tup
             f"{path}: needs one of the columns phase_lead_deg (counted like the masses' angles) "
             "and phase_lag_deg (counted the other way)"
         )
-    found: Readings = {}
+    by_run: Readings = {}
     for i, row in enumerate(rows):
         amplitude = _number(path, row, i, f"amplitude_{units[0]}")
         phase = _PHASES[phases[0]] * math.radians(_number(path, row, i, phases[0]))
@@ -164,40 +164,40 @@ def _from_readings(path: Path, rows: Sequence[Row], names: Sequence[str]) -> tup
             raise UserError(f"{path}, line {i + 2}: amplitude = {amplitude:g}: must not be below 0")
         rpm = _number(path, row, i, "speed_rpm") if "speed_rpm" in names else 0.0
         sensor = f"{row['sensor']} at {rpm:g} rpm" if rpm else row["sensor"]
-        readings = found.setdefault(row["run"], {})
+        readings = by_run.setdefault(row["run"], {})
         if sensor in readings:
             raise UserError(f"{path}, line {i + 2}: run {row['run']!r}: {sensor} is read twice")
         value = amplitude * complex(math.cos(phase), math.sin(phase))
         readings[sensor] = (rpm * math.pi / 30.0, value)
-    return units[0], found
+    return units[0], by_run
 
 
 def _from_samples(path: Path, rows: Sequence[Row]) -> Readings:
-    found: Readings = {}
+    by_run: Readings = {}
     for i, row in enumerate(rows):
-        if row["run"] in found:
+        if row["run"] in by_run:
             raise UserError(f"{path}, line {i + 2}: run {row['run']!r} has samples already")
         speed, amplitudes = read_samples(path.parent / (row["samples"] or "").strip())
-        found[row["run"]] = {name: (speed, value) for name, value in amplitudes.items()}
-    speeds = [next(iter(readings.values()))[0] for readings in found.values()]
+        by_run[row["run"]] = {name: (speed, value) for name, value in amplitudes.items()}
+    speeds = [next(iter(readings.values()))[0] for readings in by_run.values()]
     if max(speeds) > (1.0 + _SPEED) * min(speeds):
         raise UserError(
             f"{path}: the samples' speeds differ: {min(speeds):.4g} to {max(speeds):.4g} rad/s; "
             f"must agree within {_SPEED:.0%}"
         )
-    return found
+    return by_run
 
 
 def _table(
-    path: Path, runs: Sequence[str], found: Readings
+    path: Path, runs: Sequence[str], by_run: Readings
 ) -> tuple[tuple[str, ...], NDArray[np.float64], Complex]:
     """Sensors, their speeds (s,) and complex amplitudes (r, s)."""
-    sensors = tuple(found[runs[0]])
+    sensors = tuple(by_run[runs[0]])
     for run in runs:
-        if odd := sorted(set(found[run]) ^ set(sensors)):
+        if odd := sorted(set(by_run[run]) ^ set(sensors)):
             raise UserError(
                 f"{path}: runs {runs[0]!r} and {run!r} do not have the same readings: "
                 f"{', '.join(odd)} in one alone"
             )
-    speeds = np.array([found[runs[0]][sensor][0] for sensor in sensors])
-    return sensors, speeds, np.array([[found[r][s][1] for s in sensors] for r in runs])
+    speeds = np.array([by_run[runs[0]][sensor][0] for sensor in sensors])
+    return sensors, speeds, np.array([[by_run[r][s][1] for s in sensors] for r in runs])

@@ -59,12 +59,15 @@ def _spread(one: Mapping[str, Any]) -> str:
 
 def lines(said: Mapping[str, Any]) -> list[str]:
     """What the table does not say."""
-    predicted, guessed = "rms_predicted" in said, said["rms_first_guess"]
+    predicted = []
+    if "rms_predicted" in said:
+        predicted = [f"Predicted: rms {said['rms_predicted']:.4g}, {said['predicted']}"]
+    guessed = said["rms_first_guess"]
     return [
         *([f"First guess by harmonic balance: rms {guessed:.4g}"] if guessed is not None else []),
         f"{said['values']} measured amplitudes; rms of the difference in {said['difference']}: "
         f"{said['rms_before']:.4g} before, {said['rms']:.4g} after ({said['ended']})",
-        *([f"Predicted: rms {said['rms_predicted']:.4g}, {said['predicted']}"] * predicted),
+        *predicted,
         *(f"Warning: {text}" for text in said["warnings"]),
         "As options: "
         + " ".join(

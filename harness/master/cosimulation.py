@@ -11,10 +11,11 @@ from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import ExitStack
 from dataclasses import replace
 from pathlib import Path
+from typing import TYPE_CHECKING, TypeAlias
 
 import numpy as np
 
-from ..errors import SimulationError
+from ..errors import SimulationError, UserError
 from ..scene import Scene, load_scene
 from ..scene.run import FEWEST_CHOSEN
 from .facts import Facts, advice, result
@@ -33,8 +34,12 @@ from .schemes.protocol import Scheme, choose, refuse_loose_tolerance
 from .schemes.startup import substeps
 from .system import System
 
+if TYPE_CHECKING:
+    from .one_file_run import OneFileRun
+
 REPORTED = 256  # steps between two reports of progress: some ten a second
 Progress = Callable[[float], None]
+Simulation: TypeAlias = "CoSimulation | OneFileRun"
 
 
 class CoSimulation(Closing):
@@ -79,12 +84,14 @@ class CoSimulation(Closing):
         changes: Mapping[str, Mapping[str, float | bool]] | None = None,
         step: float | None = None,
         points: tuple[Sequence[float], float] | None = None,
+        loosened: tuple[float, float, int] | None = None,
     ) -> None:
         """Restart all units from the scene's start values, `changes` by unit name on top.
 
         `step` is the communication step to come [s], by default the scene's; a scheme that chooses
         its steps meets `points` instead, where they are given: times [s], and the residual, of the
-        largest force, that may stay in the loop, which is known from the start before.
+        largest force, that may stay in the loop, which is known from the start before.  Without
+        points it is `loosened`, as `Adaptive.loosen`.
 
         Raises:
             SimulationError: a unit refuses its parameters, or no consistent start exists.
@@ -98,6 +105,8 @@ class CoSimulation(Closing):
         self.scheme = self._prepare(step, None if points is None else self._jacobian)
         if points is not None and isinstance(self.scheme, Adaptive):
             self.scheme = Prescribed(self.scheme.iterated, *points)
+        if loosened and isinstance(self.scheme, Adaptive):
+            self.scheme.loosen(*loosened)
         for unit in self.units.values():
             unit.start()
         share = self.scheme.miss_per_error if self.system.order >= 3 else 0.0
@@ -106,6 +115,21 @@ class CoSimulation(Closing):
         self.resolution = None
         if judged:
             self.resolution = Resolution(self._driven(changes), self.system, share, self.gain)
+
+    @property
+    def order(self) -> int:
+        """Of the exchanged signals."""
+        return self.system.order
+
+    @property
+    def coupled(self) -> bool:
+        """Whether there is a loop."""
+        return self.system.coupled
+
+    @property
+    def chooses_steps(self) -> bool:
+        """Whether a tolerance picks the steps, since the start."""
+        return self.scheme.chooses_steps
 
     def _driven(self, changes: Mapping[str, Mapping[str, float | bool]] | None) -> Scene:
         """The scene at the constant speed that a start gives instead of its own."""
@@ -255,6 +279,7 @@ def cosimulate(
     fmus: Path | None = None,
     progress: Progress | None = None,
     verify: bool = False,
+    one_file: bool = False,
 ) -> Result:
     """Run a scene and return what it recorded.
 
@@ -264,29 +289,46 @@ def cosimulate(
         fmus: directory of ready-made FMUs instead of building them.
         progress: called with the finished fraction now and then.
         verify: run once more, finer, and measure the error of every signal (`Result.error`).
+        one_file: couple the units in C as the scene's one file does, instead of as separate FMUs:
+            the same steps and results many times faster, and threads run side by side.
 
     Raises:
-        UserError: the scene or an FMU is wrong.
+        UserError: the scene or an FMU is wrong, or one file does not cover the scene.
         SimulationError: the run cannot be completed correctly.
     """
     if not isinstance(scene, Scene):
         scene = load_scene(scene)
     names = list(recorded(scene) if record is None else record)
+    loaded = _loader(fmus, one_file)
     if verify:
         from .verify import verified  # it steps co-simulations itself
 
-        return verified(scene, names, fmus, progress)
-    return run_once(scene, names, fmus, progress)
+        return verified(scene, names, loaded, progress)
+    return run_once(scene, names, loaded, progress)
+
+
+def _loader(fmus: Path | None, one_file: bool) -> Callable[[Scene], Simulation]:
+    """What steps a scene: separate units, or its one file."""
+    if not one_file:
+        return lambda scene: CoSimulation(scene, fmus=fmus)
+    if fmus is not None:
+        raise UserError(f"{fmus}: holds separate FMUs, and one file is to run: give one of them")
+    from .one_file_run import OneFileRun  # compiles where it has to
+
+    return OneFileRun
 
 
 def run_once(
-    scene: Scene, names: list[str], fmus: Path | None, progress: Progress | None
+    scene: Scene,
+    names: list[str],
+    loaded: Callable[[Scene], Simulation],
+    progress: Progress | None,
 ) -> Result:
     """A scene run as its coupling asks, recording `names`, see `cosimulate`."""
     refuse_unknown(names, plan(scene).variables_by_unit())
-    with CoSimulation(scene, fmus=fmus) as cosim:
+    with loaded(scene) as cosim:
         begun, controlled = clock.perf_counter(), None
-        if cosim.scene.coupling.tolerance is not None and cosim.system.coupled:
+        if cosim.scene.coupling.tolerance is not None and cosim.coupled:
             from .global_error import Controlled  # it runs co-simulations itself
 
             controlled = Controlled(cosim, names)

@@ -16,6 +16,7 @@ from .result import Result
 from .schedule import force_jumps
 from .schemes.iterated import LOOSE
 
+NO_CALLS = "calls of FMI (the one file's units are coupled in C, from memory to memory)"
 FEW = 10  # given steps a revolution from which the estimate of what they miss can be trusted
 
 
@@ -25,10 +26,10 @@ class Facts:
 
     Attributes:
         scene: that was run.
-        files: names of the FMUs loaded.
+        files: names of the FMUs loaded, or of the one file.
         note: on the kind of the units, where it is not the one asked for.
         messages: what the units have logged.
-        calls: number of FMI calls by kind.
+        calls: number of FMI calls by kind; none of one file.
         passes: steps of the rotor: corrector passes and rejected steps count.
         steps: communication steps.
         unconverged: steps whose forces were left changing, and the worst of their residuals.
@@ -58,7 +59,7 @@ def result(recorder: Recorder, facts: Facts, seconds: float) -> Result:
         time=time,
         signals={name: signals[name] for name in recorder.names},
         seconds=seconds,
-        left_out=tuple(left_out(facts.scene, recorder.names)),
+        left_out=(*left_out(facts.scene, recorder.names), *([] if facts.calls else [NO_CALLS])),
         units=facts.files,
         events=tuple(events(facts)),
         steps=facts.steps,

@@ -5,7 +5,7 @@ stable multiplies them.  So the run is done twice.  The first chooses its steps 
 errs (`schemes.adaptive`); the second takes every one of them in two, and is the result.  Where they
 meet they differ by 15 times the error of the second, for the coupling is of order 4 (with quintic
 signals of order 6, and by 63 times; taken for 1 where weights can collide, or stick within a step,
-for 2 where they have stuck or slid at the end of one and two runs are all there are).
+for 2 where they stick or slide at the end of one and two runs are all there are).
 If that is more than the tolerance, every step is divided again, into as many parts as it takes.
 
 Hairer, Norsett & Wanner 1993, II.4: Richardson's extrapolation, here of the run as a whole.
@@ -21,21 +21,22 @@ import numpy as np
 
 from ..errors import SimulationError
 from ..scene import Scene
-from .cosimulation import CoSimulation
+from .cosimulation import Simulation
 from .names import kin, stations
 from .plan import MOTOR
 from .recorder import Recorder, Signal
 from .scales import least_motion
 from .schedule import force_jumps
-from .schemes.adaptive import RESIDUAL_SHARE, RUNGS, Adaptive
+from .schemes.adaptive import RESIDUAL_SHARE, RUNGS
 from .schemes.iterated import LOOSE
-from .schemes.prescribed import SLIVER, Prescribed
+from .schemes.prescribed import SLIVER
 
 ORDER = {3: 4, 5: 6}  # of the coupling, by that of the signals
 # forces that jump within a step; motion with collisions, met ones too, is no smooth function of the
 # steps' errors
 ORDER_OF_JUMPS = 1
-# runs that meet events: where one is all but missed its time errs by the root of what signals do
+# steps end where weights stick: where that is all but missed its time errs by the root of what
+# signals do
 ORDER_OF_EVENTS = 2
 LEFT = 2  # power of the parts with which what is left in the loop shrinks at least
 # of the tolerance, what a step of the first run may err; halved, it errs by 1/16 or 1/64
@@ -69,14 +70,14 @@ class Controlled:
         parts: of each step of the first run.
     """
 
-    def __init__(self, cosim: CoSimulation, names: Sequence[str]) -> None:
+    def __init__(self, cosim: Simulation, names: Sequence[str]) -> None:
         assert cosim.scene.coupling.tolerance is not None
         self.cosim, self.names = cosim, names
         self.tolerance = cosim.scene.coupling.tolerance
         touching = any(balancer.can_meet for balancer in cosim.scene.balancer)
         jumping = touching or force_jumps(cosim.scene)
         self._sticking = any(balancer.can_stick for balancer in cosim.scene.balancer)
-        self.highest_order = ORDER_OF_JUMPS if jumping else ORDER[cosim.system.order]
+        self.highest_order = ORDER_OF_JUMPS if jumping else ORDER[cosim.order]
         self.order: float = self.highest_order
         self.parts, self.error = 1, math.inf
         self._apart = self._times = 0.0  # how far the last two runs were, and by how many parts
@@ -112,13 +113,13 @@ class Controlled:
 
     def _kept(self, apart: float, far: bool, parts: int) -> bool:
         """Whether the tolerance is kept by a run so far `apart` from the one before."""
-        times, enough, scheme = parts / self.parts, self.tolerance, self.cosim.scheme
-        struck = isinstance(scheme, Prescribed) and scheme.iterated.struck
-        order = min(self.highest_order, ORDER_OF_EVENTS) if struck else self.highest_order
+        times, enough, order = parts / self.parts, self.tolerance, self.highest_order
         if self._apart and apart:  # three runs show by which order errors shrink
             shown = math.log1p(self._apart / apart) / math.log(self._times)
             self.order = order = min(self.highest_order, max(shown, ORDER_OF_JUMPS))
-        elif order > ORDER_OF_EVENTS:
+        elif self._sticking:
+            order = min(order, ORDER_OF_EVENTS)
+        elif order > ORDER_OF_JUMPS:
             enough *= AIM
         self.error = apart if far else apart / (times**order - 1.0)
         self.parts, self._times, self._apart = parts, times, apart
@@ -154,9 +155,10 @@ class Controlled:
         # what is left in the loop must shrink with the rest, or no run would show it
         closed = RESIDUAL_SHARE if self._sticking else 1.0
         residual = closed * min(self.tolerance, LOOSE) / parts ** max(self.highest_order, LEFT)
-        cosim.start(points=(points, residual) if points else None)
-        if isinstance(cosim.scheme, Adaptive):
-            cosim.scheme.loosen(share, residual, FIRST_RUNG)
+        if points is None:
+            cosim.start(loosened=(share, residual, FIRST_RUNG))
+        else:
+            cosim.start(points=(points, residual))
         # of a first run it is certain that another follows
         done, work = self._done, max(3, self._done + parts)
         report = progress and (lambda part: progress((done + part * parts) / work))

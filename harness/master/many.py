@@ -60,7 +60,7 @@ def cosimulate_many(
     from ...fmus.composite.batch import Runs  # compiles where it has to
 
     made = composition(scene)
-    layout = made.described("Composite").layout
+    layout = made.layout
     columns = {str(name): np.asarray(table[name], float) for name in table}
     _refuse_unknown(columns, [v.name for v in layout.variables if v.causality != "output"])
     outputs = [v.name for v in layout.variables if v.causality == "output"]

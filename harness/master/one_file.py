@@ -66,14 +66,28 @@ def composition(scene: Scene) -> Composition:
 
 def why_separate(scene: Scene) -> str:
     """Why a scene's units cannot run in C as one composite; empty where they can."""
-    units = runtime(scene.coupling.units)
-    if units.backend == "python":
-        return units.note or "coupling.units = python"
     try:
-        composition(scene)
+        composition_in_c(scene)
     except SceneError as error:
         return str(error)
     return ""
+
+
+def composition_in_c(scene: Scene) -> Composition:
+    """`composition` of a scene whose units can run in C.
+
+    Raises:
+        SceneError: they cannot, or as `composition`.
+    """
+    units = runtime(scene.coupling.units)
+    if units.backend == "python":
+        raise SceneError(units.note or f'{scene.name}: coupling.units = "python": one file is in C')
+    return composition(scene)
+
+
+def model_name(scene: Scene) -> str:
+    """Of a scene's composite FMU, and of its file."""
+    return re.sub(r"^(?=\d)|\W", "_", scene.name, flags=re.ASCII)
 
 
 def drive(scene: Scene) -> dict[str, float]:
@@ -97,5 +111,5 @@ def build_one_file(
         SceneError: as `composition`.
         ValueError, NotCompiled, OSError: as `build_composite`.
     """
-    name = re.sub(r"^(?=\d)|\W", "_", scene.name, flags=re.ASCII)
-    return build_composite(composition(scene), path, name=name, fmi=fmi, platforms=platforms)
+    made = composition(scene)
+    return build_composite(made, path, name=model_name(scene), fmi=fmi, platforms=platforms)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from array import array
 from collections.abc import Collection, Mapping, Sequence
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,7 +12,6 @@ from numpy.typing import NDArray
 from ..errors import SceneError, UserError
 from ..output.costs import free_memory
 from ..scene import Scene
-from .fmu import Fmu
 from .names import by_unit, stations
 
 Signal = NDArray[np.float64]
@@ -45,7 +45,7 @@ class Recorder:
     """Rows of recorded signals, filled as the run goes.
 
     Args:
-        units: by name.
+        units: by name; what reads variables as an `Fmu` does.
         names: `unit.variable`.
         watched: others that are only compared, not asked for.
 
@@ -58,7 +58,7 @@ class Recorder:
     """
 
     def __init__(
-        self, units: Mapping[str, Fmu], names: Sequence[str], watched: Sequence[str] = ()
+        self, units: Mapping[str, Any], names: Sequence[str], watched: Sequence[str] = ()
     ) -> None:
         every = list(dict.fromkeys([*names, *watched]))
         refuse_unknown(every, {name: unit.variables for name, unit in units.items()})
@@ -84,6 +84,11 @@ class Recorder:
             unit.fetch(group)
         self.rows.frombytes(self._bytes)
 
+    def extend(self, rows: NDArray[np.float64]) -> None:
+        """Record rows of times and values, in the order of the groups."""
+        if rows.size:  # a view of nothing has no bytes
+            self.rows.frombytes(rows.data.cast("B"))
+
     def refuse_too_much(self, done: float) -> None:
         """Refuse a record that will not fit into memory, judged by the finished fraction of a run.
 
@@ -99,7 +104,7 @@ class Recorder:
 
     def columns(self) -> tuple[Signal, dict[str, Signal]]:
         """Times [s], and every signal by name, those watched as well."""
-        table = np.array(self.rows).reshape(-1, 1 + len(self.signal_units))
+        table = np.frombuffer(self.rows).reshape(-1, 1 + len(self.signal_units))
         return table[:, 0].copy(), {
             n: table[:, i].copy() for i, n in enumerate(self.signal_units, 1)
         }

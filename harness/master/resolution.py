@@ -200,8 +200,8 @@ class Resolution:
         if not self.strict:
             return
         raise SimulationError(
-            f"communication steps of {self._step:.3g} s are too long at t = {time:g} s: {why}; "
-            "use more steps_per_rev, or a tolerance"
+            f"coupling steps of {self._step:.3g} s are too long at t = {time:g} s: {why}; "
+            "use more coupling.steps_per_rev, or a tolerance"
         )
 
 

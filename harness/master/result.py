@@ -41,11 +41,11 @@ class Result(Pictures):
         signals: (T,) each, by name, in SI units.
         seconds: wall-clock time of the run without building and loading [s].
         left_out: what the run did without because the scene does not need it.
-        units: names of the FMUs loaded.
+        units: names of the FMUs loaded, or of the one file as it is built.
         events: what a reader must know, such as the time at which a float touches the wall.
         steps: communication steps taken.
         passes: steps including corrector passes and rejected ones.
-        calls: number of FMI calls by kind.
+        calls: number of FMI calls by kind; none of one file.
         unconverged: steps in which the coupling loop did not converge.
         estimated_error: of the motion, relative to itself: of a run with a tolerance, or where
             given steps are too long for the signals; 0 where nothing is estimated.

@@ -40,6 +40,10 @@ def command(
     ] = False,
     json_file: Annotated[Path | None, options.json("facts, signals and errors")] = None,
     python: Annotated[bool, options.python()] = False,
+    one_file: Annotated[
+        bool,
+        typer.Option("--one-file", help="Couple in C, as the scene's one file; as exact, faster."),
+    ] = False,
     at_most: Annotated[str, options.at_most()] = costs.DEFAULT,
     weights: Annotated[
         Path | None, options.figure("Displacement and angles of all weights against time.")
@@ -95,7 +99,9 @@ def command(
     with progress_bar(f"running {loaded.name}") as progress:
         key = f"run.revolutions = {loaded.run.revolutions:g}"
         limited = costs.within(at_most, key, progress)
-        result = cosimulate(loaded, record=record, fmus=fmus, progress=limited, verify=verify)
+        result = cosimulate(
+            loaded, record=record, fmus=fmus, progress=limited, verify=verify, one_file=one_file
+        )
     show(summary(result))
     if result.verification is not None and result.verification.parting is not None:
         show(statistics(result.verification))
@@ -105,8 +111,8 @@ def command(
         f"{result.seconds:.3f} s"
     )
     if result.verification is not None:
-        found = result.verification
-        say(f"Errors measured by a second run: {found.finer}, {found.seconds:.3f} s")
+        verification = result.verification
+        say(f"Errors measured by a second run: {verification.finer}, {verification.seconds:.3f} s")
     for event in result.events:
         say(f"NOTE: {event}", style="bold yellow", error=True)
     if output is not None:
@@ -158,25 +164,25 @@ def parse_change(text: str) -> tuple[str, Any]:
 
 def summary(result: Result) -> Sheet:
     """Smallest, largest and last value of every signal, and its error where that was measured."""
-    rows, found = [], result.verification
+    rows, verification = [], result.verification
     for name, values in {"time": result.time, **result.signals}.items():
         unit = "s" if name == "time" else result.signal_units.get(name, "")
         numbers = (values.min(), values.max(), values[-1])
         errors = ["-", "-"]
-        if found is not None and name in found.error:
-            errors = [f"{found.error[name]:.2g}", f"{found.relative[name]:.2g}"]
-        rows.append([name, unit, *(f"{n:.6g}" for n in numbers), *(errors if found else [])])
+        if verification is not None and name in verification.error:
+            errors = [f"{verification.error[name]:.2g}", f"{verification.relative[name]:.2g}"]
+        rows.append([name, unit, *(f"{n:.6g}" for n in numbers), *(errors if verification else [])])
     columns = ["signal", "unit", "smallest", "largest", "at the end"]
-    columns += ["error", "of range"] if found else []
+    columns += ["error", "of range"] if verification else []
     align = "ll" + "r" * (len(columns) - 2)
     return Sheet(columns, rows, align, result.scene_title or "run")
 
 
-def statistics(found: Verification) -> Sheet:
+def statistics(verification: Verification) -> Sheet:
     """Mean, rms and extreme of every signal in both runs."""
     rows = [
         [name, *(f"{a:.4g} | {b:.4g}" for a, b in zip(astuple(one), astuple(other), strict=True))]
-        for name, (one, other) in found.statistics.items()
+        for name, (one, other) in verification.statistics.items()
     ]
     title = "this run | the finer one"
     return Sheet(("signal", "mean", "rms", "extreme"), rows, "lrrr", title)
@@ -185,7 +191,7 @@ def statistics(found: Verification) -> Sheet:
 def as_json(result: Result) -> dict[str, Any]:
     """The facts of a run and every signal's values and errors, for `--json`."""
     signals: dict[str, Any] = {}
-    found = result.verification
+    verification = result.verification
     for name, values in result.signals.items():
         signals[name] = {
             "unit": result.signal_units.get(name, ""),
@@ -193,9 +199,12 @@ def as_json(result: Result) -> dict[str, Any]:
             "largest": values.max(),
             "last": values[-1],
         }
-        if found is not None:
-            one, other = (asdict(s) for s in found.statistics[name])
-            signals[name] |= {"error": found.error[name], "relative_error": found.relative[name]}
+        if verification is not None:
+            one, other = (asdict(s) for s in verification.statistics[name])
+            signals[name] |= {
+                "error": verification.error[name],
+                "relative_error": verification.relative[name],
+            }
             signals[name] |= {"statistics": one, "finer_statistics": other}
     document = {
         "title": result.scene_title,
@@ -208,7 +217,7 @@ def as_json(result: Result) -> dict[str, Any]:
         "events": result.events,
         "signals": signals,
     }
-    if found is not None:
-        parting = asdict(found.parting) if found.parting else None
-        document["verification"] = {"finer": found.finer, "parting": parting}
+    if verification is not None:
+        parting = asdict(verification.parting) if verification.parting else None
+        document["verification"] = {"finer": verification.finer, "parting": parting}
     return document

@@ -15,14 +15,13 @@ import time as clock
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from itertools import pairwise
-from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import SimulationError, UserError
 from ..scene import Scene
-from .cosimulation import REPORTED, SLIVER, CoSimulation, run_once
+from .cosimulation import REPORTED, SLIVER, Simulation, run_once
 from .facts import exchanging
 from .names import kin
 from .parting import Parting, Statistics, parted
@@ -90,9 +89,15 @@ class Verification:
 
 
 def verified(
-    scene: Scene, names: list[str], fmus: Path | None = None, progress: Report | None = None
+    scene: Scene,
+    names: list[str],
+    loaded: Callable[[Scene], Simulation],
+    progress: Report | None = None,
 ) -> Result:
     """Run a scene, recording `names`, and once more to measure the errors.
+
+    Args:
+        loaded: what steps a scene.
 
     Raises:
         UserError: nothing is recorded, or see `cosimulate`.
@@ -106,11 +111,11 @@ def verified(
         if progress:
             progress(part + (1.0 - part) * done)
 
-    result = run_once(scene, names, fmus, progress and (lambda done: progress(part * done)))
+    result = run_once(scene, names, loaded, progress and (lambda done: progress(part * done)))
     begun, tolerance = clock.perf_counter(), (scene.coupling.tolerance or USUAL) / FINER
     while True:
         fine = controlled(scene, tolerance)
-        again, finer = _repeated(fine, result, fmus, report)
+        again, finer = _repeated(loaded(fine), result, report)
         found = compared(scene, result, again, finer)
         worst = max(found.relative.values())
         # a first run as exact as the second's loop is closed measures nothing but that loop
@@ -123,10 +128,10 @@ def verified(
 
 
 def _repeated(
-    fine: Scene, result: Result, fmus: Path | None, report: Report
+    fine: Simulation, result: Result, report: Report
 ) -> tuple[dict[str, Array], Refinement]:
     """Signals of the second run at the times of the first, and how it was stepped."""
-    with CoSimulation(fine, fmus=fmus) as cosim:
+    with fine as cosim:
         recorder = Recorder(cosim.units, list(result.signals))
         try:
             cosim.start()
@@ -149,18 +154,18 @@ def controlled(scene: Scene, tolerance: float) -> Scene:
     return scene.replace({f"coupling.{key}": value for key, value in tighter.items()})
 
 
-def refinement(cosim: CoSimulation) -> Refinement:
+def refinement(cosim: Simulation) -> Refinement:
     """How a started co-simulation of the second run is stepped."""
-    if cosim.scheme.chooses_steps:
+    if cosim.chooses_steps:
         words = f"tolerance = {cosim.scene.coupling.tolerance:.3g}, {PARTS} steps or more for each"
         return Refinement(1.0 / FINER, words)
     # a collision's pulse comes at the end of its step: order 1, whatever that of the signals
     return Refinement(1.0 / PARTS, f"{PARTS * steps_per_rev(cosim.scene)} steps a revolution")
 
 
-def _points(cosim: CoSimulation, times: Array) -> Iterator[float]:
+def _points(cosim: Simulation, times: Array) -> Iterator[float]:
     """Take a started co-simulation from each communication point of the first run to the next."""
-    if cosim.scheme.chooses_steps:
+    if cosim.chooses_steps:
         for begin, end in pairwise(times.tolist()):
             while end - cosim.time > SLIVER * end:
                 cosim.step(end - cosim.time, (end - begin) / PARTS)

@@ -9,9 +9,9 @@ import signal
 import tempfile
 from collections.abc import Iterator
 from contextlib import ExitStack, contextmanager
-from multiprocessing import resource_tracker
 
 from ..errors import UserError
+from .interrupts import deaf_children
 from .store import EXTRA
 from .workers import Workers
 
@@ -43,7 +43,7 @@ def who_works(cluster: str | None) -> Iterator[Workers]:
     with ExitStack() as stack:
         if cluster == LOCAL:
             stack.callback(_outlive)
-            with _deaf_children():
+            with deaf_children(signal.SIGINT, signal.SIGTERM):
                 address: str | LocalCluster = stack.enter_context(
                     LocalCluster(
                         n_workers=cores,
@@ -69,17 +69,3 @@ def _outlive() -> None:
     for process in multiprocessing.active_children():
         process.kill()
         process.join()
-
-
-@contextmanager
-def _deaf_children() -> Iterator[None]:
-    """Processes begun meanwhile never hear Ctrl-C or SIGTERM, not even before their code runs."""
-    if not hasattr(signal, "pthread_sigmask"):  # Windows
-        yield
-        return
-    resource_tracker.ensure_running()  # its start, else with the first process, would end the block
-    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT, signal.SIGTERM})
-    try:
-        yield
-    finally:
-        signal.pthread_sigmask(signal.SIG_SETMASK, before)

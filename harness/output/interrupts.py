@@ -19,6 +19,7 @@ import threading
 import time
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
+from multiprocessing import resource_tracker
 from types import FrameType
 from typing import Any
 
@@ -26,6 +27,7 @@ _ANSWERED = (signal.SIGINT, signal.SIGTERM)
 _AGAIN = 0.005  # s until a signal that came at a bad moment is looked at anew
 _TWICE = 0.5  # s after which a second signal is meant: `timeout` sends two at once
 _LONGEST = 1e8  # s: more does not fit the timer everywhere
+_NAMED_BY = ("TMPDIR", "TMP")  # the place of temporary files
 _GRACE = 15.0  # s to clear up in order
 
 
@@ -124,9 +126,10 @@ _folder = ""  # of temporary files
 
 @contextmanager
 def temporary_files() -> Iterator[None]:
-    """All temporary files of the process lie in one folder within the block, gone at its end.
+    """All temporary files lie in one folder within the block, gone at its end.
 
-    An interrupt between the making of a folder and the note of it thus leaves nothing.  Where no
+    So do those of other programs that are begun in it: one that is killed leaves its own.  An
+    interrupt between the making of a folder and the note of it thus leaves nothing.  Where no
     folder can be made the block runs all the same: what needs one says so itself.
     """
     global _folder
@@ -136,6 +139,8 @@ def temporary_files() -> Iterator[None]:
         yield
         return
     before, tempfile.tempdir = tempfile.tempdir, folder.name
+    named = {name: os.environ.get(name) for name in _NAMED_BY}
+    os.environ.update(dict.fromkeys(_NAMED_BY, folder.name))
     _folder = folder.name
     try:
         yield
@@ -143,6 +148,9 @@ def temporary_files() -> Iterator[None]:
         for number in _ANSWERED:
             signal.signal(number, signal.SIG_IGN)
         tempfile.tempdir = before
+        for name, place in named.items():
+            del os.environ[name]
+            os.environ.update({name: place} if place is not None else {})
         folder.cleanup()
 
 
@@ -203,6 +211,20 @@ def raised_after(seconds: float, error: Exception) -> Iterator[None]:
     finally:
         signal.setitimer(signal.ITIMER_REAL, 0.0)
         signal.signal(signal.SIGALRM, before)
+
+
+@contextmanager
+def deaf_children(*numbers: int) -> Iterator[None]:
+    """Processes begun meanwhile never hear these signals, not even before their code runs."""
+    if not hasattr(signal, "pthread_sigmask"):  # Windows
+        yield
+        return
+    resource_tracker.ensure_running()  # its start, else with the first process, would end the block
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, numbers)
+    try:
+        yield
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)
 
 
 def _send(number: int) -> None:

@@ -30,7 +30,8 @@ def console(error: bool = False) -> Console:
 
     stream = sys.stderr if error else sys.stdout
     limited = (stream is not None and stream.isatty()) or "COLUMNS" in os.environ
-    return Console(stderr=error, width=None if limited else PIPED_WIDTH, highlight=False)
+    width = None if limited else PIPED_WIDTH
+    return Console(stderr=error, width=width, highlight=False, emoji=False)
 
 
 @contextmanager

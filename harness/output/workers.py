@@ -30,6 +30,7 @@ from multiprocessing.context import SpawnContext, SpawnProcess
 from typing import Any, Generic, Protocol, TypeVar
 
 from ..errors import SimulationError
+from .interrupts import deaf_children
 
 Item = TypeVar("Item")
 Outcome = TypeVar("Outcome")
@@ -196,9 +197,17 @@ class _Context(SpawnContext):
         self.started: list[SpawnProcess] = []
 
     def Process(self, *arguments: Any, **options: Any) -> SpawnProcess:  # type: ignore[override]
-        process = SpawnProcess(*arguments, **options)
+        process = _Process(*arguments, **options)
         self.started.append(process)
         return process
+
+
+class _Process(SpawnProcess):
+    """One that a Ctrl-C does not meet while its interpreter loads, either."""
+
+    def start(self) -> None:
+        with deaf_children(signal.SIGINT):
+            super().start()
 
 
 def _begin(directory: str) -> None:

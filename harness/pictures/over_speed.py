@@ -30,15 +30,15 @@ def waterfall(motion: Motion, signal: str | None = None) -> Picture:
     """
     rising = motion.rise
     signal = signal or _largest(rising)
-    found = spectra(rising.angle, rising.recorded[signal])
-    if not found.amplitude.any():
+    spectrum = spectra(rising.angle, rising.recorded[signal])
+    if not spectrum.amplitude.any():
         raise UserError(f"{signal}: does not vibrate: there is no spectrum to show")
-    factor, unit = metres(float(found.amplitude.max()))
+    factor, unit = metres(float(spectrum.amplitude.max()))
     axis, values = rising.across
-    across = np.interp(found.angle, rising.angle, values)
-    speed = np.interp(found.angle, rising.angle, rising.speed)
-    frequency = found.orders * speed[:, None]
-    heights = found.amplitude * factor
+    across = np.interp(spectrum.angle, rising.angle, values)
+    speed = np.interp(spectrum.angle, rising.angle, rising.speed)
+    frequency = spectrum.orders * speed[:, None]
+    heights = spectrum.amplitude * factor
     amplitude = Axis("amplitude, 0-peak", unit)
     upward = Axis("frequency", "rad/s", limits=(0.0, float(frequency.max())))
     chosen = np.unique(np.linspace(0, len(across) - 1, SHOWN).round().astype(int))
@@ -78,18 +78,18 @@ def orders(motion: Motion, wanted: Sequence[float] = ORDERS) -> Picture:
     """Amplitude of the stations' orders, and the phase of the first of them."""
     rising = motion.rise
     rows = np.moveaxis(rising.displacement, 0, 2).reshape(-1, len(rising.time))
-    found = tracked(rising.angle, rows, wanted)
+    tracks = tracked(rising.angle, rows, wanted)
     axis, values = rising.across
-    across = np.interp(found.angle, rising.angle, values)
+    across = np.interp(tracks.angle, rising.angle, values)
     names = [f"{name}.{letter}" for letter in "xy" for name in station_names(motion.scene)]
     panels = []
     for m, order in enumerate(wanted):
-        size = np.abs(found.amplitude[:, m])
+        size = np.abs(tracks.amplitude[:, m])
         factor, unit = metres(float(size.max()))
         lines = _curves(across, size.T * factor, names, named=m == 0)
         upward = Axis(f"order {order:g}, 0-peak", unit)
         panels.append(Panel((axis, upward), lines))
-    degrees = np.degrees(np.angle(found.amplitude[:, 0])).T
+    degrees = np.degrees(np.angle(tracks.amplitude[:, 0])).T
     turned = [unbroken(each + 180.0) - 180.0 for each in degrees]
     lines = _curves(across, turned, names, named=False)
     name, ticks = f"order {wanted[0]:g}, phase to the rotor", range(-180, 181, 90)
@@ -112,10 +112,10 @@ def polar(motion: Motion) -> Picture:
     """Synchronous amplitude and phase as one curve a station, along x and along y (Nyquist)."""
     rising = motion.rise
     rows = np.moveaxis(rising.displacement, 0, 2).reshape(-1, len(rising.time))
-    found = tracked(rising.angle, rows, (1.0,))
+    tracks = tracked(rising.angle, rows, (1.0,))
     axis, values = rising.across
-    across = np.interp(found.angle, rising.angle, values)
-    amplitude = found.amplitude[:, 0].reshape(len(across), 2, -1)
+    across = np.interp(tracks.angle, rising.angle, values)
+    amplitude = tracks.amplitude[:, 0].reshape(len(across), 2, -1)
     return polar_picture(
         f"{motion.title}\nsynchronous vibration",
         across,

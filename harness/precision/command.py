@@ -46,37 +46,37 @@ def command(
     loaded = load_scene(scene)
     limit = costs.limited(at_most, f"run.revolutions = {loaded.run.revolutions:g}")
     with limit, progress_bar(f"measuring {loaded.name}") as move:
-        found = precision(loaded, seconds=seconds, progress=lambda what, done: move(done, what))
+        study = precision(loaded, seconds=seconds, progress=lambda what, done: move(done, what))
         move(1.0, "where the time goes")
-        splits = _splits(found)
-    show(report.table(found))
+        splits = _splits(study)
+    show(report.table(study))
     show(report.split_table(splits))
-    say(report.reference_words(found))
+    say(report.reference_words(study))
     say(machine())
     if csv_file is not None:
-        report.write_csv(found, csv_file)
+        report.write_csv(study, csv_file)
     if json_file is not None:
-        write_json(report.as_json(found), json_file)
+        write_json(report.as_json(study), json_file)
     if markdown_file is not None:
         with write_whole(markdown_file) as stream:
-            stream.write(report.markdown(found, splits))
+            stream.write(report.markdown(study, splits))
     if output is not None:
         from .plot import plot_precision
 
-        say(f"Picture: {plot_precision(found, output)}")
-    for words in (report.comparison_words(found), report.one_file_words(found)):
+        say(f"Picture: {plot_precision(study, output)}")
+    for words in (report.comparison_words(study), report.one_file_words(study)):
         if words:
             say(words, style="bold")
-    say(report.cheapest_words(found), style="bold")
+    say(report.cheapest_words(study), style="bold")
 
 
-def _splits(found: Precision) -> list[Split]:
+def _splits(study: Precision) -> list[Split]:
     """One coupling of every family that ran."""
     from .methods import ALONG_FIXED_AXES, LIBCOSIM
     from .time_shares import split_time
 
     chosen: dict[str, Point] = {}
-    for point in found.points:
+    for point in study.points:
         method = point.method
         usual = method.steps_per_rev == PROFILED_STEPS or method.tolerance == PROFILED_TOLERANCE
         ours = not (method.in_one_piece or method.one_file) and method.name not in (
@@ -86,6 +86,6 @@ def _splits(found: Precision) -> list[Split]:
         if ours and point.counts and (usual or method.family not in chosen):
             chosen[method.family] = point
     return [
-        split_time(found.scene, p.method, found.signals, 1 if (p.seconds or 0.0) > SLOW else 3)
+        split_time(study.scene, p.method, study.signals, 1 if (p.seconds or 0.0) > SLOW else 3)
         for p in chosen.values()
     ]

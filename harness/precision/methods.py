@@ -135,8 +135,8 @@ class MonolithRunner:
             self._system, self._end, self._start, method=self._method, rtol=self._rtol
         )
         seconds = clock.process_time() - begun
-        found = trajectory(self._system, time, states)
-        return Run(seconds, time, {n: found.signal(n) for n in self._names}, evaluations)
+        motion = trajectory(self._system, time, states)
+        return Run(seconds, time, {n: motion.signal(n) for n in self._names}, evaluations)
 
     def close(self) -> None:
         pass
@@ -147,39 +147,39 @@ def coupling_methods(exchanges_force: bool) -> list[Method]:
     if not exchanges_force:
         ways, steps = (False, True), (4, 10, 20, 40)
         return [Method("auto", steps_per_rev=n, one_file=one) for one in ways for n in steps]
-    found = [Method(ALONG_FIXED_AXES, 0, n) for n in EXPLICIT_STEPS]
-    found += [
+    methods = [Method(ALONG_FIXED_AXES, 0, n) for n in EXPLICIT_STEPS]
+    methods += [
         Method(scheme, order, n)
         for scheme in ("jacobi", "gauss-seidel")
         for order in (0, 1, 3)
         for n in EXPLICIT_STEPS
     ]
-    found += [Method("compensated", 3, n) for n in COMPENSATED_STEPS]
-    found += [Method("iterated", o, n, 1) for o in (0, 1) for n in EXPLICIT_STEPS]
-    found += [Method("iterated", 3, n, passes) for passes in (1, None) for n in ITERATED_STEPS]
-    found += [
+    methods += [Method("compensated", 3, n) for n in COMPENSATED_STEPS]
+    methods += [Method("iterated", o, n, 1) for o in (0, 1) for n in EXPLICIT_STEPS]
+    methods += [Method("iterated", 3, n, passes) for passes in (1, None) for n in ITERATED_STEPS]
+    methods += [
         Method("iterated", 3, tolerance=t, fewest=fewest)
         for fewest in (None, 1)
         for t in TOLERANCES
     ]
-    found += [Method("compensated", 3, n, units="python") for n in PYTHON_STEPS]
-    return found + one_file_methods()
+    methods += [Method("compensated", 3, n, units="python") for n in PYTHON_STEPS]
+    return methods + one_file_methods()
 
 
 def quintic_methods() -> list[Method]:
     """The iterated scheme with quintic signals, for scenes whose units have them."""
-    found = [Method("iterated", 5, n, passes) for passes in (1, None) for n in QUINTIC_STEPS]
-    found += [Method("iterated", 5, tolerance=t) for t in TOLERANCES]
-    return found + one_file_methods(5)
+    methods = [Method("iterated", 5, n, passes) for passes in (1, None) for n in QUINTIC_STEPS]
+    methods += [Method("iterated", 5, tolerance=t) for t in TOLERANCES]
+    return methods + one_file_methods(5)
 
 
 def one_file_methods(order: int = 3) -> list[Method]:
     """The composite by each of its schemes that has signals of this order."""
-    steps, found = sorted(ONE_FILE_STEPS), []
+    steps, methods = sorted(ONE_FILE_STEPS), []
     if order == 3:
-        found = [Method("compensated", 3, n, one_file=True) for n in steps]
-    found += [Method("iterated", order, n, 1, one_file=True) for n in steps]
-    return found + [
+        methods = [Method("compensated", 3, n, one_file=True) for n in steps]
+    methods += [Method("iterated", order, n, 1, one_file=True) for n in steps]
+    return methods + [
         Method("iterated", order, tolerance=t, one_file=True) for t in ONE_FILE_TOLERANCES
     ]
 

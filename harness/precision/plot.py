@@ -31,36 +31,36 @@ _MARKERS: dict[int | None, str] = {0: "v", 1: "s", 3: "o", 5: "*", None: "."}
 _TOLERANCE = "tab:green"
 
 
-def plot_precision(found: Precision, path: Path) -> Path:
+def plot_precision(study: Precision, path: Path) -> Path:
     """Draw a measured scene."""
     figure = Figure(figsize=(10.5, 6.4), layout="constrained")
     axes = figure.subplots()
     families: dict[str, list[Point]] = {}
-    for point in found.points:
+    for point in study.points:
         if point.error and point.seconds and point.error < 1.0:
             families.setdefault(point.method.family, []).append(point)
     for family, points in families.items():
-        _draw(axes, found, family, points)
-    limit = TWO_DECADES * found.reference_error
+        _draw(axes, study, family, points)
+    limit = TWO_DECADES * study.reference_error
     axes.axvspan(axes.get_xlim()[0] * 0.1, limit, color="0.92", zorder=0)
-    smallest = min((p.error for p in found.points if p.error), default=limit)
+    smallest = min((p.error for p in study.points if p.error), default=limit)
     axes.set(xscale="log", yscale="log", xlim=(max(0.3 * smallest, 1e-16), 1.0))
     axes.set_xlabel("largest error over time and signals, relative to each signal's range")
     axes.set_ylabel("run time [s]")
     axes.grid(which="major", alpha=0.35)
     axes.grid(which="minor", alpha=0.1)
     figure.legend(loc="outside right upper", fontsize="small", frameon=False)
-    axes.set_title(found.scene.heading, fontsize="medium")
-    figure.supxlabel(_footer(found), fontsize="x-small", color="0.35")
+    axes.set_title(study.scene.heading, fontsize="medium")
+    figure.supxlabel(_footer(study), fontsize="x-small", color="0.35")
     return save(figure, path)
 
 
-def _draw(axes: Any, found: Precision, family: str, points: Sequence[Point]) -> None:
+def _draw(axes: Any, study: Precision, family: str, points: Sequence[Point]) -> None:
     method = points[0].method
     whole = method.in_one_piece
     stepped = method.tolerance is not None and not whole
     colour = _TOLERANCE if stepped else _COLOURS.get(method.name, "tab:purple")
-    order = found.orders.get(family)
+    order = study.orders.get(family)
     label = family if order is None or whole else f"{family} (order {order:.1f})"
     many = method.name == "iterated" and method.order == 3 and method.corrections is None
     axes.plot(
@@ -81,9 +81,9 @@ def _draw(axes: Any, found: Precision, family: str, points: Sequence[Point]) -> 
             axes.annotate(label, (point.error, point.seconds), xytext=(4, 4), **look)
 
 
-def _footer(found: Precision) -> str:
+def _footer(study: Precision) -> str:
     return (
         "Numbers at points: communication steps a revolution, or the tolerance asked. Smallest of "
-        f"{found.rounds} runs, taking turns. Grey: within two decades of the reference's error.\n"
+        f"{study.rounds} runs, taking turns. Grey: within two decades of the reference's error.\n"
         f"{machine()}"
     )

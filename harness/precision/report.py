@@ -25,27 +25,27 @@ def row(point: Point) -> dict[str, Any]:
     return {key: values[key] for key in KEYS}
 
 
-def as_json(found: Precision) -> dict[str, Any]:
+def as_json(study: Precision) -> dict[str, Any]:
     """`{"rows": [...]}`, a row for every method, step and tolerance."""
-    return {"rows": [row(point) for point in found.points]}
+    return {"rows": [row(point) for point in study.points]}
 
 
-def write_csv(found: Precision, path: Path) -> None:
+def write_csv(study: Precision, path: Path) -> None:
     """The rows with the error at the end, the error of x and y alone, and the work added.
 
     Raises:
         UserError: the file cannot be written.
     """
-    rows = [[*row(point).values(), point.at_end, point.rotor, point.work] for point in found.points]
+    rows = [[*row(point).values(), point.at_end, point.rotor, point.work] for point in study.points]
     Sheet((*KEYS, "error_at_end", "error_of_rotor", "work"), rows).write_csv(path)
 
 
-def table(found: Precision) -> Sheet:
+def table(study: Precision) -> Sheet:
     """Every point, families apart."""
     rows: list[list[str]] = []
     families: set[str] = set()
-    for point in _without_repeats(found.points):
-        family, order = point.method.family, found.orders.get(point.method.family)
+    for point in _without_repeats(study.points):
+        family, order = point.method.family, study.orders.get(point.method.family)
         head = ["", ""]
         if family not in families:
             head = [family, "-" if order is None else f"{order:.1f}"]
@@ -54,7 +54,7 @@ def table(found: Precision) -> Sheet:
         time = "-" if point.seconds is None else f"{1e3 * point.seconds:#.3g}"
         rows.append([head[0], point.method.setting, *errors, time, head[1], point.status])
     columns = ("method", "step or tolerance", "error", "at the end", "ms", "order", "status")
-    title = f"Error against run time: {found.scene.name}"
+    title = f"Error against run time: {study.scene.name}"
     return Sheet(columns, rows, "llrrrrl", title, grouped=True)
 
 
@@ -85,28 +85,28 @@ def _shares(split: Split) -> list[str]:
     return [str(split.steps), str(split.calls), each, *parts]
 
 
-def reference_words(found: Precision) -> str:
+def reference_words(study: Precision) -> str:
     """What the errors are measured against, and down to where they mean something."""
     return (
-        f"Reference: two independent SciPy methods, which differ by {found.reference_error:.1e} of "
-        f"the signals' ranges; errors below {TWO_DECADES * found.reference_error:.0e} are not told "
-        f"apart from it. Signals: {', '.join(found.signals)}. Smallest of {found.rounds} runs "
+        f"Reference: two independent SciPy methods, which differ by {study.reference_error:.1e} of "
+        f"the signals' ranges; errors below {TWO_DECADES * study.reference_error:.0e} are not told "
+        f"apart from it. Signals: {', '.join(study.signals)}. Smallest of {study.rounds} runs "
         "after one warm-up."
     )
 
 
-def comparison_words(found: Precision) -> str:
+def comparison_words(study: Precision) -> str:
     """How much more exact one pass is than held forces along fixed axes; "" if one did not run.
 
     The same units at the same steps: the ratio of the two rows' errors in x and y.
     """
     held = {
         p.method.steps_per_rev: p.rotor
-        for p in found.points
+        for p in study.points
         if p.method.name == ALONG_FIXED_AXES and p.rotor
     }
     ways = []
-    for point in found.points:
+    for point in study.points:
         method, steps = point.method, point.method.steps_per_rev
         one_pass = method.name == "iterated" and (method.order, method.corrections) == (3, 1)
         if one_pass and point.rotor and steps in held:
@@ -121,23 +121,23 @@ def comparison_words(found: Precision) -> str:
     )
 
 
-def cheapest_words(found: Precision) -> str:
+def cheapest_words(study: Precision) -> str:
     """The last line: the cheapest way to each error."""
     ways = []
     for target in TARGETS:
-        coupled, whole = (found.cheapest(target, coupled=kind) for kind in (True, False))
+        coupled, whole = (study.cheapest(target, coupled=kind) for kind in (True, False))
         way = "no way measured" if coupled is None else _way(coupled)
         rival = "" if whole is None else f"; in one piece {_way(whole)}"
         ways.append(f"to {target:g} by {way}{rival}" if coupled else f"to {target:g}: {way}{rival}")
-    return f"Cheapest for {found.scene.name}: {'. '.join(ways)}."
+    return f"Cheapest for {study.scene.name}: {'. '.join(ways)}."
 
 
-def one_file_words(found: Precision) -> str:
+def one_file_words(study: Precision) -> str:
     """How many times as fast as SciPy's best the composite is; "" if it did not run."""
     ways = []
     for target in TARGETS:
-        one = found.cheapest(target, coupled=True, one_file=True)
-        whole = found.cheapest(target, coupled=False)
+        one = study.cheapest(target, coupled=True, one_file=True)
+        whole = study.cheapest(target, coupled=False)
         if one and whole and one.seconds and whole.seconds:
             ratio = whole.seconds / one.seconds
             ways.append(f"{ratio:.0f} at {target:g} ({_way(one)}; {_way(whole)})")
@@ -152,12 +152,12 @@ def _way(point: Point) -> str:
     return f"{name}, {point.method.setting} ({1e3 * point.seconds:.3g} ms, {point.error:.1e})"
 
 
-def markdown(found: Precision, splits: Sequence[Split]) -> str:
+def markdown(study: Precision, splits: Sequence[Split]) -> str:
     """Everything as Markdown."""
     rows = [[f"{s.method.family}, {s.method.setting}", *_shares(s)] for s in splits]
     shares = Sheet(("where the time goes", *SHARES), rows, "lrrrrrr")
-    said = [comparison_words(found), one_file_words(found)]
+    said = [comparison_words(study), one_file_words(study)]
     compared = [line for words in said if words for line in (words, "")]
-    lines = [f"### {found.scene.name}", "", reference_words(found), "", table(found).markdown()]
-    lines += ["", shares.markdown(), "", *compared, cheapest_words(found), ""]
+    lines = [f"### {study.scene.name}", "", reference_words(study), "", table(study).markdown()]
+    lines += ["", shares.markdown(), "", *compared, cheapest_words(study), ""]
     return "\n".join(lines)

@@ -53,8 +53,8 @@ def command(
     low, high = limits or speed_range(loaded)
     if not 0.0 < low < high:
         raise UserError(f"--range {low:g} {high:g}: must be two speeds [rad/s], 0 < LOW < HIGH")
-    found = modes_at(loaded)
-    show(modes_table(loaded, found))
+    at_speed = modes_at(loaded)
+    show(modes_table(loaded, at_speed))
     facts = critical_facts(loaded)
     for line in facts["lines"]:
         say(line)
@@ -66,7 +66,7 @@ def command(
                 bars.remove_task(task)
                 say(f"Picture: {path}")
     if json_file is not None:
-        write_json(as_json(loaded, found, facts), json_file)
+        write_json(as_json(loaded, at_speed, facts), json_file)
 
 
 def _draw(kind: str, scene: Scene, low: float, high: float, path: Path) -> None:
@@ -87,16 +87,18 @@ def _draw(kind: str, scene: Scene, low: float, high: float, path: Path) -> None:
         plot_motion.plot_run_up(study.run_up_of(scene, low, high), path)
 
 
-def modes_table(scene: Scene, found: Modes) -> Sheet:
+def modes_table(scene: Scene, at_speed: Modes) -> Sheet:
     """Natural frequency, damping and whirl of every mode."""
-    modes = zip(found.natural_frequencies, found.damping_ratios, found.directions, strict=True)
+    modes = zip(
+        at_speed.natural_frequencies, at_speed.damping_ratios, at_speed.directions, strict=True
+    )
     rows = []
     for number, (frequency, damping, direction) in enumerate(modes, start=1):
         numbers = (f"{frequency:.6g}", f"{frequency / math.tau:.5g}", f"{damping:.4g}")
         whirl = direction if damping >= 0.0 else f"{direction}, UNSTABLE"
         rows.append([str(number), *numbers, whirl])
     columns = ("mode", "frequency [rad/s]", "[Hz]", "damping ratio [1]", "whirl")
-    title = f"{scene.heading}: rotor alone at {found.speed:g} rad/s"
+    title = f"{scene.heading}: rotor alone at {at_speed.speed:g} rad/s"
     return Sheet(columns, rows, "rrrrl", title)
 
 
@@ -117,18 +119,18 @@ def critical_facts(scene: Scene) -> dict[str, Any]:
     return {"alone": alone, "loaded": loaded, "lines": lines}
 
 
-def as_json(scene: Scene, found: Modes, facts: dict[str, Any]) -> dict[str, Any]:
+def as_json(scene: Scene, at_speed: Modes, facts: dict[str, Any]) -> dict[str, Any]:
     """Modes and critical speeds, SI units; for `write_json`."""
     columns = {
-        "frequency": found.natural_frequencies,
-        "damping_ratio": found.damping_ratios,
-        "growth_rate": found.eigenvalues.real,
-        "whirl": found.whirl,
-        "direction": found.directions,
+        "frequency": at_speed.natural_frequencies,
+        "damping_ratio": at_speed.damping_ratios,
+        "growth_rate": at_speed.eigenvalues.real,
+        "whirl": at_speed.whirl,
+        "direction": at_speed.directions,
     }
     return {
         "scene": scene.name,
-        "speed": found.speed,
+        "speed": at_speed.speed,
         "critical_speeds": facts["alone"],
         "critical_speeds_loaded": facts["loaded"],
         "modes": [dict(zip(columns, m, strict=True)) for m in zip(*columns.values(), strict=True)],

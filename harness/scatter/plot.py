@@ -16,7 +16,7 @@ from .study import Scatter
 BINS = 60
 
 
-def plot_scatter(found: Scatter, said: Mapping[str, Any], path: Path) -> Path:
+def plot_scatter(scatter: Scatter, said: Mapping[str, Any], path: Path) -> Path:
     """Histogram of residual vibration, cumulative share over the grade, importance of the values.
 
     Args:
@@ -27,7 +27,7 @@ def plot_scatter(found: Scatter, said: Mapping[str, Any], path: Path) -> Path:
     """
     figure = Figure(figsize=(12.0, 4.2), layout="constrained")
     left, middle, right = figure.subplots(1, 3)
-    residual = found.residual[found.ran]
+    residual = scatter.residual[scatter.ran]
     factor, unit = metres(float(residual.max()))
     left.hist(residual * factor, bins=BINS, color="C0")
     for name, style in (("0.5", "-"), ("0.95", "--"), ("0.99", ":")):
@@ -35,20 +35,20 @@ def plot_scatter(found: Scatter, said: Mapping[str, Any], path: Path) -> Path:
         left.axvline(said["residual"][name] * factor, color="black", ls=style, lw=1.2, label=label)
     left.set(xlabel=f"residual amplitude [{unit}]", ylabel="machines")
     left.legend(fontsize="small")
-    _grades(middle, found)
+    _grades(middle, scatter)
     _importance(right, said)
     failed = f", {said['failed']} failed" if said["failed"] else ""
-    figure.suptitle(f"{found.title}\n{said['machines']} machines{failed}")
+    figure.suptitle(f"{scatter.title}\n{said['machines']} machines{failed}")
     return save(figure, path)
 
 
-def _grades(axes: Any, found: Scatter) -> None:
-    if found.left_out:
-        axes.text(0.5, 0.5, f"no grades:\n{found.left_out}", ha="center", va="center")
+def _grades(axes: Any, scatter: Scatter) -> None:
+    if scatter.left_out:
+        axes.text(0.5, 0.5, f"no grades:\n{scatter.left_out}", ha="center", va="center")
         axes.set_axis_off()
         return
-    grade = np.sort(found.grade[found.ran])
-    axes.step(grade, np.arange(1, len(grade) + 1) / len(found.grade), where="post")
+    grade = np.sort(scatter.grade[scatter.ran])
+    axes.step(grade, np.arange(1, len(grade) + 1) / len(scatter.grade), where="post")
     low, high = grade[0], grade[-1]
     shown = [g for g in GRADES if 0.5 * low <= g <= 2.0 * high]
     for g in shown:

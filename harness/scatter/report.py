@@ -18,26 +18,28 @@ CONFIDENCE = 0.95
 MOST_REASONS = 5  # said; the table has all
 
 
-def document(found: Scatter, important: Sequence[Importance], missing: str) -> dict[str, Any]:
+def document(scatter: Scatter, important: Sequence[Importance], missing: str) -> dict[str, Any]:
     """Everything that the command says.
 
     Args:
         important, missing: by `importances`.
     """
     return {
-        "scene": found.title,
-        "machines": len(found.values),
-        "seed": found.seed,
-        "vary": [one.text for one in found.variations],
-        "failed": int((~found.ran).sum()),
+        "scene": scatter.title,
+        "machines": len(scatter.values),
+        "seed": scatter.seed,
+        "vary": [one.text for one in scatter.variations],
+        "failed": int((~scatter.ran).sum()),
         "reasons": [
             {"machines": count, "such_as": text}
-            for count, text in kinds_of(found.failure[~found.ran])
+            for count, text in kinds_of(scatter.failure[~scatter.ran])
         ],
-        "settled": float(found.settled[found.ran].mean()),
-        "residual": {f"{q:g}": float(np.quantile(found.residual[found.ran], q)) for q in QUANTILES},
-        "grades": [] if found.left_out else _grades(found),
-        "no_grades": found.left_out,
+        "settled": float(scatter.settled[scatter.ran].mean()),
+        "residual": {
+            f"{q:g}": float(np.quantile(scatter.residual[scatter.ran], q)) for q in QUANTILES
+        },
+        "grades": [] if scatter.left_out else _grades(scatter),
+        "no_grades": scatter.left_out,
         "importance": [
             {
                 "path": one.path,
@@ -51,18 +53,18 @@ def document(found: Scatter, important: Sequence[Importance], missing: str) -> d
     }
 
 
-def _grades(found: Scatter) -> list[dict[str, Any]]:
+def _grades(scatter: Scatter) -> list[dict[str, Any]]:
     """Share of all machines within each grade, and its interval; one that failed is in none."""
     from scipy.stats import binomtest
 
     rows = []
     for grade in GRADES:
-        within = int((found.grade <= grade).sum())
-        interval = binomtest(within, len(found.grade)).proportion_ci(CONFIDENCE, "wilson")
+        within = int((scatter.grade <= grade).sum())
+        interval = binomtest(within, len(scatter.grade)).proportion_ci(CONFIDENCE, "wilson")
         rows.append(
             {
                 "grade": f"G{grade:g}",
-                "share": within / len(found.grade),
+                "share": within / len(scatter.grade),
                 "low": float(interval.low),
                 "high": float(interval.high),
             }
@@ -97,19 +99,19 @@ def importance_table(said: Mapping[str, Any]) -> Sheet:
 def lines(said: Mapping[str, Any]) -> list[str]:
     """What the tables do not say."""
     q = {name: f"{1e3 * value:.4g}" for name, value in said["residual"].items()}
-    found = [
+    lines = [
         f"{said['machines']} machines, seed {said['seed']}: {said['failed']} failed, "
         f"{_per_cent(said['settled'])} of the others have settled",
         f"Residual amplitude [mm]: median {q['0.5']}, 5 % {q['0.05']}, 95 % {q['0.95']}, "
         f"99 % {q['0.99']}",
     ]
     if said["no_grades"]:
-        found.append(f"No grades: {said['no_grades']}")
+        lines.append(f"No grades: {said['no_grades']}")
     if said["no_first_order"]:
-        found.append(f"No share of the variance: {said['no_first_order']}")
+        lines.append(f"No share of the variance: {said['no_first_order']}")
     for one in said["reasons"][:MOST_REASONS]:
-        found.append(f"{one['machines']} failed, such as: {one['such_as']}")
-    return found
+        lines.append(f"{one['machines']} failed, such as: {one['such_as']}")
+    return lines
 
 
 def _per_cent(share: float) -> str:

@@ -48,20 +48,20 @@ class Variation:
         Raises:
             UserError: it is not written like that; what is allowed is said.
         """
-        found = _TEXT.fullmatch(text.strip())
-        if found is None:
+        match = _TEXT.fullmatch(text.strip())
+        if match is None:
             raise UserError(f"{text}: must be {EXAMPLE}")
-        path = found["path"].strip()
+        path = match["path"].strip()
         makers = _makers()
-        if found["name"] not in makers:
-            near = get_close_matches(found["name"], makers, 3)
+        if match["name"] not in makers:
+            near = get_close_matches(match["name"], makers, 3)
             raise UserError(
-                f"{text}: {found['name']!r}: unknown; must be one of {', '.join(_OWN)}, or a "
+                f"{text}: {match['name']!r}: unknown; must be one of {', '.join(_OWN)}, or a "
                 f"continuous distribution of scipy.stats{', such as ' if near else ''}"
                 f"{', '.join(near)}"
             )
-        names, defaults, make = makers[found["name"]]
-        given = _bound(text, found["arguments"], names)
+        names, defaults, make = makers[match["name"]]
+        given = _bound(text, match["arguments"], names)
         missing = [name for name in names if name not in {**defaults, **given}]
         if missing:
             raise UserError(f"{text}: {', '.join(missing)}: missing; takes {', '.join(names)}")
@@ -182,9 +182,9 @@ def _makers() -> dict[str, Maker]:
     """Distributions by name: SciPy's, and before them those that an engineer's words describe."""
     from scipy import stats
 
-    found: dict[str, Maker] = {}
+    shapes_of: dict[str, Maker] = {}
     for name, one in vars(stats).items():
         if isinstance(one, stats.rv_continuous):
             shapes = tuple(part.strip() for part in (one.shapes or "").split(",") if part.strip())
-            found[name] = ((*shapes, *_LOCATION), dict(_LOCATION), one)
-    return found | _OWN
+            shapes_of[name] = ((*shapes, *_LOCATION), dict(_LOCATION), one)
+    return shapes_of | _OWN

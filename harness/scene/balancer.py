@@ -18,6 +18,7 @@ from ...models.rotor import LinearRotor
 from ...models.weights import KAPPA, Weights
 from .feeds import Feeds, Start, fed
 from .quantities import (
+    SI,
     Angle,
     Flag,
     NotNegative,
@@ -25,7 +26,6 @@ from .quantities import (
     Real,
     Table,
     Text,
-    Unit,
     Whole,
     refusal,
     refuse_other_length,
@@ -94,33 +94,33 @@ class WeightBalancer(Balancer):
     kind: Literal["balls", "rollers", "pendulums"]
     count: Annotated[Whole, Field(ge=1, le=MOST_WEIGHTS)]
     """Number of weights."""
-    mass: Annotated[Positive, Unit("kg"), Feeds()]
+    mass: Annotated[Positive, SI("kg"), Feeds()]
     """Of each."""
-    track_radius: Annotated[Positive, Unit("m"), Feeds()]
+    track_radius: Annotated[Positive, SI("m"), Feeds()]
     """Of the path of the weights' centres."""
-    drag: Annotated[NotNegative, Unit("N s/m"), Feeds()] = 0.0
+    drag: Annotated[NotNegative, SI("N s/m"), Feeds()] = 0.0
     """Of each, on its speed along the track."""
-    weight_radius: Annotated[Positive | None, Unit("m"), Feeds()] = None
+    weight_radius: Annotated[Positive | None, SI("m"), Feeds()] = None
     """Weights of this size collide and pack, and must fit; default: points that pass."""
     restitution: Annotated[NotNegative, Field(le=1.0)] = 0.0
     """Of two weights that collide on the free rotor; needs `weight_radius`."""
     rolling_resistance: Annotated[NotNegative, Feeds()] = 0.0
     """Resistance over load: Coulomb's, with true sticking."""
-    track_offset_xi: Annotated[Real, Unit("m")] = 0.0
+    track_offset_xi: Annotated[Real, SI("m")] = 0.0
     """Of the track's centre from the plane's, in the rotor."""
-    track_offset_eta: Annotated[Real, Unit("m")] = 0.0
+    track_offset_eta: Annotated[Real, SI("m")] = 0.0
     """Of the track's centre from the plane's, in the rotor."""
-    track_offset: Annotated[NotNegative | None, Unit("m")] = None
+    track_offset: Annotated[NotNegative | None, SI("m")] = None
     """Eccentricity of the race, in place of its parts `track_offset_xi`, `track_offset_eta`."""
-    track_offset_angle: Annotated[Angle | None, Unit("rad")] = None
+    track_offset_angle: Annotated[Angle | None, SI("rad")] = None
     """Direction of `track_offset` in the rotor; default: 0."""
-    track_offset_deviation: Annotated[NotNegative, Unit("m")] = 0.0
+    track_offset_deviation: Annotated[NotNegative, SI("m")] = 0.0
     """Standard deviation of either part of an eccentricity that is drawn and added."""
     track_offset_seed: Annotated[Whole, Field(ge=0)] = 1
     """Another seed draws another one; balancers of different names have their own."""
-    angles: Annotated[tuple[Angle, ...], Unit("rad"), Feeds("weight[{n}].angle0")] = ()
+    angles: Annotated[tuple[Angle, ...], SI("rad"), Feeds("weight[{n}].angle0")] = ()
     """In the rotor, one a weight; default: evenly spread."""
-    speeds: Annotated[tuple[Real, ...], Unit("rad/s"), Feeds("weight[{n}].speed0")] = ()
+    speeds: Annotated[tuple[Real, ...], SI("rad/s"), Feeds("weight[{n}].speed0")] = ()
     """In the rotor, one a weight; default: 0."""
 
     @model_validator(mode="before")
@@ -265,13 +265,13 @@ class LiquidBalancer(Balancer):
     can_stick: ClassVar[bool] = False
 
     kind: Literal["liquid"]
-    chamber_radius: Annotated[Positive, Unit("m"), Feeds()]
+    chamber_radius: Annotated[Positive, SI("m"), Feeds()]
     """Inner radius of the chamber."""
-    float_radius: Annotated[Positive, Unit("m"), Feeds()]
+    float_radius: Annotated[Positive, SI("m"), Feeds()]
     """Less than the chamber's."""
-    height: Annotated[Positive, Unit("m"), Feeds()]
+    height: Annotated[Positive, SI("m"), Feeds()]
     """Of the gap, along the axis."""
-    density: Annotated[Positive, Unit("kg/m^3"), Feeds()]
+    density: Annotated[Positive, SI("kg/m^3"), Feeds()]
     """Of the liquid."""
 
     @property

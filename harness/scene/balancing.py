@@ -7,7 +7,7 @@ from typing import Annotated, Literal
 
 from pydantic import Field, field_validator
 
-from .quantities import Angle, NotNegative, Positive, Table, Text, Unit, Whole
+from .quantities import SI, Angle, NotNegative, Positive, Table, Text, Whole
 from .rotor import RotorTable
 
 _GRADE = re.compile(r"^G\s?(\d+(?:\.\d+)?)$")
@@ -18,23 +18,23 @@ class Balancing(Table):
 
     grade: Text
     """Of ISO 21940-11, in mm/s: `"G2.5"` asks for e_per w = 2.5 mm/s."""
-    service_speed: Annotated[Positive | None, Unit("rad/s")] = None
+    service_speed: Annotated[Positive | None, SI("rad/s")] = None
     """The grade's w; default: the speed on the machine."""
     planes: Annotated[tuple[Whole, ...] | None, Field(min_length=1)] = None
     """Numbers of the planes that take corrections; default: all planes of the rotor."""
-    trial_unbalance: Annotated[Positive | None, Unit("kg m")] = None
+    trial_unbalance: Annotated[Positive | None, SI("kg m")] = None
     """Added in one plane after the other to find the coefficients; default: ten times what is
     permissible in all."""
     technology: Literal["complex", "scalar", "both"] = "both"
     """Kind of the coefficients; both: one after the other."""
-    lag: Annotated[Angle | None, Unit("rad")] = None
+    lag: Annotated[Angle | None, SI("rad")] = None
     """The one phase that the scalar technology is calibrated to; default: that of the first support
     under the first plane's trial unbalance."""
     axis: Literal["x", "y"] = "x"
     """Direction in which the supports are watched."""
     revolutions: Annotated[Whole, Field(ge=1, le=100_000)] = 8
     """Measured after steady state is reached."""
-    noise: Annotated[NotNegative, Unit("m")] = 0.0
+    noise: Annotated[NotNegative, SI("m")] = 0.0
     """Rms of what is added to every sample of displacement."""
     seed: Annotated[Whole, Field(ge=0)] = 1
     """Of the noise."""

@@ -6,7 +6,7 @@ from typing import Annotated, Any, Literal
 
 from pydantic import AfterValidator, Field, model_validator
 
-from .quantities import Angle, Positive, Table, Text, Unit, Whole, refusal
+from .quantities import SI, Angle, Positive, Table, Text, Whole, refusal
 from .run import FEWEST_STEPS
 
 
@@ -23,7 +23,7 @@ class LiquidWindowCheck(Table):
     kind: Literal["liquid_window"]
     speeds: Annotated[Whole, Field(ge=2, le=10_000)] = 20
     """How many speeds across the window compare bending and phase."""
-    up_to: Annotated[Positive | None, Unit("rad/s")] = None
+    up_to: Annotated[Positive | None, SI("rad/s")] = None
     """End of the comparison when the window has no upper limit; default: five times the lower."""
 
 
@@ -36,13 +36,13 @@ class CriticalSpeedsCheck(Table):
     """What the rows call it."""
     set: dict[str, Any] = Field(default_factory=dict)
     """Values replaced in the scene, as by `Scene.replace`: `{"weights.drag" = 0.1}`."""
-    range: Annotated[tuple[Positive, Positive], AfterValidator(_rising), Unit("rad/s")]
+    range: Annotated[tuple[Positive, Positive], AfterValidator(_rising), SI("rad/s")]
     """Lowest and highest speed at which boundaries are looked for."""
-    growth_runs: Annotated[tuple[Positive, ...], Unit("rad/s")] = ()
+    growth_runs: Annotated[tuple[Positive, ...], SI("rad/s")] = ()
     """Speeds at which the growth rate is also fitted to a run in time."""
-    runs_from_rest: Annotated[tuple[Positive, ...], Unit("rad/s")] = ()
+    runs_from_rest: Annotated[tuple[Positive, ...], SI("rad/s")] = ()
     """Speeds at which a run from rest must end as predicted."""
-    published: Annotated[tuple[Positive, ...], Unit("rad/s")] = ()
+    published: Annotated[tuple[Positive, ...], SI("rad/s")] = ()
     """Boundaries that the scene's source gives; the nearest co-simulated one is compared."""
     published_within: Positive = 1e-3
     """Of a published one: to what it could be read, or what its theory leaves out."""
@@ -77,7 +77,7 @@ class NumbersCheck(Table):
 
     most: Annotated[Whole, Field(ge=2, le=64)] = 8
     """Numbers of weights from 2 to this one."""
-    width: Annotated[Positive | None, Unit("m")] = None
+    width: Annotated[Positive | None, SI("m")] = None
     """Space along the axis: height of rollers, largest diameter of balls; default: the weights'
     diameter."""
 
@@ -98,7 +98,7 @@ class SlowRootCheck(NumbersCheck):
     kind: Literal["slow_root"]
     starts: Annotated[Whole, Field(ge=1, le=100_000)] = 20
     """Random starts for every number of weights, two groups that face each other."""
-    unbalance: Annotated[Positive | None, Unit("kg m")] = None
+    unbalance: Annotated[Positive | None, SI("kg m")] = None
     """Instead of the rotor's; default: the scene's."""
     revolutions: Positive | None = None
     """Length of a run; default: the scene's."""
@@ -137,7 +137,7 @@ class ContactOrderCheck(Table):
     """Steps a revolution of the run that they are compared with: more than any of them."""
     runs: Annotated[Whole, Field(ge=1, le=1000)] = 1
     """Runs for every number of steps, from different starts."""
-    shift: Annotated[tuple[Angle, ...], Unit("rad")] = ()
+    shift: Annotated[tuple[Angle, ...], SI("rad")] = ()
     """How far each weight starts further on over all runs."""
 
     @model_validator(mode="after")

@@ -14,8 +14,8 @@ LARGEST_ANGLE = 1e9  # rad: doubles that large lie 1e-7 rad apart
 
 
 @dataclass(frozen=True)
-class Unit:
-    """Unit of a field, for messages and axis labels; metadata of an `Annotated` type."""
+class SI:
+    """Unit of measurement of a field, for messages and axis labels; in an `Annotated` type."""
 
     symbol: str
 
@@ -38,7 +38,7 @@ def fields_of(table: type[BaseModel]) -> dict[str, FieldInfo]:
 
 def unit_of(field: FieldInfo) -> str:
     """Unit symbol of a field, empty for text, counts and ratios."""
-    return next((item.symbol for item in field.metadata if isinstance(item, Unit)), "")
+    return next((item.symbol for item in field.metadata if isinstance(item, SI)), "")
 
 
 def _pair(value: Any) -> Any:
@@ -64,7 +64,7 @@ def _small_angle(value: float) -> float:
 
 # strict: text and true/false are not numbers
 Real = Annotated[float, Field(strict=True, allow_inf_nan=False)]
-Angle = Annotated[Real, AfterValidator(_small_angle), Unit("rad")]
+Angle = Annotated[Real, AfterValidator(_small_angle), SI("rad")]
 Positive = Annotated[Real, Field(gt=0)]
 NotNegative = Annotated[Real, Field(ge=0)]
 Whole = Annotated[int, Field(strict=True)]

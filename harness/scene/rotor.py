@@ -18,6 +18,7 @@ from ...models.rotor import LinearRotor
 from ...models.rotor import Slider as ModelSlider
 from .feeds import Feeds, Start, fed
 from .quantities import (
+    SI,
     Angle,
     NotNegative,
     NotNegativePair,
@@ -25,7 +26,6 @@ from .quantities import (
     PositivePair,
     Real,
     Table,
-    Unit,
     Whole,
     refusal,
     refuse_other_length,
@@ -35,9 +35,9 @@ from .quantities import (
 class Unbalance(Table):
     """Static moment at an axial position, at an angle in the rotor."""
 
-    position: Annotated[Real, Unit("m"), Feeds()]
+    position: Annotated[Real, SI("m"), Feeds()]
     """Place along the axis, from support 1."""
-    amount: Annotated[NotNegative, Unit("kg m"), Feeds()]
+    amount: Annotated[NotNegative, SI("kg m"), Feeds()]
     """Static moment, mass times eccentricity."""
     angle: Annotated[Angle, Feeds()] = 0.0
     """Direction in the rotor."""
@@ -51,9 +51,9 @@ class Slider(Table):
 
     support: Annotated[Whole, Field(ge=1, le=2), Feeds()] = 1
     """Number of the support; a planar rotor has one."""
-    limit: Annotated[NotNegativePair, Unit("N"), Feeds("limit_{axis}")]
+    limit: Annotated[NotNegativePair, SI("N"), Feeds("limit_{axis}")]
     """Force at which it slips; a number for both axes, or [x, y]."""
-    stiffness: Annotated[PositivePair | None, Unit("N/m"), Feeds("stiffness_{axis}")] = None
+    stiffness: Annotated[PositivePair | None, SI("N/m"), Feeds("stiffness_{axis}")] = None
     """Of a spring in series with it; default: none, it is rigid."""
 
 
@@ -195,17 +195,17 @@ class PlanarRotor(RotorTable):
     """Disc in one plane: Filimonikhina 2017 (4), Dubovik 2006 (5)."""
 
     kind: Literal["planar"]
-    mass: Annotated[Positive, Unit("kg"), Feeds()]
+    mass: Annotated[Positive, SI("kg"), Feeds()]
     """Without weights and liquid."""
-    stiffness: Annotated[PositivePair, Unit("N/m"), Feeds("stiffness_{axis}")]
+    stiffness: Annotated[PositivePair, SI("N/m"), Feeds("stiffness_{axis}")]
     """Of the supports, fixed axes."""
-    damping: Annotated[NotNegativePair, Unit("N s/m"), Feeds("damping_{axis}")] = (0.0, 0.0)
+    damping: Annotated[NotNegativePair, SI("N s/m"), Feeds("damping_{axis}")] = (0.0, 0.0)
     """Of the supports, fixed axes."""
     friction: Friction = ()
     """Dry friction in the supports: sliders."""
-    internal_damping: Annotated[NotNegative, Unit("N s/m"), Feeds()] = 0.0
+    internal_damping: Annotated[NotNegative, SI("N s/m"), Feeds()] = 0.0
     """Of the shaft, turns with it."""
-    unbalance: Annotated[NotNegative, Unit("kg m"), Feeds()] = 0.0
+    unbalance: Annotated[NotNegative, SI("kg m"), Feeds()] = 0.0
     """Static moment, mass times eccentricity."""
     unbalance_angle: Annotated[Angle, Feeds()] = 0.0
     """Direction in the rotor."""
@@ -233,29 +233,29 @@ class TwoSupportRotor(RotorTable):
     """Rigid body on two supports; positions are measured from support 1."""
 
     kind: Literal["two_support"]
-    mass: Annotated[Positive, Unit("kg"), Feeds()]
+    mass: Annotated[Positive, SI("kg"), Feeds()]
     """Without weights and liquid."""
-    inertia: Annotated[Positive, Unit("kg m^2"), Feeds()]
+    inertia: Annotated[Positive, SI("kg m^2"), Feeds()]
     """About a transverse axis through the centre of mass."""
-    polar_inertia: Annotated[NotNegative, Unit("kg m^2"), Feeds()] = 0.0
+    polar_inertia: Annotated[NotNegative, SI("kg m^2"), Feeds()] = 0.0
     """About the axis; at most twice `inertia`."""
-    span: Annotated[Positive, Unit("m"), Feeds()]
+    span: Annotated[Positive, SI("m"), Feeds()]
     """Distance of the supports."""
-    com: Annotated[Real | None, Unit("m")] = None
+    com: Annotated[Real | None, SI("m")] = None
     """Centre of mass, from support 1; default: `span/2`."""
     stiffness: Annotated[
-        tuple[PositivePair, PositivePair], Unit("N/m"), Feeds("support[{n}].stiffness_{axis}")
+        tuple[PositivePair, PositivePair], SI("N/m"), Feeds("support[{n}].stiffness_{axis}")
     ]
     """One entry a support."""
     damping: Annotated[
         tuple[NotNegativePair, NotNegativePair],
-        Unit("N s/m"),
+        SI("N s/m"),
         Feeds("support[{n}].damping_{axis}"),
     ] = ((0.0, 0.0), (0.0, 0.0))
     """One entry a support."""
     friction: Friction = ()
     """Dry friction in the supports: sliders."""
-    planes: Annotated[tuple[Real, ...], Unit("m")] = ()
+    planes: Annotated[tuple[Real, ...], SI("m")] = ()
     """Where balancers can sit, from support 1."""
     unbalances: Annotated[Unbalances, Feeds("unbalance[{n}].")] = ()
     """Static moments along the axis."""
@@ -293,29 +293,29 @@ class FlexibleRotor(RotorTable):
     """Discs on a massless shaft with two supports, which are stations of the shaft."""
 
     kind: Literal["flexible"]
-    stations: Annotated[tuple[Real, ...], Field(min_length=2), Unit("m"), Feeds("station[{n}].z")]
+    stations: Annotated[tuple[Real, ...], Field(min_length=2), SI("m"), Feeds("station[{n}].z")]
     """Positions along the shaft, rising."""
-    masses: Annotated[tuple[NotNegative, ...], Unit("kg"), Feeds("station[{n}].mass")]
+    masses: Annotated[tuple[NotNegative, ...], SI("kg"), Feeds("station[{n}].mass")]
     """One a station."""
     supports: tuple[Whole, Whole]
     """Numbers of the two stations that are supported, from 1."""
     support_stiffness: Annotated[
-        tuple[PositivePair, PositivePair], Unit("N/m"), Feeds("support[{n}].stiffness_{axis}")
+        tuple[PositivePair, PositivePair], SI("N/m"), Feeds("support[{n}].stiffness_{axis}")
     ]
     """One entry a support."""
     support_damping: Annotated[
         tuple[NotNegativePair, NotNegativePair],
-        Unit("N s/m"),
+        SI("N s/m"),
         Feeds("support[{n}].damping_{axis}"),
     ] = ((0.0, 0.0), (0.0, 0.0))
     """One entry a support."""
     friction: Friction = ()
     """Dry friction in the supports: sliders."""
-    bending_stiffness: Annotated[Positive | None, Unit("N m^2"), Feeds()] = None
+    bending_stiffness: Annotated[Positive | None, SI("N m^2"), Feeds()] = None
     """E I of the shaft; this or `compliance`."""
-    compliance: Annotated[tuple[tuple[Real, ...], ...] | None, Unit("m/N")] = None
+    compliance: Annotated[tuple[tuple[Real, ...], ...] | None, SI("m/N")] = None
     """Square matrix over the stations without supports; this or `bending_stiffness`."""
-    internal_damping: Annotated[NotNegative, Unit("N s/m"), Feeds()] = 0.0
+    internal_damping: Annotated[NotNegative, SI("N s/m"), Feeds()] = 0.0
     """Of the shaft, turns with it."""
     unbalances: Annotated[Unbalances, Feeds("unbalance[{n}].")] = ()
     """Static moments along the shaft."""

@@ -11,7 +11,7 @@ from pydantic import AfterValidator, BeforeValidator, Field, model_validator
 from ...models.assembly import SpeedProfile
 from ...models.motor import Motor
 from ...models.reference.coupled import Start
-from .quantities import Angle, NotNegative, Positive, Real, Table, Text, Unit, Whole, refusal
+from .quantities import SI, Angle, NotNegative, Positive, Real, Table, Text, Whole, refusal
 
 DEFAULT_TOLERANCE = 1e-4  # of the motion: no picture shows it
 DEFAULT_STEPS = 40  # a revolution: 1e-6 on the two-ball scene with cubic signals
@@ -26,26 +26,26 @@ FEWEST_REVOLUTIONS = 1e-9  # a step's square must stay a number
 class RunUp(Table):
     """Speed that rises linearly and then stays."""
 
-    start: Annotated[NotNegative, Field(alias="from"), Unit("rad/s")]
+    start: Annotated[NotNegative, Field(alias="from"), SI("rad/s")]
     """Speed at the start."""
-    to: Annotated[Positive, Unit("rad/s")]
+    to: Annotated[Positive, SI("rad/s")]
     """Speed at the end of the rise, and from then on."""
-    seconds: Annotated[Positive, Unit("s")]
+    seconds: Annotated[Positive, SI("s")]
     """Duration of the rise."""
 
 
 class LimitedMotor(Table):
     """A motor of limited power, whose torque depends on the speed."""
 
-    inertia: Annotated[Positive, Unit("kg m^2")]
+    inertia: Annotated[Positive, SI("kg m^2")]
     """Of all that turns, unbalance included, about the rotor's centre; without its balancers."""
-    stall_torque: Annotated[Positive | None, Unit("N m")] = None
+    stall_torque: Annotated[Positive | None, SI("N m")] = None
     """At standstill; falls in a straight line to 0 at `no_load_speed`."""
-    no_load_speed: Annotated[Positive | None, Unit("rad/s")] = None
+    no_load_speed: Annotated[Positive | None, SI("rad/s")] = None
     """Where the torque is 0; with `stall_torque`, or instead of both `table`."""
     table: tuple[tuple[Real, Real], ...] = ()
     """Points `[speed, torque]` (rad/s, N m) joined by lines; the last torque is at most 0."""
-    start: Annotated[NotNegative, Field(alias="from"), Unit("rad/s")] = 0.0
+    start: Annotated[NotNegative, Field(alias="from"), SI("rad/s")] = 0.0
     """Speed at the start."""
 
     @model_validator(mode="after")
@@ -84,15 +84,15 @@ class LimitedMotor(Table):
 class Operation(Table):
     """How the rotor is driven: at a constant speed, run up, or by a motor; and gravity."""
 
-    speed: Annotated[Positive | None, Unit("rad/s")] = None
+    speed: Annotated[Positive | None, SI("rad/s")] = None
     """Constant speed; this, `run_up` or `motor`."""
     run_up: RunUp | None = None
     """A speed that rises; this, `speed` or `motor`."""
     motor: LimitedMotor | None = None
     """A speed that the torques make; this, `speed` or `run_up`."""
-    gravity: Annotated[NotNegative, Unit("m/s^2")] = 0.0
+    gravity: Annotated[NotNegative, SI("m/s^2")] = 0.0
     """Across the axis: 9.81 for a horizontal rotor, 0 for a vertical one."""
-    gravity_angle: Annotated[Angle | None, Unit("rad")] = None
+    gravity_angle: Annotated[Angle | None, SI("rad")] = None
     """Direction of gravity in fixed axes; default: downwards, -pi/2."""
 
     @model_validator(mode="after")
@@ -196,13 +196,13 @@ class Coupling(Table):
 class Initial(Table):
     """The rotor at the start: every station alike.  Default: at rest in the middle."""
 
-    x: Annotated[Real, Unit("m")] = 0.0
+    x: Annotated[Real, SI("m")] = 0.0
     """Displacement of every station along x."""
-    y: Annotated[Real, Unit("m")] = 0.0
+    y: Annotated[Real, SI("m")] = 0.0
     """Displacement of every station along y."""
-    vx: Annotated[Real, Unit("m/s")] = 0.0
+    vx: Annotated[Real, SI("m/s")] = 0.0
     """Velocity of every station along x."""
-    vy: Annotated[Real, Unit("m/s")] = 0.0
+    vy: Annotated[Real, SI("m/s")] = 0.0
     """Velocity of every station along y."""
     angle: Angle = 0.0
     """Angle of the rotor."""

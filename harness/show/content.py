@@ -46,7 +46,7 @@ def content(scene: Scene) -> dict[str, Any]:
         NotCompiled: the library has to be compiled, and there is no compiler.
     """
     page_library()  # the stamp is that of the sources it is made from
-    made, profile, found = composition(scene), scene.profile(), window(scene)
+    made, profile, bands = composition(scene), scene.profile(), window(scene)
     return {
         "tracks": _tracks(scene),
         "tokens": [
@@ -57,11 +57,11 @@ def content(scene: Scene) -> dict[str, Any]:
         "speed": profile.end,
         "rate": profile.acceleration(0.0) or profile.end**2 / (math.tau * CHANGED_IN),
         "window": {
-            "low": min(found.low, profile.end),
-            "high": max(found.high, profile.end),
-            "ends": found.ends,
-            "kinds": found.kinds,
-            "words": found.words,
+            "low": min(bands.low, profile.end),
+            "high": max(bands.high, profile.end),
+            "ends": bands.ends,
+            "kinds": bands.kinds,
+            "words": bands.words,
         },
         "sliders": list(_sliders(scene, made)),
         "kick": KICK * _moment(scene, made) * profile.end,
@@ -116,14 +116,14 @@ def _sliders(scene: Scene, made: Composition) -> Iterator[dict[str, Any]]:
     """Sliders for what the scene has: factors of the variables' bases."""
     parameters = [v for v in made.described(scene.name).layout.variables if not v.boolean]
     tracks = _tracks(scene)
-    found = list(_OF_ROTOR)
+    plots = list(_OF_ROTOR)
     for labels in tracks:
         named = f": {labels[0]}" if len(tracks) > 1 else ""
-        found += [
+        plots += [
             (f"{label}{named}", unit, pattern.format("|".join(labels)), most, log)
             for label, unit, pattern, most, log in _OF_WEIGHTS
         ]
-    for label, unit, pattern, most, log in found:
+    for label, unit, pattern, most, log in plots:
         base = {v.name: float(v.start or 0.0) for v in parameters if re.fullmatch(pattern, v.name)}
         value = 1.0
         if label == "Unbalance" and not any(base.values()):
@@ -160,8 +160,8 @@ def _moment(scene: Scene, made: Composition) -> float:
 
 def _heavy(made: Composition) -> float | None:
     """Direction of the unbalance in the rotor [rad]; None where there are several, or none."""
-    found = _unbalances(made)
-    return cmath.phase(found[0]) if len(found) == 1 else None
+    unbalances = _unbalances(made)
+    return cmath.phase(unbalances[0]) if len(unbalances) == 1 else None
 
 
 def _balancers(scene: Scene) -> Iterator[dict[str, Any]]:

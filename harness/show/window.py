@@ -44,22 +44,22 @@ def window(scene: Scene) -> Window:
             return _liquid(LiquidWindow.of(scene.assembly()), low, high)
         except ValueError as error:
             return Window(low, high, (), (), str(error))
-    found = speeds(scene, (low, high), ["floquet"], whirl=False)
-    if "floquet" not in found.methods:
-        return Window(low, high, (), (), found.refused["floquet"])
-    crossings = found.methods["floquet"]
-    sides = [found.lowest["floquet"], *(c.above for c in crossings)]
+    boundaries = speeds(scene, (low, high), ["floquet"], whirl=False)
+    if "floquet" not in boundaries.methods:
+        return Window(low, high, (), (), boundaries.refused["floquet"])
+    crossings = boundaries.methods["floquet"]
+    sides = [boundaries.lowest["floquet"], *(c.above for c in crossings)]
     kinds: tuple[Kind, ...] = tuple("good" if s == "stable" else "unstable" for s in sides)
     return Window(low, high, (*(c.speed for c in crossings), high), kinds, "exact stability")
 
 
-def _liquid(found: LiquidWindow, low: float, high: float) -> Window:
-    upper = found.upper
-    if upper is not None and upper < OPEN_END * found.lower:
+def _liquid(liquid: LiquidWindow, low: float, high: float) -> Window:
+    upper = liquid.upper
+    if upper is not None and upper < OPEN_END * liquid.lower:
         high = max(high, FOLLOWED * upper)
-    limits = sorted({s for s in (found.lower, upper, high) if s is not None and s <= high})
+    limits = sorted({s for s in (liquid.lower, upper, high) if s is not None and s <= high})
     kinds: list[Kind] = []
     for end in limits:
         stable = upper is None or end <= upper
-        kinds.append("unstable" if not stable else "good" if end > found.lower else "poor")
+        kinds.append("unstable" if not stable else "good" if end > liquid.lower else "poor")
     return Window(low, high, tuple(limits), tuple(kinds), "window of Dubovik 2006")

@@ -73,8 +73,8 @@ class Speeds:
             "scene": self.scene,
             "range": list(self.range),
             "methods": {
-                name: [{"speed": c.speed, "above": c.above} for c in found]
-                for name, found in self.methods.items()
+                name: [{"speed": c.speed, "above": c.above} for c in crossings]
+                for name, crossings in self.methods.items()
             },
             "below_first": dict(self.lowest),
             "not_applicable": dict(self.refused),
@@ -172,10 +172,10 @@ def speeds(
             _by_units(scene, result, method, nodes, steps, workers, progress)
     if not (why and whirl):
         return result
-    found = whirls(scene, result.range, why, narrowest, progress)
-    if "floquet" in found.methods and "cosim" in wanted:
-        _whirl_by_units(scene, found, result.range, steps, workers, progress)
-    return replace(result, whirl=found)
+    remaining = whirls(scene, result.range, why, narrowest, progress)
+    if "floquet" in remaining.methods and "cosim" in wanted:
+        _whirl_by_units(scene, remaining, result.range, steps, workers, progress)
+    return replace(result, whirl=remaining)
 
 
 def _side(growth: float) -> Side:
@@ -207,11 +207,11 @@ def _by_criterion(scene: Scene, result: Speeds) -> None:
 def _by_floquet(scene: Scene, result: Speeds, narrowest: float | None) -> None:
     assembly = scene.assembly()
     try:
-        found = balancing_boundaries(assembly, *result.range, narrowest=narrowest)
+        crossings = balancing_boundaries(assembly, *result.range, narrowest=narrowest)
     except (CannotBalance, ArithmeticError) as error:
         result.refused["floquet"] = str(error)
         return
-    result.methods["floquet"] = tuple(found)
+    result.methods["floquet"] = tuple(crossings)
     result.lowest["floquet"] = _side(float(growth_rates(assembly, result.range[0])[0]))
 
 
@@ -245,8 +245,8 @@ def _whirl_by_units(
             "where weights touch or drift in the whirl, and at the boundaries beside it"
         )
     work = functools.partial(_search, scene, "cosim", steps, None, motion_of=WhirlMotion)
-    found = in_order(work, spans, workers, progress)
-    whirl.methods["cosim"] = tuple(c for crossings, _ in found for c in crossings)
+    searched = in_order(work, spans, workers, progress)
+    whirl.methods["cosim"] = tuple(c for crossings, _ in searched for c in crossings)
 
 
 def nodes_around(guesses: Sequence[float], low: float, high: float) -> NDArray[np.float64]:
@@ -279,12 +279,12 @@ def _by_units(
     inner, outer = (progress, None) if workers == 1 else (None, progress)
     work = functools.partial(_search, scene, method, steps, inner)
     try:
-        found = in_order(work, spans, workers, outer)
+        searched = in_order(work, spans, workers, outer)
     except NoMainMotion as error:
         result.refused[method] = str(error)
         return
-    result.methods[method] = tuple(c for crossings, _ in found for c in crossings)
-    result.lowest[method] = found[0][1]
+    result.methods[method] = tuple(c for crossings, _ in searched for c in crossings)
+    result.lowest[method] = searched[0][1]
 
 
 def _search(
@@ -312,8 +312,9 @@ def crossings(
         sides.append(_side(known(speed)))
         if progress:
             progress(number / len(nodes))
-    found = []
+    changes = []
     for (left, before), (right, after) in pairwise(zip(nodes, sides, strict=True)):
         if before != after:
-            found.append(Crossing(float(brentq(known, left, right, xtol=TOLERANCE * left)), after))
-    return found, sides[0]
+            speed = brentq(known, left, right, xtol=TOLERANCE * left)
+            changes.append(Crossing(float(speed), after))
+    return changes, sides[0]

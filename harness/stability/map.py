@@ -30,7 +30,7 @@ _PLASTIC = 1.324717957244746  # its powers spread points evenly over a square
 
 
 @dataclass(frozen=True)
-class Point:
+class MapPoint:
     """A co-simulated point.
 
     Attributes:
@@ -70,8 +70,8 @@ class StabilityMap:
     growth: NDArray[np.float64]
     criterion: NDArray[np.float64] | None
     no_criterion: str = ""
-    points: tuple[Point, ...] = ()
-    failed: tuple[Point, ...] = ()
+    points: tuple[MapPoint, ...] = ()
+    failed: tuple[MapPoint, ...] = ()
     whirl: NDArray[np.float64] = field(default_factory=lambda: np.zeros((0, 0)))
     whirl_growth: NDArray[np.float64] = field(default_factory=lambda: np.zeros((0, 0)))
 
@@ -158,8 +158,8 @@ def stability_map(
         growth,
         criterion if applies else None,
         "" if applies else _why_no_criterion(scene),
-        tuple(Point(*place, *rate) for place, rate in zip(places, rates, strict=True)),
-        tuple(Point(i, j, math.nan, str(why_not[j, i])) for j, i in failed),
+        tuple(MapPoint(*place, *rate) for place, rate in zip(places, rates, strict=True)),
+        tuple(MapPoint(i, j, math.nan, str(why_not[j, i])) for j, i in failed),
         whirl,
         whirl_growth,
     )

@@ -19,7 +19,7 @@ _MOST_SAID = 10  # points without a growth rate
 AXIS = "PATH=LOW:HIGH:N[:log]"
 
 
-class Method(str, Enum):
+class MapMethod(str, Enum):
     """What is known of every point of a map."""
 
     FLOQUET = "floquet"
@@ -33,9 +33,9 @@ def command(
     output: Annotated[list[Path] | None, options.pictures_or_store()] = None,
     csv: Annotated[Path | None, options.output(".csv", "Every point.")] = None,
     method: Annotated[
-        Method,
+        MapMethod,
         typer.Option(help="Growth rates, or what still vibrates after the scene's run, in C."),
-    ] = Method.FLOQUET,
+    ] = MapMethod.FLOQUET,
     cosim: Annotated[
         int, typer.Option(min=0, metavar="K", help="Co-simulate K points of the map, too.")
     ] = 0,
@@ -51,7 +51,7 @@ def command(
     from .map import stability_map
     from .run_map import RunMap, run_map
 
-    in_runs = method is Method.COSIM_RUN
+    in_runs = method is MapMethod.COSIM_RUN
     if in_runs and cosim:
         raise UserError(f"--cosim {cosim}: belongs to --method floquet; here every point is run")
     stores = [path for path in output or () if options.is_store(path)]

@@ -53,7 +53,7 @@ def command(
     loaded = load_scene(scene)
     low, high = range_
     with progress_bar(f"critical speeds of {loaded.name}") as progress:
-        found = speeds(
+        result = speeds(
             loaded,
             range_,
             names,
@@ -62,39 +62,39 @@ def command(
             workers=os.cpu_count() or 1,
             progress=costs.within(at_most, f"--range {low:g} {high:g} --scan {scan}", progress),
         )
-    show(table(found, loaded.heading))
-    for name, side in found.lowest.items():
-        throughout = "" if found.methods[name] else ", and up to its end"
+    show(table(result, loaded.heading))
+    for name, side in result.lowest.items():
+        throughout = "" if result.methods[name] else ", and up to its end"
         say(f"{name}: {side} at the low end of the range{throughout}")
-    for name, reason in found.refused.items():
+    for name, reason in result.refused.items():
         say(f"{name}: does not apply: {reason}", style="yellow")
-    if found.whirl is not None:
-        for line in found.whirl.lines():
+    if result.whirl is not None:
+        for line in result.whirl.lines():
             say(line)
-        if found.whirl.at:
-            show(whirl_table(found.whirl))
-        for name, reason in found.whirl.refused.items():
+        if result.whirl.at:
+            show(whirl_table(result.whirl))
+        for name, reason in result.whirl.refused.items():
             say(f"{name}: does not apply {reason}", style="yellow")
-    for name in found.methods:
+    for name in result.methods:
         if name.startswith("cosim"):
-            say(f"{name}: {_looked(found, scan)}")
-    known = (*found.methods, *(found.whirl.methods if found.whirl else ()))
+            say(f"{name}: {_looked(result, scan)}")
+    known = (*result.methods, *(result.whirl.methods if result.whirl else ()))
     co_simulated = any(name.startswith("cosim") for name in known)
     say(f"FMUs loaded: {', '.join(plan(loaded).files) if co_simulated else 'none'}")
     if json_file is not None:
-        write_json(found.as_json(), json_file)
+        write_json(result.as_json(), json_file)
 
 
-def table(found: Speeds, title: str) -> Sheet:
+def table(result: Speeds, title: str) -> Sheet:
     """Crossings by method; what the methods hold for the same one stands in one row."""
-    low, high = found.range
+    low, high = result.range
     pair = {"floquet", "cosim"}
-    both = pair <= found.methods.keys()
-    columns = ["", "above it", *(f"{name} [rad/s]" for name in found.methods)]
+    both = pair <= result.methods.keys()
+    columns = ["", "above it", *(f"{name} [rad/s]" for name in result.methods)]
     columns += ["cosim - floquet"] * both
     rows = []
-    for number, row in enumerate(found.rows(), start=1):
-        cells = [f"{row[name].speed:.8g}" if name in row else "-" for name in found.methods]
+    for number, row in enumerate(result.rows(), start=1):
+        cells = [f"{row[name].speed:.8g}" if name in row else "-" for name in result.methods]
         if both:
             met = pair <= row.keys()
             cells.append(f"{row['cosim'].speed - row['floquet'].speed:.1e}" if met else "-")
@@ -114,9 +114,10 @@ def whirl_table(whirl: Whirls) -> Sheet:
         else [f"{one.speed:.6g}", "none", *["-"] * stations, "-"]
         for one in whirl.at
     ]
-    for name, found in whirl.methods.items():
+    for name, crossings in whirl.methods.items():
         rows += [
-            [f"{c.speed:.8g}", f"{c.above} above, {name}", *["-"] * stations, "-"] for c in found
+            [f"{c.speed:.8g}", f"{c.above} above, {name}", *["-"] * stations, "-"]
+            for c in crossings
         ]
     rows.sort(key=lambda row: float(row[0]))
     colours = {"whirl": {"stable": GOOD, "unstable": "red"}}
@@ -133,8 +134,8 @@ def _angles(one: WhirlAt) -> str:
     return ", ".join(f"{math.degrees(angle):.1f}" for angle in one.angles)
 
 
-def _looked(found: Speeds, scan: int) -> str:
-    if "floquet" in found.methods:
+def _looked(result: Speeds, scan: int) -> str:
+    if "floquet" in result.methods:
         return "looked on both sides of every speed of Floquet, between them and at the ends"
-    width = (found.range[1] - found.range[0]) / scan
+    width = (result.range[1] - result.range[0]) / scan
     return f"scanned by itself: bands narrower than {width:.3g} rad/s can be missed"

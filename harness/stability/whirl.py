@@ -89,8 +89,8 @@ class Whirls:
             "why": self.why,
             "at": [one.as_json() for one in self.at],
             "methods": {
-                name: [{"speed": c.speed, "above": c.above} for c in found]
-                for name, found in self.methods.items()
+                name: [{"speed": c.speed, "above": c.above} for c in crossings]
+                for name, crossings in self.methods.items()
             },
             "not_applicable": dict(self.refused),
         }
@@ -123,9 +123,9 @@ class Whirls:
         ]
 
 
-def _bands(first: WhirlAt, last: WhirlAt, found: Sequence[Crossing]) -> str:
+def _bands(first: WhirlAt, last: WhirlAt, crossings: Sequence[Crossing]) -> str:
     """Where the whirl is stable, in words."""
-    edges = [c.speed for c in found]
+    edges = [c.speed for c in crossings]
     if first.stable:
         edges.insert(0, first.speed)
     if len(edges) % 2:
@@ -162,14 +162,14 @@ def whirls(
     """
     report = progress or (lambda done: None)
     try:
-        found = whirl_boundaries(scene.assembly(), *span, narrowest=narrowest, progress=report)
+        crossings = whirl_boundaries(scene.assembly(), *span, narrowest=narrowest, progress=report)
     except (ValueError, ArithmeticError) as error:
         return Whirls(why, (), {}, {"floquet": str(error)})
-    edges = [span[0], *(c.speed for c in found), span[1]]
+    edges = [span[0], *(c.speed for c in crossings), span[1]]
     middles = [0.5 * (a + b) for a, b in pairwise(edges)]
     even = np.linspace(*span, _SHOWN + 2).tolist()
     shown = sorted({*even, *middles})
-    return Whirls(why, tuple(map(partial(whirl_at, scene), shown)), {"floquet": tuple(found)})
+    return Whirls(why, tuple(map(partial(whirl_at, scene), shown)), {"floquet": tuple(crossings)})
 
 
 def has_map(scene: Scene, speed: float) -> bool:

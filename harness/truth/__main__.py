@@ -1,6 +1,6 @@
 """Command: draw random scenes, run them as they are, and count how many are right.
 
-python -m autobalancer.harness.truth --n 1000 --seed 1 [--verify] [--save DIR]
+python -m autobalancer.harness.truth --n 1000 --seed 1 [--verify] [--one-file] [--save DIR]
 python -m autobalancer.harness.truth --family planar=3000 --family heavy=500
 """
 
@@ -39,6 +39,9 @@ def command(
     verify: Annotated[
         bool, typer.Option("--verify", help="Are the errors right that runs measure themselves?")
     ] = False,
+    one_file: Annotated[
+        bool, typer.Option("--one-file", help="Judge the coupling in C, not separate FMUs.")
+    ] = False,
     save_to: Annotated[
         Path | None, typer.Option("--save", metavar="DIR", help="Keep the scenes that went wrong.")
     ] = None,
@@ -53,7 +56,7 @@ def command(
     """Random scenes against an independent integration."""
     changes = () if tolerance is None else (("coupling.tolerance", tolerance),)
     try:
-        study = Study(counts(family, n), seed, changes, verify)
+        study = Study(counts(family, n), seed, changes, verify, one_file)
     except ValueError as error:
         raise UserError(str(error)) from None
     if cost:
@@ -65,6 +68,8 @@ def command(
     for verdict in misses(found):
         say(line(verdict))
     text = table(found).markdown()
+    if one_file:
+        text += "\n\nRun on the one file, coupled in C."
     if tolerance is not None:
         text += f"\n\n{tolerance_kept(found, tolerance)}"
     say(f"\n{text}")

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, field, fields
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -22,13 +22,14 @@ from .judge import FACTOR, MISSES, OUTCOMES, SET_ASIDE, Verdict, judge
 class Study:
     """How many scenes of each family, drawn with which seed, with which keys replaced.
 
-    With `verify` every run also measures its own errors.
+    With `verify` every run also measures its own errors; with `one_file` the scenes run on that.
     """
 
     counts: Mapping[str, int]
     seed: int = 1
     changes: tuple[tuple[str, Any], ...] = ()
     verify: bool = False
+    one_file: bool = field(default=False, repr=False)
 
     def __post_init__(self) -> None:
         unknown = set(self.counts) - set(FAMILIES)
@@ -53,7 +54,8 @@ def items_of(study: Study) -> list[tuple[str, int]]:
 
 def _judged(study: Study, item: tuple[str, int]) -> Verdict:
     family, number = item
-    return judge(family, study.seed, number, dict(study.changes), study.verify)
+    changes = dict(study.changes)
+    return judge(family, study.seed, number, changes, study.verify, study.one_file)
 
 
 def table(found: Sequence[Verdict]) -> Sheet:

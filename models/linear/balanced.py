@@ -224,16 +224,16 @@ def _found(task: _Task) -> NDArray[np.float64]:
             start[on] = np.angle(moment)  # all weights together: Newton would creep there
     in_line = None
     for attempt in range(_STARTS):
-        found = _newton(assembly, table, restart_angles(start, attempt))
-        if found is None:
+        angles = _newton(assembly, table, restart_angles(start, attempt))
+        if angles is None:
             continue
-        if found is start or not _needlessly_in_line(table, moments, found):
-            return found
-        in_line = found if in_line is None else in_line
+        if angles is start or not _needlessly_in_line(table, moments, angles):
+            return angles
+        in_line = angles if in_line is None else in_line
     if in_line is not None:
         return in_line
-    found = _newton(assembly, table, _pairs_apart(table, moments, start))
-    if found is not None:
-        return found
+    angles = _newton(assembly, table, _pairs_apart(table, moments, start))
+    if angles is not None:
+        return angles
     size = float(np.abs(assembly.rotor.unbalance).max(initial=0.0))
     raise ArithmeticError(f"no balanced position found for an unbalance of {size:g} kg m")

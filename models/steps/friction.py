@@ -161,16 +161,16 @@ class FrictionStep:
         slips[resting], force[resting] = 1.0, 0.0  # as if without them
         free = self._series(state, Held(slips, force), drive, t, 1.0, 1).rates[1][self.at[resting]]
         mobility, limit = self.push[np.ix_(self.at[resting], resting)], self.limit[resting]
-        found = np.zeros(len(resting))
+        holding = np.zeros(len(resting))
         for _ in range(_SWEEPS):
-            before = found.copy()
-            for i in range(len(found)):
-                change = (free[i] + mobility[i] @ found) / mobility[i, i]
-                found[i] = min(max(found[i] - change, -limit[i]), limit[i])
-            if (np.abs(found - before) <= _SETTLED * limit).all():
+            before = holding.copy()
+            for i in range(len(holding)):
+                change = (free[i] + mobility[i] @ holding) / mobility[i, i]
+                holding[i] = min(max(holding[i] - change, -limit[i]), limit[i])
+            if (np.abs(holding - before) <= _SETTLED * limit).all():
                 break
-        slips[resting] = np.where(np.abs(found) < limit, 0.0, -np.sign(found))
-        force[resting] = found
+        slips[resting] = np.where(np.abs(holding) < limit, 0.0, -np.sign(holding))
+        force[resting] = holding
         return Held(slips, force)
 
     def _stretch(self, drive: Drive, t: float) -> float:
@@ -233,9 +233,9 @@ class FrictionStep:
                 for function in functions:
                     function[0] += limit
             for function in functions:
-                found = first_fall(function, first, rounding)
-                if found < first:
-                    first, which = found, j
+                fall = first_fall(function, first, rounding)
+                if fall < first:
+                    first, which = fall, j
         return first, which
 
     def _changed(

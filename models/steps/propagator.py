@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from ..rotor import LinearRotor
 
-_TAYLOR_TERMS = 20  # 0.5**20/20! is far below rounding
+_TAYLOR_TERMS = 16  # 0.5**16/17! is far below rounding
 
 
 def exponential(matrix: NDArray) -> NDArray:

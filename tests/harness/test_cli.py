@@ -183,6 +183,7 @@ def test_build_makes_exactly_the_units_of_a_scene_and_run_takes_them(invoke, tmp
         (["check", "liquid_disc", "--report", "/dev/null/x"], "cannot be made a directory"),
         (["run", "two_balls", "-o", "x.zarr"], "x.zarr: this command writes no store"),
         (["run", "two_balls", "--plot", "out.doc"], ".doc"),
+        (["map", "two_balls", "--x", "speed=1:x:3", "--y", "speed=1:2:2"], "speed=1:x:3: must be"),
         (["run", "two_balls", "--fmus", "/nowhere"], "is not a directory with FMUs"),
     ],
 )

@@ -20,7 +20,8 @@ from autobalancer.harness.checks.rig_data import (
     swept,
     with_washers,
 )
-from autobalancer.harness.checks.rig_sweeps import gained, lost
+from autobalancer.harness.checks.rig_quantities import Quantity, models, models_with_balls, table
+from autobalancer.harness.checks.rig_sweeps import FITTED_DRAG, gained, lost
 from autobalancer.models.harmonic_balance import largest_displacement, unbalance_response
 from autobalancer.models.papers.influence import influence
 
@@ -91,6 +92,32 @@ def test_balance_is_gained_where_balls_begin_to_help_and_lost_where_they_end():
     assert lost((speeds, balls), (speeds, plain)) == 1480.0
     assert math.isnan(gained((speeds, 2.0 * plain), (speeds, plain)))
     assert math.isnan(lost((speeds, 0.5 * plain), (speeds, plain)))
+
+
+def test_the_table_says_what_is_worst_and_at_which_washers_balls_do_best(rig):
+    measured = np.array([4.0, 3.0, 2.0, 1.0, 2.0])
+
+    def part(scene):
+        assert scene is rig
+        yield Quantity("critical speed", "first", 1e3 * measured, 1.1e3 * measured)
+        yield Quantity("order", "balls", measured, measured[::-1])
+        yield Quantity("balls", "rms", measured[:, None], math.e * measured[:, None])
+
+    lines = list(table({"rigid": rig}, part))
+    assert lines[3] == "| first | rigid | 4400 | 3300 | 2200 | 1100 | 2200 | 10% |"
+    last = [line.split("|")[-2].strip() for line in lines[4:]]
+    assert last == ["least: 3", "least: 1", "all: 1.00"]
+
+
+def test_every_model_of_the_table_is_one_of_the_rig_with_and_without_balls():
+    for alone in models().values():
+        assert not alone.balancer
+    with_balls = models_with_balls()
+    assert len(with_balls) == len(models()) + 1
+    drags = {scene.balancer[0].drag for scene in with_balls.values()}
+    assert drags == set(FITTED_DRAG.values())
+    resistance = [scene.balancer[0].rolling_resistance for scene in with_balls.values()]
+    assert [bool(value) for value in resistance] == [False, False, False, True]
 
 
 def test_a_scene_that_is_not_of_the_rig_is_refused():

@@ -35,7 +35,8 @@ DARWIN = {"bzero", "__bzero", "dyld_stub_binder"}
 LINUX = {"bcmp"}  # of clang, for memcmp == 0
 # of zig's linker
 MARKS = {"_mh_dylib_header", "__dso_handle"}
-BATCH = {"autobalancer_runs"}  # batch.h
+RUNS = {"autobalancer_runs"}  # batch.h
+RUNS |= {f"autobalancer_run_{name}" for name in ("new", "free", "start", "on", "read")}  # run.h
 # of FMI 2.0, for model exchange alone
 EXCHANGE = {
     "fmi2CompletedIntegratorStep",
@@ -94,11 +95,11 @@ def test_no_library_is_larger_than_255_kB(platform, library):
 
 
 @each
-def test_exports_are_the_functions_of_both_versions_of_fmi_and_the_batch_call(platform, library):
+def test_exports_are_the_functions_of_both_versions_of_fmi_and_those_of_runs(platform, library):
     _, binary = library(platform)
     assert _standard(2) > EXCHANGE
     assert len(_standard(3)) == 75
-    assert _exports(binary, platform) - MARKS == (_standard(2) - EXCHANGE) | _standard(3) | BATCH
+    assert _exports(binary, platform) - MARKS == (_standard(2) - EXCHANGE) | _standard(3) | RUNS
 
 
 @pytest.mark.parametrize("platform", ["x86_64-linux", "aarch64-linux"])

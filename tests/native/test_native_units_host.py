@@ -70,7 +70,7 @@ def test_a_plain_host_finds_nothing_wrong(fmus, packaging, tmp_path, folder):
 
 
 def test_sanitizers_find_nothing_either(fmus, packaging, tmp_path):
-    flags = ["-fsanitize=address,undefined", "-fno-sanitize-recover=all", "-g"]
+    flags = ["-fsanitize=address,undefined", "-fno-sanitize-recover=all", "-g1"]
     library = packaging.compile_units(tmp_path / "sanitized", *flags, "-O1")
     host = compiled(tmp_path, *flags, counting="not_counting.c")
     done = run([str(host), str(library), *words(fmus, packaging)], ASAN_OPTIONS="detect_leaks=1")

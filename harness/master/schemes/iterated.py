@@ -88,7 +88,6 @@ class Iterated:
 
     Attributes:
         closed: residual, relative as `tolerance`, of a loop that is solved.
-        struck: events that steps have ended at.
     """
 
     name = "iterated"
@@ -114,7 +113,7 @@ class Iterated:
             jacobian = np.where(np.outer(values, values), jacobian, 0.0)
         self.newton = QuasiNewton(jacobian, step, self.parts)
         self.corrections = corrections
-        self.rounding, self.struck = rounding, 0
+        self.rounding = rounding
         self.allow(tolerance)
 
     def allow(self, residual: float) -> None:
@@ -159,7 +158,6 @@ class Iterated:
 
     def strike(self, system: System, time: float) -> tuple[float, float]:
         """Go behind an event that is here; time taken [s], and no residual is left."""
-        self.struck += 1
         return strike(self, system, time, MAX_PASSES), 0.0
 
     def cross_jump(self, system: System, time: float, step: float) -> None:

@@ -93,7 +93,7 @@ def coupled(scene: Scene) -> Structure:
         SceneError: as `composition`.
     """
     made = composition(scene)
-    layout = made.described("Composite").layout
+    layout = made.layout
     given = {f"{part.name}.{k}": v for part in made.parts for k, v in part.start.items()}
     settable = {v.name for v in layout.variables if v.causality != "output"}
     start = {k: v for k, v in {**given, **made.start}.items() if k in settable}

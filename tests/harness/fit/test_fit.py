@@ -253,6 +253,12 @@ def test_the_command_says_draws_and_predicts(invoke, file, tmp_path):
     page = (tmp_path / "report" / "report.html").read_text()
     assert f"{said['parameters'][0]['value']:.6g}" in page
     assert "data:image/png" in page
+    alone = invoke(
+        *("fit", "two_balls", "--without-balancers", "--measured", file, "--free", FREE[0], *sets)
+    )
+    assert alone.exit_code == 0, alone.output
+    assert "Predicted" in outcome.output
+    assert "Predicted" not in alone.output
     wrong = invoke("fit", "two_balls", "--measured", file, "--free", "rotor.mas")
     assert wrong.exit_code == 2
     assert "rotor.mas" in wrong.stderr

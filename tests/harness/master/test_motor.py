@@ -89,7 +89,7 @@ def test_what_rolling_resistance_takes_from_a_weight_turns_the_shaft(units):
     """Energy: what is rolled off is the resistance's share of the load, times the way."""
     [balls] = SCENE["balancer"]
     ball = {**balls, "name": "ball", "count": 1, "weight_radius": 0.005, "angles": [0.2]}
-    document = {**SCENE, "balancer": [ball], "run": {"revolutions": 4.0}}
+    document = {**SCENE, "balancer": [ball], "run": {"revolutions": 2.0}}
     document["coupling"] = {"steps_per_rev": 800, "units": units}
     motor = {"stall_torque": 4.0, "inertia": 0.03, "from": 60.0}
     changes = {f"operation.motor.{key}": value for key, value in motor.items()}

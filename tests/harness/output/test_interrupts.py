@@ -13,6 +13,10 @@ import pytest
 
 LONG = {
     "run": ["run", "two_balls", "--set", "run.revolutions=1e6", "--set", "run.record=[]"],
+    "one_file": [
+        *["run", "two_balls", "--one-file"],
+        *["--set", "run.revolutions=3e6", "--set", "run.record=[]"],
+    ],
     "python": [
         *["run", "two_balls", "--set", "run.revolutions=1e6", "--set", "run.record=[]"],
         *["--set", 'coupling.units="python"'],
@@ -154,11 +158,12 @@ def test_a_process_that_does_not_end_in_order_is_ended_and_leaves_no_folder(tmp_
 
 TOLD_LOADING = """
 import os, signal, sys, time
+module, number = sys.argv[1], int(sys.argv[2])
 class Told:  # as a C module does that the interrupt meets
     def find_spec(self, name, *_):
-        if name == sys.argv[1]:
+        if name == module:
             try:
-                os.kill(os.getpid(), signal.SIGINT)
+                os.kill(os.getpid(), number)
                 time.sleep(20.0)
             except BaseException:
                 raise ImportError("initialization failed") from None
@@ -166,17 +171,74 @@ sys.meta_path.insert(0, Told())
 from autobalancer.harness.__main__ import main
 main()
 """
+TOLD_BUILDING = """
+import os, sys, time, typer.main
+def told(_app):
+    os.kill(os.getpid(), int(sys.argv[2]))
+    time.sleep(20.0)
+typer.main.get_command = told
+from autobalancer.harness.__main__ import main
+main()
+"""
+TOLD_WORKERS = """
+import os, signal, time
+from autobalancer.harness.output.workers import processes
+signal.signal(signal.SIGINT, lambda *_: None)
+with processes(1) as pool:
+    answer = pool.submit(abs, -3)
+    for _ in range(20):
+        os.killpg(0, signal.SIGINT)
+        time.sleep(0.02)
+    print(answer.result())
+"""
 
 
-@pytest.mark.parametrize("module", ["typer", "autobalancer.harness.stress"])
-def test_ctrl_c_while_the_program_loads_is_answered_in_a_word(tmp_path, answering, module):
+def _told(script: str, folder, answering, *arguments: object) -> tuple[int, str, str]:
     ended = subprocess.run(
-        [sys.executable, "-c", TOLD_LOADING, module],
-        env={**os.environ, "TMPDIR": str(tmp_path)},
+        [sys.executable, "-c", script, *map(str, arguments)],
+        env={**os.environ, "TMPDIR": str(folder)},
         capture_output=True,
         text=True,
-        timeout=20.0,
+        timeout=60.0,
+        start_new_session=True,
         preexec_fn=answering,
     )
-    assert (ended.returncode, ended.stdout, ended.stderr) == (130, "", "interrupted\n")
+    assert os.listdir(folder) == []
+    return ended.returncode, ended.stdout, ended.stderr
+
+
+@pytest.mark.parametrize(("number", "word"), [(2, "interrupted"), (15, "terminated")])
+@pytest.mark.parametrize("module", ["typer", "autobalancer.harness.stress"])
+def test_a_signal_while_the_program_loads_is_answered_in_a_word(
+    tmp_path, answering, module, number, word
+):
+    ended = _told(TOLD_LOADING, tmp_path, answering, module, number)
+    assert ended == (128 + number, "", f"{word}\n")
+
+
+@pytest.mark.parametrize(("number", "word"), [(2, "interrupted"), (15, "terminated")])
+def test_a_signal_before_a_command_begins_is_answered_in_a_word(tmp_path, answering, number, word):
+    ended = _told(TOLD_BUILDING, tmp_path, answering, "", number)
+    assert ended == (128 + number, "", f"{word}\n")
+
+
+def test_ctrl_c_does_not_meet_workers_that_load(tmp_path, answering):
+    assert _told(TOLD_WORKERS, tmp_path, answering) == (0, "3\n", "")
+
+
+def test_programs_that_are_begun_and_killed_leave_no_files(tmp_path):
+    other = "import tempfile, time; tempfile.mkdtemp(); print(flush=True); time.sleep(30.0)"
+    ended = _python(
+        f"""
+        import subprocess
+        with interrupts.temporary_files():
+            other = subprocess.Popen([sys.executable, "-c", {other!r}], stdout=subprocess.PIPE)
+            other.stdout.readline()
+            other.kill()
+            other.wait()
+        print(os.environ["TMPDIR"])
+        """,
+        tmp_path,
+    )
+    assert (ended.returncode, ended.stdout) == (0, f"{tmp_path}\n")
     assert os.listdir(tmp_path) == []

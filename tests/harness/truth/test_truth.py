@@ -53,21 +53,23 @@ def test_a_disturbance_grows_at_the_rate_of_the_linearised_motion():
     assert math.log(late / early) == pytest.approx(3.0, rel=0.05)  # the mode turns
 
 
-def test_an_altered_motion_is_found_out(monkeypatch):
+@pytest.mark.parametrize("one_file", [False, True])
+def test_an_altered_motion_is_found_out(monkeypatch, one_file):
     """A run whose rotor moves twice as far is gross, and nothing else is."""
     from autobalancer.harness.truth import judge as module
 
-    honest = judge("planar", 3, 4)
+    honest = judge("planar", 3, 4, one_file=one_file)
     assert honest.outcome == "right"
     run = module.cosimulate
 
     def altered(scene, **options):
+        assert options["one_file"] is one_file
         result = run(scene, **options)
         result.signals["rotor.x"][:] *= 2.0
         return result
 
     monkeypatch.setattr(module, "cosimulate", altered)
-    assert judge("planar", 3, 4).outcome == "gross"
+    assert judge("planar", 3, 4, one_file=one_file).outcome == "gross"
 
 
 def test_errors_are_relative_to_the_largest_of_their_kind(cosim):

@@ -1,0 +1,50 @@
+/* Prescribed: the communication points of an earlier run, with others between them; twin of
+   harness/master/schemes/prescribed.py, which says why signals are held over long ones. */
+#include "composite.h"
+#include "elementary.h"
+
+static const double LONG = 1.01, SLIVER = 1e-12; /* of a time: rounding, not a step */
+
+int prescribed_step(Unit *unit)
+{
+    Composite *c = unit->own;
+    Course *course = c->course;
+    Pacing *pacing = &c->pacing;
+    double step = pacing->step;
+    int measured = 0, met = 0, held;
+    while (pacing->next < pacing->count &&
+           pacing->points[pacing->next] <= course->time * (1.0 + SLIVER)) {
+        pacing->next++;
+    }
+    if (pacing->next < pacing->count) {
+        step = smaller(step, pacing->points[pacing->next] - course->time);
+    }
+    held = step > LONG * pacing->longest;
+    for (;;) {
+        double residual;
+        course->held = held;
+        residual = iterated_attempt(unit, step);
+        course->held = 0.0;
+        if (residual < 0.0) {
+            if (contacts_ahead(unit, &step)) {
+                return 1;
+            }
+            if (step == 0.0) {
+                return contacts_strike(unit);
+            }
+            met = 1;
+            continue;
+        }
+        if (measured || residual <= course->tolerance) {
+            course->residual = residual;
+            course->held = held;
+            return iterated_go_on(unit, step, met);
+        }
+        composite_restore(c);
+        /* what passes have made of the loop's Jacobian leads nowhere */
+        if (iterated_after_start(unit, step)) {
+            return 1;
+        }
+        measured = 1;
+    }
+}

@@ -1,0 +1,172 @@
+"""A scene's units coupled in C, by its one file: stepped, recorded, restarted as `CoSimulation` is.
+
+The same steps at the same points as with separate units, so that the results agree to rounding; the
+library is called a slice of time at once, and releases the interpreter's lock meanwhile.
+"""
+
+from __future__ import annotations
+
+import time as clock
+from collections.abc import Callable, Iterator, Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...fmus.composite.run import Failed, Run, Stretch
+from ...fmus.variables import Variable
+from ..errors import LoopError, SimulationError
+from ..scene import Scene
+from ..scene.run import FEWEST_CHOSEN
+from .facts import Facts, advice, exchanging
+from .fmu import Closing
+from .names import readable
+from .one_file import composition_in_c, model_name
+from .recorder import Recorder
+from .schedule import as_run, end_time, milestones, schedule, step_size
+from .schemes.protocol import refuse_loose_tolerance
+
+SLICE = 0.1  # s of a call: interrupts and progress wait for its end
+FIRST_ROWS, MORE = 16, 4  # of the first call, and times as many of the next while it is short
+Group = tuple[NDArray[np.uintc], NDArray[np.float64]]
+
+
+class OneFileRun(Closing):
+    """The coupling in C of a scene; restarted and stepped as often as wanted.
+
+    Args:
+        scene: what to simulate.
+
+    Attributes:
+        units: what is recorded of them, by name.
+        time: reached so far [s]; may be set to where a step was to end.
+
+    Raises:
+        SceneError: the scene's units or coupling are none that one file has, or a tolerance is
+            asked of a scheme or an order that cannot keep it.
+    """
+
+    def __init__(self, scene: Scene) -> None:
+        self.scene = scene = as_run(scene)
+        refuse_loose_tolerance(scene)
+        made = composition_in_c(scene)
+        self._run = Run(made)
+        names = [part.name for part in made.parts]
+        self.units = {name: Part(self._run, name) for name in names}
+        for variable in made.layout.variables:
+            owner, own = _owned(variable.name)
+            if owner in self.units:
+                self.units[owner].add(own, variable, made.layout.index[variable.name])
+        self.order, self.coupled = scene.coupling.order, exchanging(scene)
+        self.chooses_steps = scene.coupling.tolerance is not None and self.coupled
+        self.time, self._passes = 0.0, 0.0
+
+    def start(
+        self,
+        points: tuple[Sequence[float], float] | None = None,
+        loosened: tuple[float, float, int] | None = None,
+    ) -> None:
+        """As `CoSimulation.start`."""
+        if self.time:
+            self._passes += self._run.facts.passes
+        self.time = 0.0
+        try:
+            self._run.start(points, loosened)
+        except Failed as failure:
+            raise SimulationError(f"{self.scene.name}: {failure}") from None
+
+    def step(self, step: float, longest: float | None = None) -> float:
+        """As `CoSimulation.step`."""
+        begin = self.time
+        stretch = Stretch(
+            begin, begin + step, 0.0 if self.chooses_steps else step, longest or step, 1
+        )
+        self._on(stretch, np.zeros(0, np.uintc), np.empty((1, 1)))
+        self.time = self._run.facts.time
+        return self.time - begin
+
+    def record(self, recorder: Recorder, progress: Callable[[float], None] | None) -> None:
+        """As `CoSimulation.record`."""
+        outputs = np.concatenate([np.zeros(0, np.uintc), *(g[0] for _, g in recorder.groups)])
+        end, most = end_time(self.scene), FIRST_ROWS
+        recorder.take(self.time)
+        for stretch in self._stretches():
+            over = False
+            while not over:
+                begun = clock.perf_counter()
+                rows = self._on(stretch, outputs, np.empty((most, 1 + len(outputs))))
+                over = len(rows) < most
+                recorder.extend(rows)
+                self.time = float(rows[-1, 0]) if len(rows) else self.time
+                if clock.perf_counter() - begun < SLICE / MORE:
+                    most *= MORE
+                if not over:
+                    recorder.refuse_too_much(self.time / end)
+                if progress:
+                    progress(self.time / end)
+            self.time = stretch.end
+
+    def _stretches(self) -> Iterator[Stretch]:
+        longest = step_size(self.scene, self.scene.coupling.fewest_steps_per_rev or FEWEST_CHOSEN)
+        for (step, count), bound in zip(schedule(self.scene), milestones(self.scene), strict=True):
+            given = (0.0, longest, 0) if self.chooses_steps else (step, step, count)
+            yield Stretch(self.time, bound, *given)
+
+    def _on(
+        self, stretch: Stretch, outputs: NDArray[np.uintc], rows: NDArray[np.float64]
+    ) -> NDArray[np.float64]:
+        filled = self._run.on(stretch, outputs, rows)
+        if self._run.reason:
+            kind = LoopError if self._run.facts.loop_failed else SimulationError
+            hint = advice(kind(), self.scene)
+            raise SimulationError(f"{self._run.reason}{hint}")
+        return filled
+
+    def facts(self) -> Facts:
+        """What the run since the last start did."""
+        found = self._run.facts
+        return Facts(
+            scene=self.scene,
+            files=(f"{model_name(self.scene)}.fmu",),
+            note="",
+            messages=tuple(self._run.warnings),
+            calls={},
+            passes=round(self._passes + found.passes),
+            steps=round(found.steps),
+            unconverged=round(found.unconverged),
+            worst_residual=found.worst_residual,
+            estimated_error=found.estimated_error,
+            unresolved=round(found.unresolved),
+        )
+
+    def close(self) -> None:
+        """Free the run."""
+        self._run.close()
+
+
+class Part:
+    """What a `Recorder` reads of a unit within the one file, as of an `Fmu`."""
+
+    def __init__(self, run: Run, name: str) -> None:
+        self.name, self._run = name, run
+        self.variables: dict[str, int] = {}
+        self.measured_in: dict[str, str] = {}
+
+    def add(self, name: str, variable: Variable, reference: int) -> None:
+        """A variable of the unit, by its value reference in the file."""
+        self.variables[name] = reference
+        self.measured_in[name] = readable(variable.unit)
+
+    def group(self, names: Sequence[str], memory: NDArray[np.float64]) -> Group:
+        """Variables that are read together, and where to."""
+        return np.array([self.variables[name] for name in names], np.uintc), memory
+
+    def fetch(self, group: Group) -> None:
+        """Read the group's variables."""
+        self._run.read(*group)
+
+
+def _owned(name: str) -> tuple[str, str]:
+    """Unit and variable of a name in the one file: `der(balls.F_xi)` is `der(F_xi)` of `balls`."""
+    der = "der(" * name.startswith("der(")
+    owner, _, own = name.removeprefix(der).partition(".")
+    return owner, f"{der}{own}"

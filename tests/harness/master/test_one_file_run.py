@@ -1,0 +1,128 @@
+"""A scene run on its one file: the result of separate units, whatever is asked of it."""
+
+from __future__ import annotations
+
+from concurrent.futures import ThreadPoolExecutor
+
+import numpy as np
+import pytest
+from scipy.interpolate import CubicSpline
+
+from autobalancer.harness import SceneError, SimulationError, UserError, cosimulate, load_scene
+
+TOLERANCES = [
+    ("run_up", {}),
+    ("two_balls", {"coupling.tolerance": 1e-6}),
+    ("two_balls", {"coupling.tolerance": 1e-7, "coupling.order": 5, "coupling.scheme": "auto"}),
+    ("two_plane_rodrigues", {"coupling.tolerance": 1e-5, "run.revolutions": 5}),
+    ("sommerfeld", {"coupling.tolerance": 1e-4, "run.revolutions": 30}),
+    ("bristol_friction", {"coupling.tolerance": 1e-4, "run.revolutions": 3}),
+]
+
+
+@pytest.mark.parametrize(("name", "changes"), TOLERANCES)
+def test_a_tolerance_is_kept_of_the_whole_run_as_by_separate_units(name, changes):
+    """Rounding may move a step; what both estimate of their error is the same."""
+    scene = load_scene(name).replace(changes)
+    expected, found = cosimulate(scene), cosimulate(scene, one_file=True)
+    for name in expected.signals:
+        right = CubicSpline(found.time, found[name])(expected.time)
+        error = np.abs(right - expected[name]).max()
+        assert error <= scene.coupling.tolerance * np.abs(expected[name]).max(), name
+    assert found.estimated_error <= scene.coupling.tolerance
+    assert found.estimated_error == pytest.approx(expected.estimated_error, rel=0.1)
+    assert found.steps == pytest.approx(expected.steps, rel=0.01)
+
+
+def test_a_step_ends_where_weights_collide():
+    """With a tolerance: an event and what follows it are one communication step."""
+    changes = {"coupling.tolerance": 1e-4, "coupling.corrections": None, "run.revolutions": 2}
+    scene = load_scene("finite_weights").replace({"coupling.scheme": "auto", **changes})
+    expected, found = cosimulate(scene), cosimulate(scene, one_file=True)
+    assert len(found.time) == pytest.approx(len(expected.time), rel=0.02)
+    for name in ("rotor.x", "rotor.y"):
+        right = CubicSpline(found.time, found[name])(expected.time)
+        assert np.abs(right - expected[name]).max() <= 1e-3 * np.ptp(expected[name])
+
+
+REFUSED = [
+    ("liquid_heavy_force", {"coupling.scheme": "iterated", "coupling.corrections": 0}),
+    ("two_balls", {"coupling.scheme": "compensated", "weights.drag": 8.0}),
+    ("contact_order", {"coupling.corrections": 0, "balls.drag": 1e4}),
+]
+
+
+@pytest.mark.parametrize(("name", "changes"), REFUSED)
+def test_what_separate_units_refuse_is_refused_in_the_same_words(name, changes):
+    scene = load_scene(name).replace({**changes, "run.revolutions": 30})
+    with pytest.raises(SimulationError) as expected:
+        cosimulate(scene)
+    with pytest.raises(SimulationError) as found:
+        cosimulate(scene, one_file=True)
+    assert str(found.value) == str(expected.value)
+    assert found.type is expected.type
+
+
+def test_a_unit_that_fails_is_named_with_time_step_and_reason():
+    changes = {"rotor.stiffness": [1e300, 1e300], "run.revolutions": 30}
+    scene = load_scene("two_balls").replace(changes)
+    words = (
+        r"rotor at t = 0 s: a step of 0\.10472 s failed: plane\[1\]\.a_xi = nan .*loop gain 0\.04"
+    )
+    with pytest.raises(SimulationError, match=words):
+        cosimulate(scene, one_file=True)
+
+
+@pytest.mark.parametrize("name", ["two_balls", "run_up", "contact_order"])
+def test_errors_are_measured_as_of_separate_units(name):
+    scene = load_scene(name).replace({} if name == "run_up" else {"run.revolutions": 3})
+    expected, found = cosimulate(scene, verify=True), cosimulate(scene, verify=True, one_file=True)
+    assert found.error
+    for signal_name, error in expected.error.items():
+        floor = 1e-9 * np.abs(expected[signal_name]).max()
+        assert found.error[signal_name] == pytest.approx(error, rel=0.3, abs=floor), signal_name
+    assert found.verification.finer == expected.verification.finer
+
+
+NOT_COVERED = [
+    ({"coupling.units": "python"}, "coupling.units"),
+    ({"coupling.order": 1, "coupling.steps_per_rev": 40}, "coupling.order"),
+    ({"coupling.scheme": "jacobi", "coupling.corrections": None}, "coupling.scheme"),
+    ({"run.record": ["weights.a_xi"]}, "run.record"),
+]
+
+
+@pytest.mark.parametrize(("changes", "key"), NOT_COVERED)
+def test_a_scene_that_it_does_not_cover_is_refused_by_the_key(changes, key):
+    with pytest.raises(SceneError, match=key):
+        cosimulate(load_scene("two_balls").replace(changes), one_file=True)
+
+
+def test_ready_made_units_are_none_of_the_one_file(tmp_path):
+    with pytest.raises(UserError, match="one of them"):
+        cosimulate("two_balls", one_file=True, fmus=tmp_path)
+
+
+def test_any_variable_but_inputs_is_recorded_with_the_unit_it_has():
+    names = ["rotor.mass", "weights.der(F_xi)", "rotor.plane[1].a_xi", "weights.weight[2].speed"]
+    expected, found = (cosimulate("two_balls", record=names, one_file=o) for o in (False, True))
+    assert found.signal_units == expected.signal_units
+    for name in names:
+        assert found[name] == pytest.approx(expected[name], abs=1e-11 * np.ptp(expected[name]))
+
+
+def test_eight_threads_have_the_bits_of_one_after_another():
+    scene = load_scene("two_balls").replace({"run.revolutions": 50})
+    scenes = [scene.replace({"weights.drag": 0.01 + 0.002 * k}) for k in range(16)]
+
+    def run(one):
+        return [v.tobytes() for v in cosimulate(one, one_file=True).signals.values()]
+
+    with ThreadPoolExecutor(8) as executor:
+        assert list(executor.map(run, scenes)) == [run(one) for one in scenes]
+
+
+def test_the_fixture_runs_it(cosim):
+    result = cosim("two_balls", one_file=True, **{"run.revolutions": 2})
+    assert result.units == ("two_balls.fmu",)
+    assert not result.calls
