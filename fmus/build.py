@@ -142,8 +142,8 @@ def _python(unit: SizedUnit, identifier: str) -> dict[str, bytes]:
 
     files = {**_documented(unit, identifier), **python_files(unit, identifier)}
     draft = _described(unit, identifier, 2, "", Capabilities())
-    found = digest({**files, _DESCRIPTION: draft})
-    guid = f"{{{found[:8]}-{found[8:12]}-{found[12:16]}-{found[16:20]}-{found[20:32]}}}"
+    content = digest({**files, _DESCRIPTION: draft})
+    guid = f"{{{content[:8]}-{content[8:12]}-{content[12:16]}-{content[16:20]}-{content[20:32]}}}"
     files[_DESCRIPTION] = _described(unit, identifier, 2, guid, Capabilities())
     return files
 
@@ -167,8 +167,8 @@ def native_contents(
     """
     _refuse_wrong(identifier, fmi)
 
-    def describe(found: str, sources: Sequence[str]) -> bytes:
-        return _described(unit, identifier, fmi, found, replace(can, sources=tuple(sources)))
+    def describe(guid: str, sources: Sequence[str]) -> bytes:
+        return _described(unit, identifier, fmi, guid, replace(can, sources=tuple(sources)))
 
     chosen = {} if platforms is None else {"platforms": platforms}
     files = native_files(identify, identifier, describe, fmi=fmi, **chosen)

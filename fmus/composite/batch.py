@@ -4,7 +4,17 @@ from __future__ import annotations
 
 import ctypes
 from collections.abc import Sequence
-from ctypes import POINTER, Structure, byref, c_char, c_char_p, c_double, c_size_t, c_uint
+from ctypes import (
+    POINTER,
+    Structure,
+    byref,
+    c_char,
+    c_char_p,
+    c_double,
+    c_int,
+    c_size_t,
+    c_uint,
+)
 from functools import cache
 
 import numpy as np
@@ -25,6 +35,7 @@ class _Batch(Structure):
         ("asked", c_size_t),
         ("outputs", _U),
         ("points", c_size_t),
+        ("own_steps", c_int),
     )
 
 
@@ -50,6 +61,8 @@ class Runs:
         changed: parameters and inputs that every run has values of its own for.
         asked: outputs that are read.
         points: times at which they are read, besides the start, spread evenly over a run.
+        own_steps: read them where the composite's own steps end instead, at most so often; time
+            comes before the outputs then, and NaN follows after the last step.
 
     Raises:
         KeyError: there is no such variable.
@@ -62,6 +75,7 @@ class Runs:
         changed: Sequence[str],
         asked: Sequence[str],
         points: int,
+        own_steps: bool = False,
     ) -> None:
         self._library, current = present()
         self._token = composition.token(current).encode()
@@ -75,6 +89,7 @@ class Runs:
             len(asked),
             self._outputs.ctypes.data_as(_U),
             points,
+            own_steps,
         )
 
     def __call__(
@@ -91,7 +106,8 @@ class Runs:
             empty text for one that has not.
         """
         values, ends = (np.ascontiguousarray(a, float) for a in (values, ends))
-        found = np.empty((len(ends), self._batch.points + 1, self._batch.asked))
+        width = self._batch.asked + self._batch.own_steps
+        found = np.empty((len(ends), self._batch.points + 1, width))
         reasons = ctypes.create_string_buffer(max(1, len(ends)) * _REASON)
         self._library.autobalancer_runs(
             self._token,

@@ -37,9 +37,15 @@ GENERATED = BINARIES / "sources"
 
 # no contraction to fused multiply-add: the same bits on every processor; sqrt an instruction
 FLAGS = ("-std=c99", "-ffp-contract=off", "-fno-math-errno")
-# where steps spend their time, for speed; all else, for size: it is no slower
-FAST, SMALL = "-O2", "-Os"
+# where steps spend their time, for speed; what no step comes to, for the least size (zig takes -Oz
+# alone for -Os); all else, for size: it is no slower
+FAST, SMALL, SMALLEST = ("-O2",), ("-Os",), ("-Os", "-Xclang", "-Oz")
 HOT = ("propagator", "quintic_weights", "unit_rotor_step", "weights")
+COLD = (
+    *("composite_token", "decimal", "failure_words", "resource", "rotor_kinds", "text", "token"),
+    *("unit_derivatives", "unit_elements", "unit_messages", "unit_rotor_derivatives"),
+    *("unit_rotor_kinds", "unit_state_bytes", "unit_weights_derivatives", "variables"),
+)
 _WARNINGS = ("-Wall", "-Wextra", "-Wpedantic")
 # macOS headers would call checking variants of memcpy; without loops unrolled or made into vectors
 # a library is a tenth smaller, and no slower
@@ -50,9 +56,9 @@ _NO_TABLES = ("-fno-asynchronous-unwind-tables", "-fno-unwind-tables")
 _LINUX = (*_NO_TABLES, "-fomit-frame-pointer")
 _LINK = ("-nostdlib", "-s")
 _SHARED = ("-shared",)
-# else the path of the output would stand in the library
-_INSTALL_NAME = ("-Wl,-install_name,@rpath/autobalancer.dylib",)
-_MACOS = (_NO_TABLES, (*_SHARED, *_INSTALL_NAME))
+# else the path of the output would stand in the library, and the names of all functions
+_NAMES = ("-Wl,-install_name,@rpath/autobalancer.dylib", "-Wl,-x")
+_MACOS = (_NO_TABLES, (*_SHARED, *_NAMES))
 
 
 @dataclass(frozen=True)
@@ -147,9 +153,11 @@ def stamp() -> str:
     for text in (
         COMPILER,
         *FLAGS,
-        FAST,
-        SMALL,
+        *FAST,
+        *SMALL,
+        *SMALLEST,
         *HOT,
+        *COLD,
         *_OBJECT,
         *_LINK,
         *map(repr, _TARGETS.values()),
@@ -213,10 +221,10 @@ def _compiled(platform: Platform, environment: dict[str, str]) -> bytes:
         def compiled(file: str) -> str:
             stem = Path(file).stem
             output = str(Path(folder) / f"{stem}.o")
-            level = FAST if stem in HOT else SMALL
+            level = FAST if stem in HOT else SMALLEST if stem in COLD else SMALL
             options = (
                 *FLAGS,
-                level,
+                *level,
                 *_WARNINGS,
                 *_OBJECT,
                 *platform.compiler,

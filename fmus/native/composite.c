@@ -489,11 +489,16 @@ void composite_level_off(Unit *unit)
 /* Step and move the units to a time. */
 static int reach(Unit *unit, double end)
 {
+    const double begin = unit->time;
     const Course *course = ((Composite *)unit->own)->course;
     for (;;) {
         const double point = POINT_OF_STEP * course->length + POINT_OF_TIME * absolute(end);
         if (!(course->time < end - point)) {
             return show(unit, end, course->time <= end + point);
+        }
+        if (unit->own_steps && course->time > begin) {
+            unit->made = course->time - begin;
+            return show(unit, course->time, 1);
         }
         if (composite_go_on(unit)) {
             composite_put_gain(unit, &unit->reason);

@@ -6,6 +6,7 @@
 #include "elementary.h"
 #include "matrix.h"
 
+static const double HELD = 0.01; /* of the residual allowed */
 static const double CONVERGED_FORCES = 1e-10, ROUNDING = 1e-12, CHANGE = 1e-3, LOOSE = 1e-3, SLOW = 0.1;
 enum { MAX_PASSES = 30, UNCONVERGED = 1 };
 
@@ -81,6 +82,7 @@ static double attempt(Unit *unit, double step, int passes)
     const int o = c->orders, count = o * c->unknowns, half = count / 2;
     /* what is left of a force makes a steep slope in a brief step */
     const double tolerance = course->striking > 0.0 ? smaller(course->tolerance, closed(course))
+                             : course->held > 0.0   ? larger(ROUNDING * course->gain, HELD * course->tolerance)
                                                     : course->tolerance;
     double error = 0.0, error_before = 0.0;
     int number, i;

@@ -91,6 +91,7 @@ struct Unit {
     double made;    /* length of the last step, less than asked where it ended early [s] */
     double stop;    /* infinite when not defined [s] */
     size_t first_boolean; /* value reference, as the version of FMI has it */
+    int own_steps; /* whether a composite's step ends with the first of its own */
     int may_end_early; /* whether the host takes a step that ends early */
     int phase, stale;
     int warned; /* warnings given, a bit each */

@@ -74,11 +74,11 @@ def check_capacity(scene: Scene, check: CapacityCheck, progress: Progress) -> It
         if unbalance > limit:
             turn = packed_turn(response, limit / unbalance)
             packed = np.array(theory.packed_angles(weights, balls.weight_radius, turn))
-            found = np.array([result[name][-1] for name in angles])
+            ended = np.array([result[name][-1] for name in angles])
             yield rows.number(
                 f"unbalance {part:.3g} S: packed angles [rad]",
                 packed,
-                packed + np.array(_nearest(found, packed)),
+                packed + np.array(_nearest(ended, packed)),
                 ANGLES,
                 f"{SOURCE}, turned by {turn:.4f} rad by the rotor's damping",
                 1.0,
@@ -103,14 +103,15 @@ def packed_turn(response: complex, share: float) -> float:
 def _amplitude(result: Result, speed: float) -> float:
     """Of the whirl at the rotor's speed over the last revolution [m]."""
     turn = math.tau / speed * (1.0 + 1e-9)  # rounding must not lose its first point
-    begin = int(np.searchsorted(result.time, result.time[-1] - turn))
+    # at rest a step may be longer
+    begin = min(int(np.searchsorted(result.time, result.time[-1] - turn)), len(result.time) - 2)
     whirl = result["rotor.x"] + 1j * result["rotor.y"]
     return float(abs(np.mean((whirl * np.exp(-1j * speed * result.time))[begin:-1])))
 
 
-def _nearest(found: np.ndarray, packed: np.ndarray) -> list[float]:
+def _nearest(ended: np.ndarray, packed: np.ndarray) -> list[float]:
     """For each packed place, how far on the circle its nearest weight stands [rad]."""
-    apart = (found[None, :] - packed[:, None] + math.pi) % math.tau - math.pi
+    apart = (ended[None, :] - packed[:, None] + math.pi) % math.tau - math.pi
     return [float(row[np.argmin(np.abs(row))]) for row in apart]
 
 

@@ -32,12 +32,12 @@ def check_critical_speeds(
     scene = scene.replace(check.set)
     rows = Rows(scene.name, check.kind)
     prefix = f"{check.case}: " if check.case else ""
-    found = speeds(scene, check.range, progress=lambda done: progress(0.6 * done))
+    result = speeds(scene, check.range, progress=lambda done: progress(0.6 * done))
     for method in ("floquet", "cosim"):
-        if method in found.refused:
-            raise SceneError(f"{scene.name}: check critical_speeds: {found.refused[method]}")
-    yield from speed_rows(rows, found, prefix)
-    boundaries = [row["cosim"].speed for row in found.rows() if "cosim" in row]
+        if method in result.refused:
+            raise SceneError(f"{scene.name}: check critical_speeds: {result.refused[method]}")
+    yield from speed_rows(rows, result, prefix)
+    boundaries = [row["cosim"].speed for row in result.rows() if "cosim" in row]
     for speed in check.published:
         pairs = ((abs(boundary - speed), boundary) for boundary in boundaries)
         _, nearest = min(pairs, default=(math.inf, math.nan))
@@ -51,14 +51,14 @@ def check_critical_speeds(
     progress(1.0)
 
 
-def speed_rows(rows: Rows, found: Speeds, prefix: str, scale: float = 1.0) -> Iterator[Row]:
+def speed_rows(rows: Rows, result: Speeds, prefix: str, scale: float = 1.0) -> Iterator[Row]:
     """Co-simulation against Floquet for every critical speed, `scale` rad/s being 1.
 
     A speed that only one of them found is a row that does not hold.
     """
     unit = " [rad/s]" if scale == 1.0 else " / w_x"
-    span = f"{found.range[0] / scale:.4g} to {found.range[1] / scale:.4g}{unit}"
-    shown = [row for row in found.rows() if row.keys() & {"floquet", "cosim"}]
+    span = f"{result.range[0] / scale:.4g} to {result.range[1] / scale:.4g}{unit}"
+    shown = [row for row in result.rows() if row.keys() & {"floquet", "cosim"}]
     for number, row in enumerate(shown, start=1):
         floquet, cosim = row.get("floquet"), row.get("cosim")
         above = next(iter(row.values())).above
@@ -71,7 +71,7 @@ def speed_rows(rows: Rows, found: Speeds, prefix: str, scale: float = 1.0) -> It
             exact, measured = (text(c.speed / scale) if c else "none" for c in (floquet, cosim))
             yield rows.statement(quantity, exact, measured, False, FLOQUET)
     if not shown:
-        exact, measured = (f"{found.lowest[m]} throughout" for m in ("floquet", "cosim"))
+        exact, measured = (f"{result.lowest[m]} throughout" for m in ("floquet", "cosim"))
         yield rows.statement(f"{prefix}{span}", exact, measured, exact == measured, FLOQUET)
 
 

@@ -45,7 +45,7 @@ def chosen(name: str, **values: float) -> NDArray[Any]:
     return table[np.all([table[key] == value for key, value in values.items()], axis=0)]
 
 
-def response(washers: int, balls: int, **values: float) -> Curve:
+def response(washers: float, balls: int, **values: float) -> Curve:
     """Measured amplitude against speed, both ways together unless `falling` is given."""
     rows = np.sort(
         chosen("response", washers=washers, balls=balls, **values), order="speed_rpm", kind="stable"

@@ -138,13 +138,13 @@ def run_batch_in_c(batch: Batch) -> list[SettlingRun]:
     signals, reasons = runs(np.array(batch.starts), np.full(len(batch.starts), length * count))
     if any(reasons):
         raise SimulationError(f"{scene.name}: {next(filter(None, reasons))}")
-    numbers, found = _read_after(scene), []
+    numbers, settled = _read_after(scene), []
     for rows in signals[:, numbers]:
         samples = zip((length * number for number in numbers), rows[:, :-2].tolist(), strict=True)
         readings = _until_settled(batch, samples)
         counts = rows[len(readings[0]) - 1, -2:].astype(int).tolist()
-        found.append(_settling_run(batch, balls, readings, *counts))
-    return found
+        settled.append(_settling_run(batch, balls, readings, *counts))
+    return settled
 
 
 def _balls(batch: Batch) -> WeightBalancer:

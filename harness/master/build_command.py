@@ -11,7 +11,7 @@ import typer
 from ...fmus.catalogue import CATALOGUE
 from ..errors import UserError
 from ..output.table import Sheet
-from ..output.terminal import progress_bars, say, show
+from ..output.terminal import progress_bars, ready_to_write, say, show
 
 
 def command(
@@ -129,6 +129,8 @@ def _written(path: Path, make: Callable[[Path], Path]) -> Path:
     """An FMU made at a path; what prevents it is a UserError."""
     from ...fmus.native.compile import NotCompiled
 
+    there = next(folder for folder in path.parents if folder.exists())  # the others are made
+    ready_to_write(there / path.name)  # compiling can take minutes
     try:
         return make(path)
     except OSError as error:

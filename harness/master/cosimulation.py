@@ -17,7 +17,6 @@ import numpy as np
 
 from ..errors import SimulationError, UserError
 from ..scene import Scene, load_scene
-from ..scene.run import FEWEST_CHOSEN
 from .facts import Facts, advice, result
 from .fmu import Closing, Fmu
 from .loop import consistent_start, rotor_response, value_eigenvalues
@@ -27,7 +26,16 @@ from .resolution import Resolution
 from .result import Result
 from .runtime import runtime
 from .scales import ROUNDING, largest_force
-from .schedule import Drive, as_run, brief_step, end_time, milestones, schedule, step_size
+from .schedule import (
+    Drive,
+    as_run,
+    brief_step,
+    end_time,
+    fewest_chosen,
+    milestones,
+    schedule,
+    step_size,
+)
 from .schemes.adaptive import Adaptive
 from .schemes.prescribed import SLIVER, Prescribed
 from .schemes.protocol import Scheme, choose, refuse_loose_tolerance
@@ -208,11 +216,11 @@ class CoSimulation(Closing):
                 f"{', '.join(self.system.force_names)} {self.amplification:.3g}-fold; loop gain "
                 f'{self.gain:.3g}; use scheme = "iterated" or "auto"'
             )
-        end, coupling = end_time(self.scene), self.scene.coupling
+        end = end_time(self.scene)
         for (step, count), bound in zip(schedule(self.scene), milestones(self.scene), strict=True):
             start = self.time
             if self.scheme.chooses_steps:
-                longest = step_size(self.scene, coupling.fewest_steps_per_rev or FEWEST_CHOSEN)
+                longest = step_size(self.scene, fewest_chosen(self.scene))
                 while bound - self.time > SLIVER * bound:
                     self.step(bound - self.time, longest)
                     yield self.time / end

@@ -5,8 +5,9 @@ stable multiplies them.  So the run is done twice.  The first chooses its steps 
 errs (`schemes.adaptive`); the second takes every one of them in two, and is the result.  Where they
 meet they differ by 15 times the error of the second, for the coupling is of order 4 (with quintic
 signals of order 6, and by 63 times; taken for 1 where weights can collide, or stick within a step,
-for 2 where they stick or slide at the end of one and two runs are all there are).
-If that is more than the tolerance, every step is divided again, into as many parts as it takes.
+for 2 where they stick or slide at the end of one and two runs are all there are, for 1 from where
+steps at rest have held their signals).  If that is more than the tolerance, every step is divided
+again, into as many parts as it takes.
 
 Hairer, Norsett & Wanner 1993, II.4: Richardson's extrapolation, here of the run as a whole.
 """
@@ -26,10 +27,10 @@ from .names import kin, stations
 from .plan import MOTOR
 from .recorder import Recorder, Signal
 from .scales import least_motion
-from .schedule import force_jumps
+from .schedule import fewest_chosen, force_jumps, step_size
 from .schemes.adaptive import RESIDUAL_SHARE, RUNGS
 from .schemes.iterated import LOOSE
-from .schemes.prescribed import SLIVER
+from .schemes.prescribed import LONG, SLIVER
 
 ORDER = {3: 4, 5: 6}  # of the coupling, by that of the signals
 # forces that jump within a step; motion with collisions, met ones too, is no smooth function of the
@@ -38,6 +39,7 @@ ORDER_OF_JUMPS = 1
 # steps end where weights stick: where that is all but missed its time errs by the root of what
 # signals do
 ORDER_OF_EVENTS = 2
+ORDER_HELD = 1  # and all that follows
 LEFT = 2  # power of the parts with which what is left in the loop shrinks at least
 # of the tolerance, what a step of the first run may err; halved, it errs by 1/16 or 1/64
 SHARE = 300.0
@@ -91,6 +93,7 @@ class Controlled:
         """
         recorder = self._first(progress)
         grid, signals = recorder.columns()
+        held = _first_held(self.cosim.scene, grid)
         least = least_motion(self.cosim.scene)
         scale = {name: least.get(unit, 0.0) for name, unit in recorder.signal_units.items()}
         parts = 1
@@ -102,11 +105,16 @@ class Controlled:
                 if parts >= PARTING:
                     raise
                 continue
-            times, finer = recorder.columns()
-            at = np.searchsorted(times, grid * (1.0 - SLIVER))
+            points, finer = recorder.columns()
+            at = np.searchsorted(points, grid * (1.0 - SLIVER))
             finer = {name: values[at] for name, values in finer.items()}
-            apart = _apart(signals, finer, scale)
-            far, signals = apart >= ASYMPTOTIC, finer
+            times = parts / self.parts
+            apart = _apart(signals, finer, scale, slice(held))
+            at_rest = _apart(signals, finer, scale, slice(held, None))
+            far, signals = max(apart, at_rest) >= ASYMPTOTIC, finer
+            # as far as runs would be apart that err so by their own order
+            ahead = 1.0 if far else (times**self.highest_order - 1.0) / (times**ORDER_HELD - 1.0)
+            apart = max(apart, ahead * at_rest)
             # of motions that part no run says more than the one before
             if self._kept(apart, far, parts) or parts >= (PARTING if far else MOST_PARTS):
                 return recorder
@@ -175,6 +183,12 @@ def _motion(scene: Scene) -> list[str]:
     return names + [f"{b.label}.{v}" for b in scene.balancer for v in b.records if v != "clearance"]
 
 
+def _first_held(scene: Scene, grid: Signal) -> int:
+    """The first point that a step with held signals led to; the number of points if none did."""
+    lengths = np.append(np.diff(grid), math.inf)
+    return int(np.argmax(lengths > LONG * step_size(scene, fewest_chosen(scene)))) + 1
+
+
 def _divided(grid: Signal, parts: int) -> list[float]:
     """Points that divide every step between those of a grid."""
     shares = np.arange(parts) / parts
@@ -183,9 +197,9 @@ def _divided(grid: Signal, parts: int) -> list[float]:
 
 
 def _apart(
-    one: Mapping[str, Signal], other: Mapping[str, Signal], least: Mapping[str, float]
+    one: Mapping[str, Signal], other: Mapping[str, Signal], least: Mapping[str, float], at: slice
 ) -> float:
-    """Largest difference of signals at common times, each over the largest value of its kind.
+    """Largest difference of signals at some common times, each over the largest value of its kind.
 
     `least` is by signal the smallest that this value is taken to be.
     """
@@ -194,7 +208,7 @@ def _apart(
     sizes = {n: max(least[n], float(np.abs(other[n]).max())) for n in compared}
     worst = 0.0
     for name in compared:
-        gap = float(np.abs(other[name] - one[name]).max())
+        gap = float(np.abs(other[name] - one[name])[at].max(initial=0.0))
         scale = max(sizes[related] for related in kin(name, compared))
         worst = max(worst, gap / scale if scale else gap)
     return worst

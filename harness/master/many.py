@@ -117,11 +117,12 @@ def _reduced(
     pairs = signals[:, :, :places].reshape(*signals.shape[:2], -1, 2)
     if heavy:  # a sag is no vibration
         pairs = pairs - pairs[:, -((pairs.shape[1] - 1) // turns) :].mean(axis=1, keepdims=True)
-    each = np.hypot(pairs[..., 0], pairs[..., 1])
-    last = each[:, -(each.shape[1] // turns) :].max(axis=1)
-    amplitude = each.max(axis=2)
-    envelope = amplitude[:, 1:].reshape(len(ends), turns, -1).max(axis=2)
-    largest, residual = amplitude.max(axis=1), envelope[:, -1]
+    squares = pairs[..., 0] ** 2 + pairs[..., 1] ** 2  # roots are taken of what is left of them
+    last = np.sqrt(squares[:, -(squares.shape[1] // turns) :].max(axis=1))
+    of_all = squares.max(axis=2)
+    envelope = np.sqrt(of_all[:, 1:].reshape(len(ends), turns, -1).max(axis=2))
+    residual = envelope[:, -1]
+    largest = np.maximum(np.sqrt(of_all[:, 0]), envelope.max(axis=1))
     away = np.abs(envelope - residual[:, None]) > SETTLED * largest[:, None]
     last_away = turns - np.argmax(away[:, ::-1], axis=1)
     steady = np.abs(envelope[:, -2] - residual) <= STEADY * largest

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterable, Sequence
+from functools import cache
 
 AXES = {"rotor": ("xi", "eta"), "fixed": ("x", "y")}  # of coupling signals, by the units' frame
 _AXIS = re.compile(r"(^v?|_)(x|y|xi|eta)$")  # x, vx, a_x, F_xi: one part of a vector
@@ -76,6 +77,7 @@ def by_unit(names: Iterable[str]) -> dict[str, list[str]]:
     return found
 
 
+@cache
 def readable(unit: str) -> str:
     """A unit of measurement as people write it: `kg.m2/s2` is kg m^2/s^2."""
     return _POWER.sub(r"^\1", unit.replace(".", " "))

@@ -10,10 +10,9 @@ from ...fmus.composite.build import build_composite
 from ...fmus.composite.composition import Composition, Part
 from ..errors import SceneError
 from ..scene import Scene
-from ..scene.run import FEWEST_CHOSEN
 from .plan import ROTOR, plan
 from .runtime import runtime
-from .schedule import as_run, end_time, step_size
+from .schedule import as_run, end_time, fewest_chosen, step_size
 
 
 def composition(scene: Scene) -> Composition:
@@ -36,7 +35,7 @@ def composition(scene: Scene) -> Composition:
     start = {
         "coupling.tolerance": coupling.tolerance or 0.0,
         "coupling.steps_per_rev": float(coupling.steps_per_rev or 0),
-        "coupling.fewest_steps_per_rev": float(coupling.fewest_steps_per_rev or FEWEST_CHOSEN),
+        "coupling.fewest_steps_per_rev": float(fewest_chosen(scene)),
         **drive(scene),
     }
     parts = [

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import time as clock
 from collections.abc import Callable, Iterator, Sequence
+from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -97,8 +98,7 @@ class OneFileRun(Closing):
                 over = len(rows) < most
                 recorder.extend(rows)
                 self.time = float(rows[-1, 0]) if len(rows) else self.time
-                if clock.perf_counter() - begun < SLICE / MORE:
-                    most *= MORE
+                most = _adapted(most, clock.perf_counter() - begun)
                 if not over:
                     recorder.refuse_too_much(self.time / end)
                 if progress:
@@ -165,6 +165,14 @@ class Part:
         self._run.read(*group)
 
 
+def _adapted(most: int, took: float) -> int:
+    """Rows of the next call, where this one with so many `took` so long [s]."""
+    if took < SLICE / MORE:
+        return most * MORE
+    return max(FIRST_ROWS, most // MORE) if took > SLICE else most
+
+
+@lru_cache(maxsize=4096)
 def _owned(name: str) -> tuple[str, str]:
     """Unit and variable of a name in the one file: `der(balls.F_xi)` is `der(F_xi)` of `balls`."""
     der = "der(" * name.startswith("der(")

@@ -121,13 +121,13 @@ class Plan:
 
     def inputs(self, *kinds: Kind) -> dict[Port, list[Port]]:
         """Every single input with the outputs whose sum it takes; slopes are left out."""
-        found: dict[Port, list[Port]] = {}
+        sources_of: dict[Port, list[Port]] = {}
         for c in self.connections:
             if c.kind in kinds:
                 ends = self.variables(c.source, c.kind), self.variables(c.target, c.kind)
                 for source, target in zip(*ends, strict=True):
-                    found.setdefault(target, []).append(source)
-        return found
+                    sources_of.setdefault(target, []).append(source)
+        return sources_of
 
     def variables(self, port: Port, kind: Kind) -> list[Port]:
         """The single variables of a port: two of a signal."""
@@ -284,25 +284,25 @@ def refuse_other_build(path: Path, unit: UnitPlan) -> None:
     try:
         if is_present_build(path, unit.model, **unit.sizes):
             return
-        found = options_of(path)
+        built = options_of(path)
     except ValueError as error:
         raise UnitError(str(error)) from error
     except OSError as error:
         raise UnitError(f"{path}: cannot be read: {error.strerror or error}") from error
     different = [
-        f"{key} = {found[key]} instead of {value}"
+        f"{key} = {built[key]} instead of {value}"
         for key, value in {
             "unit": unit.model,
             "frame": "rotor",
             "order": 3,
             **unit.sizes,
         }.items()
-        if key in found and found[key] != value
+        if key in built and built[key] != value
     ]
     why = "its content is not what this installation builds"
     if different:
         why = f"it was built with {', '.join(different)}"
-    elif not found:
+    elif not built:
         why = "it is not from `autobalancer build`"
     raise UnitError(
         f"{path}: is of a different build than {unit.name!r} of this scene needs: {why}; build "

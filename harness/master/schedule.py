@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 
 from ..scene import Scene
-from ..scene.run import DEFAULT_STEPS, UNCORRECTED
+from ..scene.run import DEFAULT_STEPS, FEWEST_CHOSEN, UNCORRECTED
 from .runtime import runtime
 from .system import System
 
@@ -65,6 +65,11 @@ def at_fixed_steps(scene: Scene) -> Scene:
 def steps_per_rev(scene: Scene) -> int:
     """Communication steps a revolution (at the highest speed of a run-up)."""
     return scene.coupling.steps_per_rev or DEFAULT_STEPS
+
+
+def fewest_chosen(scene: Scene) -> int:
+    """Steps a revolution that a tolerance chooses at least, until all rests in the rotor."""
+    return scene.coupling.fewest_steps_per_rev or FEWEST_CHOSEN
 
 
 def step_size(scene: Scene, steps: int | None = None) -> float:

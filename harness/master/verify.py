@@ -116,15 +116,15 @@ def verified(
     while True:
         fine = controlled(scene, tolerance)
         again, finer = _repeated(loaded(fine), result, report)
-        found = compared(scene, result, again, finer)
-        worst = max(found.relative.values())
+        verification = compared(scene, result, again, finer)
+        worst = max(verification.relative.values())
         # a first run as exact as the second's loop is closed measures nothing but that loop
         if fine is scene or worst >= CLOSED * tolerance or tolerance <= TIGHTEST:
             break
         tolerance = max(worst / FINER, TIGHTEST)
-    found = replace(found, seconds=clock.perf_counter() - begun)
-    events = (*result.events, *filter(None, [found.note()]))
-    return replace(result, verification=found, events=events)
+    verification = replace(verification, seconds=clock.perf_counter() - begun)
+    events = (*result.events, *filter(None, [verification.note()]))
+    return replace(result, verification=verification, events=events)
 
 
 def _repeated(

@@ -197,13 +197,13 @@ def _place(item: int, one: Variable) -> tuple[int, ...]:
 def _program() -> str:
     """The package's sources: other ones might compute something else."""
     root = Path(__file__).resolve().parents[2]
-    found = hashlib.sha256()
+    content = hashlib.sha256()
     for folder in ("models", "fmus", "harness"):
         for path in sorted((root / folder).rglob("*.[pch]*")):
             name = path.relative_to(root).as_posix()
             if path.suffix in (".py", ".c", ".h") and not name.startswith(_MADE):
-                found.update(name.encode() + path.read_bytes())
-    return f"autobalancer {found.hexdigest()[:16]}"
+                content.update(name.encode() + path.read_bytes())
+    return f"autobalancer {content.hexdigest()[:16]}"
 
 
 def _refuse_foreign(path: Path, theirs: Mapping[str, Any], ours: Mapping[str, str]) -> None:

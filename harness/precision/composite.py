@@ -1,4 +1,7 @@
-"""The scene's composite as a method: its coupling in C, called once for a whole run."""
+"""The scene's composite as a method: its coupling in C, called once for a whole run.
+
+Its signals are read where its steps end, as those of the other couplings and of SciPy are.
+"""
 
 from __future__ import annotations
 
@@ -10,11 +13,11 @@ import numpy as np
 from ...fmus.composite.batch import Runs
 from ..errors import SimulationError
 from ..master.one_file import composition
-from ..master.schedule import end_time, step_size
+from ..master.schedule import end_time
 from ..scene import Scene
 from .runner import Run
 
-POINTS_PER_REV = 10  # at which signals are read, where a tolerance chooses the steps
+MORE = 16  # points than steps: of those at the start and at jumps
 REPEATS = 10  # in one call: making the units once is loading, and a run takes less than a ms
 
 
@@ -26,12 +29,12 @@ class CompositeRunner:
     """
 
     def __init__(self, scene: Scene, names: Sequence[str]) -> None:
-        self._names, end = list(names), end_time(scene)
-        fixed = scene.coupling.tolerance is None
-        points = round(end / step_size(scene, None if fixed else POINTS_PER_REV))
-        self._runs = Runs(composition(scene), [], [*names, "coupling.steps"], points)
-        self._time = end * (np.arange(points + 1) / points)
-        self._end = np.full(REPEATS, end)
+        self._names, self._end = list(names), np.full(REPEATS, end_time(scene))
+        made, asked = composition(scene), [*names, "coupling.steps"]
+        found, (reason, _) = Runs(made, [], ["coupling.steps"], 1)(np.empty((2, 0)), self._end[:2])
+        if reason:
+            raise SimulationError(reason)
+        self._runs = Runs(made, [], asked, int(found[0, -1, 0]) + MORE, own_steps=True)
 
     def run(self) -> Run:
         begun = clock.process_time()
@@ -39,10 +42,8 @@ class CompositeRunner:
         seconds = (clock.process_time() - begun) / REPEATS
         if reason:
             raise SimulationError(reason)
-        *signals, steps = found[0].T
-        return Run(
-            seconds, self._time, dict(zip(self._names, signals, strict=True)), int(steps[-1])
-        )
+        time, *signals, steps = found[0, ~np.isnan(found[0, :, 0])].T
+        return Run(seconds, time, dict(zip(self._names, signals, strict=True)), int(steps[-1]))
 
     def close(self) -> None:
         pass

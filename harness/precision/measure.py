@@ -141,12 +141,12 @@ def precision(
 def all_methods(scene: Scene) -> list[Method]:
     """Every method that could run the scene."""
     exchanges = any(not isinstance(b, LiquidBalancer) or b.inertia_as_force for b in scene.balancer)
-    found = coupling_methods(exchanges)
+    methods = coupling_methods(exchanges)
     if exchanges and scene.takes_quintics:
-        found += quintic_methods()
+        methods += quintic_methods()
     if exchanges:
-        found += [Method(LIBCOSIM, 0, n) for n in LIBCOSIM_STEPS]
-    return found + monolith_methods()
+        methods += [Method(LIBCOSIM, 0, n) for n in LIBCOSIM_STEPS]
+    return methods + monolith_methods()
 
 
 class _Bench:
@@ -241,9 +241,9 @@ def observed_orders(points: Sequence[Point], own: float) -> dict[str, float]:
     for point in points:
         if point.error and point.work and TWO_DECADES * own < point.error < ASYMPTOTIC:
             families.setdefault(point.method.family, []).append((point.work, point.error))
-    found = {}
+    orders = {}
     for family, pairs in families.items():
         work, errors = np.log(sorted(pairs)[-3:]).T
         if np.ptp(work) > 0.0:
-            found[family] = -float(np.polyfit(work, errors, 1)[0])
-    return found
+            orders[family] = -float(np.polyfit(work, errors, 1)[0])
+    return orders

@@ -132,6 +132,9 @@ def one_turn_multipliers(
         systems: of one size d.
         which: (b,) indices into `systems`.
         speeds: (b,) [rad/s], positive.
+
+    Raises:
+        OverflowError: one is so slow that a turn's motion is no finite number.
     """
     steady = np.stack([s.steady for s in systems])
     cosine = np.stack([s.cosine for s in systems])
@@ -147,7 +150,12 @@ def one_turn_multipliers(
             mean, each = _harmonics_of(steady[system], w), w[:, None, None]
             swings = (part[system][:, ~held] / each for part in (cosine, sine))
             at_nodes = partial(_at_nodes, (mean[:, ~held], *swings), int(count))
-            turn: NDArray = half_turn(at_nodes, int(count), (held, mean[:, held]))
+            with np.errstate(over="ignore", invalid="ignore"):  # told below
+                turn: NDArray = half_turn(at_nodes, int(count), (held, mean[:, held]))
+            finite = np.isfinite(turn).all(axis=(1, 2))
+            if not finite.all():
+                slowest = speeds[rows][~finite].min()
+                raise OverflowError(f"{slowest:g} rad/s: no double holds the motion of one turn")
             result[rows] = np.linalg.eigvals(turn) ** 2
     return result
 

@@ -94,16 +94,16 @@ class Trajectory:
         """
         owner, _, rest = name.partition(".")
         match = _INDEXED.fullmatch(rest)
-        found = None
+        values = None
         if match:
             kind, index, what = match[1], int(match[2] or 1) - 1, match[3]
             if owner == "rotor":
-                found = self._rotor_signal(kind, index, what)
+                values = self._rotor_signal(kind, index, what)
             elif any(m.name == owner for m in self.assembly.balancers):
-                found = self._balancer_signal(self._mounted(owner), kind, index, what)
-        if found is None:
+                values = self._balancer_signal(self._mounted(owner), kind, index, what)
+        if values is None:
             raise KeyError(f"{name}: no such signal; there are {', '.join(self.names())}")
-        return found
+        return values
 
     __getitem__ = signal
 
@@ -170,12 +170,12 @@ def differences(reference: Trajectory, other: Trajectory) -> dict[str, float]:
     for name in names:
         kind = _kind(name)
         largest[kind] = max(largest.get(kind, 0.0), reach[name])
-    found = {}
+    gaps = {}
     for name in names:
         gap = float(np.abs(other.signal(name) - reference.signal(name)).max())
         scale = max(reach[name], _STILL * largest[_kind(name)])
-        found[name] = gap / scale if gap > 0.0 and scale > 0.0 else gap
-    return found
+        gaps[name] = gap / scale if gap > 0.0 and scale > 0.0 else gap
+    return gaps
 
 
 def _kind(name: str) -> str:

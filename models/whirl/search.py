@@ -69,7 +69,7 @@ def main_whirl(assembly: Assembly, speed: float) -> MainWhirl:
     """
     if not assembly.weights:
         raise NoWhirl("no weights")
-    found: list[MainWhirl] = []
+    whirls: list[MainWhirl] = []
     starts, drifting = _starts(assembly, speed)
     for number, start in enumerate(starts):
         try:
@@ -80,22 +80,22 @@ def main_whirl(assembly: Assembly, speed: float) -> MainWhirl:
         if whirl.drift > _SLOW * speed:
             continue
         size = float(whirl.amplitude.max())
-        if any(abs(size - float(f.whirl.amplitude.max())) <= _ALIKE * size for f in found):
+        if any(abs(size - float(f.whirl.amplitude.max())) <= _ALIKE * size for f in whirls):
             continue
-        found.append(MainWhirl(whirl, growth_rate(whirl)))
-        if len(found) == 1 and found[0].stable:
+        whirls.append(MainWhirl(whirl, growth_rate(whirl)))
+        if len(whirls) == 1 and whirls[0].stable:
             break
-    stable = [f for f in found if f.stable]
+    stable = [f for f in whirls if f.stable]
     if stable:
         return min(stable, key=lambda f: float(f.whirl.amplitude.max()))
-    if drifting and not any(f.whirl.family.size for f in found):
+    if drifting and not any(f.whirl.family.size for f in whirls):
         raise NotCovered(
             f"at {speed:g} rad/s the weights of an anisotropic rotor could keep their planes at "
             "rest in the mean in many ways, and drift among them: run the scene"
         )
-    if not found:
+    if not whirls:
         raise NoWhirl(f"no steady whirl at {speed:g} rad/s: the weights keep moving in the rotor")
-    return min(found, key=lambda f: f.growth)
+    return min(whirls, key=lambda f: f.growth)
 
 
 def whirl_growth(assembly: Assembly, speed: float) -> float:
@@ -197,16 +197,16 @@ def _apart(assembly: Assembly, whirl: Whirl) -> Whirl:
     size = np.concatenate([sizes for _, sizes in tracks])
     if size.max() == 1:
         return whirl
-    found = whirl_near(joined, whirl.speed, WeightTable.of(joined).angle)
+    beside = whirl_near(joined, whirl.speed, WeightTable.of(joined).angle)
     # what drives the outer ones apart; in the mean, as a gap of half a turn stays small
-    apart = (found.acceleration * np.exp(-1j * found.theta)).real.mean(axis=0)
+    apart = (beside.acceleration * np.exp(-1j * beside.theta)).real.mean(axis=0)
     if (apart[size > 1] >= 0.0).any():
         raise NoWhirl("weights that touch are driven apart")
     first = 0
     for alpha, sizes in tracks:
-        _refuse_overlap(found.angles[first : first + len(sizes)], np.array(sizes), alpha)
+        _refuse_overlap(beside.angles[first : first + len(sizes)], np.array(sizes), alpha)
         first += len(sizes)
-    return found
+    return beside
 
 
 def _refuse_overlap(angles: Array, sizes: np.ndarray, alpha: float) -> None:

@@ -185,9 +185,9 @@ def unfelt_turns(table: WeightTable, rows: Array, angles: Array, which: NDArray)
     moments = (1j * np.exp(1j * angles[on]) * table.moment[on])[:, None] * rows[on]
     _, values, turns = np.linalg.svd(np.vstack([moments.real.T, moments.imag.T]))
     rank = int((values > _UNFELT * values.max()).sum())
-    found = np.zeros((len(angles), len(on) - rank))
-    found[on] = turns[rank:].T
-    return found
+    turning = np.zeros((len(angles), len(on) - rank))
+    turning[on] = turns[rank:].T
+    return turning
 
 
 def whirl_near(
@@ -208,10 +208,10 @@ def whirl_near(
     count = FEWEST if not assembly.rotor.isotropic else 2
     while count <= MOST:
         equations = _Equations(assembly, speed, count, drifting)
-        found = _newton(equations, _resampled(np.atleast_2d(theta), count))
-        if found is None:
+        solution = _newton(equations, _resampled(np.atleast_2d(theta), count))
+        if solution is None:
             raise NoWhirl(f"no steady whirl found at {speed:g} rad/s from these angles")
-        theta = found
+        theta = solution
         highest = np.abs(np.fft.fft(theta, axis=0, norm="forward")[count // 2])
         if count == 2 or highest.max(initial=0.0) <= _RESOLVED:
             return equations.whirl(theta)

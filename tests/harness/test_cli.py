@@ -164,6 +164,17 @@ def test_build_makes_exactly_the_units_of_a_scene_and_run_takes_them(invoke, tmp
     assert "weights" in outcome.stderr
 
 
+@pytest.mark.parametrize("form", [[], ["--one-file"], ["--ssp"]])
+def test_a_place_that_takes_no_fmu_is_refused_before_anything_is_built(invoke, monkeypatch, form):
+    def compiled(*_):
+        raise AssertionError("compiling can take minutes")
+
+    monkeypatch.setattr("autobalancer.fmus.native.compile._made", compiled)
+    outcome = invoke("build", "two_balls", "-o", "/proc/made", *form)
+    assert outcome.exit_code == 2, outcome.output
+    assert "/proc/two_balls" in outcome.stderr or "/proc/RotorOnSupports.fmu" in outcome.stderr
+
+
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [

@@ -9,7 +9,7 @@ import pytest
 
 from autobalancer.harness import SceneError, check, load_scene
 from autobalancer.harness.checks.registry import parts_of
-from autobalancer.harness.checks.rig import BALLS_SETTLE
+from autobalancer.harness.checks.rig import BALLS_SETTLE, BANDS, peak
 from autobalancer.harness.checks.rig_data import (
     RPM,
     at,
@@ -20,7 +20,15 @@ from autobalancer.harness.checks.rig_data import (
     swept,
     with_washers,
 )
-from autobalancer.harness.checks.rig_quantities import Quantity, models, models_with_balls, table
+from autobalancer.harness.checks.rig_quantities import (
+    GRID,
+    PROMINENT,
+    Quantity,
+    models,
+    models_with_balls,
+    table,
+)
+from autobalancer.harness.checks.rig_reasons import HOLDING
 from autobalancer.harness.checks.rig_sweeps import FITTED_DRAG, gained, lost
 from autobalancer.models.harmonic_balance import largest_displacement, unbalance_response
 from autobalancer.models.papers.influence import influence
@@ -61,6 +69,25 @@ def test_bearings_with_friction_move_as_harmonic_balance_says():
     found = steady(scene.replace({"coupling.steps_per_rev": 20}), 3, speeds, 150)
     mean = 1e3 * expected[:, [0, 2]].mean(axis=1)
     assert found == pytest.approx(mean, rel=0.015)  # 20 points a revolution
+
+
+def test_sliders_that_move_the_peak_along_x_as_the_rig_does_take_half_its_height():
+    """What no slider can do: why the critical speed of two washers does not hold."""
+    scene, band = load_scene("bristol_friction").replace(HOLDING), BANDS["cylindrical x"]
+    for washers in (2, 3, 4):
+        rotor = with_washers(scene, washers).assembly().rotor
+        found = largest_displacement(unbalance_response(rotor, GRID * RPM))
+        mean = 1e3 * found[:, [0, 2]].mean(axis=1)
+        rig = [response(washers, 0, falling=way) for way in (0, 1)]
+        speed = np.mean([peak(curve, band, PROMINENT) for curve in rig])
+        assert peak((GRID, mean), band, PROMINENT) == pytest.approx(speed, rel=0.05)
+        inside = (band[0] < GRID) & (band[1] > GRID)
+        assert mean[inside].max() < 0.85 * min(_highest(curve, band) for curve in rig)
+
+
+def _highest(curve, band):
+    speeds, amplitude = curve
+    return amplitude[(band[0] < speeds) & (speeds < band[1])].max()
 
 
 def test_a_slow_sweep_meets_the_amplitudes_at_constant_speed(rig):

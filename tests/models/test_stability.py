@@ -368,6 +368,8 @@ def test_wrong_speeds_are_refused():
     for speed in (0.0, -1.0, math.nan):
         with pytest.raises(ValueError, match="rad/s"):
             growth_rates(balls(), speed)
+    with pytest.raises(OverflowError, match="1e-300 rad/s: no double holds"):
+        growth_rates(balls(), [1e-300, 1.0])
     with pytest.raises(ValueError, match="ascending"):
         balancing_boundaries(balls(), 3.0, 2.0)
 

@@ -10,7 +10,9 @@ import time
 import numpy as np
 import pytest
 
+from autobalancer.fmus.composite.batch import Runs
 from autobalancer.harness import Scene, UserError, cosimulate, cosimulate_many, load_scene
+from autobalancer.harness.master.one_file import composition
 
 DRAGS = [0.008, 0.0125, 0.02, 0.05]
 UNBALANCES = [0.01, 0.025, 0.03, 0.07]
@@ -153,3 +155,31 @@ def test_memory_does_not_grow_with_runs(scene):
     cosimulate_many(scene, {"weights.drag": np.full(5000, 0.0125)})
     grown = (resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - before) * unit
     assert grown < 20e6
+
+
+@pytest.mark.parametrize("coupling", [{"tolerance": 1e-3}, {"steps_per_rev": 20}])
+def test_a_run_is_read_where_its_own_steps_end(coupling):
+    """As often as it steps, and as an evenly read run of the same scene that meets these times."""
+    scene = load_scene("balls_and_liquid").replace(
+        {"run.revolutions": 60, **{f"coupling.{key}": value for key, value in coupling.items()}}
+    )
+    asked, made, end = ["rotor.x", "balls.moment_xi", "coupling.steps"], composition(scene), 1.5
+    none, ends = np.empty((2, 0)), np.full(2, end)
+    found, reasons = Runs(made, [], asked, 3000, own_steps=True)(none, ends)
+    assert reasons == ["", ""]
+    assert np.array_equal(found[0], found[1], equal_nan=True)
+    time, x, moment, steps = found[0, ~np.isnan(found[0, :, 0])].T
+    assert (time[0], time[-1]) == (0.0, pytest.approx(end))
+    assert (np.diff(steps) <= 1).all()
+    assert steps[-1] == pytest.approx(len(time), abs=3)
+    even, _ = Runs(made, [], asked, 3)(none[:1], ends[:1])
+    assert even[0, -1, :2] == pytest.approx([x[-1], moment[-1]], rel=1e-9, abs=1e-16)
+
+
+def test_a_run_that_is_read_where_its_steps_end_says_why_it_failed():
+    scene = load_scene("two_balls").replace({"run.revolutions": 2})
+    runs = Runs(composition(scene), ["weights.mass"], ["rotor.x"], 200, own_steps=True)
+    found, reasons = runs(np.array([[0.1], [-1.0]]), np.full(2, 1.0))
+    assert not reasons[0]
+    assert "weights.mass" in reasons[1]
+    assert np.isnan(found[1]).all()

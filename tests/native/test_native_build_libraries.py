@@ -235,12 +235,12 @@ def _bytes(native: Path) -> dict[str, str]:
 
 
 def test_bytes_depend_on_nothing_but_the_sources(checkout, tmp_path):
-    names = ["x86_64-linux", "x86_64-windows", "aarch64-darwin"]
+    names = ["x86_64-windows", "aarch64-darwin"]  # Linux: the next test
     here = libraries(names)
     time.sleep(1.1)  # a PE file has a time in whole seconds
     native, run = checkout("another folder, ü")
     run(_MAKE.format(names), HOME="/nonexistent", TMPDIR=str(tmp_path), SOURCE_DATE_EPOCH="1")
-    assert len(here) == 3
+    assert len(here) == 2
     for path in here.values():
         copy = native / path.relative_to(compiler.SOURCES)
         assert copy.stat().st_mtime > path.stat().st_mtime + 1
@@ -248,6 +248,7 @@ def test_bytes_depend_on_nothing_but_the_sources(checkout, tmp_path):
 
 
 def test_an_edit_makes_the_libraries_stale_and_the_next_call_makes_them_anew(checkout, tmp_path):
+    """Before it, they are byte for byte those made elsewhere."""
     native, run = checkout("one")
     caches = {f"ZIG_{kind}_CACHE_DIR": str(tmp_path / "zig") for kind in ("LOCAL", "GLOBAL")}
     make = _MAKE.format("['x86_64-linux']")
@@ -256,6 +257,8 @@ def test_an_edit_makes_the_libraries_stale_and_the_next_call_makes_them_anew(che
         "print(stale(['x86_64-linux']), stamp())"
     )
     run(make, **caches)
+    library = libraries(["x86_64-linux"])["x86_64-linux"]
+    assert (native / library.relative_to(compiler.SOURCES)).read_bytes() == library.read_bytes()
     first = _bytes(native)
     fresh, stamp = run(stale).split()
     assert fresh == "False"

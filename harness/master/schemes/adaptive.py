@@ -86,7 +86,7 @@ class Adaptive:
         # what moves slowly is still on its way when its acceleration is small
         self._still_motion = 0.0 if jumps else self._still * min(1.0, slowest) ** 2
 
-    def loosen(self, share: float, residual: float, rung: float) -> None:
+    def loosen(self, share: float, residual: float, rung: int) -> None:
         """Before the first step: what a step may err, of the tolerance, and leave in the loop.
 
         `rung` is that of the first step.

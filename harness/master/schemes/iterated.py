@@ -48,6 +48,9 @@ CONVERGED = 1e-10  # residual of the forces relative to the largest force so far
 MAX_PASSES = 30  # quasi-Newton meets CONVERGED in two to six; more means it does not converge
 # per loop gain: what rounding leaves of a residual; forces err by it over the gain
 ROUNDING = 1e-12
+HELD = (
+    0.01  # of the residual allowed, what held signals may leave: no motion is to be kept up by it
+)
 CHANGE = 1e-3  # of the largest force: a disturbance that shows the loop's Jacobian
 LOOSE = 1e-3  # a fixed number of passes that leaves more of the force than this is reported
 
@@ -200,6 +203,7 @@ class Iterated:
         `held`: signals are held at the values they end with, whatever the order.
         """
         order = 0 if held else system.order
+        tolerance = max(self._least, HELD * self.tolerance) if held else self.tolerance
         self.newton.rescale(step)
         starts = [force.now for force in system.forces]
         ahead = [end_of(cubic, step) for cubic in predicted(system.forces, order)]
@@ -212,9 +216,9 @@ class Iterated:
             # of passes and steps that are taken back none counts: they can be far too large
             largest = max(self.largest, size(g_u))
             error = size(residual) / largest if largest else 0.0
-            if previous and error > max(self.tolerance, SLOW * previous[2]):
+            if previous and error > max(tolerance, SLOW * previous[2]):
                 self.newton.learn(previous[0], previous[1], residual)
-            if number == passes or not error > self.tolerance:
+            if number == passes or not error > tolerance:
                 break
             du = self.newton.correction(residual)
             previous = (du, residual, error)

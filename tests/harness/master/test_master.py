@@ -105,15 +105,14 @@ def test_tolerance_is_kept_through_a_run_up(against, tolerance):
     assert 8.0 in result.time, "the end of the ramp is a communication point"
 
 
-@pytest.mark.parametrize(("fewest", "steps"), [(None, 900), (1, 650)])
 @pytest.mark.parametrize("order", [3, 5])
-def test_at_rest_steps_last_many_revolutions_within_the_tolerance(against, fewest, steps, order):
+def test_at_rest_steps_last_many_revolutions_within_the_tolerance(against, order):
     """Eight a revolution, each taken in two, would be 3200."""
     runs = against("balls_and_liquid", {"run.revolutions": 200})
     coupling = {"tolerance": 1e-3, "steps_per_rev": None, "order": order}
-    result = runs.run({**coupling, "fewest_steps_per_rev": fewest})
+    result = runs.run(coupling)
     assert runs.of_range(result) <= 1e-3
-    assert result.steps < steps
+    assert result.steps < 900
     assert np.diff(result.time)[-3:].max() > 5.0 * 2.0 * math.pi / 250.0
 
 

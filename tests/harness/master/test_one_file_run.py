@@ -14,6 +14,7 @@ TOLERANCES = [
     ("run_up", {}),
     ("two_balls", {"coupling.tolerance": 1e-6}),
     ("two_balls", {"coupling.tolerance": 1e-7, "coupling.order": 5, "coupling.scheme": "auto"}),
+    ("two_balls", {"coupling.tolerance": 1e-4, "run.revolutions": 400}),  # comes to rest
     ("two_plane_rodrigues", {"coupling.tolerance": 1e-5, "run.revolutions": 5}),
     ("sommerfeld", {"coupling.tolerance": 1e-4, "run.revolutions": 30}),
     ("bristol_friction", {"coupling.tolerance": 1e-4, "run.revolutions": 3}),

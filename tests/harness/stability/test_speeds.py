@@ -314,6 +314,13 @@ def test_command_refuses_an_empty_range_with_exit_code_2(invoke):
     assert "range 5 to 4 rad/s" in outcome.output
 
 
+def test_a_speed_too_slow_for_a_turn_to_be_computed_is_told_and_not_raised(invoke):
+    arguments = ("speeds", "two_balls", "--range", 1e-300, 9, "--method", "criterion,floquet")
+    outcome = invoke(*arguments)
+    assert outcome.exit_code == 0, outcome.output
+    assert "floquet: does not apply: 1e-300 rad/s: no double holds" in outcome.output
+
+
 # -- check ----------------------------------------------------------------------------------------
 
 
