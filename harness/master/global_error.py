@@ -5,8 +5,9 @@ stable multiplies them.  So the run is done twice.  The first chooses its steps 
 errs (`schemes.adaptive`); the second takes every one of them in two, and is the result.  Where they
 meet they differ by 15 times the error of the second, for the coupling is of order 4 (with quintic
 signals of order 6, and by 63 times; taken for 1 where weights can collide, or stick within a step,
-and from where steps at rest have held their signals).  If that is more than the
-tolerance, every step is divided again, into as many parts as it takes.
+for 2 where they stick or slide at the end of one and two runs are all there are, for 1 from where
+steps at rest have held their signals).  If that is more than the tolerance, every step is divided
+again, into as many parts as it takes.
 
 Hairer, Norsett & Wanner 1993, II.4: Richardson's extrapolation, here of the run as a whole.
 """
@@ -27,7 +28,7 @@ from .plan import MOTOR
 from .recorder import Recorder, Signal
 from .scales import least_motion
 from .schedule import fewest_chosen, force_jumps, step_size
-from .schemes.adaptive import RUNGS
+from .schemes.adaptive import RESIDUAL_SHARE, RUNGS
 from .schemes.iterated import LOOSE
 from .schemes.prescribed import LONG, SLIVER
 
@@ -35,10 +36,16 @@ ORDER = {3: 4, 5: 6}  # of the coupling, by that of the signals
 # forces that jump within a step; motion with collisions, met ones too, is no smooth function of the
 # steps' errors
 ORDER_OF_JUMPS = 1
+# steps end where weights stick: where that is all but missed its time errs by the root of what
+# signals do
+ORDER_OF_EVENTS = 2
 ORDER_HELD = 1  # and all that follows
 LEFT = 2  # power of the parts with which what is left in the loop shrinks at least
 # of the tolerance, what a step of the first run may err; halved, it errs by 1/16 or 1/64
 SHARE = 300.0
+# the same where weights can stick: what is wrong by more stops them and lets them go in vain, and
+# so does what is left in the loop
+SHARE_OF_STICKING = 10.0
 FOLLOWED = 0.03  # of a signal: a step that errs by more does not follow it
 TIGHTER = (1.0, 30.0, 300.0, 3000.0)  # times, where longer steps do not come to the end
 FIRST_RUNG = 3 * RUNGS  # of the first step: it is taken back where it is too long
@@ -71,6 +78,7 @@ class Controlled:
         self.tolerance = cosim.scene.coupling.tolerance
         touching = any(balancer.can_meet for balancer in cosim.scene.balancer)
         jumping = touching or force_jumps(cosim.scene)
+        self._sticking = any(balancer.can_stick for balancer in cosim.scene.balancer)
         self.highest_order = ORDER_OF_JUMPS if jumping else ORDER[cosim.order]
         self.order: float = self.highest_order
         self.parts, self.error = 1, math.inf
@@ -113,19 +121,21 @@ class Controlled:
 
     def _kept(self, apart: float, far: bool, parts: int) -> bool:
         """Whether the tolerance is kept by a run so far `apart` from the one before."""
-        times, enough = parts / self.parts, self.tolerance
+        times, enough, order = parts / self.parts, self.tolerance, self.highest_order
         if self._apart and apart:  # three runs show by which order errors shrink
             shown = math.log1p(self._apart / apart) / math.log(self._times)
-            self.order = min(self.highest_order, max(shown, ORDER_OF_JUMPS))
-        elif self.order > ORDER_OF_JUMPS:
+            self.order = order = min(self.highest_order, max(shown, ORDER_OF_JUMPS))
+        elif self._sticking:
+            order = min(order, ORDER_OF_EVENTS)
+        elif order > ORDER_OF_JUMPS:
             enough *= AIM
-        self.error = apart if far else apart / (times**self.order - 1.0)
+        self.error = apart if far else apart / (times**order - 1.0)
         self.parts, self._times, self._apart = parts, times, apart
         return self.error <= enough
 
     def _first(self, progress: Report | None) -> Recorder:
         """The run that chooses its steps, which shorter ones may bring to its end."""
-        share = min(SHARE, FOLLOWED / self.tolerance)
+        share = SHARE_OF_STICKING if self._sticking else min(SHARE, FOLLOWED / self.tolerance)
         for times in TIGHTER[:-1]:
             try:
                 return self._run(1, None, progress, share / times)
@@ -151,7 +161,8 @@ class Controlled:
         cosim = self.cosim
         recorder = Recorder(cosim.units, self.names, _motion(cosim.scene))
         # what is left in the loop must shrink with the rest, or no run would show it
-        residual = min(self.tolerance, LOOSE) / parts ** max(self.highest_order, LEFT)
+        closed = RESIDUAL_SHARE if self._sticking else 1.0
+        residual = closed * min(self.tolerance, LOOSE) / parts ** max(self.highest_order, LEFT)
         if points is None:
             cosim.start(loosened=(share, residual, FIRST_RUNG))
         else:

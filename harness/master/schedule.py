@@ -17,6 +17,7 @@ class Drive:
 
     def __init__(self, scene: Scene, system: System) -> None:
         self._profile, self._system = scene.profile(), system
+        self.step = step_size(scene)
         self.acceleration = self._profile.acceleration(0.0)
         system.tell_speed = self.jumps
 

@@ -208,7 +208,8 @@ def integrate_dry(
     grips = Dry(system)
     y, t, left = grips.initial(initial), 0.0, MOST_EVENTS
     phase, absolute = grips.begun(y), rtol * grips.scales(initial)
-    states, solved = np.empty((len(time), system.size)), []
+    states = np.empty((len(time), system.size))
+    solved: list[tuple[Array, Array]] = []
 
     def keep(grips: Dry, phase: Phase, at: Array, found: Array) -> None:
         for moment, state in zip(at, found, strict=True):

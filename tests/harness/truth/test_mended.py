@@ -144,6 +144,13 @@ RIGHT = {
         {"speed": 1.037},
         {"revolutions": 1.5},
     ),
+    "a long run behind the end of a run-up, with a tolerance": scene(
+        planar(4.6, [910.0, 1100.0], [23.5, 0.14], 1.8e-4),
+        pendulums(1, 0.64, 0.023, kind="rollers", drag=0.0094, angles=[4.3]),
+        ramp(0.33, 1.35, 1.4),
+        {"revolutions": 12.0},
+        tolerance=1e-5,
+    ),
     "heavy liquid as a force on a lightly damped rotor": scene(*HEAVY_LIQUID, {"revolutions": 3.0}),
 }
 
