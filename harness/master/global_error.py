@@ -29,7 +29,6 @@ from .recorder import Recorder, Signal
 from .scales import least_motion
 from .schedule import fewest_chosen, force_jumps, step_size
 from .schemes.adaptive import RESIDUAL_SHARE, RUNGS
-from .schemes.iterated import LOOSE
 from .schemes.prescribed import LONG, SLIVER
 
 ORDER = {3: 4, 5: 6}  # of the coupling, by that of the signals
@@ -42,13 +41,8 @@ ORDER_OF_EVENTS = 2
 ORDER_HELD = 1  # and all that follows
 LEFT = 2  # power of the parts with which what is left in the loop shrinks at least
 # of the tolerance, what a step of the first run may err; halved, it errs by 1/16 or 1/64
-SHARE = 300.0
-# the same where weights can stick: what is wrong by more stops them and lets them go in vain, and
-# so does what is left in the loop
-SHARE_OF_STICKING = 10.0
-FOLLOWED = 0.03  # of a signal: a step that errs by more does not follow it
-TIGHTER = (1.0, 30.0, 300.0, 3000.0)  # times, where longer steps do not come to the end
-FIRST_RUNG = 3 * RUNGS  # of the first step: it is taken back where it is too long
+SHARES = (10.0, 1.0, 0.1)
+FIRST_RUNG = 10 * RUNGS  # of the first step: a fast mode is not seen by one that is longer
 # of the tolerance: what further parts are to leave, and two runs may say, for they do not tell by
 # which order errors shrink; if by 1.3 already, the tolerance is still kept within a factor of 3
 AIM = 0.3
@@ -135,13 +129,12 @@ class Controlled:
 
     def _first(self, progress: Report | None) -> Recorder:
         """The run that chooses its steps, which shorter ones may bring to its end."""
-        share = SHARE_OF_STICKING if self._sticking else min(SHARE, FOLLOWED / self.tolerance)
-        for times in TIGHTER[:-1]:
+        for share in SHARES[:-1]:
             try:
-                return self._run(1, None, progress, share / times)
+                return self._run(1, None, progress, share)
             except SimulationError:
                 continue
-        return self._run(1, None, progress, share / TIGHTER[-1])
+        return self._run(1, None, progress, SHARES[-1])
 
     def _next_parts(self) -> int:
         """Parts of each step of the first run that should keep the tolerance."""
@@ -161,8 +154,7 @@ class Controlled:
         cosim = self.cosim
         recorder = Recorder(cosim.units, self.names, _motion(cosim.scene))
         # what is left in the loop must shrink with the rest, or no run would show it
-        closed = RESIDUAL_SHARE if self._sticking else 1.0
-        residual = closed * min(self.tolerance, LOOSE) / parts ** max(self.highest_order, LEFT)
+        residual = RESIDUAL_SHARE * self.tolerance / parts ** max(self.highest_order, LEFT)
         if points is None:
             cosim.start(loosened=(share, residual, FIRST_RUNG))
         else:
