@@ -115,7 +115,8 @@ class Controlled:
 
     def _kept(self, apart: float, far: bool, parts: int) -> bool:
         """Whether the tolerance is kept by a run so far `apart` from the one before."""
-        times, enough, order = parts / self.parts, self.tolerance, self.highest_order
+        times, enough = parts / self.parts, self.tolerance
+        order: float = self.highest_order
         if self._apart and apart:  # three runs show by which order errors shrink
             shown = math.log1p(self._apart / apart) / math.log(self._times)
             self.order = order = min(self.highest_order, max(shown, ORDER_OF_JUMPS))

@@ -159,7 +159,7 @@ class Monolith:
         f_x -= self._damping_x @ v_x + gyro @ v_y + rotor.stiffness_x @ q_x + inner @ q_y
         f_y -= self._damping_y @ v_y - gyro @ v_x + rotor.stiffness_y @ q_y - inner @ q_x
         right = np.concatenate([f_x, f_y]) + np.broadcast_to(force, (2, n)).ravel()
-        a = np.linalg.solve(mass, right).reshape(2, n)
+        a: Array = np.linalg.solve(mass, right).reshape(2, n)
         a_x, a_y = (a @ lateral.T)[:, self._plane]
         if rotor.gravity:
             a = a + np.array([[rotor.gravity.real], [rotor.gravity.imag]])
