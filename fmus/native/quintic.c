@@ -1,15 +1,17 @@
 #include "quintic.h"
 
-void quintic_hermite(const double *start, const double *end, double step, double *higher)
+void quintic_hermite(const double *start, const double *end, int stride, double step,
+                     double *higher)
 {
+    const int one = stride, two = 2 * stride;
     const double per_step = 1.0 / step, square = per_step * per_step;
     /* by how much value, slope and second derivative of the end miss the parabola of the start */
-    const double value = 60.0 * (((end[0] - start[0]) * per_step - start[2]) * per_step - 0.5 * start[4]);
-    const double slope = 24.0 * ((end[2] - start[2]) * per_step - start[4]);
-    const double second = 3.0 * (end[4] - start[4]);
+    const double value = 60.0 * (((end[0] - start[0]) * per_step - start[one]) * per_step - 0.5 * start[two]);
+    const double slope = 24.0 * ((end[one] - start[one]) * per_step - start[two]);
+    const double second = 3.0 * (end[two] - start[two]);
     higher[0] = (value - slope + second) * per_step;
-    higher[2] = (7.0 * slope - 6.0 * value - 8.0 * second) * square;
-    higher[4] = (12.0 * value - 15.0 * slope + 20.0 * second) * (square * per_step);
+    higher[one] = (7.0 * slope - 6.0 * value - 8.0 * second) * square;
+    higher[two] = (12.0 * value - 15.0 * slope + 20.0 * second) * (square * per_step);
 }
 
 /* a + factor b. */

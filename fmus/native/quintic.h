@@ -6,8 +6,9 @@
 #include "complex_number.h"
 
 /* Derivatives 3 to 5 at the start of the quintic with these values, slopes and second derivatives;
-   every other number counts, as real or imaginary parts stand. */
-void quintic_hermite(const double *start, const double *end, double step, double *higher);
+   every `stride`-th number of each is meant: 1, or 2 for a part of complex ones. */
+void quintic_hermite(const double *start, const double *end, int stride, double step,
+                     double *higher);
 
 /* Value, slope and second derivative of a complex quintic `time` after its start. */
 void quintic_at(const Complex *quintic, double time, Complex *derivatives);

@@ -9,25 +9,7 @@ QuinticQuadrature quintic_quadrature_empty(void)
     return empty;
 }
 
-/* What value, slope and second derivative at the end of a quintic, and the last two at its start, add by
-   its derivatives of order 3 to 5; its value at the start takes off as much as that at the end adds. */
-enum { VALUE, SLOPE, SECOND, FROM_SLOPE, FROM_SECOND, ENDS };
-
-/* The same from the response t to g's derivatives 3 to 5; as quintic_hermite has it. */
-static void share_ends(const double *t, double step, double *by)
-{
-    const double p = 1.0 / step, t3 = p * t[0], t4 = p * p * t[1], t5 = p * p * p * t[2];
-    const double value = 60.0 * (t3 - 6.0 * t4 + 12.0 * t5);
-    const double slope = 24.0 * (7.0 * t4 - t3 - 15.0 * t5);
-    by[VALUE] = p * p * value;
-    by[SLOPE] = p * slope;
-    by[SECOND] = 3.0 * (t3 - 8.0 * t4 + 20.0 * t5);
-    by[FROM_SLOPE] = -(p * value + by[SLOPE]);
-    by[FROM_SECOND] = -(0.5 * value + slope + by[SECOND]);
-}
-
-/* Exact response of rate and angle over a step to the rate and to g's derivatives 0 to 5, and to a
-   quintic's ends. */
+/* Exact response of rate and angle over a step to the rate and to g's derivatives 0 to 5. */
 static const double *quadrature_of(QuinticQuadrature *memory, double damping_rate, double step)
 {
     double phi[8], power = 1.0;
@@ -39,8 +21,6 @@ static const double *quadrature_of(QuinticQuadrature *memory, double damping_rat
             power *= step;
             memory->response[7 + k] = power * phi[k + 1];
         }
-        share_ends(memory->response + 4, step, memory->response + 14);
-        share_ends(memory->response + 11, step, memory->response + 14 + ENDS);
         memory->damping_rate = damping_rate;
         memory->step = step;
     }
@@ -61,7 +41,7 @@ static void along_track_of(const Complex *motion, Complex direction, double rate
                along.re * faster - along.im * rate * rate;
 }
 
-/* What the shares t[k] make of value, slope and second derivative. */
+/* What the rates t[k] make of g's derivatives. */
 static double sum_of(const double *t, const double *g)
 {
     return t[0] * g[0] + t[1] * g[1] + t[2] * g[2];
@@ -75,8 +55,7 @@ static int substep(double *angle, double *angle_rate, const Complex *start, cons
     const Complex direction = complex_scaled(lever, complex_conjugate(unit));
     const double from = *angle;
     const double *s = response + 1, *t = response + 8; /* to g's derivatives */
-    const double *rate_by = response + 14, *angle_by = rate_by + ENDS;
-    double begin[3], reached[3];
+    double begin[3], reached[3], higher[3];
     double free_rate, free_angle, new_rate, new_angle, change = 1.0;
     int iteration;
     along_track_of(start, direction, *angle_rate, damping_rate, begin);
@@ -84,16 +63,13 @@ static int substep(double *angle, double *angle_rate, const Complex *start, cons
     free_angle = *angle + response[7] * *angle_rate + sum_of(t, begin);
     new_angle = free_angle;
     new_rate = free_rate;
-    free_rate += rate_by[FROM_SLOPE] * begin[1] + rate_by[FROM_SECOND] * begin[2] -
-                 rate_by[VALUE] * begin[0];
-    free_angle += angle_by[FROM_SLOPE] * begin[1] + angle_by[FROM_SECOND] * begin[2] -
-                  angle_by[VALUE] * begin[0];
     for (iteration = 0; iteration < MAX_ITERATIONS; iteration++) {
         const double last_angle = new_angle, last_rate = new_rate, last_change = change;
         along_track_of(end, direction_at(direction, new_angle - from, lever, new_angle), new_rate,
                        damping_rate, reached);
-        new_rate = free_rate + sum_of(rate_by, reached);
-        new_angle = free_angle + sum_of(angle_by, reached);
+        quintic_hermite(begin, reached, 1, step, higher);
+        new_rate = free_rate + sum_of(s + 3, higher);
+        new_angle = free_angle + sum_of(t + 3, higher);
         change = absolute(new_angle - last_angle) + absolute(new_rate - last_rate) * step;
         if (converged(change, last_change, new_angle)) {
             *angle = new_angle;

@@ -4,10 +4,10 @@
 
 #include "weights.h"
 
-/* As `Quadrature`, of g's derivatives of order 0 to 5 and of a quintic's ends. */
+/* As `Quadrature`, of g's derivatives of order 0 to 5. */
 typedef struct {
     double damping_rate, step;
-    double response[24];
+    double response[14];
 } QuinticQuadrature;
 
 QuinticQuadrature quintic_quadrature_empty(void);

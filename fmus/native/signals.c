@@ -54,6 +54,6 @@ void signal_quintic_hermite(const Complex *start, const Complex *end, double ste
     for (k = 0; k < 3; k++) {
         quintic[k] = start[k];
     }
-    quintic_hermite(&start->re, &end->re, step, &quintic[3].re);
-    quintic_hermite(&start->im, &end->im, step, &quintic[3].im);
+    quintic_hermite(&start->re, &end->re, 2, step, &quintic[3].re);
+    quintic_hermite(&start->im, &end->im, 2, step, &quintic[3].im);
 }

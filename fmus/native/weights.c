@@ -113,15 +113,6 @@ Quadrature quadrature_empty(void)
     return empty;
 }
 
-/* What `by` says, of the response t to g0..g3. */
-static void share_ends(const double *t, double step, double *by)
-{
-    const double per_step = 1.0 / step, third = 6.0 * per_step * t[3];
-    by[END_VALUE] = per_step * per_step * (6.0 * t[2] - 2.0 * third);
-    by[END_SLOPE] = per_step * (third - 2.0 * t[2]);
-    by[START_SLOPE] = per_step * (third - 4.0 * t[2]);
-}
-
 const double *quadrature(Quadrature *memory, double damping_rate, double step)
 {
     double phi[6], power = 1.0;
@@ -133,8 +124,6 @@ const double *quadrature(Quadrature *memory, double damping_rate, double step)
             power *= step;
             memory->response[5 + k] = power * phi[k + 1]; /* of the angle */
         }
-        share_ends(memory->response + 1, step, memory->response + 10);
-        share_ends(memory->response + 6, step, memory->response + 13);
         memory->damping_rate = damping_rate;
         memory->step = step;
     }
@@ -175,7 +164,6 @@ int weights_substep(double *angle, double *angle_rate, const Complex *ends, doub
                     Failure *failure)
 {
     const double *s = response + 1, *t = response + 6; /* to g0..g3 */
-    const double *rate_by = response + 10, *angle_by = response + 13; /* END_VALUE and so on */
     double g0, g1, free_rate, free_angle, new_rate, new_angle;
     const double start = *angle;
     const Complex direction = complex_scaled(lever, complex_conjugate(unit));
@@ -192,21 +180,14 @@ int weights_substep(double *angle, double *angle_rate, const Complex *ends, doub
     new_angle = free_angle;
     new_rate = free_rate;
     g0 += lag[0];
-    free_rate += rate_by[START_SLOPE] * g1 - rate_by[END_VALUE] * g0;
-    free_angle += angle_by[START_SLOPE] * g1 - angle_by[END_VALUE] * g0;
     for (iteration = 0; iteration < MAX_ITERATIONS; iteration++) {
         const double last_angle = new_angle, last_rate = new_rate, last_change = change;
-        const Complex there = direction_at(direction, new_angle - start, lever, new_angle);
-        const Complex pull = complex_product(ends[2], there), pulls = complex_product(ends[3], there);
-        const double slope = pulls.im - pull.re * new_rate;
-        double ahead, faster, pulled, sloped;
-        ahead = free_angle + angle_by[END_VALUE] * pull.im + angle_by[END_SLOPE] * slope - last_angle;
-        faster = free_rate + rate_by[END_VALUE] * pull.im + rate_by[END_SLOPE] * slope - last_rate;
-        /* the pull where that leads to, to first order: squares what an iteration gains */
-        pulled = pull.im - pull.re * ahead;
-        sloped = slope - (pulls.re + pull.im * new_rate) * ahead - pull.re * faster;
-        new_angle = free_angle + angle_by[END_VALUE] * pulled + angle_by[END_SLOPE] * sloped;
-        new_rate = free_rate + rate_by[END_VALUE] * pulled + rate_by[END_SLOPE] * sloped;
+        double pull, slope, g2, g3;
+        along(ends[2], ends[3],
+              direction_at(direction, new_angle - start, lever, new_angle), new_rate, &pull, &slope);
+        hermite(g0, g1, pull, slope, step, &g2, &g3);
+        new_rate = free_rate + s[2] * g2 + s[3] * g3;
+        new_angle = free_angle + t[2] * g2 + t[3] * g3;
         change = absolute(new_angle - last_angle) + absolute(new_rate - last_rate) * step;
         if (converged(change, last_change, new_angle)) {
             *angle = new_angle;

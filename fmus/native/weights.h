@@ -21,15 +21,11 @@ typedef struct {
     double radius;       /* of a body that rolls r [m] */
 } Weights;
 
-/* Exact response of rate and angle over a step to the rate and to g0..g3, remembered for one damping
-   rate and step; then what a cubic's ends, by its derivatives of order 2 and 3, add to the rate and to
-   the angle: its value at the start takes off as much as that at the end adds. */
+/* Exact response of angle and rate over a step, remembered for one damping rate and step. */
 typedef struct {
     double damping_rate, step;
-    double response[16];
+    double response[10];
 } Quadrature;
-
-enum { END_VALUE, END_SLOPE, START_SLOPE };
 
 /* 0, or what is not allowed. */
 int weights_check(const Weights *weights, Failure *failure);

@@ -157,7 +157,7 @@ Weights = _struct(
     count=c_int,
     **dict.fromkeys(["mass", "track_radius", "drag", "kappa", "radius"], c_double),
 )
-Quadrature = _struct("Quadrature", damping_rate=c_double, step=c_double, response=c_double * 16)
+Quadrature = _struct("Quadrature", damping_rate=c_double, step=c_double, response=c_double * 10)
 Liquid = _struct("Liquid", "chamber_radius float_radius height density")
 Track = _struct(
     "Track",
