@@ -28,6 +28,7 @@ from pathlib import Path
 from ..unit import alternatives
 from ..xml.archive import source, write
 from .layout import header
+from .macho import settled
 
 COMPILER = "0.17.1"  # version of ziglang: part of the stamp, another writes other bytes
 
@@ -42,9 +43,11 @@ FLAGS = ("-std=c99", "-ffp-contract=off", "-fno-math-errno")
 FAST, SMALL, SMALLEST = ("-O2",), ("-Os",), ("-Os", "-Xclang", "-Oz")
 HOT = ("propagator", "quintic_weights", "unit_rotor_step", "weights")
 COLD = (
-    *("composite_token", "decimal", "failure_words", "resource", "rotor_kinds", "text", "token"),
-    *("unit_derivatives", "unit_elements", "unit_messages", "unit_rotor_derivatives"),
-    *("unit_rotor_kinds", "unit_state_bytes", "unit_weights_derivatives", "variables"),
+    *("composite_scales", "composite_startup", "composite_token", "decimal", "failure_words"),
+    *("first_fall", "fmi3_interfaces", "fmi3_types", "resource", "rotor_kinds", "text", "token"),
+    *("unit_derivatives", "unit_elements", "unit_front", "unit_messages"),
+    *("unit_rotor_derivatives", "unit_rotor_kinds", "unit_state_bytes"),
+    *("unit_weights_derivatives", "variables"),
 )
 _WARNINGS = ("-Wall", "-Wextra", "-Wpedantic")
 # macOS headers would call checking variants of memcpy; without loops unrolled or made into vectors
@@ -241,7 +244,9 @@ def _compiled(platform: Platform, environment: dict[str, str]) -> bytes:
         output = Path(folder) / platform.library
         _zig([*target, *_LINK, *platform.link, *objects, "-o", str(output)], environment)
         library = output.read_bytes()
-    return _without_time(library) if windows else library
+    if windows:
+        return _without_time(library)
+    return settled(library) if platform.library.endswith(".dylib") else library
 
 
 def _import_library(folder: str, environment: dict[str, str]) -> str:

@@ -63,10 +63,7 @@ static void sparse_product(int parts, int size, int upper, const double *a, cons
     }
 }
 
-/* The first `upper` rows of e^matrix (size, size), in place, by a Taylor series and doubling of e^A - 1;
-   the other rows have zeros in the columns before `upper`.  scratch: 3 parts size^2 doubles. */
-static int exponential(int parts, int size, int upper, double *matrix, double *scratch,
-                       Failure *failure)
+int exponential(int parts, int size, int upper, double *matrix, double *scratch, Failure *failure)
 {
     const size_t count = (size_t)size * size * parts;
     double *scaled = scratch, *product = scaled + count, *from = product, *to = matrix, *kept;

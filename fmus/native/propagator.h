@@ -10,6 +10,10 @@
 #include "failure.h"
 #include "linear_rotor.h"
 
+/* The first `upper` rows of e^matrix (size, size), in place, by a Taylor series and doubling of e^A - 1;
+   rows from `upper` on have zeros in the columns before it.  scratch: 3 parts size^2 doubles. */
+int exponential(int parts, int size, int upper, double *matrix, double *scratch, Failure *failure);
+
 /* Elements in a row and rows of a step matrix; in doubles it has rows * columns * parts.
 
    orders: numbers that tell a force signal, value and derivatives: 4 of a cubic, 6 of a quintic. */

@@ -98,12 +98,13 @@ def events(facts: Facts) -> list[str]:
     elif facts.estimated_error >= SAID:
         notes.append(
             "steps too long for signals that vary faster: the motion errs by about "
-            f"{facts.estimated_error:.1g} of itself: use more steps_per_rev, or a tolerance"
+            f"{facts.estimated_error:.1g} of itself: use more coupling.steps_per_rev, or a "
+            "tolerance"
         )
     elif facts.unresolved:
         notes.append(
             f"{facts.unresolved} of {facts.steps} steps were too long for signals that "
-            "vary faster: use more steps_per_rev, or a tolerance"
+            "vary faster: use more coupling.steps_per_rev, or a tolerance"
         )
     elif (facts.scene.coupling.steps_per_rev or FEW) < FEW and exchanging(facts.scene):
         notes.append(

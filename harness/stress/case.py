@@ -21,7 +21,7 @@ from ..scene import Scene, load_scene
 UNEVEN = (2, 4, 6, 8, 10, 12, 14)  # powers of ten of the stiffness along y, 1e2 N/m along x
 LEFT_ALONE = 1e-2  # of the range: a picture would not show it; asked of the default coupling
 TOLERANCE = 1e-5  # asked of the runs with a tolerance
-TOO_COARSE = "use more steps_per_rev"  # what a run says of steps too long for its signals
+TOO_COARSE = "use more coupling.steps_per_rev"  # what a run says of steps too long for its signals
 FACTOR = 10.0  # by which the error that a run states of itself may be too small
 PROMISED = 3.0 * TOLERANCE  # what the error may be then
 REFERENCE_SHARE = 0.1  # of the error allowed: a reference less certain proves nothing

@@ -263,17 +263,20 @@ def test_exponential_keeps_a_soft_axis_beside_one_of_1e14(core):
     assert found[1, 3] == pytest.approx(math.sin(frequency * 1e-3) / frequency, rel=1e-14)
 
 
-@pytest.mark.parametrize("upper", [0, 3])
-def test_exponential_is_that_of_python(core, upper):
+@pytest.mark.parametrize("zeros", [0, 3])
+def test_exponential_is_that_of_python(core, zeros):
+    """In the rows before those that begin with zeros."""
     random = np.random.default_rng(3)
     for dtype, parts in ((float, 1), (complex, 2)):
         for size in (3, 6, 9):
             a = random.normal(size=(size, size)) * _log(random, 1e-6, 1e2)
             a = a + (1j * random.normal(size=a.shape) if parts == 2 else 0.0)
+            upper = max(3, size - zeros)
             a[upper:, :upper] = 0.0
-            found = np.array(a, dtype)
-            core.demand("exponential", parts, size, upper, found, np.empty(3 * parts * size**2))
-            assert _largest_difference(found, exponential(np.array(a, dtype))) < 1e-12
+            native = np.array(a, dtype)
+            core.demand("exponential", parts, size, upper, native, np.empty(3 * parts * size**2))
+            expected = exponential(np.array(a, dtype))
+            assert _largest_difference(native[:upper], expected[:upper]) < 1e-12
 
 
 def test_a_matrix_that_is_not_finite_is_refused(core):

@@ -189,7 +189,7 @@ def test_estimated_error_decides_whether_a_run_is_silent_told_or_refused():
     assert not fine.events
     assert stated_error(fine) == 0.0
     told = cosimulate(spinning("drum", 10, 40))  # real error 2 %
-    assert any("use more steps_per_rev" in event for event in told.events)
+    assert any("use more coupling.steps_per_rev" in event for event in told.events)
     assert resolution.SAID <= stated_error(told) < resolution.REFUSED
     with pytest.raises(SimulationError, match="times as far as they move at all"):
         cosimulate(spinning("drum", 20, 20))  # real error 14 times the range

@@ -178,7 +178,7 @@ def test_a_tolerance_on_a_perfectly_balanced_rotor_ends():
 def test_heavy_liquid_as_a_force_on_a_lightly_damped_rotor_is_not_wrong_in_silence():
     """Errors of the force push the rotor alone, a thirteenth of the loaded mass, all the time."""
     document = scene(*HEAVY_LIQUID, {"revolutions": 20.0}, steps_per_rev=40)
-    assert_only_more_steps_are_right(document, 400, "use more steps_per_rev")
+    assert_only_more_steps_are_right(document, 400, "use more coupling.steps_per_rev")
 
 
 def test_a_loop_that_repeats_its_own_error_is_refused():
@@ -190,7 +190,7 @@ def test_a_loop_that_repeats_its_own_error_is_refused():
         {"revolutions": 0.4745},
         steps_per_rev=40,
     )
-    words = r"has grown 2-fold .* use more steps_per_rev"
+    words = r"has grown 2-fold .* use more coupling.steps_per_rev"
     assert_only_more_steps_are_right(document, 1000, words)
 
 
