@@ -14,6 +14,7 @@ from __future__ import annotations
 
 import hashlib
 import importlib.util
+import lzma
 import os
 import subprocess
 import sys
@@ -94,7 +95,7 @@ PLATFORMS = {
 PAGE = "wasm32"
 _PAGE = Platform(
     "wasm32-wasi",
-    "autobalancer.wasm",
+    "autobalancer.wasm.xz",
     ("-fno-pic",),
     ("-Wl,--no-entry", "-Wl,-z,stack-size=1048576"),
     "wasm",
@@ -125,9 +126,9 @@ def libraries(platforms: Iterable[str] = PLATFORMS) -> dict[str, Path]:
     return _made(_known(platforms))
 
 
-def page_library() -> Path:
+def page_library() -> bytes:
     """The library for web pages; raises as `libraries`."""
-    return _made([PAGE])[PAGE]
+    return lzma.decompress(_made([PAGE])[PAGE].read_bytes())
 
 
 def _made(names: list[str]) -> dict[str, Path]:
@@ -206,7 +207,9 @@ def _compile(names: list[str]) -> None:
     with _caches() as environment:
         for name in names:
             library = _compiled(_TARGETS[name], environment)
-            _write(_library(name), library)
+            # a page holds it as text, whatever the form in which it is kept
+            packed = name == PAGE
+            _write(_library(name), lzma.compress(library, preset=9) if packed else library)
             _write(BINARIES / name / "stamp", current.encode())
 
 

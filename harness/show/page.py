@@ -32,7 +32,7 @@ def page(scene: Scene) -> str:
         "STYLE": _read("page.css"),
         "SCRIPT": "\n".join(_read(f"{name}.js") for name in _SCRIPTS),
         "DATA": data,
-        "UNITS": base64.b64encode(page_library().read_bytes()).decode("ascii"),
+        "UNITS": base64.b64encode(page_library()).decode("ascii"),
     }
     before, *pieces = _read("page.html").split("{{")
     filled = [before]
