@@ -11,9 +11,9 @@ import numpy as np
 
 from ...models.monolith import simulate
 from ..errors import SimulationError, UserError
-from ..master.cosimulation import CoSimulation
+from ..master.cosimulation import CoSimulation, Simulation
 from ..master.global_error import Controlled
-from ..master.many import cosimulate_many
+from ..master.one_file_run import OneFileRun
 from ..master.recorder import Recorder, recorded
 from ..master.schedule import at_fixed_steps, end_time
 from ..output.table import Sheet
@@ -30,17 +30,16 @@ class Costs:
 
     Attributes:
         family: of the scene.
-        units, composite: by the tolerance of a scene that asks for nothing; the composite, whose
-            time is that with its set-up, keeps it of a step.
-        units_given, composite_given: at the default number of given steps.
+        units, one_file: by the tolerance of a scene that asks for nothing.
+        units_given, one_file_given: at the default number of given steps.
         one_piece: LSODA.
     """
 
     family: str
     units: float
     units_given: float
-    composite: float
-    composite_given: float
+    one_file: float
+    one_file_given: float
     one_piece: float
 
 
@@ -62,17 +61,17 @@ def _costs(family: str, scene: Scene) -> Costs:
 
     return Costs(
         family,
-        _units(scene),
-        _units(given),
-        _one_file(scene),
-        _one_file(given),
+        _run(CoSimulation, scene),
+        _run(CoSimulation, given),
+        _run(OneFileRun, scene),
+        _run(OneFileRun, given),
         _shortest(one_piece),
     )
 
 
-def _units(scene: Scene) -> float:
+def _run(loaded: Callable[[Scene], Simulation], scene: Scene) -> float:
     names = list(recorded(scene))
-    with CoSimulation(scene) as cosim:
+    with loaded(scene) as cosim:
 
         def run() -> None:
             if scene.coupling.tolerance is not None:
@@ -82,11 +81,6 @@ def _units(scene: Scene) -> float:
                 cosim.record(Recorder(cosim.units, names), None)
 
         return _shortest(run)
-
-
-def _one_file(scene: Scene) -> float:
-    speed = {"speed": [scene.profile().start]}
-    return _shortest(lambda: cosimulate_many(scene, speed, threads=1))
 
 
 def _shortest(run: Callable[[], object]) -> float:
@@ -106,8 +100,9 @@ def cost_table(found: Sequence[Costs]) -> Sheet:
     ratios = {
         "units: over given steps": ("units", "units_given"),
         "over LSODA": ("units", "one_piece"),
-        "composite: over given steps": ("composite", "composite_given"),
-        "composite over LSODA": ("composite", "one_piece"),
+        "one file: over given steps": ("one_file", "one_file_given"),
+        "over given steps of units": ("one_file", "units_given"),
+        "one file over LSODA": ("one_file", "one_piece"),
     }
     rows = []
     for name in [*dict.fromkeys(one.family for one in found), "all"]:
