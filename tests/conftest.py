@@ -23,16 +23,17 @@ settings.load_profile("untimed")
 
 SLOW = (  # folders and files that take most of the time: `-m "not slow"` leaves them out
     "fmus/test_build", "fmus/test_host", "fmus/test_rotor", "harness/checks", "harness/design",
-    "harness/master/test_global_error", "harness/master/test_gravity",
-    "harness/master/test_master.py", "harness/master/test_schemes", "harness/output",
+    "harness/fit", "harness/master/test_global_error", "harness/master/test_gravity",
+    "harness/master/test_master.py", "harness/master/test_motor", "harness/master/test_schemes",
+    "harness/master/test_sticking", "harness/master/test_verify", "harness/output",
     "harness/pictures", "harness/precision", "harness/rotor", "harness/show", "harness/stability",
     "harness/stress", "harness/test_cli", "harness/test_fuzz", "harness/truth",
-    "models/test_colliding", "models/test_contact", "models/test_finite_elements",
-    "models/test_friction", "models/test_monolith", "models/test_papers_tables",
-    "models/test_stability", "models/test_whirl", "native/test_native_build",
-    "native/test_native_core_bits", "native/test_native_units_agree",
-    "native/test_native_units_host", "native/test_native_units_scenes", "test_pages",
-    "test_readme", "tools/",
+    "models/test_colliding", "models/test_contact", "models/test_dry",
+    "models/test_finite_elements", "models/test_friction", "models/test_harmonic_balance",
+    "models/test_monolith", "models/test_papers_tables", "models/test_stability",
+    "models/test_whirl", "native/test_native_build", "native/test_native_core_bits",
+    "native/test_native_units_agree", "native/test_native_units_host",
+    "native/test_native_units_scenes", "test_pages", "test_readme", "tools/",
 )  # fmt: skip
 
 
