@@ -105,7 +105,8 @@ def command(
     show(summary(result))
     if result.verification is not None and result.verification.parting is not None:
         show(statistics(result.verification))
-    say_facts(result.units, result.left_out)
+    ran_as = "In C, as the one file" if one_file else "FMUs loaded"
+    say_facts(result.units, result.left_out, ran_as)
     say(
         f"{result.steps} steps, {result.passes} passes, {sum(result.calls.values())} FMI calls in "
         f"{result.seconds:.3f} s"

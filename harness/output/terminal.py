@@ -95,9 +95,9 @@ def _keep(part: str | Sheet) -> None:
         parts.append(part)
 
 
-def say_facts(units: Iterable[str], left_out: Iterable[str]) -> None:
-    """Which FMUs were loaded and what was left out."""
-    say(f"FMUs loaded: {', '.join(units) or 'none'}")
+def say_facts(units: Iterable[str], left_out: Iterable[str], ran_as: str = "FMUs loaded") -> None:
+    """Which FMUs ran, by default loaded, and what was left out."""
+    say(f"{ran_as}: {', '.join(units) or 'none'}")
     say(f"Left out: {'; '.join(left_out) or 'nothing'}")
 
 

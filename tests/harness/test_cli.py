@@ -164,6 +164,15 @@ def test_build_makes_exactly_the_units_of_a_scene_and_run_takes_them(invoke, tmp
     assert "weights" in outcome.stderr
 
 
+def test_run_says_that_it_ran_as_the_one_file_and_refuses_separate_fmus_for_it(invoke):
+    outcome = invoke("run", "two_balls", "--one-file")
+    assert outcome.exit_code == 0, outcome.output
+    assert "In C, as the one file: two_balls.fmu" in outcome.output
+    outcome = invoke("run", "two_balls", "--one-file", "--fmus", ".")
+    assert outcome.exit_code == 2
+    assert "one file is to run: give one of them" in outcome.stderr
+
+
 @pytest.mark.parametrize("form", [[], ["--one-file"], ["--ssp"]])
 def test_a_place_that_takes_no_fmu_is_refused_before_anything_is_built(invoke, monkeypatch, form):
     def compiled(*_):
