@@ -89,12 +89,18 @@ class QuasiNewton:
 
     def __init__(self, jacobian: np.ndarray, step: float, parts: int = 2) -> None:
         self.step, self.parts = step, parts
-        if any(abs(1.0 - j) < _SINGULAR for j in value_eigenvalues(jacobian, parts)):
+        try:
+            self.inverse = np.linalg.inv(np.eye(len(jacobian)) - jacobian)
+            unique = all(abs(1.0 - j) >= _SINGULAR for j in value_eigenvalues(jacobian, parts))
+        except (
+            np.linalg.LinAlgError
+        ):  # of slopes, or of values far from 1 that leave no digit of it
+            unique = False
+        if not unique:
             raise SimulationError(
                 "the loop between force and acceleration has gain 1: every force answers itself, "
                 "and there is no unique solution"
             )
-        self.inverse = np.linalg.inv(np.eye(len(jacobian)) - jacobian)
 
     def rescale(self, step: float) -> None:
         """Adapt to another step [s]: slopes enter as slope times step."""
@@ -109,9 +115,12 @@ class QuasiNewton:
     def learn(self, du: Sequence[complex], old: Sequence[complex], new: Sequence[complex]) -> None:
         """Use how the residual really changed over a step du (Broyden 1965, Sherman-Morrison)."""
         moved = _components(du)
-        predicted = self.inverse @ _components(difference(old, new))
-        weight = moved @ predicted
-        if weight != 0.0:
+        with np.errstate(
+            over="ignore", invalid="ignore"
+        ):  # a motion without bound: not learnt from
+            predicted = self.inverse @ _components(difference(old, new))
+            weight = moved @ predicted
+        if weight != 0.0 and np.isfinite(weight):
             self.inverse = self.inverse + np.outer(
                 (moved - predicted) / weight, moved @ self.inverse
             )

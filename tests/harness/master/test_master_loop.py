@@ -9,7 +9,7 @@ import pytest
 
 from autobalancer.harness import SimulationError, cosimulate, load_scene
 from autobalancer.harness.master.cosimulation import CoSimulation
-from autobalancer.harness.master.loop import consistent_start, loop_gain
+from autobalancer.harness.master.loop import QuasiNewton, consistent_start, loop_gain
 from autobalancer.harness.master.schemes.adaptive import Adaptive
 from autobalancer.harness.master.schemes.gauss_seidel import GaussSeidel
 from autobalancer.harness.master.schemes.iterated import Iterated
@@ -134,6 +134,19 @@ def test_a_loop_of_gain_1_has_no_start_and_says_so(off):
     loop = LinearLoop(np.array([[1.0 + off]]), np.array([1.0 + 0.5j]))
     with pytest.raises(SimulationError, match="gain 1"):
         consistent_start(loop, 0.01)
+
+
+def test_a_loop_without_a_digit_of_its_own_gain_is_refused():
+    """1 - dG/du is dG/du there, and of less than full rank."""
+    with pytest.raises(SimulationError, match="gain 1"):
+        QuasiNewton(np.full((4, 4), 1e20), 0.1)
+
+
+def test_a_motion_beyond_all_bounds_teaches_the_loop_nothing(recwarn):
+    newton = QuasiNewton(np.zeros((4, 4)), 0.1)
+    newton.learn([1e200, 0.0], [1e200, 0.0], [-1e200, 0.0])
+    assert (newton.inverse == np.eye(4)).all()
+    assert not recwarn
 
 
 def test_a_start_that_does_not_settle_says_by_how_much():
