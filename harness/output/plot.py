@@ -15,6 +15,7 @@ from matplotlib.cm import ScalarMappable
 from matplotlib.colors import LogNorm, Normalize
 from matplotlib.figure import Figure
 
+from ..errors import UserError
 from .files import picture_format, write_whole
 from .picture import Axis, Field, Line, Panel, Picture
 from .words import printable
@@ -36,12 +37,20 @@ def save(figure: Figure, path: Path) -> Path:
     """Write a figure, completely or not at all.
 
     Raises:
-        UserError: the format is unknown, or the file cannot be written.
+        UserError: the format is unknown, the file cannot be written, or the numbers not drawn.
     """
     kind = picture_format(path)
     harmless(figure)
     with write_whole(path, "wb") as stream:
-        figure.savefig(stream, format=kind, dpi=_RESOLUTION)
+        try:
+            figure.savefig(stream, format=kind, dpi=_RESOLUTION)
+        except (
+            ValueError,
+            OverflowError,
+        ) as error:  # matplotlib's, of axes near the largest number
+            raise UserError(
+                f"{path}: numbers from one end of the axes to the other cannot be drawn: {error}"
+            ) from None
     return path
 
 

@@ -8,6 +8,7 @@ import sys
 from pathlib import Path
 
 import pytest
+from matplotlib.figure import Figure
 from typer.testing import CliRunner
 
 from autobalancer.harness import load_scene
@@ -15,6 +16,7 @@ from autobalancer.harness.checks.runner import check_all, unique_names
 from autobalancer.harness.cli import app
 from autobalancer.harness.errors import SimulationError, UserError
 from autobalancer.harness.output.files import write_whole
+from autobalancer.harness.output.plot import save
 from autobalancer.harness.output.table import Sheet
 
 AUTOBALANCER = [sys.executable, "-c", "from autobalancer.harness.cli import main; main()"]
@@ -158,3 +160,13 @@ def test_a_dollar_in_a_title_is_drawn_as_it_stands(tmp_path):
         app, ["run", str(path), *setting, "--plot", str(tmp_path / "p.png")]
     )
     assert outcome.exit_code == 0, outcome.output
+
+
+@pytest.mark.parametrize("kind", ["png", "svg", "pdf"])
+@pytest.mark.filterwarnings("ignore:overflow encountered")
+def test_a_picture_that_cannot_be_drawn_is_refused_and_leaves_no_file(tmp_path, kind):
+    figure = Figure()
+    figure.add_subplot().plot([0.0, 1.0], [-1e308, 1e308])
+    with pytest.raises(UserError, match="cannot be drawn"):
+        save(figure, tmp_path / f"wide.{kind}")
+    assert not list(tmp_path.iterdir())
