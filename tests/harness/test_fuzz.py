@@ -12,8 +12,8 @@ import pytest
 COUNTS = {
     "scenes": 60,
     "assignments": 60,
-    "lines": 30,
-    "interrupts": 12,
+    "lines": 15,
+    "interrupts": 8,
     "fmus": 40,
     "states": 40,
 }
