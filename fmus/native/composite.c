@@ -530,8 +530,14 @@ static int step(Unit *unit, double length)
         if (wrong) {
             return 1;
         }
+        if (unit->own_steps) {
+            if (unit->made < top - unit->time) { /* of the run-up one step, and not its last */
+                return 0;
+            }
+            unit->made = top - unit->time;
+        }
         composite_level_off(unit);
-        if (top == end) {
+        if (top == end || unit->own_steps) {
             return 0;
         }
     }

@@ -13,6 +13,7 @@ import pytest
 from autobalancer.fmus.composite.batch import Runs
 from autobalancer.harness import Scene, UserError, cosimulate, cosimulate_many, load_scene
 from autobalancer.harness.master.one_file import composition
+from autobalancer.harness.master.schedule import end_time
 
 DRAGS = [0.008, 0.0125, 0.02, 0.05]
 UNBALANCES = [0.01, 0.025, 0.03, 0.07]
@@ -174,6 +175,20 @@ def test_a_run_is_read_where_its_own_steps_end(coupling):
     assert steps[-1] == pytest.approx(len(time), abs=3)
     even, _ = Runs(made, [], asked, 3)(none[:1], ends[:1])
     assert even[0, -1, :2] == pytest.approx([x[-1], moment[-1]], rel=1e-9, abs=1e-16)
+
+
+def test_a_run_up_is_read_where_its_own_steps_end():
+    """Its top is one of them; runs that end there are the other side."""
+    scene = load_scene("run_up").replace({"coupling.steps_per_rev": 40})
+    made, asked, none = composition(scene), ["rotor.x", "rotor.y"], np.empty((1, 0))
+    ends = np.array([end_time(scene)])
+    signals, _ = Runs(made, [], asked, 9000, own_steps=True)(none, ends)
+    own = signals[0, ~np.isnan(signals[0, :, 0])]
+    assert scene.operation.run_up.seconds in own[:, 0]
+    some = own[[100, 1000, 1911, 2500, 5000, -1]]
+    there, _ = Runs(made, [], asked, 1)(np.empty((len(some), 0)), some[:, 0].copy())
+    difference = np.abs(there[:, -1] - some[:, 1:]).max(axis=0)
+    assert (difference < 1e-9 * np.ptp(own[:, 1:], axis=0)).all()
 
 
 def test_a_run_that_is_read_where_its_steps_end_says_why_it_failed():
