@@ -19,10 +19,9 @@ _D, _U = POINTER(c_double), POINTER(c_uint)
 class _Steps(Structure):
     _fields_ = (
         ("share", c_double),
-        ("residual", c_double),
-        ("rung", c_double),
         ("points", _D),
         ("count", c_size_t),
+        ("residual", c_double),
     )
 
 
@@ -84,9 +83,8 @@ def _functions() -> ctypes.CDLL:
         ("on", c_size_t, (_R, POINTER(Stretch), _U, c_size_t, c_size_t, _D)),
         ("read", c_int, (_R, _U, c_size_t, _D)),
     ):
-        function = library[f"autobalancer_run_{name}"]
+        function = getattr(library, f"autobalancer_run_{name}")
         function.restype, function.argtypes = result, arguments
-        setattr(library, f"autobalancer_run_{name}", function)
     return library
 
 
@@ -110,14 +108,13 @@ class Run:
     def start(
         self,
         points: tuple[Sequence[float], float] | None = None,
-        loosened: tuple[float, float, int] | None = None,
+        step_share: float = 0.0,
     ) -> None:
         """From the start values; with a tolerance its steps lead to `points` if they are given.
 
         Args:
             points: ascending [s], and the residual, of the largest force, that may stay then.
-            loosened: share of the tolerance that a step may err, that residual, and the rung of the
-                first step; by default the usual ones.
+            step_share: of the tolerance, what a step may err; 0: the usual one.
 
         Raises:
             Failed: a parameter is wrong, or there is no consistent start.
@@ -125,7 +122,7 @@ class Run:
         grid, residual = points or ([], 0.0)
         self._points = np.array(grid, float)
         data = self._points.ctypes.data_as(_D) if points else None
-        steps = _Steps(*(loosened or (0.0, residual, 0.0)), data, len(self._points))
+        steps = _Steps(step_share, data, len(self._points), residual)
         if self._library.autobalancer_run_start(self._run, byref(steps)):
             raise Failed(self.reason)
 

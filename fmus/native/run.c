@@ -91,9 +91,8 @@ int autobalancer_run_start(Run *shown, const Steps *steps)
     c->pacing.share = steps->share;
     c->pacing.points = steps->points;
     c->pacing.count = steps->count;
-    if (steps->points || steps->share > 0.0) {
+    if (steps->points) {
         iterated_allow(c, steps->residual);
-        c->course->rung = steps->rung;
     }
     show(run);
     return 0;

@@ -12,11 +12,10 @@
 
 /* How the steps are chosen from the start on. */
 typedef struct {
-    double share;         /* of the tolerance that one may err; 0: all as usual */
-    double residual;      /* of the largest force that may stay in the loop */
-    double rung;          /* of the first step */
+    double share;         /* of the tolerance that one may err; 0: as usual */
     const double *points; /* that they lead to, ascending [s]; NULL: to none.  Kept by the caller */
     size_t count;         /* of the points */
+    double residual;      /* of the largest force that may stay in the loop then */
 } Steps;
 
 /* Communication steps up to a time. */

@@ -92,14 +92,14 @@ class CoSimulation(Closing):
         changes: Mapping[str, Mapping[str, float | bool]] | None = None,
         step: float | None = None,
         points: tuple[Sequence[float], float] | None = None,
-        loosened: tuple[float, float, int] | None = None,
+        step_share: float = 0.0,
     ) -> None:
         """Restart all units from the scene's start values, `changes` by unit name on top.
 
         `step` is the communication step to come [s], by default the scene's; a scheme that chooses
         its steps meets `points` instead, where they are given: times [s], and the residual, of the
         largest force, that may stay in the loop, which is known from the start before.  Without
-        points it is `loosened`, as `Adaptive.loosen`.
+        points `step_share` of the tolerance, if it is above 0, is what a step may err.
 
         Raises:
             SimulationError: a unit refuses its parameters, or no consistent start exists.
@@ -113,8 +113,8 @@ class CoSimulation(Closing):
         self.scheme = self._prepare(step, None if points is None else self._jacobian)
         if points is not None and isinstance(self.scheme, Adaptive):
             self.scheme = Prescribed(self.scheme.iterated, *points)
-        if loosened and isinstance(self.scheme, Adaptive):
-            self.scheme.loosen(*loosened)
+        if step_share and isinstance(self.scheme, Adaptive):
+            self.scheme.share = step_share
         for unit in self.units.values():
             unit.start()
         share = self.scheme.miss_per_error if self.system.order >= 3 else 0.0

@@ -28,7 +28,7 @@ from .plan import MOTOR
 from .recorder import Recorder, Signal
 from .scales import least_motion
 from .schedule import fewest_chosen, force_jumps, step_size
-from .schemes.adaptive import RESIDUAL_SHARE, RUNGS
+from .schemes.adaptive import RESIDUAL_SHARE
 from .schemes.prescribed import LONG, SLIVER
 
 ORDER = {3: 4, 5: 6}  # of the coupling, by that of the signals
@@ -42,7 +42,6 @@ ORDER_HELD = 1  # and all that follows
 LEFT = 2  # power of the parts with which what is left in the loop shrinks at least
 # of the tolerance, what a step of the first run may err; halved, it errs by 1/16 or 1/64
 SHARES = (10.0, 1.0, 0.1)
-FIRST_RUNG = 10 * RUNGS  # of the first step: a fast mode is not seen by one that is longer
 # of the tolerance: what further parts are to leave, and two runs may say, for they do not tell by
 # which order errors shrink; if by 1.3 already, the tolerance is still kept within a factor of 3
 AIM = 0.3
@@ -154,11 +153,11 @@ class Controlled:
         """One run, of all that is asked for and all that is compared."""
         cosim = self.cosim
         recorder = Recorder(cosim.units, self.names, _motion(cosim.scene))
-        # what is left in the loop must shrink with the rest, or no run would show it
-        residual = RESIDUAL_SHARE * self.tolerance / parts ** max(self.highest_order, LEFT)
         if points is None:
-            cosim.start(loosened=(share, residual, FIRST_RUNG))
+            cosim.start(step_share=share)
         else:
+            # what is left in the loop must shrink with the rest, or no run would show it
+            residual = RESIDUAL_SHARE * self.tolerance / parts ** max(self.highest_order, LEFT)
             cosim.start(points=(points, residual))
         # of a first run it is certain that another follows
         done, work = self._done, max(3, self._done + parts)

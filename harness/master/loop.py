@@ -92,9 +92,7 @@ class QuasiNewton:
         try:
             self.inverse = np.linalg.inv(np.eye(len(jacobian)) - jacobian)
             unique = all(abs(1.0 - j) >= _SINGULAR for j in value_eigenvalues(jacobian, parts))
-        except (
-            np.linalg.LinAlgError
-        ):  # of slopes, or of values far from 1 that leave no digit of it
+        except np.linalg.LinAlgError:  # values so far from 1 that they leave no digit of it
             unique = False
         if not unique:
             raise SimulationError(
@@ -115,9 +113,7 @@ class QuasiNewton:
     def learn(self, du: Sequence[complex], old: Sequence[complex], new: Sequence[complex]) -> None:
         """Use how the residual really changed over a step du (Broyden 1965, Sherman-Morrison)."""
         moved = _components(du)
-        with np.errstate(
-            over="ignore", invalid="ignore"
-        ):  # a motion without bound: not learnt from
+        with np.errstate(over="ignore", invalid="ignore"):  # motion beyond bounds teaches nothing
             predicted = self.inverse @ _components(difference(old, new))
             weight = moved @ predicted
         if weight != 0.0 and np.isfinite(weight):

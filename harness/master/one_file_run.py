@@ -17,13 +17,12 @@ from ...fmus.composite.run import Failed, Run, Stretch
 from ...fmus.variables import Variable
 from ..errors import LoopError, SimulationError
 from ..scene import Scene
-from ..scene.run import FEWEST_CHOSEN
 from .facts import Facts, advice, exchanging
 from .fmu import Closing
 from .names import readable
 from .one_file import composition_in_c, model_name
 from .recorder import Recorder
-from .schedule import as_run, end_time, milestones, schedule, step_size
+from .schedule import as_run, end_time, fewest_chosen, milestones, schedule, step_size
 from .schemes.protocol import refuse_loose_tolerance
 
 SLICE = 0.1  # s of a call: interrupts and progress wait for its end
@@ -64,14 +63,14 @@ class OneFileRun(Closing):
     def start(
         self,
         points: tuple[Sequence[float], float] | None = None,
-        loosened: tuple[float, float, int] | None = None,
+        step_share: float = 0.0,
     ) -> None:
         """As `CoSimulation.start`."""
         if self.time:
             self._passes += self._run.facts.passes
         self.time = 0.0
         try:
-            self._run.start(points, loosened)
+            self._run.start(points, step_share)
         except Failed as failure:
             raise SimulationError(f"{self.scene.name}: {failure}") from None
 
@@ -106,7 +105,7 @@ class OneFileRun(Closing):
             self.time = stretch.end
 
     def _stretches(self) -> Iterator[Stretch]:
-        longest = step_size(self.scene, self.scene.coupling.fewest_steps_per_rev or FEWEST_CHOSEN)
+        longest = step_size(self.scene, fewest_chosen(self.scene))
         for (step, count), bound in zip(schedule(self.scene), milestones(self.scene), strict=True):
             given = (0.0, longest, 0) if self.chooses_steps else (step, step, count)
             yield Stretch(self.time, bound, *given)

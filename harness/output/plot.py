@@ -44,10 +44,7 @@ def save(figure: Figure, path: Path) -> Path:
     with write_whole(path, "wb") as stream:
         try:
             figure.savefig(stream, format=kind, dpi=_RESOLUTION)
-        except (
-            ValueError,
-            OverflowError,
-        ) as error:  # matplotlib's, of axes near the largest number
+        except (ValueError, OverflowError) as error:  # of axes near the largest number
             raise UserError(
                 f"{path}: numbers from one end of the axes to the other cannot be drawn: {error}"
             ) from None

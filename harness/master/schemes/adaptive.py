@@ -78,21 +78,14 @@ class Adaptive:
         self.iterated, self.tolerance, self.share = iterated, tolerance, LOCAL_SHARE
         self._cancelled = max(1.0, gain)
         iterated.allow(RESIDUAL_SHARE * tolerance)
-        self.rung: int = 10 * RUNGS  # start short: nothing is known of the signals yet
+        # start short: nothing is known of the signals yet, and a longer step sees no fast mode
+        self.rung: int = 10 * RUNGS
         self._minute = 2.0 ** (-MINUTE / RUNGS) if jumps else 0.0
         self.rejected = self._rested = 0
         self._largest_motion = iterated.largest / mass
         self._still = LOCAL_SHARE * tolerance
         # what moves slowly is still on its way when its acceleration is small
         self._still_motion = 0.0 if jumps else self._still * min(1.0, slowest) ** 2
-
-    def loosen(self, share: float, residual: float, rung: int) -> None:
-        """Before the first step: what a step may err, of the tolerance, and leave in the loop.
-
-        `rung` is that of the first step.
-        """
-        self.share, self.rung = share, rung
-        self.iterated.allow(residual)
 
     def cross_jump(self, system: System, time: float, step: float) -> None:
         """One step of given length, where nothing of the past can be used."""

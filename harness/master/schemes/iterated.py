@@ -48,9 +48,8 @@ CONVERGED = 1e-10  # residual of the forces relative to the largest force so far
 MAX_PASSES = 30  # quasi-Newton meets CONVERGED in two to six; more means it does not converge
 # per loop gain: what rounding leaves of a residual; forces err by it over the gain
 ROUNDING = 1e-12
-HELD = (
-    0.01  # of the residual allowed, what held signals may leave: no motion is to be kept up by it
-)
+# of the residual allowed, what held signals may leave: no motion is to be kept up by it
+HELD = 0.01
 CHANGE = 1e-3  # of the largest force: a disturbance that shows the loop's Jacobian
 LOOSE = 1e-3  # a fixed number of passes that leaves more of the force than this is reported
 
@@ -156,7 +155,7 @@ class Iterated:
         trial.accept(system)
         if not met:
             return trial.step, trial.residual
-        behind, _ = self.strike(system, trial.time + trial.step)
+        behind = strike(self, system, trial.time + trial.step, MAX_PASSES)
         return trial.step + behind, trial.residual
 
     def strike(self, system: System, time: float) -> tuple[float, float]:
