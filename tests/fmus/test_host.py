@@ -96,9 +96,17 @@ print("alive")
 )
 
 
-def run(script, path, count):
+def run(script, path, count, timeout=300):
     command = [sys.executable, "-X", "faulthandler", "-c", script, str(path), str(count)]
-    return subprocess.run(command, capture_output=True, text=True, timeout=300, check=False)
+    return subprocess.run(command, capture_output=True, text=True, timeout=timeout, check=False)
+
+
+def lost(script, path, count):
+    """Whether the host failed; one that uses freed memory may crash, raise or hang."""
+    try:
+        return run(script, path, count, timeout=60).returncode != 0
+    except subprocess.TimeoutExpired:
+        return True
 
 
 @pytest.mark.parametrize("unit", CATALOGUE)
@@ -120,8 +128,8 @@ def test_errors_are_logged_with_their_reason_and_leave_the_host_alive(unit, tmp_
 def test_kept_references_are_what_saves_the_host(altered):
     """Without them the same host loses its module: the traps are real and still there."""
     path = altered("LiquidBalancer", "fmus/python/host.py", "_increment(item)", "pass")
-    assert run(ERRORS, path, 300).returncode != 0
-    assert run(CYCLES, path, 1500).returncode != 0
+    assert lost(ERRORS, path, 300)
+    assert lost(CYCLES, path, 4)  # few enough that counts fall and nothing is freed yet
 
 
 VANISHED = (
