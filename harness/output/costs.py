@@ -81,14 +81,17 @@ def within(
     limit = seconds_of(at_most)
     measured = min(MEASURED, 0.5 * limit)
     first: tuple[float, float] | None = None
+    judged = False
 
     def report(done: float) -> None:
-        nonlocal first
+        nonlocal first, judged
         now = clock()
         if first is None:
             first = now, done
         elapsed, part = now - first[0], done - first[1]
-        if measured <= elapsed <= max(LATEST * limit, 5.0 * measured):
+        early = elapsed <= max(LATEST * limit, 5.0 * measured)
+        if measured <= elapsed and done < 1.0 and (early or not judged):
+            judged = True
             total = elapsed / part if part > 0.0 else float("inf")
             if total > limit * (1.0 + DOUBT * measured / elapsed):
                 raise UserError(

@@ -45,14 +45,17 @@ def command(
     at_most: Annotated[str, options.at_most()] = costs.DEFAULT,
 ) -> None:
     """Modes and critical speeds of a scene's rotor, and pictures of its motion."""
+    from ..scene.quantities import LARGEST
     from .study import modes_at, speed_range
 
     wanted = {"campbell": campbell, "response": response, "orbit": orbit, "run-up": run_up}
     wanted |= {"modes": modes, "polar": polar}
     loaded = changed_scene(scene, changes)
     low, high = limits or speed_range(loaded)
-    if not 0.0 < low < high:
-        raise UserError(f"--range {low:g} {high:g}: must be two speeds [rad/s], 0 < LOW < HIGH")
+    if not 0.0 < low < high <= LARGEST:
+        raise UserError(
+            f"--range {low:g} {high:g}: must be two speeds [rad/s], 0 < LOW < HIGH <= {LARGEST:g}"
+        )
     at_speed = modes_at(loaded)
     show(modes_table(loaded, at_speed))
     facts = critical_facts(loaded)

@@ -21,7 +21,7 @@ from .grade import moments, residual_grade
 from .store import open_scatter
 from .vary import Variation, drawn, refuse_wrong
 
-CHUNK = 200  # machines worked on together: some seconds at most
+CHUNK = 50  # machines worked on together: some seconds at most
 Vector = NDArray[np.float64]
 Outcome = tuple[Vector, Vector, Vector, NDArray[np.object_]]  # residual, grade, settled, failure
 

@@ -11,6 +11,7 @@ from pydantic.fields import FieldInfo
 from pydantic_core import PydanticCustomError
 
 LARGEST_ANGLE = 1e9  # rad: doubles that large lie 1e-7 rad apart
+LARGEST = 1e60  # in SI units: products of five such numbers still fit into a double
 
 
 @dataclass(frozen=True)
@@ -63,7 +64,7 @@ def _small_angle(value: float) -> float:
 
 
 # strict: text and true/false are not numbers
-Real = Annotated[float, Field(strict=True, allow_inf_nan=False)]
+Real = Annotated[float, Field(strict=True, allow_inf_nan=False, ge=-LARGEST, le=LARGEST)]
 Angle = Annotated[Real, AfterValidator(_small_angle), SI("rad")]
 Positive = Annotated[Real, Field(gt=0)]
 NotNegative = Annotated[Real, Field(ge=0)]

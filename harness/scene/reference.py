@@ -18,7 +18,7 @@ from typing import Any
 from pydantic import BaseModel
 
 from .messages import kinds_of, quoted, show, tables_in
-from .quantities import Table, unit_of
+from .quantities import LARGEST, Table, unit_of
 from .scene import Scene
 
 README = Path(__file__).parents[1] / "README.md"
@@ -130,7 +130,8 @@ def _allowed(schema: dict[str, Any], definitions: dict[str, Any]) -> str:
 
 
 def _bounds(schema: dict[str, Any]) -> str:
-    above, least, most = (schema.get(k) for k in ("exclusiveMinimum", "minimum", "maximum"))
+    own = {key: value for key, value in schema.items() if value not in (LARGEST, -LARGEST)}
+    above, least, most = (own.get(k) for k in ("exclusiveMinimum", "minimum", "maximum"))
     if least is not None and most is not None:
         return f"{least:g} to {most:,.10g}".replace(",", " ")
     limits = ((">", above), ("≥", least), ("≤", most))

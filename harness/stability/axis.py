@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 import re
 from dataclasses import dataclass
 
@@ -11,7 +10,7 @@ from numpy.typing import NDArray
 
 from ..errors import UserError
 from ..scene import Scene
-from ..scene.quantities import fields_of, unit_of
+from ..scene.quantities import LARGEST, fields_of, unit_of
 
 SPEED = "operation.speed"
 MOST_POINTS = 2000  # along one axis: a slip of the keyboard
@@ -48,8 +47,10 @@ class Axis:
         except ValueError as error:
             raise UserError(f"{text}: {example}") from error
         log = len(parts) == 4
-        if not (math.isfinite(low) and math.isfinite(high) and low < high):
-            raise UserError(f"{text}: {low:g} to {high:g} must be finite and rising")
+        if not -LARGEST <= low < high <= LARGEST:
+            raise UserError(
+                f"{text}: {low:g} to {high:g} must be finite and rising, within {LARGEST:g}"
+            )
         if log and low <= 0.0:
             raise UserError(f"{text}: a logarithmic axis must begin above 0, not at {low:g}")
         if not 2 <= count <= MOST_POINTS:

@@ -13,7 +13,6 @@ from __future__ import annotations
 
 import functools
 import itertools
-import math
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field, replace
 from itertools import pairwise
@@ -31,6 +30,7 @@ from ...models.stability import growth_rates
 from ..errors import UserError
 from ..output.workers import Progress, Workers, in_order
 from ..scene import Scene
+from ..scene.quantities import LARGEST
 from .in_time import growth_in_run
 from .main_motion import MainMotion, NoMainMotion, refuse_gravity
 from .whirl import WhirlMotion, Whirls, has_map, whirls
@@ -142,8 +142,8 @@ def speeds(
     refuse_gravity(scene, "speeds")
     scene.refuse_friction("boundaries of balancing are those")
     low, high = range
-    if not 0.0 < low < high < math.inf:
-        raise UserError(f"range {low:g} to {high:g} rad/s: must be positive and rising")
+    if not 0.0 < low < high <= LARGEST:
+        raise UserError(f"range {low:g} to {high:g} rad/s: must rise within 0 and {LARGEST:g}")
     wanted = list(dict.fromkeys(methods))
     for method in wanted:
         if method not in METHODS:

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import math
+import statistics
 import time as clock
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -95,6 +96,12 @@ def _shortest(run: Callable[[], object]) -> float:
     return min(times)
 
 
+def _median(ratios: Iterable[float]) -> float:
+    """Of those that are known; NaN where none is."""
+    known = [ratio for ratio in ratios if not math.isnan(ratio)]
+    return statistics.median(known) if known else math.nan
+
+
 def cost_table(found: Sequence[Costs]) -> Sheet:
     """Medians of the ratios of run times by family."""
     ratios = {
@@ -108,7 +115,7 @@ def cost_table(found: Sequence[Costs]) -> Sheet:
     for name in [*dict.fromkeys(one.family for one in found), "all"]:
         mine = [one for one in found if name in (one.family, "all")]
         medians = [
-            np.nanmedian([getattr(one, over) / getattr(one, under) for one in mine])
+            _median(getattr(one, over) / getattr(one, under) for one in mine)
             for over, under in ratios.values()
         ]
         rows.append([name, str(len(mine)), *(f"{value:.2g}" for value in medians)])

@@ -85,6 +85,11 @@ def test_what_is_nearly_done_is_not_dropped():
     assert len(watched("1h", slowing)) == 6
 
 
+def test_work_in_parts_longer_than_its_limit_is_refused_after_the_first():
+    with pytest.raises(UserError, match=r"would take about 8.33 h, more than --at-most 5s"):
+        watched("5s", [0.0, 1.2, 60.0])
+
+
 @pytest.mark.parametrize(
     ("text", "seconds"), [("90", 90), ("90s", 90), ("1.5h", 5400), ("2 d", 172800)]
 )
