@@ -92,7 +92,7 @@ const double *rotor_matrix(Unit *unit, double speed, double step)
     kept->used = 0;
     loaded = linear_rotor_with_added_mass(&own->rotor, masses, own->loaded_mass);
     if (step_matrix(&loaded, speed, step, own->turning, own->orders, own->unsorted,
-                    own->matrix_scratch, &failure)) {
+                    own->matrix_scratch, &own->doublings, &failure)) {
         unit_failed(unit, &failure, NULL, 0);
         return NULL;
     }
