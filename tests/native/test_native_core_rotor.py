@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ctypes
 import math
 from ctypes import byref
 from dataclasses import replace
@@ -280,7 +281,7 @@ def test_exponential_is_that_of_python(core, zeros):
 
 
 def test_what_a_step_is_doubled_from_changes_no_bit(core):
-    """Steps of five families, up and down, so that some are written over and some begin too high."""
+    """Of five families, up and down: some are written over, and some are too long to begin from."""
     kept = core.doublings(14 * 14)
     rotor = core.rotor_of(LinearRotor.planar(1.0, (1e4, 4e4), (3.0, 40.0)))
     for power in (5, 3, 0, -2, 1, 4, -4):
