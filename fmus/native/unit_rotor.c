@@ -77,22 +77,22 @@ static int allocate(Unit *unit)
     own->operand = doubles(unit, size);
     own->result = doubles(unit, 4 * stations + (size_t)orders * planes);
     own->sag = doubles(unit, 2 * stations);
-    own->sag_mass = doubles(unit, planes);
-    own->variable_mass = doubles(unit, planes);
+    own->sag_of.added_mass = doubles(unit, planes);
+    own->variable_of.added_mass = doubles(unit, planes);
     own->variable_memory = doubles(unit, larger_of(variable_speed_size, n, p));
     own->variable_scratch = doubles(unit, larger_of(variable_speed_scratch, n, p));
     own->state = doubles(unit, 4 * stations);
     own->acceleration = doubles(unit, 2 * planes);
     own->jerk = doubles(unit, 2 * planes);
-    own->rates.added_mass = doubles(unit, planes);
+    own->rates.of.added_mass = doubles(unit, planes);
     own->rates.first = unit_allocate(unit, size + 1, sizeof(int));
     own->rates.column = unit_allocate(unit, rotor_rates_doubles(n, p, orders), sizeof(int));
     own->rates.value = doubles(unit, rotor_rates_doubles(n, p, orders));
     own->rates.work = doubles(unit, 2 * size);
     for (k = 0; k < KEPT_MATRICES; k++) {
-        own->kept[k].added_mass = doubles(unit, planes);
+        own->kept[k].of.added_mass = doubles(unit, planes);
         own->kept[k].matrix = doubles(unit, matrix);
-        missing |= !own->kept[k].added_mass || !own->kept[k].matrix;
+        missing |= !own->kept[k].of.added_mass || !own->kept[k].matrix;
     }
     for (k = 0; k < KEPT_DOUBLINGS; k++) {
         Doubled *doubled = own->doublings.doubled + k;
@@ -104,10 +104,10 @@ static int allocate(Unit *unit)
         own->ends[k] = doubles(unit, 4 * planes);
         missing |= !own->ends[k];
     }
-    return missing || !own->sag || !own->sag_mass || !own->rotor_memory || !own->loaded_mass || !own->values || !own->ports ||
-           !own->unsorted || !own->rates.added_mass || !own->rates.first || !own->rates.column ||
+    return missing || !own->sag || !own->sag_of.added_mass || !own->rotor_memory || !own->loaded_mass || !own->values || !own->ports ||
+           !own->unsorted || !own->rates.of.added_mass || !own->rates.first || !own->rates.column ||
            !own->rates.value || !own->rates.work || !own->matrix_scratch || !own->operand || !own->result ||
-           !own->variable_mass || !own->variable_memory || !own->variable_scratch ||
+           !own->variable_of.added_mass || !own->variable_memory || !own->variable_scratch ||
            !own->state || !own->acceleration || !own->jerk;
 }
 
@@ -124,14 +124,13 @@ static int parameters(Unit *unit)
     own->rows = step_matrix_rows(own->stations, own->planes, own->orders, own->axes);
     own->columns = step_matrix_columns(own->stations, own->planes, own->orders, own->axes);
     for (k = 0; k < KEPT_MATRICES; k++) {
-        own->kept[k].used = 0;
+        own->kept[k].of.made = 0;
     }
     for (k = 0; k < KEPT_DOUBLINGS; k++) {
         own->doublings.doubled[k].used = 0;
     }
-    own->variable_made = own->rates.made = 0;
+    own->variable_of.made = own->rates.of.made = own->sag_of.made = 0;
     own->turned[0].angle = own->turned[1].angle = not_a_number();
-    own->sag_known = 0;
     if (linear_rotor_heavy(&own->rotor) &&
         linear_rotor_sag(&own->rotor, 0.0, own->state, own->matrix_scratch, &failure)) {
         return unit_failed(unit, &failure, NULL, 0);

@@ -21,19 +21,24 @@ enum { KEPT_MATRICES = 8 };
    x and y what friction.h says. */
 enum { MOTION = ANGLE_SIZE };
 
+/* The speed and the added masses (p,) that something was made for; not made: something else. */
+typedef struct {
+    int made;
+    double speed, *added_mass;
+} MadeFor;
+
 /* A step matrix with x and y alternating in rows and columns, and what it is of. */
 typedef struct {
-    int used;
+    MadeFor of;
     uint64_t last; /* when it was asked for */
-    double speed, step;
-    double *added_mass; /* (p,) */
+    double step;
     double *matrix;
 } Kept;
 
 /* Z of the autonomous system that a step matrix is e^{Zt} of (propagator.h), and what it is of. */
 typedef struct {
-    int made, size;
-    double speed, *added_mass;
+    MadeFor of;
+    int size;
     double quickest;     /* rate of change of the state [rad/s] */
     int *first, *column; /* (size + 1,) of the elements of each row, and their columns */
     double *value;
@@ -56,12 +61,12 @@ typedef struct {
     double *unsorted, *matrix_scratch;
     double *operand, *result; /* of a step matrix */
     VariableSpeedStep variable;
-    int variable_made;
-    double *variable_mass, *variable_memory, *variable_scratch; /* (p,) and its own */
+    MadeFor variable_of; /* whatever the speed */
+    double *variable_memory, *variable_scratch;
     double *state, *acceleration, *jerk;
-    double *sag, *sag_mass; /* (2n,) of the stations under gravity, and the added masses (p,) */
-    double sag_speed;       /* and the speed that it belongs to */
-    int sag_known, lifted;
+    double *sag; /* (2n,) of the stations under gravity */
+    MadeFor sag_of;
+    int lifted;
     int slider_count; /* two for each of the unit's: along x and y */
     Slider *sliders;
     FrictionStep friction;
@@ -88,6 +93,12 @@ enum { SPIN_UP = 1, SPUN = 5 }; /* behind the speed: its acceleration, and what 
 
 /* Inputs: added masses, then speed, acceleration and its derivatives, then forces. */
 double *rotor_drive(Unit *unit);
+/* Whether what was made is of this speed and the present added masses. */
+int rotor_is_of(const Unit *unit, const MadeFor *of, double speed);
+/* The rotor with the present added masses, of which something is to be made; what was is no more. */
+LinearRotor rotor_anew(Unit *unit, MadeFor *of);
+/* It is made, of this speed and the present added masses. */
+void rotor_made(const Unit *unit, MadeFor *of, double speed);
 /* Where the k-th column of a matrix, x and y alternating, stands among (x..., y...) blocks. */
 int rotor_column(const Rotor *own, int k);
 /* Step matrix by columns, x and y alternating in rows and columns; NULL with the reason. */

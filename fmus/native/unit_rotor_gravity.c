@@ -1,6 +1,4 @@
 /* Gravity in the step of the rotor's unit: the sag about which it moves, and what its planes feel. */
-#include <string.h>
-
 #include "unit_rotor.h"
 
 /* Sag at the present speed and added masses in own->sag, x and y alternating. */
@@ -8,16 +6,14 @@ static int find_sag(Unit *unit)
 {
     Rotor *own = unit->own;
     const int n = own->stations;
-    const double *masses = unit->real + unit->layout.inputs.first, speed = rotor_drive(unit)[0];
-    const size_t size = (size_t)own->planes * sizeof(double);
+    const double speed = rotor_drive(unit)[0];
     LinearRotor loaded;
     Failure failure;
     int k;
-    if (own->sag_known && own->sag_speed == speed && !memcmp(own->sag_mass, masses, size)) {
+    if (rotor_is_of(unit, &own->sag_of, speed)) {
         return 0;
     }
-    own->sag_known = 0;
-    loaded = linear_rotor_with_added_mass(&own->rotor, masses, own->loaded_mass);
+    loaded = rotor_anew(unit, &own->sag_of);
     if (linear_rotor_sag(&loaded, speed, own->state, own->matrix_scratch, &failure)) {
         return unit_failed(unit, &failure, NULL, 0);
     }
@@ -25,9 +21,7 @@ static int find_sag(Unit *unit)
         own->sag[2 * k] = own->state[own->axes == 1 ? 2 * k : k];
         own->sag[2 * k + 1] = own->state[own->axes == 1 ? 2 * k + 1 : n + k];
     }
-    memcpy(own->sag_mass, masses, size);
-    own->sag_speed = speed;
-    own->sag_known = 1;
+    rotor_made(unit, &own->sag_of, speed);
     return 0;
 }
 

@@ -19,6 +19,27 @@ double *rotor_drive(Unit *unit)
     return unit->real + unit->layout.inputs.first + ((const Rotor *)unit->own)->planes;
 }
 
+int rotor_is_of(const Unit *unit, const MadeFor *of, double speed)
+{
+    const size_t size = (size_t)((const Rotor *)unit->own)->planes * sizeof(double);
+    return of->made && of->speed == speed && !memcmp(of->added_mass, added_masses(unit), size);
+}
+
+LinearRotor rotor_anew(Unit *unit, MadeFor *of)
+{
+    Rotor *own = unit->own;
+    of->made = 0;
+    return linear_rotor_with_added_mass(&own->rotor, added_masses(unit), own->loaded_mass);
+}
+
+void rotor_made(const Unit *unit, MadeFor *of, double speed)
+{
+    const size_t size = (size_t)((const Rotor *)unit->own)->planes * sizeof(double);
+    memcpy(of->added_mass, added_masses(unit), size);
+    of->speed = speed;
+    of->made = 1;
+}
+
 /* Where the k-th element of blocks with x and y alternating stands when every block is
    (x..., y...); `ends` are where the blocks end, in pairs. */
 static int alternating(const int *ends, int k)
@@ -67,8 +88,8 @@ static Kept *oldest(Rotor *own)
 {
     Kept *found = own->kept;
     int k;
-    for (k = 1; k < KEPT_MATRICES && found->used; k++) {
-        if (!own->kept[k].used || own->kept[k].last < found->last) {
+    for (k = 1; k < KEPT_MATRICES && found->of.made; k++) {
+        if (!own->kept[k].of.made || own->kept[k].last < found->last) {
             found = own->kept + k;
         }
     }
@@ -78,8 +99,6 @@ static Kept *oldest(Rotor *own)
 const double *rotor_matrix(Unit *unit, double speed, double step)
 {
     Rotor *own = unit->own;
-    const size_t size = (size_t)own->planes * sizeof(double);
-    const double *masses = added_masses(unit);
     LinearRotor loaded;
     Failure failure;
     Kept *kept;
@@ -87,15 +106,13 @@ const double *rotor_matrix(Unit *unit, double speed, double step)
     own->clock++;
     for (k = 0; k < KEPT_MATRICES; k++) {
         kept = own->kept + k;
-        if (kept->used && kept->speed == speed && kept->step == step &&
-            !memcmp(kept->added_mass, masses, size)) {
+        if (kept->step == step && rotor_is_of(unit, &kept->of, speed)) {
             kept->last = own->clock;
             return kept->matrix;
         }
     }
     kept = oldest(own);
-    kept->used = 0;
-    loaded = linear_rotor_with_added_mass(&own->rotor, masses, own->loaded_mass);
+    loaded = rotor_anew(unit, &kept->of);
     if (step_matrix(&loaded, speed, step, own->turning, own->orders, own->unsorted,
                     own->matrix_scratch, &own->doublings, &failure)) {
         unit_failed(unit, &failure, NULL, 0);
@@ -106,11 +123,9 @@ const double *rotor_matrix(Unit *unit, double speed, double step)
     } else {
         matrix_transposed(2, own->rows, own->columns, own->unsorted, kept->matrix);
     }
-    memcpy(kept->added_mass, masses, size);
-    kept->speed = speed;
     kept->step = step;
     kept->last = own->clock;
-    kept->used = 1;
+    rotor_made(unit, &kept->of, speed);
     return kept->matrix;
 }
 
@@ -145,15 +160,12 @@ double *rotor_held(const Unit *unit)
 int rotor_make_variable(Unit *unit)
 {
     Rotor *own = unit->own;
-    const size_t size = (size_t)own->planes * sizeof(double);
-    const double *masses = added_masses(unit);
     LinearRotor loaded;
     Failure failure;
-    if (own->variable_made && !memcmp(own->variable_mass, masses, size)) {
+    if (rotor_is_of(unit, &own->variable_of, 0.0)) {
         return 0;
     }
-    own->variable_made = 0;
-    loaded = linear_rotor_with_added_mass(&own->rotor, masses, own->loaded_mass);
+    loaded = rotor_anew(unit, &own->variable_of);
     if (variable_speed_step(&loaded, own->turning, own->variable_memory, own->variable_scratch,
                             &own->variable, &failure) ||
         (own->slider_count &&
@@ -161,8 +173,7 @@ int rotor_make_variable(Unit *unit)
                        own->friction_memory, &own->friction, &failure))) {
         return unit_failed(unit, &failure, NULL, 0);
     }
-    memcpy(own->variable_mass, masses, size);
-    own->variable_made = 1;
+    rotor_made(unit, &own->variable_of, 0.0);
     return 0;
 }
 

@@ -69,26 +69,21 @@ int rotor_rates(Unit *unit)
 {
     Rotor *own = unit->own;
     Rates *rates = &own->rates;
-    const double *masses = unit->real + unit->layout.inputs.first;
-    const size_t size = (size_t)own->planes * sizeof(double);
     const double speed = rotor_drive(unit)[0];
     double *z = own->matrix_scratch;
     LinearRotor loaded;
     Failure failure;
-    if (rates->made && rates->speed == speed && !memcmp(rates->added_mass, masses, size)) {
+    if (rotor_is_of(unit, &rates->of, speed)) {
         return 0;
     }
-    rates->made = 0;
-    loaded = linear_rotor_with_added_mass(&own->rotor, masses, own->loaded_mass);
+    loaded = rotor_anew(unit, &rates->of);
     if (generator(&loaded, speed, own->turning, own->orders, z,
                   z + (size_t)own->columns * (size_t)(own->columns * own->parts), &failure)) {
         return unit_failed(unit, &failure, NULL, 0);
     }
     sort_rates(own, z);
-    memcpy(rates->added_mass, masses, size);
-    rates->speed = speed;
     rates->quickest = quickest(own);
-    rates->made = 1;
+    rotor_made(unit, &rates->of, speed);
     return 0;
 }
 

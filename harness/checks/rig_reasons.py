@@ -5,15 +5,35 @@
 
 from __future__ import annotations
 
+import cmath
+import math
 from collections.abc import Iterator
+from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
+from scipy.optimize import minimize
 
+from ...models.harmonic_balance import largest_displacement, unbalance_response
 from ..scene import Scene, load_scene
+from ..scene.balancer import WeightBalancer
 from ..scene.check import RigCheck
 from .rig import BANDS, GROUPS
-from .rig_data import WASHER, steady, swept
-from .rig_quantities import GRID, PROMINENT, SETTLED, STEPS, peak
+from .rig_data import RPM, WASHER, Array, at, response, steady, swept
+from .rig_fitted import FITTED, OTHERS
+from .rig_quantities import (
+    CURVE,
+    GRID,
+    PROMINENT,
+    SETTLED,
+    STEPS,
+    WASHERS,
+    WITH_BALLS,
+    Quantity,
+    peak,
+    with_balls,
+    with_fitted_balls,
+)
 from .rig_sweeps import FITTED_DRAG, SWEPT, first_peak
 from .row import Rows
 
@@ -32,6 +52,10 @@ HOLDING = {  # supports along x whose sliders stick up to some 0.1 mm
     "rotor.friction[1].stiffness[1]": 8000.0,
     "rotor.friction[2].stiffness[1]": 8000.0,
 }
+CLOSE = sorted({*CURVE, *range(CURVE[0], 2601, 20)})  # rpm, of which the check has every third
+MOTOR = 1260.0  # rpm: below, the rig moves as much without washers as with one
+ECCENTRIC, TOWARDS = 5e-6, (0, 90, 180, 270)  # m, as measured; deg: nobody knows
+STARTS = ((-0.7, -0.3), (0.3, 0.7))  # rad
 
 
 def authors_curve() -> Iterator[Line]:
@@ -69,12 +93,86 @@ def stiffer_while_small() -> Iterator[Line]:
             yield f"critical speed, {mode}, 1 to 4 washers [rpm] (mm)", said, ", ".join(found)
 
 
+def curves_without_balls() -> Iterator[Line]:
+    """At more speeds than the check has, and without those at which the motor shakes the rig."""
+    friction, speeds = load_scene("bristol_friction"), np.array(CLOSE, float)
+    found = np.array([steady(friction.replace(STEPS), n, speeds, SETTLED) for n in WASHERS])
+    measured = np.array([at(response(n, 0), speeds, 12.5) for n in WASHERS])
+    first = f"no balls, {speeds[0]:g} rpm, 0 to 4 washers [mm]"
+    yield first, "measured", _listed(measured[:, 0])
+    yield first, "as fitted", _listed(found[:, 0])
+    every, above = np.full(len(speeds), True), speeds >= MOTOR
+    for said, here in (
+        ("of the check", np.isin(speeds, CURVE)),
+        ("20 rpm apart", every),
+        (f"20 rpm apart from {MOTOR:g} rpm", above),
+    ):
+        errors = Quantity("curve", "", measured[:, here], found[:, here]).errors
+        fitted, others = (math.sqrt(np.mean(errors[some] ** 2)) for some in (FITTED, OTHERS))
+        label = "no balls, rms of the logarithms: 1 and 3 washers; 0, 2 and 4"
+        yield label, f"speeds {said}", f"{fitted:.2f}; {others:.2f}, {others / fitted:.2f} times"
+
+
+def wherever_balls_stand() -> Iterator[Line]:
+    """What balls could leave of three washers at best, by harmonic balance, and the rig's."""
+    label = "balls, 3 washers, 3000, 4000, 4500, 5000 rpm [mm]"
+    yield label, "measured", _listed(at(response(3, 2), WITH_BALLS))
+    balls = with_fitted_balls(load_scene("bristol_friction"))
+    yield label, "least of all positions", _listed(least_with_balls(balls, 3))
+
+
+def least_with_balls(scene: Scene, washers: float) -> Array:
+    """Amplitudes (k,) at `WITH_BALLS` [mm], each with the balls where it is least."""
+    (balls,) = scene.balancer
+    assert isinstance(balls, WeightBalancer)  # the rig's
+    reach, alone = balls.count * balls.device.moment, scene.without_balancers()
+
+    def amplitude(place: ArrayLike, speed: float) -> float:
+        size, angle = np.asarray(place)  # together the balls reach any moment up to theirs
+        left = washers * WASHER + cmath.rect(size * reach, angle)
+        at_disk = {"amount": abs(left), "angle": cmath.phase(left)}
+        changed = {f"rotor.unbalances[1].{key}": value for key, value in at_disk.items()}
+        rotor = alone.replace(changed).assembly().rotor
+        largest = largest_displacement(unbalance_response(rotor, [speed * RPM]))[0]
+        return 1e3 * float(np.mean([largest[number - 1] for number in scene.rotor.supports]))
+
+    search = {"x0": (0.9, math.pi), "bounds": ((0.0, 1.0), (0.0, math.tau))}
+    return np.array([minimize(amplitude, args=(speed,), **search).fun for speed in WITH_BALLS])
+
+
+def race_and_start() -> Iterator[Line]:
+    """Balls after the run-up: the race off centre as measured, and from elsewhere."""
+    scene = with_fitted_balls(load_scene("bristol_friction"))
+    run_ups: dict[str, dict[str, Any]] = {"as fitted": {}}
+    for angle in TOWARDS:
+        offset = {"track_offset": ECCENTRIC, "track_offset_angle": math.radians(angle)}
+        said = f"race {1e6 * ECCENTRIC:g} um off centre, at {angle} deg"
+        run_ups[said] = {f"balls.{key}": value for key, value in offset.items()}
+    for first, second in STARTS:
+        run_ups[f"balls from {first:+g} and {second:+g} rad"] = {"balls.angles": [first, second]}
+    for said, changes in run_ups.items():
+        found, _ = with_balls(scene.replace(changes))
+        rms = math.sqrt(np.mean(found.errors**2))
+        yield f"{found.label}: 0 to 4 washers; all", said, f"{_listed(found.errors, 2)}; {rms:.2f}"
+
+
+def _listed(values: Array, digits: int = 4) -> str:
+    return ", ".join(f"{value:.{digits}f}" for value in values)
+
+
 def _curve(scene: Scene, washers: int) -> np.ndarray:
     return steady(scene.replace(STEPS), washers, GRID, SETTLED)
 
 
 if __name__ == "__main__":
     print("| row | of | co-simulated |\n|---|---|---:|")
-    for part in (authors_curve, run_down_without_washers, stiffer_while_small):
+    for part in (
+        authors_curve,
+        run_down_without_washers,
+        stiffer_while_small,
+        curves_without_balls,
+        wherever_balls_stand,
+        race_and_start,
+    ):
         for line in part():
             print(f"| {' | '.join(line)} |", flush=True)

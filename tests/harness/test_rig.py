@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import itertools
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -23,12 +25,14 @@ from autobalancer.harness.checks.rig_data import (
 from autobalancer.harness.checks.rig_quantities import (
     GRID,
     PROMINENT,
+    WITH_BALLS,
     Quantity,
     models,
     models_with_balls,
     table,
+    with_fitted_balls,
 )
-from autobalancer.harness.checks.rig_reasons import HOLDING
+from autobalancer.harness.checks.rig_reasons import HOLDING, MOTOR, least_with_balls
 from autobalancer.harness.checks.rig_sweeps import FITTED_DRAG, gained, lost
 from autobalancer.models.harmonic_balance import largest_displacement, unbalance_response
 from autobalancer.models.papers.influence import influence
@@ -83,6 +87,36 @@ def test_sliders_that_move_the_peak_along_x_as_the_rig_does_take_half_its_height
         assert peak((GRID, mean), band, PROMINENT) == pytest.approx(speed, rel=0.05)
         inside = (band[0] < GRID) & (band[1] > GRID)
         assert mean[inside].max() < 0.85 * min(_highest(curve, band) for curve in rig)
+
+
+def test_three_washers_are_quieter_at_the_rig_than_balls_can_make_the_model():
+    """Why the row with balls does not hold: both balls anywhere on the track leave more."""
+    scene = with_fitted_balls(load_scene("bristol_friction"))
+    least, measured = least_with_balls(scene, 3), at(response(3, 2), WITH_BALLS)
+    assert np.sqrt(np.mean(np.log(least / measured) ** 2)) > 0.4
+    (balls,), speeds = scene.balancer, np.array(WITH_BALLS) * RPM
+    rotor, own = with_washers(scene.without_balancers(), 3).assembly().rotor, balls.device.moment
+    grid = np.concatenate([np.linspace(0.0, 6.1, 16), np.linspace(2.7, 3.6, 19)])
+    found = []
+    for pair in itertools.combinations_with_replacement(np.exp(1j * grid), 2):
+        unbalance = rotor.unbalance + own * sum(pair) * np.array([0.0, 1.0, 0.0])
+        motion = unbalance_response(replace(rotor, unbalance=unbalance), speeds)
+        found.append(1e3 * largest_displacement(motion)[:, [0, 2]].mean(axis=1))
+    assert (np.min(found, axis=0) >= least * (1.0 - 1e-6)).all()
+    assert np.min(found, axis=0) == pytest.approx(least, rel=0.02)
+
+
+def test_below_the_first_resonance_it_is_not_unbalance_that_moves_the_rig():
+    """Why the curve without washers fails: it moves as with one, far more than unbalance makes."""
+    scene, speeds = load_scene("bristol_friction"), [1100.0, 1160.0, 1220.0]
+    assert max(speeds) < MOTOR
+    none, one = (at(response(washers, 0), speeds, 12.5) for washers in (0, 1))
+    assert (none > 0.7 * one).all()
+    rotors = (with_washers(scene, washers).assembly().rotor for washers in (0, 1))
+    motions = [unbalance_response(rotor, np.array(speeds) * RPM) for rotor in rotors]
+    without, with_one = (1e3 * largest_displacement(m)[:, [0, 2]].mean(axis=1) for m in motions)
+    assert (without < 0.4 * with_one).all()
+    assert (none > 2.5 * without).all()
 
 
 def _highest(curve, band):

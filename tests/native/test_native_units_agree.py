@@ -42,7 +42,7 @@ CASES: list[tuple[str, dict[str, Any]]] = [
         {"kind": "flexible", "stations": 4, "planes": 1, "sliders": 3, "frame": "fixed"},
     ),
 ]
-STEPS = 60
+STEPS = 45
 MEETING: dict[str, dict[str, float]] = {
     "contact": {"weight_radius": 0.018, "restitution": 0.4, "drag": 0.5},
     "rolling": {"rolling_resistance": 0.008},
