@@ -23,6 +23,7 @@ GRID = np.arange(FIRST[0], BANDS["conical x"][1], 20.0)  # rpm, on which peaks a
 WITH_BALLS = (3000.0, *HIGH)
 RUN_UP = (2400.0, 5050.0)  # rpm: balls leave the heavy side above the resonances, and settle
 SETTLED = 150  # revolutions of the rotor alone
+SETTLED_SLOW = 100  # of its peaks' speeds: to 1e-4
 PROMINENT = 0.005  # mm, of a peak: few washers make small ones
 STEPS = {"coupling.steps_per_rev": 20}  # enough where balls are left out, or do not meet
 ROLLING = {"balls.rolling_resistance": 1.5e-4}  # chosen on 1 and 3 washers, among five values
@@ -56,7 +57,7 @@ def without_balls(scene: Scene) -> Iterator[Quantity]:
         SimulationError: a run has failed.
     """
     scene = scene.without_balancers().replace(STEPS)
-    grids = [(GRID, steady(scene, n, GRID, SETTLED)) for n in WASHERS]
+    grids = [(GRID, steady(scene, n, GRID, SETTLED_SLOW)) for n in WASHERS]
     both = [[response(n, 0, falling=way) for way in (0, 1)] for n in WASHERS]
     for mode, band in BANDS.items():
         rig = np.array([np.mean([peak(c, band, PROMINENT) for c in ways]) for ways in both])

@@ -15,6 +15,7 @@ from .row import Row, Rows
 
 FITTED_DRAG = {"balls.drag": 3.75e-2}  # N s/m, from the hysteresis of the sweeps of 1 and 3 washers
 SWEPT = (1200.0, 2700.0)  # rpm: all four resonances
+RISING = (1200.0, 1700.0)  # rpm: on the way up balance is gained by then, or too late for a row
 FIRST = (1300.0, 1560.0)  # rpm: the first of them
 PEAK, HELPING = 0.15, 0.05  # of its amplitude, of the speeds between which balls help
 GRID = np.arange(1220.0, 2661.0, 20.0)  # rpm, on which sweeps with and without balls are compared
@@ -24,10 +25,11 @@ LEFT_OUT = 2  # washers: on their way down the rig itself repeats to a fifth
 
 def sweep_rows(scene: Scene, _check: RigCheck, rows: Rows, falling: bool) -> Iterator[Row]:
     """The first resonance with balls, and the speed at which balance is gained or lost."""
-    scene, way = scene.replace(FITTED_DRAG), "down" if falling else "up"
+    scene = scene.replace(FITTED_DRAG)
+    way, ends = ("down", SWEPT) if falling else ("up", RISING)
     washers = [number for number in range(5) if not (falling and number == LEFT_OUT)]
-    ours = swept(scene, washers, *SWEPT, falling)
-    plain = swept(scene.without_balancers(), (3, 4), *SWEPT, falling)
+    ours = swept(scene, washers, *ends, falling)
+    plain = swept(scene.without_balancers(), (3, 4), *ends, falling)
     for number, curve in ours.items():
         rig = response(number, 2, falling=falling, run=1)
         label = f"first resonance with balls on the way {way}, washers: {number} [mm]"
@@ -46,8 +48,9 @@ def first_peak(curve: Curve) -> float:
 
 
 def _better(balls: Curve, plain: Curve) -> NDArray[np.bool_]:
-    """Where on `GRID` the rig vibrates less with balls than without."""
-    return at(balls, GRID, 20.0) < at(plain, GRID, 20.0)
+    """Where on `GRID`, up to the curves' end, the rig vibrates less with balls than without."""
+    grid = GRID[balls[0].max() > GRID]
+    return at(balls, grid, 20.0) < at(plain, grid, 20.0)
 
 
 def gained(balls: Curve, plain: Curve) -> float:

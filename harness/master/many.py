@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import UserError
+from ..output.costs import free_memory
 from ..scene import Scene
 from .names import station_residuals, stations
 from .one_file import composition
@@ -20,6 +21,7 @@ from .schedule import end_time
 
 POINTS_PER_REV = 20  # at which the amplitude is looked at, where a tolerance chooses the steps
 CHUNK = 32  # runs of a call: some MB of outputs
+_COPIES = 2  # outputs, and what is made of them
 SETTLED = 0.05  # of the largest amplitude: how far from the last one a settled rotor may be
 STEADY = 0.005  # of it: what the amplitude of a settled one may change by in the last revolution
 
@@ -55,7 +57,8 @@ def cosimulate_many(
         else empty.  A frame where the table is one.
 
     Raises:
-        UserError: a variable or a result does not exist, or the columns differ in length.
+        UserError: a variable or a result does not exist, the columns differ in length, or the
+            memory does not suffice.
     """
     from ...fmus.composite.batch import Runs  # compiles where it has to
 
@@ -82,6 +85,8 @@ def cosimulate_many(
             ends = math.tau * scene.run.revolutions / np.abs(columns[paced])
     turns = max(2, round(scene.run.revolutions))
     points = turns * (scene.coupling.steps_per_rev or POINTS_PER_REV)
+    together = min(CHUNK, len(values)) * (threads or os.cpu_count() or 1)
+    _refuse_more_than_memory(scene, together * (points + 1) * len(asked))
     runs = Runs(made, list(columns), asked, points)
     heavy = bool(scene.operation.gravity) or any("gravity" in name for name in columns)
 
@@ -95,6 +100,15 @@ def cosimulate_many(
         parts = list(executor.map(chunk, range(0, len(values), CHUNK)))
     found = {name: np.concatenate([part[name] for part in parts]) for name in parts[0]}
     return found if isinstance(table, Mapping) else type(table)(found, index=table.index)
+
+
+def _refuse_more_than_memory(scene: Scene, numbers: int) -> None:
+    needed, free = 8.0 * _COPIES * numbers, free_memory()
+    if needed > free:
+        raise UserError(
+            f"run.revolutions = {scene.run.revolutions:g}: what many runs are read from needs "
+            f"{needed / 1e9:.3g} GB of memory, {free / 1e9:.3g} GB are free; use fewer"
+        )
 
 
 def _refuse_unknown(names: Any, known: Sequence[str]) -> None:

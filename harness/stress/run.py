@@ -12,7 +12,7 @@ from typing import Any
 
 from ..output.table import BAD, GOOD, Sheet
 from ..output.workers import ItemProgress, Workers, as_they_come
-from . import cases_angles, cases_rotor, cases_shafts, cases_weights
+from . import cases_angles, cases_dry, cases_rotor, cases_shafts, cases_weights
 from .case import Case, Outcome
 
 COLUMNS = ("case", "expected", "outcome", "s")
@@ -31,7 +31,7 @@ class StressRow:
 
 def all_cases() -> dict[str, Case]:
     """Every case in order, by name."""
-    parts = (cases_rotor, cases_weights, cases_shafts, cases_angles)
+    parts = (cases_rotor, cases_weights, cases_dry, cases_shafts, cases_angles)
     return {case.name: case for part in parts for case in part.cases()}
 
 

@@ -198,7 +198,7 @@ def test_library_still_loaded_at_the_end_of_the_host_is_settled_and_no_other(tmp
 def test_library_does_not_touch_freed_memory_when_the_host_ends(tmp_path):
     path = build("LiquidBalancer", tmp_path, backend="python")
     report = tmp_path / "valgrind.log"
-    command = ["valgrind", "--error-limit=no", f"--log-file={report}"]
+    command = ["valgrind", "--error-limit=no", "--undef-value-errors=no", f"--log-file={report}"]
     command += [sys.executable, "-c", HOST + "slave.instantiate()\nstart()\nfree()", path, "1"]
     environment = {**os.environ, "PYTHONMALLOC": "malloc"}
     subprocess.run(command, env=environment, check=True, timeout=300)

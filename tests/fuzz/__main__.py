@@ -20,6 +20,7 @@ from pathlib import Path
 import typer
 
 os.environ["OPENBLAS_NUM_THREADS"] = "1"  # a fork takes no threads along
+os.environ["DASK_DISTRIBUTED__COMM__TIMEOUTS__CONNECT"] = "3s"  # where no cluster is, none comes
 
 from autobalancer.harness.master.plan import find_or_build, plan
 from autobalancer.harness.scene import bundled_scenes, load_scene
@@ -118,6 +119,7 @@ def _whole() -> Path:
     return Path(_folder.name)
 
 
+@cache
 def _prepare() -> None:
     """Do once what every command would do alike: half the time of most."""
     for module in LOADED:

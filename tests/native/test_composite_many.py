@@ -51,6 +51,12 @@ def test_each_station_has_its_own_residual():
     assert found["residual"][0] == max(found[name][0] for name in names[:2])
 
 
+def test_more_than_the_memory_holds_is_refused_with_its_key(scene):
+    endless = scene.replace({"run.revolutions": 1e20})
+    with pytest.raises(UserError, match=r"run\.revolutions = 1e\+20: .* GB of memory"):
+        cosimulate_many(endless, TABLE)
+
+
 def test_a_free_rotor_settles_when_its_damping_says(scene):
     """Without weights that matter the amplitude decays as e^(-c t / 2 M)."""
     scene = scene.replace(

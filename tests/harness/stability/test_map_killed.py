@@ -54,48 +54,55 @@ def same(one: Path, other: Path) -> bool:
     )
 
 
-def killed(folder: Path, cosim: int, kills: int, seed: int) -> int:
-    """How many maps `kills` ends at random moments took; all of them right."""
-    draw, maps = random.Random(seed), 0
-    undisturbed, store = folder / "undisturbed.zarr", folder / "killed.zarr"
-    begun = time.monotonic()
-    said, _ = begin(undisturbed, cosim).communicate()
-    alone = time.monotonic() - begun
-    assert "co-simulated points agree" in said, said
+def undisturbed(folder: Path, cosim: int, grid: tuple[int, int] = SMALL) -> tuple[Path, float]:
+    """A map that is let alone, and its seconds."""
+    store, begun = folder / "undisturbed.zarr", time.monotonic()
+    run = begin(store, cosim, grid)
+    said, _ = run.communicate()
+    assert run.returncode == 0, said
+    assert not cosim or "co-simulated points agree" in said, said
+    return store, time.monotonic() - begun
+
+
+def kill(run: subprocess.Popen[str], store: Path, moment: float | None) -> bool:
+    """End a run after so many seconds, or when it has finished points; False: it was faster."""
+    until, had = time.monotonic() + (moment or 600.0), worked_on(store)
+    while run.poll() is None and time.monotonic() < until:
+        if moment is None and worked_on(store).keys() > had.keys():
+            break
+        time.sleep(0.005)
+    ended = run.poll() is None
+    run.kill()
+    return ended
+
+
+def killed(right: Path, alone: float, cosim: int, kills: int, seed: int) -> int:
+    """How many maps `kills` ends took, half of them at random; all maps are the `right` one."""
+    draw, maps, kept, store = random.Random(seed), 0, 0, right.with_name("killed.zarr")
     while kills or store.exists():
         before = worked_on(store)
         run = begin(store, cosim)
-        try:
-            said, _ = run.communicate(timeout=draw.uniform(0.2, 0.6 * alone) if kills else None)
-            assert run.returncode == 0, said
-        except subprocess.TimeoutExpired:
-            run.kill()
-            run.communicate()  # also waits for the workers, which hold its output
+        if kills and kill(run, store, draw.uniform(0.2, 0.6 * alone) if kills % 2 else None):
             kills -= 1
             print(f"{kills} kills to come, {len(before)} points kept", flush=True)
+        said, _ = run.communicate()  # also waits for the workers, which hold its output
         after = worked_on(store)
         assert {name: after[name] for name in before} == before  # nothing was done twice
-        if run.returncode == 0:
-            assert same(undisturbed, store)
+        kept = max(kept, len(before))
+        if run.returncode >= 0:
+            assert run.returncode == 0, said
+            assert same(right, store)
             shutil.rmtree(store)
             maps += 1
+    assert kept
     return maps
 
 
-@pytest.mark.slow
-def test_a_killed_map_goes_on_to_the_same_bytes_and_does_nothing_twice(tmp_path):
-    pytest.importorskip("zarr")
-    assert killed(tmp_path, cosim=10, kills=2, seed=1) >= 1
-
-
-def with_a_worker_lost(folder: Path, cosim: int, grid: tuple[int, int]) -> tuple[float, float]:
-    """Seconds with plain processes, and on a cluster that loses a worker in its middle."""
+def with_a_worker_lost(right: Path, cosim: int, grid: tuple[int, int] = SMALL) -> float:
+    """Seconds of the `right` map on a cluster that loses a worker in its middle."""
     from psutil import Process
 
-    plain, cluster = folder / "plain.zarr", folder / "cluster.zarr"
-    begun = time.monotonic()
-    assert begin(plain, cosim, grid).wait() == 0
-    alone = time.monotonic() - begun
+    cluster = right.with_name("cluster.zarr")
     begun = time.monotonic()
     run = begin(cluster, cosim, grid, "--cluster", "local")
     finished, strips = cluster / "strip_done" / "c", -(-grid[1] // 8)
@@ -106,22 +113,35 @@ def with_a_worker_lost(folder: Path, cosim: int, grid: tuple[int, int]) -> tuple
     workers[0].kill()
     said, _ = run.communicate()
     assert run.returncode == 0, said
-    assert same(plain, cluster)
-    return alone, time.monotonic() - begun
+    assert same(right, cluster)
+    return time.monotonic() - begun
 
 
-@pytest.mark.slow
-def test_a_cluster_that_loses_a_worker_gives_the_same_bytes(tmp_path):
+FEW = 8  # co-simulated points
+
+
+@pytest.fixture(scope="module")
+def right(tmp_path_factory) -> tuple[Path, float]:
     pytest.importorskip("zarr")
+    return undisturbed(tmp_path_factory.mktemp("maps"), FEW)
+
+
+def test_a_killed_map_goes_on_to_the_same_bytes_and_does_nothing_twice(right):
+    assert killed(*right, FEW, kills=2, seed=1) >= 1
+
+
+def test_a_cluster_that_loses_a_worker_gives_the_same_bytes(right):
     pytest.importorskip("distributed")
-    with_a_worker_lost(tmp_path, 4, SMALL)
+    with_a_worker_lost(right[0], FEW)
 
 
 if __name__ == "__main__" and sys.argv[1:] == ["cluster"]:
     with tempfile.TemporaryDirectory() as folder:
-        plain, cluster = with_a_worker_lost(Path(folder), 0, LARGE)
-        print(f"plain {plain:.1f} s, cluster {cluster:.1f} s, the same bytes")
+        plain, alone = undisturbed(Path(folder), 0, LARGE)
+        cluster = with_a_worker_lost(plain, 0, LARGE)
+        print(f"plain {alone:.1f} s, cluster {cluster:.1f} s, the same bytes")
 elif __name__ == "__main__":
     times = int(sys.argv[1]) if sys.argv[1:] else 50
     with tempfile.TemporaryDirectory() as folder:
-        print(f"{times} kills: {killed(Path(folder), 200, times, 1)} maps, all the same bytes")
+        maps = killed(*undisturbed(Path(folder), 200), 200, times, 1)
+        print(f"{times} kills: {maps} maps, all the same bytes")

@@ -42,6 +42,7 @@ QUICK = [
     "shaft a hundred times as soft",
     "rigid rotor with the polar inertia of a disc",
     "balancer on a rotor of 1e14 N/m",
+    "dry supports that hold 10 of the pull",
     "weights that start 1e7 revolutions on",
     "angle after 1e7 revolutions in steps of a thousand",
 ]
