@@ -33,7 +33,7 @@ FAR = 3.0  # critical speeds beyond this many operating speeds are of no interes
 
 
 @dataclass(frozen=True, eq=False)
-class Response:
+class UnbalanceResponse:
     """Steady vibration by unbalance of the rotor without balancers.
 
     Attributes:
@@ -76,7 +76,7 @@ class Orbits:
 
 
 @dataclass(frozen=True, eq=False)
-class RunUp:
+class RunUpMotion:
     """Displacement while the speed rises.
 
     Attributes:
@@ -141,7 +141,7 @@ def campbell_of(scene: Scene, low: float, high: float) -> tuple[Campbell, Array]
     return found, _within(critical_speeds(rotor), low, high)
 
 
-def response_of(scene: Scene, low: float, high: float) -> Response:
+def response_of(scene: Scene, low: float, high: float) -> UnbalanceResponse:
     """Unbalance response by the equations, and by the unit at some speeds.
 
     Raises:
@@ -158,7 +158,7 @@ def response_of(scene: Scene, low: float, high: float) -> Response:
         raise UserError(str(error)) from error
     with Revolution(scene.without_balancers()) as units:
         measured = [_steady(units, float(w))[0] for w in points]
-    return Response(
+    return UnbalanceResponse(
         title=scene.heading,
         stations=station_names(scene),
         speeds=speeds,
@@ -204,7 +204,7 @@ def _run(scene: Scene) -> tuple[Array, Array]:
     return result.time, motion.reshape(-1, 2, count)
 
 
-def run_up_of(scene: Scene, low: float, high: float) -> RunUp:
+def run_up_of(scene: Scene, low: float, high: float) -> RunUpMotion:
     """A linear run-up through the range, with and without the balancers, from rest."""
     seconds = 2.0 * (2.0 * math.pi * RUN_UP_REVOLUTIONS) / (low + high)
     rising = scene.replace(
@@ -221,7 +221,7 @@ def run_up_of(scene: Scene, low: float, high: float) -> RunUp:
         alone = _run(rising.without_balancers())[1]
     run, alone = (np.hypot(both[:, 0], both[:, 1]) for both in (motion, alone))
     critical = _within(critical_speeds(scene.assembly().rotor), low, high)
-    return RunUp(scene.heading, names, seconds, speeds, run, alone, critical)
+    return RunUpMotion(scene.heading, names, seconds, speeds, run, alone, critical)
 
 
 def _within(values: Array, low: float, high: float) -> Array:
