@@ -49,7 +49,7 @@ class Stretch(Structure):
     )
 
 
-class Facts(Structure):
+class RunFacts(Structure):
     """What a run has done since its start; run.h says what each is."""
 
     _fields_ = (
@@ -66,10 +66,10 @@ class Facts(Structure):
     )
 
 
-_R = POINTER(Facts)
+_R = POINTER(RunFacts)
 
 
-class Failed(Exception):
+class RunFailed(Exception):
     """A run cannot go on; the text says why."""
 
 
@@ -117,14 +117,14 @@ class Run:
             step_share: of the tolerance, what a step may err; 0: the usual one.
 
         Raises:
-            Failed: a parameter is wrong, or there is no consistent start.
+            RunFailed: a parameter is wrong, or there is no consistent start.
         """
         grid, residual = points or ([], 0.0)
         self._points = np.array(grid, float)
         data = self._points.ctypes.data_as(_D) if points else None
         steps = _Steps(step_share, data, len(self._points), residual)
         if self._library.autobalancer_run_start(self._run, byref(steps)):
-            raise Failed(self.reason)
+            raise RunFailed(self.reason)
 
     def on(
         self, stretch: Stretch, outputs: NDArray[np.uintc], rows: NDArray[np.float64]
@@ -154,10 +154,10 @@ class Run:
         """Present values of variables, into contiguous memory."""
         addresses = references.ctypes.data_as(_U), len(references), values.ctypes.data_as(_D)
         if self._library.autobalancer_run_read(self._run, *addresses):
-            raise Failed("values cannot be read before the start")
+            raise RunFailed("values cannot be read before the start")
 
     @property
-    def facts(self) -> Facts:
+    def facts(self) -> RunFacts:
         """What the run has done since its start."""
         return self._run.contents
 

@@ -18,7 +18,7 @@ from scipy.optimize import nnls
 from ...models.papers.influence import condition_number, from_runs, unbalance_from_response
 from ..errors import UserError
 from ..scene.balancing import Balancing
-from .measured import Complex, Measured
+from .measured import Complex, MeasuredRuns
 
 _SINGULAR = 1e4  # condition number: readings of three digits then say nothing of the masses
 
@@ -27,7 +27,7 @@ _NOTHING = 1e-9  # of the largest correction: a mass that rounding makes
 
 @dataclass(frozen=True)
 class Piece:
-    """A mass at an angle [g, rad] in a plane, by its place in `Measured.planes`."""
+    """A mass at an angle [g, rad] in a plane, by its place in `MeasuredRuns.planes`."""
 
     plane: int
     mass: float
@@ -75,7 +75,7 @@ class Correction:
         grade: None where it was not asked.
     """
 
-    measured: Measured
+    measured: MeasuredRuns
     corrected: str
     coefficients: Complex
     condition: float
@@ -93,7 +93,7 @@ class Correction:
 
 
 def correct(
-    measured: Measured,
+    measured: MeasuredRuns,
     *,
     run: str | None = None,
     angles: Sequence[Sequence[float]] = (),
@@ -203,7 +203,7 @@ def _neighbours(plane: int, needed: complex, allowed: Sequence[float]) -> list[P
 
 
 def _graded(
-    measured: Measured,
+    measured: MeasuredRuns,
     name: str,
     before: NDArray[np.float64],
     after: NDArray[np.float64],

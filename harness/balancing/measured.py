@@ -34,7 +34,7 @@ _SPEED = 0.02  # runs whose speeds differ by less were meant to be one
 
 
 @dataclass(frozen=True, eq=False)
-class Measured:
+class MeasuredRuns:
     """Runs of one machine, the first of them the reference.
 
     Attributes:
@@ -58,7 +58,7 @@ class Measured:
     mounted: Complex
 
 
-def read_measured(path: Path) -> Measured:
+def read_measured(path: Path) -> MeasuredRuns:
     """Runs from a CSV file.
 
     Raises:
@@ -91,7 +91,7 @@ def read_measured(path: Path) -> Measured:
     else:
         unit, by_run = _from_readings(path, rows, names)
     sensors, speeds, responses = _table(path, runs, by_run)
-    return Measured(runs, sensors, unit, planes, radii, speeds, responses, mounted)
+    return MeasuredRuns(runs, sensors, unit, planes, radii, speeds, responses, mounted)
 
 
 Readings = dict[str, dict[str, tuple[float, complex]]]  # by run and sensor: speed, amplitude

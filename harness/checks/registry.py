@@ -58,7 +58,7 @@ SPLIT: dict[str, Callable[[Any], list[dict[str, Any]]]] = {
 
 
 @dataclass(frozen=True)
-class Part:
+class CheckPart:
     """Of a scene's checks, as much as is done in one piece."""
 
     scene: Scene
@@ -78,7 +78,7 @@ class Part:
         return list(CHECKS[kind](self.scene, self.check, progress, **self.options))
 
 
-def parts_of(scene: Scene) -> list[Part]:
+def parts_of(scene: Scene) -> list[CheckPart]:
     """Everything that a scene asks to be checked, in order.
 
     Raises:
@@ -91,7 +91,7 @@ def parts_of(scene: Scene) -> list[Part]:
                 "gravity: take operation.gravity out"
             )
     return [
-        Part(scene, check, options)
+        CheckPart(scene, check, options)
         for check in scene.check
         for options in SPLIT.get(check.kind, lambda _check: [{}])(check)
     ]
@@ -117,7 +117,7 @@ def run_checks(scene: Scene, progress: Progress | None = None, workers: Workers 
 
 
 def run_parts(
-    parts: Sequence[Part],
+    parts: Sequence[CheckPart],
     workers: Workers,
     progress: Callable[[int, list[float]], None],
     isolate: Kinds = (),
@@ -158,11 +158,11 @@ def run_parts(
     ]
 
 
-def _rows_of(item: tuple[Part, Progress | None], workers: Workers = 1) -> list[Row]:
+def _rows_of(item: tuple[CheckPart, Progress | None], workers: Workers = 1) -> list[Row]:
     part, progress = item
     return part.rows(progress or (lambda _fraction: None), workers)
 
 
-def _lost(part: Part, failed: Failed[Any]) -> list[Row]:
+def _lost(part: CheckPart, failed: Failed[Any]) -> list[Row]:
     rows = Rows(part.scene.name, part.check.kind)
     return [rows.statement("run", "completed", str(failed.error), False, "")]

@@ -28,7 +28,7 @@ _SPEEDS: Factors = {"rad/s": 1.0, "rpm": math.pi / 30.0, "Hz": math.tau, None: 1
 
 
 @dataclass(frozen=True, eq=False)
-class Measured:
+class MeasuredAmplitudes:
     """Amplitudes that were measured, each while the machine ran at one constant speed.
 
     Attributes:
@@ -50,7 +50,7 @@ class Measured:
         return every[~np.isnan(every)]
 
 
-def read_measured(path: Path, scene: Scene) -> Measured:
+def read_measured(path: Path, scene: Scene) -> MeasuredAmplitudes:
     """Read a file; lines that begin with # are left out.
 
     A head is NAME or NAME [UNIT]: speed [rpm], [Hz] or [rad/s]; amplitudes [mm], [um] or [m];
@@ -84,7 +84,7 @@ def read_measured(path: Path, scene: Scene) -> Measured:
             _refuse_unknown(path, scene, name, known)
             settings[name] = column * _factor(path, name, unit, factors)
     _refuse_wrong(path, settings, amplitudes, known)
-    return Measured(path, settings, amplitudes)
+    return MeasuredAmplitudes(path, settings, amplitudes)
 
 
 def _numbers(path: Path, line: int, row: list[str], names: list[str]) -> list[float]:

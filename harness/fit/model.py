@@ -16,7 +16,7 @@ from ..master.alike import table_of
 from ..master.many import cosimulate_many
 from ..master.names import station_residuals
 from ..scene import Scene
-from .measured import AMPLITUDE, LARGEST, SPEED, Measured
+from .measured import AMPLITUDE, LARGEST, SPEED, MeasuredAmplitudes
 from .parameters import Parameter
 
 Array = NDArray[np.float64]
@@ -32,7 +32,9 @@ class Model:
         UserError: the speed changes.
     """
 
-    def __init__(self, scene: Scene, parameters: Sequence[Parameter], measured: Measured) -> None:
+    def __init__(
+        self, scene: Scene, parameters: Sequence[Parameter], measured: MeasuredAmplitudes
+    ) -> None:
         if scene.operation.run_up is not None:
             raise UserError(f"{scene.name}: operation.run_up: a fit takes runs at constant speed")
         self._scene, self.parameters, self._measured = scene, parameters, measured
@@ -59,7 +61,7 @@ class Model:
         return self._scene.replace(dict(item for some in changes for item in some))
 
     def amplitudes(self, sets: Array) -> Array:
-        """What would be measured (s, values) with parameters (s, p), as `Measured.values` [m].
+        """What would be measured (s, values) with parameters (s, p) [m].
 
         Raises:
             SceneError: parameters do not fit together.
@@ -103,7 +105,9 @@ class HarmonicModel(Model):
         NoResponse: the scene has balancers, gravity or a motor.
     """
 
-    def __init__(self, scene: Scene, parameters: Sequence[Parameter], measured: Measured) -> None:
+    def __init__(
+        self, scene: Scene, parameters: Sequence[Parameter], measured: MeasuredAmplitudes
+    ) -> None:
         operation = scene.operation
         if scene.balancer or operation.gravity or operation.motor:
             raise NoResponse("harmonic balance knows no balancers, gravity or motor")

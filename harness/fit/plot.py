@@ -8,11 +8,13 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from ..output.plot import metres, save
-from .measured import SPEED, Measured
+from .measured import SPEED, MeasuredAmplitudes
 from .study import Difference, Fit
 
 
-def plot_fit(found: Fit, measured: Measured, differ: Difference, title: str, path: Path) -> Path:
+def plot_fit(
+    found: Fit, measured: MeasuredAmplitudes, differ: Difference, title: str, path: Path
+) -> Path:
     """Amplitudes over the speed, or over their number where one speed was measured.
 
     Args:

@@ -9,11 +9,13 @@ from typing import Any
 import numpy as np
 
 from ..output.table import Sheet
-from .measured import Measured
+from .measured import MeasuredAmplitudes
 from .study import Fit
 
 
-def document(found: Fit, measured: Measured, logarithms: bool, scene: str) -> dict[str, Any]:
+def document(
+    found: Fit, measured: MeasuredAmplitudes, logarithms: bool, scene: str
+) -> dict[str, Any]:
     """Everything that the command says."""
     names = [parameter.label for parameter in found.parameters]
     return {

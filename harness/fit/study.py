@@ -16,7 +16,7 @@ from scipy.stats import t as student
 from ...models.harmonic_balance import NoResponse
 from ..errors import UserError
 from ..scene import Scene
-from .measured import Measured
+from .measured import MeasuredAmplitudes
 from .model import HarmonicModel, Model
 from .parameters import Parameter
 
@@ -41,7 +41,7 @@ class Fit:
             NaN where a value ended at its limit.
         correlation: (p, p) of the values.
         inflation: (p,) of the interval, over that with all other values known.
-        simulated: (n,) amplitudes with these values, as `Measured.values` [m].
+        simulated: (n,) amplitudes with these values, as `MeasuredAmplitudes.values` [m].
         rms: of the difference, before and after.
         guessed: rms that harmonic balance has with its own values, from which the runs went on;
             NaN: the scene is not for it.
@@ -93,7 +93,7 @@ def rms(values: Array) -> float:
 
 def fit(
     scene: Scene,
-    measured: Measured,
+    measured: MeasuredAmplitudes,
     parameters: Sequence[Parameter],
     *,
     logarithms: bool = True,
@@ -193,7 +193,9 @@ def _search(
     )
 
 
-def predicted_rms(scene: Scene, measured: Measured, found: Fit, logarithms: bool = True) -> float:
+def predicted_rms(
+    scene: Scene, measured: MeasuredAmplitudes, found: Fit, logarithms: bool = True
+) -> float:
     """Rms of the difference from other measurements, with the values that were found.
 
     Raises:

@@ -27,7 +27,7 @@ from .result import Result
 from .runtime import runtime
 from .scales import ROUNDING, largest_force
 from .schedule import (
-    Drive,
+    DrivenSpeed,
     as_run,
     brief_step,
     end_time,
@@ -108,7 +108,7 @@ class CoSimulation(Closing):
         self.time = 0.0
         self.steps = self.unconverged = 0
         self.worst_residual = 0.0
-        self.drive = Drive(self.scene, self.system)
+        self.drive = DrivenSpeed(self.scene, self.system)
         step = step or step_size(self.scene)
         self.scheme = self._prepare(step, None if points is None else self._jacobian)
         if points is not None and isinstance(self.scheme, Adaptive):

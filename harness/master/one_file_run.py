@@ -13,7 +13,7 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
-from ...fmus.composite.run import Failed, Run, Stretch
+from ...fmus.composite.run import Run, RunFailed, Stretch
 from ...fmus.variables import Variable
 from ..errors import LoopError, SimulationError
 from ..scene import Scene
@@ -51,7 +51,7 @@ class OneFileRun(Closing):
         made = composition_in_c(scene)
         self._run = Run(made)
         names = [part.name for part in made.parts]
-        self.units = {name: Part(self._run, name) for name in names}
+        self.units = {name: UnitInside(self._run, name) for name in names}
         for variable in made.layout.variables:
             owner, own = _owned(variable.name)
             if owner in self.units:
@@ -71,7 +71,7 @@ class OneFileRun(Closing):
         self.time = 0.0
         try:
             self._run.start(points, step_share)
-        except Failed as failure:
+        except RunFailed as failure:
             raise SimulationError(f"{self.scene.name}: {failure}") from None
 
     def step(self, step: float, longest: float | None = None) -> float:
@@ -142,7 +142,7 @@ class OneFileRun(Closing):
         self._run.close()
 
 
-class Part:
+class UnitInside:
     """What a `Recorder` reads of a unit within the one file, as of an `Fmu`."""
 
     def __init__(self, run: Run, name: str) -> None:

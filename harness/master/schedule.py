@@ -12,7 +12,7 @@ from .system import System
 BRIEF = 1e-6  # of a communication step
 
 
-class Drive:
+class DrivenSpeed:
     """Tells the units the rotor's speed while it changes; costs nothing at constant speed."""
 
     def __init__(self, scene: Scene, system: System) -> None:

@@ -10,7 +10,7 @@ import numpy as np
 
 from ..errors import UserError
 from .files import write_whole
-from .picture import Axis, Line, Panel, Picture
+from .picture import Line, Panel, Picture, PlotAxis
 from .words import printable
 
 if TYPE_CHECKING:
@@ -148,7 +148,7 @@ def _axes(made: Figure, panel: Panel, row: int, column: int) -> None:
         made.update_yaxes(**y, **where)
 
 
-def _axis(axis: Axis) -> dict[str, Any]:
+def _axis(axis: PlotAxis) -> dict[str, Any]:
     said: dict[str, Any] = {"title": {"text": _text(axis.label)}}
     if axis.log:
         said["type"] = "log"

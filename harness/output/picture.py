@@ -30,7 +30,7 @@ def colour(number: int) -> str:
 
 
 @dataclass(frozen=True)
-class Axis:
+class PlotAxis:
     """What an axis, or a field's colour, says.
 
     Attributes:
@@ -80,7 +80,7 @@ class Field:
     x: Array
     y: Array
     values: Array
-    quantity: Axis
+    quantity: PlotAxis
 
 
 @dataclass(frozen=True, eq=False)
@@ -91,7 +91,7 @@ class Panel:
         equal: lengths along both axes are shown alike (of three: the last two).
     """
 
-    axes: tuple[Axis, ...]
+    axes: tuple[PlotAxis, ...]
     lines: Sequence[Line] = ()
     field: Field | None = None
     title: str = ""

@@ -17,7 +17,7 @@ from matplotlib.figure import Figure
 
 from ..errors import UserError
 from .files import picture_format, write_whole
-from .picture import Axis, Field, Line, Panel, Picture
+from .picture import Field, Line, Panel, Picture, PlotAxis
 from .words import printable
 
 _PREFIXES = ((1.0, "m"), (1e-3, "mm"), (1e-6, "µm"), (1e-9, "nm"))
@@ -155,7 +155,7 @@ def _line(axes: Any, line: Line) -> None:
         axes.annotate(text, place, color=line.text_colour, fontsize="small", **near)
 
 
-def _axis(axes: Any, letter: str, axis: Axis) -> None:
+def _axis(axes: Any, letter: str, axis: PlotAxis) -> None:
     getattr(axes, f"set_{letter}label")(axis.label)
     if axis.log:
         getattr(axes, f"set_{letter}scale")("log")

@@ -32,7 +32,7 @@ _SHOWN = 60  # characters of what a store was made for
 
 
 @dataclass(frozen=True)
-class Variable:
+class StoredArray:
     """An array of a store.
 
     Attributes:
@@ -55,13 +55,13 @@ class Variable:
         return self.dims.index(self.along)
 
 
-class Part:
+class StoredItems:
     """Outcomes of numbered items, as tuples: for every variable of the part the item's chunk.
 
     The items' dimension comes first in a chunk; a chunk of one value is that value.
     """
 
-    def __init__(self, group: zarr.Group, name: str, variables: Mapping[str, Variable]) -> None:
+    def __init__(self, group: zarr.Group, name: str, variables: Mapping[str, StoredArray]) -> None:
         self._arrays = [(_array(group, each), one) for each, one in variables.items()]
         self._done = _array(group, _mark(name))
         self._finished = set(np.flatnonzero(self._done[:]).tolist())
@@ -109,9 +109,9 @@ def refuse_store(path: Path) -> None:
 def open_store(
     path: Path,
     made_for: Mapping[str, str],
-    parts: Mapping[str, Mapping[str, Variable]],
+    parts: Mapping[str, Mapping[str, StoredArray]],
     coordinates: Mapping[str, tuple[str, ArrayLike]],
-) -> dict[str, Part]:
+) -> dict[str, StoredItems]:
     """A store's parts by name, begun if there is none at that place.
 
     Args:
@@ -135,7 +135,7 @@ def open_store(
         _refuse_foreign(path, dict(group.attrs), made_for)
         for half in path.rglob("*.partial"):  # a chunk that was being written when the end came
             half.unlink(missing_ok=True)
-        return {name: Part(group, name, variables) for name, variables in parts.items()}
+        return {name: StoredItems(group, name, variables) for name, variables in parts.items()}
     except (ValueError, KeyError, FileNotFoundError) as error:
         raise UserError(f"{path}: is no store that can be gone on with: {error}") from error
 
@@ -143,7 +143,7 @@ def open_store(
 def _begin(
     path: Path,
     made_for: Mapping[str, str],
-    parts: Mapping[str, Mapping[str, Variable]],
+    parts: Mapping[str, Mapping[str, StoredArray]],
     coordinates: Mapping[str, tuple[str, ArrayLike]],
 ) -> None:
     """An empty store, with all its arrays."""
@@ -190,7 +190,7 @@ def _mark(part: str) -> str:
     return f"{part}_done"
 
 
-def _place(item: int, one: Variable) -> tuple[int, ...]:
+def _place(item: int, one: StoredArray) -> tuple[int, ...]:
     return tuple(item if dim == one.along else 0 for dim in one.dims)
 
 

@@ -9,7 +9,7 @@ import numpy as np
 
 from ...models.linear.modes import modes
 from ..errors import UserError
-from ..output.picture import GREY, Axis, Line, Panel, Picture, colour
+from ..output.picture import GREY, Line, Panel, Picture, PlotAxis, colour
 from ..output.plot import metres
 from ..scene import Scene
 from .motion import Motion, Place, places
@@ -89,7 +89,7 @@ def _panel(
 ) -> Panel:
     limits = (-1.1 * reach, 1.1 * reach) if reach > 0.0 else None
     ticks = None if unit else (-1.0, 0.0, 1.0)
-    across = [Axis(letter, unit, ticks, limits=limits) for letter in "xy"]
+    across = [PlotAxis(letter, unit, ticks, limits=limits) for letter in "xy"]
     if len(along) == 1:
         return Panel(tuple(across), lines, title=title, equal=True)
-    return Panel((Axis("along the shaft", "m"), *across), lines, title=title, kind="space")
+    return Panel((PlotAxis("along the shaft", "m"), *across), lines, title=title, kind="space")

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
 
 from ..errors import UserError
-from ..output.picture import Axis
+from ..output.picture import PlotAxis
 from ..scene import Scene
 from ..scene.balancer import WeightBalancer
 
@@ -79,11 +79,11 @@ class Motion:
         return Motion(self.scene, self.time[last], _Part(self.recorded, last))
 
     @property
-    def across(self) -> tuple[Axis, Array]:
+    def across(self) -> tuple[PlotAxis, Array]:
         """Speed (T,) where it rises, else time."""
         if self.rises:
-            return Axis("speed", "rad/s"), self.speed
-        return Axis("time", "s"), self.time
+            return PlotAxis("speed", "rad/s"), self.speed
+        return PlotAxis("time", "s"), self.time
 
     @property
     def prefixes(self) -> list[str]:

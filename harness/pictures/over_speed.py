@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from ..errors import UserError
-from ..output.picture import GREY, Axis, Field, Line, Panel, Picture, colour, unbroken
+from ..output.picture import GREY, Field, Line, Panel, Picture, PlotAxis, colour, unbroken
 from ..output.plot import metres
 from .motion import Array, Motion, station_names
 from .orders import spectra, tracked
@@ -39,8 +39,8 @@ def waterfall(motion: Motion, signal: str | None = None) -> Picture:
     speed = np.interp(spectrum.angle, rising.angle, rising.speed)
     frequency = spectrum.orders * speed[:, None]
     heights = spectrum.amplitude * factor
-    amplitude = Axis("amplitude, 0-peak", unit)
-    upward = Axis("frequency", "rad/s", limits=(0.0, float(frequency.max())))
+    amplitude = PlotAxis("amplitude, 0-peak", unit)
+    upward = PlotAxis("frequency", "rad/s", limits=(0.0, float(frequency.max())))
     chosen = np.unique(np.linspace(0, len(across) - 1, SHOWN).round().astype(int))
     lines = [
         Line((frequency[k], np.full_like(frequency[k], across[k]), heights[k]), width=0.9)
@@ -59,12 +59,12 @@ def waterfall(motion: Motion, signal: str | None = None) -> Picture:
     return Picture(f"{motion.title}\nwaterfall", [stack, flat], height=5.2)
 
 
-def _field(across: Array, frequency: Array, heights: Array, amplitude: Axis) -> Field:
+def _field(across: Array, frequency: Array, heights: Array, amplitude: PlotAxis) -> Field:
     """Spectra over one and the same frequencies; none above what a window has seen."""
     even = np.linspace(0.0, float(frequency.max()), 400)
     columns = [np.interp(even, f, h, right=np.nan) for f, h in zip(frequency, heights, strict=True)]
     top = float(heights.max())
-    quantity = Axis(amplitude.name, amplitude.unit, log=True, limits=(_FRACTION * top, top))
+    quantity = PlotAxis(amplitude.name, amplitude.unit, log=True, limits=(_FRACTION * top, top))
     return Field(across, even, np.maximum(np.array(columns).T, _FRACTION * top), quantity)
 
 
@@ -87,13 +87,13 @@ def orders(motion: Motion, wanted: Sequence[float] = ORDERS) -> Picture:
         size = np.abs(tracks.amplitude[:, m])
         factor, unit = metres(float(size.max()))
         lines = _curves(across, size.T * factor, names, named=m == 0)
-        upward = Axis(f"order {order:g}, 0-peak", unit)
+        upward = PlotAxis(f"order {order:g}, 0-peak", unit)
         panels.append(Panel((axis, upward), lines))
     degrees = np.degrees(np.angle(tracks.amplitude[:, 0])).T
     turned = [unbroken(each + 180.0) - 180.0 for each in degrees]
     lines = _curves(across, turned, names, named=False)
     name, ticks = f"order {wanted[0]:g}, phase to the rotor", range(-180, 181, 90)
-    phase = Axis(name, "deg", ticks, limits=(-190.0, 190.0))
+    phase = PlotAxis(name, "deg", ticks, limits=(-190.0, 190.0))
     panels.insert(1, Panel((axis, phase), lines))
     return Picture(f"{motion.title}\norders of the vibration", panels, height=2.6)
 
@@ -126,7 +126,7 @@ def polar(motion: Motion) -> Picture:
 
 
 def polar_picture(
-    title: str, across: Array, axis: Axis, amplitude: Any, names: Sequence[str]
+    title: str, across: Array, axis: PlotAxis, amplitude: Any, names: Sequence[str]
 ) -> Picture:
     """Polar diagrams of complex amplitudes (k, 2, n) [m] along x and y, marked by `across`."""
     factor, unit = metres(float(np.abs(amplitude).max()))
@@ -145,7 +145,7 @@ def polar_picture(
                 there = points[0][marked], points[1][marked]
                 lines.append(Line(there, "", colour(j), "marks", texts=texts))
         heading = f"along {letter}: 0-peak [{unit}], phase to the rotor; marks: {axis.label}"
-        axes = (Axis("phase", "deg"), Axis("amplitude, 0-peak", unit))
+        axes = (PlotAxis("phase", "deg"), PlotAxis("amplitude, 0-peak", unit))
         panels.append(Panel(axes, lines, title=heading, kind="polar"))
     return Picture(title, panels, columns=2, height=5.4, width=6.4)
 
@@ -163,7 +163,7 @@ def weights(motion: Motion) -> Picture:
     return Picture(f"{motion.title}\nweights in the rotor", weight_panels(rising, axis, across))
 
 
-def weight_panels(motion: Motion, axis: Axis, across: Array) -> list[Panel]:
+def weight_panels(motion: Motion, axis: PlotAxis, across: Array) -> list[Panel]:
     """One panel a balancer, all weights in it."""
     panels = []
     for balancer, angles in motion.weights():
@@ -176,6 +176,6 @@ def weight_panels(motion: Motion, axis: Axis, across: Array) -> list[Panel]:
             ends = np.array([across[0], across[-1]])
             level = np.full(2, np.degrees(light) % 360.0)
             lines.append(Line((ends, level), "opposite the unbalance", GREY, "dashed"))
-        upward = Axis("angle in the rotor", "deg", range(0, 361, 90), limits=(-5.0, 365.0))
+        upward = PlotAxis("angle in the rotor", "deg", range(0, 361, 90), limits=(-5.0, 365.0))
         panels.append(Panel((axis, upward), lines, title=balancer.label))
     return panels

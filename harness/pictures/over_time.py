@@ -7,7 +7,7 @@ from collections.abc import Mapping
 import numpy as np
 
 from ..errors import UserError
-from ..output.picture import Axis, Line, Panel, Picture, colour
+from ..output.picture import Line, Panel, Picture, PlotAxis, colour
 from ..output.plot import metres
 from .motion import Array, Motion, station_names
 from .over_speed import weight_panels
@@ -63,20 +63,22 @@ def _panel(time: Array, signals: Mapping[str, Array], quantity: str, unit: str) 
         nothing = np.full(1, np.nan)
         label = f"and {len(signals) - _MOST_LINES} more, not drawn"
         lines.append(Line((nothing, nothing), label, "none"))
-    return Panel((Axis("time", "s"), Axis(quantity, shown)), lines)
+    return Panel((PlotAxis("time", "s"), PlotAxis(quantity, shown)), lines)
 
 
 def motion_with_weights(motion: Motion) -> Picture:
     """Displacement of every station, speed where it rises, and the angles of all weights."""
     size = np.hypot(motion.displacement[:, 0], motion.displacement[:, 1])
     factor, unit = metres(float(size.max()))
-    time = Axis("time", "s")
+    time = PlotAxis("time", "s")
     lines = [
         Line((motion.time, size[:, j] * factor), name, colour(j), width=1.0)
         for j, name in enumerate(station_names(motion.scene))
     ]
-    panels = [Panel((time, Axis("displacement, 0-peak", unit)), lines)]
+    panels = [Panel((time, PlotAxis("displacement, 0-peak", unit)), lines)]
     if motion.rises:
-        panels.append(Panel((time, Axis("speed", "rad/s")), [Line((motion.time, motion.speed))]))
+        panels.append(
+            Panel((time, PlotAxis("speed", "rad/s")), [Line((motion.time, motion.speed))])
+        )
     panels += weight_panels(motion, time, motion.time)
     return Picture(f"{motion.title}\nmotion and weights", panels, height=2.6)

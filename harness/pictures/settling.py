@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from ..errors import UserError
-from ..output.picture import Axis, Field, Panel, Picture
+from ..output.picture import Field, Panel, Picture, PlotAxis
 from ..scene import Scene
 from ..scene.balancer import WeightBalancer
 from .motion import Array
@@ -45,8 +45,8 @@ def settling_map(
     if limits[0] == limits[1]:
         limits = (0.0, limits[1] or end)
     degrees = np.degrees(angles)
-    quantity = Axis("settling time", "s", limits=limits)
-    axes = [Axis(f"{name.removesuffix('.angle0')} starts at", "deg", _TICKS) for name in names]
+    quantity = PlotAxis("settling time", "s", limits=limits)
+    axes = [PlotAxis(f"{name.removesuffix('.angle0')} starts at", "deg", _TICKS) for name in names]
     panel = Panel((axes[0], axes[1]), field=Field(degrees, degrees, seconds, quantity), equal=True)
     late = int(np.isnan(seconds).sum()) - failed
     said = f"{known.size} of {seconds.size} starts settle"

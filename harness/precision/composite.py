@@ -15,7 +15,7 @@ from ..errors import SimulationError
 from ..master.one_file import composition
 from ..master.schedule import end_time
 from ..scene import Scene
-from .runner import Run
+from .runner import TimedRun
 
 MORE = 16  # points than steps: of those at the start and at jumps
 REPEATS = 10  # in one call: making the units once is loading, and a run takes less than a ms
@@ -36,14 +36,14 @@ class CompositeRunner:
             raise SimulationError(reason)
         self._runs = Runs(made, [], asked, int(found[0, -1, 0]) + MORE, own_steps=True)
 
-    def run(self) -> Run:
+    def run(self) -> TimedRun:
         begun = clock.process_time()
         found, (reason, *_) = self._runs(np.empty((REPEATS, 0)), self._end)
         seconds = (clock.process_time() - begun) / REPEATS
         if reason:
             raise SimulationError(reason)
         time, *signals, steps = found[0, ~np.isnan(found[0, :, 0])].T
-        return Run(seconds, time, dict(zip(self._names, signals, strict=True)), int(steps[-1]))
+        return TimedRun(seconds, time, dict(zip(self._names, signals, strict=True)), int(steps[-1]))
 
     def close(self) -> None:
         pass

@@ -22,7 +22,7 @@ from ..master.recorder import Recorder
 from ..master.schedule import milestones, schedule
 from ..master.start import shown_at_start
 from ..scene import Scene
-from .runner import Run
+from .runner import TimedRun
 
 
 @dataclass
@@ -70,7 +70,7 @@ class FixedAxesRunner:
             self._first = _at_the_start(self._plan, turning)
             self._stack = stack.pop_all()
 
-    def run(self) -> Run:
+    def run(self) -> TimedRun:
         try:
             recorder = Recorder(self._units, self._names)
         except SceneError as error:
@@ -90,7 +90,7 @@ class FixedAxesRunner:
                 recorder.take(end)
             begin = bound
         seconds = clock.process_time() - begun
-        return Run(seconds, *recorder.columns(), sum(count for _, count in parts))
+        return TimedRun(seconds, *recorder.columns(), sum(count for _, count in parts))
 
     def _step(self, time: float, step: float) -> None:
         """All units step on what the others showed at the end of the step before."""

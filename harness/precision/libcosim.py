@@ -23,7 +23,7 @@ from ..master.plan import Port
 from ..master.schedule import end_time, step_size
 from ..master.start import start_inputs
 from ..scene import Scene
-from .runner import Run
+from .runner import TimedRun
 
 NANOSECOND = 1e-9  # s: libcosim counts time in whole ones
 _TIMEOUT = 600  # s
@@ -103,7 +103,7 @@ class LibcosimRunner:
             connections="".join(connections),
         )
 
-    def run(self) -> Run:
+    def run(self) -> TimedRun:
         with TemporaryDirectory(prefix="autobalancer-") as directory:
             config = Path(directory) / "OspSystemStructure.xml"
             config.write_text(self._structure(), encoding="utf-8")
@@ -127,7 +127,7 @@ class LibcosimRunner:
         names = [f"{unit}.{v}" for unit, variables in self._record.items() for v in variables]
         time = np.arange(1.0, self._count + 1.0, dtype=np.float64) * self._step
         signals = {name: rows[:, i].copy() for i, name in enumerate(names)}
-        return Run(answer["seconds"], time, signals, self._count)
+        return TimedRun(answer["seconds"], time, signals, self._count)
 
     def close(self) -> None:
         self._cosim.close()

@@ -29,7 +29,7 @@ from .methods import (
     ready,
 )
 from .reference import right_motion, signal_ranges
-from .runner import Run, Runner
+from .runner import Runner, TimedRun
 
 TWO_DECADES = 100.0  # the reference must be that much better than a point whose error counts
 ASYMPTOTIC = 0.03  # an error above it says nothing of a method's order
@@ -158,7 +158,7 @@ class _Bench:
         self._scene, self._names, self._progress = scene, names, progress
         self._begun, self._seconds = clock.perf_counter(), seconds
         self._ready: dict[Method, Runner] = {}
-        self.first: dict[Method, Run] = {}
+        self.first: dict[Method, TimedRun] = {}
         self.status: dict[Method, str] = {}
         self.best: dict[Method, float] = {}
 

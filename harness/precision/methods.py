@@ -16,7 +16,7 @@ from ..scene import Scene
 from .composite import CompositeRunner
 from .fixed_axes import FixedAxesRunner
 from .libcosim import LibcosimRunner
-from .runner import Run, Runner
+from .runner import Runner, TimedRun
 
 EXPLICIT_STEPS = (10, 20, 40, 80, 160)
 ITERATED_STEPS = (8, 10, 14, 20, 28, 40, 80)
@@ -102,7 +102,7 @@ class CoSimulationRunner:
         self.cosim = CoSimulation(scene)
         self.names = list(names)
 
-    def run(self) -> Run:
+    def run(self) -> TimedRun:
         recorder = Recorder(self.cosim.units, self.names)
         begun = clock.process_time()
         self.cosim.start()
@@ -111,7 +111,7 @@ class CoSimulationRunner:
         seconds = clock.process_time() - begun
         facts = self.cosim.facts()
         note = f"{facts.unconverged} steps not converged" if facts.unconverged else ""
-        return Run(seconds, *recorder.columns(), facts.steps, note)
+        return TimedRun(seconds, *recorder.columns(), facts.steps, note)
 
     def close(self) -> None:
         self.cosim.close()
@@ -129,14 +129,14 @@ class MonolithRunner:
         self._start, self._method, self._rtol = start, method, rtol
         self._names, self._end = list(names), end_time(scene)
 
-    def run(self) -> Run:
+    def run(self) -> TimedRun:
         begun = clock.process_time()
         time, states, evaluations = integrate(
             self._system, self._end, self._start, method=self._method, rtol=self._rtol
         )
         seconds = clock.process_time() - begun
         motion = trajectory(self._system, time, states)
-        return Run(seconds, time, {n: motion.signal(n) for n in self._names}, evaluations)
+        return TimedRun(seconds, time, {n: motion.signal(n) for n in self._names}, evaluations)
 
     def close(self) -> None:
         pass

@@ -12,7 +12,7 @@ Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)
-class Run:
+class TimedRun:
     """A finished run: seconds without loading, its points, and its work (steps, evaluations)."""
 
     seconds: float
@@ -25,7 +25,7 @@ class Run:
 class Runner(Protocol):
     """A method made ready for one scene."""
 
-    def run(self) -> Run:
+    def run(self) -> TimedRun:
         """Run once, timed.
 
         Raises:

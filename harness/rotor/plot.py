@@ -11,10 +11,10 @@ from matplotlib.lines import Line2D
 from numpy.typing import NDArray
 
 from ...models.linear.modes import Campbell
-from ..output.picture import Axis, Picture
+from ..output.picture import Picture, PlotAxis
 from ..output.plot import metres, save
 from ..pictures.over_speed import polar_picture
-from .study import Array, Response
+from .study import Array, UnbalanceResponse
 
 COLOURS = ("tab:blue", "tab:orange", "tab:green", "tab:purple", "tab:brown", "tab:pink")
 CRITICAL = "tab:red"
@@ -79,7 +79,7 @@ def _campbell_legend(axes: Any) -> None:
     axes.legend(handles=[*lines, ring], loc="upper left", fontsize="small")
 
 
-def plot_response(data: Response, path: Path) -> Path:
+def plot_response(data: UnbalanceResponse, path: Path) -> Path:
     """Amplitude and phase of every station against speed, x and y side by side."""
     alike = np.allclose(data.amplitude[:, 1], -1j * data.amplitude[:, 0], rtol=1e-9, atol=0.0)
     axes_shown = (0,) if alike else (0, 1)
@@ -107,14 +107,16 @@ def plot_response(data: Response, path: Path) -> Path:
     return save(figure, path)
 
 
-def polar_response(data: Response) -> Picture:
+def polar_response(data: UnbalanceResponse) -> Picture:
     """The same as one curve a station (Nyquist), by the equations."""
     title = f"{data.title}\nunbalance response of the rotor without balancers"
-    axis = Axis("speed", "rad/s")
+    axis = PlotAxis("speed", "rad/s")
     return polar_picture(title, data.speeds, axis, data.amplitude, data.stations)
 
 
-def _response_lines(above: Any, below: Any, data: Response, along: int, factor: float) -> None:
+def _response_lines(
+    above: Any, below: Any, data: UnbalanceResponse, along: int, factor: float
+) -> None:
     for j, name in enumerate(data.stations):
         colour = COLOURS[j % len(COLOURS)]
         curve, points = data.amplitude[:, along, j], data.measured[:, along, j]

@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 
 from ..output.plot import metres, save
 from .plot import COLOURS, mark_critical
-from .study import Orbits, RunUp
+from .study import Orbits, RunUpMotion
 
 ALONE, RUN = "tab:gray", "tab:blue"
 _ACROSS = 3  # panels in a row
@@ -57,7 +57,7 @@ def _orbit(axes: Any, orbit: Any, colour: str, label: str) -> float:
     return float(np.hypot(x, y).max())
 
 
-def plot_run_up(data: RunUp, path: Path) -> Path:
+def plot_run_up(data: RunUpMotion, path: Path) -> Path:
     """Displacement of every station while the speed rises, with and without balancers."""
     parts = [("without balancers", data.run)]
     if data.alone is not None:

@@ -33,7 +33,7 @@ FAR = 3.0  # critical speeds beyond this many operating speeds are of no interes
 
 
 @dataclass(frozen=True, eq=False)
-class Response:
+class UnbalanceResponse:
     """Steady vibration by unbalance of the rotor without balancers.
 
     Attributes:
@@ -76,7 +76,7 @@ class Orbits:
 
 
 @dataclass(frozen=True, eq=False)
-class RunUp:
+class RunUpMotion:
     """Displacement while the speed rises.
 
     Attributes:
@@ -139,7 +139,7 @@ def campbell_of(scene: Scene, low: float, high: float) -> tuple[Campbell, Array]
     return found, _within(critical_speeds(rotor), low, high)
 
 
-def response_of(scene: Scene, low: float, high: float) -> Response:
+def response_of(scene: Scene, low: float, high: float) -> UnbalanceResponse:
     """Unbalance response by the equations, and by the unit at some speeds.
 
     Raises:
@@ -156,7 +156,7 @@ def response_of(scene: Scene, low: float, high: float) -> Response:
         raise UserError(str(error)) from error
     with Revolution(scene.without_balancers()) as units:
         measured = [_steady(units, float(w))[0] for w in points]
-    return Response(
+    return UnbalanceResponse(
         title=scene.heading,
         stations=station_names(scene),
         speeds=speeds,
@@ -202,7 +202,7 @@ def _run(scene: Scene) -> tuple[Array, Array]:
     return result.time, motion.reshape(-1, 2, count)
 
 
-def run_up_of(scene: Scene, low: float, high: float) -> RunUp:
+def run_up_of(scene: Scene, low: float, high: float) -> RunUpMotion:
     """A linear run-up through the range, with and without the balancers, from rest."""
     seconds = 2.0 * (2.0 * math.pi * RUN_UP_REVOLUTIONS) / (low + high)
     rising = scene.replace(
@@ -214,7 +214,7 @@ def run_up_of(scene: Scene, low: float, high: float) -> RunUp:
     alone = _displacement(rising.without_balancers()) if scene.balancer else None
     critical = _within(critical_speeds(scene.assembly().rotor), low, high)
     names = station_names(scene)
-    return RunUp(scene.heading, names, seconds, _displacement(rising), alone, critical)
+    return RunUpMotion(scene.heading, names, seconds, _displacement(rising), alone, critical)
 
 
 def _displacement(rising: Scene) -> tuple[Array, Array]:

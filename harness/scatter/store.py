@@ -9,7 +9,7 @@ import numpy as np
 import tomli_w
 from numpy.typing import NDArray
 
-from ..output.store import Part, Variable, open_store
+from ..output.store import StoredArray, StoredItems, open_store
 from ..scene import Scene
 from .vary import Variation
 
@@ -21,7 +21,7 @@ def open_scatter(
     seed: int,
     values: NDArray[np.float64],
     chunk: int,
-) -> Part:
+) -> StoredItems:
     """The machines' outcomes in chunks, begun or gone on with.
 
     Args:
@@ -32,10 +32,12 @@ def open_scatter(
     """
     along = ("machine",), (len(values),), "machine"
     outcomes = {
-        "residual": Variable(*along, chunk=chunk, meaning="amplitude, last revolution [m]"),
-        "grade": Variable(*along, chunk=chunk, meaning="of ISO 21940-11, just met [mm/s]"),
-        "settled": Variable(*along, chunk=chunk, meaning="1: the last two revolutions are alike"),
-        "failure": Variable(*along, "str", chunk, "why the run failed"),
+        "residual": StoredArray(*along, chunk=chunk, meaning="amplitude, last revolution [m]"),
+        "grade": StoredArray(*along, chunk=chunk, meaning="of ISO 21940-11, just met [mm/s]"),
+        "settled": StoredArray(
+            *along, chunk=chunk, meaning="1: the last two revolutions are alike"
+        ),
+        "failure": StoredArray(*along, "str", chunk, "why the run failed"),
     }
     made_for = {
         "content": "scatter",

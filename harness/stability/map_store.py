@@ -8,14 +8,14 @@ from pathlib import Path
 import numpy as np
 import tomli_w
 
-from ..output.store import Part, Variable, open_store
+from ..output.store import StoredArray, StoredItems, open_store
 from ..scene import Scene
 from .axis import SPEED, Axis
 
 
 def open_map(
     path: Path, scene: Scene, x: Axis, y: Axis, rows: int, places: Sequence[tuple[int, int]]
-) -> dict[str, Part]:
+) -> dict[str, StoredItems]:
     """Parts `strip` and `point` of the store of a map at that place, begun or gone on with.
 
     Args:
@@ -27,19 +27,19 @@ def open_map(
     """
     grid = ("y", "x"), (len(y.values), len(x.values)), "x" if y.path == SPEED else "y"
     strips = {
-        "growth": Variable(*grid, chunk=rows, meaning="largest growth rate [1/s]"),
-        "criterion": Variable(*grid, chunk=rows, meaning="negative: balanced by the criterion"),
-        "why_not": Variable(*grid, "str", rows, "why there is no growth rate"),
-        "whirl": Variable(
+        "growth": StoredArray(*grid, chunk=rows, meaning="largest growth rate [1/s]"),
+        "criterion": StoredArray(*grid, chunk=rows, meaning="negative: balanced by the criterion"),
+        "why_not": StoredArray(*grid, "str", rows, "why there is no growth rate"),
+        "whirl": StoredArray(
             *grid, chunk=rows, meaning="amplitude that remains where weights cannot balance [m]"
         ),
-        "whirl_growth": Variable(*grid, chunk=rows, meaning="growth rate of that whirl [1/s]"),
+        "whirl_growth": StoredArray(*grid, chunk=rows, meaning="growth rate of that whirl [1/s]"),
     }
     points = {
-        "cosim_growth": Variable(
+        "cosim_growth": StoredArray(
             ("point",), (len(places),), "point", meaning="largest growth rate, co-simulated [1/s]"
         ),
-        "cosim_why_not": Variable(
+        "cosim_why_not": StoredArray(
             ("point",), (len(places),), "point", "str", meaning="why there is none"
         ),
     }
@@ -55,7 +55,7 @@ def open_map(
     return open_store(path, made_for, parts, along)
 
 
-def open_run_map(path: Path, scene: Scene, x: Axis, y: Axis) -> Part:
+def open_run_map(path: Path, scene: Scene, x: Axis, y: Axis) -> StoredItems:
     """The rows of a map of runs, one for every value of y, begun or gone on with.
 
     Raises:
@@ -63,9 +63,9 @@ def open_run_map(path: Path, scene: Scene, x: Axis, y: Axis) -> Part:
     """
     grid = ("y", "x"), (len(y.values), len(x.values)), "y"
     rows = {
-        "residual": Variable(*grid, meaning="amplitude in the last revolution [m]"),
-        "settled": Variable(*grid, meaning="1: the last two revolutions are alike"),
-        "failure": Variable(*grid, "str", meaning="why the run failed"),
+        "residual": StoredArray(*grid, meaning="amplitude in the last revolution [m]"),
+        "settled": StoredArray(*grid, meaning="1: the last two revolutions are alike"),
+        "failure": StoredArray(*grid, "str", meaning="why the run failed"),
     }
     along = {"x": ("x", x.values), "y": ("y", y.values)}
     return open_store(path, _made_for("map of runs", scene, x, y), {"row": rows}, along)["row"]

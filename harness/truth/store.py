@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
-from ..output.store import Part, Variable, open_store
+from ..output.store import StoredArray, StoredItems, open_store
 from .judge import Verdict
 from .study import Study, items_of
 
@@ -32,10 +32,10 @@ class Verdicts:
         self._items = items_of(study)
         shape = (len(self._items),)
         variables = {
-            name: Variable(("scene",), shape, "scene", kind) for name, kind in _KINDS.items()
+            name: StoredArray(("scene",), shape, "scene", kind) for name, kind in _KINDS.items()
         }
         families, numbers = zip(*self._items, strict=True)
-        self._part: Part = open_store(
+        self._part: StoredItems = open_store(
             path,
             {"content": f"truth study{', one file' * study.one_file}", "study": repr(study)},
             {"scene": variables},

@@ -13,7 +13,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Iterator
 
-from ..schedule import Drive
+from ..schedule import DrivenSpeed
 from ..system import System
 from .protocol import Scheme
 
@@ -24,7 +24,7 @@ KINK = 1e-6  # of a step: it errs by less than 1e-7, and rounding does not yet s
 
 
 def substeps(
-    system: System, scheme: Scheme, drive: Drive, time: float, step: float
+    system: System, scheme: Scheme, drive: DrivenSpeed, time: float, step: float
 ) -> Iterable[tuple[float, float]]:
     """Begin and length of every step to be taken for one communication step [s]; mostly itself.
 
@@ -38,7 +38,7 @@ def substeps(
 
 
 def _divided(
-    system: System, scheme: Scheme, drive: Drive, time: float, step: float
+    system: System, scheme: Scheme, drive: DrivenSpeed, time: float, step: float
 ) -> Iterator[tuple[float, float]]:
     """Parts of a step without a past, those at a jump of the drive brought over it."""
     parts, begin = doubling_steps(system, step, scheme.startup_halvings), time

@@ -13,7 +13,7 @@ from typer.testing import CliRunner
 from autobalancer.harness import UserError, load_scene
 from autobalancer.harness.cli import app
 from autobalancer.harness.output import store as store_module
-from autobalancer.harness.output.store import Variable, open_store
+from autobalancer.harness.output.store import StoredArray, open_store
 from autobalancer.harness.output.workers import in_order
 from autobalancer.harness.stability.axis import Axis
 from autobalancer.harness.stability.map import stability_map
@@ -25,8 +25,8 @@ pytest.importorskip("zarr")
 ITEMS = [0.5, 1.5, -1.0]
 PARTS = {
     "number": {
-        "root": Variable(("number",), (3,), "number", meaning="square root [m]"),
-        "why_not": Variable(("number",), (3,), "number", "str", meaning="why there is none"),
+        "root": StoredArray(("number",), (3,), "number", meaning="square root [m]"),
+        "why_not": StoredArray(("number",), (3,), "number", "str", meaning="why there is none"),
     }
 }
 begun: list[float] = []
