@@ -10,6 +10,7 @@ import time as clock
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import ExitStack
 from dataclasses import replace
+from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, TypeAlias
 
@@ -37,6 +38,7 @@ from .schedule import (
     step_size,
 )
 from .schemes.adaptive import Adaptive
+from .schemes.iterated import Iterated
 from .schemes.prescribed import SLIVER, Prescribed
 from .schemes.protocol import Scheme, choose, refuse_loose_tolerance
 from .schemes.startup import substeps
@@ -110,9 +112,7 @@ class CoSimulation(Closing):
         self.worst_residual = 0.0
         self.drive = DrivenSpeed(self.scene, self.system)
         step = step or step_size(self.scene)
-        self.scheme = self._prepare(step, None if points is None else self._jacobian)
-        if points is not None and isinstance(self.scheme, Adaptive):
-            self.scheme = Prescribed(self.scheme.iterated, *points)
+        self.scheme = self._prepare(step) if points is None else self._prescribed(step, *points)
         if step_share and isinstance(self.scheme, Adaptive):
             self.scheme.share = step_share
         for unit in self.units.values():
@@ -148,18 +148,28 @@ class CoSimulation(Closing):
             self._at = self.scene.replace({"operation.speed": speeds[0]})
         return self._at
 
-    def _prepare(self, step: float, known: np.ndarray | None) -> Scheme:
+    @cached_property
+    def _rounding(self) -> float:
+        """Of forces that cancel [N]."""
+        return ROUNDING * largest_force(self.scene)
+
+    def _prepare(self, step: float) -> Scheme:
         """Bring the units to a consistent start, and make the scheme for this loop."""
-        system, response = self.system, np.zeros((0, 0))
+        system, response, rounding = self.system, np.zeros((0, 0)), self._rounding
         if self.scene.coupling.scheme == "compensated":
             response = rotor_response(system, step)
-        rounding = ROUNDING * largest_force(self.scene)
-        self._jacobian = jacobian = consistent_start(system, step, rounding, known)
+        self._jacobian = jacobian = consistent_start(system, step, rounding)
         eigenvalues = value_eigenvalues(jacobian, system.parts)
         self.gain = max(map(abs, eigenvalues), default=0.0)
         scheme = choose(self.scene, system, jacobian, response, step, self.gain, rounding)
         self.amplification = scheme.amplification(eigenvalues, system.order)
         return scheme
+
+    def _prescribed(self, step: float, points: Sequence[float], residual: float) -> Prescribed:
+        """The same for given points: of the loop all is known from the start before."""
+        known = consistent_start(self.system, step, self._rounding, self._jacobian)
+        iterated = Iterated(known, step, self.system.order, rounding=self._rounding)
+        return Prescribed(iterated, points, residual)
 
     def step(self, step: float, longest: float | None = None) -> float:
         """One communication step of length `step` [s]; returns its length.

@@ -83,6 +83,9 @@ class QuasiNewton:
         jacobian: dG/du in the units of `pack` with `step` [s].
         parts: of a signal's end.
 
+    Attributes:
+        gain: of the loop at first.
+
     Raises:
         SimulationError: an eigenvalue is 1, so that u = G(u) has no unique solution.
     """
@@ -91,7 +94,8 @@ class QuasiNewton:
         self.step, self.parts = step, parts
         try:
             self.inverse = np.linalg.inv(np.eye(len(jacobian)) - jacobian)
-            unique = all(abs(1.0 - j) >= _SINGULAR for j in value_eigenvalues(jacobian, parts))
+            eigenvalues = value_eigenvalues(jacobian, parts)
+            unique = all(abs(1.0 - j) >= _SINGULAR for j in eigenvalues)
         except np.linalg.LinAlgError:  # values so far from 1 that they leave no digit of it
             unique = False
         if not unique:
@@ -99,6 +103,7 @@ class QuasiNewton:
                 "the loop between force and acceleration has gain 1: every force answers itself, "
                 "and there is no unique solution"
             )
+        self.gain = max(map(abs, eigenvalues), default=0.0)
 
     def rescale(self, step: float) -> None:
         """Adapt to another step [s]: slopes enter as slope times step."""
@@ -199,7 +204,7 @@ def consistent_start(
         raise SimulationError("start values: the forces of the balancers are not finite at t = 0 s")
     newton = QuasiNewton(slope_of_g, step, parts)
     residual = difference(g_u, u)
-    tolerance = max(_START_TOLERANCE, _ROUNDING * loop_gain(slope_of_g, parts))
+    tolerance = max(_START_TOLERANCE, _ROUNDING * newton.gain)
     for _ in range(_START_ITERATIONS):
         du, before = newton.correction(residual), residual
         u = [a + b for a, b in zip(u, du, strict=True)]
@@ -213,7 +218,7 @@ def consistent_start(
         raise SimulationError(
             f"consistent start values were not found in {_START_ITERATIONS} iterations: forces "
             f"still change by {size(residual):.3g} N of {size(u):.3g} N; loop gain "
-            f"{loop_gain(slope_of_g, parts):.3g}"
+            f"{newton.gain:.3g}"
         )
     for force, knot in zip(system.forces, unpack(g_u, step, parts), strict=True):
         force.now = knot
@@ -229,12 +234,8 @@ def values_in(jacobian: np.ndarray, parts: int = 2) -> np.ndarray:
 def value_eigenvalues(jacobian: np.ndarray, parts: int = 2) -> list[complex]:
     """Eigenvalues of the loop of values, 2 c of them; slopes answer slopes with the same ones.
 
-    As double eigenvalues of the whole they would have half the digits.
+    As double eigenvalues of the whole they would have half the digits.  The largest modulus is the
+    loop gain, which explicit schemes need below 1.
     """
     values = values_in(jacobian, parts)
     return np.linalg.eigvals(jacobian[np.ix_(values, values)]).tolist()
-
-
-def loop_gain(jacobian: np.ndarray, parts: int = 2) -> float:
-    """Spectral radius of the coupling loop; explicit schemes need it below 1."""
-    return max(map(abs, value_eigenvalues(jacobian, parts)), default=0.0)

@@ -23,7 +23,6 @@ from ..loop import (
     Vector,
     difference,
     jacobian,
-    loop_gain,
     pack,
     size,
     unpack,
@@ -106,14 +105,14 @@ class Iterated:
         rounding: float = 0.0,
     ) -> None:
         self.parts = EXACT[max(3, order)] + 1
-        self._least = ROUNDING * loop_gain(jacobian, self.parts)
-        self.closed = max(CONVERGED, self._least)
         self.with_slopes = order >= 3
         self.miss_per_error = MISS_PER_ERROR[max(3, order)]
         if not self.with_slopes:
             values = values_in(jacobian)
             jacobian = np.where(np.outer(values, values), jacobian, 0.0)
         self.newton = QuasiNewton(jacobian, step, self.parts)
+        self._least = ROUNDING * self.newton.gain
+        self.closed = max(CONVERGED, self._least)
         self.corrections = corrections
         self.rounding = rounding
         self.allow(tolerance)
