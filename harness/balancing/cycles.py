@@ -22,6 +22,7 @@ from ...models.papers.influence import (
     scalar_coefficients,
     unbalance_from_response,
 )
+from ..errors import SceneError
 from ..output.workers import Progress
 from ..scene import Scene
 from .grade import levers, permissible
@@ -118,7 +119,8 @@ def balance(scene: Scene, *, progress: Progress | None = None) -> BalancingRepor
         progress: called with the finished fraction.
 
     Raises:
-        SceneError: the scene has no table [balancing].
+        SceneError: the scene has no table [balancing], or its supports' vibration does not tell the
+            planes apart.
         SimulationError: the rotor does not run steadily.
     """
     report = progress or (lambda done: None)
@@ -207,6 +209,9 @@ def _by_equations(scene: Scene, planes: list[int], axis: str) -> tuple[Complex, 
     """Coefficients (s, p) [1/kg], and unbalance (p,) of the same effect at the supports [kg m].
 
     For comparison only: no operator knows what the rotor's equations say.
+
+    Raises:
+        SceneError: the supports' vibration does not tell the planes apart.
     """
     rotor, speed = scene.assembly().rotor, scene.profile().end
     sensors = [s - 1 for s in scene.rotor.supports]
@@ -214,4 +219,7 @@ def _by_equations(scene: Scene, planes: list[int], axis: str) -> tuple[Complex, 
     coefficients = influence(rotor, speed, rotor.planes[[p - 1 for p in planes]])[along][sensors]
     everywhere = influence(rotor, speed, np.eye(rotor.stations))[along][sensors]
     response = everywhere @ rotor.unbalance
-    return coefficients, unbalance_from_response(coefficients, response)
+    try:
+        return coefficients, unbalance_from_response(coefficients, response)
+    except ValueError as error:
+        raise SceneError(f"{scene.name}: {error}") from None

@@ -59,17 +59,17 @@ def _orbit(axes: Any, orbit: Any, colour: str, label: str) -> float:
 
 def plot_run_up(data: RunUpMotion, path: Path) -> Path:
     """Displacement of every station while the speed rises, with and without balancers."""
-    parts = [("with balancers", data.run), ("without balancers", data.alone)]
-    if not len(data.alone):
-        parts = [("without balancers", data.run)]
+    parts = [("without balancers", data.run)]
+    if data.alone is not None:
+        parts = [("with balancers", data.run), ("without balancers", data.alone)]
     figure = Figure(figsize=(9.5, 1.2 + 3.4 * len(parts)), layout="constrained")
     grid = figure.subplots(len(parts), 1, sharex=True, sharey=True, squeeze=False)[:, 0]
-    factor, unit = metres(max(float(part.max()) for _, part in parts))
-    for axes, (name, part) in zip(grid, parts, strict=True):
+    factor, unit = metres(max(float(part.max()) for _, (_, part) in parts))
+    for axes, (name, (speeds, part)) in zip(grid, parts, strict=True):
         for j, station in enumerate(data.stations):
             peak = float(part[:, j].max()) * factor
             axes.plot(
-                data.speeds, part[:, j] * factor, color=COLOURS[j % len(COLOURS)], lw=0.8,
+                speeds, part[:, j] * factor, color=COLOURS[j % len(COLOURS)], lw=0.8,
                 label=f"{station}, largest {peak:.3g} {unit}",
             )  # fmt: skip
         mark_critical(axes, data.critical, "critical speeds of the rotor alone")
@@ -79,7 +79,7 @@ def plot_run_up(data: RunUpMotion, path: Path) -> Path:
         axes.legend(fontsize="small", loc="upper right")
         axes.set_ylim(bottom=0.0)
     grid[-1].set_xlabel(
-        f"speed [rad/s], rising from {data.speeds[0]:.3g} to {data.speeds[-1]:.4g} "
+        f"speed [rad/s], rising from {data.run[0][0]:.3g} to {data.run[0][-1]:.4g} "
         f"within {data.seconds:.4g} s"
     )
     figure.suptitle(f"{data.title}\nrun-up by co-simulation")

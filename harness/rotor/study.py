@@ -83,18 +83,16 @@ class RunUpMotion:
         title: of the scene.
         stations: names of the stations.
         seconds: duration of the rise.
-        speeds: (m,) [rad/s].
-        run: (m, n) sqrt(x^2 + y^2) with the balancers [m].
-        alone: (m, n) without them; empty where the scene has none.
+        run: with the balancers, speeds (m,) [rad/s] and sqrt(x^2 + y^2) (m, n) [m].
+        alone: the same without them; None where the scene has none.
         critical: critical speeds of the rotor alone within the range [rad/s].
     """
 
     title: str
     stations: tuple[str, ...]
     seconds: float
-    speeds: Array
-    run: Array
-    alone: Array
+    run: tuple[Array, Array]
+    alone: tuple[Array, Array] | None
     critical: Array
 
 
@@ -213,15 +211,17 @@ def run_up_of(scene: Scene, low: float, high: float) -> RunUpMotion:
             "run.revolutions": RUN_UP_REVOLUTIONS,
         }
     )
+    alone = _displacement(rising.without_balancers()) if scene.balancer else None
+    critical = _within(critical_speeds(scene.assembly().rotor), low, high)
     names = station_names(scene)
+    return RunUpMotion(scene.heading, names, seconds, _displacement(rising), alone, critical)
+
+
+def _displacement(rising: Scene) -> tuple[Array, Array]:
+    """Speeds (m,) and sqrt(x^2 + y^2) (m, n); each run has times of its own."""
     time, motion = _run(rising)
     speeds = np.array([rising.profile().speed(t) for t in time])
-    alone = np.empty((0, 2, len(names)))
-    if scene.balancer:
-        alone = _run(rising.without_balancers())[1]
-    run, alone = (np.hypot(both[:, 0], both[:, 1]) for both in (motion, alone))
-    critical = _within(critical_speeds(scene.assembly().rotor), low, high)
-    return RunUpMotion(scene.heading, names, seconds, speeds, run, alone, critical)
+    return speeds, np.hypot(motion[:, 0], motion[:, 1])
 
 
 def _within(values: Array, low: float, high: float) -> Array:

@@ -65,6 +65,7 @@ ENDINGS = {
     "FILE.gif": [".gif", ".webp", ".mp4"],
     "FILE.html": [".html"],
 }
+NAMED_ENDINGS = {"json": ".json", "csv": ".csv", "markdown": ".md"}  # by an option's name
 AXES = ["speed", "speed", "rotor.mass", "rotor.unbalance", "rotor.stiffness", "weights.drag"]
 AXES += ["operation.gravity", "run.revolutions", "coupling.order", "rotor.kind", "nothing"]
 DISTRIBUTIONS = [
@@ -156,7 +157,7 @@ def _value(draw: random.Random, parameter: Any) -> str:
     if kind.startswith("FILE"):
         if draw.random() < 0.1:
             return draw.choice(ODD)
-        named = [f".{each}" for each in ("json", "csv") if each in parameter.name]
+        named = [end for word, end in NAMED_ENDINGS.items() if word in parameter.name]
         endings = named or ENDINGS[kind]
         return draw.choice(PLACES) + draw.choice(endings)
     return draw.choice(_VALUES.get(kind, _numbers_or_words)(draw, parameter))

@@ -202,6 +202,12 @@ def test_machine_reaches_steady_state_from_any_transient():
     np.testing.assert_allclose(steady, waited, rtol=1e-8)
 
 
+def test_supports_that_do_not_tell_the_planes_apart_are_refused():
+    heavy = load_scene("balancing_machine").replace({"rotor.mass": 1e20})  # its middle never moves
+    with pytest.raises(SceneError, match="of rank 1 for 2 planes: move a plane or a sensor"):
+        balance(heavy)
+
+
 def test_unstable_rotor_is_refused():
     """Internal damping beyond Dubovik's limit w^* = (1 + chi/p) sqrt(c/m): nothing is steady."""
     disc = {"kind": "planar", "mass": 2.0, "stiffness": 8e4, "damping": 4.0,

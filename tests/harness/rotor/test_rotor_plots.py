@@ -119,15 +119,24 @@ def test_orbits_are_closed_and_balancing_makes_them_smaller(drawn):
 def test_run_up_passes_the_resonance_and_stays_below_its_steady_height(drawn):
     """Acceleration through a resonance: the peak comes late and is lower than u w/c."""
     data = rotor_study.run_up_of(disc(), 0.05, 3.0)
-    peak = int(np.argmax(data.run[:, 0]))
-    assert 1.0 < data.speeds[peak] < 1.2
-    assert data.run[peak, 0] < 0.01 * 1.0 / 0.08
-    assert data.speeds[-1] == pytest.approx(3.0)
+    speeds, displacement = data.run
+    peak = int(np.argmax(displacement[:, 0]))
+    assert 1.0 < speeds[peak] < 1.2
+    assert displacement[peak, 0] < 0.01 * 1.0 / 0.08
+    assert speeds[-1] == pytest.approx(3.0)
     # far above it the disc turns about its centre of mass
-    assert data.run[-1, 0] == pytest.approx(0.005 / (1 - 1 / 9), rel=0.05)
+    assert displacement[-1, 0] == pytest.approx(0.005 / (1 - 1 / 9), rel=0.05)
     rotor_motion.plot_run_up(data, None)
     assert drawn[0].axes[-1].get_xlabel().startswith("speed [rad/s]")
     assert drawn[0].axes[0].get_ylabel().endswith("0-peak [mm]")
+
+
+def test_a_run_up_with_and_without_balancers_has_times_of_its_own_each(drawn):
+    data = rotor_study.run_up_of(load_scene("run_up"), 20.0, 60.0)
+    assert len(data.run[0]) != len(data.alone[0])
+    rotor_motion.plot_run_up(data, None)
+    for axes, (speeds, _) in zip(drawn[0].axes, (data.run, data.alone), strict=True):
+        np.testing.assert_array_equal(axes.lines[0].get_xdata(), speeds)
 
 
 def test_polar_picture_ends_where_the_unbalance_is_undone(drawn):
