@@ -42,7 +42,7 @@ FLAGS = ("-std=c99", "-ffp-contract=off", "-fno-math-errno")
 # where steps spend their time, for speed; what no step comes to, for the least size (zig takes -Oz
 # alone for -Os); all else, for size: it is no slower
 FAST, SMALL, SMALLEST = ("-O2",), ("-Os",), ("-Os", "-Xclang", "-Oz")
-HOT = ("propagator", "quintic_weights", "unit_rotor_step", "weights")
+HOT = ("propagator", "quintic_weights", "weights")
 COLD = (
     *("composite_scales", "composite_startup", "composite_token", "decimal", "failure_words"),
     *("first_fall", "fmi3_interfaces", "fmi3_types", "resource", "rotor_kinds", "text", "token"),
@@ -55,9 +55,10 @@ _WARNINGS = ("-Wall", "-Wextra", "-Wpedantic")
 # a library is a tenth smaller, and no slower
 _LOOPS = ("-fno-unroll-loops", "-fno-vectorize", "-fno-slp-vectorize")
 _OBJECT = ("-fPIC", "-fvisibility=hidden", "-D_FORTIFY_SOURCE=0", *_LOOPS)
-# nothing unwinds the stack of C; Windows wants its tables
+# nothing unwinds the stack of C; Windows wants its tables, and with them needs no frame pointers
 _NO_TABLES = ("-fno-asynchronous-unwind-tables", "-fno-unwind-tables")
-_LINUX = (*_NO_TABLES, "-fomit-frame-pointer")
+_NO_FRAMES = ("-fomit-frame-pointer",)
+_LINUX = (*_NO_TABLES, *_NO_FRAMES)
 _LINK = ("-nostdlib", "-s")
 _SHARED = ("-shared",)
 # else the path of the output would stand in the library, and the names of all functions
@@ -87,7 +88,9 @@ class Platform:
 PLATFORMS = {
     "x86_64-linux": Platform("x86_64-linux-gnu.2.17", "autobalancer.so", _LINUX),
     "aarch64-linux": Platform("aarch64-linux-gnu.2.17", "autobalancer.so", _LINUX),
-    "x86_64-windows": Platform("x86_64-windows-gnu", "autobalancer.dll", folder="windows"),
+    "x86_64-windows": Platform(
+        "x86_64-windows-gnu", "autobalancer.dll", _NO_FRAMES, folder="windows"
+    ),
     "x86_64-darwin": Platform("x86_64-macos.11.0", "autobalancer.dylib", *_MACOS),
     "aarch64-darwin": Platform("aarch64-macos.11.0", "autobalancer.dylib", *_MACOS),
 }

@@ -63,6 +63,9 @@ double spectral_radius(int n, double *matrix, double *work)
     const size_t count = (size_t)n * (size_t)n;
     double sizes[SQUARINGS + 1], radius = 1.0;
     int turn;
+    if (n == 1) {
+        return absolute(matrix[0]);
+    }
     for (turn = 0; turn <= SQUARINGS; turn++) {
         double size = 0.0;
         size_t k;

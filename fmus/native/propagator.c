@@ -1,5 +1,7 @@
 #include "propagator.h"
 
+#include <string.h>
+
 #include "elementary.h"
 #include "matrix.h"
 
@@ -63,37 +65,86 @@ static void sparse_product(int parts, int size, int upper, const double *a, cons
     }
 }
 
-int exponential(int parts, int size, int upper, double *matrix, double *scratch, Failure *failure)
+/* e^A - 1 = A (1 + A/2 (1 + A/3 (1 + ...))) of a small A, into `to`; `from` is scratch of that size. */
+static void series(int parts, int size, int upper, const double *a, double *from, double *to)
 {
     const size_t count = (size_t)size * size * parts;
-    double *scaled = scratch, *product = scaled + count, *from = product, *to = matrix, *kept;
+    int k;
+    size_t i;
+    for (i = 0; i < count; i++) {
+        from[i] = a[i] / TAYLOR_TERMS;
+    }
+    for (k = TAYLOR_TERMS - 1; k; k--) { /* an odd number of products: the last one ends in `to` */
+        double *const kept = from;
+        for (i = 0; i < (size_t)size; i++) {
+            from[(i * size + i) * parts] += 1.0;
+        }
+        sparse_product(parts, size, upper, a, from, k, to);
+        from = to;
+        to = kept;
+    }
+}
+
+/* What has been doubled from this matrix, at most so often; else the one to be written over. */
+static Doubled *doubled_from(Doublings *kept, const double *scaled, size_t count, int most)
+{
+    int k;
+    for (k = 0; k < KEPT_DOUBLINGS; k++) {
+        Doubled *one = kept->doubled + k;
+        if (one->used && !memcmp(one->scaled, scaled, count * sizeof(double))) {
+            one->used = one->times <= most;
+            return one;
+        }
+    }
+    kept->next = (kept->next + 1) % KEPT_DOUBLINGS;
+    kept->doubled[kept->next].used = 0;
+    return kept->doubled + kept->next;
+}
+
+/* Keep this, of which all rows are known. */
+static void keep(Doubled *doubled, size_t count, const double *scaled, const double *grown, int times)
+{
+    copy_doubles(count, scaled, doubled->scaled);
+    copy_doubles(count, grown, doubled->grown);
+    doubled->times = times;
+    doubled->used = 1;
+}
+
+int exponential(int parts, int size, int upper, double *matrix, double *scratch, Doublings *kept,
+                Failure *failure)
+{
+    const size_t count = (size_t)size * size * parts;
+    double *scaled = scratch, *product = scaled + count;
     const double norm = norm_of(parts, size, matrix);
     double part;
-    int doublings, j, k;
+    Doubled *doubled = NULL;
+    int doublings, before, known, j;
     size_t i;
     if (!is_finite(norm)) {
         return fail(failure, FAILURE_MATRICES, "matrices", 0, norm, 0.0, 0.0, 0.0);
     }
     doublings = binary_exponent(norm) + 1;
     doublings = doublings > 0 ? doublings : 0;
+    before = doublings > 0 ? doublings - 1 : 0;
     part = scaled_by_power(1.0, -doublings);
     for (i = 0; i < count; i++) {
         scaled[i] = part * matrix[i];
-        from[i] = scaled[i] / TAYLOR_TERMS;
     }
-    /* e^A - 1 = A (1 + A/2 (1 + A/3 (1 + ...))); an even number of terms ends in `matrix` */
-    for (k = TAYLOR_TERMS - 1; k && norm > 0.0; k--) {
-        for (i = 0; i < (size_t)size; i++) {
-            from[(i * size + i) * parts] += 1.0;
-        }
-        sparse_product(parts, size, upper, scaled, from, k, to);
-        kept = from;
-        from = to;
-        to = kept;
+    if (doublings) {
+        doubled = doubled_from(kept, scaled, count, before);
+    }
+    known = doubled && doubled->used;
+    if (known) {
+        copy_doubles(count, doubled->grown, matrix);
+    } else if (norm > 0.0) {
+        series(parts, size, upper, scaled, product, matrix);
     }
     /* E -> 2 E + E^2 instead of squaring e^A keeps slow modes exact next to fast ones */
-    for (j = 0; j < doublings; j++) {
-        const int rows = j + 1 < doublings ? size : upper;
+    for (j = known ? doubled->times : 0; j < doublings; j++) {
+        const int rows = j < before ? size : upper;
+        if (j == before) {
+            keep(doubled, count, scaled, matrix, before);
+        }
         upper_product(parts, size, upper, rows, matrix, matrix, product);
         for (i = 0; i < (size_t)(rows * size * parts); i++) {
             matrix[i] = 2.0 * matrix[i] + product[i];
@@ -215,7 +266,7 @@ int generator(const LinearRotor *rotor, double speed, int turning_force, int ord
 }
 
 int step_matrix(const LinearRotor *rotor, double speed, double step, int turning_force, int orders,
-                double *matrix, double *scratch, Failure *failure)
+                double *matrix, double *scratch, Doublings *kept, Failure *failure)
 {
     const int axes = linear_rotor_isotropic(rotor) ? 1 : 2, parts = 3 - axes;
     const int n = rotor->stations, p = rotor->plane_count, dof = axes * n, forces = axes * p;
@@ -231,7 +282,7 @@ int step_matrix(const LinearRotor *rotor, double speed, double step, int turning
     for (i = 0; i < count; i++) {
         propagated[i] = z[i] * step;
     }
-    code = exponential(parts, size, 2 * dof, propagated, work, failure);
+    code = exponential(parts, size, 2 * dof, propagated, work, kept, failure);
     if (code) {
         return code;
     }

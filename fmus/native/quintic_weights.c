@@ -89,6 +89,7 @@ int quintic_weights_advance(const Weights *weights, const double *angles, const 
     const double lever = -1.0 / (weights->kappa * weights->track_radius);
     const double damping_rate = weights_damping_rate(weights);
     const double *response;
+    Complex first[3]; /* at the end of the first substep, mostly the only one */
     double h;
     int k, j, code, count;
     code = weights_substeps(weights->count, angles, speeds, signal, lever, 0.0, damping_rate, step,
@@ -98,15 +99,17 @@ int quintic_weights_advance(const Weights *weights, const double *angles, const 
     }
     h = count > 1 ? step / count : step;
     response = quadrature_of(memory, damping_rate, h);
+    quintic_at(signal, h, first);
     for (k = 0; k < weights->count && !code; k++) {
         /* the iteration's end is judged by the angle: turns behind a weight must not loosen it */
         const double behind = weights_turns_behind(angles[k]);
         double angle = angles[k] - behind, speed = speeds[k];
         Complex ends[2][3];
-        quintic_at(signal, 0.0, ends[0]);
-        for (j = 1; j <= count && !code; j++) {
+        code = substep(&angle, &speed, signal, first, lever, turned_by(turned + 2 * k, angle),
+                       damping_rate, response, h, failure);
+        for (j = 2; j <= count && !code; j++) {
             quintic_at(signal, j * h, ends[j % 2]);
-            code = substep(&angle, &speed, ends[(j - 1) % 2], ends[j % 2], lever,
+            code = substep(&angle, &speed, j > 2 ? ends[(j - 1) % 2] : first, ends[j % 2], lever,
                            turned_by(turned + 2 * k, angle), damping_rate, response, h, failure);
         }
         new_angles[k] = angle + behind;

@@ -51,6 +51,7 @@ static int allocate(Unit *unit)
     const int orders = sizes->order + 1;
     const size_t matrix = matrix_doubles(n, p, orders);
     const size_t size = 4 * stations + 2 * (size_t)orders * planes + 2;
+    const size_t square = size * size;
     const size_t one = step_matrix_scratch(n, p, orders, 1), two = step_matrix_scratch(n, p, orders, 2);
     int k, missing = 0;
     own->kind = rotor_kind(&unit->layout);
@@ -93,6 +94,12 @@ static int allocate(Unit *unit)
         own->kept[k].matrix = doubles(unit, matrix);
         missing |= !own->kept[k].of.added_mass || !own->kept[k].matrix;
     }
+    for (k = 0; k < KEPT_DOUBLINGS; k++) {
+        Doubled *doubled = own->doublings.doubled + k;
+        doubled->scaled = doubles(unit, square);
+        doubled->grown = doubles(unit, square);
+        missing |= !doubled->scaled || !doubled->grown;
+    }
     for (k = 0; k < 4; k++) {
         own->ends[k] = doubles(unit, 4 * planes);
         missing |= !own->ends[k];
@@ -118,6 +125,9 @@ static int parameters(Unit *unit)
     own->columns = step_matrix_columns(own->stations, own->planes, own->orders, own->axes);
     for (k = 0; k < KEPT_MATRICES; k++) {
         own->kept[k].of.made = 0;
+    }
+    for (k = 0; k < KEPT_DOUBLINGS; k++) {
+        own->doublings.doubled[k].used = 0;
     }
     own->variable_of.made = own->rates.of.made = own->sag_of.made = 0;
     own->turned[0].angle = own->turned[1].angle = not_a_number();

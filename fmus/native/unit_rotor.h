@@ -6,6 +6,7 @@
 #include "elementary.h"
 #include "friction.h"
 #include "linear_rotor.h"
+#include "propagator.h"
 #include "signals.h"
 #include "unit.h"
 #include "variable_speed.h"
@@ -54,6 +55,7 @@ typedef struct {
     double *values; /* scratch for making the rotor */
     int *ports;
     Kept kept[KEPT_MATRICES];
+    Doublings doublings; /* that others are made from */
     uint64_t clock;
     Turned turned[2]; /* the last two: passes ask for the ends of a step again and again */
     double *unsorted, *matrix_scratch;

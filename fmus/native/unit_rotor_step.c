@@ -68,12 +68,17 @@ int rotor_column(const Rotor *own, int k)
 static void sort_matrix(const Rotor *own, const double *from, double *to)
 {
     const int n = own->stations, p = own->planes;
-    const int rows[5] = {n, 2 * n, 2 * n + p, 2 * n + 2 * p, 2 * n + 3 * p};
-    int j, k;
+    const size_t wide = (size_t)own->columns;
+    int block, i, k;
     for (k = 0; k < own->columns; k++) {
-        const double *column = from + rotor_column(own, k);
-        for (j = 0; j < own->rows; j++) {
-            *to++ = column[(size_t)alternating(rows, j) * (size_t)own->columns];
+        const double *x = from + rotor_column(own, k);
+        for (block = 0; block < 2 + own->orders / 2; block++) {
+            const size_t size = (size_t)(block < 2 ? n : p);
+            for (i = 0; i < (int)size; i++, x += wide) {
+                *to++ = x[0];
+                *to++ = x[size * wide];
+            }
+            x += size * wide; /* y have been taken with x */
         }
     }
 }
@@ -109,7 +114,7 @@ const double *rotor_matrix(Unit *unit, double speed, double step)
     kept = oldest(own);
     loaded = rotor_anew(unit, &kept->of);
     if (step_matrix(&loaded, speed, step, own->turning, own->orders, own->unsorted,
-                    own->matrix_scratch, &failure)) {
+                    own->matrix_scratch, &own->doublings, &failure)) {
         unit_failed(unit, &failure, NULL, 0);
         return NULL;
     }

@@ -5,7 +5,6 @@
 
 from __future__ import annotations
 
-import cmath
 import math
 from collections.abc import Iterator
 from typing import Any
@@ -19,7 +18,7 @@ from ..scene import Scene, load_scene
 from ..scene.balancer import WeightBalancer
 from ..scene.check import RigCheck
 from .rig import BANDS, GROUPS
-from .rig_data import RPM, WASHER, Array, at, response, steady, swept
+from .rig_data import RPM, WASHER, Array, at, response, steady, swept, with_washers
 from .rig_fitted import FITTED, OTHERS
 from .rig_quantities import (
     CURVE,
@@ -51,6 +50,12 @@ HOLDING = {  # supports along x whose sliders stick up to some 0.1 mm
     "rotor.friction[2].limit[1]": 0.42,
     "rotor.friction[1].stiffness[1]": 8000.0,
     "rotor.friction[2].stiffness[1]": 8000.0,
+}
+AS_TABLED = {  # washers where table 2 has them, 9.8 mm beyond the balls, and 50 g of the disk
+    "rotor.stations": [0.0, 0.13, 0.1398, 0.26],
+    "rotor.masses": [0.48695, 0.45679, 0.05, 0.28626],  # mass, centre and inertia as before
+    "rotor.supports": [1, 4],
+    "rotor.unbalances[1].position": 0.1398,
 }
 CLOSE = sorted({*CURVE, *range(CURVE[0], 2601, 20)})  # rpm, of which the check has every third
 MOTOR = 1260.0  # rpm: below, the rig moves as much without washers as with one
@@ -94,49 +99,60 @@ def stiffer_while_small() -> Iterator[Line]:
 
 
 def curves_without_balls() -> Iterator[Line]:
-    """At more speeds than the check has, and without those at which the motor shakes the rig."""
+    """At more speeds than the check has, without those at which the motor shakes the rig, and with
+    washers where the tables have them; by harmonic balance."""
     friction, speeds = load_scene("bristol_friction"), np.array(CLOSE, float)
-    found = np.array([steady(friction.replace(STEPS), n, speeds, SETTLED) for n in WASHERS])
     measured = np.array([at(response(n, 0), speeds, 12.5) for n in WASHERS])
     first = f"no balls, {speeds[0]:g} rpm, 0 to 4 washers [mm]"
     yield first, "measured", _listed(measured[:, 0])
-    yield first, "as fitted", _listed(found[:, 0])
-    every, above = np.full(len(speeds), True), speeds >= MOTOR
-    for said, here in (
-        ("of the check", np.isin(speeds, CURVE)),
-        ("20 rpm apart", every),
-        (f"20 rpm apart from {MOTOR:g} rpm", above),
-    ):
-        errors = Quantity("curve", "", measured[:, here], found[:, here]).errors
-        fitted, others = (math.sqrt(np.mean(errors[some] ** 2)) for some in (FITTED, OTHERS))
-        label = "no balls, rms of the logarithms: 1 and 3 washers; 0, 2 and 4"
-        yield label, f"speeds {said}", f"{fitted:.2f}; {others:.2f}, {others / fitted:.2f} times"
+    which = {
+        "of the check": np.isin(speeds, CURVE),
+        "20 rpm apart": np.full(len(speeds), True),
+        f"20 rpm apart from {MOTOR:g} rpm": speeds >= MOTOR,
+    }
+    for place, scene in (("at the disk", friction), ("at 139.8 mm", friction.replace(AS_TABLED))):
+        found = np.array([balanced(with_washers(scene, n), speeds) for n in WASHERS])
+        yield first, f"washers {place}", _listed(found[:, 0])
+        for said, here in which.items():
+            errors = Quantity("curve", "", measured[:, here], found[:, here]).errors
+            fitted, others = (math.sqrt(np.mean(errors[some] ** 2)) for some in (FITTED, OTHERS))
+            label = "no balls, rms of the logarithms: 1 and 3 washers; 0, 2 and 4"
+            times = f"{fitted:.2f}; {others:.2f}, {others / fitted:.2f} times"
+            yield label, f"washers {place}, speeds {said}", times
+
+
+def balanced(scene: Scene, speeds: ArrayLike) -> Array:
+    """Amplitudes (k,) of a rotor alone [mm], by harmonic balance."""
+    motion = unbalance_response(scene.assembly().rotor, RPM * np.asarray(speeds))
+    supports = [number - 1 for number in scene.rotor.supports]
+    return 1e3 * largest_displacement(motion)[:, supports].mean(axis=1)
 
 
 def wherever_balls_stand() -> Iterator[Line]:
     """What balls could leave of three washers at best, by harmonic balance, and the rig's."""
     label = "balls, 3 washers, 3000, 4000, 4500, 5000 rpm [mm]"
     yield label, "measured", _listed(at(response(3, 2), WITH_BALLS))
-    balls = with_fitted_balls(load_scene("bristol_friction"))
-    yield label, "least of all positions", _listed(least_with_balls(balls, 3))
+    friction = load_scene("bristol_friction")
+    for place, scene in (("at the disk", friction), ("at 139.8 mm", friction.replace(AS_TABLED))):
+        least = least_with_balls(with_fitted_balls(scene), 3)
+        yield label, f"least of all positions, washers {place}", _listed(least)
 
 
 def least_with_balls(scene: Scene, washers: float) -> Array:
     """Amplitudes (k,) at `WITH_BALLS` [mm], each with the balls where it is least."""
     (balls,) = scene.balancer
     assert isinstance(balls, WeightBalancer)  # the rig's
-    reach, alone = balls.count * balls.device.moment, scene.without_balancers()
+    alone = with_washers(scene.without_balancers(), washers)
+    others = [one.model_dump() for one in alone.rotor.unbalances]
+    disk, reach = scene.rotor.stations[balls.at - 1], balls.count * balls.device.moment
 
     def amplitude(place: ArrayLike, speed: float) -> float:
-        size, angle = np.asarray(place)  # together the balls reach any moment up to theirs
-        left = washers * WASHER + cmath.rect(size * reach, angle)
-        at_disk = {"amount": abs(left), "angle": cmath.phase(left)}
-        changed = {f"rotor.unbalances[1].{key}": value for key, value in at_disk.items()}
-        rotor = alone.replace(changed).assembly().rotor
-        largest = largest_displacement(unbalance_response(rotor, [speed * RPM]))[0]
-        return 1e3 * float(np.mean([largest[number - 1] for number in scene.rotor.supports]))
+        size, angle = np.asarray(place).tolist()  # two balls reach any moment up to theirs
+        both = {"position": disk, "amount": size * reach, "angle": angle}
+        scene = alone.replace({"rotor.unbalances": [*others, both]})
+        return float(balanced(scene, [speed])[0])
 
-    search = {"x0": (0.9, math.pi), "bounds": ((0.0, 1.0), (0.0, math.tau))}
+    search: dict[str, Any] = {"x0": (0.9, math.pi), "bounds": ((0.0, 1.0), (0.0, math.tau))}
     return np.array([minimize(amplitude, args=(speed,), **search).fun for speed in WITH_BALLS])
 
 

@@ -25,8 +25,8 @@ COMPENSATED_STEPS = (6, 8, 10, 12, 14, 20, 30, 40, 80)
 PYTHON_STEPS = (20, 40)  # the same digits as native units, at another price
 # of the composite, which takes a thirtieth of the time
 ONE_FILE_STEPS = (*COMPENSATED_STEPS, 60, 110, 160, 220, 320, 450, 640)
-ONE_FILE_TOLERANCES = tuple(10.0 ** (-k / 2) for k in range(4, 21))
-TOLERANCES = (1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7)
+ONE_FILE_TOLERANCES = tuple(10.0 ** (-k / 2) for k in range(2, 21))
+TOLERANCES = (1e-1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7)
 SOLVERS: dict[str, tuple[float, ...]] = {
     "RK45": tuple(10.0**-k for k in range(3, 10)),
     "DOP853": tuple(10.0**-k for k in range(3, 11)),

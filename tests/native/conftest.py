@@ -152,6 +152,8 @@ VariableSpeedStep = _struct(
     **dict.fromkeys(["turning_force", "axes", "parts", "dof", "plane_count"], c_int),
     **dict.fromkeys(["still", "per_speed", "planes", "force", "unbalance", "falling"], _D),
 )
+Doubled = _struct("Doubled", used=c_int, times=c_int, **dict.fromkeys(["scaled", "grown"], _D))
+Doublings = _struct("Doublings", next=c_int, doubled=Doubled * 4)
 Weights = _struct(
     "Weights",
     count=c_int,
@@ -177,8 +179,8 @@ Moved = _struct(
 Instant = _struct("Instant", acceleration=Complex, slope=Complex, rotor_speed=c_double)
 
 STRUCTURES = (
-    Complex, Failure, LinearRotor, Planar, TwoSupport, Flexible, VariableSpeedStep, Weights,
-    Quadrature, Liquid, Track, Moved, Instant,
+    Complex, Failure, LinearRotor, Planar, TwoSupport, Flexible, VariableSpeedStep, Doublings,
+    Weights, Quadrature, Liquid, Track, Moved, Instant,
 )  # fmt: skip
 
 _RETURNS = {
@@ -270,8 +272,22 @@ class Core:
                 ctypes.memmove(getattr(made, name), values.ctypes.data, values.nbytes)
         return made
 
+    def doublings(self, count: int) -> Any:
+        """Room to keep what matrices of so many doubles are doubled from."""
+        kept = Doublings()
+        kept.memory = np.full((4, 2, count), math.nan)
+        for one, (scaled, grown) in zip(kept.doubled, kept.memory, strict=True):
+            one.scaled, one.grown = (a.ctypes.data_as(_D) for a in (scaled, grown))
+        return kept
+
     def step_matrix(
-        self, rotor: Any, speed: float, step: float, turning: bool, order: int = 3
+        self,
+        rotor: Any,
+        speed: float,
+        step: float,
+        turning: bool,
+        order: int = 3,
+        kept: Any = None,
     ) -> NDArray:
         """As `models.propagator.step_matrix`, of a rotor made by `rotor` or `rotor_of`."""
         axes = 1 if self("linear_rotor_isotropic", byref(rotor)) else 2
@@ -281,7 +297,8 @@ class Core:
         matrix = np.empty(shape, complex if axes == 1 else float)
         scratch = np.full(self("step_matrix_scratch", *sizes), math.nan)
         how = int(turning), orders
-        self.demand("step_matrix", byref(rotor), speed, step, *how, matrix, scratch)
+        kept = self.doublings(len(scratch) // 5) if kept is None else kept
+        self.demand("step_matrix", byref(rotor), speed, step, *how, matrix, scratch, byref(kept))
         return matrix
 
 
