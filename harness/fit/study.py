@@ -122,20 +122,20 @@ def fit(
     first, guessed = np.ones(len(parameters)), math.nan
     with suppress(NoResponse):
         first, guessed = _first_guess(HarmonicModel(scene, parameters, measured), model, differ)
-    found = _search(model, differ, first, progress)
-    uncertainty, correlation, inflation = _known(found.jac, found.fun)
-    uncertainty = np.where(found.active_mask == 0, uncertainty, math.nan)
+    solution = _search(model, differ, first, progress)
+    uncertainty, correlation, inflation = _known(solution.jac, solution.fun)
+    uncertainty = np.where(solution.active_mask == 0, uncertainty, math.nan)
     before = rms(differ(model.amplitudes(scale[None])[0]))
     return Fit(
         tuple(parameters),
-        found.x * scale,
+        solution.x * scale,
         uncertainty * np.abs(scale),
         correlation,
         inflation,
-        model.amplitudes(found.x[None] * scale)[0],
-        (before, rms(found.fun)),
+        model.amplitudes(solution.x[None] * scale)[0],
+        (before, rms(solution.fun)),
         guessed,
-        found.message,
+        solution.message,
     )
 
 
@@ -176,8 +176,8 @@ def _search(
             progress(min(1.0, steps / MOST_STEPS))
         ahead = np.where(sizes + STEP <= bounds[1], STEP, -STEP)
         sets = np.vstack([sizes, sizes + np.diag(ahead)])
-        found = differ(model.amplitudes(sets * scale))
-        slopes = ((found[1:] - found[0]) / ahead[:, None]).T
+        nearby = differ(model.amplitudes(sets * scale))
+        slopes = ((nearby[1:] - nearby[0]) / ahead[:, None]).T
         # rounding must not drive what has no effect
         return np.where(_seen(slopes), slopes, 0.0)
 

@@ -33,6 +33,7 @@ from ...errors import LoopError, SimulationError
 from ..signals import Knot, SignalState, end_of, extrapolated
 from ..system import System
 from .iterated import MAX_PASSES, Iterated, Trial
+from .own_steps import OwnSteps
 
 LOCAL_SHARE = 0.2  # of the tolerance that one step may err: the errors of many steps add up
 AIM = 0.5  # of what is allowed, so that few steps are rejected
@@ -45,7 +46,7 @@ SLOWEST = 1e3  # times the residual allowed: passes then lead nowhere, with the 
 RESIDUAL_SHARE = 0.01  # of the tolerance that may stay in the loop
 
 
-class Adaptive:
+class Adaptive(OwnSteps):
     """Steps as long as the tolerance allows, rejected by rollback where they were too long.
 
     Args:
@@ -61,11 +62,6 @@ class Adaptive:
         share: of the tolerance that one step may err.
     """
 
-    name = "iterated"
-    chooses_steps = True
-    startup_halvings = 0
-    miss_per_error = 0.0  # its errors are held below the tolerance
-
     def __init__(
         self,
         iterated: Iterated,
@@ -75,7 +71,8 @@ class Adaptive:
         jumps: bool = False,
         slowest: float = 0.0,
     ) -> None:
-        self.iterated, self.tolerance, self.share = iterated, tolerance, LOCAL_SHARE
+        super().__init__(iterated)
+        self.tolerance, self.share = tolerance, LOCAL_SHARE
         self._cancelled = max(1.0, gain)
         iterated.allow(RESIDUAL_SHARE * tolerance)
         # start short: nothing is known of the signals yet, and a longer step sees no fast mode
@@ -86,17 +83,6 @@ class Adaptive:
         self._still = LOCAL_SHARE * tolerance
         # what moves slowly is still on its way when its acceleration is small
         self._still_motion = 0.0 if jumps else self._still * min(1.0, slowest) ** 2
-
-    def cross_jump(self, system: System, time: float, step: float) -> None:
-        """One step of given length, where nothing of the past can be used."""
-        self.iterated.cross_jump(system, time, step)
-
-    def after_start(self, system: System, time: float, step: float) -> None:
-        """Nothing: short steps tell what a long one lets through."""
-
-    def amplification(self, eigenvalues: Sequence[complex], order: int) -> float:
-        """Nothing: the loop is solved."""
-        return 0.0
 
     def judge(self, system: System, time: float, residual: float) -> bool:
         """Always converged, or the step would not have been accepted."""

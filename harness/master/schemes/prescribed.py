@@ -11,12 +11,13 @@ from collections.abc import Sequence
 
 from ..system import System
 from .iterated import MAX_PASSES, Iterated
+from .own_steps import OwnSteps
 
 LONG = 1.01  # times the longest step where anything moves; at rest they are twice as long or more
 SLIVER = 1e-12  # of a time: rounding, not a step
 
 
-class Prescribed:
+class Prescribed(OwnSteps):
     """Steps from one of the given points [s] to the next.
 
     Args:
@@ -25,26 +26,11 @@ class Prescribed:
         residual: of the largest force, that may stay in the loop.
     """
 
-    name = "iterated"
-    chooses_steps = True
-    startup_halvings = 0
-    miss_per_error = 0.0  # runs are compared instead
-
     def __init__(self, iterated: Iterated, points: Sequence[float], residual: float) -> None:
-        self.iterated, self.points = iterated, points
+        super().__init__(iterated)
+        self.points = points
         iterated.allow(residual)
         self._next = 0
-
-    def cross_jump(self, system: System, time: float, step: float) -> None:
-        """One step of given length, where nothing of the past can be used."""
-        self.iterated.cross_jump(system, time, step)
-
-    def after_start(self, system: System, time: float, step: float) -> None:
-        """Nothing: the points say how long the first steps are."""
-
-    def amplification(self, eigenvalues: Sequence[complex], order: int) -> float:
-        """Nothing: the loop is solved."""
-        return 0.0
 
     def judge(self, system: System, time: float, residual: float) -> bool:
         """Whether the loop has converged, as `Iterated.judge`."""
