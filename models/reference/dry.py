@@ -153,10 +153,12 @@ class Dry:
         """State and phase behind events, numbered as `watched`."""
         y, slips, sides = y.copy(), phase.slips.copy(), phase.sides.copy()
         forces = [*self.solve(t, y, phase)[0], *y[self.system.size :]]
+        changed = [j - len(slips) for j in happened if j >= len(slips)]
+        sides[changed] *= -1.0
         for j in happened:
             if j >= len(slips):
-                sides[j - len(slips)] *= -1.0
-            elif phase.slips[j]:  # all that slip there come to rest
+                continue
+            if phase.slips[j]:  # all that slip there come to rest
                 weight = j < len(self.weights)
                 y[self.places[j]] = self.system.profile.speed(t) if weight else 0.0
                 slips[[place == self.places[j] for place in self.places]] = 0.0
@@ -165,32 +167,40 @@ class Dry:
                 if j >= self.solved:
                     spring = j - self.solved
                     y[self.system.size + spring] = -slips[j] * self._springs[spring].limit
-        return y, self.settled(t, y, Phase(slips, sides))
+        return y, self.settled(t, y, Phase(slips, sides), changed)
 
-    def settled(self, t: float, y: Array, phase: Phase) -> Phase:
-        """The phase once everything has let go that cannot be held."""
-        slips = phase.slips.copy()
-        while True:
-            pushes, _, limits = self.solve(t, y, Phase(slips, phase.sides))
-            over = np.abs(pushes) / (limits[: self.solved] * (1.0 + MARGIN))
-            over[slips[: self.solved] != 0.0] = 0.0
+    def settled(self, t: float, y: Array, phase: Phase, changed: Sequence[int] = ()) -> Phase:
+        """The phase once walls carry what lies on them, and all has let go that cannot be held.
+
+        Args:
+            changed: weights that have just come to the wall they are on, with a load of 0.
+
+        Raises:
+            ArithmeticError: there is none.
+        """
+        slips, sides = phase.slips.copy(), phase.sides.copy()
+        weights, held = len(self.weights), slips[: self.solved] == 0.0
+        for _ in range((1 + self.solved) * (1 + weights)):
+            pushes, _, limits = self.solve(t, y, Phase(slips, sides))
+            carried = limits[:weights] < 0.0
+            carried[list(changed)] = False
+            if carried.any():
+                sides[carried] *= -1.0
+                continue
+            with np.errstate(divide="ignore", invalid="ignore"):  # no load holds nothing
+                over = np.abs(pushes) / np.abs(limits[: self.solved] * (1.0 + MARGIN))
+            over[~held] = 0.0
             if not (over > 1.0).any():
-                return Phase(slips, phase.sides)
-            first = int(over.argmax())
-            slips[first] = -np.sign(pushes[first])
+                return Phase(slips, sides)
+            first = int(np.nanargmax(over))
+            slips[first], held[first] = -np.sign(pushes[first]), False
+        raise ArithmeticError(f"no weight knows which wall carries it at {t:g} s")
 
     def begun(self, y: Array) -> Phase:
-        """The phase of the start: what moves slips, springs are slack, outer walls carry."""
+        """The phase of the start: what moves slips, springs are slack."""
         slips = np.sign(self.rates(0.0, y))
         slips[self.solved :] = 0.0
-        phase = Phase(slips, np.ones(len(self.weights)))
-        for _ in range(1 + len(self.weights)):
-            phase = self.settled(0.0, y, phase)
-            limits = self.solve(0.0, y, phase)[2][: len(self.weights)]
-            if not (limits < 0.0).any():
-                break
-            phase = Phase(slips, np.where(limits < 0.0, -phase.sides, phase.sides))
-        return phase
+        return self.settled(0.0, y, Phase(slips, np.ones(len(self.weights))))
 
 
 def _lever(device: object) -> float:

@@ -72,6 +72,17 @@ def test_a_weight_coasts_to_rest_under_its_own_load():
     assert run.angle_rate["ball"][-1, 0] == 0.0
 
 
+def test_weights_without_a_load_stay_in_space_when_the_rotor_starts_to_turn():
+    """Nothing holds what does not press: theta = theta_0 - a t^2/2, though the race's rate is 0."""
+    angles = (2.3, 1.3, 0.9, 3.9)
+    mounted = Mounted("w", Weights(4, 0.06, 0.03, 0.0, 1.0), 0, angles, rolling_resistance=0.003)
+    rotor = LinearRotor.planar(7.0, (800.0, 1250.0), unbalance=1e-6)
+    times, rise = np.linspace(0.0, 0.3, 13), 270.0
+    run = simulate(Assembly(rotor, (mounted,)), SpeedProfile(0.0, 100.0, 100.0 / rise), times)
+    right = np.array(angles) - 0.5 * rise * times[:, None] ** 2
+    np.testing.assert_allclose(run.theta["w"], right, atol=1e-3)  # the rotor moves by 1e-6 m
+
+
 def test_weights_that_collide_and_stick_are_refused():
     device = Weights(2, 0.01, 0.1, 0.0, 1.4, 0.01)
     balls = Mounted("b", device, 0, (0.0, 2.0), half_angle=0.1, rolling_resistance=0.01)
