@@ -67,8 +67,10 @@ class Library:
             raise OSError(f"Cannot find shared library {path}.")
         self.component = c_void_p()
         self.runs_python = (self._directory / "resources" / _RESOURCES_OF_PYTHONFMU).is_file()
+        # native calls take microseconds, less than handing on the interpreter's lock at each
+        load = ctypes.CDLL if self.runs_python else ctypes.PyDLL
         with _TURN:
-            self.dll = ctypes.CDLL(str(path))
+            self.dll = load(str(path))
             try:
                 for name, types in _FUNCTIONS.items():
                     function = getattr(self.dll, name)
