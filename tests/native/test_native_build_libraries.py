@@ -9,6 +9,7 @@ import shutil
 import subprocess
 import sys
 import time
+from array import array
 from pathlib import Path
 
 import fmpy
@@ -16,6 +17,7 @@ import pytest
 
 from autobalancer.fmus.native import compile as compiler
 from autobalancer.fmus.native.compile import COMPILER, PLATFORMS, NotCompiled, libraries
+from autobalancer.fmus.native.macho import settled
 from autobalancer.fmus.native.package import universal
 
 lief = pytest.importorskip("lief", reason="no reader of libraries: lief is not installed")
@@ -129,6 +131,25 @@ def test_a_macos_library_asks_for_libsystem_and_macos_11(platform, library):
     assert binary.build_version.platform == lief.MachO.BuildVersion.PLATFORMS.MACOS
     assert list(binary.build_version.minos) == [11, 0, 0]
     assert _plain((s.name for s in binary.imported_symbols), True) <= ALLOWED | DARWIN
+
+
+@pytest.mark.parametrize("platform", ["x86_64-darwin", "aarch64-darwin"])
+def test_what_a_macos_linker_never_wrote_is_not_in_the_library(platform, library):
+    path, binary = library(platform)
+    table, sections = binary.dynamic_symbol_command, {s.name: s for s in binary.sections}
+    names = [symbol.name for symbol in table.indirect_symbols]
+    calls = names[: sections["__la_symbol_ptr"].size // 8]
+    first = sections["__la_symbol_ptr"].reserved1
+    assert set(calls) < {s.name for s in binary.imported_symbols}
+    assert names[first:] == calls
+    data = bytearray(path.read_bytes())
+    begin, end = (table.indirect_symbol_offset + 4 * k for k in (0, len(names)))
+    entries = memoryview(bytes(data[begin:end])).cast("I")
+    written = [entry for entry in entries if entry != 0x80000000]  # as zig's linker does
+    for garbage in (0, 0x6F6D2065):
+        unwritten = [garbage] * (len(names) - len(written))
+        data[begin:end] = array("I", [*written, *unwritten]).tobytes()
+        assert settled(bytes(data)) == path.read_bytes()
 
 
 def test_machines_are_those_that_the_platforms_name(library):
