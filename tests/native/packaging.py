@@ -1,4 +1,4 @@
-"""Native FMUs for the tests: the C sources compiled, zipped with the Python units' description."""
+"""Native FMUs for the tests: the library that is shipped, with the Python units' description."""
 
 from __future__ import annotations
 
@@ -13,17 +13,19 @@ from tempfile import TemporaryDirectory
 
 import fmpy
 import numpy as np
-from fmpy import fmi2
+from fmpy import fmi2, platform_tuple
 from fmpy.fmi1 import FMICallException
 from numpy.typing import NDArray
 
 from autobalancer.fmus.build import build, contents
 from autobalancer.fmus.catalogue import sized_unit
 from autobalancer.fmus.native import layout
+from autobalancer.fmus.native.compile import libraries, stamp
 from autobalancer.fmus.native.layout import header, token
 
 SOURCES = Path(layout.__file__).parent
-STAMP = "0123456789abcdef"
+LIBRARY = libraries([platform_tuple])[platform_tuple]  # what `build` packs
+STAMP = stamp()
 FLAGS = (
     "-std=c99",
     "-O2",
@@ -61,7 +63,7 @@ class Packager:
 
     def __init__(self, folder: Path) -> None:
         self.folder = folder
-        self.library = compile_units(folder / "compiled")
+        self.library = LIBRARY
         # as an unpacked FMU of FMI 3.0 has it
         self.unpacked = folder / "unpacked"
         platform = self.unpacked / "binaries" / "x86_64-linux"
