@@ -26,12 +26,13 @@ def cases() -> Iterator[Case]:
         {**heavy, "weights.rolling_resistance": 0.01},
     )
     for share in (1e-6, 0.1, 10.0, 1e6):
-        slider = {"rotor.friction": [{"limit": share * PULL}]}
-        coasting = {"weights.speeds": [2.0, -1.0]} if share > 1.0 else {}  # the rotor never moves
-        yield _coupled(f"dry supports that hold {share:g} of the pull", {**slider, **coasting})
+        changes: dict[str, Any] = {"rotor.friction": [{"limit": share * PULL}]}
+        if share > 1.0:  # the rotor never moves
+            changes["weights.speeds"] = [2.0, -1.0]
+        yield _coupled(f"dry supports that hold {share:g} of the pull", changes)
     for stiffness in (1e-3, 100.0):
-        slider = {"limit": 0.3 * PULL, "stiffness": stiffness}
-        yield _coupled(f"dry supports behind {stiffness:g} N/m", {"rotor.friction": [slider]})
+        changes = {"rotor.friction": [{"limit": 0.3 * PULL, "stiffness": stiffness}]}
+        yield _coupled(f"dry supports behind {stiffness:g} N/m", changes)
     for weight in (1e-6, 9.81, 1e3):
         yield _coupled(f"gravity of {weight:g} m/s2 across the axis", {"operation.gravity": weight})
 
