@@ -52,11 +52,11 @@ def rig_fitted_parts(_check: RigFittedCheck) -> list[dict[str, Any]]:
 def _rows(one: Quantity, rows: Rows) -> Iterator[Row]:
     label, tolerance = one.label, TOLERANCES.get(one.kind, math.nan)
     if one.kind == "curve":
-        fitted, predicted = (math.sqrt(np.mean(one.errors[some] ** 2)) for some in (FITTED, OTHERS))
+        fitted, predicted = (one.rms(washers) for washers in (FITTED, OTHERS))
         said = f"{label}: 0, 2, 4 washers, below {PREDICTED:g} times that of 1 and 3"
         yield rows.statement(said, fitted, predicted, predicted < PREDICTED * fitted, SOURCE)
     elif one.kind == "balls":
-        yield rows.number(label, 0.0, math.sqrt(np.mean(one.errors**2)), tolerance, SOURCE, 1.0)
+        yield rows.number(label, 0.0, one.rms(), tolerance, SOURCE, 1.0)
     elif one.kind in TOLERANCES:
         unit = "rpm" if one.kind == "critical speed" else "mm"
         said = f"{label}, worst of 1 to 4 washers [{unit}]"

@@ -7,7 +7,7 @@ balls, one piece of physics after the other.  Amplitudes in mm, speeds in rpm.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -48,6 +48,10 @@ class Quantity(NamedTuple):
         if self.found.ndim == 1:
             return np.abs(self.found / self.measured - 1.0)
         return np.sqrt(np.mean(np.log(self.found / self.measured) ** 2, axis=1))
+
+    def rms(self, washers: Sequence[int] = WASHERS) -> float:
+        """Of the errors with these numbers of washers."""
+        return math.sqrt(np.mean(self.errors[list(washers)] ** 2))
 
 
 def without_balls(scene: Scene) -> Iterator[Quantity]:
@@ -160,7 +164,7 @@ def _least(one: Quantity, values: Array) -> str:
 
 def _worst(one: Quantity) -> str:
     if one.kind == "balls":
-        return f"all: {math.sqrt(np.mean(one.errors**2)):.2f}"
+        return f"all: {one.rms():.2f}"
     worst = np.nanmax(one.errors[1:])
     return f"{worst:.2f}" if one.kind == "curve" else f"{worst:.0%}"
 

@@ -101,7 +101,7 @@ def stiffer_while_small() -> Iterator[Line]:
 def curves_without_balls() -> Iterator[Line]:
     """At more speeds than the check has, without those at which the motor shakes the rig, and with
     washers where the tables have them; by harmonic balance."""
-    friction, speeds = load_scene("bristol_friction"), np.array(CLOSE, float)
+    speeds = np.array(CLOSE, float)
     measured = np.array([at(response(n, 0), speeds, 12.5) for n in WASHERS])
     first = f"no balls, {speeds[0]:g} rpm, 0 to 4 washers [mm]"
     yield first, "measured", _listed(measured[:, 0])
@@ -110,15 +110,21 @@ def curves_without_balls() -> Iterator[Line]:
         "20 rpm apart": np.full(len(speeds), True),
         f"20 rpm apart from {MOTOR:g} rpm": speeds >= MOTOR,
     }
-    for place, scene in (("at the disk", friction), ("at 139.8 mm", friction.replace(AS_TABLED))):
+    for place, scene in _by_place_of_washers():
         found = np.array([balanced(with_washers(scene, n), speeds) for n in WASHERS])
         yield first, f"washers {place}", _listed(found[:, 0])
         for said, here in which.items():
-            errors = Quantity("curve", "", measured[:, here], found[:, here]).errors
-            fitted, others = (math.sqrt(np.mean(errors[some] ** 2)) for some in (FITTED, OTHERS))
+            curve = Quantity("curve", "", measured[:, here], found[:, here])
+            fitted, others = (curve.rms(washers) for washers in (FITTED, OTHERS))
             label = "no balls, rms of the logarithms: 1 and 3 washers; 0, 2 and 4"
             times = f"{fitted:.2f}; {others:.2f}, {others / fitted:.2f} times"
             yield label, f"washers {place}, speeds {said}", times
+
+
+def _by_place_of_washers() -> Iterator[tuple[str, Scene]]:
+    friction = load_scene("bristol_friction")
+    yield "at the disk", friction
+    yield "at 139.8 mm", friction.replace(AS_TABLED)
 
 
 def balanced(scene: Scene, speeds: ArrayLike) -> Array:
@@ -132,8 +138,7 @@ def wherever_balls_stand() -> Iterator[Line]:
     """What balls could leave of three washers at best, by harmonic balance, and the rig's."""
     label = "balls, 3 washers, 3000, 4000, 4500, 5000 rpm [mm]"
     yield label, "measured", _listed(at(response(3, 2), WITH_BALLS))
-    friction = load_scene("bristol_friction")
-    for place, scene in (("at the disk", friction), ("at 139.8 mm", friction.replace(AS_TABLED))):
+    for place, scene in _by_place_of_washers():
         least = least_with_balls(with_fitted_balls(scene), 3)
         yield label, f"least of all positions, washers {place}", _listed(least)
 
@@ -168,8 +173,8 @@ def race_and_start() -> Iterator[Line]:
         run_ups[f"balls from {first:+g} and {second:+g} rad"] = {"balls.angles": [first, second]}
     for said, changes in run_ups.items():
         found, _ = with_balls(scene.replace(changes))
-        rms = math.sqrt(np.mean(found.errors**2))
-        yield f"{found.label}: 0 to 4 washers; all", said, f"{_listed(found.errors, 2)}; {rms:.2f}"
+        errors = f"{_listed(found.errors, 2)}; {found.rms():.2f}"
+        yield f"{found.label}: 0 to 4 washers; all", said, errors
 
 
 def _listed(values: Array, digits: int = 4) -> str:

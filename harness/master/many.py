@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import UserError
-from ..output.costs import free_memory
+from ..output.costs import free_memory, refuse_beyond
 from ..scene import Scene
 from .names import station_residuals, stations
 from .one_file import composition
@@ -85,8 +85,10 @@ def cosimulate_many(
             ends = math.tau * scene.run.revolutions / np.abs(columns[paced])
     turns = max(2, round(scene.run.revolutions))
     points = turns * (scene.coupling.steps_per_rev or POINTS_PER_REV)
-    together = min(CHUNK, len(values)) * (threads or os.cpu_count() or 1)
-    _refuse_more_than_memory(scene, together * (points + 1) * len(asked))
+    threads = threads or os.cpu_count() or 1
+    needed = 8.0 * _COPIES * min(CHUNK, len(values)) * threads * (points + 1) * len(asked)
+    what = f"run.revolutions = {scene.run.revolutions:g}: what many runs are read from needs"
+    refuse_beyond(free_memory(), needed, what, "use fewer")
     runs = Runs(made, list(columns), asked, points)
     heavy = bool(scene.operation.gravity) or any("gravity" in name for name in columns)
 
@@ -96,19 +98,10 @@ def cosimulate_many(
         reduced = _reduced(signals, turns, ends[part], asked, residuals, heavy)
         return {**{k: reduced[k].copy() for k in results}, "failure": np.array(reasons, object)}
 
-    with ThreadPoolExecutor(threads or os.cpu_count()) as executor:
+    with ThreadPoolExecutor(threads) as executor:
         parts = list(executor.map(chunk, range(0, len(values), CHUNK)))
     found = {name: np.concatenate([part[name] for part in parts]) for name in parts[0]}
     return found if isinstance(table, Mapping) else type(table)(found, index=table.index)
-
-
-def _refuse_more_than_memory(scene: Scene, numbers: int) -> None:
-    needed, free = 8.0 * _COPIES * numbers, free_memory()
-    if needed > free:
-        raise UserError(
-            f"run.revolutions = {scene.run.revolutions:g}: what many runs are read from needs "
-            f"{needed / 1e9:.3g} GB of memory, {free / 1e9:.3g} GB are free; use fewer"
-        )
 
 
 def _refuse_unknown(names: Any, known: Sequence[str]) -> None:

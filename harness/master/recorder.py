@@ -9,8 +9,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..errors import SceneError, UserError
-from ..output.costs import free_memory
+from ..errors import SceneError
+from ..output.costs import free_memory, refuse_beyond
 from ..scene import Scene
 from .names import by_unit, stations
 
@@ -97,12 +97,9 @@ class Recorder:
             UserError: with what it needs.
         """
         present, free = _COPIES * self.rows.itemsize * len(self.rows), free_memory()
-        needed = present / done
-        if needed > free and present > _TELLING * free:  # first steps can be far shorter than most
-            raise UserError(
-                f"run.revolutions, run.record: {len(self.names)} signals of the whole run need "
-                f"about {needed / 1e9:.3g} GB of memory, {free / 1e9:.3g} GB are free; record less"
-            )
+        if present > _TELLING * free:  # first steps can be far shorter than most
+            what = f"run.revolutions, run.record: {len(self.names)} signals of the whole run need"
+            refuse_beyond(free, present / done, what, "record less")
 
     def columns(self) -> tuple[Signal, dict[str, Signal]]:
         """Times [s], and every signal by name, those watched as well."""

@@ -39,6 +39,22 @@ def free_memory() -> float:
     return float("inf")
 
 
+def refuse_beyond(free: float, needed: float, what: str, instead: str) -> None:
+    """Refuse what needs more memory than is free [bytes].
+
+    Args:
+        what: needs it, with the keys that make it so.
+        instead: what else to do.
+
+    Raises:
+        UserError: with both figures.
+    """
+    if needed > free:
+        raise UserError(
+            f"{what} about {needed / 1e9:.3g} GB of memory, {free / 1e9:.3g} GB are free; {instead}"
+        )
+
+
 def in_words(seconds: float) -> str:
     """A time in the unit that suits it."""
     for unit, size in (("d", 86400.0), ("h", 3600.0), ("m", 60.0)):

@@ -143,7 +143,9 @@ def speeds(
     scene.refuse_friction("boundaries of balancing are those")
     low, high = range
     if not 0.0 < low < high <= LARGEST:
-        raise UserError(f"range {low:g} to {high:g} rad/s: must rise within 0 and {LARGEST:g}")
+        raise UserError(
+            f"range {low:g} to {high:g} rad/s: must be positive and rising, to {LARGEST:g} at most"
+        )
     wanted = list(dict.fromkeys(methods))
     for method in wanted:
         if method not in METHODS:

@@ -37,13 +37,13 @@ def cases() -> Iterator[Case]:
         # angles that drag all but fixes have no range; x and y tell whether the force is right
         options = {"signals": XY, "rtol": 1e-10} if factor >= 1e2 else {}
         drag = {"weights.drag": factor * MASS * SPEED}
-        yield _coupled(f"drag {factor:g} m w", drag, **options)
+        yield coupled(f"drag {factor:g} m w", drag, **options)
     for ratio in (1e-9, 1e-6, 1e-3, 0.1, 1.0, 10.0):
         parts = {"weights.mass": 0.95 * ratio, "weights.drag": 0.475 * ratio}
         # neighbouring motions part fiftyfold in the fifth revolution, and errors with them
         short = {"run.revolutions": 4} if ratio > 1.0 else {}
         name = f"weights of {ratio:g} of the rotor's mass"
-        yield _coupled(name, {**parts, "rotor.unbalance": 0.025, **short})
+        yield coupled(name, {**parts, "rotor.unbalance": 0.025, **short})
     for count in (1, 64):
         changes = {
             "weights.count": count,
@@ -51,7 +51,7 @@ def cases() -> Iterator[Case]:
             "weights.drag": 0.025 / count,
             "weights.angles": [0.3 + 5.0 * k / count for k in range(count)],
         }
-        yield _coupled(f"{count} weight{'s' * (count > 1)}", changes)
+        yield coupled(f"{count} weight{'s' * (count > 1)}", changes)
     yield from _speeds()
     yield from _stiffness()
     for steps, allowed in ((4, 0.2), (10, 1e-3), (100, 1e-6), (1000, 1e-8), (10_000, 1e-8)):
@@ -78,7 +78,8 @@ def two_pendulums(changes: Mapping[str, Any]) -> Scene:
     return left_to_the_master("two_balls", changes)
 
 
-def _coupled(name: str, changes: Mapping[str, Any], **options: Any) -> Case:
+def coupled(name: str, changes: Mapping[str, Any], **options: Any) -> Case:
+    """The two-pendulum scene against the monolith; `options` of `against_monolith`."""
     return Case(name, BOTH_WAYS, lambda: against_monolith(two_pendulums(changes), **options))
 
 
@@ -92,12 +93,12 @@ def _speeds() -> Iterator[Case]:
             "rotor.damping": [0.5 * scale, scale],
             "weights.drag": 0.0125 * scale,
         }
-        yield _coupled(f"speed 1e{power} rad/s with weights", changes)
+        yield coupled(f"speed 1e{power} rad/s with weights", changes)
     for factor in (0.1, 10.0, 100.0):
-        yield _coupled(f"speed {factor:g} times the scene's", {"operation.speed": factor * SPEED})
+        yield coupled(f"speed {factor:g} times the scene's", {"operation.speed": factor * SPEED})
     # the pendulums all but rest there: their range is what is left of decayed motion
     slow = {"operation.speed": 0.01 * SPEED}
-    yield _coupled("speed 0.01 times the scene's, x and y", slow, signals=XY)
+    yield coupled("speed 0.01 times the scene's, x and y", slow, signals=XY)
 
 
 def _stiffness() -> Iterator[Case]:
@@ -135,9 +136,9 @@ def _with_steps(steps: int, allowed: float) -> Outcome:
 def _starts() -> Iterator[Case]:
     far = {"run.initial": {"x": 2.0, "y": -1.2, "vx": 4.0, "vy": 1.6}}
     spinning = {"weights.speeds": [-20.0 * SPEED, 15.0 * SPEED], "run.revolutions": 3}
-    yield _coupled("rotor released a hundred times as far out as it will run", far)
-    yield _coupled("weights that spin twenty times as fast as the rotor", spinning)
-    yield _coupled("zero unbalance, weights anywhere", {"rotor.unbalance": 0.0})
+    yield coupled("rotor released a hundred times as far out as it will run", far)
+    yield coupled("weights that spin twenty times as fast as the rotor", spinning)
+    yield coupled("zero unbalance, weights anywhere", {"rotor.unbalance": 0.0})
     still = "stays at rest, below 1e-12 m"
     yield Case("zero unbalance, weights evenly spread", still, _in_balance)
 

@@ -179,7 +179,7 @@ class Dry:
             ArithmeticError: there is none.
         """
         slips, sides = phase.slips.copy(), phase.sides.copy()
-        weights, held = len(self.weights), slips[: self.solved] == 0.0
+        weights = len(self.weights)
         for _ in range((1 + self.solved) * (1 + weights)):
             pushes, _, limits = self.solve(t, y, Phase(slips, sides))
             carried = limits[:weights] < 0.0
@@ -189,11 +189,11 @@ class Dry:
                 continue
             with np.errstate(divide="ignore", invalid="ignore"):  # no load holds nothing
                 over = np.abs(pushes) / np.abs(limits[: self.solved] * (1.0 + MARGIN))
-            over[~held] = 0.0
+            over[slips[: self.solved] != 0.0] = 0.0
             if not (over > 1.0).any():
                 return Phase(slips, sides)
             first = int(np.nanargmax(over))
-            slips[first], held[first] = -np.sign(pushes[first]), False
+            slips[first] = -np.sign(pushes[first])
         raise ArithmeticError(f"no weight knows which wall carries it at {t:g} s")
 
     def begun(self, y: Array) -> Phase:

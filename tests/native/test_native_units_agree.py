@@ -246,7 +246,7 @@ def test_a_token_of_nobody_is_refused_with_a_reason(fmus, packaging, rewritten, 
     [
         ("weights=2", "weights=3", "its variables are not those of this library"),
         ("frame=rotor/weights=2", "weights=2/frame=rotor", "not written as this library"),
-        ("-{stamp}", "-0123456789abcdef", "built from other sources"),
+        ("-{stamp}", "-{near}", "built from other sources"),
         ("-{stamp}", "-{stamp}0", "built from other sources"),
     ],
 )
@@ -254,7 +254,8 @@ def test_another_token_is_refused_with_what_was_expected(
     fmus, packaging, rewritten, old, new, reason
 ):
     token = fmus.token("BallBalancer")
-    old, new = (text.format(stamp=packaging.STAMP) for text in (old, new))
+    near = packaging.STAMP[:-1] + ("f" if packaging.STAMP[-1] != "f" else "e")
+    old, new = (text.format(stamp=packaging.STAMP, near=near) for text in (old, new))
     assert old in token
     text = refusal(fmus, packaging, rewritten, token.replace(old, new), reason)
     assert "; expected 'BallBalancer/frame=rotor/" in text

@@ -266,7 +266,7 @@ def test_an_extra_speed_of_one_method_stands_alone():
 
 @pytest.mark.parametrize("span", [(0.0, 1.0), (2.0, 1.0), (1.0, math.nan), (1.0, math.inf)])
 def test_an_empty_range_is_refused(span):
-    with pytest.raises(UserError, match="must rise within 0 and 1e\\+60"):
+    with pytest.raises(UserError, match="positive and rising"):
         speeds(load_scene("filimonikhina"), span)
 
 
