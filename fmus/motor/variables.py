@@ -66,7 +66,6 @@ def variables(sizes: MotorSizes) -> list[Variable]:
 
 MOTOR = Unit(
     name="Motor",
-    folder="motor",
     summary="Motor of limited power: the torque on its shaft in, speed and acceleration out.",
     sizes=MotorSizes,
     variables=variables,

@@ -132,7 +132,6 @@ def _displacement(name: str, description: str, begins: tuple[str, ...]) -> Varia
 
 ROTOR = Unit(
     name="RotorOnSupports",
-    folder="rotor",
     summary="Linear rotor with n stations and p planes; exact step at constant speed.",
     sizes=RotorSizes,
     variables=variables,
