@@ -53,7 +53,7 @@ def present() -> tuple[ctypes.CDLL, str]:
     return library, stamp()
 
 
-class Runs:
+class BatchRuns:
     """Runs of a composition that differ in some variables; any number of threads may call it.
 
     Args:

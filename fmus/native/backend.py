@@ -52,7 +52,7 @@ def _needed() -> list[str]:
     return [f"ziglang=={native.COMPILER}"] if native.stale() else []
 
 
-class Packed(build_py):
+class WheelFiles(build_py):
     """What a wheel holds: the C sources as one archive."""
 
     def run(self) -> None:

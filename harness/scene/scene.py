@@ -28,7 +28,7 @@ from .messages import Place, problems, show, statement
 from .quantities import Flag, Table, Text
 from .replace import replaced
 from .rotor import Rotor
-from .run import Coupling, Operation, Run
+from .run import Coupling, Operation, RunTable
 
 __all__ = ["Scene", "bundled_scenes", "load_scene"]
 
@@ -51,7 +51,7 @@ class Scene(Table):
     """How the rotor is driven, and gravity."""
     coupling: Coupling = Coupling()
     """How the units exchange signals."""
-    run: Run = Run()
+    run: RunTable = RunTable()
     """How long, from where, and what is recorded."""
     check: tuple[AnyCheck, ...] = Field(default=())
     """A list of tables, by kind: what is compared with theory and measurement."""
