@@ -194,6 +194,15 @@ class Scene(Table):
                 "friction is not; run the scene instead, or leave friction out"
             )
 
+    def refuse_gravity(self, what: str) -> None:
+        """Raise SceneError where gravity keeps weights from resting in the rotor."""
+        if self.operation.gravity and self.assembly().weights:
+            raise SceneError(
+                f"{self.name}: operation.gravity = {self.operation.gravity:g} m/s^2: {what} asks "
+                "where weights rest in the rotor, and gravity swings them once in every "
+                "revolution: use run, or map --method cosim-run, or take gravity out"
+            )
+
     def without_balancers(self) -> Scene:
         """The bare rotor, with nothing to check."""
         return self.without(*(balancer.label for balancer in self.balancer))
