@@ -5,14 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from ..unit import Sizes, Unit, count
-from ..variables import (
-    Variable,
-    observed,
-    output,
-    parameter,
-    signal_inputs,
-    signal_outputs,
-)
+from ..variables import Variable, observed, output, parameter, signal_inputs, signal_outputs
 
 
 @dataclass(frozen=True)

@@ -43,11 +43,7 @@ def variables(sizes: RotorSizes) -> list[Variable]:
     crossed = sizes.kind == "two_support" or sizes.frame == "rotor"
     at_once = [(*drive, *own) for own in along]
     in_slope = [
-        (
-            *changing,
-            *(forces if crossed else own),
-            *(f"der({name})" for name in own),
-        )
+        (*changing, *(forces if crossed else own), *(f"der({name})" for name in own))
         for own in along
     ]
     slopes = [derivative(name, 1) for name in forces]

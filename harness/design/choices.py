@@ -24,14 +24,7 @@ from .scenes import (
     unbalance_of,
     weights_of,
 )
-from .settling import (
-    SETTLED,
-    SettlingRun,
-    median_interval,
-    refuse_few,
-    run_batch,
-    run_batch_in_c,
-)
+from .settling import SETTLED, SettlingRun, median_interval, refuse_few, run_batch, run_batch_in_c
 
 
 @dataclass(frozen=True)

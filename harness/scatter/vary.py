@@ -167,11 +167,7 @@ def _lognormal(median: float, deviation: float) -> Any:
 
 
 _OWN: dict[str, Maker] = {
-    "normal": (
-        ("mean", "deviation", "low", "high"),
-        {"low": -math.inf, "high": math.inf},
-        _normal,
-    ),
+    "normal": (("mean", "deviation", "low", "high"), {"low": -math.inf, "high": math.inf}, _normal),
     "uniform": (("low", "high"), {}, _uniform),
     "triangular": (("low", "mode", "high"), {}, _triangular),
     "lognormal": (("median", "deviation"), {}, _lognormal),

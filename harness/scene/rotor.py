@@ -247,9 +247,7 @@ class TwoSupportRotor(RotorTable):
     ]
     """One entry a support."""
     damping: Annotated[
-        tuple[NotNegativePair, NotNegativePair],
-        SI("N s/m"),
-        Feeds("support[{n}].damping_{axis}"),
+        tuple[NotNegativePair, NotNegativePair], SI("N s/m"), Feeds("support[{n}].damping_{axis}")
     ] = ((0.0, 0.0), (0.0, 0.0))
     """One entry a support."""
     friction: Friction = ()
@@ -303,9 +301,7 @@ class FlexibleRotor(RotorTable):
     ]
     """One entry a support."""
     support_damping: Annotated[
-        tuple[NotNegativePair, NotNegativePair],
-        SI("N s/m"),
-        Feeds("support[{n}].damping_{axis}"),
+        tuple[NotNegativePair, NotNegativePair], SI("N s/m"), Feeds("support[{n}].damping_{axis}")
     ] = ((0.0, 0.0), (0.0, 0.0))
     """One entry a support."""
     friction: Friction = ()

@@ -303,9 +303,7 @@ def _search(
 
 
 def crossings(
-    growth: Callable[[float], float],
-    nodes: Sequence[float],
-    progress: Progress | None = None,
+    growth: Callable[[float], float], nodes: Sequence[float], progress: Progress | None = None
 ) -> tuple[list[Crossing], Side]:
     """Changes of sign of a measured growth rate between neighbouring speeds, and the first sign."""
     known = functools.cache(growth)
