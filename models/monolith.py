@@ -185,11 +185,11 @@ def reference(
         for method in methods
     ]
     every = differences(*runs)
-    found = {name: every[name] for name in (every if signals is None else signals)}
-    worst = max(found, key=lambda name: found[name])
-    if not found[worst] <= bound:
+    chosen = {name: every[name] for name in (every if signals is None else signals)}
+    worst = max(chosen, key=chosen.__getitem__)
+    if not chosen[worst] <= bound:
         raise ReferenceDisagreement(
-            f"{methods[0]} and {methods[1]} differ by {found[worst]:.2e} of the range of {worst}, "
+            f"{methods[0]} and {methods[1]} differ by {chosen[worst]:.2e} of the range of {worst}, "
             f"allowed {bound:g}: the motion may be chaotic, or the tolerance {rtol:g} too loose"
         )
-    return runs[0], found[worst]
+    return runs[0], chosen[worst]

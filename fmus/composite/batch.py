@@ -97,14 +97,14 @@ class BatchRuns:
         """
         values, ends = (np.ascontiguousarray(a, float) for a in (values, ends))
         width = self._batch.asked + self._batch.own_steps
-        found = np.empty((len(ends), self._batch.points + 1, width))
+        records = np.empty((len(ends), self._batch.points + 1, width))
         reasons = ctypes.create_string_buffer(max(1, len(ends)) * _REASON)
         self._library.autobalancer_runs(
             self._token,
             byref(self._batch),
             len(ends),
-            *(a.ctypes.data_as(_D) for a in (values, ends, found)),
+            *(a.ctypes.data_as(_D) for a in (values, ends, records)),
             reasons,
         )
         texts = (reasons.raw[k * _REASON : (k + 1) * _REASON] for k in range(len(ends)))
-        return found, [text.split(b"\0", 1)[0].decode() for text in texts]
+        return records, [text.split(b"\0", 1)[0].decode() for text in texts]

@@ -112,7 +112,7 @@ class Composition:
         start = dict(self.start)
         for part in self.parts:
             start |= {f"{part.name}.{k}": v for k, v in part.start.items()}
-        found = [
+        declared = [
             replace(v, start=float(start[v.name]))
             if v.name in start and v.causality != "output"
             else v
@@ -123,11 +123,11 @@ class Composition:
             name,
             f"{models}, coupled",
             CompositeSizes,
-            lambda _: found,
+            lambda _: declared,
             stop=self.stop,
             step=self.step,
         )
-        return SizedUnit(unit, self.sizes, Layout(name, found))
+        return SizedUnit(unit, self.sizes, Layout(name, declared))
 
     def token(self, stamp: str) -> str:
         """Text from which the library makes the composite: composite_token.c has the form.

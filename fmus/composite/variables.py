@@ -111,14 +111,14 @@ def variables(parts: tuple[tuple[str, SizedUnit], ...], sizes: CompositeSizes) -
     """
     own = own_variables(sizes)
     ours = [[_of_part(name, v) for v in unit.layout.variables] for name, unit in parts]
-    found = []
+    declared = []
     for causality in ("parameter", "output"):
         chosen = [v for part in [*ours, own] for v in part if v.causality == causality]
-        found += [v for v in chosen if not v.boolean]
+        declared += [v for v in chosen if not v.boolean]
         if causality == "parameter":
-            found += [v for v in own if v.causality == "input"]
-    inputs = tuple(v.name for v in found if v.causality != "output")
-    return [replace(v, begins=inputs) if v.causality == "output" else v for v in found]
+            declared += [v for v in own if v.causality == "input"]
+    inputs = tuple(v.name for v in declared if v.causality != "output")
+    return [replace(v, begins=inputs) if v.causality == "output" else v for v in declared]
 
 
 def _of_part(name: str, variable: Variable) -> Variable:

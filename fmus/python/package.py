@@ -102,13 +102,13 @@ def embedded(module: str) -> dict[str, bytes]:
 
 def imports(module: str, text: str) -> list[str]:
     """Modules of this project that a source imports relatively, by their dotted names."""
-    found = []
+    imported = []
     for node in ast.walk(ast.parse(text)):
         if isinstance(node, ast.ImportFrom) and node.level:
             base = module.split(".")[: -node.level] + (node.module or "").split(".")
             target = ".".join(part for part in base if part)
             if (_ROOT / target.replace(".", "/")).is_dir():  # `from .package import module`
-                found += [f"{target}.{alias.name}" for alias in node.names]
+                imported += [f"{target}.{alias.name}" for alias in node.names]
             else:
-                found.append(target)
-    return found
+                imported.append(target)
+    return imported

@@ -96,18 +96,18 @@ def _observed(stations: int, planes: int, own: list[Variable]) -> list[Variable]
     placed = any(v.name == "plane[1].position" for v in own)
     places = [f"{station(j, stations)}{axis}" for j in range(1, stations + 1) for axis in "xy"]
     starts = tuple(f"{place}0" for place in places)
-    found = [observed("angle", "rad", "Angle turned", ("angle0",))]
-    found += [_displacement(place, "Displacement", (f"{place}0",)) for place in places]
+    outputs = [observed("angle", "rad", "Angle turned", ("angle0",))]
+    outputs += [_displacement(place, "Displacement", (f"{place}0",)) for place in places]
     for place in places:
         speed = f"{place[:-1]}v{place[-1]}"
-        found.append(observed(speed, "m/s", "Velocity", (f"{speed}0",), derivative_of=place))
+        outputs.append(observed(speed, "m/s", "Velocity", (f"{speed}0",), derivative_of=place))
     for i in range(1, planes + 1):
         for axis in "xy":
             begins = tuple(start for start in starts if start.endswith(f"{axis}0"))
             begins += (*shaft, f"plane[{i}].position") if placed else ()
-            found.append(_displacement(f"plane[{i}].{axis}", "Displacement of the plane", begins))
+            outputs.append(_displacement(f"plane[{i}].{axis}", "Displacement of the plane", begins))
     begins = (*starts, *(shaft if supports else ()), *supports)
-    return [*found, _displacement("bending", "Largest bending of the shaft", begins)]
+    return [*outputs, _displacement("bending", "Largest bending of the shaft", begins)]
 
 
 def _friction_forces(sizes: RotorSizes) -> list[Variable]:

@@ -111,18 +111,18 @@ def _coefficients(result: BalancingReport) -> Sheet:
     rows = []
     for (i, j), value in ndenumerate(result.measured):
         exact, spread = result.analytic[i, j], result.uncertainty[i, j]
-        found = (f"{abs(value):.6g}", _degrees(value), f"{spread:.1e}")
+        shown = (f"{abs(value):.6g}", _degrees(value), f"{spread:.1e}")
         other = (f"{abs(exact):.6g}", f"{abs(value - exact) / abs(exact):.1e}")
-        rows.append((str(i + 1), str(result.planes[j]), *found, *other))
+        rows.append((str(i + 1), str(result.planes[j]), *shown, *other))
     title = "Influence coefficients, amplitude 0-peak per unbalance (20), (22)"
     return Sheet(columns, rows, "llrrrrr", title)
 
 
 def _cycles(result: BalancingReport, technology: Technology) -> Sheet:
     sensors = range(1, len(result.at_supports) + 1)
-    found = [f"plane {plane} [kg m]" for plane in result.planes]
+    unbalances = [f"plane {plane} [kg m]" for plane in result.planes]
     residuals = [*(f"residual at {s}" for s in sensors), "actually"]
-    columns = ["cycle", *(f"support {s} [m]" for s in sensors), *found, *residuals]
+    columns = ["cycle", *(f"support {s} [m]" for s in sensors), *unbalances, *residuals]
     rows = [[str(n), *_row(result, cycle)] for n, cycle in enumerate(technology.cycles, start=1)]
     title = (
         f"{technology.name.capitalize()} coefficients: amplitude 0-peak at the supports [m], "

@@ -142,13 +142,13 @@ def correct(
         variance = float((np.abs(missed) ** 2).sum()) / (readings - planes)
         inverse = np.linalg.inv(coefficients.conj().T @ coefficients)
         spread = np.sqrt(variance * inverse.diagonal().real)
-    found = None
+    graded = None
     if grade:
         left = np.abs(mounted - exact) + np.nan_to_num(spread)
-        found = _graded(measured, grade, np.abs(exact), left, mass, service_speed)
+        graded = _graded(measured, grade, np.abs(exact), left, mass, service_speed)
     after = before + coefficients @ mounted
     return Correction(
-        measured, corrected, coefficients, condition, exact, pieces, before, after, spread, found
+        measured, corrected, coefficients, condition, exact, pieces, before, after, spread, graded
     )
 
 
@@ -171,9 +171,9 @@ def split(
     lists = list(angles) * (len(exact) if len(angles) == 1 else 1)
     pieces = [_neighbours(i, w, a) for i, (w, a) in enumerate(zip(exact, lists, strict=True))]
     if all(each is not None for each in pieces):
-        found = [piece for each in pieces for piece in each or ()]
+        masses = [piece for each in pieces for piece in each or ()]
         least = _NOTHING * float(np.abs(exact).max())
-        return tuple(piece for piece in found if piece.mass > least)
+        return tuple(piece for piece in masses if piece.mass > least)
     places = [(plane, angle) for plane, allowed in enumerate(lists) for angle in allowed]
     columns = np.array([coefficients[:, p] * np.exp(1j * angle) for p, angle in places]).T
     masses, _ = nnls(

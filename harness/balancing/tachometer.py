@@ -49,9 +49,9 @@ def read_samples(path: Path) -> tuple[float, dict[str, complex]]:
         )
     inside = (table["time_s"] >= pulses[0]) & (table["time_s"] < pulses[-1])
     angle = np.interp(table["time_s"][inside], pulses, 2.0 * math.pi * np.arange(len(pulses)))
-    found = synchronous(angle, np.array([table[name][inside] for name in sensors]))
+    reading = synchronous(angle, np.array([table[name][inside] for name in sensors]))
     speed = 2.0 * math.pi / float(turns.mean())
-    return speed, dict(zip(sensors, found.amplitude.tolist(), strict=True))
+    return speed, dict(zip(sensors, reading.amplitude.tolist(), strict=True))
 
 
 def pulse_times(time: NDArray[np.float64], tacho: NDArray[np.float64]) -> NDArray[np.float64]:

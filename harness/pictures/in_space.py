@@ -47,19 +47,19 @@ def mode_shapes(scene: Scene, speed: float | None = None) -> Picture:
         speed: [rad/s]; by default the scene's.
     """
     speed = scene.profile().end if speed is None else speed
-    found = modes(scene.assembly().rotor, speed)
+    eigen = modes(scene.assembly().rotor, speed)
     along = places(scene)
     rows = np.array([row for _, _, row in along])
     panels = []
-    for number in range(min(len(found.eigenvalues), _MOST_MODES)):
-        sense = found.directions[number]
-        moved = np.real(np.einsum("t,an,pn->tap", np.exp(1j * _PHASES), found.shapes[number], rows))
+    for number in range(min(len(eigen.eigenvalues), _MOST_MODES)):
+        sense = eigen.directions[number]
+        moved = np.real(np.einsum("t,an,pn->tap", np.exp(1j * _PHASES), eigen.shapes[number], rows))
         lines = [
             Line(_at(z, moved[:, 0, j], moved[:, 1, j], along), "", _WHIRLS[sense])
             for j, (z, _, _) in enumerate(along)
         ]
         lines += _shaft(moved[0], along)
-        frequency, damping = found.natural_frequencies[number], found.damping_ratios[number]
+        frequency, damping = eigen.natural_frequencies[number], eigen.damping_ratios[number]
         title = f"{number + 1}: {frequency:.4g} rad/s, damping {damping:.3g}, {sense}"
         panels.append(_panel(lines, along, "", float(np.abs(moved).max()), title))
     title = f"{scene.heading}\nmodes of the rotor alone at {speed:g} rad/s, from the marks onwards"

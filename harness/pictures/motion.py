@@ -126,22 +126,22 @@ def with_weights(scene: Scene) -> list[WeightBalancer]:
     Raises:
         UserError: there is none.
     """
-    found = [b for b in scene.balancer if isinstance(b, WeightBalancer)]
-    if not found:
+    carriers = [b for b in scene.balancer if isinstance(b, WeightBalancer)]
+    if not carriers:
         raise UserError(f"{scene.heading}: has no balancer with weights to show")
-    return found
+    return carriers
 
 
 def places(scene: Scene) -> list[Place]:
     """Places along the shaft that move: position [m], name, and row over the stations (n,)."""
     rotor, planes = scene.rotor, scene.assembly().rotor.planes
-    found = list(
+    along = list(
         zip(rotor.stations, station_names(scene), np.eye(len(rotor.stations)), strict=True)
     )
     for number, (z, row) in enumerate(zip(rotor.planes, planes, strict=True), start=1):
         if z not in rotor.stations:
-            found.append((z, f"plane {number}", row))
-    return sorted(found, key=lambda place: place[0])
+            along.append((z, f"plane {number}", row))
+    return sorted(along, key=lambda place: place[0])
 
 
 def station_names(scene: Scene) -> list[str]:

@@ -19,15 +19,15 @@ def first_weights(scene: Scene) -> tuple[str, str]:
     Raises:
         UserError: it has no two weights.
     """
-    found = [
+    weights = [
         f"{b.label}.weight[{k}].angle0"
         for b in scene.balancer
         if isinstance(b, WeightBalancer)
         for k in range(1, b.count + 1)
     ]
-    if len(found) < 2:
+    if len(weights) < 2:
         raise UserError(f"{scene.heading}: has no two weights, which a settling map needs")
-    return found[0], found[1]
+    return weights[0], weights[1]
 
 
 def settling_map(

@@ -31,20 +31,20 @@ class CompositeRunner:
     def __init__(self, scene: Scene, names: Sequence[str]) -> None:
         self._names, self._end = list(names), np.full(REPEATS, end_time(scene))
         made, asked = composition(scene), [*names, "coupling.steps"]
-        found, (reason, _) = BatchRuns(made, [], ["coupling.steps"], 1)(
+        records, (reason, _) = BatchRuns(made, [], ["coupling.steps"], 1)(
             np.empty((2, 0)), self._end[:2]
         )
         if reason:
             raise SimulationError(reason)
-        self._runs = BatchRuns(made, [], asked, int(found[0, -1, 0]) + MORE, own_steps=True)
+        self._runs = BatchRuns(made, [], asked, int(records[0, -1, 0]) + MORE, own_steps=True)
 
     def run(self) -> TimedRun:
         begun = clock.process_time()
-        found, (reason, *_) = self._runs(np.empty((REPEATS, 0)), self._end)
+        records, (reason, *_) = self._runs(np.empty((REPEATS, 0)), self._end)
         seconds = (clock.process_time() - begun) / REPEATS
         if reason:
             raise SimulationError(reason)
-        time, *signals, steps = found[0, ~np.isnan(found[0, :, 0])].T
+        time, *signals, steps = records[0, ~np.isnan(records[0, :, 0])].T
         return TimedRun(seconds, time, dict(zip(self._names, signals, strict=True)), int(steps[-1]))
 
     def close(self) -> None:

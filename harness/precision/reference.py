@@ -85,8 +85,8 @@ def signal_ranges(scene: Scene, right: Trajectory, names: Sequence[str]) -> dict
     """What each signal's error is measured by."""
     units = signal_units(plan(scene).units, names)
     reach = {name: float(np.ptp(right.signal(name))) for name in names}
-    found = {}
+    scales = {}
     for name in names:
         alike = [reach[n] for n in names if units[n] == units[name]]
-        found[name] = max(reach[name], STILL * max(alike)) or 1.0
-    return found
+        scales[name] = max(reach[name], STILL * max(alike)) or 1.0
+    return scales

@@ -48,7 +48,7 @@ def split_time(scene: Scene, method: Method, names: Sequence[str], runs: int = 3
     try:
         clocks = {name: _Clock(unit) for name, unit in coupled.cosim.units.items()}
         own = _cost_of_timing()
-        found = []
+        splits = []
         for _ in range(runs):
             for watch in clocks.values():
                 watch.seconds, watch.calls = 0.0, 0
@@ -57,10 +57,10 @@ def split_time(scene: Scene, method: Method, names: Sequence[str], runs: int = 3
             seconds = {name: watch.seconds for name, watch in clocks.items()}
             rotor = seconds.pop("rotor")
             total = done.seconds - calls * own
-            found.append(Split(method, calls, rotor, sum(seconds.values()), total, done.work))
+            splits.append(Split(method, calls, rotor, sum(seconds.values()), total, done.work))
     finally:
         coupled.close()
-    return min(found, key=lambda split: split.total)
+    return min(splits, key=lambda split: split.total)
 
 
 def _cost_of_timing(count: int = 20_000) -> float:

@@ -50,7 +50,7 @@ def command(
     loaded, variations = load_scene(scene), [Variation.parse(text) for text in vary]
     page = Report(report, f"Tolerances: {loaded.heading}", [loaded])
     with progress_bar(f"machines of {loaded.name}") as progress, who_works(cluster) as workers:
-        found = scatter(
+        study = scatter(
             loaded,
             variations,
             n,
@@ -59,7 +59,7 @@ def command(
             progress=costs.within(at_most, f"-n {n}", progress),
             store=stores[0] if stores else None,
         )
-    said = document(found, *importances(found))
+    said = document(study, *importances(study))
     with page.keeping():
         for line in lines(said):
             say(line)
@@ -71,11 +71,11 @@ def command(
         say(f"Run in C as one composite: {together}")
     for path in filter(None, (*places, page.picture(f"{loaded.name}_scatter"))):
         if path.suffix == options.TABLE:
-            found.to_csv(path)
+            study.to_csv(path)
         elif path not in stores:
             from .plot import plot_scatter
 
-            plot_scatter(found, said, path)
+            plot_scatter(study, said, path)
         say(f"Written: {path}")
     page.cited = "ISO 21940-11; Tissot & Prieur 2012"
     page.write()

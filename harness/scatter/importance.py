@@ -40,15 +40,15 @@ class Importance:
         return self.rank_correlation**2 if self.first_order is None else self.first_order
 
 
-def importances(found: Scatter) -> tuple[list[Importance], str]:
+def importances(study: Scatter) -> tuple[list[Importance], str]:
     """Most important first, and why there is no first-order index.
 
     Machines that failed are left out.  Nothing where all machines vibrate alike.
     """
     from scipy.stats import spearmanr
 
-    values, residual = found.values[found.ran], found.residual[found.ran]
-    paths = [one.path for one in found.variations]
+    values, residual = study.values[study.ran], study.residual[study.ran]
+    paths = [one.path for one in study.variations]
     if len(residual) < 3 or np.ptp(residual) == 0.0:
         return [], "all machines vibrate alike"
     ranks = [float(spearmanr(column, residual).statistic) for column in values.T]
@@ -68,5 +68,5 @@ def _first_order(
     except ImportError:
         return (none, none), f"needs SALib: {EXTRA}"
     problem = {"num_vars": values.shape[1], "names": list(map(str, range(values.shape[1])))}
-    found = rbd_fast.analyze(problem, values, residual, num_resamples=_RESAMPLES, seed=1)
-    return ([float(s) for s in found["S1"]], [float(s) for s in found["S1_conf"]]), ""
+    indices = rbd_fast.analyze(problem, values, residual, num_resamples=_RESAMPLES, seed=1)
+    return ([float(s) for s in indices["S1"]], [float(s) for s in indices["S1_conf"]]), ""

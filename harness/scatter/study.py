@@ -107,12 +107,12 @@ def scatter(
         np.concatenate(list(map(np.atleast_1d, column))) for column in zip(*parts, strict=True)
     )
     left_out = "" if moments(scene) is not None else "a liquid does not tell its unbalance"
-    found = Scatter(
+    study = Scatter(
         scene.heading, tuple(variations), seed, values, residual, grade, settled, failure, left_out
     )
-    if not found.ran.any():
-        raise SimulationError(f"{scene.name}: no machine could be run: {found.failure[0]}")
-    return found
+    if not study.ran.any():
+        raise SimulationError(f"{scene.name}: no machine could be run: {study.failure[0]}")
+    return study
 
 
 def _machines(job: tuple[Scene, list[str], Vector]) -> Outcome:
@@ -129,13 +129,13 @@ def _machines(job: tuple[Scene, list[str], Vector]) -> Outcome:
     if machines:
         asked, rows = moments(scene), list(machines)
         results = ["residual", "settled", *(asked or ())]
-        found = cosimulate_alike(list(machines.values()), results, threads=1)
+        outcomes = cosimulate_alike(list(machines.values()), results, threads=1)
         residual[rows], settled[rows], failure[rows] = (
-            found[name] for name in ("residual", "settled", "failure")
+            outcomes[name] for name in ("residual", "settled", "failure")
         )
         if asked is not None:
             grade[rows] = [
-                residual_grade(machine, {name: found[name][place] for name in asked})
+                residual_grade(machine, {name: outcomes[name][place] for name in asked})
                 for place, machine in enumerate(machines.values())
             ]
     return residual, grade, settled, failure

@@ -100,8 +100,8 @@ class StabilityMap:
                 word = "stable" if self.criterion[j, i] < 0.0 else "unstable"
             whirls = (f"{each[j, i]:.10g}" for each in (self.whirl, self.whirl_growth))
             rows.append((*numbers, word, measured.get((j, i), ""), *whirls))
-        found = ("growth rate [1/s]", "criterion", "cosim growth rate [1/s]")
-        heads = (*self.labels, *found, "whirl [m]", "whirl growth rate [1/s]")
+        growths = ("growth rate [1/s]", "criterion", "cosim growth rate [1/s]")
+        heads = (*self.labels, *growths, "whirl [m]", "whirl growth rate [1/s]")
         return Sheet(heads, rows).write_csv(path)
 
 

@@ -110,5 +110,5 @@ def _row(job: tuple[Scene, Axis, str, float]) -> tuple[NDArray, ...]:
     """Results (1, len(x)) of the runs along x."""
     scene, x, path, value = job
     scenes = [scene.replace({x.path: each, path: value}) for each in x.values.tolist()]
-    found = cosimulate_alike(scenes, ("residual", "settled"), threads=1)
-    return tuple(found[name][None] for name in _RESULTS)
+    outcomes = cosimulate_alike(scenes, ("residual", "settled"), threads=1)
+    return tuple(outcomes[name][None] for name in _RESULTS)

@@ -97,10 +97,10 @@ class Colliding:
         held = rates - y[self.first + self.count :]
         still, phi_still = self.system.accelerations(t, y)
         moved, phi_moved = self.system.accelerations(t, y, held)
-        found, n = y.copy(), self.system.stations
-        found[2 * n : 4 * n] += (moved - still).ravel()
-        found[self.first + self.count :] += phi_moved - phi_still
-        return found
+        after, n = y.copy(), self.system.stations
+        after[2 * n : 4 * n] += (moved - still).ravel()
+        after[self.first + self.count :] += phi_moved - phi_still
+        return after
 
     def settle(self, t: float, y: Array, touching: Sequence[Pair]) -> tuple[Array, list[Pair]]:
         """After a collision: bounces too low are ended, and contacts that would pull left out."""
@@ -152,8 +152,8 @@ def integrate_contacts(
     if system.profile.start != system.profile.end:
         raise ValueError("weights that collide: only at constant speed")
     bodies, y, t = Colliding(system), system.initial(initial), 0.0
-    found = np.empty((len(time), system.size))
-    found[time == 0.0] = y
+    states = np.empty((len(time), system.size))
+    states[time == 0.0] = y
     absolute = rtol * system.scales(initial)
     near = [p for p in bodies.pairs if bodies.gap(p, y) <= MARGIN and not bodies.approach(p, y)]
     y, joined = bodies.settle(t, y, near)
@@ -168,10 +168,10 @@ def integrate_contacts(
             raise ArithmeticError(f"{method} stopped after {solved.t[-1]:g} s: {solved.message}")
         wanted = (time > t) & (time <= solved.t[-1])
         if wanted.any():
-            found[wanted] = solved.sol(time[wanted]).T
+            states[wanted] = solved.sol(time[wanted]).T
         t, y = float(solved.t[-1]), solved.y[:, -1]
         if solved.status == 0:
-            return found
+            return states
         happened = [i for i, times in enumerate(solved.t_events) if len(times)]
         y, joined = _after(bodies, t, y, joined, happened)
     raise ArithmeticError(f"more than {MOST_EVENTS} collisions and openings by {t:g} s")

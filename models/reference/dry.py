@@ -70,9 +70,9 @@ class Dry:
 
     def rates(self, t: float, y: Array) -> Array:
         """Rate at which every grip slips (g,)."""
-        found = y[self.places]
-        found[: len(self.weights)] -= self.system.profile.speed(t)
-        return found
+        rates = y[self.places]
+        rates[: len(self.weights)] -= self.system.profile.speed(t)
+        return rates
 
     def accelerations(self, t: float, y: Array, pushes: Array) -> tuple[Array, Array]:
         """As `Monolith.accelerations`, with `pushes` of the grips that are solved for."""
@@ -105,18 +105,18 @@ class Dry:
         Accelerations, loads and so limits are linear in the pushes that they are to agree with.
         """
         trials = np.vstack([np.zeros(self.solved), np.eye(self.solved)])
-        found = np.array([self.answers(t, y, pushes) for pushes in trials])
-        found[1:] -= found[0]
+        answers = np.array([self.answers(t, y, pushes) for pushes in trials])
+        answers[1:] -= answers[0]
         lateral, weights = 2 * self.system.stations + self.count, len(self.weights)
-        grips = found[:, lateral : lateral + self.solved]
+        grips = answers[:, lateral : lateral + self.solved]
         limits = np.zeros((1 + self.solved, len(phase.slips)))
-        limits[:, :weights] = self._share * phase.sides * found[:, lateral + self.solved :]
+        limits[:, :weights] = self._share * phase.sides * answers[:, lateral + self.solved :]
         limits[0, weights:] = self._limits
         slips = phase.slips[: self.solved]
         left = np.where(slips == 0.0, grips, trials + slips * limits[:, : self.solved])
         pushes = np.linalg.solve(left[1:].T, -left[0])
         factors = np.concatenate([[1.0], pushes])
-        return pushes, (factors @ found)[:lateral], factors @ limits
+        return pushes, (factors @ answers)[:lateral], factors @ limits
 
     def rhs(self, t: float, y: Array, phase: Phase) -> Array:
         """Derivative of the state."""
@@ -221,11 +221,11 @@ def integrate_dry(
     states = np.empty((len(time), system.size))
     solved: list[tuple[Array, Array]] = []
 
-    def keep(grips: Dry, phase: Phase, at: Array, found: Array) -> None:
-        for moment, state in zip(at, found, strict=True):
+    def keep(grips: Dry, phase: Phase, at: Array, reached: Array) -> None:
+        for moment, state in zip(at, reached, strict=True):
             states[len(solved)] = state[: system.size]
-            found = grips.solve(moment, state, phase)[1]
-            lateral, bend = np.split(found, [2 * system.stations])
+            answer = grips.solve(moment, state, phase)[1]
+            lateral, bend = np.split(answer, [2 * system.stations])
             solved.append((lateral.reshape(2, -1), bend))
 
     if time[0] == 0.0:

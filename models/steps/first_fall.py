@@ -48,8 +48,8 @@ def _fall_within(polynomial: NDArray, begin: float, end: float) -> float:
             return math.inf
         return begin + crossing(_value, here, max(here[0], 0.0), width, _TO_ROUNDING * width)
     middle = 0.5 * (begin + end)
-    found = _fall_within(polynomial, begin, middle)
-    return found if found < math.inf else _fall_within(polynomial, middle, end)
+    fall = _fall_within(polynomial, begin, middle)
+    return fall if fall < math.inf else _fall_within(polynomial, middle, end)
 
 
 def _value(polynomial: NDArray, s: float) -> float:
