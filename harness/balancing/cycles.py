@@ -25,7 +25,7 @@ from ...models.papers.influence import (
 from ..errors import SceneError
 from ..output.workers import Progress
 from ..scene import Scene
-from .grade import levers, permissible
+from ..scene.grade import levers, permissible
 from .machine import Complex, Machine
 
 TRIAL = 10.0  # times what is permissible: seen clearly, and as harmless as the unbalance itself

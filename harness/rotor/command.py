@@ -45,13 +45,14 @@ def command(
     at_most: Annotated[str, options.at_most()] = costs.DEFAULT,
 ) -> None:
     """Modes and critical speeds of a scene's rotor, and pictures of its motion."""
+    from ...models.linear.modes import speeds_of_interest
     from ..scene.quantities import LARGEST
-    from .study import modes_at, speed_range
+    from .study import modes_at
 
     wanted = {"campbell": campbell, "response": response, "orbit": orbit, "run-up": run_up}
     wanted |= {"modes": modes, "polar": polar}
     loaded = changed_scene(scene, changes)
-    low, high = limits or speed_range(loaded)
+    low, high = limits or speeds_of_interest(loaded.assembly().rotor, loaded.profile().end)
     if not 0.0 < low < high <= LARGEST:
         raise UserError(
             f"--range {low:g} {high:g}: must be two speeds [rad/s], 0 < LOW < HIGH <= {LARGEST:g}"

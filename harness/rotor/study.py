@@ -26,10 +26,7 @@ CURVE_POINTS = 400
 MEASURED_POINTS = 16
 LAST_REVOLUTIONS = 2  # of a run: shown as its orbit
 RUN_UP_REVOLUTIONS = 100  # slow enough for resonances to show, short enough to wait for
-ABOVE = 1.3  # a range ends this much above the highest speed of interest
-LOWEST = 0.01  # of a range's end: a rotor that stands still has neither whirl nor response
 ORBIT_STEPS = 120  # a revolution: straight lines of 3 degrees look round
-FAR = 3.0  # critical speeds beyond this many operating speeds are of no interest
 
 
 @dataclass(frozen=True, eq=False)
@@ -108,14 +105,6 @@ def station_names(scene: Scene) -> tuple[str, ...]:
 def _outputs(count: int) -> list[str]:
     """x of all stations, then y."""
     return [f"{prefix}{axis}" for axis in "xy" for prefix in stations(count)]
-
-
-def speed_range(scene: Scene) -> tuple[float, float]:
-    """From near standstill to beyond the operating speed and the critical ones near it [rad/s]."""
-    speed = scene.profile().end
-    critical = critical_speeds(scene.assembly().rotor)
-    high = ABOVE * max([speed, *critical[critical < FAR * speed].tolist()])
-    return LOWEST * high, high
 
 
 def modes_at(scene: Scene) -> Modes:

@@ -7,10 +7,10 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from ..balancing.grade import levers, permissible
 from ..scene import Scene
 from ..scene.balancer import WeightBalancer
 from ..scene.balancing import Balancing
+from ..scene.grade import levers, permissible
 
 GRADES = (0.4, 1.0, 2.5, 6.3, 16.0, 40.0, 100.0, 250.0, 630.0, 1600.0, 4000.0)  # mm/s, its table 1
 _ONE = Balancing(grade="G1")

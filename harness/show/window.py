@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Literal
 
+from ...models.linear.modes import speeds_of_interest
 from ...models.papers.window import LiquidWindow
-from ..rotor.study import speed_range
 from ..scene import Scene
 from ..stability.boundaries import speeds
 
@@ -36,7 +36,7 @@ class Window:
 
 def window(scene: Scene) -> Window:
     """Of liquids by Dubovik 2006 (10), (11), of weights by Floquet."""
-    low, high = speed_range(scene)
+    low, high = speeds_of_interest(scene.assembly().rotor, scene.profile().end)
     if not scene.balancer:
         return Window(low, high, (), (), "the scene has no balancer")
     if not scene.assembly().weights:

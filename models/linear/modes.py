@@ -18,6 +18,9 @@ from ..rotor import LinearRotor
 
 _PLANAR = 1e-6  # |whirl| below it is a straight line: rounding of equal x and y frequencies
 _REAL = 1e-9  # |Im|/|lambda| below it is an overdamped motion, not an oscillation
+_ABOVE = 1.3  # a range ends this much above the highest speed of interest
+_LOWEST = 0.01  # of a range's end: a rotor that stands still has neither whirl nor response
+_FAR = 3.0  # critical speeds beyond this many operating speeds are of no interest
 
 
 @dataclass(frozen=True, eq=False)
@@ -135,6 +138,13 @@ def critical_speeds(rotor: LinearRotor) -> NDArray[np.float64]:
     inverse_squares = eigh(inertial, elastic, eigvals_only=True)
     real = inverse_squares[inverse_squares > np.finfo(float).eps * np.abs(inverse_squares).max()]
     return np.sort(1.0 / np.sqrt(real))
+
+
+def speeds_of_interest(rotor: LinearRotor, speed: float) -> tuple[float, float]:
+    """From near standstill to beyond a speed and the critical ones near it [rad/s]."""
+    critical = critical_speeds(rotor)
+    high = _ABOVE * max([speed, *critical[critical < _FAR * speed].tolist()])
+    return _LOWEST * high, high
 
 
 def _eigenpairs(rotor: LinearRotor, speed: float) -> tuple[NDArray, NDArray]:

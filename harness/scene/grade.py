@@ -12,9 +12,9 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from ..scene import Scene
-from ..scene.balancing import Balancing
-from ..scene.rotor import RotorTable
+from .balancing import Balancing
+from .rotor import RotorTable
+from .scene import Scene
 
 SHARE_INBOARD, SHARE_OVERHUNG = (0.3, 0.7), (0.3, 1.3)  # of U_per at a support
 
