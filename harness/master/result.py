@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import csv
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -11,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ..errors import UserError
-from ..output.files import write_whole
+from ..output.table import Sheet
 from ..scene.messages import did_you_mean
 from .result_pictures import Pictures
 
@@ -99,11 +98,8 @@ class Result(Pictures):
         Raises:
             UserError: the file cannot be written.
         """
-        with write_whole(path) as stream:
-            writer = csv.writer(stream, lineterminator="\n")
-            writer.writerow(["time", *self.signals])
-            writer.writerows(np.column_stack([self.time, *self.signals.values()]).tolist())
-        return Path(path)
+        rows = np.column_stack([self.time, *self.signals.values()]).tolist()
+        return Sheet(["time", *self.signals], rows).write_csv(Path(path))
 
     def to_pandas(self) -> DataFrame:
         """A frame of the signals over time [s]; `attrs` hold title and units.
