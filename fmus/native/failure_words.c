@@ -2,21 +2,61 @@
 
 #include "elementary.h"
 
-static void put_refused(Text *text, const Failure *failure, const char *must)
-{
-    text_put(text, failure->name);
-    text_put(text, " = ");
-    text_number(text, failure->value[0]);
-    text_put(text, must);
-}
-
-static void put_rounded(Text *text, const char *before, double value, int digits,
-                        const char *after)
-{
-    text_put(text, before);
-    text_rounded(text, value, digits);
-    text_put(text, after);
-}
+/* In braces: n the name, w where, l all values; 0 to 3 a value as Python's repr writes it, or
+   rounded to the digits behind the point. */
+static const char *const WORDS[FAILURE_CROSSINGS + 1] = {
+    [FAILURE_NOT_POSITIVE] = "{n} = {0}: must be a positive finite number",
+    [FAILURE_NEGATIVE] = "{n} = {0}: must be a finite number, 0 or more",
+    [FAILURE_NOT_FINITE] = "{n} = {0}: must be a finite number",
+    [FAILURE_COUNT] = "{n} = {0}: must be at least 1",
+    [FAILURE_KAPPA] = "{n} = {0}: must be a finite number, 1 or more",
+    [FAILURE_FLOAT_RADIUS] = "float_radius = {0} m: must be smaller than chamber_radius = {1} m",
+    [FAILURE_POLAR_INERTIA] = "polar_inertia = {0} kg m^2: must be 0 to 2 inertia = {1.6}",
+    [FAILURE_STATIONS] = "stations = {l}: must be at least two, each beyond the last [m]",
+    [FAILURE_STATION_MASS] = "masses = {0} at station {w}: must be a positive finite number [kg]",
+    [FAILURE_SUPPORTS] = "supports = [{0.17}, {1.17}]: must be two different stations, 1 to {w}",
+    [FAILURE_UNBALANCE_PLACE] = "unbalances: position = {0} m: must be a disc's, one of {l}",
+    [FAILURE_COMPLIANCE] = "compliance: must be finite and symmetric (Maxwell's reciprocity)",
+    [FAILURE_CANNOT_BEND] =
+        "internal_damping: a shaft with discs at its supports only cannot bend",
+    [FAILURE_NOT_CARRIED] =
+        "gravity: supports without stiffness cannot carry the rotor's weight",
+    [FAILURE_ADDED_MASS] = "added_mass = {0} kg: must be a finite number, at least 0 kg",
+    [FAILURE_WEIGHT_RADIUS] = "weight_radius = {0} m: {w} weights do not fit on a track of radius "
+                              "{1} m, the largest that fit have {2.6} m",
+    [FAILURE_RESTITUTION] = "restitution = {0}: must be within 0 to 1",
+    [FAILURE_RIGID_SLIDERS] = "sliders: two rigid ones at one support and axis are one with the "
+                              "sum of their limits; give that, or a stiffness",
+    [FAILURE_SPIN] = "der(acceleration) = {0} rad/s3: must be 0 for weights that touch or stick, "
+                     "as all its derivatives",
+    [FAILURE_QUINTIC_SPIN] =
+        "acceleration: must be 0, as its derivatives, with signals of order = 5",
+    [FAILURE_QUINTIC_WEIGHTS] = "order = 5: only point weights on a centred track have such "
+                                "signals; weight_radius, rolling_resistance and track_offset must "
+                                "be 0",
+    [FAILURE_CHARACTERISTIC] = "point[{w}].speed = {0} rad/s: speeds must ascend",
+    [FAILURE_OVERLAP] = "weights overlap by {0.3} rad: neighbours need {1.6} rad",
+    [FAILURE_MATRICES] = "the rotor's matrices are not finite",
+    [FAILURE_SINGULAR] = "Singular matrix",
+    [FAILURE_FAST_VIBRATION] = "the rotor vibrates too fast for a step of {0.6} s at changing "
+                               "speed: {w} parts of it still err by {1.6} m; use smaller "
+                               "communication steps",
+    [FAILURE_STRETCHES] = "more than {w} stretches and events of the sliders in {0.6} s, {1.6} s "
+                          "reached: use smaller communication steps",
+    [FAILURE_ANGLES] = "the weights' angles {l} are not finite",
+    [FAILURE_SUBSTEPS] = "the weights would need {0.3} substeps in {1.6} s: acceleration {2.6} "
+                         "m/s^2, rate {3.6} rad/s",
+    [FAILURE_NOT_CONVERGED] = "the weights' step of {0.6} s did not converge (angle {1.6} rad, "
+                              "rate {2.6} rad/s, acceleration {3.6} m/s^2): use smaller "
+                              "communication steps",
+    [FAILURE_SLIDE] = "the sliding weights' step of {0.6} s did not converge (angle {1.6} rad, "
+                      "rate {2.6} rad/s, acceleration {3.6} m/s^2): use smaller steps",
+    [FAILURE_EVENTS] = "more than {w} substeps and events of the weights in {0.6} s, {1.6} s "
+                       "reached: use smaller communication steps",
+    [FAILURE_MOTOR] = "the motor's speed {0} rad/s or the torque is not finite",
+    [FAILURE_CROSSINGS] = "the motor's speed crosses {1.6} rad/s again and again within a step of "
+                          "{0.6} s",
+};
 
 static void put_compliance(Text *text, const double *values, size_t count)
 {
@@ -33,183 +73,53 @@ static void put_compliance(Text *text, const double *values, size_t count)
                    "two stations almost at one place?)");
 }
 
+/* `format`: what stands behind the value's number. */
+static void put_value(Text *text, double value, const char *format)
+{
+    int digits = 0;
+    if (*format == '.') {
+        while (*++format != '}') {
+            digits = 10 * digits + (*format - '0');
+        }
+        text_rounded(text, value, digits);
+    } else {
+        text_number(text, value);
+    }
+}
+
 void failure_words(Text *text, const Failure *failure, const double *values, size_t count)
 {
-    const double *value = failure->value;
-    switch (failure->code) {
-    case FAILURE_NOT_POSITIVE:
-        put_refused(text, failure, ": must be a positive finite number");
-        break;
-    case FAILURE_NEGATIVE:
-        put_refused(text, failure, ": must be a finite number, 0 or more");
-        break;
-    case FAILURE_NOT_FINITE:
-        put_refused(text, failure, ": must be a finite number");
-        break;
-    case FAILURE_COUNT:
-        put_refused(text, failure, ": must be at least 1");
-        break;
-    case FAILURE_KAPPA:
-        put_refused(text, failure, ": must be a finite number, 1 or more");
-        break;
-    case FAILURE_FLOAT_RADIUS:
-        text_put(text, "float_radius = ");
-        text_number(text, value[0]);
-        text_put(text, " m: must be smaller than chamber_radius = ");
-        text_number(text, value[1]);
-        text_put(text, " m");
-        break;
-    case FAILURE_POLAR_INERTIA:
-        text_put(text, "polar_inertia = ");
-        text_number(text, value[0]);
-        put_rounded(text, " kg m^2: must be 0 to 2 inertia = ", value[1], 6, "");
-        break;
-    case FAILURE_STATIONS:
-        text_put(text, "stations = ");
-        text_list(text, values, count);
-        text_put(text, ": must be at least two, each beyond the last [m]");
-        break;
-    case FAILURE_STATION_MASS:
-        text_put(text, "masses = ");
-        text_number(text, value[0]);
-        text_put(text, " at station ");
-        text_integer(text, (unsigned long)failure->where);
-        text_put(text, ": must be a positive finite number [kg]");
-        break;
-    case FAILURE_SUPPORTS:
-        text_put(text, "supports = [");
-        text_rounded(text, value[0], 17);
-        text_put(text, ", ");
-        text_rounded(text, value[1], 17);
-        text_put(text, "]: must be two different stations, 1 to ");
-        text_integer(text, (unsigned long)failure->where);
-        break;
-    case FAILURE_UNBALANCE_PLACE:
-        text_put(text, "unbalances: position = ");
-        text_number(text, value[0]);
-        text_put(text, " m: must be a disc's, one of ");
-        text_list(text, values, count);
-        break;
-    case FAILURE_COMPLIANCE:
-        text_put(text, "compliance: must be finite and symmetric (Maxwell's reciprocity)");
-        break;
-    case FAILURE_NOT_ELASTIC:
+    const char *words;
+    if (failure->code == FAILURE_NOT_ELASTIC) {
         put_compliance(text, values, count);
-        break;
-    case FAILURE_CANNOT_BEND:
-        text_put(text, "internal_damping: a shaft with discs at its supports only cannot bend");
-        break;
-    case FAILURE_SPIN:
-        text_put(text, "der(acceleration) = ");
-        text_number(text, value[0]);
-        text_put(text, " rad/s3: must be 0 for weights that touch or stick, as all its derivatives");
-        break;
-    case FAILURE_QUINTIC_SPIN:
-        text_put(text, "acceleration: must be 0, as its derivatives, with signals of order = 5");
-        break;
-    case FAILURE_QUINTIC_WEIGHTS:
-        text_put(text, "order = 5: only point weights on a centred track have such signals; "
-                       "weight_radius, rolling_resistance and track_offset must be 0");
-        break;
-    case FAILURE_CHARACTERISTIC:
-        text_put(text, "point[");
-        text_integer(text, (unsigned long)failure->where);
-        text_put(text, "].speed = ");
-        text_number(text, value[0]);
-        text_put(text, " rad/s: speeds must ascend");
-        break;
-    case FAILURE_MOTOR:
-        text_put(text, "the motor's speed ");
-        text_number(text, value[0]);
-        text_put(text, " rad/s or the torque is not finite");
-        break;
-    case FAILURE_CROSSINGS:
-        text_put(text, "the motor's speed crosses ");
-        text_rounded(text, value[1], 6);
-        text_put(text, " rad/s again and again within a step of ");
-        text_rounded(text, value[0], 6);
-        text_put(text, " s");
-        break;
-    case FAILURE_NOT_CARRIED:
-        text_put(text, "gravity: supports without stiffness cannot carry the rotor's weight");
-        break;
-    case FAILURE_ADDED_MASS:
-        text_put(text, "added_mass = ");
-        text_number(text, value[0]);
-        text_put(text, " kg: must be a finite number, at least 0 kg");
-        break;
-    case FAILURE_WEIGHT_RADIUS:
-        text_put(text, "weight_radius = ");
-        text_number(text, value[0]);
-        text_put(text, " m: ");
-        text_integer(text, (unsigned long)failure->where);
-        text_put(text, " weights do not fit on a track of radius ");
-        text_number(text, value[1]);
-        put_rounded(text, " m, the largest that fit have ", value[2], 6, " m");
-        break;
-    case FAILURE_RESTITUTION:
-        text_put(text, "restitution = ");
-        text_number(text, value[0]);
-        text_put(text, ": must be within 0 to 1");
-        break;
-    case FAILURE_RIGID_SLIDERS:
-        text_put(text, "sliders: two rigid ones at one support and axis are one with the sum of "
-                       "their limits; give that, or a stiffness");
-        break;
-    case FAILURE_STRETCHES:
-        text_put(text, "more than ");
-        text_integer(text, (unsigned long)failure->where);
-        put_rounded(text, " stretches and events of the sliders in ", value[0], 6, " s, ");
-        put_rounded(text, "", value[1], 6, " s reached: use smaller communication steps");
-        break;
-    case FAILURE_OVERLAP:
-        put_rounded(text, "weights overlap by ", value[0], 3, " rad: neighbours need ");
-        put_rounded(text, "", value[1], 6, " rad");
-        break;
-    case FAILURE_MATRICES:
-        text_put(text, "the rotor's matrices are not finite");
-        break;
-    case FAILURE_SINGULAR:
-        text_put(text, "Singular matrix");
-        break;
-    case FAILURE_FAST_VIBRATION:
-        put_rounded(text, "the rotor vibrates too fast for a step of ", value[0], 6,
-                    " s at changing speed: ");
-        text_integer(text, (unsigned long)failure->where);
-        put_rounded(text, " parts of it still err by ", value[1], 6,
-                    " m; use smaller communication steps");
-        break;
-    case FAILURE_ANGLES:
-        text_put(text, "the weights' angles ");
-        text_list(text, values, count);
-        text_put(text, " are not finite");
-        break;
-    case FAILURE_SUBSTEPS:
-        put_rounded(text, "the weights would need ", value[0], 3, " substeps in ");
-        put_rounded(text, "", value[1], 6, " s: acceleration ");
-        put_rounded(text, "", value[2], 6, " m/s^2, rate ");
-        put_rounded(text, "", value[3], 6, " rad/s");
-        break;
-    case FAILURE_NOT_CONVERGED:
-        put_rounded(text, "the weights' step of ", value[0], 6, " s did not converge (angle ");
-        put_rounded(text, "", value[1], 6, " rad, rate ");
-        put_rounded(text, "", value[2], 6, " rad/s, acceleration ");
-        put_rounded(text, "", value[3], 6, " m/s^2): use smaller communication steps");
-        break;
-    case FAILURE_SLIDE:
-        put_rounded(text, "the sliding weights' step of ", value[0], 6,
-                    " s did not converge (angle ");
-        put_rounded(text, "", value[1], 6, " rad, rate ");
-        put_rounded(text, "", value[2], 6, " rad/s, acceleration ");
-        put_rounded(text, "", value[3], 6, " m/s^2): use smaller steps");
-        break;
-    case FAILURE_EVENTS:
-        text_put(text, "more than ");
-        text_integer(text, (unsigned long)failure->where);
-        put_rounded(text, " substeps and events of the weights in ", value[0], 6, " s, ");
-        put_rounded(text, "", value[1], 6, " s reached: use smaller communication steps");
-        break;
-    default:
-        text_put(text, "unknown failure");
+        return;
+    }
+    words = WORDS[failure->code] ? WORDS[failure->code] : "unknown failure";
+    for (; *words; words++) {
+        size_t plain = 0;
+        while (words[plain] && words[plain] != '{') {
+            plain++;
+        }
+        text_put_part(text, words, plain);
+        words += plain;
+        if (!*words) {
+            return;
+        }
+        switch (*++words) {
+        case 'n':
+            text_put(text, failure->name);
+            break;
+        case 'w':
+            text_integer(text, (unsigned long)failure->where);
+            break;
+        case 'l':
+            text_list(text, values, count);
+            break;
+        default:
+            put_value(text, failure->value[*words - '0'], words + 1);
+        }
+        while (*words != '}') {
+            words++;
+        }
     }
 }
