@@ -53,9 +53,9 @@ def command(
     report: Annotated[Path | None, options.report()] = None,
 ) -> None:
     """Find values of a scene from measured amplitudes, and say how well they are known."""
-    from ..master.run_command import changed_scene
     from ..output.files import write_json
     from ..output.report import Report
+    from ..scene.changes import changed_scene
     from .measured import read_measured
     from .parameters import parse_free
     from .report import document, lines, table

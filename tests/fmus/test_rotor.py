@@ -14,8 +14,8 @@ from autobalancer.fmus.build import build
 from autobalancer.fmus.variables import derivative
 from autobalancer.harness import SceneError, cosimulate, load_scene
 from autobalancer.harness.master.plan import plan
+from autobalancer.harness.master.revolution import Revolution
 from autobalancer.harness.scene import Scene
-from autobalancer.harness.stability.revolution import Revolution
 from autobalancer.models.linear.balanced import balanced_angles
 from autobalancer.models.linear.boundaries import balancing_boundaries
 from autobalancer.models.linear.linearised import linearise
