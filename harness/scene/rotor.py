@@ -313,7 +313,7 @@ class FlexibleRotor(RotorTable):
     internal_damping: Annotated[NotNegative, SI("N s/m"), Feeds()] = 0.0
     """Of the shaft, turns with it."""
     unbalances: Annotated[Unbalances, Feeds("unbalance[{n}].")] = ()
-    """Static moments along the shaft."""
+    """Static moments along the shaft: at its stations, with `bending_stiffness` also between."""
 
     @field_validator("stations")
     @classmethod
