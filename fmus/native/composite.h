@@ -297,6 +297,8 @@ int iterated_go_on(Unit *unit, double step, int met);
 /* Back to the begin of the step. */
 void composite_restore(Composite *c);
 void adaptive_begin(Unit *unit);
+/* From the start on, let a step err by this share of the tolerance, its loop by less. */
+void adaptive_allow(Composite *c, double share);
 /* One accepted step of at most `longest` [s]; its length in course->length. */
 int adaptive_step(Unit *unit, double longest);
 /* One step to the next of the points that a run prescribes. */

@@ -4,8 +4,8 @@
 #include "elementary.h"
 #include "unit_rotor.h"
 
-static const double LOCAL_SHARE = 0.2, AIM = 0.5, RESIDUAL_SHARE = 0.01, SLOWEST = 1e3;
-enum { RUNGS = 4, FIRST_RUNG = 40, MINUTE = 80, LOWEST = 160, MOST_RISE = 4, HOPELESS = 40, RESTED = 4 };
+static const double LOCAL_SHARE = 0.2, AIM = 0.5, RESIDUAL_SHARE = 0.05, SLOWEST = 1e3;
+enum { RUNGS = 4, FIRST_RUNG = 24, MINUTE = 80, LOWEST = 160, MOST_RISE = 4, HOPELESS = 40, RESTED = 4 };
 
 /* 2^(-k/4) */
 static const double ROOTS[RUNGS] = {1.0, 0.8408964152537145, 0.7071067811865476, 0.5946035575013605};
@@ -15,7 +15,16 @@ void adaptive_begin(Unit *unit)
     Course *course = ((Composite *)unit->own)->course;
     course->corrections = UNTIL_CONVERGED;
     course->rung = FIRST_RUNG;
-    iterated_allow(unit->own, RESIDUAL_SHARE * course->allowed);
+    adaptive_allow(unit->own, LOCAL_SHARE);
+}
+
+void adaptive_allow(Composite *c, double share)
+{
+    Course *course = c->course;
+    const double allowed = RESIDUAL_SHARE * course->allowed;
+    /* whatever a step may err, forces that cancel are not told from rounding */
+    iterated_allow(c, smaller(share, LOCAL_SHARE) * allowed);
+    course->tolerance = larger(course->tolerance, share * allowed);
     course->largest_motion = course->largest / course->mass;
 }
 

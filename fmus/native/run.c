@@ -93,6 +93,8 @@ int autobalancer_run_start(Run *shown, const Steps *steps)
     c->pacing.count = steps->count;
     if (steps->points) {
         iterated_allow(c, steps->residual);
+    } else if (steps->share > 0.0) {
+        adaptive_allow(c, steps->share);
     }
     show(run);
     return 0;

@@ -34,6 +34,7 @@ from .schedule import (
     end_time,
     fewest_chosen,
     milestones,
+    order_of_run,
     schedule,
     step_size,
 )
@@ -59,17 +60,25 @@ class CoSimulation(Closing):
         scene: what to simulate.
         fmus: directory of ready-made FMUs; by default exactly those needed are built.
         watch: also step balancers that exchange no force (their clearance is wanted).
+        order: of the coupling signals; by default the scene's.
 
     Raises:
         UnitError: an FMU is missing, corrupt, or of a different build.
         SceneError: a tolerance is asked of a scheme or an order that cannot keep it.
     """
 
-    def __init__(self, scene: Scene, *, fmus: Path | None = None, watch: bool = True) -> None:
+    def __init__(
+        self,
+        scene: Scene,
+        *,
+        fmus: Path | None = None,
+        watch: bool = True,
+        order: int | None = None,
+    ) -> None:
         self.scene = scene = as_run(scene)
         refuse_loose_tolerance(scene)
         self.profile = scene.profile()
-        self.plan = plan(scene)
+        self.plan, order = plan(scene, order=order), order or scene.coupling.order
         self.runtime = runtime(scene.coupling.units)
         self.paths = find_or_build(self.plan.units, fmus, self.runtime.backend)
         with ExitStack() as stack:
@@ -77,9 +86,7 @@ class CoSimulation(Closing):
                 one.name: stack.enter_context(Fmu(path, one.name))
                 for path, one in zip(self.paths, self.plan.units, strict=True)
             }
-            self.system = System(
-                self.plan, self.units, scene.coupling.order, watch, brief_step(scene)
-            )
+            self.system = System(self.plan, self.units, order, watch, brief_step(scene))
             stack.callback(self.system.free_states)
             self._stack = stack.pop_all()
         self.gain = self.amplification = 0.0
@@ -114,7 +121,7 @@ class CoSimulation(Closing):
         step = step or step_size(self.scene)
         self.scheme = self._prepare(step) if points is None else self._prescribed(step, *points)
         if step_share and isinstance(self.scheme, Adaptive):
-            self.scheme.share = step_share
+            self.scheme.allow(step_share)
         for unit in self.units.values():
             unit.start()
         share = self.scheme.miss_per_error if self.system.order >= 3 else 0.0
@@ -327,13 +334,15 @@ def cosimulate(
 
 def _loader(fmus: Path | None, one_file: bool) -> Callable[[Scene], Simulation]:
     """What steps a scene: separate units, or its one file."""
+    if fmus is not None and not one_file:
+        return lambda scene: CoSimulation(scene, fmus=fmus)  # they are built as the scene says
     if not one_file:
-        return lambda scene: CoSimulation(scene, fmus=fmus)
+        return lambda scene: CoSimulation(scene, order=order_of_run(scene))
     if fmus is not None:
         raise UserError(f"{fmus}: holds separate FMUs, and one file is to run: give one of them")
     from .one_file_run import OneFileRun  # compiles where it has to
 
-    return OneFileRun
+    return lambda scene: OneFileRun(scene, order_of_run(scene))
 
 
 def run_once(

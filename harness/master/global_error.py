@@ -77,6 +77,7 @@ class Controlled:
         self.parts, self.error = 1, math.inf
         self._apart = self._times = 0.0  # how far the last two runs were, and by how many parts
         self._done = 0  # work, in first runs
+        self._share = SHARES[0]
 
     def run(self, progress: Report | None) -> Recorder:
         """Run as often as it takes; what the last run recorded.
@@ -101,19 +102,15 @@ class Controlled:
             points, finer = recorder.columns()
             at = np.searchsorted(points, grid * (1.0 - SLIVER))
             finer = {name: values[at] for name, values in finer.items()}
-            times = parts / self.parts
             apart = _apart(signals, finer, scale, slice(held))
             at_rest = _apart(signals, finer, scale, slice(held, None))
             far, signals = max(apart, at_rest) >= ASYMPTOTIC, finer
-            # as far as runs would be apart that err so by their own order
-            ahead = 1.0 if far else (times**self.highest_order - 1.0) / (times**ORDER_HELD - 1.0)
-            apart = max(apart, ahead * at_rest)
             # of motions that part no run says more than the one before
-            if self._kept(apart, far, parts) or parts >= (PARTING if far else MOST_PARTS):
+            if self._kept(apart, at_rest, parts) or parts >= (PARTING if far else MOST_PARTS):
                 return recorder
 
-    def _kept(self, apart: float, far: bool, parts: int) -> bool:
-        """Whether the tolerance is kept by a run so far `apart` from the one before."""
+    def _kept(self, apart: float, at_rest: float, parts: int) -> bool:
+        """Whether a run keeps the tolerance so far `apart` from the one before, and `at_rest`."""
         times, enough = parts / self.parts, self.tolerance
         order: float = self.highest_order
         if self._apart and apart:  # three runs show by which order errors shrink
@@ -123,18 +120,21 @@ class Controlled:
             order = min(order, ORDER_OF_EVENTS)
         elif order > ORDER_OF_JUMPS:
             enough *= AIM
-        self.error = apart if far else apart / (times**order - 1.0)
+        self.error = max(apart, at_rest)
+        if self.error < ASYMPTOTIC:
+            self.error = max(apart / (times**order - 1.0), at_rest / (times**ORDER_HELD - 1.0))
         self.parts, self._times, self._apart = parts, times, apart
         return self.error <= enough
 
     def _first(self, progress: Report | None) -> Recorder:
         """The run that chooses its steps, which shorter ones may bring to its end."""
-        for share in SHARES[:-1]:
+        for self._share in SHARES[:-1]:
             try:
-                return self._run(1, None, progress, share)
+                return self._run(1, None, progress)
             except SimulationError:
                 continue
-        return self._run(1, None, progress, SHARES[-1])
+        self._share = SHARES[-1]
+        return self._run(1, None, progress)
 
     def _next_parts(self) -> int:
         """Parts of each step of the first run that should keep the tolerance."""
@@ -148,16 +148,16 @@ class Controlled:
         parts: int,
         points: Sequence[float] | None,
         progress: Report | None,
-        share: float = 0.0,
     ) -> Recorder:
         """One run, of all that is asked for and all that is compared."""
         cosim = self.cosim
         recorder = Recorder(cosim.units, self.names, _motion(cosim.scene))
         if points is None:
-            cosim.start(step_share=share)
+            cosim.start(step_share=self._share)
         else:
             # what is left in the loop must shrink with the rest, or no run would show it
-            residual = RESIDUAL_SHARE * self.tolerance / parts ** max(self.highest_order, LEFT)
+            left = RESIDUAL_SHARE * self._share * self.tolerance
+            residual = left / parts ** max(self.highest_order, LEFT)
             cosim.start(points=(points, residual))
         # of a first run it is certain that another follows
         done, work = self._done, max(3, self._done + parts)

@@ -15,10 +15,13 @@ from .runtime import runtime
 from .schedule import as_run, end_time, fewest_chosen, step_size
 
 
-def composition(scene: Scene) -> Composition:
+def composition(scene: Scene, order: int | None = None) -> Composition:
     """What a scene's composite FMU is made from, with the steps or the tolerance that a run takes.
 
     A tolerance is of a step here: nothing is run again for that of the whole run.
+
+    Args:
+        order: of the coupling signals; by default the scene's.
 
     Raises:
         SceneError: the scene is coupled in a way that a composite does not have.
@@ -29,7 +32,7 @@ def composition(scene: Scene) -> Composition:
         raise SceneError(
             f"{scene.name}: coupling.order = {coupling.order}: of one file must be 3 or 5"
         )
-    found = plan(scene)
+    found = plan(scene, order=order)
     exchanging = {c.source.unit for c in found.of_kind("signal")}
     following = {c.target.unit for c in found.of_kind("value")}
     start = {
@@ -72,7 +75,7 @@ def why_separate(scene: Scene) -> str:
     return ""
 
 
-def composition_in_c(scene: Scene) -> Composition:
+def composition_in_c(scene: Scene, order: int | None = None) -> Composition:
     """`composition` of a scene whose units can run in C.
 
     Raises:
@@ -81,7 +84,7 @@ def composition_in_c(scene: Scene) -> Composition:
     units = runtime(scene.coupling.units)
     if units.backend == "python":
         raise SceneError(units.note or f'{scene.name}: coupling.units = "python": one file is in C')
-    return composition(scene)
+    return composition(scene, order)
 
 
 def model_name(scene: Scene) -> str:

@@ -35,6 +35,7 @@ class OneFileRun(Closing):
 
     Args:
         scene: what to simulate.
+        order: of the coupling signals; by default the scene's.
 
     Attributes:
         units: what is recorded of them, by name.
@@ -45,10 +46,10 @@ class OneFileRun(Closing):
             asked of a scheme or an order that cannot keep it.
     """
 
-    def __init__(self, scene: Scene) -> None:
+    def __init__(self, scene: Scene, order: int | None = None) -> None:
         self.scene = scene = as_run(scene)
         refuse_loose_tolerance(scene)
-        made = composition_in_c(scene)
+        made = composition_in_c(scene, order)
         self._run = Run(made)
         names = [part.name for part in made.parts]
         self.units = {name: UnitInside(self._run, name) for name in names}
@@ -56,7 +57,7 @@ class OneFileRun(Closing):
             owner, own = _owned(variable.name)
             if owner in self.units:
                 self.units[owner].add(own, variable, made.layout.index[variable.name])
-        self.order, self.coupled = scene.coupling.order, exchanging(scene)
+        self.order, self.coupled = order or scene.coupling.order, exchanging(scene)
         self.chooses_steps = scene.coupling.tolerance is not None and self.coupled
         self.time, self._passes = 0.0, 0.0
 

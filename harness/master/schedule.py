@@ -10,6 +10,7 @@ from .runtime import runtime
 from .system import System
 
 BRIEF = 1e-6  # of a communication step
+QUINTIC = 1e-4  # tolerance from which on quintic signals cost less than cubic ones
 
 
 class DrivenSpeed:
@@ -36,6 +37,19 @@ def as_run(scene: Scene) -> Scene:
     Where the force jumps within a step no step is short enough for a tolerance: it is given steps.
     """
     return scene if scene.asks_for_coupling or not force_jumps(scene) else at_fixed_steps(scene)
+
+
+def order_of_run(scene: Scene) -> int:
+    """Of the signals of a whole run: the scene's, or 5 where it leaves it open and that costs less.
+
+    The units that `build` writes are as the scene says: those of order 5 take a constant speed.
+    """
+    coupling = scene.coupling
+    if coupling.tolerance is None or coupling.tolerance > QUINTIC:
+        return coupling.order
+    exchanges = any(balancer.exchanges_force for balancer in scene.balancer)
+    left_open = "order" not in coupling.model_fields_set
+    return 5 if left_open and exchanges and scene.takes_quintics else coupling.order
 
 
 def force_jumps(scene: Scene) -> bool:

@@ -227,8 +227,8 @@ class System:
         """Signals' ends, from all their values and then, where they are exchanged, all slopes."""
         if not self.order:
             return [(value, 0j) for value in vectors]
-        if len(vectors) == 2:
-            return [(vectors[0], vectors[1])]
+        if len(vectors) == self.parts:
+            return [tuple(vectors)]
         count = len(vectors) // self.parts
         if self.parts == 2:
             return list(zip(vectors[:count], vectors[count:], strict=True))

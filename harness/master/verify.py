@@ -149,8 +149,8 @@ def controlled(scene: Scene, tolerance: float) -> Scene:
     """The scene with the second run's tolerance; itself where steps stay given."""
     if not exchanging(scene) or (force_jumps(scene) and scene.coupling.tolerance is None):
         return scene
-    tighter = {"tolerance": tolerance, "scheme": "auto", "order": max(3, scene.coupling.order)}
-    tighter |= {"steps_per_rev": None, "corrections": None}
+    tighter = {"tolerance": tolerance, "scheme": "auto", "steps_per_rev": None, "corrections": None}
+    tighter |= {"order": 3} if scene.coupling.order < 3 else {}
     return scene.replace({f"coupling.{key}": value for key, value in tighter.items()})
 
 

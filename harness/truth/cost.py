@@ -16,7 +16,7 @@ from ..master.cosimulation import CoSimulation, Simulation
 from ..master.global_error import Controlled
 from ..master.one_file_run import OneFileRun
 from ..master.recorder import Recorder, recorded
-from ..master.schedule import at_fixed_steps, end_time
+from ..master.schedule import at_fixed_steps, end_time, order_of_run
 from ..output.table import Sheet
 from ..scene import Scene
 from .draw import draw
@@ -70,9 +70,9 @@ def _costs(family: str, scene: Scene) -> Costs:
     )
 
 
-def _run(loaded: Callable[[Scene], Simulation], scene: Scene) -> float:
+def _run(loaded: Callable[..., Simulation], scene: Scene) -> float:
     names = list(recorded(scene))
-    with loaded(scene) as cosim:
+    with loaded(scene, order=order_of_run(scene)) as cosim:
 
         def run() -> None:
             if scene.coupling.tolerance is not None:

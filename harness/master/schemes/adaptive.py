@@ -38,12 +38,13 @@ from .own_steps import OwnSteps
 LOCAL_SHARE = 0.2  # of the tolerance that one step may err: the errors of many steps add up
 AIM = 0.5  # of what is allowed, so that few steps are rejected
 RUNGS = 4  # of the ladder of step sizes per factor 2, so that the rotor's matrices are reused
+FIRST_RUNG = 6 * RUNGS  # 64 times shorter than the longest
 MINUTE = 20 * RUNGS  # steps 2^20 times shorter: what one misses of a jump moves nothing
 LOWEST = 40 * RUNGS  # steps 2^40 times shorter than the longest are no way to finish
 RESTED = 4  # steps at rest of one length
 GROWTH = 2.0  # at most, from one step to the next: a lucky zero of f'''' must not mislead
 SLOWEST = 1e3  # times the residual allowed: passes then lead nowhere, with the Jacobian they have
-RESIDUAL_SHARE = 0.01  # of the tolerance that may stay in the loop
+RESIDUAL_SHARE = 0.05  # of what a step may err: it may stay in the loop
 
 
 class Adaptive(OwnSteps):
@@ -72,17 +73,25 @@ class Adaptive(OwnSteps):
         slowest: float = 0.0,
     ) -> None:
         super().__init__(iterated)
-        self.tolerance, self.share = tolerance, LOCAL_SHARE
+        self.tolerance, self._mass = tolerance, mass
         self._cancelled = max(1.0, gain)
-        iterated.allow(RESIDUAL_SHARE * tolerance)
+        self.allow(LOCAL_SHARE)
         # start short: nothing is known of the signals yet, and a longer step sees no fast mode
-        self.rung: int = 10 * RUNGS
+        self.rung: int = FIRST_RUNG
         self._minute = 2.0 ** (-MINUTE / RUNGS) if jumps else 0.0
         self.rejected = self._rested = 0
-        self._largest_motion = iterated.largest / mass
         self._still = LOCAL_SHARE * tolerance
         # what moves slowly is still on its way when its acceleration is small
         self._still_motion = 0.0 if jumps else self._still * min(1.0, slowest) ** 2
+
+    def allow(self, share: float) -> None:
+        """From the start on, let a step err by this share of the tolerance, its loop by less."""
+        self.share = share
+        iterated, allowed = self.iterated, RESIDUAL_SHARE * self.tolerance
+        # whatever a step may err, forces that cancel are not told from rounding
+        iterated.allow(min(share, LOCAL_SHARE) * allowed)
+        iterated.tolerance = max(iterated.tolerance, share * allowed)
+        self._largest_motion = iterated.largest / self._mass
 
     def judge(self, system: System, time: float, residual: float) -> bool:
         """Always converged, or the step would not have been accepted."""

@@ -127,8 +127,8 @@ def test_units_that_are_not_those_of_the_scene_do_not_hold(
 
     honest = master.plan
 
-    def altered(scene):
-        plan = honest(scene)
+    def altered(scene, **options):
+        plan = honest(scene, **options)
         units = [
             dataclasses.replace(u, start={**u.start, parameter: u.start[parameter] * factor})
             if u.name == unit

@@ -71,14 +71,23 @@ def test_the_error_stated_is_the_true_one(name):
 
 
 def test_motions_that_part_are_told_with_the_size_of_the_error():
-    """Over five times the revolutions a disturbance grows more than any step can make up for."""
-    result = cosimulate(UNSTABLE.replace({"run.revolutions": 40}))
+    """Over five times the revolutions a disturbance grows more than cubics can make up for."""
+    many = {"run.revolutions": 40, "coupling.tolerance": 1e-4}
+    result = cosimulate(UNSTABLE.replace({**many, "coupling.order": 3}))
     (note,) = result.events
     assert note.startswith(
         "tolerance = 0.0001 is not kept: runs with ever shorter steps still differ"
     )
     assert "smaller run.revolutions" in note
     assert result.estimated_error > 0.03
+
+
+def test_quintics_keep_it_where_cubics_cannot():
+    scene = UNSTABLE.replace({"run.revolutions": 40})
+    result = cosimulate(scene)
+    assert result.estimated_error < 1e-4
+    assert error_of(scene, result) < 1e-4
+    assert not result.events
 
 
 COLLIDING = {

@@ -7,10 +7,11 @@ import pytest
 
 from autobalancer.fmus.catalogue import sized_unit
 from autobalancer.fmus.composite.composition import Composition, Part
-from autobalancer.harness import SceneError, load_scene
+from autobalancer.harness import SceneError, cosimulate, load_scene
 from autobalancer.harness.master.cosimulation import CoSimulation
 from autobalancer.harness.master.one_file import composition
-from autobalancer.harness.master.plan import plan
+from autobalancer.harness.master.plan import find_or_build, plan
+from autobalancer.harness.master.schedule import order_of_run
 from autobalancer.harness.master.signals import (
     MISS_PER_ERROR,
     SignalState,
@@ -94,6 +95,51 @@ def test_only_the_units_of_such_a_scene_are_built_for_it():
     quintic = plan(scene.replace({"coupling.order": 5}))
     assert [unit.sizes["order"] for unit in quintic.units] == [5, 5]
     assert "order-5" in quintic.units[0].file_name
+
+
+OPEN = {"coupling.order": None, "coupling.corrections": None, "coupling.scheme": "auto"}
+
+
+@pytest.mark.parametrize(
+    ("changes", "order"),
+    [
+        ({"coupling.tolerance": 1e-4}, 5),
+        ({"coupling.tolerance": 2e-4}, 3),
+        ({"coupling.tolerance": 1e-4, "coupling.order": 3}, 3),
+        ({"coupling.steps_per_rev": 40}, 3),
+        ({"coupling.tolerance": 1e-6, "weights.rolling_resistance": 0.01}, 3),
+        ({"coupling.tolerance": 1e-6, "rotor.friction": [{"limit": 0.1}]}, 3),
+    ],
+)
+def test_a_run_takes_quintics_where_nothing_is_said_and_a_tolerance_pays_for_them(changes, order):
+    assert order_of_run(load_scene("two_balls").replace({**OPEN, **changes})) == order
+
+
+def test_nothing_is_exchanged_in_quintics_where_no_force_is():
+    scene = load_scene("liquid_disc")
+    assert scene.takes_quintics
+    assert order_of_run(scene) == 3
+
+
+def test_units_built_for_a_scene_that_leaves_the_order_open_run_it_in_cubics(tmp_path):
+    """Connections of other tools do not change with what pays here."""
+    scene = load_scene("two_balls").replace({**OPEN, "coupling.tolerance": 1e-4})
+    for path in find_or_build(plan(scene).units):
+        (tmp_path / path.name).write_bytes(path.read_bytes())
+    kept, own = cosimulate(scene, fmus=tmp_path), cosimulate(scene)
+    assert not any("order" in name for name in kept.units)
+    assert all("order-5" in name for name in own.units)
+    assert own.steps < kept.steps
+
+
+@pytest.mark.parametrize("name", ["two_balls", "two_plane_rodrigues", "balls_and_liquid"])
+def test_one_file_takes_the_same_order_and_the_same_steps(name):
+    scene = load_scene(name).replace({**OPEN, "coupling.tolerance": 1e-4, "run.revolutions": 5})
+    expected, found = cosimulate(scene), cosimulate(scene, one_file=True)
+    assert order_of_run(scene) == 5
+    assert found.steps == expected.steps
+    for signal, values in expected.signals.items():
+        assert np.abs(found[signal] - values).max() <= 1e-11 * np.ptp(values), signal
 
 
 @pytest.mark.parametrize(
