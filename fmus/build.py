@@ -62,13 +62,7 @@ def build(
         OSError: the file cannot be written; nothing is left behind.
     """
     content = contents(
-        unit,
-        backend=backend,
-        fmi=fmi,
-        arrays=arrays,
-        platforms=platforms,
-        name=name,
-        **options,
+        unit, backend=backend, fmi=fmi, arrays=arrays, platforms=platforms, name=name, **options
     )
     return written(content, destination, name or unit)
 

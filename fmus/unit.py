@@ -97,8 +97,6 @@ class Unit:
 
     Attributes:
         name: of the unit and of the class of its slave.
-        folder: where its files are: `variables` (the declarations), `slave` (the equations in
-            Python), `README.md` (the equations in words, and where they are valid).
         summary: one line.
         sizes: its build options.
         variables: all variables of a unit of these sizes, in the order parameters, inputs,
@@ -109,13 +107,19 @@ class Unit:
     """
 
     name: str
-    folder: str
     summary: str
     sizes: type[Sizes]
     variables: Callable[[Any], list[Variable]]
     returns_early: bool = False
     stop: float = 1.0
     step: float = 0.0005
+
+    @property
+    def folder(self) -> str:
+        """Where its files are: `variables` (the declarations), `slave` (the equations in Python),
+        `README.md` (the equations in words, and where they are valid).
+        """
+        return self.variables.__module__.split(".")[-2]
 
     def sized(self, options: Mapping[str, Any] | None = None) -> SizedUnit:
         """The unit with options, those left out at their defaults.

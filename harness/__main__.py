@@ -1,10 +1,17 @@
-"""Entry point of `autobalancer`; signals before a command is at work are answered in a word."""
+"""Entry point of `autobalancer`; signals before a command is at work are answered in a word.
+
+A command is a file in the folder of its feature with a function `command`; it is registered here.
+"""
 
 from __future__ import annotations
 
 import os
 import signal
 from types import FrameType
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from typer import Typer
 
 
 def main() -> None:
@@ -20,10 +27,46 @@ def main() -> None:
     for number in (signal.SIGINT, signal.SIGTERM):
         if signal.getsignal(number) is not signal.SIG_IGN:  # else it is to be ignored
             signal.signal(number, end)
-    from .cli import main as commands
+    from .output.commands import execute
 
+    app = program()
     loading = False
-    commands()
+    execute(app)
+
+
+def program() -> Typer:
+    """`autobalancer`: its commands by their names."""
+    import typer
+
+    from .balancing import command as balance
+    from .checks import command as check
+    from .design import command as design
+    from .fit import command as fit
+    from .master import build_command as build
+    from .master import run_command as run
+    from .output.commands import Commands
+    from .precision import command as precision
+    from .rotor import command as rotor
+    from .scatter import command as scatter
+    from .show import command as show
+    from .stability import map_command
+    from .stability import speeds_command as speeds
+    from .stress import command as stress
+
+    app = typer.Typer(
+        name="autobalancer",
+        cls=Commands,
+        help="Rotors and their auto-balancers as FMI units: co-simulated and held against theory.",
+        add_completion=False,
+        pretty_exceptions_enable=False,
+    )
+    app.callback(invoke_without_command=True)(check.by_default)
+    features = {"check": check, "build": build, "run": run, "speeds": speeds, "map": map_command}
+    features |= {"balance": balance, "rotor": rotor, "design": design, "scatter": scatter}
+    features |= {"fit": fit, "precision": precision, "show": show, "stress": stress}
+    for name, feature in features.items():
+        app.command(name)(feature.command)
+    return app
 
 
 if __name__ == "__main__":

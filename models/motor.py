@@ -27,7 +27,7 @@ _BRACKET = 1e-15  # of a step: where a point is crossed
 
 
 @dataclass(frozen=True)
-class Motor:
+class Drive:
     """A motor on the rotor's shaft.
 
     Attributes:
@@ -54,7 +54,7 @@ class Motor:
             raise ValueError(f"speeds = {list(self.speeds)}: must ascend")
 
     @classmethod
-    def straight(cls, inertia: float, stall_torque: float, no_load_speed: float) -> Motor:
+    def straight(cls, inertia: float, stall_torque: float, no_load_speed: float) -> Drive:
         """The motor whose torque falls in one line from standstill to the no-load speed."""
         return cls(inertia, (0.0, no_load_speed), (stall_torque, 0.0))
 
@@ -79,7 +79,7 @@ class Motor:
 
 
 def advance(
-    motor: Motor, speed: float, torque: Sequence[float], step: float
+    motor: Drive, speed: float, torque: Sequence[float], step: float
 ) -> tuple[float, float]:
     """Speed after a step, and the angle turned in it [rad/s, rad].
 
@@ -114,7 +114,7 @@ def advance(
     )
 
 
-def _left(motor: Motor, piece: int, speed: float) -> int:
+def _left(motor: Drive, piece: int, speed: float) -> int:
     """1 or -1 where a speed is above or below a line that others join; 0 on it."""
     if piece < len(motor.speeds) - 2 and speed > motor.speeds[piece + 1]:
         return 1
@@ -128,7 +128,7 @@ def _later(torque: Sequence[float], time: float) -> tuple[float, float, float, f
 
 
 def _on_line(
-    motor: Motor, piece: int, speed: float, torque: Sequence[float], time: float
+    motor: Drive, piece: int, speed: float, torque: Sequence[float], time: float
 ) -> tuple[float, float]:
     """Speed and angle turned after `time`, all of it on one line: exact."""
     rate = motor.slope(piece) / motor.inertia
@@ -142,7 +142,7 @@ def _on_line(
 
 
 def _until(
-    motor: Motor,
+    motor: Drive,
     piece: int,
     speed: float,
     torque: Sequence[float],

@@ -14,7 +14,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .ranges import demand
-from .shaft import Matrix, beam_compliance, bending_rows, given_compliance, shaft_stiffness
+from .shaft import (
+    Matrix,
+    beam_compliance,
+    beam_shares,
+    bending_rows,
+    given_compliance,
+    shaft_stiffness,
+)
 
 if TYPE_CHECKING:
     from .rotor import LinearRotor
@@ -107,7 +114,8 @@ def flexible(
         compliance: (n-2, n-2) of the shaft simply supported there, without supports [m/N].
         internal_damping: p [N s/m] that belongs to c = 1/(largest delta_jj), what a disc would
             feel where the shaft is softest; with one disc it is Dubovik's p.
-        unbalances: (a disc's place [m], amount [kg m], angle in the rotor [rad]).
+        unbalances: (place [m], amount [kg m], angle in the rotor [rad]); a disc's place, or one
+            between discs of a uniform shaft.
 
     Raises:
         ValueError: a value is not finite or out of its range, or the shaft is not elastic.
@@ -139,7 +147,7 @@ def flexible(
         internal_damping=retardation * shaft,
         gyroscopic=np.zeros_like(shaft),
         planes=np.eye(len(z)),
-        unbalance=_disc_unbalance(z, unbalances),
+        unbalance=_shaft_unbalance(z, unbalances, uniform=compliance is None),
         deflection=rows if len(rows) else np.zeros((1, len(z))),
     )
 
@@ -176,15 +184,21 @@ def _support_indices(supports: Sequence[int], count: int) -> tuple[int, int]:
     return int(p) - 1, int(q) - 1
 
 
-def _disc_unbalance(z: Matrix, unbalances: Sequence[Unbalance]) -> NDArray[np.complex128]:
+def _shaft_unbalance(
+    z: Matrix, unbalances: Sequence[Unbalance], uniform: bool
+) -> NDArray[np.complex128]:
     total = np.zeros(len(z), complex)
     for position, moment in _unbalances(unbalances):
         station = int(np.argmin(np.abs(z - position)))
-        if abs(z[station] - position) > _SAME_PLACE * (z[-1] - z[0]):
+        if abs(z[station] - position) <= _SAME_PLACE * (z[-1] - z[0]):
+            total[station] += moment
+        elif uniform and z[0] < position < z[-1]:
+            total += beam_shares(z, position) * moment
+        else:
             raise ValueError(
-                f"unbalances: position = {position!r} m: must be a disc's, one of {z.tolist()}"
+                f"unbalances: position = {position!r} m: must be a disc's, one of {z.tolist()}, "
+                "or between them on a uniform shaft"
             )
-        total[station] += moment
     return total
 
 

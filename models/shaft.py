@@ -52,6 +52,17 @@ def beam_compliance(
     return (delta + delta.T) / 2.0
 
 
+def beam_shares(z: Matrix, position: float) -> Matrix:
+    """Shares (n,) of the discs in a force at a position between them [m].
+
+    A uniform shaft loaded at its discs alone bends in the natural cubic spline through them; its
+    values for one disc displaced are, by reciprocity, the shares.
+    """
+    from scipy.interpolate import CubicSpline  # few rotors need it
+
+    return np.asarray(CubicSpline(z, np.eye(len(z)), bc_type="natural")(position))
+
+
 def given_compliance(compliance: Sequence[Sequence[float]], size: int) -> Matrix:
     """A compliance given as numbers, (size, size) [m/N]; raises ValueError if it cannot be one."""
     if len(compliance) != size or any(len(row) != size for row in compliance):

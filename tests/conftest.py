@@ -70,9 +70,9 @@ def invoke() -> Callable[..., object]:
     def run(*arguments: object) -> object:
         from typer.testing import CliRunner
 
-        from autobalancer.harness.cli import app
+        from autobalancer.harness.__main__ import program
 
-        return CliRunner().invoke(app, [str(argument) for argument in arguments])
+        return CliRunner().invoke(program(), [str(argument) for argument in arguments])
 
     return run
 

@@ -17,7 +17,7 @@ import pytest
 from typer.main import get_command
 
 from autobalancer.harness import bundled_scenes, load_scene
-from autobalancer.harness.cli import app
+from autobalancer.harness.__main__ import program
 
 ROOT = Path(__file__).parent.parent
 HARNESS = ROOT / "harness"
@@ -25,7 +25,7 @@ PAGES = [ROOT / "README.md", *sorted(HARNESS.glob("tutorial_*.md"))]
 GALLERY = (HARNESS / "gallery.md").read_text(encoding="utf-8")
 NUMBER = re.compile(r"-?\d+(?:\.\d+)?(?:e[+-]?\d+)?")
 COMMANDS = {
-    "autobalancer": ["-c", "from autobalancer.harness.cli import main; main()"],
+    "autobalancer": ["-m", "autobalancer.harness"],
     "pytest": ["-m", "pytest", "-p", "no:cacheprovider"],
 }
 
@@ -113,7 +113,7 @@ def test_commands_shown_exist_with_their_options(page):
     assert shown
     for line in shown:
         _, name, *arguments = shlex.split(line)
-        get_command(app).commands[name].make_context(name, arguments)
+        get_command(program()).commands[name].make_context(name, arguments)
 
 
 def test_links_lead_somewhere():

@@ -4,17 +4,7 @@ from __future__ import annotations
 
 import ctypes
 from collections.abc import Sequence
-from ctypes import (
-    POINTER,
-    Structure,
-    byref,
-    c_char,
-    c_char_p,
-    c_double,
-    c_int,
-    c_size_t,
-    c_uint,
-)
+from ctypes import POINTER, Structure, byref, c_char, c_char_p, c_double, c_int, c_size_t, c_uint
 from functools import cache
 
 import numpy as np
@@ -53,7 +43,7 @@ def present() -> tuple[ctypes.CDLL, str]:
     return library, stamp()
 
 
-class Runs:
+class BatchRuns:
     """Runs of a composition that differ in some variables; any number of threads may call it.
 
     Args:

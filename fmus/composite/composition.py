@@ -121,7 +121,6 @@ class Composition:
         models = ", ".join(f"{part.name} ({part.model})" for part in self.parts)
         unit = Unit(
             name,
-            "composite",
             f"{models}, coupled",
             CompositeSizes,
             lambda _: found,

@@ -17,12 +17,7 @@ _D, _U = POINTER(c_double), POINTER(c_uint)
 
 
 class _Steps(Structure):
-    _fields_ = (
-        ("share", c_double),
-        ("points", _D),
-        ("count", c_size_t),
-        ("residual", c_double),
-    )
+    _fields_ = (("share", c_double), ("points", _D), ("count", c_size_t), ("residual", c_double))
 
 
 class Stretch(Structure):
@@ -106,9 +101,7 @@ class Run:
             raise MemoryError
 
     def start(
-        self,
-        points: tuple[Sequence[float], float] | None = None,
-        step_share: float = 0.0,
+        self, points: tuple[Sequence[float], float] | None = None, step_share: float = 0.0
     ) -> None:
         """From the start values; with a tolerance its steps lead to `points` if they are given.
 

@@ -97,7 +97,6 @@ def _drive() -> list[Variable]:
 
 COMPOSITE = Unit(
     name="Composite",
-    folder="composite",
     summary="Rotor on supports and its balancers, coupled.",
     sizes=CompositeSizes,
     variables=own_variables,

@@ -52,7 +52,6 @@ def variables(sizes: SignalSizes) -> list[Variable]:
 
 LIQUID = Unit(
     name="LiquidBalancer",
-    folder="liquid",
     summary="Chamber, float and liquid: the acceleration of the chamber's centre in, force out.",
     sizes=SignalSizes,
     variables=variables,

@@ -20,7 +20,7 @@ class Motor(Slave):
 
     def parameters(self) -> None:
         inertia, *points = self.real[: 1 + 2 * self.sizes.points]
-        self.motor = equations.Motor(inertia, tuple(points[::2]), tuple(points[1::2]))
+        self.motor = equations.Drive(inertia, tuple(points[::2]), tuple(points[1::2]))
 
     def begin(self) -> None:
         angle, speed = self.real[self.layout.parameters][-2:]

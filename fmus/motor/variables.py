@@ -5,14 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from ..unit import Sizes, Unit, count
-from ..variables import (
-    Variable,
-    observed,
-    output,
-    parameter,
-    signal_inputs,
-    signal_outputs,
-)
+from ..variables import Variable, observed, output, parameter, signal_inputs, signal_outputs
 
 
 @dataclass(frozen=True)
@@ -66,7 +59,6 @@ def variables(sizes: MotorSizes) -> list[Variable]:
 
 MOTOR = Unit(
     name="Motor",
-    folder="motor",
     summary="Motor of limited power: the torque on its shaft in, speed and acceleration out.",
     sizes=MotorSizes,
     variables=variables,

@@ -14,15 +14,18 @@ from __future__ import annotations
 
 import hashlib
 import importlib.util
+import io
 import lzma
 import os
 import subprocess
 import sys
+import tarfile
 import tempfile
 from collections.abc import Iterable, Iterator
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager
 from dataclasses import dataclass
+from functools import cache
 from importlib.metadata import version
 from pathlib import Path
 
@@ -36,6 +39,7 @@ COMPILER = "0.17.1"  # version of ziglang: part of the stamp, another writes oth
 SOURCES = Path(__file__).resolve().parent
 BINARIES = SOURCES / "bin"
 GENERATED = BINARIES / "sources"
+PACKED = SOURCES / "sources.tar.xz"  # once installed, in place of the C files
 
 # no contraction to fused multiply-add: the same bits on every processor; sqrt an instruction
 FLAGS = ("-std=c99", "-ffp-contract=off", "-fno-math-errno")
@@ -170,16 +174,42 @@ def stamp() -> str:
         *map(repr, _TARGETS.values()),
     ):
         total.update(text.encode() + b"\0")
-    folders = sorted(platform.folder for platform in _TARGETS.values() if platform.folder)
-    own = {p.name: source(p) for f in folders for p in sorted((SOURCES / f).iterdir())}
-    for name, text in {**sources(), **own, "layout.h": generated("layout.h")}.items():
-        total.update(f"{name}\0{len(text)}\0{text}".encode())
+    for name, text in {**texts(), "layout.h": generated("layout.h")}.items():
+        total.update(f"{Path(name).name}\0{len(text)}\0{text}".encode())
     return total.hexdigest()[:16]
 
 
 def sources() -> dict[str, str]:
-    """Text of the C sources by file name, without what is generated."""
-    return {path.name: source(path) for path in sorted(SOURCES.glob("*.[ch]"))}
+    """Text of the C sources by file name, without what is generated or for one platform alone."""
+    return {name: text for name, text in texts().items() if "/" not in name}
+
+
+def packed() -> bytes:
+    """The C sources as one archive, for a wheel: half of what they take one by one."""
+    buffer = io.BytesIO()
+    with tarfile.open(fileobj=buffer, mode="w:xz", preset=9) as archive:
+        for name, text in texts().items():
+            entry = tarfile.TarInfo(name)
+            entry.size = len(data := text.encode())
+            archive.addfile(entry, io.BytesIO(data))
+    return buffer.getvalue()
+
+
+def texts() -> dict[str, str]:
+    """Text of every C source by its path, those for one platform in a folder of their own."""
+    if PACKED.exists():
+        return _unpacked()
+    folders = sorted(platform.folder for platform in _TARGETS.values() if platform.folder)
+    paths = sorted(SOURCES.glob("*.[ch]"))
+    paths += [path for folder in folders for path in sorted((SOURCES / folder).iterdir())]
+    return {path.relative_to(SOURCES).as_posix(): source(path) for path in paths}
+
+
+@cache
+def _unpacked() -> dict[str, str]:
+    with tarfile.open(PACKED) as archive:
+        files = ((entry.name, archive.extractfile(entry)) for entry in archive)
+        return {name: file.read().decode() for name, file in files if file}
 
 
 def generated(name: str) -> str:
@@ -219,13 +249,14 @@ def _compile(names: list[str]) -> None:
 def _compiled(platform: Platform, environment: dict[str, str]) -> bytes:
     """Bytes of a library; the compiler runs in the folder of the sources, so no path is in them."""
     windows = platform.library.endswith(".dll")
-    files = [path.name for path in sorted(SOURCES.glob("*.c"))]
-    if platform.folder:
-        own = sorted((SOURCES / platform.folder).glob("*.c"))
-        files += [path.relative_to(SOURCES).as_posix() for path in own]
+    sources = texts()
+    folders = (".", platform.folder)
+    files = [n for n in sources if n.endswith(".c") and str(Path(n).parent) in folders]
     target = ("cc", "-target", platform.target, "-g0")
 
     with tempfile.TemporaryDirectory() as folder:
+        for name, text in sources.items():
+            write(Path(folder) / name, text.encode())
 
         def compiled(file: str) -> str:
             stem = Path(file).stem
@@ -240,7 +271,7 @@ def _compiled(platform: Platform, environment: dict[str, str]) -> bytes:
                 "-I",
                 str(GENERATED),
             )
-            _zig([*target, *options, "-c", file, "-o", output], environment)
+            _zig([*target, *options, "-c", file, "-o", output], folder, environment)
             return output
 
         with ThreadPoolExecutor(os.cpu_count()) as pool:
@@ -248,7 +279,7 @@ def _compiled(platform: Platform, environment: dict[str, str]) -> bytes:
         if windows:
             objects.append(_import_library(folder, environment))
         output = Path(folder) / platform.library
-        _zig([*target, *_LINK, *platform.link, *objects, "-o", str(output)], environment)
+        _zig([*target, *_LINK, *platform.link, *objects, "-o", str(output)], folder, environment)
         library = output.read_bytes()
     if windows:
         return _without_time(library)
@@ -259,7 +290,7 @@ def _import_library(folder: str, environment: dict[str, str]) -> str:
     """What names msvcrt.dll has: zig's own import libraries take a minute to make."""
     output = str(Path(folder) / "msvcrt.lib")
     definition = ["-d", "windows/msvcrt.def", "-l", output]
-    _zig(["dlltool", "-m", "i386:x86-64", *definition], environment)
+    _zig(["dlltool", "-m", "i386:x86-64", *definition], folder, environment)
     return output
 
 
@@ -276,10 +307,10 @@ def _compiler() -> Path:
     return Path(package.origin).with_name("zig")
 
 
-def _zig(arguments: list[str], environment: dict[str, str]) -> None:
+def _zig(arguments: list[str], folder: str, environment: dict[str, str]) -> None:
     # not `python -m ziglang`: while that loads it answers Ctrl-C with a traceback
     command = [str(_compiler()), *arguments]
-    subprocess.run(command, cwd=SOURCES, env=environment, check=True, stdin=subprocess.DEVNULL)
+    subprocess.run(command, cwd=folder, env=environment, check=True, stdin=subprocess.DEVNULL)
 
 
 @contextmanager

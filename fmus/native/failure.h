@@ -17,7 +17,7 @@ enum {
     FAILURE_STATIONS,          /* stations: at least two, each beyond the last */
     FAILURE_STATION_MASS,      /* masses; where: number of the station, from 1 */
     FAILURE_SUPPORTS,          /* supports value[0], value[1]; where: number of stations */
-    FAILURE_UNBALANCE_PLACE,   /* unbalances: position, not that of a disc */
+    FAILURE_UNBALANCE_PLACE,   /* unbalances: position, not on the shaft */
     FAILURE_COMPLIANCE,        /* compliance: must be finite and symmetric */
     FAILURE_NOT_ELASTIC,       /* compliance: must be positive definite */
     FAILURE_CANNOT_BEND,       /* internal_damping of a shaft with discs at its supports only */

@@ -89,6 +89,7 @@ void failure_words(Text *text, const Failure *failure, const double *values, siz
         text_number(text, value[0]);
         text_put(text, " m: must be a disc's, one of ");
         text_list(text, values, count);
+        text_put(text, ", or between them on a uniform shaft");
         break;
     case FAILURE_COMPLIANCE:
         text_put(text, "compliance: must be finite and symmetric (Maxwell's reciprocity)");

@@ -270,6 +270,20 @@ static Status sides_allowed(fmi3Instance instance, const char *function,
                                   of_known_count, 1);
 }
 
+typedef Status Derivative(Unit *unit, const unsigned *unknowns, size_t unknown_count,
+                          const unsigned *knowns, size_t known_count, const double *seed,
+                          double *change);
+
+/* A derivative of the sides that were allowed. */
+static fmi3Status along(fmi3Instance instance, Derivative *derivative, const double *seed,
+                        double *change)
+{
+    Unit *unit = front_unit(instance);
+    const Elements *sides = unit->elements;
+    return (fmi3Status)derivative(unit, sides[0].at, sides[0].count, sides[1].at, sides[1].count,
+                                  seed, change);
+}
+
 EXPORT fmi3Status fmi3GetDirectionalDerivative(fmi3Instance instance,
                                                const fmi3ValueReference unknowns[],
                                                size_t unknown_count,
@@ -281,13 +295,7 @@ EXPORT fmi3Status fmi3GetDirectionalDerivative(fmi3Instance instance,
     const Status status = sides_allowed(instance, "fmi3GetDirectionalDerivative", unknowns,
                                         unknown_count, change, change_count, knowns, known_count,
                                         seed, seed_count);
-    const Elements *sides;
-    if (status) {
-        return (fmi3Status)status;
-    }
-    sides = front_unit(instance)->elements;
-    return (fmi3Status)unit_directional(front_unit(instance), sides[0].at, sides[0].count,
-                                        sides[1].at, sides[1].count, seed, change);
+    return status ? (fmi3Status)status : along(instance, unit_directional, seed, change);
 }
 
 EXPORT fmi3Status fmi3GetAdjointDerivative(fmi3Instance instance,
@@ -300,13 +308,7 @@ EXPORT fmi3Status fmi3GetAdjointDerivative(fmi3Instance instance,
     const Status status = sides_allowed(instance, "fmi3GetAdjointDerivative", unknowns,
                                         unknown_count, seed, seed_count, knowns, known_count,
                                         change, change_count);
-    const Elements *sides;
-    if (status) {
-        return (fmi3Status)status;
-    }
-    sides = front_unit(instance)->elements;
-    return (fmi3Status)unit_adjoint(front_unit(instance), sides[0].at, sides[0].count, sides[1].at,
-                                    sides[1].count, seed, change);
+    return status ? (fmi3Status)status : along(instance, unit_adjoint, seed, change);
 }
 
 EXPORT fmi3Status fmi3GetOutputDerivatives(fmi3Instance instance, const fmi3ValueReference vr[],

@@ -162,7 +162,8 @@ static int check_discs(int n, const Flexible *v, Failure *failure)
                               v->support_damping, failure);
 }
 
-static int set_disc_unbalance(const Flexible *v, LinearRotor *rotor, Failure *failure)
+static int set_shaft_unbalance(const Flexible *v, LinearRotor *rotor, double *scratch,
+                               Failure *failure)
 {
     const int n = rotor->stations;
     const double *z = v->stations;
@@ -179,11 +180,18 @@ static int set_disc_unbalance(const Flexible *v, LinearRotor *rotor, Failure *fa
                 station = j;
             }
         }
-        if (absolute(z[station] - u[0]) > SAME_PLACE * (z[n - 1] - z[0])) {
+        if (absolute(z[station] - u[0]) <= SAME_PLACE * (z[n - 1] - z[0])) {
+            add_unbalance(rect(u[1], u[2]), 1.0, rotor->unbalance + 2 * station);
+            continue;
+        }
+        if (v->compliance || u[0] < z[0] || u[0] > z[n - 1]) {
             return fail(failure, FAILURE_UNBALANCE_PLACE, "unbalances: position", k + 1, u[0], 0.0,
                         0.0, 0.0);
         }
-        add_unbalance(rect(u[1], u[2]), 1.0, rotor->unbalance + 2 * station);
+        beam_shares(n, z, u[0], scratch, scratch + n);
+        for (j = 0; j < n; j++) {
+            add_unbalance(rect(u[1], u[2]), scratch[j], rotor->unbalance + 2 * j);
+        }
     }
     return FINE;
 }
@@ -191,7 +199,7 @@ static int set_disc_unbalance(const Flexible *v, LinearRotor *rotor, Failure *fa
 size_t linear_rotor_flexible_scratch(int stations)
 {
     const size_t n = (size_t)stations, size = n - 2;
-    return size * size + size * (2 * n - 1);
+    return size * size + size * (2 * n - 1) + 3 * n;
 }
 
 int linear_rotor_flexible(const Flexible *values, LinearRotor *rotor, double *scratch,
@@ -242,5 +250,5 @@ int linear_rotor_flexible(const Flexible *values, LinearRotor *rotor, double *sc
     for (k = 0; k < rotor->plane_count; k++) {
         rotor->planes[k * n + values->ports[k]] = 1.0;
     }
-    return set_disc_unbalance(values, rotor, failure);
+    return set_shaft_unbalance(values, rotor, scratch, failure);
 }

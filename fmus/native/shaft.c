@@ -60,6 +60,43 @@ int beam_compliance(int n, const double *z, const double *rows, double bending_s
     return FINE;
 }
 
+void beam_shares(int n, const double *z, double position, double *shares, double *scratch)
+{
+    double *moments = scratch, *pivots = scratch + n; /* of the adjoint spline; at both ends 0 */
+    int i, left = 0;
+    double h, a, b;
+    while (left < n - 2 && z[left + 1] <= position) {
+        left++;
+    }
+    h = z[left + 1] - z[left];
+    b = (position - z[left]) / h;
+    a = 1.0 - b;
+    fill_doubles((size_t)n, 0.0, shares);
+    fill_doubles((size_t)n, 0.0, moments);
+    shares[left] = a;
+    shares[left + 1] = b;
+    moments[left] = (a * a * a - a) * h * h / 6.0;
+    moments[left + 1] = (b * b * b - b) * h * h / 6.0;
+    moments[0] = moments[n - 1] = 0.0;
+    for (i = 1; i < n - 1; i++) { /* Thomas: the spline's matrix is tridiagonal and dominant */
+        const double below = (z[i] - z[i - 1]) / 6.0;
+        pivots[i] = (z[i + 1] - z[i - 1]) / 3.0;
+        if (i > 1) {
+            pivots[i] -= below * below / pivots[i - 1];
+            moments[i] -= below / pivots[i - 1] * moments[i - 1];
+        }
+    }
+    for (i = n - 2; i > 0; i--) {
+        moments[i] = (moments[i] - (z[i + 1] - z[i]) / 6.0 * moments[i + 1]) / pivots[i];
+    }
+    for (i = 1; i < n - 1; i++) {
+        const double below = moments[i] / (z[i] - z[i - 1]), above = moments[i] / (z[i + 1] - z[i]);
+        shares[i - 1] += below;
+        shares[i] -= below + above;
+        shares[i + 1] += above;
+    }
+}
+
 int given_compliance(int size, const double *compliance, double *delta, Failure *failure)
 {
     double scale = 0.0;

@@ -11,6 +11,9 @@ void bending_rows(int n, const double *z, int p, int q, double *rows);
 int beam_compliance(int n, const double *z, const double *rows, double bending_stiffness,
                     double *delta, double *scratch, Failure *failure);
 
+/* Shares (n,) of the discs in a force at a position between them; scratch of 2 n. */
+void beam_shares(int n, const double *z, double position, double *shares, double *scratch);
+
 /* A compliance given as numbers (size, size), made symmetric in delta. */
 int given_compliance(int size, const double *compliance, double *delta, Failure *failure);
 

@@ -43,11 +43,7 @@ def variables(sizes: RotorSizes) -> list[Variable]:
     crossed = sizes.kind == "two_support" or sizes.frame == "rotor"
     at_once = [(*drive, *own) for own in along]
     in_slope = [
-        (
-            *changing,
-            *(forces if crossed else own),
-            *(f"der({name})" for name in own),
-        )
+        (*changing, *(forces if crossed else own), *(f"der({name})" for name in own))
         for own in along
     ]
     slopes = [derivative(name, 1) for name in forces]
@@ -132,7 +128,6 @@ def _displacement(name: str, description: str, begins: tuple[str, ...]) -> Varia
 
 ROTOR = Unit(
     name="RotorOnSupports",
-    folder="rotor",
     summary="Linear rotor with n stations and p planes; exact step at constant speed.",
     sizes=RotorSizes,
     variables=variables,

@@ -139,7 +139,6 @@ def _observed(angles: tuple[str, ...], speeds: tuple[str, ...]) -> list[Variable
 
 BALLS = Unit(
     name="BallBalancer",
-    folder="weights",
     summary="N equal weights on one track: the acceleration of the track's centre in, force out.",
     sizes=WeightSizes,
     variables=variables,

@@ -16,9 +16,9 @@ from ...models.linear.synchronous import Synchronous, synchronous
 from ..errors import SceneError, SimulationError
 from ..master.fmu import Closing
 from ..master.names import station
+from ..master.revolution import Revolution
 from ..scene import Scene
 from ..scene.balancing import Balancing
-from ..stability.revolution import Revolution
 
 Complex = NDArray[np.complexfloating]
 

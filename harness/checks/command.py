@@ -20,6 +20,12 @@ if TYPE_CHECKING:
     from .runner import SceneReport
 
 
+def by_default(ctx: typer.Context) -> None:
+    """Without a command: check the bundled scenes."""
+    if ctx.invoked_subcommand is None:
+        command()
+
+
 def command(
     scenes: Annotated[
         list[str] | None,

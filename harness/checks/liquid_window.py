@@ -14,10 +14,10 @@ import numpy as np
 
 from ...models.papers.window import LiquidWindow
 from ..errors import SceneError
+from ..master.revolution import Revolution
 from ..output.workers import Progress
 from ..scene import Scene
 from ..scene.check import LiquidWindowCheck
-from ..stability.revolution import Revolution
 from .row import Row, Rows
 from .sign_change import sign_change
 

@@ -10,10 +10,10 @@ import numpy as np
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
+from ..master.revolution import Revolution
 from ..output.plot import metres, save
 from ..scene import Scene
 from ..scene.check import LiquidWindowCheck, SommerfeldCheck
-from ..stability.revolution import Revolution
 from .liquid_window import OPEN_END, steady_displacement, window_of
 from .rig_picture import plot_rig
 from .sommerfeld import run_with, variants_of

@@ -19,6 +19,8 @@ from .rig_sweeps import FIRST, FITTED_DRAG, SWEPT, gained, lost
 
 WASHERS = range(5)
 CURVE = (*range(1100, 2601, 60), 2800, 3000, *range(3800, 5201, 200))  # not the bearing's resonance
+MOTOR = 1260  # rpm: below, the rig moves as much without washers as with one
+WHOLE = (*range(MOTOR, 3001, 20), *range(3800, 5201, 20))  # all that unbalance moves, evenly
 GRID = np.arange(FIRST[0], BANDS["conical x"][1], 20.0)  # rpm, on which peaks are looked for
 WITH_BALLS = (3000.0, *HIGH)
 RUN_UP = (2400.0, 5050.0)  # rpm: balls leave the heavy side above the resonances, and settle
@@ -67,14 +69,17 @@ def without_balls(scene: Scene) -> Iterator[Quantity]:
         rig = np.array([np.mean([peak(c, band, PROMINENT) for c in ways]) for ways in both])
         ours = np.array([peak(curve, band, PROMINENT) for curve in grids])
         yield Quantity("critical speed", f"critical speed, {mode}", rig, ours)
-    found = np.array([steady(scene, n, [*CURVE, 4500.0], SETTLED) for n in WASHERS])
-    measured = np.array([at(response(n, 0), CURVE, 12.5) for n in WASHERS])
+    speeds = sorted({*CURVE, *WHOLE})
+    found = np.array([steady(scene, n, np.array(speeds, float), SETTLED) for n in WASHERS])
     for speed in HIGH:
-        at_speed = [*CURVE, 4500].index(int(speed))
         wide = np.array([at(response(n, 0), [speed])[0] for n in WASHERS])
-        yield Quantity("plain", f"no balls, {speed:g} rpm", wide, found[:, at_speed])
-    label = f"no balls, {len(CURVE)} speeds, 1100 to 5200 rpm, rms of the logarithms"
-    yield Quantity("curve", label, measured, found[:, :-1])
+        ours = found[:, speeds.index(int(speed))]
+        yield Quantity("plain", f"no balls, {speed:g} rpm", wide, ours)
+    for curve in (CURVE, WHOLE):
+        label = f"no balls, {len(curve)} speeds, {curve[0]} to {curve[-1]} rpm"
+        measured = np.array([at(response(n, 0), curve, 12.5) for n in WASHERS])
+        ours = found[:, [speeds.index(speed) for speed in curve]]
+        yield Quantity("curve", f"{label}, rms of the logarithms", measured, ours)
 
 
 def with_balls(scene: Scene) -> Iterator[Quantity]:

@@ -14,7 +14,6 @@ from ..master.one_file import why_separate
 from ..master.schedule import at_fixed_steps
 from ..output.workers import Progress, Workers, in_order
 from ..scene import Scene
-from ..stability.main_motion import refuse_gravity
 from .scenes import (
     STEEL,
     batches,
@@ -25,14 +24,7 @@ from .scenes import (
     unbalance_of,
     weights_of,
 )
-from .settling import (
-    SETTLED,
-    SettlingRun,
-    median_interval,
-    refuse_few,
-    run_batch,
-    run_batch_in_c,
-)
+from .settling import SETTLED, SettlingRun, median_interval, refuse_few, run_batch, run_batch_in_c
 
 
 @dataclass(frozen=True)
@@ -142,7 +134,7 @@ def design(
         SimulationError: a run cannot be completed, or the starts are too few.
     """
     refuse_few(starts)  # before the work
-    refuse_gravity(scene, "a design")
+    scene.refuse_gravity("a design")
     balls = weights_of(scene)
     amount = unbalance_of(scene) if unbalance is None else unbalance
     race = race_of(balls) if race is None else race

@@ -127,14 +127,14 @@ def run_batch_in_c(batch: Batch) -> list[SettlingRun]:
     Raises:
         SimulationError: a run has failed.
     """
-    from ...fmus.composite.batch import Runs  # compiles where it has to
+    from ...fmus.composite.batch import BatchRuns  # compiles where it has to
 
     balls, scene = _balls(batch), at_fixed_steps(batch.scene)
     changed, asked = (
         [f"{balls.label}.{name}" for name in of(balls)] for of in (_start_names, _read_names)
     )
     ((length, count),) = schedule(scene)
-    runs = Runs(composition(scene), changed, [*asked, *_COUNTS], count)
+    runs = BatchRuns(composition(scene), changed, [*asked, *_COUNTS], count)
     signals, reasons = runs(np.array(batch.starts), np.full(len(batch.starts), length * count))
     if any(reasons):
         raise SimulationError(f"{scene.name}: {next(filter(None, reasons))}")

@@ -36,6 +36,25 @@ def command(
             help="Between which a free value stays; rotor.damping=2: has no upper limit.",
         ),
     ] = None,
+    priors: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--prior",
+            metavar="PATH=DEVIATION,...",
+            help="Standard deviation of a free value about its start: one more measurement.",
+        ),
+    ] = None,
+    scatter: Annotated[
+        float,
+        typer.Option(min=1e-6, help="Standard deviation of a difference, to weigh priors against."),
+    ] = 0.1,
+    harmonic: Annotated[
+        bool,
+        typer.Option("--harmonic", help="Search by harmonic balance alone; runs judge the result."),
+    ] = False,
+    starts: Annotated[
+        int, typer.Option(min=1, help="Starts of harmonic balance: the scene's, others drawn.")
+    ] = 1,
     values: Annotated[
         bool, typer.Option("--values", help="Squares of differences, not of logarithms' ones.")
     ] = False,
@@ -53,9 +72,9 @@ def command(
     report: Annotated[Path | None, options.report()] = None,
 ) -> None:
     """Find values of a scene from measured amplitudes, and say how well they are known."""
-    from ..master.run_command import changed_scene
     from ..output.files import write_json
     from ..output.report import Report
+    from ..scene.changes import changed_scene
     from .measured import read_measured
     from .parameters import parse_free
     from .report import document, lines, table
@@ -63,12 +82,20 @@ def command(
 
     loaded = changed_scene(scene, changes)
     loaded = loaded.without_balancers() if without_balancers else loaded
-    parameters = parse_free(free, loaded, limits or [])
+    parameters = parse_free(free, loaded, limits or [], priors or [], scatter)
     data = read_measured(measured, loaded)
     others = read_measured(predict, loaded) if predict is not None else None
     page = Report(report, f"Fit: {loaded.heading}", [loaded])
     with costs.limited(at_most, f"--free {','.join(free)}"), progress_bar("fitting") as progress:
-        found = fit(loaded, data, parameters, logarithms=not values, progress=progress)
+        found = fit(
+            loaded,
+            data,
+            parameters,
+            logarithms=not values,
+            harmonic=harmonic,
+            starts=starts,
+            progress=progress,
+        )
         said = document(found, data, not values, loaded.heading)
         if others is not None:
             said["predicted"] = str(predict)

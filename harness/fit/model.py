@@ -32,6 +32,8 @@ class Model:
         UserError: the speed changes.
     """
 
+    most_steps = 60  # of a search
+
     def __init__(
         self, scene: Scene, parameters: Sequence[Parameter], measured: MeasuredAmplitudes
     ) -> None:
@@ -104,6 +106,8 @@ class HarmonicModel(Model):
     Raises:
         NoResponse: the scene has balancers, gravity or a motor.
     """
+
+    most_steps = 200
 
     def __init__(
         self, scene: Scene, parameters: Sequence[Parameter], measured: MeasuredAmplitudes

@@ -12,6 +12,7 @@ from ..errors import SceneError, UserError
 from ..master.alike import refuse_unvaried
 from ..scene import Scene
 
+SCATTER = 0.1  # of a measured difference, where nobody says
 FARTHEST = 1e6  # times the start: as good as no limit
 _HALVINGS = 60  # of the way to a value that the scene refuses
 
@@ -25,53 +26,90 @@ class Parameter:
         start: the scene's.
         limits: between which the scene takes it while the others keep their start, and no farther
             than was asked for.
+        pull: of its prior, on a difference: that of a value twice its start.
     """
 
     paths: tuple[str, ...]
     start: float
     limits: tuple[float, float]
+    pull: float = 0.0
 
     @property
     def label(self) -> str:
         """As it was written."""
         return "=".join(self.paths)
 
+    @property
+    def is_angle(self) -> bool:
+        """It is a direction [rad]."""
+        return self.paths[0].rpartition(".")[2].partition("[")[0].endswith("angle")
+
     def changes(self, value: float) -> dict[str, float]:
         """For `Scene.replace`."""
         return dict.fromkeys(self.paths, value)
 
 
-def parse_free(texts: Sequence[str], scene: Scene, limits: Sequence[str] = ()) -> list[Parameter]:
+def parse_free(
+    texts: Sequence[str],
+    scene: Scene,
+    limits: Sequence[str] = (),
+    priors: Sequence[str] = (),
+    scatter: float = SCATTER,
+) -> list[Parameter]:
     """PATH,PATH,...: each a number of the scene; PATH=PATH is one number for both.
 
     Args:
         limits: PATH=LOW:HIGH,..., of those that are free; either may be left out.
+        priors: PATH=DEVIATION,..., of those that are free: how far off the start may be, as a
+            standard deviation. It counts as one more measurement.
+        scatter: standard deviation of a measured difference, against which priors are weighed.
 
     Raises:
-        UserError: nothing is free, a path is unknown, twice there, no number or 0; a limit is of
-            what is not free, no number, or leaves the start outside.
+        UserError: nothing is free, a path is unknown, twice there, no number or 0; a limit or a
+            prior is of what is not free, or no number; a limit leaves the start outside.
     """
-    groups = [
-        tuple(path.strip() for path in group.split("="))
-        for text in texts
-        for group in text.split(",")
-        if group.strip()
-    ]
+    groups = [tuple(path.strip() for path in one.split("=")) for one in _separated(texts)]
     paths = [path for group in groups for path in group]
     if not paths:
         raise UserError("--free: nothing is free; give paths such as rotor.stiffness[1],balls.drag")
     if repeated := {path for path in paths if paths.count(path) > 1}:
         raise UserError(f"--free {', '.join(sorted(repeated))}: given twice")
     found = [_parameter(group, scene) for group in groups]
-    for text in (one.strip() for some in limits for one in some.split(",") if one.strip()):
+    for text in _separated(limits):
         found = _limited(found, text)
+    for text in _separated(priors):
+        found = _with_prior(found, text, scatter)
     return found
+
+
+def _separated(texts: Sequence[str]) -> list[str]:
+    return [one.strip() for some in texts for one in some.split(",") if one.strip()]
+
+
+def _place(parameters: list[Parameter], path: str, said: str) -> int:
+    for k, one in enumerate(parameters):
+        if path in one.paths:
+            return k
+    raise UserError(f"{said}: {path} is not free; must be of --free")
+
+
+def _with_prior(parameters: list[Parameter], text: str, scatter: float) -> list[Parameter]:
+    path, _, deviation = text.partition("=")
+    k = _place(parameters, path, f"--prior {text}")
+    try:
+        size = float(deviation)
+    except ValueError:
+        size = math.nan
+    if not 0.0 < size < math.inf:
+        raise UserError(f"--prior {text}: must be PATH=DEVIATION, a number above 0")
+    parameters[k] = replace(parameters[k], pull=scatter * abs(parameters[k].start) / size)
+    return parameters
 
 
 def _limited(parameters: list[Parameter], text: str) -> list[Parameter]:
     path, _, ends = text.partition("=")
-    if not any(path in parameter.paths for parameter in parameters):
-        raise UserError(f"--limit {text}: {path} is not free; must be PATH=LOW:HIGH of --free")
+    k = _place(parameters, path, f"--limit {text}")
+    one = parameters[k]
     try:
         low, high = (
             float(end) if end else far
@@ -79,12 +117,9 @@ def _limited(parameters: list[Parameter], text: str) -> list[Parameter]:
         )
     except ValueError:
         raise UserError(f"--limit {text}: must be PATH=LOW:HIGH, numbers or nothing") from None
-    for k, one in enumerate(parameters):
-        if path in one.paths:
-            if not low <= one.start <= high or low == high:
-                raise UserError(f"--limit {text}: starts at {one.start:g}, outside: --set it")
-            both = max(low, one.limits[0]), min(high, one.limits[1])
-            parameters[k] = replace(one, limits=both)
+    if not low <= one.start <= high or low == high:
+        raise UserError(f"--limit {text}: starts at {one.start:g}, outside: --set it")
+    parameters[k] = replace(one, limits=(max(low, one.limits[0]), min(high, one.limits[1])))
     return parameters
 
 

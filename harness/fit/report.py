@@ -26,6 +26,7 @@ def document(
         "rms_before": found.rms[0],
         "rms": found.rms[1],
         "rms_first_guess": found.guessed if math.isfinite(found.guessed) else None,
+        "starts": found.starts,
         "ended": found.ended,
         "parameters": [
             {
@@ -66,7 +67,7 @@ def lines(said: Mapping[str, Any]) -> list[str]:
         predicted = [f"Predicted: rms {said['rms_predicted']:.4g}, {said['predicted']}"]
     guessed = said["rms_first_guess"]
     return [
-        *([f"First guess by harmonic balance: rms {guessed:.4g}"] if guessed is not None else []),
+        *([f"By harmonic balance, best of {said['starts']}: rms {guessed:.4g}"] if guessed else []),
         f"{said['values']} measured amplitudes; rms of the difference in {said['difference']}: "
         f"{said['rms_before']:.4g} before, {said['rms']:.4g} after ({said['ended']})",
         *predicted,

@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
-from contextlib import suppress
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,7 +20,7 @@ from .model import HarmonicModel, Model
 from .parameters import Parameter
 
 STEP = 1e-3  # of a parameter's start: far above the error of a run, far below what bends a curve
-MOST_STEPS = 60
+SEED, SPREAD = 1, 0.5  # of the starts that are drawn; deviation of their logarithms
 ENOUGH = 1e-5  # change of a parameter or of the sum of squares at which the fit has ended
 CONFIDENCE = 0.95
 ALIKE = math.sqrt(10.0)  # a variance inflation of 10 is commonly taken for too much
@@ -43,8 +42,9 @@ class Fit:
         inflation: (p,) of the interval, over that with all other values known.
         simulated: (n,) amplitudes with these values, as `MeasuredAmplitudes.values` [m].
         rms: of the difference, before and after.
-        guessed: rms that harmonic balance has with its own values, from which the runs went on;
+        guessed: rms that harmonic balance has with its own values, the least of all starts;
             NaN: the scene is not for it.
+        starts: from how many harmonic balance found values.
         ended: why the search has.
     """
 
@@ -56,6 +56,7 @@ class Fit:
     simulated: Array
     rms: tuple[float, float]
     guessed: float
+    starts: int
     ended: str
 
     def warnings(self) -> list[str]:
@@ -97,6 +98,8 @@ def fit(
     parameters: Sequence[Parameter],
     *,
     logarithms: bool = True,
+    harmonic: bool = False,
+    starts: int = 1,
     progress: Callable[[float], None] | None = None,
 ) -> Fit:
     """Find the parameters by least squares (SciPy's trust region), Jacobian by differences.
@@ -105,10 +108,13 @@ def fit(
     go on from there, and have the last word.
 
     Args:
+        harmonic: the search ends with harmonic balance; runs say what is left with its values.
+        starts: of harmonic balance: the scene's, and others drawn about it.
         progress: called with the finished fraction, at most.
 
     Raises:
-        UserError: there are no more measured values than parameters; or as `Model`.
+        UserError: there are no more measured values than parameters; harmonic balance is asked for
+            and has no answer; or as `Model`.
         SimulationError: a run has failed.
     """
     values = measured.values
@@ -119,40 +125,91 @@ def fit(
         )
     model, differ = Model(scene, parameters, measured), difference(values, logarithms)
     scale = np.array([parameter.start for parameter in parameters])
-    first, guessed = np.ones(len(parameters)), math.nan
-    with suppress(NoResponse):
-        first, guessed = _first_guess(HarmonicModel(scene, parameters, measured), model, differ)
-    solution = _search(model, differ, first, progress)
+    guess = None
+    try:
+        by_harmonic = HarmonicModel(scene, parameters, measured)
+        guess = _first_guess(by_harmonic, model, differ, starts, progress if harmonic else None)
+    except NoResponse as error:
+        if harmonic or starts > 1:
+            raise UserError(f"{scene.name}: no fit by harmonic balance: {error}") from None
+    if guess and harmonic:
+        solution = guess.closer
+    else:
+        first = guess.closer.x if guess else np.ones(len(parameters))
+        solution = _search(model, differ, first, progress)
     uncertainty, correlation, inflation = _known(solution.jac, solution.fun)
     uncertainty = np.where(solution.active_mask == 0, uncertainty, math.nan)
-    before = rms(differ(model.amplitudes(scale[None])[0]))
+    before, simulated = model.amplitudes(np.array([scale, solution.x * scale]))
     return Fit(
         tuple(parameters),
         solution.x * scale,
         uncertainty * np.abs(scale),
         correlation,
         inflation,
-        model.amplitudes(solution.x[None] * scale)[0],
-        (before, rms(solution.fun)),
-        guessed,
+        simulated,
+        (rms(differ(before)), rms(differ(simulated))),
+        guess.rms if guess else math.nan,
+        guess.starts if guess else 0,
         solution.message,
     )
 
 
-def _first_guess(harmonic: HarmonicModel, model: Model, differ: Difference) -> tuple[Array, float]:
-    """Parameters over their starts (p,) by harmonic balance, and its rms.
+class _Guess(NamedTuple):
+    closer: Any  # SciPy's result, of parameters over their starts
+    rms: float  # of harmonic balance
+    starts: int  # from which it found values
+
+
+def _first_guess(
+    harmonic: HarmonicModel,
+    model: Model,
+    differ: Difference,
+    starts: int,
+    progress: Callable[[float], None] | None,
+) -> _Guess:
+    """By harmonic balance, the best of several starts.
 
     Once more with what it misses of the runs there (one set of them): these then have little to do.
 
     Raises:
-        NoResponse: it has no answer.
+        NoResponse: it has no answer, from whatever start.
         SimulationError: a run has failed.
     """
     scale = np.array([parameter.start for parameter in model.parameters])
-    guess = _search(harmonic, differ, np.ones(len(scale)))
-    runs, own = (differ(one.amplitudes(guess.x[None] * scale)[0]) for one in (model, harmonic))
-    closer = _search(harmonic, lambda amplitudes: differ(amplitudes) + runs - own, guess.x)
-    return closer.x, rms(guess.fun)
+    found, reason = [], NoResponse()
+    for number, first in enumerate(_drawn(model.parameters, starts)):
+        try:
+            found.append(_search(harmonic, differ, first))
+        except NoResponse as error:
+            reason = error
+        if progress:
+            progress((number + 1) / (starts + 1))
+    if not found:
+        raise reason
+    best = min(found, key=lambda one: one.cost)
+    own = differ(harmonic.amplitudes(best.x[None] * scale)[0])
+    runs = differ(model.amplitudes(best.x[None] * scale)[0])
+    closer = _search(harmonic, lambda amplitudes: differ(amplitudes) + runs - own, best.x)
+    return _Guess(closer, rms(own), len(found))
+
+
+def _drawn(parameters: Sequence[Parameter], starts: int) -> Iterator[Array]:
+    """Where to start (p,), over the starts of the parameters: first from these, then about them.
+
+    Directions are drawn from the whole turn.
+    """
+    random, bounds = np.random.default_rng(SEED), _bounds(parameters)
+    turn = np.array([math.pi / abs(one.start) * one.is_angle for one in parameters])
+    yield np.ones(len(parameters))
+    for _ in range(starts - 1):
+        sizes = np.exp(SPREAD * random.standard_normal(len(parameters)))
+        angles = 1.0 + turn * random.uniform(-1.0, 1.0, len(parameters))
+        yield np.clip(np.where(turn > 0.0, angles, sizes), *bounds)
+
+
+def _bounds(parameters: Sequence[Parameter]) -> Array:
+    """(2, p) over the starts."""
+    return np.sort([np.array(parameter.limits) / parameter.start for parameter in parameters]).T
 
 
 def _search(
@@ -161,25 +218,30 @@ def _search(
     first: Array,
     progress: Callable[[float], None] | None = None,
 ) -> Any:
-    """SciPy's result of a search from `first` (p,), of parameters over their starts."""
+    """SciPy's result of a search from `first` (p,), of parameters over their starts.
+
+    Priors are rows after those of the amplitudes.
+    """
     parameters, steps = model.parameters, 0
     scale = np.array([parameter.start for parameter in parameters])
-    bounds = np.sort([np.array(parameter.limits) / parameter.start for parameter in parameters]).T
+    bounds, pulls = _bounds(parameters), np.diag([parameter.pull for parameter in parameters])
+    pulls = pulls[pulls.any(axis=1)]
 
     def differences(sizes: Array) -> Array:
-        return differ(model.amplitudes(sizes[None] * scale)[0])
+        amplitudes = model.amplitudes(sizes[None] * scale)[0]
+        return np.concatenate([differ(amplitudes), pulls @ (sizes - 1.0)])
 
     def jacobian(sizes: Array) -> Array:
         nonlocal steps
         steps += 1
         if progress:
-            progress(min(1.0, steps / MOST_STEPS))
+            progress(min(1.0, steps / model.most_steps))
         ahead = np.where(sizes + STEP <= bounds[1], STEP, -STEP)
         sets = np.vstack([sizes, sizes + np.diag(ahead)])
         nearby = differ(model.amplitudes(sets * scale))
         slopes = ((nearby[1:] - nearby[0]) / ahead[:, None]).T
         # rounding must not drive what has no effect
-        return np.where(_seen(slopes), slopes, 0.0)
+        return np.vstack([np.where(_seen(slopes), slopes, 0.0), pulls])
 
     return least_squares(
         differences,
@@ -189,7 +251,7 @@ def _search(
         x_scale="jac",
         xtol=ENOUGH,
         ftol=ENOUGH,
-        max_nfev=MOST_STEPS,
+        max_nfev=model.most_steps,
     )
 
 

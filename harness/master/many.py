@@ -60,7 +60,7 @@ def cosimulate_many(
         UserError: a variable or a result does not exist, the columns differ in length, or the
             memory does not suffice.
     """
-    from ...fmus.composite.batch import Runs  # compiles where it has to
+    from ...fmus.composite.batch import BatchRuns  # compiles where it has to
 
     made = composition(scene)
     layout = made.layout
@@ -89,7 +89,7 @@ def cosimulate_many(
     needed = 8.0 * _COPIES * min(CHUNK, len(values)) * threads * (points + 1) * len(asked)
     what = f"run.revolutions = {scene.run.revolutions:g}: what many runs are read from needs"
     refuse_beyond(free_memory(), needed, what, "use fewer")
-    runs = Runs(made, list(columns), asked, points)
+    runs = BatchRuns(made, list(columns), asked, points)
     heavy = bool(scene.operation.gravity) or any("gravity" in name for name in columns)
 
     def chunk(first: int) -> dict[str, NDArray]:

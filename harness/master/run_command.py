@@ -13,16 +13,15 @@ from ..output import costs, options
 from ..output.files import write_json
 from ..output.table import Sheet
 from ..output.terminal import progress_bar, say, say_facts, show
+from ..scene.changes import changed_scene
 from . import run_pictures as drawings
 
 if TYPE_CHECKING:
-    from ..scene import Scene
     from .result import Result
     from .verify import Verification
 
 
 ON_PYTHON = {"coupling.units": "python"}  # what --python changes in a scene
-_LONGEST_SHOWN = 200  # characters of what was typed
 
 
 def command(
@@ -125,42 +124,6 @@ def command(
     drawings.draw(result, pictures, at_most)
     if movie is not None:
         drawings.film(result, movie, movie_axes, movie_seconds)
-
-
-def changed_scene(scene: str, changes: list[str] | None) -> Scene:
-    """The scene of that file or name with every --set KEY=VALUE put in its place.
-
-    Raises:
-        UserError: the scene is wrong, or a change is.
-    """
-    from ..scene import load_scene
-
-    loaded = load_scene(scene)
-    return loaded.replace(dict(map(parse_change, changes))) if changes else loaded
-
-
-def parse_change(text: str) -> tuple[str, Any]:
-    """'rotor.unbalance=0.1' as key and value, the value as TOML writes it.
-
-    Raises:
-        UserError: there is no '=', or what follows is not a value.
-    """
-    from ..scene.file import tomllib
-
-    key, equals, value = (part.strip() for part in text.partition("="))
-    try:
-        if not (key and equals and value):
-            raise ValueError
-        document = tomllib.loads(f"value = {value}")
-        if document.keys() != {"value"}:  # a line break, and an assignment after it
-            raise ValueError
-        return key, document["value"]
-    except (ValueError, RecursionError) as error:
-        shown = text if len(text) <= _LONGEST_SHOWN else f"{text[:_LONGEST_SHOWN]}..."
-        raise UserError(
-            f"--set {' '.join(shown.splitlines())}: must be KEY=VALUE with one value as in "
-            "a scene file, such as rotor.unbalance=0.1 or 'coupling.scheme=\"jacobi\"'"
-        ) from error
 
 
 def summary(result: Result) -> Sheet:

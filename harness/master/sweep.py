@@ -43,7 +43,7 @@ def sweep_alike(scenes: Sequence[Scene], record: float, threads: int | None = No
         UserError: as `cosimulate_alike`; the rise is shorter than a record.
         SimulationError: a run has failed.
     """
-    from ...fmus.composite.batch import Runs  # compiles where it has to
+    from ...fmus.composite.batch import BatchRuns  # compiles where it has to
 
     first = scenes[0]
     profile, table = first.profile(), table_of(scenes)
@@ -53,7 +53,7 @@ def sweep_alike(scenes: Sequence[Scene], record: float, threads: int | None = No
     asked = [
         f"rotor.{prefix}{axis}" for prefix in stations(len(first.rotor.stations)) for axis in "xy"
     ]
-    runs = Runs(composition(first), list(table), asked, count * SAMPLES_PER_RECORD)
+    runs = BatchRuns(composition(first), list(table), asked, count * SAMPLES_PER_RECORD)
     ends = np.array([count * record])
 
     def amplitude(values: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -61,7 +61,7 @@ class _Late(BaseException):
     """The time is over: nothing that catches every `Exception` is to go on."""
 
 
-class _Block(threading.Thread):
+class _SignalBlock(threading.Thread):
     """What has become of a signal within a block, and the thread that sees it through.
 
     Attributes:
@@ -120,7 +120,7 @@ class _Block(threading.Thread):
             self._hook(unraisable)
 
 
-_block: _Block | None = None
+_block: _SignalBlock | None = None
 _folder = ""  # of temporary files
 
 
@@ -167,7 +167,7 @@ def interruptible() -> Iterator[None]:
         return
     before = {n: signal.getsignal(n) for n in _ANSWERED}
     answered = [n for n, handler in before.items() if handler not in (signal.SIG_IGN, None)]
-    _block = block = _Block()
+    _block = block = _SignalBlock()
     block.start()
     try:
         for number in answered:

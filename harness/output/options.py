@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from contextvars import ContextVar
 from pathlib import Path
 from typing import Any, TypeGuard
@@ -91,26 +91,27 @@ def _writable_or_store(path: Path | None) -> Path | None:
     return _writable(path)
 
 
+def _kept(help: str, callback: Callable[[Any], Any]) -> Any:
+    """`--output`, which can be a store."""
+    return typer.Option("--output", "-o", metavar="FILE", help=help, callback=callback)
+
+
 def pictures_or_store() -> Any:
     """Pictures to draw, and a store of everything they are drawn from."""
-    return typer.Option(
-        *("--output", "-o"),
-        metavar="FILE",
-        help="Picture (png, svg, pdf); or FILE.zarr, which keeps every point as it comes: the same "
-        "command goes on where it was ended. Can be given several times.",
-        callback=_drawable_or_store,
+    help = (
+        "Picture (png, svg, pdf); or FILE.zarr, which keeps every point as it comes: the same "
+        "command goes on where it was ended. Can be given several times."
     )
+    return _kept(help, _drawable_or_store)
 
 
 def table_or_store(of: str) -> Any:
     """A table, or a store of the same."""
-    return typer.Option(
-        *("--output", "-o"),
-        metavar="FILE",
-        help=f"Every {of} as CSV; or in FILE.zarr as it comes: the same command goes on where it "
-        "was ended.",
-        callback=_writable_or_store,
+    help = (
+        f"Every {of} as CSV; or in FILE.zarr as it comes: the same command goes on where it was "
+        "ended."
     )
+    return _kept(help, _writable_or_store)
 
 
 def _any_place(paths: list[Path] | None) -> list[Path] | None:
@@ -123,13 +124,11 @@ def _any_place(paths: list[Path] | None) -> list[Path] | None:
 
 def picture_table_or_store(of: str) -> Any:
     """Pictures, tables, and a store of the same."""
-    return typer.Option(
-        *("--output", "-o"),
-        metavar="FILE",
-        help=f"Picture (png, svg, pdf); FILE.csv with every {of}; or FILE.zarr, which keeps them "
-        "as they come: the same command goes on where it was ended. Can be given several times.",
-        callback=_any_place,
+    help = (
+        f"Picture (png, svg, pdf); FILE.csv with every {of}; or FILE.zarr, which keeps them as "
+        "they come: the same command goes on where it was ended. Can be given several times."
     )
+    return _kept(help, _any_place)
 
 
 def cluster() -> Any:

@@ -11,7 +11,7 @@ from base64 import b64encode
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import Protocol
 
 from ...models.references import citations, references
 from . import options
@@ -21,11 +21,20 @@ from .table import Sheet
 from .terminal import directory_to_fill, keeping, say
 from .words import printable
 
-if TYPE_CHECKING:
-    from ..scene import Scene
-
 NAME = "report.html"
 _TEMPLATE = Path(__file__).with_name(NAME)
+
+
+class Described(Protocol):
+    """What a page shows in full: a scene."""
+
+    @property
+    def heading(self) -> str:
+        """Its title."""
+
+    @property
+    def toml(self) -> str:
+        """Its text."""
 
 
 class Report:
@@ -38,7 +47,7 @@ class Report:
         cited: text that names sources beside the parts.
     """
 
-    def __init__(self, directory: Path | None, title: str, scenes: Sequence[Scene]) -> None:
+    def __init__(self, directory: Path | None, title: str, scenes: Sequence[Described]) -> None:
         self.directory, self.title, self.scenes = directory, title, scenes
         self.parts: list[str | Sheet] = []
         self.pictures: list[Path] = []

@@ -10,7 +10,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from ...fmus.composite.batch import Runs
+from ...fmus.composite.batch import BatchRuns
 from ..errors import SimulationError
 from ..master.one_file import composition
 from ..master.schedule import end_time
@@ -31,10 +31,12 @@ class CompositeRunner:
     def __init__(self, scene: Scene, names: Sequence[str]) -> None:
         self._names, self._end = list(names), np.full(REPEATS, end_time(scene))
         made, asked = composition(scene), [*names, "coupling.steps"]
-        found, (reason, _) = Runs(made, [], ["coupling.steps"], 1)(np.empty((2, 0)), self._end[:2])
+        found, (reason, _) = BatchRuns(made, [], ["coupling.steps"], 1)(
+            np.empty((2, 0)), self._end[:2]
+        )
         if reason:
             raise SimulationError(reason)
-        self._runs = Runs(made, [], asked, int(found[0, -1, 0]) + MORE, own_steps=True)
+        self._runs = BatchRuns(made, [], asked, int(found[0, -1, 0]) + MORE, own_steps=True)
 
     def run(self) -> TimedRun:
         begun = clock.process_time()

@@ -20,14 +20,7 @@ from ..master.recorder import recorded
 from ..output.workers import ItemProgress
 from ..scene import Scene
 from ..scene.balancer import LiquidBalancer
-from .methods import (
-    LIBCOSIM,
-    Method,
-    coupling_methods,
-    monolith_methods,
-    quintic_methods,
-    ready,
-)
+from .methods import LIBCOSIM, Method, coupling_methods, monolith_methods, quintic_methods, ready
 from .reference import right_motion, signal_ranges
 from .runner import Runner, TimedRun
 

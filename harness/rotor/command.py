@@ -9,11 +9,11 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from ..errors import UserError
-from ..master.run_command import changed_scene
 from ..output import costs, options
 from ..output.files import write_json
 from ..output.table import Sheet
 from ..output.terminal import progress_bars, say, show
+from ..scene.changes import changed_scene
 
 if TYPE_CHECKING:
     from ...models.linear.modes import Modes

@@ -17,8 +17,8 @@ from ...models.papers.influence import influence
 from ..errors import UserError
 from ..master.cosimulation import cosimulate
 from ..master.names import stations
+from ..master.revolution import Revolution
 from ..scene import Scene
-from ..stability.revolution import Revolution
 
 Array = NDArray[np.float64]
 

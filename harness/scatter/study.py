@@ -108,15 +108,7 @@ def scatter(
     )
     left_out = "" if moments(scene) is not None else "a liquid does not tell its unbalance"
     found = Scatter(
-        scene.heading,
-        tuple(variations),
-        seed,
-        values,
-        residual,
-        grade,
-        settled,
-        failure,
-        left_out,
+        scene.heading, tuple(variations), seed, values, residual, grade, settled, failure, left_out
     )
     if not found.ran.any():
         raise SimulationError(f"{scene.name}: no machine could be run: {found.failure[0]}")

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from ..errors import UserError
 from ..master.alike import refuse_unvaried
 from ..scene import Scene
-from ..stability.axis import SPEED
+from ..scene.replace import in_full
 
 EXAMPLE = "PATH=NAME(NUMBER,...), such as balls.drag=normal(0.2,0.02)"
 _TEXT = re.compile(r"(?P<path>[^=]+)=\s*(?P<name>\w+)\s*\((?P<arguments>[^()]*)\)\s*")
@@ -72,7 +72,7 @@ class Variation:
             raise UserError(f"{text}: {error}") from None
         if not fits:
             raise UserError(f"{text}: no distribution has these parameters: {', '.join(names)}")
-        return cls(SPEED if path == "speed" else path, text.strip(), distribution)
+        return cls(in_full(path), text.strip(), distribution)
 
     @property
     def typical(self) -> float:
@@ -167,11 +167,7 @@ def _lognormal(median: float, deviation: float) -> Any:
 
 
 _OWN: dict[str, Maker] = {
-    "normal": (
-        ("mean", "deviation", "low", "high"),
-        {"low": -math.inf, "high": math.inf},
-        _normal,
-    ),
+    "normal": (("mean", "deviation", "low", "high"), {"low": -math.inf, "high": math.inf}, _normal),
     "uniform": (("low", "high"), {}, _uniform),
     "triangular": (("low", "mode", "high"), {}, _triangular),
     "lognormal": (("median", "deviation"), {}, _lognormal),

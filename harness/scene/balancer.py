@@ -141,8 +141,7 @@ class WeightBalancer(Balancer):
             self._refuse_tight(self.weight_radius)
         elif self.restitution > 0.0:
             raise refusal(
-                "restitution",
-                "point weights do not collide: give weight_radius, or leave this out",
+                "restitution", "point weights do not collide: give weight_radius, or leave this out"
             )
         return self
 

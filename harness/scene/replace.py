@@ -23,10 +23,16 @@ _ALTERNATIVES = {
     "coupling.steps_per_rev": ("tolerance", "fewest_steps_per_rev"),
     "coupling.tolerance": ("steps_per_rev", "corrections"),
 }
+SPEED = "operation.speed"
 _PART = re.compile(r"(?P<key>[A-Za-z_][A-Za-z0-9_-]*)(?P<indices>(?:\[\d+\])*)$")
 
 Document = dict[str, Any]
 TableType = type[BaseModel]
+
+
+def in_full(path: str) -> str:
+    """A path as `replaced` takes it; `speed` is short for operation.speed."""
+    return SPEED if path == "speed" else path
 
 
 def replaced(

@@ -14,8 +14,7 @@ from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal
 
 from pydantic import Field, field_validator, model_validator
 
-from ...models.rotor import LinearRotor
-from ...models.rotor import Slider as ModelSlider
+from ...models.rotor import LinearRotor, Slider
 from .feeds import Feeds, Start, fed
 from .quantities import (
     SI,
@@ -46,7 +45,7 @@ class Unbalance(Table):
 Unbalances = tuple[Unbalance, ...]
 
 
-class Slider(Table):
+class SliderTable(Table):
     """Dry friction in a support, in parallel with its spring, each axis for itself."""
 
     support: Annotated[Whole, Field(ge=1, le=2), Feeds()] = 1
@@ -57,7 +56,7 @@ class Slider(Table):
     """Of a spring in series with it; default: none, it is rigid."""
 
 
-Friction = Annotated[tuple[Slider, ...], Feeds("slider[{n}].")]
+Friction = Annotated[tuple[SliderTable, ...], Feeds("slider[{n}].")]
 
 
 @dataclass(frozen=True)
@@ -88,7 +87,7 @@ class RotorTable(Table):
     model: ClassVar[str] = "RotorOnSupports"
     kind: str
     if TYPE_CHECKING:  # a key of one kind, a property of another
-        friction: tuple[Slider, ...]
+        friction: tuple[SliderTable, ...]
 
         @property
         def mass(self) -> float: ...
@@ -174,7 +173,7 @@ class RotorTable(Table):
     def _with_friction(self, rotor: LinearRotor) -> LinearRotor:
         """The same rotor with the sliders in its supports."""
         sliders = [
-            ModelSlider(self.supports[s.support - 1] - 1, axis, s.limit[axis],
+            Slider(self.supports[s.support - 1] - 1, axis, s.limit[axis],
                         s.stiffness[axis] if s.stiffness else 0.0)
             for s in self.friction
             for axis in (0, 1)
@@ -248,9 +247,7 @@ class TwoSupportRotor(RotorTable):
     ]
     """One entry a support."""
     damping: Annotated[
-        tuple[NotNegativePair, NotNegativePair],
-        SI("N s/m"),
-        Feeds("support[{n}].damping_{axis}"),
+        tuple[NotNegativePair, NotNegativePair], SI("N s/m"), Feeds("support[{n}].damping_{axis}")
     ] = ((0.0, 0.0), (0.0, 0.0))
     """One entry a support."""
     friction: Friction = ()
@@ -304,9 +301,7 @@ class FlexibleRotor(RotorTable):
     ]
     """One entry a support."""
     support_damping: Annotated[
-        tuple[NotNegativePair, NotNegativePair],
-        SI("N s/m"),
-        Feeds("support[{n}].damping_{axis}"),
+        tuple[NotNegativePair, NotNegativePair], SI("N s/m"), Feeds("support[{n}].damping_{axis}")
     ] = ((0.0, 0.0), (0.0, 0.0))
     """One entry a support."""
     friction: Friction = ()
@@ -318,7 +313,7 @@ class FlexibleRotor(RotorTable):
     internal_damping: Annotated[NotNegative, SI("N s/m"), Feeds()] = 0.0
     """Of the shaft, turns with it."""
     unbalances: Annotated[Unbalances, Feeds("unbalance[{n}].")] = ()
-    """Static moments along the shaft."""
+    """Static moments along the shaft: at its stations, with `bending_stiffness` also between."""
 
     @field_validator("stations")
     @classmethod

@@ -9,7 +9,7 @@ from typing import Annotated, Any, Literal
 from pydantic import AfterValidator, BeforeValidator, Field, model_validator
 
 from ...models.assembly import SpeedProfile
-from ...models.motor import Motor
+from ...models.motor import Drive
 from ...models.reference.coupled import Start
 from .quantities import SI, Angle, NotNegative, Positive, Real, Table, Text, Whole, refusal
 
@@ -75,10 +75,10 @@ class LimitedMotor(Table):
                 return low + (high - low) * pull / (pull - brake)
         return 0.0
 
-    def build(self) -> Motor:
+    def build(self) -> Drive:
         """For the models."""
         speeds, torques = zip(*self.points, strict=True)
-        return Motor(self.inertia, speeds, torques)
+        return Drive(self.inertia, speeds, torques)
 
 
 class Operation(Table):
@@ -218,7 +218,7 @@ def _enough(revolutions: float) -> float:
     return revolutions
 
 
-class Run(Table):
+class RunTable(Table):
     """How long, from where, and what is recorded."""
 
     revolutions: Annotated[Positive, AfterValidator(_enough)] = 20.0

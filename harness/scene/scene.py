@@ -28,7 +28,7 @@ from .messages import Place, problems, show, statement
 from .quantities import Flag, Table, Text
 from .replace import replaced
 from .rotor import Rotor
-from .run import Coupling, Operation, Run
+from .run import Coupling, Operation, RunTable
 
 __all__ = ["Scene", "bundled_scenes", "load_scene"]
 
@@ -51,7 +51,7 @@ class Scene(Table):
     """How the rotor is driven, and gravity."""
     coupling: Coupling = Coupling()
     """How the units exchange signals."""
-    run: Run = Run()
+    run: RunTable = RunTable()
     """How long, from where, and what is recorded."""
     check: tuple[AnyCheck, ...] = Field(default=())
     """A list of tables, by kind: what is compared with theory and measurement."""
@@ -192,6 +192,15 @@ class Scene(Table):
             raise SceneError(
                 f"{self.path or self.name}: rotor.friction: {what} of a linear rotor, and dry "
                 "friction is not; run the scene instead, or leave friction out"
+            )
+
+    def refuse_gravity(self, what: str) -> None:
+        """Raise SceneError where gravity keeps weights from resting in the rotor."""
+        if self.operation.gravity and self.assembly().weights:
+            raise SceneError(
+                f"{self.name}: operation.gravity = {self.operation.gravity:g} m/s^2: {what} asks "
+                "where weights rest in the rotor, and gravity swings them once in every "
+                "revolution: use run, or map --method cosim-run, or take gravity out"
             )
 
     def without_balancers(self) -> Scene:

@@ -6,10 +6,10 @@ from pathlib import Path
 from typing import Annotated
 
 from ..errors import UserError
-from ..master.run_command import changed_scene
 from ..output import costs, options
 from ..output.files import write_whole
 from ..output.terminal import progress_bars, say
+from ..scene.changes import changed_scene
 
 
 def command(

@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 from ..errors import UserError
 from ..scene import Scene
 from ..scene.quantities import LARGEST, fields_of, unit_of
+from ..scene.replace import SPEED, in_full
 
-SPEED = "operation.speed"
 MOST_POINTS = 2000  # along one axis: a slip of the keyboard
 
 
@@ -56,7 +56,7 @@ class Axis:
         if not 2 <= count <= MOST_POINTS:
             raise UserError(f"{text}: N = {count} must be 2 to {MOST_POINTS}")
         values = np.geomspace(low, high, count) if log else np.linspace(low, high, count)
-        return cls(SPEED if path == "speed" else path, values, log)
+        return cls(in_full(path), values, log)
 
     def label(self, scene: Scene) -> str:
         """Name and unit, such as `weights.drag [N s/m]`."""

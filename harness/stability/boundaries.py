@@ -32,7 +32,7 @@ from ..output.workers import Progress, Workers, in_order
 from ..scene import Scene
 from ..scene.quantities import LARGEST
 from .in_time import growth_in_run
-from .main_motion import MainMotion, NoMainMotion, refuse_gravity
+from .main_motion import MainMotion, NoMainMotion
 from .whirl import WhirlMotion, Whirls, has_map, whirls
 
 METHODS = ("criterion", "floquet", "cosim", "cosim-run")
@@ -139,7 +139,7 @@ def speeds(
         SceneError: gravity swings the weights.
         SimulationError: a co-simulation cannot be completed correctly.
     """
-    refuse_gravity(scene, "speeds")
+    scene.refuse_gravity("speeds")
     scene.refuse_friction("boundaries of balancing are those")
     low, high = range
     if not 0.0 < low < high <= LARGEST:
@@ -303,9 +303,7 @@ def _search(
 
 
 def crossings(
-    growth: Callable[[float], float],
-    nodes: Sequence[float],
-    progress: Progress | None = None,
+    growth: Callable[[float], float], nodes: Sequence[float], progress: Progress | None = None
 ) -> tuple[list[Crossing], Side]:
     """Changes of sign of a measured growth rate between neighbouring speeds, and the first sign."""
     known = functools.cache(growth)

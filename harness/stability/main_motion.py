@@ -24,10 +24,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...models.linear.balanced import restart_angles
-from ..errors import SceneError, SimulationError
+from ..errors import SimulationError
 from ..master.fmu import Closing, Fmu, Variables
+from ..master.revolution import RANK, Matrix, Revolution, Vector, derivative
 from ..scene import Scene
-from .revolution import RANK, Matrix, Revolution, Vector, derivative
 
 Outputs = list[tuple[Fmu, Variables]]
 Outcome = TypeVar("Outcome")
@@ -43,16 +43,6 @@ _STARTS = 5  # the second leaves a line of symmetry, on which Newton stands stil
 
 class NoMainMotion(SimulationError):
     """The weights cannot undo the unbalance, or the rotor cannot rest."""
-
-
-def refuse_gravity(scene: Scene, what: str) -> None:
-    """Raise SceneError where gravity keeps weights from resting in the rotor."""
-    if scene.operation.gravity and scene.assembly().weights:
-        raise SceneError(
-            f"{scene.name}: operation.gravity = {scene.operation.gravity:g} m/s^2: {what} asks "
-            "where weights rest in the rotor, and gravity swings them once in every revolution: "
-            "use run, or map --method cosim-run, or take gravity out"
-        )
 
 
 class MainMotion(Closing):
@@ -72,7 +62,7 @@ class MainMotion(Closing):
     """
 
     def __init__(self, scene: Scene, *, steps: int | None = None) -> None:
-        refuse_gravity(scene, "a main motion")
+        scene.refuse_gravity("a main motion")
         self.units = Revolution(scene, steps=steps)
         try:
             self._speed = abs(scene.profile().end)  # any will do for what follows

@@ -17,9 +17,10 @@ from ..errors import SimulationError
 from ..output.table import Sheet
 from ..output.workers import Progress, Workers, in_order
 from ..scene import Scene
-from .axis import SPEED, Axis, refuse_axes
+from ..scene.replace import SPEED
+from .axis import Axis, refuse_axes
 from .boundaries import criterion_of
-from .main_motion import MainMotion, refuse_gravity
+from .main_motion import MainMotion
 from .map_store import open_map
 from .whirl import whirl_at
 
@@ -174,7 +175,7 @@ def _strip(
     others = [{}] if along else [{fast.path: value} for value in fast.values]
     scenes = [scene.replace({slow: v, **other}) for v, other in itertools.product(values, others)]
     for each in scenes:
-        refuse_gravity(each, "a map of growth rates")
+        each.refuse_gravity("a map of growth rates")
     assemblies = [s.assembly() for s in scenes]
     speeds = fast.values if along else np.array([scenes[0].profile().end])
     growth, why_not = _rates(assemblies, speeds)

@@ -10,7 +10,8 @@ import tomli_w
 
 from ..output.store import StoredArray, StoredItems, open_store
 from ..scene import Scene
-from .axis import SPEED, Axis
+from ..scene.replace import SPEED
+from .axis import Axis
 
 
 def open_map(

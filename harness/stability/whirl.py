@@ -21,10 +21,10 @@ from ...models.whirl.search import MainWhirl, NotCovered, decays, main_whirl, wh
 from ...models.whirl.steady import NoWhirl
 from ...models.whirl.variation import neutral_turns
 from ..errors import SimulationError
+from ..master.revolution import Revolution, Vector
 from ..output.workers import Progress
 from ..scene import Scene
 from .main_motion import MainMotion
-from .revolution import Revolution, Vector
 
 _SHOWN = 5  # speeds between the boundaries, and the ends of the range
 _SAME = 1e-3  # rad: how far the units' whirl may lie from that of the equations

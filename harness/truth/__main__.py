@@ -11,10 +11,10 @@ from typing import Annotated
 
 import typer
 
-from ..cli import Commands, main
 from ..errors import UserError
 from ..output import options
 from ..output.cluster import who_works
+from ..output.commands import Commands, execute
 from ..output.files import write_whole
 from ..output.terminal import progress_bar, say
 from .cost import cost_table, costs
@@ -103,4 +103,4 @@ def counts(families: list[str] | None, n: int) -> dict[str, int]:
 if __name__ == "__main__":
     app = typer.Typer(cls=Commands, add_completion=False, pretty_exceptions_enable=False)
     app.callback(invoke_without_command=True)(command)
-    main(app)
+    execute(app)

@@ -75,11 +75,7 @@ def pressure_factors(count: int, alpha: float) -> tuple[complex, ...]:
 
 
 def pool(
-    pools: Pools,
-    drives: Sequence[float],
-    limits: Sequence[float] | None,
-    length: int,
-    slack: float,
+    pools: Pools, drives: Sequence[float], limits: Sequence[float] | None, length: int, slack: float
 ) -> None:
     """Set `pools` to the accelerations of a chain of touching weights: Gauss's principle, above.
 

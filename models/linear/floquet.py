@@ -50,9 +50,7 @@ def half_turn_steps(radians: NDArray) -> NDArray[np.int_]:
 
 
 def half_turn(
-    at_nodes: Callable[[int], NDArray],
-    steps: int,
-    held: tuple[NDArray, NDArray] | None = None,
+    at_nodes: Callable[[int], NDArray], steps: int, held: tuple[NDArray, NDArray] | None = None
 ) -> NDArray[np.float64]:
     """Map over half a revolution, (b, d, d), of x' = A x by the rotor's angle.
 

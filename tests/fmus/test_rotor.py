@@ -14,8 +14,8 @@ from autobalancer.fmus.build import build
 from autobalancer.fmus.variables import derivative
 from autobalancer.harness import SceneError, cosimulate, load_scene
 from autobalancer.harness.master.plan import plan
+from autobalancer.harness.master.revolution import Revolution
 from autobalancer.harness.scene import Scene
-from autobalancer.harness.stability.revolution import Revolution
 from autobalancer.models.linear.balanced import balanced_angles
 from autobalancer.models.linear.boundaries import balancing_boundaries
 from autobalancer.models.linear.linearised import linearise
@@ -108,10 +108,14 @@ def cases():
     measured = {**SHAFT, "compliance[1,1]": 4e-6, "compliance[1,2]": -2e-6, "compliance[2,2]": 5e-6}
     rotor = LinearRotor.flexible(**SHAFT_MODEL, compliance=DELTA)
     yield {**SHAFT_SIZES, "shaft": "compliance"}, measured, rotor, [3, 1]
+    between = {**uniform, "unbalance[1].position": 0.2}
+    model = {**SHAFT_MODEL, "unbalances": [(0.2, 1e-3, 0.7)]}
+    rotor = LinearRotor.flexible(**model, bending_stiffness=2e3)
+    yield {**SHAFT_SIZES, "shaft": "uniform"}, between, rotor, [3, 1]
 
 
 CASES = list(cases())
-NAMES = ["two_support", "uniform shaft", "compliance"]
+NAMES = ["two_support", "uniform shaft", "compliance", "unbalance between discs"]
 FORCES = np.array([[30.0 - 12.0j, 8.0 + 5.0j], [900.0j, -400.0], [3e4, 2e4j], [-4e6, 1e6j]])
 
 
@@ -195,7 +199,8 @@ def test_a_step_is_the_solution_of_the_equations(
         (CASES[1][0], {"support[2].position": 0.3}, r"supports = \[3, 3\]: must be two different"),
         (CASES[1][0], {"station[2].z": 0.5}, r"stations = .* each beyond the last"),
         (CASES[1][0], {"station[2].mass": 0.0}, r"station\[2\].mass = 0.0 kg: must be"),
-        (CASES[1][0], {"unbalance[1].position": 0.1}, r"position = 0.1 m: must be a disc's"),
+        (CASES[1][0], {"unbalance[1].position": 0.5}, r"position = 0.5 m: must be a disc's"),
+        (CASES[2][0], {"unbalance[1].position": 0.1}, r"or between them on a uniform shaft"),
         (CASES[2][0], {"compliance[1,1]": -4e-6}, r"compliance = .* must be positive definite"),
     ],
 )

@@ -9,7 +9,7 @@ from typing import Any
 
 import typer
 
-from autobalancer.harness.cli import app
+from autobalancer.harness.__main__ import program
 from autobalancer.harness.scene import bundled_scenes
 
 from . import scenes
@@ -92,7 +92,7 @@ BALANCED = (
 @cache
 def commands() -> dict[str, Any]:
     """By name, as the command line knows them."""
-    return typer.main.get_command(app).commands  # type: ignore[attr-defined]
+    return typer.main.get_command(program()).commands  # type: ignore[attr-defined]
 
 
 def furnish(draw: random.Random, folder: Path) -> None:

@@ -24,6 +24,7 @@ from autobalancer.harness.checks.rig_data import (
 )
 from autobalancer.harness.checks.rig_quantities import (
     GRID,
+    MOTOR,
     PROMINENT,
     WITH_BALLS,
     Quantity,
@@ -32,7 +33,7 @@ from autobalancer.harness.checks.rig_quantities import (
     table,
     with_fitted_balls,
 )
-from autobalancer.harness.checks.rig_reasons import AS_TABLED, HOLDING, MOTOR, least_with_balls
+from autobalancer.harness.checks.rig_reasons import HOLDING, least_with_balls
 from autobalancer.harness.checks.rig_sweeps import FITTED_DRAG, gained, lost
 from autobalancer.models.harmonic_balance import largest_displacement, unbalance_response
 from autobalancer.models.papers.influence import influence
@@ -104,16 +105,6 @@ def test_three_washers_are_quieter_at_the_rig_than_balls_can_make_the_model():
         found.append(1e3 * largest_displacement(motion)[:, [0, 2]].mean(axis=1))
     assert (np.min(found, axis=0) >= least * (1.0 - 1e-6)).all()
     assert np.min(found, axis=0) == pytest.approx(least, rel=0.02)
-
-
-def test_with_washers_where_the_tables_have_them_the_rotor_is_the_same():
-    """Mass, centre of mass and inertia."""
-    friction = load_scene("bristol_friction")
-    moments = [
-        [np.dot(scene.rotor.masses, np.power(scene.rotor.stations, k)) for k in range(3)]
-        for scene in (friction, friction.replace(AS_TABLED))
-    ]
-    assert moments[1] == pytest.approx(moments[0], rel=5e-4)
 
 
 def test_below_the_first_resonance_it_is_not_unbalance_that_moves_the_rig():

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from autobalancer.models.harmonic_balance import unbalance_response
 from autobalancer.models.linear.modes import modes
 from autobalancer.models.papers.influence import influence
 from autobalancer.models.rotor import LinearRotor
@@ -213,6 +214,24 @@ def test_bending_is_measured_from_the_line_of_supports():
     np.testing.assert_array_equal(rotor.deflection, bending_rows(STATIONS, (1, 4)))
 
 
+@pytest.mark.parametrize("place", [0.02, 0.3, 0.44, 0.7, 0.97, 1.2])
+def test_unbalance_between_discs_is_that_of_a_disc_without_mass(place):
+    unbalance = [(place, 1e-3, 0.4)]
+    between = flexible(unbalances=unbalance)
+    own = sorted({*STATIONS, place})
+    masses = [dict(zip(STATIONS, SHAFT["masses"], strict=True)).get(z, 1e-9) for z in own]
+    supports = [own.index(STATIONS[s - 1]) + 1 for s in SHAFT["supports"]]
+    changes = {"stations": own, "masses": masses, "supports": supports}
+    disc = flexible(**changes, unbalances=unbalance)
+    kept = [own.index(z) for z in STATIONS]
+    for speed in (50.0, 200.0, 900.0):
+        expected = unbalance_response(disc, [speed])[0][:, kept]
+        np.testing.assert_allclose(
+            unbalance_response(between, [speed])[0], expected, rtol=1e-5,
+            atol=1e-7 * abs(expected).max(),
+        )  # fmt: skip
+
+
 def test_every_disc_is_a_plane():
     np.testing.assert_array_equal(flexible().planes, np.eye(6))
 
@@ -247,7 +266,7 @@ NAN = float("nan")
         ({"bending_stiffness": None, "compliance": np.triu(np.ones((4, 4)))}, "symmetric"),
         ({"bending_stiffness": None, "compliance": np.diag([1, 1, 1, NAN])}, "finite"),
         ({"internal_damping": -1.0}, "internal_damping = -1.0"),
-        ({"unbalances": [(0.31, 1.0, 0.0)]}, "position = 0.31 m.*one of"),
+        ({"unbalances": [(1.31, 1.0, 0.0)]}, "position = 1.31 m.*one of"),
         ({"unbalances": [(0.3, NAN, 0.0)]}, "amount = nan"),
     ],
 )

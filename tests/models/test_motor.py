@@ -7,12 +7,12 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from autobalancer.models.assembly import Assembly, Mounted
-from autobalancer.models.motor import Motor, advance
+from autobalancer.models.motor import Drive, advance
 from autobalancer.models.rotor import LinearRotor
 from autobalancer.models.sommerfeld import Resonance
 from autobalancer.models.weights import Weights
 
-BENT = Motor(0.2, (0.0, 50.0, 60.0, 200.0), (4.0, 9.0, 2.0, 0.0))  # breaks down at 50 rad/s
+BENT = Drive(0.2, (0.0, 50.0, 60.0, 200.0), (4.0, 9.0, 2.0, 0.0))  # breaks down at 50 rad/s
 
 
 @pytest.mark.parametrize(
@@ -39,7 +39,7 @@ def test_a_step_is_exact_on_every_line_and_across_its_points(speed, torque):
 
 
 def test_a_motor_alone_comes_up_exponentially():
-    motor = Motor.straight(0.1, 5.0, 100.0)
+    motor = Drive.straight(0.1, 5.0, 100.0)
     speed, angle = advance(motor, 0.0, (0.0,) * 4, 3.0)
     rate = 5.0 / 100.0 / 0.1
     assert speed == pytest.approx(100.0 * -math.expm1(-3.0 * rate), rel=1e-14)
@@ -57,7 +57,7 @@ def test_a_motor_alone_comes_up_exponentially():
 )
 def test_a_wrong_motor_is_refused(values, words):
     with pytest.raises(ValueError, match=words):
-        Motor(*values)
+        Drive(*values)
 
 
 def resonance(weights=True):

@@ -10,7 +10,7 @@ import time
 import numpy as np
 import pytest
 
-from autobalancer.fmus.composite.batch import Runs
+from autobalancer.fmus.composite.batch import BatchRuns
 from autobalancer.harness import Scene, UserError, cosimulate, cosimulate_many, load_scene
 from autobalancer.harness.master.one_file import composition
 from autobalancer.harness.master.schedule import end_time
@@ -172,14 +172,14 @@ def test_a_run_is_read_where_its_own_steps_end(coupling):
     )
     asked, made, end = ["rotor.x", "balls.moment_xi", "coupling.steps"], composition(scene), 1.5
     none, ends = np.empty((2, 0)), np.full(2, end)
-    found, reasons = Runs(made, [], asked, 3000, own_steps=True)(none, ends)
+    found, reasons = BatchRuns(made, [], asked, 3000, own_steps=True)(none, ends)
     assert reasons == ["", ""]
     assert np.array_equal(found[0], found[1], equal_nan=True)
     time, x, moment, steps = found[0, ~np.isnan(found[0, :, 0])].T
     assert (time[0], time[-1]) == (0.0, pytest.approx(end))
     assert (np.diff(steps) <= 1).all()
     assert steps[-1] == pytest.approx(len(time), abs=3)
-    even, _ = Runs(made, [], asked, 3)(none[:1], ends[:1])
+    even, _ = BatchRuns(made, [], asked, 3)(none[:1], ends[:1])
     assert even[0, -1, :2] == pytest.approx([x[-1], moment[-1]], rel=1e-9, abs=1e-16)
 
 
@@ -188,18 +188,18 @@ def test_a_run_up_is_read_where_its_own_steps_end():
     scene = load_scene("run_up").replace({"coupling.steps_per_rev": 40})
     made, asked, none = composition(scene), ["rotor.x", "rotor.y"], np.empty((1, 0))
     ends = np.array([end_time(scene)])
-    signals, _ = Runs(made, [], asked, 9000, own_steps=True)(none, ends)
+    signals, _ = BatchRuns(made, [], asked, 9000, own_steps=True)(none, ends)
     own = signals[0, ~np.isnan(signals[0, :, 0])]
     assert scene.operation.run_up.seconds in own[:, 0]
     some = own[[100, 1000, 1911, 2500, 5000, -1]]
-    there, _ = Runs(made, [], asked, 1)(np.empty((len(some), 0)), some[:, 0].copy())
+    there, _ = BatchRuns(made, [], asked, 1)(np.empty((len(some), 0)), some[:, 0].copy())
     difference = np.abs(there[:, -1] - some[:, 1:]).max(axis=0)
     assert (difference < 1e-9 * np.ptp(own[:, 1:], axis=0)).all()
 
 
 def test_a_run_that_is_read_where_its_steps_end_says_why_it_failed():
     scene = load_scene("two_balls").replace({"run.revolutions": 2})
-    runs = Runs(composition(scene), ["weights.mass"], ["rotor.x"], 200, own_steps=True)
+    runs = BatchRuns(composition(scene), ["weights.mass"], ["rotor.x"], 200, own_steps=True)
     found, reasons = runs(np.array([[0.1], [-1.0]]), np.full(2, 1.0))
     assert not reasons[0]
     assert "weights.mass" in reasons[1]

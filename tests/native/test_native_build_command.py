@@ -11,14 +11,14 @@ from fmpy import read_model_description
 from typer.testing import CliRunner
 
 from autobalancer.fmus.native import compile as compiler
-from autobalancer.harness.cli import app
+from autobalancer.harness.__main__ import program
 from autobalancer.harness.scene.file import find
 
 pytest.importorskip("ziglang", reason="no compiler: ziglang is not installed")
 
 
 def invoke(*arguments):
-    return CliRunner().invoke(app, ["build", *map(str, arguments)])
+    return CliRunner().invoke(program(), ["build", *map(str, arguments)])
 
 
 def folders(path: Path) -> set[str]:

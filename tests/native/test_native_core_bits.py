@@ -141,7 +141,7 @@ def _native(core, kind, values):
         ("flexible", {"bending_stiffness": 0.0}, "FAILURE_NOT_POSITIVE", "bending_stiffness"),
         (
             "flexible",
-            {"unbalances": [(0.15, 1, 0)]},
+            {"unbalances": [(1.5, 1, 0)]},
             "FAILURE_UNBALANCE_PLACE",
             "unbalances: position",
         ),

@@ -122,7 +122,8 @@ class Draw:
         supports = (r.choice(n, 2, replace=False) + 1).tolist()
         k = _pair(r, self.isotropic, 1e3, self.stiffest)
         c = _pair(r, self.isotropic, 0.1, 1e3, self.zero_damping)
-        unbalances = _unbalances(r, z, int(r.integers(0, 4)))
+        places = z if self.compliance else [*z, *r.uniform(z[0], z[-1], n)]
+        unbalances = _unbalances(r, places, int(r.integers(0, 4)))
         internal = float(r.choice([0.0, 3.0])) if n > 2 else 0.0
         shaft = {"bending_stiffness": _log(r, 1e2, self.stiffest**0.5)}
         if self.compliance:

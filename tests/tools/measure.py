@@ -7,7 +7,7 @@ import os
 import shutil
 import subprocess
 import sys
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from functools import cache
 from importlib.util import find_spec
@@ -103,10 +103,9 @@ class Row:
 class Bench:
     """Files of the scene in a folder, and its right motion."""
 
-    def __init__(self, folder: Path, revolutions: float | None = None) -> None:
+    def __init__(self, folder: Path, changes: Mapping[str, object] | None = None) -> None:
         self._folder = folder
-        changes = {} if revolutions is None else {"run.revolutions": revolutions}
-        self._scene = load_scene(SCENE).replace(changes)
+        self._scene = load_scene(SCENE).replace(changes or {})
         self._right = cache(self._motion)
         self._file = cache(self._built)
 

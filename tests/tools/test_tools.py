@@ -6,12 +6,18 @@ from dataclasses import replace
 
 import pytest
 
-from tests.tools.measure import ONE_FMU, OSP, SLOPES, TOOLS, VALUES, Bench, Tool, every_run
+from tests.tools.measure import ONE_FMU, ONE_SSP, OSP, SLOPES, TOOLS, VALUES, Bench, Tool, every_run
 
 
 @pytest.fixture(scope="module")
 def bench(tmp_path_factory):
-    return Bench(tmp_path_factory.mktemp("tools"), revolutions=5)
+    return Bench(tmp_path_factory.mktemp("tools"), {"run.revolutions": 5})
+
+
+@pytest.fixture(scope="module")
+def quintic(tmp_path_factory):
+    changes = {"run.revolutions": 5, "coupling.order": 5}
+    return Bench(tmp_path_factory.mktemp("quintic"), changes)
 
 
 def _named(name: str) -> Tool:
@@ -32,6 +38,14 @@ def test_the_composite_keeps_its_error_at_any_step_of_the_tool(bench, tool, what
     row = bench.run(tool, what, steps)
     assert not row.said
     assert row.error < 1e-4
+
+
+@pytest.mark.parametrize("what", [ONE_SSP, VALUES, SLOPES])
+def test_packages_of_quintic_signals_run(quintic, bench, what):
+    """The composite is more exact; tools exchange values and slopes as those of cubic ones."""
+    tool = _named("libcosim")
+    cubic, found = bench.run(tool, what, 20).error, quintic.run(tool, what, 20).error
+    assert found < cubic / 10.0 if what == ONE_SSP else found == pytest.approx(cubic, rel=1e-3)
 
 
 @pytest.mark.parametrize("name", ["libcosim", "ecos", "CoFMuPy, jacobi"])

@@ -12,8 +12,8 @@ from autobalancer.harness import SceneError, SimulationError, load_scene
 from autobalancer.harness.balancing.cycles import balance, support_levers
 from autobalancer.harness.balancing.grade import permissible
 from autobalancer.harness.balancing.machine import Machine
+from autobalancer.harness.master.revolution import Revolution
 from autobalancer.harness.scene import Scene
-from autobalancer.harness.stability.revolution import Revolution
 from autobalancer.models.linear.synchronous import synchronous
 from autobalancer.models.papers.influence import residual_map
 from tests.papers import balancing_cycles, inverse_dynamic_stiffness, left_plane, right_plane

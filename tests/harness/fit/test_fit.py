@@ -5,7 +5,7 @@ import math
 
 import numpy as np
 import pytest
-from scipy.optimize import curve_fit
+from scipy.optimize import curve_fit, least_squares
 from scipy.stats import t as student
 
 from autobalancer.harness import UserError, cosimulate, load_scene
@@ -13,6 +13,7 @@ from autobalancer.harness.fit.measured import read_measured
 from autobalancer.harness.fit.parameters import parse_free
 from autobalancer.harness.fit.study import fit
 from autobalancer.harness.master.many import cosimulate_many
+from autobalancer.models.harmonic_balance import largest_displacement, unbalance_response
 
 MASS, STIFFNESS, DAMPING, UNBALANCE = 2.0, 800.0, 6.0, 0.01
 SPEEDS = np.linspace(8.0, 45.0, 24)
@@ -262,3 +263,68 @@ def test_the_command_says_draws_and_predicts(invoke, file, tmp_path):
     wrong = invoke("fit", "two_balls", "--measured", file, "--free", "rotor.mas")
     assert wrong.exit_code == 2
     assert "rotor.mas" in wrong.stderr
+
+
+def test_a_prior_counts_as_one_more_measurement(rotor, file):
+    """Against SciPy on the closed form, with a row of the prior."""
+    measured, scatter, deviation = read_measured(file, rotor), 0.03, 2.0
+    priors = [f"rotor.stiffness[1]={deviation}"]
+    free = parse_free(FREE, rotor, priors=priors, scatter=scatter)
+    found = fit(rotor, measured, free, harmonic=True)
+
+    def rows(values):
+        simulated = amplitude(
+            measured.settings["speed"], *values, measured.settings["rotor.unbalance"]
+        )
+        own = np.log(simulated / measured.values)
+        return np.append(own, scatter * (values[0] - 1000.0) / deviation)
+
+    expected = least_squares(rows, (1000.0, 4.0), x_scale=(1000.0, 4.0), xtol=1e-12)
+    assert 810.0 < expected.x[0] < 990.0  # between what was measured and what was known before
+    assert found.values == pytest.approx(expected.x, rel=1e-3)
+    assert found.rms[1] == pytest.approx(np.sqrt(np.mean(expected.fun[:-1] ** 2)), rel=1e-3)
+
+
+def test_of_several_starts_the_best_is_taken(tmp_path):
+    """An unbalance beside another, whose angle has two minima; amplitudes by harmonic balance."""
+    changes = {"run.revolutions": 150, "coupling.steps_per_rev": 20}
+    true = load_scene("bristol").without_balancers().replace(changes)
+    true = true.replace({f"rotor.unbalances[{n}].amount": a for n, a in ((2, 1.5e-5), (3, 0.0))})
+    true = true.replace({"rotor.unbalances[2].angle": 2.0})
+    speeds = np.array([1300.0, 1600, 1800, 2000, 2200, 2600, 3500, 4500]) * math.pi / 30.0
+    motion = unbalance_response(true.assembly().rotor, speeds)
+    path = tmp_path / "two.csv"
+    rows = zip(speeds, largest_displacement(motion).mean(axis=1), strict=True)
+    path.write_text("speed,amplitude [m]\n" + "".join(f"{w},{a}\n" for w, a in rows))
+    start = {"rotor.unbalances[2].angle": -2.0, "rotor.unbalances[2].amount": 1e-5}
+    scene, measured = true.replace(start), read_measured(path, true)
+    free = parse_free([",".join(start)], scene)
+    one, four = (fit(scene, measured, free, harmonic=True, starts=n) for n in (1, 4))
+    assert one.guessed > 0.04
+    assert four.guessed < 1e-6
+    assert (one.starts, four.starts) == (1, 4)
+    angle, amount = four.values
+    assert amount == pytest.approx(1.5e-5, rel=0.01)
+    assert math.remainder(angle - 2.0, math.tau) == pytest.approx(0.0, abs=0.01)
+
+
+@pytest.mark.parametrize(
+    ("priors", "words"),
+    [
+        ("rotor.mass=1", "rotor.mass is not free"),
+        ("rotor.damping=0", "a number above 0"),
+        ("rotor.damping=x", "must be PATH=DEVIATION"),
+    ],
+)
+def test_a_prior_that_is_wrong_is_refused(rotor, priors, words):
+    with pytest.raises(UserError, match=words):
+        parse_free(FREE, rotor, priors=[priors])
+
+
+def test_harmonic_balance_that_has_no_answer_is_refused_where_it_is_asked_for(tmp_path):
+    scene, path = load_scene("two_balls"), tmp_path / "run.csv"
+    path.write_text("speed [Hz],residual\n0.4,0.1\n0.5,0.1\n")
+    measured, free = read_measured(path, scene), parse_free(["weights.drag"], scene)
+    for how in ({"harmonic": True}, {"starts": 2}):
+        with pytest.raises(UserError, match=r"two_balls: no fit by harmonic balance: .*balancers"):
+            fit(scene, measured, free, **how)

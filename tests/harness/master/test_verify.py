@@ -8,7 +8,7 @@ import pytest
 from typer.testing import CliRunner
 
 from autobalancer.harness import cosimulate, load_scene
-from autobalancer.harness.cli import app
+from autobalancer.harness.__main__ import program
 from autobalancer.harness.errors import UserError
 from autobalancer.harness.master.names import kin
 from autobalancer.harness.master.parting import Statistics
@@ -217,7 +217,7 @@ def test_nothing_recorded_cannot_be_verified():
 def test_run_prints_errors_and_writes_them(tmp_path):
     target = tmp_path / "run.json"
     arguments = ["run", "two_balls", "--set", "run.revolutions=2", "--verify", "--json", target]
-    outcome = CliRunner().invoke(app, [str(a) for a in arguments])
+    outcome = CliRunner().invoke(program(), [str(a) for a in arguments])
     assert outcome.exit_code == 0, outcome.output
     assert "of range" in outcome.output
     assert "tolerance = 3.33e-06" in outcome.output

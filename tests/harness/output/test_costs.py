@@ -10,7 +10,7 @@ import pytest
 from typer.testing import CliRunner
 
 from autobalancer.harness import cosimulate, load_scene
-from autobalancer.harness.cli import app
+from autobalancer.harness.__main__ import program
 from autobalancer.harness.errors import UserError
 from autobalancer.harness.output.costs import limited, seconds_of, within
 
@@ -18,7 +18,7 @@ from autobalancer.harness.output.costs import limited, seconds_of, within
 def test_a_run_of_1e12_revolutions_is_refused_after_its_first_steps(monkeypatch):
     monkeypatch.setattr("autobalancer.harness.master.recorder.free_memory", lambda: math.inf)
     setting = ["--set", "run.revolutions=1e12", "--set", "run.record=[]"]
-    outcome = CliRunner().invoke(app, ["run", "two_balls", *setting])
+    outcome = CliRunner().invoke(program(), ["run", "two_balls", *setting])
     assert outcome.exit_code == 2, outcome.output
     assert "run.revolutions = 1e+12: would take about" in outcome.stderr
     assert "more than --at-most 1h" in outcome.stderr
@@ -44,7 +44,7 @@ def test_a_record_that_does_not_fit_into_memory_is_refused_with_its_keys(monkeyp
     ],
 )
 def test_a_command_that_is_not_done_in_time_is_refused(command, said):
-    outcome = CliRunner().invoke(app, [*command, "--at-most", "0.001s"])
+    outcome = CliRunner().invoke(program(), [*command, "--at-most", "0.001s"])
     assert outcome.exit_code == 2, outcome.output
     assert said in outcome.stderr
     assert "--at-most 0.001s" in outcome.stderr

@@ -12,14 +12,14 @@ from matplotlib.figure import Figure
 from typer.testing import CliRunner
 
 from autobalancer.harness import load_scene
+from autobalancer.harness.__main__ import program
 from autobalancer.harness.checks.runner import check_all, unique_names
-from autobalancer.harness.cli import app
 from autobalancer.harness.errors import SimulationError, UserError
 from autobalancer.harness.output.files import write_whole
 from autobalancer.harness.output.plot import save
 from autobalancer.harness.output.table import Sheet
 
-AUTOBALANCER = [sys.executable, "-c", "from autobalancer.harness.cli import main; main()"]
+AUTOBALANCER = [sys.executable, "-m", "autobalancer.harness"]
 SHORT = ["run", "two_balls", "--set", "run.revolutions=1", "--set", 'run.record=["rotor.x"]']
 
 
@@ -31,7 +31,7 @@ def test_a_write_protected_file_is_refused_before_the_run_and_kept(tmp_path, mon
     kept = tmp_path / "kept.csv"
     kept.write_text("a year's work", encoding="utf-8")
     kept.chmod(0o444)
-    outcome = CliRunner().invoke(app, [*SHORT, "-o", str(kept)])
+    outcome = CliRunner().invoke(program(), [*SHORT, "-o", str(kept)])
     assert outcome.exit_code == 2, outcome.output
     assert outcome.stderr == f"{kept}: cannot be written: it is write-protected\n"
     with pytest.raises(UserError, match="write-protected"), write_whole(kept) as stream:
@@ -45,13 +45,13 @@ def test_a_place_that_takes_no_file_is_refused_before_the_run(place, monkeypatch
         raise AssertionError("work begun for an output that cannot be written")
 
     monkeypatch.setattr("autobalancer.harness.master.cosimulation.cosimulate", never)
-    outcome = CliRunner().invoke(app, [*SHORT, "-o", place])
+    outcome = CliRunner().invoke(program(), [*SHORT, "-o", place])
     assert outcome.exit_code == 2, outcome.output
     assert f"{place}: cannot be written" in outcome.stderr
 
 
 def test_a_name_too_long_for_a_file_is_refused_before_the_run(tmp_path):
-    outcome = CliRunner().invoke(app, [*SHORT, "-o", str(tmp_path / ("a" * 251 + ".csv"))])
+    outcome = CliRunner().invoke(program(), [*SHORT, "-o", str(tmp_path / ("a" * 251 + ".csv"))])
     assert outcome.exit_code == 2, outcome.output
     assert "too long" in outcome.stderr
 
@@ -126,7 +126,7 @@ def test_a_picture_that_cannot_be_measured_does_not_cost_the_report(tmp_path, mo
 
     monkeypatch.setattr("autobalancer.harness.checks.pictures.measured_bending", singular)
     report = tmp_path / "report"
-    outcome = CliRunner().invoke(app, ["check", "liquid_touch", "--report", str(report)])
+    outcome = CliRunner().invoke(program(), ["check", "liquid_touch", "--report", str(report)])
     assert outcome.exit_code == 0, outcome.output
     text = (report / "report.md").read_text(encoding="utf-8")
     assert "All 7 rows hold." in text
@@ -146,7 +146,7 @@ def test_a_title_neither_commands_the_terminal_nor_writes_html():
     assert r"\x1b[31mred" in shown
     assert "&lt;script>" in sheet.markdown()
     assert "1 < 2" in sheet.markdown()
-    outcome = CliRunner().invoke(app, [*SHORT, "--set", "rotor.mass\x1b[31m=1"])
+    outcome = CliRunner().invoke(program(), [*SHORT, "--set", "rotor.mass\x1b[31m=1"])
     assert "\x1b" not in outcome.output
 
 
@@ -157,7 +157,7 @@ def test_a_dollar_in_a_title_is_drawn_as_it_stands(tmp_path):
     path.write_text("\n".join(['title = "costs $\\\\frac$ 5"', *lines]), encoding="utf-8")
     setting = ["--set", "run.revolutions=1"]
     outcome = CliRunner().invoke(
-        app, ["run", str(path), *setting, "--plot", str(tmp_path / "p.png")]
+        program(), ["run", str(path), *setting, "--plot", str(tmp_path / "p.png")]
     )
     assert outcome.exit_code == 0, outcome.output
 

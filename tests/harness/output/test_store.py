@@ -11,7 +11,7 @@ import pytest
 from typer.testing import CliRunner
 
 from autobalancer.harness import UserError, load_scene
-from autobalancer.harness.cli import app
+from autobalancer.harness.__main__ import program
 from autobalancer.harness.output import store as store_module
 from autobalancer.harness.output.store import StoredArray, open_store
 from autobalancer.harness.output.workers import in_order
@@ -113,12 +113,12 @@ def test_points_without_a_rate_keep_their_reasons(tmp_path, monkeypatch):
 def test_the_command_says_whose_store_it_is_and_where_one_cannot_be(tmp_path):
     command = ["map", "filimonikhina", "--y", "weights.drag=1e-3:1:3:log", "--x"]
     path = str(tmp_path / "a.zarr")
-    done = CliRunner().invoke(app, [*command, "speed=2:3:2", "-o", path])
+    done = CliRunner().invoke(program(), [*command, "speed=2:3:2", "-o", path])
     assert (done.exit_code, f"Store: {path}" in done.output) == (0, True)
-    refused = CliRunner().invoke(app, [*command, "speed=2:4:2", "-o", path])
+    refused = CliRunner().invoke(program(), [*command, "speed=2:4:2", "-o", path])
     assert refused.exit_code == 2
     assert "'operation.speed = 2.0 to 3.0, 2 values' there" in " ".join(refused.output.split())
-    nowhere = CliRunner().invoke(app, [*command, "speed=2:3:2", "-o", "/nowhere/a.zarr"])
+    nowhere = CliRunner().invoke(program(), [*command, "speed=2:3:2", "-o", "/nowhere/a.zarr"])
     assert (nowhere.exit_code, "cannot be written" in nowhere.output) == (2, True)
 
 
@@ -129,7 +129,7 @@ def test_the_command_says_whose_store_it_is_and_where_one_cannot_be(tmp_path):
 def test_a_place_that_can_be_neither_picture_nor_store_is_refused_in_words(tmp_path, name, why):
     (tmp_path / name).touch()
     command = ["map", "filimonikhina", "--x", "speed=2:3:2", "--y", "weights.drag=1e-3:1:3:log"]
-    done = CliRunner().invoke(app, [*command, "-o", str(tmp_path / name)])
+    done = CliRunner().invoke(program(), [*command, "-o", str(tmp_path / name)])
     assert (done.exit_code, why in " ".join(done.output.split())) == (2, True)
 
 

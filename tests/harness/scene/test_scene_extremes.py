@@ -6,8 +6,8 @@ import pytest
 
 from autobalancer.harness import load_scene
 from autobalancer.harness.errors import SceneError, UserError
-from autobalancer.harness.master.run_command import parse_change
 from autobalancer.harness.scene import Scene
+from autobalancer.harness.scene.changes import parse_change
 
 SCENE = load_scene("two_balls")
 

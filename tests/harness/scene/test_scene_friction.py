@@ -9,11 +9,11 @@ from autobalancer.harness import cosimulate, load_scene, speeds
 from autobalancer.harness.errors import SceneError, SimulationError, UserError
 from autobalancer.harness.master.many import cosimulate_many
 from autobalancer.harness.master.plan import plan
+from autobalancer.harness.master.revolution import Revolution
 from autobalancer.harness.precision.reference import right_motion
 from autobalancer.harness.rotor.study import campbell_of, modes_at
 from autobalancer.harness.stability.axis import Axis
 from autobalancer.harness.stability.map import stability_map
-from autobalancer.harness.stability.revolution import Revolution
 from autobalancer.models.rotor import Slider
 
 RIGID = {"limit": [5.0, 0.0]}

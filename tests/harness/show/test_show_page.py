@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from autobalancer.fmus.composite.batch import Runs
+from autobalancer.fmus.composite.batch import BatchRuns
 from autobalancer.harness import bundled_scenes, load_scene
 from autobalancer.harness.master.one_file import composition
 
@@ -28,7 +28,7 @@ def test_numbers_are_those_of_the_composite_to_the_last_bit(opened, name):
     asked = [v.name for v in layout.variables if v.causality == "output"]
     points, end = 200, made.stop / 4.0
     mass = next(v for v in layout.variables if v.name.endswith("mass"))
-    runs = Runs(made, [mass.name], asked, points)
+    runs = BatchRuns(made, [mass.name], asked, points)
     ((expected,), (reason,)) = runs([[mass.start]], [end])
     rows = opened(name)("return page.recorded(...arguments)", end, points, asked)
     assert reason == ""

@@ -18,7 +18,7 @@ from pathlib import Path
 
 import pytest
 
-CODE = "from autobalancer.harness.cli import main; main()"
+CODE = "from autobalancer.harness.__main__ import main; main()"
 SMALL, LARGE = (50, 40), (400, 250)
 
 

@@ -9,8 +9,8 @@ import pytest
 
 from autobalancer.harness import load_scene
 from autobalancer.harness.master.cosimulation import CoSimulation
+from autobalancer.harness.master.revolution import Revolution
 from autobalancer.harness.master.schedule import step_size
-from autobalancer.harness.stability.revolution import Revolution
 from autobalancer.models.papers.window import LiquidWindow
 from tests.floquet import multipliers
 

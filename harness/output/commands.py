@@ -1,6 +1,5 @@
-"""Command line: `autobalancer`, and its commands.
+"""How every command ends: errors as messages and exit codes.
 
-A command is a file in the folder of its feature with a function `command`; it is registered below.
 Wrong input ends with one message and exit code 2, a row that does not hold or a run that cannot be
 completed with exit code 1, Ctrl-C with 130, SIGTERM with 143.
 """
@@ -18,23 +17,10 @@ from typing import Any
 import typer
 from typer.core import TyperGroup
 
-from .balancing import command as balance
-from .checks import command as check
-from .design import command as design
-from .errors import SimulationError, UserError
-from .fit import command as fit
-from .master import build_command as build
-from .master import run_command as run
-from .output import options
-from .output.interrupts import Interrupted, interruptible, temporary_files
-from .output.terminal import say
-from .precision import command as precision
-from .rotor import command as rotor
-from .scatter import command as scatter
-from .show import command as show
-from .stability import map_command
-from .stability import speeds_command as speeds
-from .stress import command as stress
+from ..errors import SimulationError, UserError
+from . import options
+from .interrupts import Interrupted, interruptible, temporary_files
+from .terminal import say
 
 
 class Commands(TyperGroup):
@@ -77,39 +63,8 @@ class Commands(TyperGroup):
             raise typer.Exit(interrupt.exit_code) from interrupt
 
 
-app = typer.Typer(
-    name="autobalancer",
-    cls=Commands,
-    help="Rotors and their auto-balancers as FMI units: co-simulated and held against theory.",
-    add_completion=False,
-    pretty_exceptions_enable=False,
-)
-
-
-@app.callback(invoke_without_command=True)
-def default(ctx: typer.Context) -> None:
-    """Without a command: check the bundled scenes."""
-    if ctx.invoked_subcommand is None:
-        check.command()
-
-
-app.command("check")(check.command)
-app.command("build")(build.command)
-app.command("run")(run.command)
-app.command("speeds")(speeds.command)
-app.command("map")(map_command.command)
-app.command("balance")(balance.command)
-app.command("rotor")(rotor.command)
-app.command("design")(design.command)
-app.command("scatter")(scatter.command)
-app.command("fit")(fit.command)
-app.command("precision")(precision.command)
-app.command("show")(show.command)
-app.command("stress")(stress.command)
-
-
-def main(app: typer.Typer = app) -> None:
-    """Entry point of `autobalancer`, or of another program of commands."""
+def execute(app: typer.Typer) -> None:
+    """Run the command that is asked for on the command line."""
     with temporary_files():
         try:
             app()

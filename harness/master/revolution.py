@@ -15,11 +15,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import SimulationError
-from ..master.cosimulation import CoSimulation
-from ..master.fmu import Closing
-from ..master.names import stations, weight
-from ..master.schedule import at_fixed_steps, steps_per_rev
 from ..scene import Scene
+from .cosimulation import CoSimulation
+from .fmu import Closing
+from .names import stations, weight
+from .schedule import at_fixed_steps, steps_per_rev
 
 Vector = NDArray[np.float64]
 Matrix = NDArray[np.float64]

@@ -1,0 +1,51 @@
+"""Values that a command line puts into a scene: --set KEY=VALUE.
+
+Commands take them before anything heavy is loaded.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+from ..errors import UserError
+
+if TYPE_CHECKING:
+    from .scene import Scene
+
+_LONGEST_SHOWN = 200  # characters of what was typed
+
+
+def changed_scene(scene: str, changes: list[str] | None) -> Scene:
+    """The scene of that file or name with every --set KEY=VALUE put in its place.
+
+    Raises:
+        UserError: the scene is wrong, or a change is.
+    """
+    from .scene import load_scene
+
+    loaded = load_scene(scene)
+    return loaded.replace(dict(map(parse_change, changes))) if changes else loaded
+
+
+def parse_change(text: str) -> tuple[str, Any]:
+    """'rotor.unbalance=0.1' as key and value, the value as TOML writes it.
+
+    Raises:
+        UserError: there is no '=', or what follows is not a value.
+    """
+    from .file import tomllib
+
+    key, equals, value = (part.strip() for part in text.partition("="))
+    try:
+        if not (key and equals and value):
+            raise ValueError
+        document = tomllib.loads(f"value = {value}")
+        if document.keys() != {"value"}:  # a line break, and an assignment after it
+            raise ValueError
+        return key, document["value"]
+    except (ValueError, RecursionError) as error:
+        shown = text if len(text) <= _LONGEST_SHOWN else f"{text[:_LONGEST_SHOWN]}..."
+        raise UserError(
+            f"--set {' '.join(shown.splitlines())}: must be KEY=VALUE with one value as in "
+            "a scene file, such as rotor.unbalance=0.1 or 'coupling.scheme=\"jacobi\"'"
+        ) from error
