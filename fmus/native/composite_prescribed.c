@@ -1,9 +1,11 @@
 /* Prescribed: the communication points of an earlier run, with others between them; twin of
-   harness/master/schemes/prescribed.py, which says why signals are held over long ones. */
+   harness/master/schemes/prescribed.py, which says why signals are held over long ones, and when a step
+   is halved. */
 #include "composite.h"
 #include "elementary.h"
 
 static const double LONG = 1.01, SLIVER = 1e-12; /* of a time: rounding, not a step */
+enum { HALVINGS = 20 };
 
 int prescribed_step(Unit *unit)
 {
@@ -11,7 +13,7 @@ int prescribed_step(Unit *unit)
     Course *course = c->course;
     Pacing *pacing = &c->pacing;
     double step = pacing->step;
-    int measured = 0, met = 0, held;
+    int measured = 0, met = 0, halved = 0, held;
     while (pacing->next < pacing->count &&
            pacing->points[pacing->next] <= course->time * (1.0 + SLIVER)) {
         pacing->next++;
@@ -35,12 +37,17 @@ int prescribed_step(Unit *unit)
             met = 1;
             continue;
         }
-        if (measured || residual <= course->tolerance) {
+        if (halved == HALVINGS || residual <= course->tolerance) {
             course->residual = residual;
             course->held = held;
             return iterated_go_on(unit, step, met);
         }
         composite_restore(c);
+        if (measured) {
+            step *= 0.5;
+            halved++;
+            met = 0;
+        }
         /* what passes have made of the loop's Jacobian leads nowhere */
         if (iterated_after_start(unit, step)) {
             return 1;

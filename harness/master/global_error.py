@@ -5,9 +5,9 @@ stable multiplies them.  So the run is done twice.  The first chooses its steps 
 errs (`schemes.adaptive`); the second takes every one of them in two, and is the result.  Where they
 meet they differ by 15 times the error of the second, for the coupling is of order 4 (with quintic
 signals of order 6, and by 63 times; taken for 1 where weights can collide, or stick within a step,
-for 2 where they stick or slide at the end of one and two runs are all there are, for 1 from where
-steps at rest have held their signals).  If that is more than the tolerance, every step is divided
-again, into as many parts as it takes.
+or supports have dry friction, for 2 where weights stick or slide at the end of one and two runs are
+all there are, for 1 from where steps at rest have held their signals).  If that is more than the
+tolerance, every step is divided again, into as many parts as it takes.
 
 Hairer, Norsett & Wanner 1993, II.4: Richardson's extrapolation, here of the run as a whole.
 """
@@ -32,8 +32,8 @@ from .schemes.adaptive import RESIDUAL_SHARE
 from .schemes.prescribed import LONG, SLIVER
 
 ORDER = {3: 4, 5: 6}  # of the coupling, by that of the signals
-# forces that jump within a step; motion with collisions, met ones too, is no smooth function of the
-# steps' errors
+# forces or accelerations that jump within a step: three runs may show more by chance; motion with
+# collisions, met ones too, is no smooth function of the steps' errors
 ORDER_OF_JUMPS = 1
 # steps end where weights stick: where that is all but missed its time errs by the root of what
 # signals do
@@ -70,7 +70,7 @@ class Controlled:
         self.cosim, self.names = cosim, names
         self.tolerance = cosim.scene.coupling.tolerance
         touching = any(balancer.can_meet for balancer in cosim.scene.balancer)
-        jumping = touching or force_jumps(cosim.scene)
+        jumping = touching or force_jumps(cosim.scene) or cosim.scene.rotor.friction
         self._sticking = any(balancer.can_stick for balancer in cosim.scene.balancer)
         self.highest_order = ORDER_OF_JUMPS if jumping else ORDER[cosim.order]
         self.order: float = self.highest_order

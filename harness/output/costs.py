@@ -86,7 +86,8 @@ def within(
 ) -> Callable[[float], None]:
     """`progress`, ended as soon as the work is seen to take longer than `at_most`.
 
-    The rate is measured from the first report on, so that loading does not count.
+    The rate is measured from the first report on, so that loading does not count, and anew where it
+    turns out that there is more to do than was known.
 
     Args:
         key: and its value, which make the work so long.
@@ -102,7 +103,7 @@ def within(
     def report(done: float) -> None:
         nonlocal first, judged
         now = clock()
-        if first is None:
+        if first is None or done < first[1]:
             first = now, done
         elapsed, part = now - first[0], done - first[1]
         early = elapsed <= max(LATEST * limit, 5.0 * measured)

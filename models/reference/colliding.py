@@ -63,18 +63,38 @@ class Colliding:
         rates = y[self.first + self.count :]
         return float(rates[pair[0]] - rates[pair[1]])
 
+    def closing(self, y: Array) -> list[float]:
+        """Times in which gaps would be as far below 0 as they are above [s]: no step skips that."""
+        gaps = [(self.gap(pair, y) + MARGIN, self.approach(pair, y)) for pair in self.pairs]
+        return [2.0 * gap / rate for gap, rate in gaps if gap > 0.0 and rate > 0.0]
+
     def pushes(self, t: float, y: Array, joined: Sequence[Pair]) -> tuple[Array, Array]:
         """Pushes between joined neighbours (J,), and on every weight (N,) [rad/s^2]."""
         if not joined:
             return np.zeros(0), np.zeros(self.count)
+        free = self.system.accelerations(t, y)[1]
+        return self._against(t, y, joined, free, free)
+
+    def _against(
+        self, t: float, y: Array, joined: Sequence[Pair], motion: Array, free: Array
+    ) -> tuple[Array, Array]:
+        """Pushes, as of `pushes`, by which joined neighbours lose their differences in `motion`."""
         units = np.zeros((len(joined), self.count))
         for unit, (a, b, *_) in zip(units, joined, strict=True):
             unit[a], unit[b] = -1.0, 1.0
-        free = self.system.accelerations(t, y)[1]
         answers = [self.system.accelerations(t, y, unit)[1] - free for unit in units]
         matrix = units @ np.array(answers).T
-        sizes = np.linalg.lstsq(matrix, -units @ free, rcond=None)[0]
+        sizes = np.linalg.lstsq(matrix, -units @ motion, rcond=None)[0]
         return sizes, sizes @ units
+
+    def struck(self, t: float, y: Array, held: Array) -> Array:
+        """The state after a blow that changes rates by `held` (N,) on a rotor that is held."""
+        still, phi_still = self.system.accelerations(t, y)
+        moved, phi_moved = self.system.accelerations(t, y, held)
+        found, n = y.copy(), self.system.stations
+        found[2 * n : 4 * n] += (moved - still).ravel()
+        found[self.first + self.count :] += phi_moved - phi_still
+        return found
 
     def rhs(self, t: float, y: Array, joined: Sequence[Pair]) -> Array:
         """Derivative of the state, (size,), with contacts that last."""
@@ -94,13 +114,7 @@ class Colliding:
                 for run in runs:
                     mean = rates[run].mean()
                     rates[run] = (1.0 + restitution) * mean - restitution * rates[run]
-        held = rates - y[self.first + self.count :]
-        still, phi_still = self.system.accelerations(t, y)
-        moved, phi_moved = self.system.accelerations(t, y, held)
-        after, n = y.copy(), self.system.stations
-        after[2 * n : 4 * n] += (moved - still).ravel()
-        after[self.first + self.count :] += phi_moved - phi_still
-        return after
+        return self.struck(t, y, rates - y[self.first + self.count :])
 
     def settle(self, t: float, y: Array, touching: Sequence[Pair]) -> tuple[Array, list[Pair]]:
         """After a collision: bounces too low are ended, and contacts that would pull left out."""
@@ -111,6 +125,9 @@ class Colliding:
             apart = max(0.0, -self.approach(pair, y))
             if apart * apart > 2.0 * LOWEST * max(pressed, 0.0):
                 joined.remove(pair)
+        if joined:  # what bounces no more has given its momentum to the rotor
+            rates = y[self.first + self.count :]
+            y = self.struck(t, y, self._against(t, y, joined, rates, free)[1])
         y = y.copy()
         phi, rates = y[self.first : self.first + self.count], y[self.first + self.count :]
         for pair in touching:  # back to a gap of zero, so that the next closing is seen
@@ -163,6 +180,7 @@ def integrate_contacts(
             lambda t, y, joined=tuple(joined): bodies.rhs(t, y, joined), (t, time[-1]), y, method,
             events=_events(bodies, joined), rtol=rtol, atol=absolute, dense_output=True,
             max_step=LONGEST / fastest,
+            first_step=min([time[-1] - t, LONGEST / fastest, *bodies.closing(y)]),
         )  # fmt: skip
         if not solved.success:
             raise ArithmeticError(f"{method} stopped after {solved.t[-1]:g} s: {solved.message}")
@@ -204,6 +222,13 @@ def _after(
     closed = [bodies.pairs[i] for i in happened if bodies.pairs[i] not in joined]
     if not closed:
         return y, [pair for pair in joined if pair not in opened]
-    touching = [pair for pair in bodies.pairs if pair in joined or pair in closed]
+    touching = [
+        pair
+        for pair in bodies.pairs
+        if pair in joined
+        or pair in closed
+        # too late to see it close, once the others' gaps are back to 0
+        or (bodies.gap(pair, y) <= MARGIN and bodies.approach(pair, y) > 0.0)
+    ]
     y = bodies.collide(t, y, touching)
     return bodies.settle(t, y, touching)

@@ -8,7 +8,8 @@ import pytest
 from autobalancer.models.assembly import Assembly, Mounted, SpeedProfile
 from autobalancer.models.monolith import simulate
 from autobalancer.models.papers.capacity import packed_alignment, residual_unbalance
-from autobalancer.models.reference.colliding import MARGIN
+from autobalancer.models.reference.colliding import LOWEST, MARGIN, Colliding
+from autobalancer.models.reference.coupled import Monolith, Start
 from autobalancer.models.rotor import LinearRotor
 from autobalancer.models.weights import Weights, alignment
 
@@ -99,6 +100,34 @@ def test_an_overloaded_group_packs_and_leaves_what_goncharov_says(count, restitu
     assert left == pytest.approx(residual_unbalance(device, radius, unbalance), rel=0.02)
     expected = packed_alignment(count, ALPHA)
     assert alignment(run.theta["weights"][-1]) == pytest.approx(expected, rel=1e-6)
+
+
+def test_a_bounce_that_ends_in_contact_gives_the_rotor_its_momentum():
+    """M v + sum m R i phi' e^{i phi} is what it was, and the two move as one."""
+    touching = assembly(2, 0.5, angles=(0.4, 0.4 + 2.0 * ALPHA), speeds=(0.0, 0.1 * LOWEST**0.5))
+    bodies = Colliding(Monolith(touching, SpeedProfile.constant(SPEED)))
+    y = bodies.system.initial(Start(x=0.3, y=0.2))  # which presses the first against the second
+    after, joined = bodies.settle(0.0, y, bodies.pairs[:1])
+
+    def momentum(y):
+        _, _, vx, vy, *turned = y
+        phi, rates = np.split(np.array(turned), 2)
+        return (1.0 + 2 * MASS) * (vx + 1j * vy) + MASS * RADIUS * 1j * rates @ np.exp(1j * phi)
+
+    assert joined == bodies.pairs[:1]
+    assert after[-1] == after[-2]
+    given = (1.0 + 2 * MASS) * abs(after[2] + 1j * after[3] - y[2] - 1j * y[3])
+    assert given > 1e-8
+    assert abs(momentum(after) - momentum(y)) < 1e-5 * given
+
+
+def test_weights_that_collide_ever_faster_do_not_pass_through_each_other():
+    """Three in a row lose what they approach by to less than any bounce that is followed."""
+    start = {"angles": (0.4, 1.05, 1.7), "speeds": (3.0, 0.0, -1.0)}
+    run = simulate(
+        assembly(3, 0.02, **start), SpeedProfile.constant(SPEED), np.linspace(0.0, 0.3, 3001)
+    )
+    assert gaps(run).min() > -10.0 * MARGIN
 
 
 def test_a_track_off_centre_is_an_unbalance_to_weights_that_cannot_move():

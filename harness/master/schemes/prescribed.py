@@ -2,7 +2,8 @@
 
 The same step as with a tolerance, solved as far, but of given length: two runs that meet at common
 points differ by their errors alone.  Signals are held over steps longer than `longest`, as there:
-all is at rest.
+all is at rest.  A step whose loop cannot be solved is halved: where a support turns round in it so
+near its end that the forces decide whether it does, the acceleration jumps with them.
 """
 
 from __future__ import annotations
@@ -15,6 +16,7 @@ from .own_steps import OwnSteps
 
 LONG = 1.01  # times the longest step where anything moves; at rest they are twice as long or more
 SLIVER = 1e-12  # of a time: rounding, not a step
+HALVINGS = 20  # of a step: shorter ones do not help either
 
 
 class Prescribed(OwnSteps):
@@ -42,17 +44,19 @@ class Prescribed(OwnSteps):
             self._next += 1
         if self._next < len(self.points):
             step = min(step, self.points[self._next] - time)
-        measured, met, held = False, False, step > LONG * longest
+        measured, met, held, halved = False, False, step > LONG * longest, 0
         while step:
             with system.saved() as states:
                 trial, step = self.iterated.try_step(system, states, time, step, MAX_PASSES, held)
-                if trial and (measured or trial.residual <= self.iterated.tolerance):
+                if trial and (halved == HALVINGS or trial.residual <= self.iterated.tolerance):
                     return self.iterated.go_on(system, trial, met)
                 if trial:
                     system.restore(states)
             if not trial:
                 met = True
                 continue
+            if measured:
+                step, halved, met = 0.5 * step, halved + 1, False
             # what passes have made of the loop's Jacobian leads nowhere
             self.iterated.after_start(system, time, step)
             measured = True

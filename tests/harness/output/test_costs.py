@@ -79,6 +79,16 @@ def test_work_is_refused_by_its_rate_and_allowed_by_a_higher_limit():
     assert len(watched("3h", every_ten_seconds)) == 30
 
 
+def test_work_that_turns_out_to_be_more_is_judged_anew():
+    """A tolerance that is not kept: what was half of the work becomes a tenth of it."""
+    told, ticks = [], iter([0.0, 1.0, 3.0, 4.0, 5.0])
+    report = within("1h", "key = 1", told.append, lambda: next(ticks))
+    parts = [0.4, 0.5, 0.1, 0.2, 0.3]
+    for part in parts:
+        report(part)
+    assert told == parts
+
+
 def test_what_is_nearly_done_is_not_dropped():
     # the rate falls when a fifth of the limit has passed
     slowing = [0.0, 1.0, 2.0, 3.0, 800.0, 1600.0]

@@ -72,6 +72,13 @@ def test_an_altered_motion_is_found_out(monkeypatch, one_file):
     assert judge("planar", 3, 4, one_file=one_file).outcome == "gross"
 
 
+def test_a_run_that_is_more_exact_than_the_first_reference_is_right():
+    """Undamped supports gather 9e-6 of error at a relative tolerance of 1e-10."""
+    verdict = judge("heavy", 910604, 2, {"coupling.tolerance": 1e-6}, one_file=True)
+    assert verdict.outcome == "right"
+    assert verdict.error < 1e-6
+
+
 def test_errors_are_relative_to_the_largest_of_their_kind(cosim):
     result = cosim("two_balls", **{"run.revolutions": 2})
     right = {name: result[name].copy() for name in ("rotor.x", "rotor.y")}
