@@ -91,10 +91,10 @@ class Colliding:
         """The state after a blow that changes rates by `held` (N,) on a rotor that is held."""
         still, phi_still = self.system.accelerations(t, y)
         moved, phi_moved = self.system.accelerations(t, y, held)
-        found, n = y.copy(), self.system.stations
-        found[2 * n : 4 * n] += (moved - still).ravel()
-        found[self.first + self.count :] += phi_moved - phi_still
-        return found
+        after, n = y.copy(), self.system.stations
+        after[2 * n : 4 * n] += (moved - still).ravel()
+        after[self.first + self.count :] += phi_moved - phi_still
+        return after
 
     def rhs(self, t: float, y: Array, joined: Sequence[Pair]) -> Array:
         """Derivative of the state, (size,), with contacts that last."""
