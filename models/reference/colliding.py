@@ -21,6 +21,7 @@ from .coupled import REST, Array, Monolith, Start
 
 Pair = tuple[int, int, float, float]  # two neighbours, distance of touching, turns between them
 MARGIN = 1e-10  # rad: a gap this far below zero is closed, so that rounding closes none
+SHIFTS = 8  # each halves what gaps of a chain of weights are off
 LOWEST = 1e-9  # rad: a bounce that would rise less ends in contact
 MOST_EVENTS = 2000  # collisions and contacts that open in a run
 LONGEST = 0.3  # rad of the fastest turning in a step: no gap may close and open within one
@@ -130,10 +131,12 @@ class Colliding:
             y = self.struck(t, y, self._against(t, y, joined, rates, free)[1])
         y = y.copy()
         phi, rates = y[self.first : self.first + self.count], y[self.first + self.count :]
-        for pair in touching:  # back to a gap of zero, so that the next closing is seen
-            short = self.gap(pair, y)
-            phi[pair[0]] += 0.5 * short
-            phi[pair[1]] -= 0.5 * short
+        for _ in range(SHIFTS):  # back to gaps of zero, so that the next closing is seen
+            for pair in self.pairs:
+                short = self.gap(pair, y)
+                if pair in touching or short < 0.0:  # the shift of a neighbour closes it as well
+                    phi[pair[0]] += 0.5 * short
+                    phi[pair[1]] -= 0.5 * short
         for run in _runs(joined):
             rates[run] = rates[run].mean()
         while joined:
@@ -164,7 +167,7 @@ def integrate_contacts(
 
     Raises:
         ValueError: the speed varies.
-        ArithmeticError: the method gave up, or collisions do not come to an end.
+        ArithmeticError: the method gave up, collisions do not come to an end, or one was missed.
     """
     if system.profile.start != system.profile.end:
         raise ValueError("weights that collide: only at constant speed")
@@ -188,6 +191,8 @@ def integrate_contacts(
         if wanted.any():
             states[wanted] = solved.sol(time[wanted]).T
         t, y = float(solved.t[-1]), solved.y[:, -1]
+        if any(bodies.gap(pair, y) < -2.0 * MARGIN for pair in bodies.pairs):
+            raise ArithmeticError(f"weights pass through each other before {t:g} s")
         if solved.status == 0:
             return states
         happened = [i for i, times in enumerate(solved.t_events) if len(times)]

@@ -121,12 +121,19 @@ def test_a_bounce_that_ends_in_contact_gives_the_rotor_its_momentum():
     assert abs(momentum(after) - momentum(y)) < 1e-5 * given
 
 
-def test_weights_that_collide_ever_faster_do_not_pass_through_each_other():
-    """Three in a row lose what they approach by to less than any bounce that is followed."""
-    start = {"angles": (0.4, 1.05, 1.7), "speeds": (3.0, 0.0, -1.0)}
-    run = simulate(
-        assembly(3, 0.02, **start), SpeedProfile.constant(SPEED), np.linspace(0.0, 0.3, 3001)
-    )
+@pytest.mark.parametrize(
+    ("restitution", "angles", "speeds"),
+    [
+        (0.02, (0.4, 1.05, 1.7), (3.0, 0.0, -1.0)),
+        (0.0, (0.3, 1.25, 2.18, 2.91), (2.8, 0.9, -0.1, -7.0)),
+    ],
+)
+def test_weights_that_collide_ever_faster_do_not_pass_through_each_other(
+    restitution, angles, speeds
+):
+    """Those in a row lose what they approach by to less than any bounce that is followed."""
+    row = assembly(len(angles), restitution, angles=angles, speeds=speeds)
+    run = simulate(row, SpeedProfile.constant(SPEED), np.linspace(0.0, 0.3, 3001))
     assert gaps(run).min() > -10.0 * MARGIN
 
 
