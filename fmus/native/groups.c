@@ -2,6 +2,8 @@
 
 #include "elementary.h"
 
+#define INSTANT 1e-90 /* s: nothing moves, and cubes of shorter times are not told from 0 */
+
 void fill_drives(WeightsInOrder *weights, int first, int size, const Instant *now,
                  double angular_acceleration)
 {
@@ -126,6 +128,9 @@ void moved(WeightsInOrder *weights, int i, const Instant *now, const Instant *la
     *rate = groups->angle_rate[i];
     if (groups->resting[i]) {
         *rate = 0.0;
+        return;
+    }
+    if (step < INSTANT) {
         return;
     }
     ends[0] = now->acceleration;

@@ -16,6 +16,7 @@ from .resistance import SlidingGroup, find_sides, sliding_drive, sliding_substep
 from .ring import WeightsInOrder, find_chains
 
 PULL = 1e-12  # of the largest drive: tension that is rounding
+_INSTANT = 1e-90  # s: nothing moves, and cubes of shorter times are not told from 0
 
 
 def fill_drives(weights: WeightsInOrder, first: int, size: int, now: Instant) -> None:
@@ -107,6 +108,8 @@ def moved(
     middle, rate = groups.middle[i], groups.angle_rate[i]
     if groups.resting[i]:
         return middle, 0.0
+    if step < _INSTANT:
+        return middle, rate
     if groups.sign[i]:
         return sliding_substep(_sliding(weights, i), middle, rate, now, later, step, weights.sides)
     ends = (now.acceleration, now.slope, later.acceleration, later.slope)
