@@ -55,8 +55,8 @@ class StepMaps:
     ) -> None:
         forces, every, keeps = len(planes), len(solution) // (2 * parts), kept_of(parts)
         known = _identity((keeps + parts) * every)
-        ends = [keeps * every, (keeps + parts) * every - parts * forces]
-        kept, felt, answers = np.split(known, ends, 1)
+        bounds = [keeps * every, (keeps + parts) * every - parts * forces]
+        kept, felt, answers = np.split(known, bounds, 1)
         kept, answers = _parted(kept, every, keeps), _parted(answers, forces, parts)
         felt = _parted(felt, parts, every - forces).swapaxes(0, 2)
         now, missed = kept[:parts], kept[2 * parts : 3 * parts]
@@ -159,7 +159,7 @@ def carried(turn: float, past: float, step: float, parts: int = 2) -> np.ndarray
         slope times `past`, and missed second derivative times its square.
     """
     ratio, moments = step / past, np.arange(parts)[:, None]
-    nothing, units = (0.0,) * parts, np.eye(parts).tolist()
+    nothing, units = (0.0,) * parts, [tuple(unit) for unit in np.eye(parts).tolist()]
     rising = np.array([hermite(nothing, unit, 1.0) for unit in units])
     falling = np.array([hermite(unit, nothing, 1.0) for unit in units])
     powers = _NODES ** np.arange(2 * parts)[:, None] / _FACTORIALS[: 2 * parts, None]
