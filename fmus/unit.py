@@ -80,7 +80,7 @@ class SignalSizes(Sizes):
 
     Attributes:
         order: of the signals over a step: 3, cubics between exact values and slopes, or 5, quintics
-            between these and exact second derivatives, for a constant speed.
+            between these and exact second derivatives.
     """
 
     order: int = order_of_signals()

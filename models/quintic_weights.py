@@ -1,6 +1,6 @@
-"""Point weights at a constant speed under a quintic signal: one derivative beyond `weights`.
+"""Point weights under a quintic signal: one derivative beyond `weights`.
 
-With theta'' + d theta' = g(t, theta) and g = -Im(a e^{-i theta})/(kappa R) as there, drag is
+With theta'' + d theta' = g(t, theta) and g = -Im(a e^{-i theta})/(kappa R) - s w' as there, drag is
 integrated exactly and g as a quintic with the exact values, slopes and second derivatives of both
 ends (a three-derivative exponential collocation of order 6).
 """
@@ -13,6 +13,7 @@ from collections.abc import Sequence
 from functools import lru_cache
 
 from .quintic import at, hermite
+from .spin import STEADY, Rates, spin_at
 from .weights import (
     FAR,
     MAX_ITERATIONS,
@@ -37,11 +38,17 @@ def quadrature(damping_rate: float, step: float) -> tuple[tuple[float, ...], tup
 
 
 def along_track(
-    motion: Motion, angle: float, angle_rate: float, lever: float, damping_rate: float
+    motion: Motion,
+    lag: Rates,
+    angle: float,
+    angle_rate: float,
+    lever: float,
+    damping_rate: float,
 ) -> tuple[float, float, float]:
-    """Drive g = Im(a e^{-i theta}) times `lever`, and its time derivatives along the motion.
+    """Drive g = Im(a e^{-i theta}) times `lever` - lag, and its time derivatives along the motion.
 
     Args:
+        lag: s w', by which a free weight falls behind [rad/s^2], and its derivatives 1 and 2.
         angle, angle_rate: of the weight [rad, rad/s].
         lever: -1/(kappa R) [1/m].
         damping_rate: d [1/s].
@@ -50,14 +57,15 @@ def along_track(
     direction = rect(lever, -angle)
     along = acceleration * direction
     along_slope = slope * direction
-    faster = along.imag - damping_rate * angle_rate
+    drive = along.imag - lag[0]
     return (
-        along.imag,
-        along_slope.imag - along.real * angle_rate,
+        drive,
+        along_slope.imag - along.real * angle_rate - lag[1],
         (second * direction).imag
         - 2.0 * along_slope.real * angle_rate
-        - along.real * faster
-        - along.imag * angle_rate * angle_rate,
+        - along.real * (drive - damping_rate * angle_rate)
+        - along.imag * angle_rate * angle_rate
+        - lag[2],
     )
 
 
@@ -65,6 +73,7 @@ def substep(
     angle: float,
     angle_rate: float,
     ends: tuple[Motion, Motion],
+    lags: tuple[Rates, Rates],
     lever: float,
     damping_rate: float,
     step: float,
@@ -73,20 +82,20 @@ def substep(
 
     Args:
         angle, angle_rate: at the start [rad, rad/s].
-        ends: motion of the track's centre at the start and at the end.
+        ends, lags: motion of the track's centre, and lag, at the start and at the end.
         lever, damping_rate: as of `along_track`.
 
     Raises:
         ArithmeticError: the implicit equations did not converge.
     """
     (e, s0, s1, s2, s3, s4, s5), (t, t0, t1, t2, t3, t4, t5) = quadrature(damping_rate, step)
-    begin = along_track(ends[0], angle, angle_rate, lever, damping_rate)
+    begin = along_track(ends[0], lags[0], angle, angle_rate, lever, damping_rate)
     g0, g1, g2 = begin
     free_rate = e * angle_rate + s0 * g0 + s1 * g1 + s2 * g2
     free_angle = angle + t * angle_rate + t0 * g0 + t1 * g1 + t2 * g2
     new_angle, new_rate, change = free_angle, free_rate, 1.0  # it contracts fast, as in `weights`
     for _ in range(MAX_ITERATIONS):
-        end = along_track(ends[1], new_angle, new_rate, lever, damping_rate)
+        end = along_track(ends[1], lags[1], new_angle, new_rate, lever, damping_rate)
         g3, g4, g5 = hermite(begin, end, step)
         last_angle, last_rate, last_change = new_angle, new_rate, change
         new_rate = free_rate + s3 * g3 + s4 * g4 + s5 * g5
@@ -102,9 +111,11 @@ def advance(
     angles: Sequence[float],
     speeds: Sequence[float],
     signal: Sequence[complex],
+    angular_acceleration: float,
     step: float,
+    rates: Rates = STEADY,
 ) -> tuple[list[float], list[float]]:
-    """Move every weight over one communication step; as `weights.advance`, at a constant speed.
+    """Move every weight over one communication step; as `weights.advance`.
 
     Args:
         signal: acceleration of the track's centre in the rotor frame at the start of the step and
@@ -120,19 +131,25 @@ def advance(
         2.0 * math.pi * round(angle / (2.0 * math.pi)) if abs(angle) > FAR else 0.0
         for angle in angles
     ]
-    count = substeps(weights, speeds, signal, 0.0, step, step, MAX_SUBSTEPS)
+    count = substeps(weights, speeds, signal, angular_acceleration, step, step, MAX_SUBSTEPS)
     h = step / count
     new_angles = [angle - turned for angle, turned in zip(angles, behind, strict=True)]
     new_speeds = list(speeds)
     start: Motion = (signal[0], signal[1], signal[2])
+    lag = _lag(weights, angular_acceleration, rates, 0.0)
     for j in range(1, count + 1):
-        end = at(signal, j * h)
+        end, end_lag = at(signal, j * h), _lag(weights, angular_acceleration, rates, j * h)
         for k, (angle, speed) in enumerate(zip(new_angles, new_speeds, strict=True)):
             new_angles[k], new_speeds[k] = substep(
-                angle, speed, (start, end), weights.lever, weights.damping_rate, h
+                angle, speed, (start, end), (lag, end_lag), weights.lever, weights.damping_rate, h
             )
-        start = end
+        start, lag = end, end_lag
     return [angle + turned for angle, turned in zip(new_angles, behind, strict=True)], new_speeds
+
+
+def _lag(weights: Weights, angular_acceleration: float, rates: Rates, time: float) -> Rates:
+    a, b, c = spin_at(angular_acceleration, rates, time)
+    return weights.spin_share * a, weights.spin_share * b, weights.spin_share * c
 
 
 def reaction_second(
@@ -141,24 +158,33 @@ def reaction_second(
     speeds: Sequence[float],
     motion: Motion,
     rotor_speed: float,
+    spin_up: Rates = STEADY,
 ) -> complex:
-    """Second derivative of `weights.reaction` at a constant speed [N/s^2].
+    """Second derivative of `weights.reaction` [N/s^2].
 
     Args:
         angles, speeds: (N,) [rad, rad/s].
         motion: of the track's centre in the rotor frame [m/s^2, m/s^3, m/s^4].
         rotor_speed: w [rad/s].
+        spin_up: derivatives of w of order 1 to 3 [rad/s^2, rad/s^3, rad/s^4].
     """
     lever, damping_rate, w = weights.lever, weights.damping_rate, rotor_speed
+    lag = _lag(weights, spin_up[0], (spin_up[1], spin_up[2], 0.0), 0.0)
+    # of (u'' + 2i w u' + (i w' - w^2) u)'' with u = e^{i theta}
+    w1, w2, w3 = spin_up
+    of_second, of_first = complex(-w * w, 5.0 * w1), complex(-4.0 * w * w1, 4.0 * w2)
+    of_value = complex(-2.0 * (w1 * w1 + w * w2), w3)
     total = 0j
     for angle, nu in zip(angles, speeds, strict=True):
-        g0, g1, g2 = along_track(motion, angle, nu, lever, damping_rate)
+        g0, g1, g2 = along_track(motion, lag, angle, nu, lever, damping_rate)
         nu_1 = g0 - damping_rate * nu
         nu_2 = g1 - damping_rate * nu_1
         nu_3 = g2 - damping_rate * nu_2
-        # derivatives of e^{i theta} of order 2 to 4, over e^{i theta}
+        # derivatives of e^{i theta} of order 1 to 4, over e^{i theta}
+        first = complex(0.0, nu)
         second = complex(-nu * nu, nu_1)
         third = complex(-3.0 * nu * nu_1, nu_2 - nu**3)
         fourth = complex(nu**4 - 3.0 * nu_1 * nu_1 - 4.0 * nu * nu_2, nu_3 - 6.0 * nu * nu * nu_1)
-        total += (fourth + 2j * w * third - w * w * second) * rect(1.0, angle)
+        changing = of_second * second + of_first * first + of_value
+        total += (fourth + 2j * w * third + changing) * rect(1.0, angle)
     return -weights.moment * total

@@ -41,3 +41,13 @@ def drift(rates: Rates, time: float) -> Drift:
         time * (first + time * (second / 2.0 + time * third / 6.0)),
         first + time * (second + time * third / 2.0),
     )
+
+
+def spin_at(angular_acceleration: float, rates: Rates, time: float) -> Rates:
+    """Angular acceleration and its derivatives of order 1 and 2, `time` after the start of a step.
+
+    Args:
+        angular_acceleration, rates: of order 0, and 1 to 3, at the start.
+    """
+    moved = drift(rates, time)
+    return angular_acceleration + moved.acceleration, moved.slope, rates[1] + time * rates[2]

@@ -22,7 +22,7 @@ from functools import cached_property, lru_cache
 
 from .cubic import at, hermite
 from .ranges import demand, demand_all
-from .spin import STEADY, Rates, drift
+from .spin import STEADY, Rates, spin_at
 
 KAPPA = {"balls": 7.0 / 5.0, "rollers": 3.0 / 2.0, "pendulums": 1.0}
 
@@ -328,12 +328,8 @@ def advance(
 
 def later(angular_acceleration: float, rates: Rates, time: float) -> tuple[float, Rates]:
     """Angular acceleration and its derivatives `time` after the start of a step."""
-    moved = drift(rates, time)
-    return angular_acceleration + moved.acceleration, (
-        moved.slope,
-        rates[1] + time * rates[2],
-        rates[2],
-    )
+    value, *slopes = spin_at(angular_acceleration, rates, time)
+    return value, (slopes[0], slopes[1], rates[2])
 
 
 def reaction(

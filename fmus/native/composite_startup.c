@@ -69,11 +69,12 @@ double startup_length(Unit *unit)
     Course *course = c->course;
     int parts;
     if (course->changed > 0.0) {
-        const double step = communication(unit);
+        const double step = communication(unit), usual = startup_size(unit);
+        const double negligible = KINK * (step < usual ? step : usual);
         course->changed = 0.0;
         course->crossing = compensates(c) ? JUMP_PARTS : 1;
-        course->negligible = KINK * step / course->crossing;
-        course->whole = step - KINK * step;
+        course->negligible = negligible / course->crossing;
+        course->whole = step - negligible;
         course->ends = course->time + step;
     }
     if (course->crossing > 0.0) {

@@ -68,8 +68,10 @@ static void outer_signal(const Composite *c, int plane, double step, Complex *si
         ends[k].value = seen;
         ends[k].slope = complex_of(speeds[k] * seen.im, -speeds[k] * seen.re);
         ends[k].second = complex_of(0.0, 0.0);
-        if (c->orders == QUINTIC_ORDERS) { /* the speed is constant */
-            ends[k].second = complex_scaled(-speeds[k] * speeds[k], seen);
+        if (c->orders == QUINTIC_ORDERS) {
+            const double spin_up = drive[1] + (k ? more.acceleration : 0.0);
+            ends[k].second =
+                complex_product(complex_of(-speeds[k] * speeds[k], -spin_up), seen);
         }
     }
     if (step > 0.0) {

@@ -30,8 +30,6 @@ static const char *const WORDS[FAILURE_CROSSINGS + 1] = {
                               "sum of their limits; give that, or a stiffness",
     [FAILURE_SPIN] = "der(acceleration) = {0} rad/s3: must be 0 for weights that touch or stick, "
                      "as all its derivatives",
-    [FAILURE_QUINTIC_SPIN] =
-        "acceleration: must be 0, as its derivatives, with signals of order = 5",
     [FAILURE_QUINTIC_WEIGHTS] = "order = 5: only point weights on a centred track have such "
                                 "signals; weight_radius, rolling_resistance and track_offset must "
                                 "be 0",

@@ -2,6 +2,7 @@
 
 #include "elementary.h"
 #include "quintic.h"
+#include "spin.h"
 
 QuinticQuadrature quintic_quadrature_empty(void)
 {
@@ -27,18 +28,43 @@ static const double *quadrature_of(QuinticQuadrature *memory, double damping_rat
     return memory->response;
 }
 
-/* Drive Im(a e^{-i theta}) in this direction of size `lever`, and its time derivatives along the
-   motion. */
-static void along_track_of(const Complex *motion, Complex direction, double rate,
-                           double damping_rate, double *drive)
+/* What moves weights at one time: acceleration of the track's centre, and lag s w', by which a free
+   weight falls behind, with their derivatives of order 1 and 2. */
+typedef struct {
+    Complex motion[3];
+    double lag[3];
+} Driven;
+
+/* The lag `time` after the start of a step; spin_up (4,) as for `drift`. */
+static void lag_at(const Weights *weights, const double *spin_up, double time, double *lag)
 {
-    const Complex along = complex_product(motion[0], direction);
-    const Complex slope = complex_product(motion[1], direction);
-    const double faster = along.im - damping_rate * rate;
-    drive[0] = along.im;
-    drive[1] = slope.im - along.re * rate;
-    drive[2] = complex_product(motion[2], direction).im - 2.0 * slope.re * rate -
-               along.re * faster - along.im * rate * rate;
+    const double share = weights_spin_share(weights);
+    const Drift more = drift(spin_up, time);
+    lag[0] = share * (spin_up[0] + more.acceleration);
+    lag[1] = share * more.slope;
+    lag[2] = share * (spin_up[2] + time * spin_up[3]);
+}
+
+static Driven driven_at(const Weights *weights, const Complex *signal, const double *spin_up,
+                        double time)
+{
+    Driven driven;
+    quintic_at(signal, time, driven.motion);
+    lag_at(weights, spin_up, time, driven.lag);
+    return driven;
+}
+
+/* Drive Im(a e^{-i theta}) in this direction of size `lever`, less the lag, and its time derivatives
+   along the motion. */
+static void along_track_of(const Driven *by, Complex direction, double rate, double damping_rate,
+                           double *drive)
+{
+    const Complex along = complex_product(by->motion[0], direction);
+    const Complex slope = complex_product(by->motion[1], direction);
+    drive[0] = along.im - by->lag[0];
+    drive[1] = slope.im - along.re * rate - by->lag[1];
+    drive[2] = complex_product(by->motion[2], direction).im - 2.0 * slope.re * rate -
+               along.re * (drive[0] - damping_rate * rate) - along.im * rate * rate - by->lag[2];
 }
 
 /* What the rates t[k] make of g's derivatives. */
@@ -48,7 +74,7 @@ static double sum_of(const double *t, const double *g)
 }
 
 /* Angle and rate of one weight in this direction after `step`, in place; order 6. */
-static int substep(double *angle, double *angle_rate, const Complex *start, const Complex *end,
+static int substep(double *angle, double *angle_rate, const Driven *start, const Driven *end,
                    double lever, Complex unit, double damping_rate, const double *response,
                    double step, Failure *failure)
 {
@@ -78,38 +104,41 @@ static int substep(double *angle, double *angle_rate, const Complex *start, cons
         }
     }
     return fail(failure, FAILURE_NOT_CONVERGED, "weights", 0, step, *angle, *angle_rate,
-                magnitude(start[0]));
+                magnitude(start->motion[0]));
 }
 
 int quintic_weights_advance(const Weights *weights, const double *angles, const double *speeds,
-                            const Complex *signal, double step, double *new_angles,
-                            double *new_speeds, QuinticQuadrature *memory, Turned *turned,
-                            Failure *failure)
+                            const Complex *signal, const double *spin_up, double step,
+                            double *new_angles, double *new_speeds, QuinticQuadrature *memory,
+                            Turned *turned, Failure *failure)
 {
     const double lever = -1.0 / (weights->kappa * weights->track_radius);
     const double damping_rate = weights_damping_rate(weights);
+    const double lag = weights_spin_share(weights) * spin_up[0];
     const double *response;
-    Complex first[3]; /* at the end of the first substep, mostly the only one */
+    Driven begin, first; /* at the end of the first substep, mostly the only one */
     double h;
     int k, j, code, count;
-    code = weights_substeps(weights->count, angles, speeds, signal, lever, 0.0, damping_rate, step,
+    code = weights_substeps(weights->count, angles, speeds, signal, lever, lag, damping_rate, step,
                             &count, failure);
     if (code) {
         return code;
     }
     h = count > 1 ? step / count : step;
     response = quadrature_of(memory, damping_rate, h);
-    quintic_at(signal, h, first);
+    begin = driven_at(weights, signal, spin_up, 0.0);
+    first = driven_at(weights, signal, spin_up, h);
     for (k = 0; k < weights->count && !code; k++) {
         /* the iteration's end is judged by the angle: turns behind a weight must not loosen it */
         const double behind = weights_turns_behind(angles[k]);
         double angle = angles[k] - behind, speed = speeds[k];
-        Complex ends[2][3];
-        code = substep(&angle, &speed, signal, first, lever, turned_by(turned + 2 * k, angle),
+        Driven ends[2];
+        ends[1] = first;
+        code = substep(&angle, &speed, &begin, &first, lever, turned_by(turned + 2 * k, angle),
                        damping_rate, response, h, failure);
         for (j = 2; j <= count && !code; j++) {
-            quintic_at(signal, j * h, ends[j % 2]);
-            code = substep(&angle, &speed, j > 2 ? ends[(j - 1) % 2] : first, ends[j % 2], lever,
+            ends[j % 2] = driven_at(weights, signal, spin_up, j * h);
+            code = substep(&angle, &speed, ends + (j - 1) % 2, ends + j % 2, lever,
                            turned_by(turned + 2 * k, angle), damping_rate, response, h, failure);
         }
         new_angles[k] = angle + behind;
@@ -120,18 +149,30 @@ int quintic_weights_advance(const Weights *weights, const double *angles, const 
 
 Complex quintic_weights_reaction_second(const Weights *weights, const double *angles,
                                         const double *speeds, const Complex *motion,
-                                        double rotor_speed, Turned *turned)
+                                        double rotor_speed, const double *spin_up,
+                                        Turned *turned)
 {
     const double lever = -1.0 / (weights->kappa * weights->track_radius);
     const double damping_rate = weights_damping_rate(weights), w = rotor_speed;
+    const double w1 = spin_up[0], w2 = spin_up[1], w3 = spin_up[2];
+    const double rates[4] = {w1, w2, w3, 0.0};
+    /* of (u'' + 2 i w u' + (i w' - w^2) u)'' with u = e^{i theta} */
+    const Complex of_second = complex_of(-w * w, 5.0 * w1);
+    const Complex of_first = complex_of(-4.0 * w * w1, 4.0 * w2);
+    const Complex of_value = complex_of(-2.0 * (w1 * w1 + w * w2), w3);
     Complex total = {0.0, 0.0};
+    Driven by;
     int k;
+    for (k = 0; k < 3; k++) {
+        by.motion[k] = motion[k];
+    }
+    lag_at(weights, rates, 0.0, by.lag);
     for (k = 0; k < weights->count; k++) {
         const double nu = speeds[k];
         const Complex unit = turned_by(turned + 2 * k, angles[k]);
         double g[3], nu_1, nu_2, nu_3;
         Complex second, third, fourth, sum;
-        along_track_of(motion, complex_scaled(lever, complex_conjugate(unit)), nu, damping_rate, g);
+        along_track_of(&by, complex_scaled(lever, complex_conjugate(unit)), nu, damping_rate, g);
         nu_1 = g[0] - damping_rate * nu;
         nu_2 = g[1] - damping_rate * nu_1;
         nu_3 = g[2] - damping_rate * nu_2;
@@ -141,7 +182,9 @@ Complex quintic_weights_reaction_second(const Weights *weights, const double *an
         fourth = complex_of(nu * nu * nu * nu - 3.0 * nu_1 * nu_1 - 4.0 * nu * nu_2,
                             nu_3 - 6.0 * nu * nu * nu_1);
         sum = complex_sum(fourth, complex_product(complex_of(0.0, 2.0 * w), third));
-        sum = complex_difference(sum, complex_scaled(w * w, second));
+        sum = complex_sum(sum, complex_product(of_second, second));
+        sum = complex_sum(sum, complex_product(of_first, complex_of(0.0, nu)));
+        sum = complex_sum(sum, of_value);
         total = complex_sum(total, complex_product(sum, unit));
     }
     return complex_scaled(-weights->mass * weights->track_radius, total);

@@ -166,7 +166,7 @@ static int step(Unit *unit, double length)
     if (own->slider_count) {
         memcpy(rotor_held(unit), own->held, 2 * (size_t)own->slider_count * sizeof(double));
     }
-    rotor_put(own, own->result + motion, unit->memory[REST], *end_speed,
+    rotor_put(own, own->result + motion, unit->memory[REST], *end_speed, spin_up + more.acceleration,
         unit->real + unit->layout.computed.first);
     return 0;
 }

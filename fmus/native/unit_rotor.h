@@ -117,7 +117,8 @@ int rotor_make_variable(Unit *unit);
 void rotor_rotated(const double *pairs, size_t count, double c, double s, double *to);
 /* Computed outputs from acceleration and jerk of the planes in fixed axes, with signals of order 5
    the jerk's derivative as well. */
-void rotor_put(Rotor *own, const double *planes, double angle, double speed, double *out);
+void rotor_put(Rotor *own, const double *planes, double angle, double speed, double spin_up,
+               double *out);
 /* Change of acceleration and jerk of the planes, in own->result behind the stations, by a change of
    the forces' values and slopes, (2p,) each. */
 int rotor_friction_response(Unit *unit, const double *values, const double *slopes);

@@ -20,7 +20,7 @@ static int force_response(Unit *unit, const double *values, const double *slopes
         if (rotor_friction_response(unit, values, slopes)) {
             return 1;
         }
-        rotor_put(own, own->result + 4 * n, unit->memory[REST], speed, change);
+        rotor_put(own, own->result + 4 * n, unit->memory[REST], speed, 0.0, change);
         return 0;
     }
     memset(own->operand, 0, (4 * n + 2 * SIGNAL_ORDERS * p + 2) * sizeof(double));
@@ -30,7 +30,7 @@ static int force_response(Unit *unit, const double *values, const double *slopes
         rotor_rotated(forces, 2 * p, c, s, forces);
     }
     rotor_apply(own, matrix);
-    rotor_put(own, own->result + 4 * n, unit->memory[REST], speed, change);
+    rotor_put(own, own->result + 4 * n, unit->memory[REST], speed, 0.0, change);
     return 0;
 }
 

@@ -173,6 +173,7 @@ int rotor_make_variable(Unit *unit)
                        own->friction_memory, &own->friction, &failure))) {
         return unit_failed(unit, &failure, NULL, 0);
     }
+    own->variable.orders = own->orders;
     rotor_made(unit, &own->variable_of, 0.0);
     return 0;
 }
@@ -202,6 +203,11 @@ static int propagate_variable(Unit *unit, double step)
     from_axes(own->state, own->axes, 2, n, own->result);
     from_axes(own->acceleration, own->axes, 1, p, planes);
     from_axes(own->jerk, own->axes, 1, p, planes + 2 * p);
+    if (own->orders == QUINTIC_ORDERS) {
+        variable_speed_plane_second(&own->variable, own->state, forces, angle, speed, spin_up, step,
+                                    own->jerk, own->variable_scratch);
+        from_axes(own->jerk, own->axes, 1, p, planes + 4 * p);
+    }
     return 0;
 }
 
@@ -300,27 +306,6 @@ static int friction_torque(Unit *unit, double ago, double *torque)
     return 0;
 }
 
-/* Quintic forces `time` after their start, as far as the torque asks: value and slope. */
-static void forces_now(const Rotor *own, const double *forces, double time, double *now)
-{
-    const size_t p = (size_t)own->planes;
-    size_t k;
-    int order;
-    memset(now, 0, 2 * SIGNAL_ORDERS * p * sizeof(double));
-    for (k = 0; k < p; k++) {
-        Complex quintic[QUINTIC_ORDERS], derivatives[3];
-        for (order = 0; order < QUINTIC_ORDERS; order++) {
-            const double *f = forces + 2 * ((size_t)order * p + k);
-            quintic[order] = complex_of(f[0], f[1]);
-        }
-        quintic_at(quintic, time, derivatives);
-        for (order = 0; order < 2; order++) {
-            now[2 * ((size_t)order * p + k)] = derivatives[order].re;
-            now[2 * ((size_t)order * p + k) + 1] = derivatives[order].im;
-        }
-    }
-}
-
 int rotor_torque_now(Unit *unit, double *torque)
 {
     Rotor *own = unit->own;
@@ -335,13 +320,6 @@ int rotor_torque_now(Unit *unit, double *torque)
         return friction_torque(unit, ago, torque);
     }
     to_axes(unit->memory + MOTION, own->axes, 2, own->stations, own->state);
-    if (own->orders == QUINTIC_ORDERS) { /* the speed is constant: begin at the present */
-        forces_now(own, rotor_drive(unit) + SPUN, ago, own->operand);
-        variable_speed_torque(&own->variable, &own->rotor, own->state, own->operand,
-                              unit->memory[REST], speed, spin_up, 0.0, torque,
-                              own->variable_scratch);
-        return 0;
-    }
     variable_speed_torque(&own->variable, &own->rotor, own->state, rotor_drive(unit) + SPUN,
                           angle, speed, spin_up, ago, torque, own->variable_scratch);
     return 0;
@@ -421,11 +399,6 @@ static int propagate(Unit *unit, double step)
         return propagate_friction(unit, step);
     }
     if (rotor_drive(unit)[SPIN_UP] != 0.0 || drifts(rotor_drive(unit) + SPIN_UP)) {
-        Failure failure;
-        if (own->orders == QUINTIC_ORDERS) {
-            fail(&failure, FAILURE_QUINTIC_SPIN, "acceleration", 0, 0.0, 0.0, 0.0, 0.0);
-            return unit_failed(unit, &failure, NULL, 0);
-        }
         return propagate_variable(unit, step);
     }
     if (set_operand(unit)) {
@@ -463,18 +436,19 @@ int rotor_propagate(Unit *unit, double step)
     return 0;
 }
 
-void rotor_put(Rotor *own, const double *planes, double angle, double speed, double *out)
+void rotor_put(Rotor *own, const double *planes, double angle, double speed, double spin_up,
+               double *out)
 {
     const size_t n = 2 * (size_t)own->planes, exact = (size_t)own->orders / 2;
     size_t k;
     copy_doubles(exact * n, planes, out);
     if (own->turning) {
         const Complex turned = turned_by(own->turned, angle);
-        /* (a e^{-i beta})'' = (s - 2 i w j - w^2 a) e^{-i beta} */
+        /* (a e^{-i beta})'' = (s - 2 i w j - (w^2 + i w') a) e^{-i beta} */
         for (k = 0; exact == 3 && k < n; k += 2) {
             const double *a = planes + k, *j = a + n;
-            out[2 * n + k] += speed * (2.0 * j[1] - speed * a[0]);
-            out[2 * n + k + 1] -= speed * (2.0 * j[0] + speed * a[1]);
+            out[2 * n + k] += speed * (2.0 * j[1] - speed * a[0]) + spin_up * a[1];
+            out[2 * n + k + 1] -= speed * (2.0 * j[0] + speed * a[1]) + spin_up * a[0];
         }
         /* (a e^{-i beta})' = (j - i w a) e^{-i beta} */
         for (k = 0; k < n; k += 2) {
@@ -491,7 +465,8 @@ int rotor_outputs_now(Unit *unit, double *out)
     if (rotor_propagate(unit, 0.0)) {
         return 1;
     }
-    rotor_put(own, own->result + 4 * own->stations, unit->memory[REST], rotor_drive(unit)[0], out);
+    rotor_put(own, own->result + 4 * own->stations, unit->memory[REST], rotor_drive(unit)[0],
+              rotor_drive(unit)[SPIN_UP], out);
     return 0;
 }
 

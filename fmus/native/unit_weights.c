@@ -116,14 +116,13 @@ static int begin(Unit *unit)
 }
 
 /* The second derivative of a vector in the axes of weights_rotating, from the fixed axes' vector. */
-static Complex rotating_second(double angle, double speed, Complex value, Complex slope,
-                               Complex second)
+static Complex rotating_second(double angle, double speed, double spin_up, Complex value,
+                               Complex slope, Complex second)
 {
-    /* second - 2 i w slope - w^2 value */
-    const double squared = speed * speed;
-    const Complex seen =
-        complex_of(second.re + 2.0 * speed * slope.im - squared * value.re,
-                   second.im - 2.0 * speed * slope.re - squared * value.im);
+    /* second - 2 i w slope - (w^2 + i w') value */
+    const Complex moved = complex_product(complex_of(speed * speed, spin_up), value);
+    const Complex seen = complex_of(second.re + 2.0 * speed * slope.im - moved.re,
+                                    second.im - 2.0 * speed * slope.re - moved.im);
     return complex_product(seen, rect(1.0, -angle));
 }
 
@@ -158,8 +157,10 @@ RotorMotion weights_motion_now(const Unit *unit)
     now.speed = in[SPEED] + spin_up[0] * ago + more.speed;
     now.spin_up = spin_up[0] + more.acceleration;
     now.change = more.slope;
+    now.curvature = spin_up[2] + ago * spin_up[3];
     if (unit->layout.sizes.fixed_frame) {
-        now.second = rotating_second(now.angle, now.speed, now.acceleration, now.slope, now.second);
+        now.second = rotating_second(now.angle, now.speed, now.spin_up, now.acceleration, now.slope,
+                                     now.second);
         weights_rotating(now.angle, now.speed, &now.acceleration, &now.slope);
     }
     return now;
@@ -182,18 +183,6 @@ int weights_force_now(Unit *unit, const RotorMotion *now, Complex *force)
     return 0;
 }
 
-/* 1 with the reason where the speed changes, for which there are no second derivatives. */
-static int refuse_spin(Unit *unit)
-{
-    const double *spin_up = weights_drive(unit) + ACCELERATION;
-    Failure failure;
-    if (spin_up[0] == 0.0 && !drifts(spin_up)) {
-        return 0;
-    }
-    fail(&failure, FAILURE_QUINTIC_SPIN, "acceleration", 0, 0.0, 0.0, 0.0, 0.0);
-    return unit_failed(unit, &failure, NULL, 0);
-}
-
 /* Second derivative of the force, whose value and slope are given in the rotor's axes. */
 static void put_second(Unit *unit, const RotorMotion *now, const Complex *force, double *out)
 {
@@ -201,10 +190,10 @@ static void put_second(Unit *unit, const RotorMotion *now, const Complex *force,
     const Complex motion[3] = {now->acceleration, now->slope, now->second};
     Complex second = quintic_weights_reaction_second(&own->track.weights, unit->memory,
                                                      unit->memory + own->count, motion, now->speed,
-                                                     own->turned);
+                                                     &now->spin_up, own->turned);
     second = complex_difference(second, complex_scaled(own->sent, now->second));
     if (unit->layout.sizes.fixed_frame) {
-        second = rotating_second(-now->angle, -now->speed, force[0], force[1], second);
+        second = rotating_second(-now->angle, -now->speed, -now->spin_up, force[0], force[1], second);
     }
     out[0] = second.re;
     out[1] = second.im;
@@ -218,9 +207,6 @@ static int put(Unit *unit)
     const RotorMotion now = weights_motion_now(unit);
     double *out = unit->real + unit->layout.computed.first;
     Complex force[3];
-    if (own->orders == QUINTIC_ORDERS && refuse_spin(unit)) {
-        return 1;
-    }
     if (weights_force_now(unit, &now, force)) {
         return 1;
     }
@@ -285,28 +271,29 @@ static int meet(Unit *unit, const Complex *cubic, double speed, const double *sp
 static int step_quintic(Unit *unit, double length)
 {
     Balls *own = unit->own;
-    const double *in = weights_drive(unit);
+    const double *in = weights_drive(unit), *spin_up = in + ACCELERATION;
     double *angles = unit->memory, *speeds = unit->memory + own->count;
     Complex signal[QUINTIC_ORDERS];
     Failure failure;
-    if (refuse_spin(unit)) {
-        return 1;
-    }
     signal_quintic(unit->real + unit->layout.inputs.first, signal);
     if (unit->layout.sizes.fixed_frame) {
         Complex ends[2][3];
         int k;
         for (k = 0; k < 2; k++) {
-            const double angle = in[ANGLE] + k * length * in[SPEED];
+            const double t = k * length;
+            const Drift more = drift(spin_up, t);
+            const double angle = in[ANGLE] + t * (in[SPEED] + 0.5 * spin_up[0] * t) + more.angle;
+            const double speed = in[SPEED] + spin_up[0] * t + more.speed;
             Complex *end = ends[k];
-            quintic_at(signal, k * length, end);
-            end[2] = rotating_second(angle, in[SPEED], end[0], end[1], end[2]);
-            weights_rotating(angle, in[SPEED], end, end + 1);
+            quintic_at(signal, t, end);
+            end[2] = rotating_second(angle, speed, spin_up[0] + more.acceleration, end[0], end[1],
+                                     end[2]);
+            weights_rotating(angle, speed, end, end + 1);
         }
         signal_quintic_hermite(ends[0], ends[1], length, signal);
     }
-    if (quintic_weights_advance(&own->track.weights, angles, speeds, signal, length, angles, speeds,
-                                &own->quintic, own->turned, &failure)) {
+    if (quintic_weights_advance(&own->track.weights, angles, speeds, signal, spin_up, length, angles,
+                                speeds, &own->quintic, own->turned, &failure)) {
         return unit_failed(unit, &failure, unit->before, (size_t)own->count);
     }
     unit->memory[unit->memory_count - 1] = unit->made;

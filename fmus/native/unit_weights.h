@@ -43,7 +43,8 @@ void weights_rotating(double angle, double speed, Complex *value, Complex *slope
 typedef struct {
     Complex acceleration, slope; /* of the plane's centre, rotor frame */
     Complex second;              /* its second derivative, with quintic signals */
-    double angle, speed, spin_up, change; /* each the next one's integral */
+    double angle, speed, spin_up, change, curvature; /* each the next one's integral; the last three
+                                                        side by side, derivatives of the speed */
 } RotorMotion;
 
 /* At the end of the last step, or where inputs are set since. */

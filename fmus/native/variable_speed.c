@@ -3,6 +3,8 @@
 #include "cubic.h"
 #include "elementary.h"
 #include "matrix.h"
+#include "quintic.h"
+#include "signals.h"
 #include "spin.h"
 
 #define ROOT 2.449489742783178 /* sqrt(6) */
@@ -31,7 +33,7 @@ size_t variable_speed_scratch(int stations, int planes, int axes)
     const size_t parts = axes == 1 ? 2 : 1, size = 2 * dof;
     const size_t make = dof * (6 * dof + forces + axes);
     const size_t stages = STAGES * size * (STAGES * size + 1) + size * size;
-    const size_t drive = 6 * dof + 6 * forces + 2 * axes, kept = 2 * size;
+    const size_t drive = 8 * dof + 8 * forces + 4 * axes, kept = 2 * size;
     return parts * ((make > stages ? make : stages) + drive + kept);
 }
 
@@ -81,6 +83,7 @@ int variable_speed_step(const LinearRotor *rotor, int turning_force, double *mem
     double *stiffness_1 = damping_1 + square, *columns = stiffness_1 + square;
     size_t k;
     made->turning_force = turning_force;
+    made->orders = SIGNAL_ORDERS;
     made->axes = axes;
     made->parts = parts;
     made->dof = dof;
@@ -137,6 +140,23 @@ static void sum_drive(const VariableSpeedStep *method, const double *forces, con
     }
 }
 
+/* The k-th force at time t: value and slope, of a quintic the second derivative as well. */
+static void force_at(const VariableSpeedStep *method, const double *forces, int k, double t,
+                     Complex *derivatives)
+{
+    Complex signal[QUINTIC_ORDERS];
+    int order;
+    for (order = 0; order < method->orders; order++) {
+        const double *f = forces + 2 * (order * method->plane_count + k);
+        signal[order] = complex_of(f[0], f[1]);
+    }
+    if (method->orders == QUINTIC_ORDERS) {
+        quintic_at(signal, t, derivatives);
+    } else {
+        signal_at(signal, t, derivatives, derivatives + 1);
+    }
+}
+
 /* Acceleration (dof) by unbalance, plane forces and gravity at time t, its derivative, and the speed. */
 static double set_drive(const VariableSpeedStep *method, const double *forces, double angle,
                         double speed, const double *spin_up, double t, double *drive,
@@ -149,15 +169,12 @@ static double set_drive(const VariableSpeedStep *method, const double *forces, d
     double *pull_slopes = pulls + elements, *work = pull_slopes + elements;
     const double w = speed + spin_up[0] * t + more.speed;
     const Complex turn = rect(1.0, angle + speed * t + 0.5 * spin_up[0] * t * t + more.angle);
-    int k, order;
+    int k;
     for (k = 0; k < p; k++) {
-        Complex cubic[4], value, slope;
-        for (order = 0; order < 4; order++) {
-            const double *f = forces + 2 * (order * p + k);
-            cubic[order] = complex_of(f[0], f[1]);
-        }
-        value = cubic_value(cubic, t);
-        slope = cubic_slope(cubic, t);
+        Complex derivatives[3], value, slope;
+        force_at(method, forces, k, t, derivatives);
+        value = derivatives[0];
+        slope = derivatives[1];
         if (method->turning_force) {
             value = complex_product(value, turn);
             /* value is turned already */
@@ -176,6 +193,35 @@ static double set_drive(const VariableSpeedStep *method, const double *forces, d
     }
     sum_drive(method, slopes, pull_slopes, drive_slope, work);
     return w;
+}
+
+/* Second derivative (dof) of the acceleration by unbalance and quintic plane forces at time t. */
+static void set_drive_second(const VariableSpeedStep *method, const double *forces, double angle,
+                             double speed, const double *spin_up, double t, double *drive_second,
+                             double *scratch)
+{
+    const Drift more = drift(spin_up, t);
+    const int p = method->plane_count, elements = method->parts * method->axes;
+    double *seconds = scratch, *pulls = seconds + elements * p, *work = pulls + elements;
+    const double w = speed + spin_up[0] * t + more.speed, w1 = spin_up[0] + more.acceleration;
+    const double w2 = more.slope, w3 = spin_up[2] + t * spin_up[3];
+    const Complex turn = rect(1.0, angle + speed * t + 0.5 * spin_up[0] * t * t + more.angle);
+    const Complex pull =
+        complex_of(3.0 * w1 * w1 + 4.0 * w * w2 - w * w * w * w, 6.0 * w * w * w1 - w3);
+    int k;
+    for (k = 0; k < p; k++) {
+        Complex f[3], second;
+        force_at(method, forces, k, t, f);
+        second = f[2];
+        if (method->turning_force) {
+            second = complex_sum(second, complex_product(complex_of(0.0, 2.0 * w), f[1]));
+            second = complex_sum(second, complex_product(complex_of(-w * w, w1), f[0]));
+            second = complex_product(second, turn);
+        }
+        put(method, p, k, second, seconds);
+    }
+    put(method, 1, 0, complex_product(pull, turn), pulls);
+    sum_drive(method, seconds, pulls, drive_second, work);
 }
 
 /* matrix (dof, 2 dof) = still + w per_speed. */
@@ -369,6 +415,32 @@ void variable_speed_plane_motion(const VariableSpeedStep *method, const double *
     station_motion(method, state, forces, angle, speed, spin_up, t, rates, jerks, work);
     matrix_product(parts, planes, dof, 1, method->planes, rates + half, acceleration);
     matrix_product(parts, planes, dof, 1, method->planes, jerks, jerk);
+}
+
+void variable_speed_plane_second(const VariableSpeedStep *method, const double *state,
+                                 const double *forces, double angle, double speed,
+                                 const double *spin_up, double t, double *second, double *scratch)
+{
+    const int dof = method->dof, parts = method->parts, planes = method->axes * method->plane_count;
+    const size_t half = (size_t)dof * parts;
+    const Drift more = drift(spin_up, t);
+    /* velocity, acceleration and jerk stand side by side */
+    double *rates = scratch, *jerks = rates + 2 * half, *sum = jerks + half, *term = sum + half;
+    double *matrix = term + half, *work = matrix + 2 * half * dof;
+    size_t k;
+    station_motion(method, state, forces, angle, speed, spin_up, t, rates, jerks, term);
+    set_drive_second(method, forces, angle, speed, spin_up, t, sum, term);
+    set_matrix(method, speed + spin_up[0] * t + more.speed, matrix);
+    matrix_product(parts, dof, 2 * dof, 1, matrix, rates + half, term);
+    for (k = 0; k < half; k++) {
+        sum[k] += term[k];
+    }
+    matrix_product(parts, dof, 2 * dof, 1, method->per_speed, rates, term);
+    matrix_product(parts, dof, 2 * dof, 1, method->per_speed, state, work);
+    for (k = 0; k < half; k++) {
+        sum[k] += 2.0 * (spin_up[0] + more.acceleration) * term[k] + more.slope * work[k];
+    }
+    matrix_product(parts, planes, dof, 1, method->planes, sum, second);
 }
 
 /* x + i y of station k of (dof,) elements. */

@@ -17,21 +17,22 @@ typedef struct {
     double *force;             /* (dof, axes p) */
     double *unbalance;         /* (dof, axes) */
     double *falling;           /* (dof,) gravity, NULL without */
+    int orders;                /* numbers that tell a force: 4 of a cubic, 6 of a quintic */
 } VariableSpeedStep;
 
 /* Doubles of the matrices, of the scratch for making them, and of that for the two functions. */
 size_t variable_speed_size(int stations, int planes, int axes);
 size_t variable_speed_scratch(int stations, int planes, int axes);
 
-/* The matrices in `memory`. */
+/* The matrices in `memory`; forces are cubics, unless `orders` is changed. */
 int variable_speed_step(const LinearRotor *rotor, int turning_force, double *memory,
                         double *scratch, VariableSpeedStep *made, Failure *failure);
 
 /* State (q, v) one `step` [s] later, in place, displacements to a share of 1e-10.
 
    state: (2 dof) elements, complex for an isotropic rotor, else q (x..., y...), v (x..., y...).
-   forces: (4, p) complex forces on the planes in the rotor frame (fixed axes when turning_force is
-   0) and their derivatives.  angle, speed: of the rotor at the start; spin_up (4,): its angular
+   forces: (orders, p) complex forces on the planes in the rotor frame (fixed axes when turning_force
+   is 0) and their derivatives.  angle, speed: of the rotor at the start; spin_up (4,): its angular
    acceleration there and the derivatives of that of order 1 to 3. */
 int variable_speed_advance(const VariableSpeedStep *method, double *state, const double *forces,
                            double angle, double speed, const double *spin_up, double step,
@@ -48,6 +49,11 @@ void variable_speed_plane_motion(const VariableSpeedStep *method, const double *
                                  const double *forces, double angle, double speed,
                                  const double *spin_up, double t, double *acceleration,
                                  double *jerk, double *scratch);
+
+/* Under quintic forces the second derivative of the planes' acceleration, likewise. */
+void variable_speed_plane_second(const VariableSpeedStep *method, const double *state,
+                                 const double *forces, double angle, double speed,
+                                 const double *spin_up, double t, double *second, double *scratch);
 
 /* Torque of unbalance and internal damping on the shaft and its slope [N m, N m/s];
    models/steps/variable_speed.py has the equation.

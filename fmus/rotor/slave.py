@@ -9,7 +9,6 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
-from ...models import quintic
 from ...models.rotor import LinearRotor
 from ...models.spin import Drift, drift
 from ...models.steps.friction import FrictionStep, Held, held_at_start
@@ -58,16 +57,16 @@ class RotorOnSupports(Slave):
 
     def step(self, step: float) -> None:
         speed, spin_up = self._drive()
-        gone, faster, _, _ = self._drift(step)
+        gone, faster, more, _ = self._drift(step)
         motion, planes = self._propagate(step)
         angle = turned(self.memory[:3], step * (speed + 0.5 * spin_up * step) + gone)
         self.memory = [*angle, *motion, step]
-        self._put(planes, angle[1], speed + spin_up * step + faster)
+        self._put(planes, angle[1], speed + spin_up * step + faster, spin_up + more)
 
     def outputs(self) -> None:
         self.memory = [*self.memory[:-1], 0.0]
         _, planes = self._propagate(0.0)
-        self._put(planes, self.memory[1], self._drive()[0])
+        self._put(planes, self.memory[1], *self._drive())
 
     def observe(self) -> None:
         angle, motion = total(self.memory[:3]), self._motion()
@@ -88,9 +87,6 @@ class RotorOnSupports(Slave):
         more = self._drift(t)
         angle = turned(self.memory[:3], -t * (speed + 0.5 * spin_up * t) - more.angle)[1]
         drive = self._drive_of(inputs, angle)
-        if self.sizes.order == 5:  # the speed is constant: begin at the present
-            now = [*quintic.at(list(drive.forces), t), np.zeros(self.sizes.planes)]
-            drive, t = drive._replace(forces=np.array(now), angle=self.memory[1]), 0.0
         if self.sizes.sliders:
             state, held = self._held()
             return self._friction().torque(state, held, drive, t)
@@ -139,10 +135,6 @@ class RotorOnSupports(Slave):
         if self.sizes.sliders:
             return self._propagate_friction(step, inputs)
         if any(inputs[p + 1 : p + 5]):
-            if self.sizes.order == 5:
-                raise ValueError(
-                    "acceleration: must be 0, as its derivatives, with signals of order = 5"
-                )
             return self._propagate_variable(step, inputs)
         rest = self.memory[1]
         c, s = math.cos(rest), math.sin(rest)
@@ -169,8 +161,11 @@ class RotorOnSupports(Slave):
         if step:
             state = method.advance(state, drive, step)
         acceleration, jerk = method.plane_motion(state, drive, step)
-        planes = np.concatenate([acceleration, jerk])
-        return _from_axes(state, method.axes), _from_axes(planes, method.axes)
+        blocks = [acceleration, jerk]
+        if self.sizes.order == 5:
+            blocks.append(method.plane_second(state, drive, step))
+        planes = _from_axes(np.concatenate(blocks), method.axes, len(blocks))
+        return _from_axes(state, method.axes), planes
 
     def _propagate_friction(
         self, step: float, inputs: list[float]
@@ -206,15 +201,15 @@ class RotorOnSupports(Slave):
         forces = np.array(inputs[p + 5 :]).view(complex).reshape(-1, p)
         return Drive(forces, angle, speed, spin_up, (rates[0], rates[1], rates[2]))
 
-    def _put(self, planes: list[float], angle: float, speed: float) -> None:
+    def _put(self, planes: list[float], angle: float, speed: float, spin_up: float) -> None:
         """Computed outputs from what the planes do in fixed axes, see `_propagate`."""
         n = 2 * self.sizes.planes
         a, j, s = planes[:n], planes[n : 2 * n], planes[2 * n :]
         if self.turning:
-            # (a e^{-i beta})'' = (s - 2 i w j - w^2 a) e^{-i beta}
+            # (a e^{-i beta})'' = (s - 2 i w j - (w^2 + i w') a) e^{-i beta}
             for k in range(0, len(s), 2):
-                s[k] += speed * (2.0 * j[k + 1] - speed * a[k])
-                s[k + 1] -= speed * (2.0 * j[k] + speed * a[k + 1])
+                s[k] += speed * (2.0 * j[k + 1] - speed * a[k]) + spin_up * a[k + 1]
+                s[k + 1] -= speed * (2.0 * j[k] + speed * a[k + 1]) + spin_up * a[k]
             # (a e^{-i beta})' = (j - i w a) e^{-i beta}
             for k in range(0, n, 2):
                 j[k] += speed * a[k + 1]

@@ -23,7 +23,7 @@ class _Now(NamedTuple):
     Attributes:
         motion: acceleration of the plane's centre in the rotor frame, its slope and, with signals
             of order 5, its second derivative [m/s^2, m/s^3, ...].
-        angle, speed, spin_up, change: of the rotor, each the next one's integral.
+        angle, speed, spin_up, change, curvature: of the rotor, each the next one's integral.
     """
 
     motion: tuple[complex, ...]
@@ -31,6 +31,7 @@ class _Now(NamedTuple):
     speed: float
     spin_up: float
     change: float
+    curvature: float
 
 
 class BallBalancer(Slave):
@@ -85,12 +86,14 @@ class BallBalancer(Slave):
         *signal, angle, speed, spin_up, first, second, third = self.real[self.layout.inputs]
         track = orders(signal)
         if self.sizes.frame == "fixed":
-            start = _rotating(track[: len(now.motion)], angle, speed)
+            start = _rotating(track[: len(now.motion)], angle, speed, spin_up)
             track = (*start, *_joined(start, now.motion, step))
         rates = (first, second, third)
         if self.sizes.order == 5:
             angles, speeds, _ = self._state()
-            angles, speeds = quintic_weights.advance(self.model, angles, speeds, track, step)
+            angles, speeds = quintic_weights.advance(
+                self.model, angles, speeds, track, spin_up, step, rates
+            )
             self.memory = [*angles, *speeds, step]
             self._put(now)
             return
@@ -135,13 +138,10 @@ class BallBalancer(Slave):
         gone, faster, more, change = drift((first, second, third), time)
         angle += time * (speed + 0.5 * spin_up * time) + gone
         speed += spin_up * time + faster
-        if self.sizes.order == 5 and (spin_up or first or second or third):
-            raise ValueError(
-                "acceleration: must be 0, as its derivatives, with signals of order = 5"
-            )
+        spin_up += more
         if self.sizes.frame == "fixed":
-            seen = _rotating(seen, angle, speed)
-        return _Now(seen, angle, speed, spin_up + more, change)
+            seen = _rotating(seen, angle, speed, spin_up)
+        return _Now(seen, angle, speed, spin_up, change, second + time * third)
 
     def _state(self) -> tuple[list[float], list[float], list[float]]:
         """Angles, speeds and contacts of the weights; no contacts where there can be none."""
@@ -165,7 +165,7 @@ class BallBalancer(Slave):
         force: tuple[complex, ...] = self._force(now)
         if len(now.motion) == 3:
             second = quintic_weights.reaction_second(
-                self.model, *self._state()[:2], now.motion, now.speed
+                self.model, *self._state()[:2], now.motion, now.speed, now[3:]
             )
             force = (*force, second)
         if not self.plain:
@@ -173,22 +173,24 @@ class BallBalancer(Slave):
         if self.sent:
             force = tuple(f - self.sent * a for f, a in zip(force, now.motion, strict=True))
         if self.sizes.frame == "fixed":
-            force = _rotating(force, -now.angle, -now.speed)
+            force = _rotating(force, -now.angle, -now.speed, -now.spin_up)
         parts = [part for f in force for part in (f.real, f.imag)]
         self.real[self.layout.computed] = [*parts, self.carried]
 
 
-def _rotating(vector: Sequence[complex], angle: float, speed: float) -> tuple[complex, ...]:
-    """A vector, its slope and, at a constant speed, its second derivative in axes that turn.
+def _rotating(
+    vector: Sequence[complex], angle: float, speed: float, spin_up: float
+) -> tuple[complex, ...]:
+    """A vector, its slope and its second derivative, if it comes with one, in axes that turn.
 
-    Those of the rotor, or with the negative angle and speed the fixed ones.
+    Those of the rotor, or with the negative angle, speed and acceleration the fixed ones.
     """
     turn = cmath.rect(1.0, -angle)
     value, slope = vector[:2]
     seen = value * turn, (slope - 1j * speed * value) * turn
     if len(vector) == 2:
         return seen
-    return *seen, (vector[2] - 2j * speed * slope - speed * speed * value) * turn
+    return *seen, (vector[2] - 2j * speed * slope - complex(speed * speed, spin_up) * value) * turn
 
 
 def _joined(start: Sequence[complex], end: Sequence[complex], step: float) -> tuple[complex, ...]:

@@ -10,7 +10,9 @@ from .runtime import runtime
 from .system import System
 
 BRIEF = 1e-6  # of a communication step
-QUINTIC = 1e-4  # tolerance from which on quintic signals cost less than cubic ones
+# tolerance from which on quintic signals cost less than cubic ones, at a constant speed; and in a
+# run-up, where the rotor's own step is the larger part
+QUINTIC, QUINTIC_RUN_UP = 1e-4, 1e-5
 
 
 class DrivenSpeed:
@@ -42,10 +44,11 @@ def as_run(scene: Scene) -> Scene:
 def order_of_run(scene: Scene) -> int:
     """Of the signals of a whole run: the scene's, or 5 where it leaves it open and that costs less.
 
-    The units that `build` writes are as the scene says: those of order 5 take a constant speed.
+    The units that `build` writes are as the scene says: other tools connect cubics.
     """
     coupling = scene.coupling
-    if coupling.tolerance is None or coupling.tolerance > QUINTIC:
+    pays = QUINTIC_RUN_UP if scene.operation.run_up else QUINTIC
+    if coupling.tolerance is None or coupling.tolerance > pays:
         return coupling.order
     exchanges = any(balancer.exchanges_force for balancer in scene.balancer)
     left_open = "order" not in coupling.model_fields_set

@@ -249,8 +249,7 @@ class Scene(Table):
 
     def _without_second_derivatives(self) -> list[str]:
         """Keys of what has no second derivatives of its signals."""
-        drives = ("run_up", "motor")
-        wrong = [f"operation.{what}" for what in drives if getattr(self.operation, what)]
+        wrong = ["operation.motor"] if self.operation.motor else []
         wrong += ["rotor.friction"] if self.rotor.friction else []
         wrong += [
             f"balancer[{i}].{key}"
@@ -263,7 +262,7 @@ class Scene(Table):
     def _refused_with_quintics(self) -> list[str]:
         """What cannot be coupled by them."""
         return [
-            f"{what}: coupling.order = 5 takes a constant speed, supports without dry friction, "
+            f"{what}: coupling.order = 5 takes a prescribed speed, supports without dry friction, "
             "and point weights on centred tracks: leave this out, or take order = 3"
             for what in (self._without_second_derivatives() if self.coupling.order == 5 else ())
         ]

@@ -16,13 +16,15 @@ short for the motion at hand.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
+from .. import quintic
 from ..rotor import LinearRotor
-from ..spin import STEADY, Rates, drift
+from ..spin import STEADY, Rates, drift, spin_at
 from .radau import radau
 
 STAGES = 3  # order 5: as good as the cubic forces
@@ -37,7 +39,7 @@ class Drive(NamedTuple):
 
     Attributes:
         forces: (4, p) complex forces on the planes in the rotor frame at the start and their
-            derivatives; in fixed axes when `turning_force` is False.
+            derivatives, of quintics (6, p); in fixed axes when `turning_force` is False.
         angle, speed: of the rotor at the start [rad, rad/s].
         angular_acceleration: at the start of the step [rad/s^2].
         rates: its derivatives of order 1 to 3 there [rad/s^3, ...].
@@ -79,8 +81,7 @@ class VariableSpeedStep:
         gone, faster, more, change = drift(rates, t)
         w, angular_acceleration = speed + spin_up * t + faster, spin_up + more
         turn = np.exp(1j * (angle + speed * t + 0.5 * spin_up * t * t + gone))
-        value = forces[0] + t * (forces[1] + t * (forces[2] / 2 + t * forces[3] / 6))
-        slope = forces[1] + t * (forces[2] + t * forces[3] / 2)
+        value, slope = _derivatives(forces, t)[:2]
         pull = np.array([w * w - 1j * angular_acceleration]) * turn
         pull_slope = np.array([3.0 * w * angular_acceleration + 1j * (w**3 - change)]) * turn
         if self.turning_force:
@@ -92,6 +93,20 @@ class VariableSpeedStep:
         if self.falling is not None:
             push = push + self.falling
         return push, push_slope, w, angular_acceleration
+
+    def _drive_second(self, drive: Drive, t: float) -> NDArray:
+        """Second derivative of the acceleration by unbalance and plane forces at t, of quintics."""
+        forces, angle, speed, spin_up, rates = drive
+        gone, faster, _, _ = drift(rates, t)
+        w, (w1, w2, w3) = speed + spin_up * t + faster, spin_at(spin_up, rates, t)
+        turn = np.exp(1j * (angle + speed * t + 0.5 * spin_up * t * t + gone))
+        value, slope, second = _derivatives(forces, t)
+        if self.turning_force:
+            second = (second + 2j * w * slope + (1j * w1 - w * w) * value) * turn
+        pull = 3.0 * w1 * w1 + 4.0 * w * w2 - w**4 + 1j * (6.0 * w * w * w1 - w3)
+        return self.force @ self._axes_of(second) + self.unbalance @ self._axes_of(
+            np.array([pull * turn])
+        )
 
     def advance(self, state: NDArray, drive: Drive, step: float) -> NDArray:
         """State (q, v) one `step` [s] later, displacements to `ACCURACY`.
@@ -161,6 +176,18 @@ class VariableSpeedStep:
         jerk = matrix @ np.concatenate([state[self.dof :], acceleration])
         return acceleration, jerk + angular_acceleration * (self.per_speed @ state) + push_slope
 
+    def plane_second(self, state: NDArray, drive: Drive, t: float = 0.0) -> NDArray:
+        """Second derivative of the planes' acceleration under quintic forces; as `plane_motion`."""
+        acceleration, jerk = self.motion(state, drive, t)
+        faster = drift(drive.rates, t).speed
+        w1, w2, _ = spin_at(drive.angular_acceleration, drive.rates, t)
+        w = drive.speed + drive.angular_acceleration * t + faster
+        velocity = state[self.dof :]
+        second = (self.still + w * self.per_speed) @ np.concatenate([acceleration, jerk])
+        second += 2.0 * w1 * (self.per_speed @ np.concatenate([velocity, acceleration]))
+        second += w2 * (self.per_speed @ state)
+        return self.planes @ (second + self._drive_second(drive, t))
+
     def torque(
         self, state: NDArray, drive: Drive, t: float, motion: tuple[NDArray, NDArray] | None = None
     ) -> tuple[float, float]:
@@ -186,6 +213,17 @@ class VariableSpeedStep:
     def _vectors(self, values: NDArray) -> NDArray:
         """x + i y of the stations."""
         return values if self.axes == 1 else values[: self.dof // 2] + 1j * values[self.dof // 2 :]
+
+
+def _derivatives(forces: NDArray, time: float) -> Sequence[NDArray]:
+    """Cubic or quintic forces at a time: value and slope, of quintics the second derivative too."""
+    if len(forces) == 6:
+        return quintic.at(list(forces), time)
+    f0, f1, f2, f3 = forces
+    return (
+        f0 + time * (f1 + time * (f2 / 2 + time * f3 / 6)),
+        f1 + time * (f2 + time * f3 / 2),
+    )
 
 
 def _largest(values: NDArray) -> float:

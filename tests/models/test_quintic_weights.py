@@ -12,11 +12,13 @@ from scipy.interpolate import BPoly
 
 from autobalancer.models import quintic
 from autobalancer.models.quintic_weights import advance, reaction_second, substep
+from autobalancer.models.spin import STEADY
 from autobalancer.models.weights import KAPPA, Weights, reaction
 
 SIGNAL = (1.0 + 0.5j, -1.0 + 2.0j, 3.0 - 1.0j, 2.0j, -4.0 + 1.0j, 5.0 - 2.0j)
 ANGLES, SPEEDS = (0.3, 1.0), (0.2, -3.0)
 SPEED = 3.0
+SPIN_UP, RATES = 2.0, (-3.0, 4.0, 5.0)  # w' [rad/s^2] and its derivatives
 
 
 def derivative(k: int, t: float) -> complex:
@@ -25,13 +27,21 @@ def derivative(k: int, t: float) -> complex:
     return complex(np.polynomial.Polynomial(coefficients).deriv(k)(t))
 
 
-def integrate(weights: Weights, t: float, method: str = "DOP853") -> np.ndarray:
+def spin(t: float) -> tuple[float, float, float, float]:
+    """The rotor's speed and its derivatives of order 1 to 3, by NumPy's polynomials."""
+    w = np.polynomial.Polynomial(np.array([SPEED, SPIN_UP, *RATES]) / [1, 1, 2, 6, 24])
+    return w(t), w.deriv()(t), w.deriv(2)(t), w.deriv(3)(t)
+
+
+def integrate(weights: Weights, t: float, method: str = "DOP853", still: bool = True) -> np.ndarray:
     """Filimonikhina 2017 (4) in the rotor frame by SciPy: angles, then rates."""
     n, d = weights.count, weights.damping_rate
 
     def slope(s: float, y: np.ndarray) -> np.ndarray:
         pull = -(derivative(0, s) * np.exp(-1j * y[:n])).imag
-        return np.concatenate([y[n:], pull / (weights.kappa * weights.track_radius) - d * y[n:]])
+        lag = 0.0 if still else weights.spin_share * spin(s)[1]
+        along = pull / (weights.kappa * weights.track_radius) - lag
+        return np.concatenate([y[n:], along - d * y[n:]])
 
     y0 = np.array([*ANGLES, *SPEEDS])
     return solve_ivp(slope, (0.0, t), y0, method, rtol=1e-12, atol=1e-14).y[:, -1]
@@ -41,7 +51,7 @@ def in_substeps(weights: Weights, t: float, count: int) -> np.ndarray:
     state, h = list(zip(ANGLES, SPEEDS, strict=True)), t / count
     motions = [tuple(derivative(k, j * h) for k in range(3)) for j in range(count + 1)]
     for ends in pairwise(motions):
-        drive = ends, weights.lever, weights.damping_rate, h
+        drive = ends, (STEADY, STEADY), weights.lever, weights.damping_rate, h
         state = [substep(angle, rate, *drive) for angle, rate in state]
     return np.array(state).T.ravel()
 
@@ -68,7 +78,7 @@ def test_substep_has_order_6(drag: float) -> None:
 def test_any_drag_is_integrated_in_one_step(drag: float) -> None:
     weights = Weights(2, 0.1, 1.0, drag, KAPPA["rollers"])
     expected = integrate(weights, 0.1, "Radau" if weights.damping_rate > 1e3 else "DOP853")
-    angles, speeds = advance(weights, ANGLES, SPEEDS, SIGNAL, 0.1)
+    angles, speeds = advance(weights, ANGLES, SPEEDS, SIGNAL, 0.0, 0.1)
     # the first instants of weights that heavy drag stops are no quintic
     within = 1e-9 if weights.damping_rate * 0.1 < 1.0 else 2e-6
     assert_allclose([*angles, *speeds], expected, rtol=0, atol=within)
@@ -77,31 +87,43 @@ def test_any_drag_is_integrated_in_one_step(drag: float) -> None:
 def test_turns_behind_a_weight_change_nothing() -> None:
     weights = Weights(1, 0.1, 1.0, 0.1)
     turned = 2.0 * np.pi * 1e6
-    near = advance(weights, [0.3], [0.2], SIGNAL, 0.1)
-    far = advance(weights, [0.3 + turned], [0.2], SIGNAL, 0.1)
+    near = advance(weights, [0.3], [0.2], SIGNAL, 0.0, 0.1)
+    far = advance(weights, [0.3 + turned], [0.2], SIGNAL, 0.0, 0.1)
     assert far[0][0] - turned == pytest.approx(near[0][0], abs=1e-8)
 
 
-def test_second_derivative_is_that_of_the_reaction_along_the_motion() -> None:
+def test_a_changing_speed_leaves_weights_behind_as_they_are_integrated() -> None:
+    weights = Weights(2, 0.1, 0.5, 0.3, KAPPA["rollers"])
+    angles, speeds = advance(weights, ANGLES, SPEEDS, SIGNAL, SPIN_UP, 0.1, RATES)
+    assert_allclose([*angles, *speeds], integrate(weights, 0.1, still=False), atol=1e-9)
+
+
+@pytest.mark.parametrize("still", [True, False])
+def test_second_derivative_is_that_of_the_reaction_along_the_motion(still: bool) -> None:
     weights = Weights(2, 0.1, 0.5, 0.3, KAPPA["balls"])
 
+    def driven(t: float) -> tuple[float, float, float, float]:
+        return (SPEED, *STEADY) if still else spin(t)
+
     def slope_at(t: float) -> complex:
-        angles, speeds = np.split(integrate(weights, t), 2) if t else (ANGLES, SPEEDS)
-        motion = derivative(0, t), derivative(1, t)
-        return reaction(weights, angles, speeds, *motion, SPEED, 0.0)[1]
+        angles, speeds = np.split(integrate(weights, t, still=still), 2)
+        return reaction(
+            weights, angles, speeds, derivative(0, t), derivative(1, t), *driven(t)[:3]
+        )[1]
 
     h = 2e-3  # four points: order 4 from one side would do less
     around = [slope_at(0.1 + k * h) for k in (-2, -1, 1, 2)]
     expected = (around[0] - 8.0 * around[1] + 8.0 * around[2] - around[3]) / (12.0 * h)
-    angles, speeds = np.split(integrate(weights, 0.1), 2)
+    angles, speeds = np.split(integrate(weights, 0.1, still=still), 2)
     motion = derivative(0, 0.1), derivative(1, 0.1), derivative(2, 0.1)
-    found = reaction_second(weights, angles, speeds, motion, SPEED)
+    w, *spin_up = driven(0.1)
+    found = reaction_second(weights, angles, speeds, motion, w, tuple(spin_up))
     assert found == pytest.approx(expected, rel=1e-7)
 
 
 def test_input_that_is_not_finite_is_refused() -> None:
     weights = Weights(1, 0.1, 0.5)
     with pytest.raises(ArithmeticError, match="not finite"):
-        advance(weights, [float("nan")], [0.0], SIGNAL, 0.1)
+        advance(weights, [float("nan")], [0.0], SIGNAL, 0.0, 0.1)
     with pytest.raises(ArithmeticError, match="substeps"):
-        advance(weights, [0.0], [1e9], SIGNAL, 0.1)
+        advance(weights, [0.0], [1e9], SIGNAL, 0.0, 0.1)

@@ -31,6 +31,8 @@ CORE = [
     "rotor_kinds",
     "linear_rotor",
     "propagator",
+    "quintic",
+    "signals",
     "variable_speed",
     "weights",
     "liquid",
@@ -151,6 +153,7 @@ VariableSpeedStep = _struct(
     "VariableSpeedStep",
     **dict.fromkeys(["turning_force", "axes", "parts", "dof", "plane_count"], c_int),
     **dict.fromkeys(["still", "per_speed", "planes", "force", "unbalance", "falling"], _D),
+    orders=c_int,
 )
 Doubled = _struct("Doubled", used=c_int, times=c_int, **dict.fromkeys(["scaled", "grown"], _D))
 Doublings = _struct("Doublings", next=c_int, doubled=Doubled * 4)

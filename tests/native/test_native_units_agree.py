@@ -112,8 +112,6 @@ def motion(packaging, path, layout, seed: int, changes: dict | None = None) -> n
         values["inertia_as_force"] = seed % 3 == 0
     host.begin(values)
     names = [v.name for v in layout.reals[layout.inputs]]
-    if any(name.endswith(",5)") for name in names):
-        names = [name for name in names if "acceleration" not in name]
     seen = [host.outputs()]
     for k in range(STEPS):
         host.set({name: drawn(rng, name, k) for name in names})

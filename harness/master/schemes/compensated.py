@@ -83,7 +83,7 @@ class Compensated(Explicit):
         if jump or system.has_no_past:
             self._forget(system)
         past, reals = self._past, self._reals
-        maps = self._maps.get((past, step)) or self._new_maps(system, past, step)
+        maps = self._maps.get((past, step)) or self._new_maps(system, past, step, jump)
         maps.turn(self._speed(time) * past)
         maps.pushed.dot(reals, system.pushed)
         system.step_rotor(time, step)
@@ -116,10 +116,10 @@ class Compensated(Explicit):
         ):
             kept[: self._parts] = state.now
 
-    def _new_maps(self, system: System, past: float, step: float) -> StepMaps:
+    def _new_maps(self, system: System, past: float, step: float, jump: bool) -> StepMaps:
         if len(self._maps) >= _MOST_MAPS:
             self._maps.clear()
         solution = rescaled(self._solution, step / self._solved_step, self._parts)
         planes = [exchange.plane for exchange in system.exchanges]
-        self._maps[past, step] = maps = StepMaps(self._parts, planes, solution, past, step)
+        self._maps[past, step] = maps = StepMaps(self._parts, planes, solution, past, step, jump)
         return maps

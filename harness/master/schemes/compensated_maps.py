@@ -43,6 +43,7 @@ class StepMaps:
         planes: on which each exchange is.
         solution: what signals missed, per gap between forces answered and assumed.
         past, step: lengths of the step before (0: none) and of this one [s].
+        jump: whether the step is negligible.
 
     Attributes:
         pushed, told: maps to what the rotor and the balancers are told.
@@ -51,7 +52,13 @@ class StepMaps:
     """
 
     def __init__(
-        self, parts: int, planes: Sequence[int], solution: np.ndarray, past: float, step: float
+        self,
+        parts: int,
+        planes: Sequence[int],
+        solution: np.ndarray,
+        past: float,
+        step: float,
+        jump: bool = False,
     ) -> None:
         forces, every, keeps = len(planes), len(solution) // (2 * parts), kept_of(parts)
         known = _identity((keeps + parts) * every)
@@ -70,7 +77,10 @@ class StepMaps:
         predicted = _combined(predicting, kept[: 2 * parts])
         self._assumed = predicted[..., :forces]
         self._missed = missed
-        motion = _combined(joining, np.concatenate([now[..., forces:], felt]))
+        if jump and parts == 3:  # rounding would be all that is left of the quintic's derivatives
+            motion = _combined(_leading_to(step), felt)
+        else:
+            motion = _combined(joining, np.concatenate([now[..., forces:], felt]))
         motion += self._made_good(0.0, missed[..., forces:])
         self.told = _map(motion[..., planes])
 
@@ -113,6 +123,13 @@ def kept_of(parts: int) -> int:
 def _formula(parts: int, formula: Callable[..., Cubic | Knot]) -> np.ndarray:
     """Coefficients of a formula that is linear in what tells a signal, a column each."""
     return np.array([formula(*unit) for unit in np.eye(2 * parts).tolist()]).T
+
+
+def _leading_to(step: float) -> np.ndarray:
+    """Coefficients of the parabola that ends a step with value, slope and second derivative."""
+    coefficients = np.zeros((6, 3))
+    coefficients[:3] = [[1.0, -step, 0.5 * step * step], [0.0, 1.0, -step], [0.0, 0.0, 1.0]]
+    return coefficients
 
 
 # Below, numbers that are linear in what is known are an array (parts of a signal, known, signals)
