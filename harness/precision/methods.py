@@ -167,17 +167,17 @@ def coupling_methods(exchanges_force: bool) -> list[Method]:
 
 
 def quintic_methods() -> list[Method]:
-    """The iterated scheme with quintic signals, for scenes whose units have them."""
-    methods = [Method("iterated", 5, n, passes) for passes in (1, None) for n in QUINTIC_STEPS]
+    """Every scheme that has quintic signals, for scenes whose units have them."""
+    methods = [Method("compensated", 5, n) for n in COMPENSATED_STEPS]
+    methods += [Method("iterated", 5, n, passes) for passes in (1, None) for n in QUINTIC_STEPS]
     methods += [Method("iterated", 5, tolerance=t) for t in TOLERANCES]
     return methods + one_file_methods(5)
 
 
 def one_file_methods(order: int = 3) -> list[Method]:
-    """The composite by each of its schemes that has signals of this order."""
-    steps, methods = sorted(ONE_FILE_STEPS), []
-    if order == 3:
-        methods = [Method("compensated", 3, n, one_file=True) for n in steps]
+    """The composite by each of its schemes with signals of this order."""
+    steps = sorted(ONE_FILE_STEPS)
+    methods = [Method("compensated", order, n, one_file=True) for n in steps]
     methods += [Method("iterated", order, n, 1, one_file=True) for n in steps]
     return methods + [
         Method("iterated", order, tolerance=t, one_file=True) for t in ONE_FILE_TOLERANCES

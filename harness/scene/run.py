@@ -186,13 +186,15 @@ class Coupling(Table):
             )
         if self.fewest_steps_per_rev is not None and self.tolerance is None:
             raise refusal("fewest_steps_per_rev", "needs a tolerance, which chooses the steps")
-        if self.order != 3 and self.scheme == "compensated":
-            raise refusal("order", 'must be 3 with scheme = "compensated", which exchanges slopes')
-        if self.order == 5 and self.scheme in UNCORRECTED:
+        if self.order < 3 and self.scheme == "compensated":
+            raise refusal(
+                "order", 'must be 3 or 5 with scheme = "compensated", which exchanges slopes'
+            )
+        if self.order == 5 and self.scheme in ("jacobi", "gauss-seidel"):
             raise refusal(
                 "order",
                 f'must be 0, 1 or 3 with scheme = "{self.scheme}": quintic signals are for '
-                '"iterated" and "auto"',
+                '"iterated", "compensated" and "auto"',
             )
         return self
 
