@@ -6,8 +6,7 @@ import time as clock
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
-from ...models.monolith import integrate, trajectory
-from ...models.reference.coupled import Monolith
+from ...models.monolith import equations, integrate, trajectory
 from ..master.cosimulation import CoSimulation
 from ..master.recorder import Recorder
 from ..master.runtime import Backend
@@ -35,6 +34,7 @@ SOLVERS: dict[str, tuple[float, ...]] = {
 }
 ALONG_FIXED_AXES = "jacobi along fixed axes"  # what most tools do with most units
 LIBCOSIM = "libcosimpy"
+UNDER_A_MOTOR = ("auto", "jacobi", "gauss-seidel", "iterated")  # the others know the speed ahead
 HELD: dict[str, Callable[[Scene, Sequence[str]], Runner]] = {
     ALONG_FIXED_AXES: FixedAxesRunner,
     LIBCOSIM: LibcosimRunner,
@@ -125,7 +125,7 @@ class MonolithRunner:
 
     def __init__(self, scene: Scene, names: Sequence[str], method: str, rtol: float) -> None:
         start = scene.run.initial.motion()
-        self._system = Monolith(scene.assembly(), scene.profile(), start.angle)
+        self._system = equations(scene.assembly(), scene.operation.drive(), start.angle)
         self._start, self._method, self._rtol = start, method, rtol
         self._names, self._end = list(names), end_time(scene)
 
