@@ -239,24 +239,29 @@ class Scene(Table):
         """Whether its units have signals of order 5."""
         return not self._without_second_derivatives()
 
-    def _without_second_derivatives(self) -> list[str]:
-        """Keys of what has no second derivatives of its signals."""
-        wrong = ["operation.motor"] if self.operation.motor else []
-        wrong += ["rotor.friction"] if self.rotor.friction else []
-        wrong += [
-            f"balancer[{i}].{key}"
+    def _without_second_derivatives(self) -> dict[str, str]:
+        """Keys of what has no second derivatives of its signals, and why."""
+        wrong = {}
+        if self.operation.motor:
+            wrong["operation.motor"] = "the acceleration of its shaft is exchanged as a cubic"
+        if self.rotor.friction:
+            wrong["rotor.friction"] = (
+                "a step in which friction turns round errs in first order, or behind a spring in "
+                "second, whatever the signals"
+            )
+        return wrong | {
+            f"balancer[{i}].{key}": "only point weights on a centred track have second derivatives"
             for i, balancer in enumerate(self.balancer, start=1)
             for key, what in _WITHOUT_SECOND_DERIVATIVES.items()
             if getattr(balancer, what, None)
-        ]
-        return wrong
+        }
 
     def _refused_with_quintics(self) -> list[str]:
         """What cannot be coupled by them."""
+        found = self._without_second_derivatives() if self.coupling.order == 5 else {}
         return [
-            f"{what}: coupling.order = 5 takes a prescribed speed, supports without dry friction, "
-            "and point weights on centred tracks: leave this out, or take order = 3"
-            for what in (self._without_second_derivatives() if self.coupling.order == 5 else ())
+            f"{key}: not with coupling.order = 5: {why}; leave this out, or take order = 3"
+            for key, why in found.items()
         ]
 
     def _refused_under_a_motor(self) -> list[str]:
