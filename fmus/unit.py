@@ -85,11 +85,6 @@ class SignalSizes(Sizes):
 
     order: int = order_of_signals()
 
-    @property
-    def spin(self) -> tuple[str, ...]:
-        """The speed's derivatives as far as outputs answer them: order 5 keeps them at 0."""
-        return ("acceleration", "der(acceleration)") if self.order == 3 else ()
-
 
 @dataclass(frozen=True)
 class Unit:

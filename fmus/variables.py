@@ -121,6 +121,9 @@ def signal_inputs(
     ]
 
 
+SPIN = tuple(derivative("acceleration", k) for k in range(3))  # what outputs answer of it
+
+
 def spin_inputs() -> list[Variable]:
     """How the rotor turns: its speed, and its angular acceleration as a cubic."""
     speed = plain_input("speed", 300.0, "rad/s", "Of the rotor, at the start of the step")

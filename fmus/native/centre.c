@@ -39,3 +39,13 @@ void shifted(const Complex *signal, Complex offset, double rotor_speed, const do
         }
     }
 }
+
+void shift_quintic(Complex *signal, Complex offset, double rotor_speed, const double *spin_up)
+{
+    const double w1 = spin_up[0], w2 = spin_up[1], w3 = spin_up[2], w4 = spin_up[3];
+    const double fourth = 2.0 * rotor_speed * w4 + 8.0 * w1 * w3 + 6.0 * w2 * w2;
+    const double fifth = 10.0 * w1 * w4 + 20.0 * w2 * w3;
+    shifted(signal, offset, rotor_speed, spin_up, signal);
+    signal[4] = complex_difference(signal[4], complex_scaled(fourth, offset));
+    signal[5] = complex_difference(signal[5], complex_scaled(fifth, offset));
+}

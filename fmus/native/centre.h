@@ -25,8 +25,10 @@ Instant instant(const CentreMotion *motion, double time);
 double rotor_turned(const CentreMotion *motion, double time);
 
 /* Signal of the track's centre from that of the plane's: (i w' - w^2) e, exact for linear w;
-   spin_up (4,): w' at the start and its derivatives. */
+   spin_up (4,): w' at the start and its derivatives; result may be the signal. */
 void shifted(const Complex *signal, Complex offset, double rotor_speed, const double *spin_up,
              Complex *result);
+/* The same of a quintic, in place. */
+void shift_quintic(Complex *signal, Complex offset, double rotor_speed, const double *spin_up);
 
 #endif

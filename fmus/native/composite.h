@@ -234,6 +234,9 @@ void knot_begun(const Knot *start, int orders, Complex *signal);
 /* A signal held at a value. */
 void knot_held(const Knot *knot, int orders, Complex *signal);
 void knot_hermite(const Knot *start, const Knot *end, int orders, double step, Complex *signal);
+/* The quintic that is a parabola and ends a step so: over a negligible one, of which the derivatives of
+   knot_hermite would be rounding. */
+void knot_leading(const Knot *end, double step, Complex *signal);
 Knot knot_end(const Complex *signal, int orders, double step);
 void signal_predicted(const Signal *signal, int orders, Complex *ahead);
 void signal_move(Signal *signal, const Knot *end, int orders, double step);

@@ -256,7 +256,12 @@ int compensated_step(Unit *unit, double step, int jump)
         return 1;
     }
     for (k = 0; k < c->planes; k++) {
-        knot_hermite(&c->accelerations[k].now, c->ends + k, o, step, c->felt + o * k);
+        Complex *felt = c->felt + o * k;
+        if (jump && o == QUINTIC_ORDERS) {
+            knot_leading(c->ends + k, step, felt);
+        } else {
+            knot_hermite(&c->accelerations[k].now, c->ends + k, o, step, felt);
+        }
     }
     if (past > 0.0) {
         carry(c->carried + 1, parts, 0.0, past, step);

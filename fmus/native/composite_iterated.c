@@ -29,11 +29,24 @@ void iterated_begin(Composite *c)
     course->largest = course->rounding / (course->corrections < 0.0 ? course->tolerance : LOOSE);
 }
 
+static int leads(const Composite *c)
+{
+    return c->course->crossing > 0.0 && c->orders == QUINTIC_ORDERS;
+}
+
+/* The step that unknowns count by [s]: in a negligible one second derivatives would count for nothing. */
+static double measure(const Composite *c, double step)
+{
+    return leads(c) ? c->course->solved_step : step;
+}
+
 /* A signal over a step that ends so. */
 static void led_to(const Composite *c, const Knot *start, const Knot *end, double step, Complex *signal)
 {
     if (c->course->held > 0.0) {
         knot_held(end, c->orders, signal);
+    } else if (leads(c)) {
+        knot_leading(end, step, signal);
     } else {
         knot_hermite(start, end, c->orders, step, signal);
     }
@@ -47,7 +60,7 @@ static int pass(Unit *unit, const double *u, double step)
     int k;
     for (k = 0; k < c->unknowns; k++) {
         Knot end;
-        loop_unpack(c, u + o * k, 1, step, &end);
+        loop_unpack(c, u + o * k, 1, measure(c, step), &end);
         led_to(c, &c->forces[k].now, &end, step, c->sent + o * k);
     }
     if (composite_rotor_pass(unit, c->sent, step)) {
@@ -84,10 +97,11 @@ static double attempt(Unit *unit, double step, int passes)
     const double tolerance = course->striking > 0.0 ? smaller(course->tolerance, closed(course))
                              : course->held > 0.0   ? larger(ROUNDING * course->gain, HELD * course->tolerance)
                                                     : course->tolerance;
+    const double counted = measure(c, step);
     double error = 0.0, error_before = 0.0;
     int number, i;
     course->ahead = -1.0;
-    loop_rescale(c, count, step);
+    loop_rescale(c, count, counted);
     for (i = 0; i < c->unknowns; i++) {
         Knot ahead;
         if (course->held > 0.0) {
@@ -96,13 +110,13 @@ static double attempt(Unit *unit, double step, int passes)
             signal_predicted(c->forces + i, o, c->assumed + o * i);
         }
         ahead = knot_end(c->assumed + o * i, o, step);
-        loop_pack(c, &ahead, 1, step, c->u + o * i);
+        loop_pack(c, &ahead, 1, counted, c->u + o * i);
     }
     for (number = 1;; number++) {
         if (pass(unit, c->u, step)) {
             return -1.0;
         }
-        loop_pack(c, c->answers, c->unknowns, step, c->g_u);
+        loop_pack(c, c->answers, c->unknowns, counted, c->g_u);
         drop_slopes(c, c->g_u);
         memcpy(c->old, c->residual, (size_t)count * sizeof(double));
         for (i = 0; i < count; i++) {

@@ -33,6 +33,14 @@ static Complex added(Complex a, double factor, Complex b)
     return complex_sum(a, complex_scaled(factor, b));
 }
 
+void knot_leading(const Knot *end, double step, Complex *signal)
+{
+    Knot start = *end;
+    start.slope = added(end->slope, -step, end->second);
+    start.value = added(end->value, -step, added(end->slope, -0.5 * step, end->second));
+    knot_begun(&start, QUINTIC_ORDERS, signal);
+}
+
 Knot knot_end(const Complex *signal, int orders, double step)
 {
     Knot end;

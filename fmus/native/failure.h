@@ -27,7 +27,7 @@ enum {
     FAILURE_RESTITUTION,       /* restitution: must be within 0 to 1 */
     FAILURE_RIGID_SLIDERS,     /* two rigid sliders at one support and axis */
     FAILURE_SPIN,              /* der(acceleration): must be 0 */
-    FAILURE_QUINTIC_WEIGHTS,   /* order: must be 3 for weights that meet, stick, or run off centre */
+    FAILURE_QUINTIC_WEIGHTS,   /* order: must be 3 for weights that meet or stick */
     FAILURE_CHARACTERISTIC,    /* points of a motor; where: the first that does not ascend */
     FAILURE_OVERLAP,           /* value[0]: overlap, value[1]: angle neighbours need [rad] */
     /* OverflowError and LinAlgError of the rotor's matrices */

@@ -5,6 +5,7 @@
 #include "events.h"
 #include "groups.h"
 #include "matrix.h"
+#include "quintic_weights.h"
 #include "ring.h"
 #include "spin.h"
 
@@ -124,6 +125,24 @@ int track_reaction(const Track *track, const double *angles, const double *speed
                                           complex_product(complex_of(0.0, change), carried));
     }
     return FINE;
+}
+
+Complex track_reaction_second(const Track *track, const double *angles, const double *speeds,
+                              const Complex *motion, double rotor_speed, const double *spin_up,
+                              Turned *turned)
+{
+    const double w = rotor_speed, w1 = spin_up[0], w2 = spin_up[1];
+    const Complex whirls[3] = { /* i w' - w^2 and its derivatives */
+        {-w * w, w1}, {-2.0 * w * w1, w2}, {-2.0 * (w1 * w1 + w * w2), spin_up[2]}};
+    const Complex carried = complex_scaled(weights_added_mass(&track->weights), track->offset);
+    Complex centre[3], second;
+    int k;
+    for (k = 0; k < 3; k++) {
+        centre[k] = complex_sum(motion[k], complex_product(whirls[k], track->offset));
+    }
+    second = quintic_weights_reaction_second(&track->weights, angles, speeds, centre, w, spin_up,
+                                             turned);
+    return complex_difference(second, complex_product(whirls[2], carried));
 }
 
 double track_arm(const Track *track)

@@ -49,6 +49,12 @@ int track_reaction(const Track *track, const double *angles, const double *speed
                    double angular_acceleration, double change, Complex *force,
                    Complex *force_slope, double *scratch, Failure *failure);
 
+/* Second derivative of that force, of point weights; arguments as of quintic_weights_reaction_second,
+   `motion` of the plane's centre. */
+Complex track_reaction_second(const Track *track, const double *angles, const double *speeds,
+                              const Complex *motion, double rotor_speed, const double *spin_up,
+                              Turned *turned);
+
 /* Torque on the rotor by what resistance takes of a weight's theta'' [N m s^2]: kappa m R^2, less what
    the body's own turning gives back. */
 double track_arm(const Track *track);

@@ -2,6 +2,7 @@
    fmus/weights.py. */
 #include <string.h>
 
+#include "centre.h"
 #include "elementary.h"
 #include "pulse.h"
 #include "quintic.h"
@@ -90,7 +91,7 @@ static int parameters(Unit *unit)
         return unit_failed(unit, &failure, NULL, 0);
     }
     own->plain = !track->eventful && real[OFFSET_XI] == 0.0 && real[OFFSET_ETA] == 0.0;
-    if (own->orders == QUINTIC_ORDERS && !own->plain) {
+    if (own->orders == QUINTIC_ORDERS && track->eventful) {
         fail(&failure, FAILURE_QUINTIC_WEIGHTS, "order", 0, 5.0, 0.0, 0.0, 0.0);
         return unit_failed(unit, &failure, NULL, 0);
     }
@@ -188,9 +189,8 @@ static void put_second(Unit *unit, const RotorMotion *now, const Complex *force,
 {
     const Balls *own = unit->own;
     const Complex motion[3] = {now->acceleration, now->slope, now->second};
-    Complex second = quintic_weights_reaction_second(&own->track.weights, unit->memory,
-                                                     unit->memory + own->count, motion, now->speed,
-                                                     &now->spin_up, own->turned);
+    Complex second = track_reaction_second(&own->track, unit->memory, unit->memory + own->count,
+                                           motion, now->speed, &now->spin_up, own->turned);
     second = complex_difference(second, complex_scaled(own->sent, now->second));
     if (unit->layout.sizes.fixed_frame) {
         second = rotating_second(-now->angle, -now->speed, -now->spin_up, force[0], force[1], second);
@@ -292,6 +292,7 @@ static int step_quintic(Unit *unit, double length)
         }
         signal_quintic_hermite(ends[0], ends[1], length, signal);
     }
+    shift_quintic(signal, own->track.offset, in[SPEED], spin_up);
     if (quintic_weights_advance(&own->track.weights, angles, speeds, signal, spin_up, length, angles,
                                 speeds, &own->quintic, own->turned, &failure)) {
         return unit_failed(unit, &failure, unit->before, (size_t)own->count);

@@ -6,6 +6,7 @@ import re
 
 from ..unit import Unit
 from ..variables import (
+    SPIN,
     Variable,
     derivative,
     observed,
@@ -34,8 +35,8 @@ def variables(sizes: RotorSizes) -> list[Variable]:
     carried = [f"plane[{i}].added_mass" for i in range(1, planes + 1)]
     parameters = [*of_kind, *_gravity(), *friction(sizes), *_initial(stations)]
     names = tuple(v.name for v in parameters)
-    drive = (*carried, "speed", *sizes.spin[:1])
-    changing = (*carried, "speed", *sizes.spin)
+    drive = (*carried, "speed", SPIN[0])
+    changing = (*carried, "speed", *SPIN[:2])
     accelerations = [f"plane[{i}].a_{axis}" for i in range(1, planes + 1) for axis in axes]
     # the mass is the same along both axes: a force acts along its own axis at once, along the
     # other one in the slope only, through gyroscopic or (in the rotor) anisotropic damping
@@ -48,7 +49,8 @@ def variables(sizes: RotorSizes) -> list[Variable]:
     ]
     slopes = [derivative(name, 1) for name in forces]
     in_second = [
-        (*drive, *forces, *slopes, *(derivative(name, 2) for name in own)) for own in along
+        (*changing, SPIN[2], *forces, *slopes, *(derivative(name, 2) for name in own))
+        for own in along
     ]
     text = "Mass of the balancers on this plane that the rotor carries; it keeps it over a step"
     return [

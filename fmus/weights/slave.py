@@ -8,6 +8,7 @@ from typing import NamedTuple
 
 from ...models import cubic, quintic, quintic_weights
 from ...models.contact import motion
+from ...models.contact.centre import shifted
 from ...models.contact.pulse import discharge
 from ...models.contact.track import Track
 from ...models.spin import drift
@@ -64,13 +65,14 @@ class BallBalancer(Slave):
         self.track = Track(
             self.model, size, given["restitution"], given["rolling_resistance"], offset
         )
-        # one weight meets nobody
-        self.plain = not (self.track.eventful or self.track.offset)
-        if self.sizes.order == 5 and not self.plain:
+        quintic = self.sizes.order == 5
+        if quintic and self.track.eventful:
             raise ValueError(
-                "order = 5: only point weights on a centred track have such signals; "
-                "weight_radius, rolling_resistance and track_offset must be 0"
+                "order = 5: only point weights have such signals; "
+                "weight_radius and rolling_resistance must be 0"
             )
+        # one weight meets nobody
+        self.plain = quintic or not (self.track.eventful or self.track.offset)
         self.carried = 0.0 if self.flag("inertia_as_force") else self.model.added_mass
         self.sent = self.model.added_mass - self.carried
 
@@ -91,6 +93,7 @@ class BallBalancer(Slave):
         rates = (first, second, third)
         if self.sizes.order == 5:
             angles, speeds, _ = self._state()
+            track = shifted(track, self.track.offset, speed, spin_up, rates)
             angles, speeds = quintic_weights.advance(
                 self.model, angles, speeds, track, spin_up, step, rates
             )
@@ -164,8 +167,8 @@ class BallBalancer(Slave):
         """Computed outputs."""
         force: tuple[complex, ...] = self._force(now)
         if len(now.motion) == 3:
-            second = quintic_weights.reaction_second(
-                self.model, *self._state()[:2], now.motion, now.speed, now[3:]
+            second = motion.reaction_second(
+                self.track, *self._state()[:2], now.motion, now.speed, now[3:]
             )
             force = (*force, second)
         if not self.plain:

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 from ..unit import SignalSizes, Unit, count
 from ..variables import (
+    SPIN,
     Variable,
     derivative,
     observed,
@@ -48,9 +49,9 @@ def variables(sizes: WeightSizes) -> list[Variable]:
     speeds = tuple(f"weight[{k}].speed0" for k in numbers)
     begins = (*_FORCE, *angles, *speeds)
     # seen in the rotor's axes the force does not depend on the rotor's angle
-    drive = (*(() if sizes.frame == "rotor" else ("angle",)), "speed", *sizes.spin[:1])
+    drive = (*(() if sizes.frame == "rotor" else ("angle",)), "speed", SPIN[0])
     values, slopes = (*a, *drive), (*a, *(f"der({name})" for name in a), *drive)
-    slopes = (*slopes, *sizes.spin[1:])
+    slopes = (*slopes, SPIN[1])
     return [
         *_parameters(),
         *(
@@ -67,24 +68,15 @@ def variables(sizes: WeightSizes) -> list[Variable]:
             "Force on the rotor",
             [values] * 2,
             [slopes] * 2,
-            [(*slopes, *(derivative(name, 2) for name in a))] * 2 if sizes.order == 5 else (),
+            [(*slopes, *(derivative(name, 2) for name in a), SPIN[2])] * 2
+            if sizes.order == 5
+            else (),
             begins=begins,
         ),
         output("added_mass", "kg", "Mass N m to be carried by the rotor", begins=_CARRIED),
         *_observed(angles, speeds),
-        *torque_outputs(*_felt(sizes, values, slopes), begins, _TORQUE),
+        *torque_outputs(values, slopes, begins, _TORQUE),
     ]
-
-
-def _felt(
-    sizes: WeightSizes, values: tuple[str, ...], slopes: tuple[str, ...]
-) -> tuple[tuple[str, ...], tuple[str, ...]]:
-    """What of these the torque and its slope depend on: a constant speed only turns the signals."""
-    if sizes.order == 3:
-        return values, slopes
-    still = tuple(name for name in values if name != "speed")
-    turning = sizes.frame == "fixed"
-    return still, slopes if turning else tuple(name for name in slopes if name != "speed")
 
 
 def _parameters() -> list[Variable]:

@@ -49,6 +49,15 @@ def hermite(start: Knot, end: Knot, step: float) -> Cubic:
     )
 
 
+def leading_to(end: Knot, step: float) -> Cubic:
+    """The quintic that is a parabola and ends a step with this value, slope and second derivative.
+
+    Over a negligible step, of which the derivatives of `hermite` would be rounding.
+    """
+    value, slope, second = end
+    return (value - step * (slope - 0.5 * step * second), slope - step * second, second, 0j, 0j, 0j)
+
+
 def interpolated(start: Knot, end: Knot, step: float, order: int) -> Cubic:
     """Signal over a step both of whose ends are known, of exchange order 0 (end value), 1, 3, 5."""
     if order >= 3:

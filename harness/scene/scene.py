@@ -250,7 +250,7 @@ class Scene(Table):
                 "second, whatever the signals"
             )
         return wrong | {
-            f"balancer[{i}].{key}": "only point weights on a centred track have second derivatives"
+            f"balancer[{i}].{key}": "only weights that cannot meet or stick have second derivatives"
             for i, balancer in enumerate(self.balancer, start=1)
             for key, what in _WITHOUT_SECOND_DERIVATIVES.items()
             if getattr(balancer, what, None)
@@ -289,7 +289,6 @@ class Scene(Table):
 _WITHOUT_SECOND_DERIVATIVES = {
     "weight_radius": "can_meet",
     "rolling_resistance": "can_stick",
-    "track_offset": "offset",
 }
 
 

@@ -54,24 +54,30 @@ def shifted(
     rotor_speed: float,
     angular_acceleration: float,
     rates: Rates = STEADY,
-) -> tuple[complex, complex, complex, complex]:
+) -> tuple[complex, ...]:
     """Signal of the track's centre from that of the plane's: (i w' - w^2) e, exact for linear w.
 
     Args:
-        signal: (4,) acceleration and its derivatives at the start of the step, rotor frame.
+        signal: (4,) or (6,) acceleration and its derivatives at the start of the step, rotor frame.
         offset: of the track's centre in the rotor frame, e [m].
         rotor_speed, angular_acceleration, rates: w, w' and the derivatives of w' of order 1 to 3
             at the start of the step [rad/s, rad/s^2, ...].
     """
-    a0, a1, a2, a3 = signal
+    a0, a1, a2, a3, *higher = signal
     if rates != STEADY:
         j1, j2, j3 = rates
         a1 += 1j * j1 * offset
         a2 += (1j * j2 - 2.0 * rotor_speed * j1) * offset
         a3 += (1j * j3 - 6.0 * angular_acceleration * j1 - 2.0 * rotor_speed * j2) * offset
+        whirls = (
+            2.0 * rotor_speed * j3 + 8.0 * angular_acceleration * j2 + 6.0 * j1 * j1,
+            10.0 * angular_acceleration * j3 + 20.0 * j1 * j2,
+        )
+        higher = [a - whirl * offset for a, whirl in zip(higher, whirls, strict=False)]
     return (
         a0 + (1j * angular_acceleration - rotor_speed * rotor_speed) * offset,
         a1 - 2.0 * rotor_speed * angular_acceleration * offset,
         a2 - 2.0 * angular_acceleration * angular_acceleration * offset,
         a3,
+        *higher,
     )

@@ -9,6 +9,7 @@ import cmath
 from collections.abc import Sequence
 from typing import NamedTuple
 
+from .. import quintic_weights
 from .. import weights as points
 from ..spin import STEADY, Rates
 from .centre import CentreMotion, Instant, shifted, turned
@@ -142,6 +143,29 @@ def reaction(
         force_slope += 2.0 * rotor_speed * angular_acceleration * carried
         force_slope -= 1j * change * carried
     return force, force_slope
+
+
+def reaction_second(
+    track: Track,
+    angles: Sequence[float],
+    speeds: Sequence[float],
+    motion: quintic_weights.Motion,
+    rotor_speed: float,
+    spin_up: Rates,
+) -> complex:
+    """Second derivative of `reaction` of point weights; arguments as `quintic_weights` has them.
+
+    motion: of the plane's centre.
+    """
+    w, (w1, w2, w3), offset = rotor_speed, spin_up, track.offset
+    bent = complex(-2.0 * (w1 * w1 + w * w2), w3) * offset  # ((i w' - w^2) e)''
+    centre = (
+        motion[0] + complex(-w * w, w1) * offset,
+        motion[1] + complex(-2.0 * w * w1, w2) * offset,
+        motion[2] + bent,
+    )
+    second = quintic_weights.reaction_second(track.weights, angles, speeds, centre, w, spin_up)
+    return second - track.weights.added_mass * bent
 
 
 def torque(

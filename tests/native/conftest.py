@@ -35,6 +35,7 @@ CORE = [
     "signals",
     "variable_speed",
     "weights",
+    "quintic_weights",
     "liquid",
     "spacing",
     "track",

@@ -11,7 +11,7 @@ from functools import lru_cache
 
 import numpy as np
 
-from ..signals import Cubic, Knot, end_of, extrapolated, hermite
+from ..signals import Cubic, Knot, end_of, extrapolated, hermite, leading_to
 
 # derivatives 3 to 5, in powers of the step, at the start of a step of the quintic that ends with
 # given value, slope and second derivative, begins with no value and no second derivative, and had
@@ -78,7 +78,8 @@ class StepMaps:
         self._assumed = predicted[..., :forces]
         self._missed = missed
         if jump and parts == 3:  # rounding would be all that is left of the quintic's derivatives
-            motion = _combined(_leading_to(step), felt)
+            leading = [leading_to(unit, step) for unit in _units(3)]
+            motion = _combined(np.array(leading).T, felt)
         else:
             motion = _combined(joining, np.concatenate([now[..., forces:], felt]))
         motion += self._made_good(0.0, missed[..., forces:])
@@ -125,11 +126,9 @@ def _formula(parts: int, formula: Callable[..., Cubic | Knot]) -> np.ndarray:
     return np.array([formula(*unit) for unit in np.eye(2 * parts).tolist()]).T
 
 
-def _leading_to(step: float) -> np.ndarray:
-    """Coefficients of the parabola that ends a step with value, slope and second derivative."""
-    coefficients = np.zeros((6, 3))
-    coefficients[:3] = [[1.0, -step, 0.5 * step * step], [0.0, 1.0, -step], [0.0, 0.0, 1.0]]
-    return coefficients
+def _units(parts: int) -> list[Knot]:
+    """Ends with 1 for each part in turn."""
+    return [tuple(unit) for unit in np.eye(parts).tolist()]
 
 
 # Below, numbers that are linear in what is known are an array (parts of a signal, known, signals)
@@ -176,7 +175,7 @@ def carried(turn: float, past: float, step: float, parts: int = 2) -> np.ndarray
         slope times `past`, and missed second derivative times its square.
     """
     ratio, moments = step / past, np.arange(parts)[:, None]
-    nothing, units = (0.0,) * parts, [tuple(unit) for unit in np.eye(parts).tolist()]
+    nothing, units = (0.0,) * parts, _units(parts)
     rising = np.array([hermite(nothing, unit, 1.0) for unit in units])
     falling = np.array([hermite(unit, nothing, 1.0) for unit in units])
     powers = _NODES ** np.arange(2 * parts)[:, None] / _FACTORIALS[: 2 * parts, None]

@@ -38,6 +38,7 @@ from ..signals import (
     flat,
     interpolated,
     joined,
+    leading_to,
     predicted,
 )
 from ..system import System
@@ -164,7 +165,7 @@ class Iterated:
     def cross_jump(self, system: System, time: float, step: float) -> None:
         """One step with as many passes as it takes, where nothing of the past can be used."""
         with system.saved() as states:
-            self.attempt(system, states, time, step, MAX_PASSES).accept(system)
+            self.attempt(system, states, time, step, MAX_PASSES, jump=True).accept(system)
 
     def amplification(self, eigenvalues: Sequence[complex], order: int) -> float:
         """Nothing: the loop is solved."""
@@ -195,21 +196,25 @@ class Iterated:
         step: float,
         passes: int,
         held: bool = False,
+        jump: bool = False,
     ) -> Trial:
         """Take a step with at most so many passes; it can still be taken back to `states`.
 
-        `held`: signals are held at the values they end with, whatever the order.
+        `held`: signals are held at the values they end with, whatever the order.  `jump`: the step
+        is negligible.
         """
         order = 0 if held else system.order
         tolerance = max(self._least, HELD * self.tolerance) if held else self.tolerance
-        self.newton.rescale(step)
+        # by the unit of a negligible step second derivatives would count for nothing
+        measure = self.newton.step if jump and order == 5 else step
+        self.newton.rescale(measure)
         starts = [force.now for force in system.forces]
         ahead = [end_of(cubic, step) for cubic in predicted(system.forces, order)]
-        u = self._pack(ahead, step, order)
+        u = self._pack(ahead, measure, order)
         previous: tuple[Vector, Vector, float] | None = None
         for number in range(1, passes + 1):
-            accelerations, ends, answers = self._pass(system, starts, u, time, step, order)
-            g_u = self._pack(answers, step, order)
+            accelerations, ends, answers = self._pass(system, starts, u, time, step, order, measure)
+            g_u = self._pack(answers, measure, order)
             residual = difference(g_u, u)
             # of passes and steps that are taken back none counts: they can be far too large
             largest = max(self.largest, size(g_u))
@@ -270,15 +275,22 @@ class Iterated:
         time: float,
         step: float,
         order: int,
+        measure: float | None = None,
     ) -> tuple[list[Cubic], list[Knot], list[Knot]]:
-        """Step all units once with forces that end at u."""
+        """Step all units once with forces that end at u, packed by the step or this `measure`."""
+        measure = measure or step
+
+        def led(start: Knot, end: Knot) -> Cubic:
+            if measure != step:
+                return leading_to(end, step)
+            return interpolated(start, end, step, order)
+
         forces = [
-            interpolated(start, end, step, order)
-            for start, end in zip(starts, unpack(u, step, self.parts), strict=True)
+            led(start, end)
+            for start, end in zip(starts, unpack(u, measure, self.parts), strict=True)
         ]
         ends = system.rotor_pass(forces, time, step)
         accelerations = [
-            interpolated(track.now, end, step, order)
-            for track, end in zip(system.accelerations, ends, strict=True)
+            led(track.now, end) for track, end in zip(system.accelerations, ends, strict=True)
         ]
         return accelerations, ends, system.balancer_pass(accelerations, time, step)

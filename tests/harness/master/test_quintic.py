@@ -195,7 +195,6 @@ def test_one_file_takes_the_same_order_and_the_same_steps(name):
         ),
         ({"weights.weight_radius": 0.1}, "balancer[1].weight_radius"),
         ({"weights.rolling_resistance": 0.01}, "balancer[1].rolling_resistance"),
-        ({"weights.track_offset_xi": 0.01}, "balancer[1].track_offset"),
         ({"coupling.scheme": "jacobi"}, "coupling.order"),
     ],
 )
