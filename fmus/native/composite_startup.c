@@ -3,10 +3,7 @@
 #include "elementary.h"
 
 static const double STEEP = 0.2, FIRST = 0.05, KINK = 1e-6, SLIVER = 1e-12;
-enum { MOST_HALVINGS = 60, JUMP_PARTS = 8, STARTUP_HALVINGS = 2 };
-/* of quintics that are compensated, and of all behind a jump: over a negligible step second derivatives
-   are rounding, which moves a short step by nothing */
-enum { QUINTIC_HALVINGS = 4 };
+enum { MOST_HALVINGS = 60, JUMP_PARTS = 8, STARTUP_HALVINGS = 2, QUINTIC_HALVINGS = 4 };
 enum { DEFAULT_STEPS = 40 }; /* a revolution */
 
 double startup_share(const Unit *unit, double steps)
@@ -111,7 +108,7 @@ int startup_taken(Unit *unit, int struck)
         course->crossing -= 1.0;
         composite_drop_past(c);
         course->piece = course->halvings = course->first_step = 0.0;
-        if (course->crossing == 0.0 && (compensates(c) || c->orders == QUINTIC_ORDERS)) {
+        if (course->crossing == 0.0 && compensates(c)) {
             course->halvings = halvings(c, whole, fewest_halvings(c));
         }
         return 0;

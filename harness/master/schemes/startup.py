@@ -21,8 +21,6 @@ STEEP = 0.2  # of the force: more than this by the slope of its first instant, a
 FIRST = 0.05  # of the force: what it may change by that slope over the first part
 MOST_HALVINGS = 60  # a force that rises from exactly zero has no size to compare with
 KINK = 1e-6  # of a step: it errs by less than 1e-7, and rounding does not yet spoil the slopes
-# of quintics behind it: second derivatives are rounding, which moves a short step by nothing
-QUINTIC_HALVINGS = 4
 
 
 def substeps(
@@ -66,10 +64,8 @@ def _across(
     system.drop_past()
     begin += negligible
     pieces = [step - negligible]
-    quintic = system.order == 5 and not scheme.chooses_steps
-    halvings = max(scheme.startup_halvings, QUINTIC_HALVINGS * quintic)
-    if halvings:
-        pieces = doubling_steps(system, pieces[0], halvings)
+    if scheme.startup_halvings:
+        pieces = doubling_steps(system, pieces[0], scheme.startup_halvings)
     for piece in pieces:
         yield begin, piece
         begin += piece

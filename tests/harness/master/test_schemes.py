@@ -349,7 +349,7 @@ def test_compensated_exchanges_slopes_and_keeps_no_tolerance():
         ("compensated", 3, 320, 3.2),
         ("iterated", 3, 320, 3.7),
         ("compensated", 5, 80, 5.2),
-        ("iterated", 5, 40, 5.0),
+        ("iterated", 5, 80, 5.7),
     ],
 )
 def test_the_end_of_a_run_up_costs_no_scheme_its_order(scheme, signals, finest, order):
