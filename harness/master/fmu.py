@@ -302,17 +302,17 @@ class Fmu(Closing):
         """Release a saved state."""
         self._free(self._component, byref(state))
 
-    def restart(self, parameters: dict[str, float | bool], time: float = 0.0) -> None:
+    def restart(self, parameters: dict[str, float | bool]) -> None:
         """Reset, set parameters and start values, and enter initialisation mode.
 
         Raises:
             UnitError: the FMU lacks a parameter the scene needs.
         """
-        self.time = time
+        self.time = 0.0
         self.calls["reset"] += 1
         dll, component = self.fmu.dll, self._component
         self._check(dll.fmi2Reset(component), "reset")
-        self._check(dll.fmi2SetupExperiment(component, 0, 0.0, time, 0, 0.0), "set-up")
+        self._check(dll.fmi2SetupExperiment(component, 0, 0.0, 0.0, 0, 0.0), "set-up")
         reals = {k: v for k, v in parameters.items() if not isinstance(v, bool)}
         self.set(self.group(list(reals)), [float(v) for v in reals.values()])
         for name, value in parameters.items():

@@ -24,6 +24,7 @@ SPECTRA, POINTS_TRACKED = 120, 1000  # of a run, about
 PADDED = 4  # times as long: what lies between two lines of a spectrum is seen
 LONGEST, SHORTEST = 8, 2  # revolutions of a window for spectra
 TRACKED = 4  # revolutions of a window for one order
+HIGHEST = 4.0  # order of a spectrum
 WINDOWS = 6  # that a run should have room for, one behind the other
 
 
@@ -82,8 +83,8 @@ def tracked(angle: Array, samples: Array, orders: Sequence[float]) -> Tracked:
     return Tracked(grid.mean(axis=1), tuple(orders), amplitude)
 
 
-def spectra(angle: Array, samples: Array, highest: float = 4.0) -> Spectra:
-    """Spectra of one signal up to an order, by Hann's window; an order's line has its amplitude.
+def spectra(angle: Array, samples: Array) -> Spectra:
+    """Spectra of one signal up to `HIGHEST`, by Hann's window; an order's line has its amplitude.
 
     Args:
         angle, samples: (T,) of the rotor, rising [rad], and of the signal.
@@ -98,7 +99,7 @@ def spectra(angle: Array, samples: Array, highest: float = 4.0) -> Spectra:
     flat = windows[0] - windows[0].mean(axis=1, keepdims=True)
     lines = np.abs(np.fft.rfft(flat * weight, PADDED * length, axis=1)) * 2.0 / weight.sum()
     orders = np.arange(lines.shape[1]) / (PADDED * revolutions)
-    shown = orders <= highest
+    shown = orders <= HIGHEST
     return Spectra(grid.mean(axis=1), orders[shown], lines[:, shown])
 
 
