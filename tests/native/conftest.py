@@ -341,3 +341,24 @@ def hosted(instance: Any) -> Any:
         return instance(scene).begin(values)
 
     return begun
+
+
+@pytest.fixture
+def state_is_everything(hosted: Any) -> Any:
+    """A composite gives the same bits after going back, in the same instance and another one."""
+
+    def demand(
+        scene: Scene, changes: dict[str, float], times: Sequence[float], names: Sequence[str]
+    ) -> None:
+        host = hosted(scene)
+        host.driven(times[:20], names)
+        state = host.slave.getFMUState()
+        expected = host.driven(times[19:], names).tolist()
+        host.slave.setFMUState(state)
+        assert host.driven(times[19:], names).tolist() == expected
+        foreign = hosted(scene, changes)
+        kept = host.slave.serializeFMUState(state)
+        foreign.slave.setFMUState(foreign.slave.deserializeFMUState(kept))
+        assert foreign.driven(times[19:], names).tolist() == expected
+
+    return demand
