@@ -189,7 +189,8 @@ class CoSimulation(Closing):
         begin = self.time
         try:
             self._cover(step, longest)
-            # what happens to weights is no communication point
+            # an event is no communication point, but only at rest are these further apart
+            step = min(step, longest or step)
             while self.system.has_no_past and step - (self.time - begin) > SLIVER * step:
                 self._cover(step - (self.time - begin), longest)
         except SimulationError as error:

@@ -54,21 +54,22 @@ def order_of_run(scene: Scene) -> int:
 
 def force_jumps(scene: Scene) -> bool:
     """Whether a force can jump within a step: weights collide or stick, and no step ends there."""
-    return any(b.can_meet or b.can_stick for b in scene.balancer) and not meets_contacts(scene)
+    return any(b.can_meet or b.can_stick for b in scene.balancer) and not meets_events(scene)
 
 
-def meets_contacts(scene: Scene) -> bool:
-    """Whether steps end where weights collide, stick or slide: native units, steps taken back.
+def meets_events(scene: Scene) -> bool:
+    """Whether steps end where weights collide, stick or slide, or a dry support turns round.
 
-    A motor's scene is stepped through its collisions: its units are told the mean over a step.
+    That takes native units, and steps that are taken back.  A motor's scene is stepped through its
+    events: its units are told the mean over a step.
     """
     corrects = scene.coupling.scheme not in UNCORRECTED and scene.operation.motor is None
     return corrects and runtime(scene.coupling.units).backend == "native"
 
 
 def brief_step(scene: Scene) -> float:
-    """Step in which a collision and its pulse err by less than steps do [s]; 0: none is met."""
-    return BRIEF * step_size(scene) if meets_contacts(scene) else 0.0
+    """Step in which an event and its pulse err by less than steps do [s]; 0: none is met."""
+    return BRIEF * step_size(scene) if meets_events(scene) else 0.0
 
 
 def at_fixed_steps(scene: Scene) -> Scene:
