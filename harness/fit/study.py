@@ -187,8 +187,8 @@ def _first_guess(
     if not found:
         raise reason
     best = min(found, key=lambda one: one.cost)
-    own = differ(harmonic.amplitudes(best.x[None] * scale)[0])
     runs = differ(model.amplitudes(best.x[None] * scale)[0])
+    own = best.fun[: len(runs)]  # priors follow
     closer = _search(harmonic, lambda amplitudes: differ(amplitudes) + runs - own, best.x)
     return _Guess(closer, rms(own), len(found))
 

@@ -335,10 +335,10 @@ def cosimulate(
 
 def _loader(fmus: Path | None, one_file: bool) -> Callable[[Scene], Simulation]:
     """What steps a scene: separate units, or its one file."""
-    if fmus is not None and not one_file:
-        return lambda scene: CoSimulation(scene, fmus=fmus)  # they are built as the scene says
-    if not one_file:
-        return lambda scene: CoSimulation(scene, order=order_of_run(scene))
+    if not one_file:  # FMUs that were built have the order their scene says
+        return lambda scene: CoSimulation(
+            scene, fmus=fmus, order=None if fmus else order_of_run(scene)
+        )
     if fmus is not None:
         raise UserError(f"{fmus}: holds separate FMUs, and one file is to run: give one of them")
     from .one_file_run import OneFileRun  # compiles where it has to

@@ -150,14 +150,6 @@ class Scene(Table):
         """Speed against time; of a motor its no-load speed, which scales and steps go by."""
         return self._profile
 
-    def refuse_motor(self, what: str) -> None:
-        """Raise SceneError where a motor drives the rotor, which `what` does not know."""
-        if self.operation.motor is not None:
-            raise SceneError(
-                f"{self.name}: operation.motor: {what} knows the speed ahead; give "
-                "operation.speed or operation.run_up instead"
-            )
-
     @property
     def asks_for_coupling(self) -> bool:
         """Whether anything is said of how the units are coupled; which units does not count."""

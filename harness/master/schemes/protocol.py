@@ -106,7 +106,7 @@ def choose(
     if coupling.scheme == GaussSeidel.name or not system.coupled:
         return GaussSeidel()
     if coupling.scheme == Compensated.name:
-        return Compensated(jacobian, response, step, scene.profile().speed)
+        return Compensated(jacobian, response, step, scene.profile().speed, system.order)
     if coupling.tolerance is not None:
         rotor, profile = scene.assembly().loaded_rotor, scene.profile()
         top = max(profile.start, profile.end)
