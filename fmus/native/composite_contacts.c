@@ -5,14 +5,16 @@
 #include "composite.h"
 #include "elementary.h"
 
-static const double BRIEF = 1e-6, ROUNDING = 1e-5, JUMP = 1e-6, GROWTH = 10.0, KINK = 1e-10,
+static const double BRIEF = 1e-6, WIDE = 1e-4, LEAST = 0.01, ROUNDING = 1e-5, JUMP = 1e-6, GROWTH = 10.0, KINK = 1e-10,
                     AGREED = 1e-6;
 enum { QUIET = 3, AWAITED = 20, MOST = 1000, TRIES = 3 };
 static const double SHORTER[TRIES] = {1.0, 0.6, 0.36};
 
 double contacts_brief(const Unit *unit)
 {
-    return BRIEF * startup_size(unit);
+    const double tolerance = unit->real[((const Composite *)unit->own)->tolerance];
+    const double share = tolerance > 0.0 ? larger(LEAST, smaller(1.0, tolerance / WIDE)) : 1.0;
+    return share * BRIEF * startup_size(unit);
 }
 
 int contacts_ahead(Unit *unit, double *step)

@@ -33,6 +33,7 @@ from .schedule import (
     brief_step,
     end_time,
     fewest_chosen,
+    meets_events,
     milestones,
     order_of_run,
     schedule,
@@ -86,7 +87,8 @@ class CoSimulation(Closing):
                 one.name: stack.enter_context(Fmu(path, one.name))
                 for path, one in zip(self.paths, self.plan.units, strict=True)
             }
-            self.system = System(self.plan, self.units, order, watch, brief_step(scene))
+            brief = brief_step(scene) if meets_events(scene) else 0.0
+            self.system = System(self.plan, self.units, order, watch, brief)
             stack.callback(self.system.free_states)
             self._stack = stack.pop_all()
         self.gain = self.amplification = 0.0

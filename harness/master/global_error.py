@@ -117,10 +117,9 @@ class Controlled:
         if self._apart and apart:  # three runs show by which order errors shrink
             shown = math.log1p(self._apart / apart) / math.log(self._times)
             self.order = order = min(self.highest_order, max(shown, ORDER_OF_JUMPS))
-        elif self._sticking:
-            order = min(order, ORDER_OF_EVENTS)
         elif order > ORDER_OF_JUMPS:
             enough *= AIM
+            order = min(order, ORDER_OF_EVENTS if self._sticking else order)
         self.error = max(apart, at_rest)
         if self.error < ASYMPTOTIC:
             self.error = max(apart / (times**order - 1.0), at_rest / (times**ORDER_HELD - 1.0))
