@@ -30,6 +30,7 @@ from .schedule import (
     brief_step,
     end_time,
     fewest_chosen,
+    meets_events,
     milestones,
     schedule,
     step_size,
@@ -83,7 +84,8 @@ class CoSimulation(Closing):
                 one.name: stack.enter_context(Fmu(path, one.name))
                 for path, one in zip(self.paths, self.plan.units, strict=True)
             }
-            self.system = System(self.plan, self.units, order, watch, brief_step(scene))
+            brief = brief_step(scene) if meets_events(scene) else 0.0
+            self.system = System(self.plan, self.units, order, watch, brief)
             stack.callback(self.system.free_states)
             self._stack = stack.pop_all()
         self.gain = self.amplification = 0.0
@@ -186,7 +188,8 @@ class CoSimulation(Closing):
         begin = self.time
         try:
             self._cover(step, longest)
-            # what happens to weights is no communication point
+            # an event is no communication point, but only at rest are these further apart
+            step = min(step, longest or step)
             while self.system.has_no_past and step - (self.time - begin) > SLIVER * step:
                 self._cover(step - (self.time - begin), longest)
         except SimulationError as error:

@@ -47,8 +47,8 @@ class System:
         units: the loaded units by name.
         order: of the exchanged signals, 0, 1, 3 or 5.
         watch: also tell balancers where their plane is that report their clearance.
-        brief: step that is taken whole [s]: balancers that can end longer ones at an event; 0:
-            none does.
+        brief: step that is taken whole [s]: units that can end longer ones at an event; 0: none
+            does.
 
     Attributes:
         exchanges: balancers that exchange force, in order.
@@ -319,8 +319,9 @@ class System:
             start = {**one.start, **changes.get(one.name, {})}
             if unit is self.rotor:
                 start |= self.masses
-            elif self.brief and "stop_at_contact" in unit.variables and not unit.runs_python:
-                start |= {"stop_at_contact": True, "shortest_stopped_step": 1.5 * self.brief}
+            if self.brief and self.coupled and not unit.runs_python:
+                stops = {"stop_at_contact": True, "shortest_stopped_step": 1.5 * self.brief}
+                start |= {name: stops[name] for name in stops if name in unit.variables}
             unit.restart(start)
             if one.name in carried:
                 source, target = carried[one.name].source, carried[one.name].target.variable
