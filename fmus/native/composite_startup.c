@@ -66,12 +66,11 @@ double startup_length(Unit *unit)
     Course *course = c->course;
     int parts;
     if (course->changed > 0.0) {
-        const double step = communication(unit), usual = startup_size(unit);
-        const double negligible = KINK * (step < usual ? step : usual);
+        const double step = communication(unit);
         course->changed = 0.0;
         course->crossing = compensates(c) ? JUMP_PARTS : 1;
-        course->negligible = negligible / course->crossing;
-        course->whole = step - negligible;
+        course->negligible = smaller(KINK * step, contacts_brief(unit)) / course->crossing;
+        course->whole = step - course->crossing * course->negligible;
         course->ends = course->time + step;
     }
     if (course->crossing > 0.0) {
