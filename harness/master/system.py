@@ -17,6 +17,7 @@ from ..errors import SimulationError
 from .fmu import Fmu, Variables
 from .names import components, signals
 from .plan import MOTOR, ROTOR, Plan, Port
+from .saved_states import SavedStates
 from .shaft import Shaft
 from .signals import EXACT, Cubic, Knot, SignalState, begun
 
@@ -79,14 +80,36 @@ class System:
         self.masses: dict[str, float] = {}
         self.brief = brief
         self.tell_speed: Callable[[float], object] = lambda time: None
-        slopes = EXACT[order]
         self.parts = EXACT[max(3, order)] + 1
+        self._connect_planes()
+        self.shaft = Shaft(plan, units, order) if MOTOR in units else None
+        self.members = [self.rotor, *(e.unit for e in self.exchanges)]
+        if self.shaft:
+            self.forces.append(self.shaft.spin)
+            self.force_names.append(self.shaft.name)
+            self.members.append(self.shaft.motor)
+        self._spare: list[SavedStates] = []
+        self.watched: list[tuple[Fmu, Variables, Variables]] = []
+        if watch:
+            self._follow_places()
+        self._driven = [
+            (units[one.name], units[one.name].group(["speed", "acceleration"]))
+            for one in plan.units
+            if one.driven
+        ]
+
+    @property
+    def coupled(self) -> bool:
+        """Whether there is a loop: something is assumed for a step and answered at its end."""
+        return bool(self.forces)
+
+    def _connect_planes(self) -> None:
+        """Connect forces and accelerations of rotor and balancers, over buffers that they share."""
+        plan, units, order, slopes = self.plan, self.units, self.order, EXACT[self.order]
         exchanged = plan.of_kind("signal")
         followed = {c.target.unit: c.source.variable for c in exchanged if c.source.unit == ROTOR}
         pushed = {c.source.unit: c.target.variable for c in exchanged if c.target.unit == ROTOR}
-        names = {
-            pushed[unit]: followed[unit] for unit in pushed
-        }  # force and acceleration of a plane
+        names = {pushed[unit]: followed[unit] for unit in pushed}  # by a plane's force
         # in the order in which the rotor declares them they are one slice
         planes = sorted(
             names, key=lambda name: self.rotor.reference(components(name, plan.axes)[0])
@@ -117,26 +140,6 @@ class System:
         self._alone = [e.plane for e in self.exchanges] == list(range(len(planes)))
         self.forces = [SignalState() for _ in self.exchanges]
         self.force_names = [f"{exchange.unit.name}.F" for exchange in self.exchanges]
-        self.shaft = Shaft(plan, units, order) if MOTOR in units else None
-        self.members = [self.rotor, *(e.unit for e in self.exchanges)]
-        if self.shaft:
-            self.forces.append(self.shaft.spin)
-            self.force_names.append(self.shaft.name)
-            self.members.append(self.shaft.motor)
-        self._spare: list[SavedStates] = []
-        self.watched: list[tuple[Fmu, Variables, Variables]] = []
-        if watch:
-            self._follow_places()
-        self._driven = [
-            (units[one.name], units[one.name].group(["speed", "acceleration"]))
-            for one in plan.units
-            if one.driven
-        ]
-
-    @property
-    def coupled(self) -> bool:
-        """Whether there is a loop: something is assumed for a step and answered at its end."""
-        return bool(self.forces)
 
     def _follow_places(self) -> None:
         """Connect what balancers are told of their plane's place."""
@@ -326,39 +329,3 @@ class System:
                 self.masses[target] = self.masses.get(target, 0.0) + mass
         if self.shaft:
             self.shaft.restart()
-
-
-class SavedStates:
-    """States of units, held within a `with` block; their memory serves the next such block.
-
-    Args:
-        spare: where it goes at the end of the block.
-    """
-
-    __slots__ = ("_spare", "_states", "_units")
-
-    def __init__(self, units: Sequence[Fmu], spare: list[SavedStates]) -> None:
-        self._units, self._spare = units, spare
-        self._states: list[c_void_p] = []
-
-    def __enter__(self) -> list[c_void_p]:
-        try:
-            if self._states:
-                for unit, state in zip(self._units, self._states, strict=True):
-                    unit.save(state)
-            else:
-                for unit in self._units:
-                    self._states.append(unit.save())
-        except BaseException:
-            self.free()
-            raise
-        return self._states
-
-    def __exit__(self, *_exception: object) -> None:
-        self._spare.append(self)
-
-    def free(self) -> None:
-        """Free the states."""
-        for unit, state in zip(self._units, self._states, strict=False):  # saving may have failed
-            unit.free(state)
-        self._states = []

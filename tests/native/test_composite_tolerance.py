@@ -7,11 +7,10 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
-from fmpy import platform_tuple
 
 from autobalancer.harness import Scene, load_scene
 from autobalancer.harness.master.cosimulation import CoSimulation
-from autobalancer.harness.master.one_file import build_one_file, composition
+from autobalancer.harness.master.one_file import composition
 from autobalancer.harness.master.recorder import Recorder, recorded
 
 STICKING = {"weights.rolling_resistance": 5e-3}
@@ -24,17 +23,6 @@ HEAVY = {
     "weights.inertia_as_force": True,
 }  # whose loop is another while they stick
 QUINTIC = {"coupling.order": 5}
-
-
-@pytest.fixture
-def instance(packaging, tmp_path):
-    """Makes a host of a scene's composite."""
-
-    def made(scene: Scene):
-        path = build_one_file(scene, tmp_path / "one.fmu", platforms=[platform_tuple])
-        return packaging.Host(path)
-
-    return made
 
 
 def loose(name: str, tolerance: float, revolutions: float) -> Scene:

@@ -3,7 +3,7 @@
 import pytest
 
 from autobalancer.harness.errors import SimulationError
-from autobalancer.harness.master.cosimulation import cosimulate
+from autobalancer.harness.master.run import cosimulate
 from autobalancer.harness.scene import Scene
 from autobalancer.harness.truth.judge import RTOLS, deviations, motion, referred
 
