@@ -24,7 +24,6 @@ import tempfile
 from collections.abc import Iterable, Iterator
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager
-from dataclasses import dataclass
 from functools import cache
 from importlib.metadata import version
 from pathlib import Path
@@ -33,6 +32,21 @@ from ..unit import alternatives
 from ..xml.archive import source, write
 from .layout import header
 from .macho import settled
+from .targets import (
+    COLD,
+    FAST,
+    FLAGS,
+    HOT,
+    LINK,
+    OBJECT,
+    PAGE,
+    PLATFORMS,
+    SMALL,
+    SMALLEST,
+    TARGETS,
+    WARNINGS,
+    Platform,
+)
 
 COMPILER = "0.17.1"  # version of ziglang: part of the stamp, another writes other bytes
 
@@ -40,74 +54,6 @@ SOURCES = Path(__file__).resolve().parent
 BINARIES = SOURCES / "bin"
 GENERATED = BINARIES / "sources"
 PACKED = SOURCES / "sources.tar.xz"  # once installed, in place of the C files
-
-# no contraction to fused multiply-add: the same bits on every processor; sqrt an instruction
-FLAGS = ("-std=c99", "-ffp-contract=off", "-fno-math-errno")
-# where steps spend their time, for speed; what no step comes to, for the least size (zig takes -Oz
-# alone for -Os); all else, for size: it is no slower
-FAST, SMALL, SMALLEST = ("-O2",), ("-Os",), ("-Os", "-Xclang", "-Oz")
-HOT = ("propagator", "quintic_weights", "weights")
-COLD = (
-    *("composite_scales", "composite_startup", "composite_token", "decimal", "failure_words"),
-    *("first_fall", "fmi3_interfaces", "fmi3_types", "resource", "rotor_kinds", "text", "token"),
-    *("unit_derivatives", "unit_elements", "unit_front", "unit_messages"),
-    *("unit_rotor_derivatives", "unit_rotor_kinds", "unit_state_bytes"),
-    *("unit_weights_derivatives", "variables"),
-)
-_WARNINGS = ("-Wall", "-Wextra", "-Wpedantic")
-# macOS headers would call checking variants of memcpy; without loops unrolled or made into vectors
-# a library is a tenth smaller, and no slower
-_LOOPS = ("-fno-unroll-loops", "-fno-vectorize", "-fno-slp-vectorize")
-_OBJECT = ("-fPIC", "-fvisibility=hidden", "-D_FORTIFY_SOURCE=0", *_LOOPS)
-# nothing unwinds the stack of C; Windows wants its tables, and with them needs no frame pointers
-_NO_TABLES = ("-fno-asynchronous-unwind-tables", "-fno-unwind-tables")
-_NO_FRAMES = ("-fomit-frame-pointer",)
-_LINUX = (*_NO_TABLES, *_NO_FRAMES)
-_LINK = ("-nostdlib", "-s")
-_SHARED = ("-shared",)
-# else the path of the output would stand in the library, and the names of all functions
-_NAMES = ("-Wl,-install_name,@rpath/autobalancer.dylib", "-Wl,-x")
-_MACOS = (_NO_TABLES, (*_SHARED, *_NAMES))
-
-
-@dataclass(frozen=True)
-class Platform:
-    """How a library is made.
-
-    Attributes:
-        target: name that zig has for the platform, with the oldest system it serves.
-        library: file name.
-        compiler, link: further options of either.
-        folder: of sources for it alone.
-    """
-
-    target: str
-    library: str
-    compiler: tuple[str, ...] = ()
-    link: tuple[str, ...] = _SHARED
-    folder: str = ""
-
-
-# by their names in FMI 3.0
-PLATFORMS = {
-    "x86_64-linux": Platform("x86_64-linux-gnu.2.17", "autobalancer.so", _LINUX),
-    "aarch64-linux": Platform("aarch64-linux-gnu.2.17", "autobalancer.so", _LINUX),
-    "x86_64-windows": Platform(
-        "x86_64-windows-gnu", "autobalancer.dll", _NO_FRAMES, folder="windows"
-    ),
-    "x86_64-darwin": Platform("x86_64-macos.11.0", "autobalancer.dylib", *_MACOS),
-    "aarch64-darwin": Platform("aarch64-macos.11.0", "autobalancer.dylib", *_MACOS),
-}
-# a function of the page's calls each; of WASI only its headers
-PAGE = "wasm32"
-_PAGE = Platform(
-    "wasm32-wasi",
-    "autobalancer.wasm.xz",
-    ("-fno-pic",),
-    ("-Wl,--no-entry", "-Wl,-z,stack-size=1048576"),
-    "wasm",
-)
-_TARGETS = {**PLATFORMS, PAGE: _PAGE}
 
 _STAMP = '#ifndef STAMP_H\n#define STAMP_H\n\n#define STAMP "{}"\n\n#endif\n'
 
@@ -146,12 +92,12 @@ def _made(names: list[str]) -> dict[str, Path]:
     return {name: _library(name) for name in names}
 
 
-def stale(platforms: Iterable[str] = _TARGETS) -> bool:
+def stale(platforms: Iterable[str] = TARGETS) -> bool:
     """Whether `libraries` would have to generate or compile."""
     if not _current():
         return True
     current = stamp()
-    return any(_made_from(name) != current for name in _known(platforms, _TARGETS))
+    return any(_made_from(name) != current for name in _known(platforms, TARGETS))
 
 
 def stamp() -> str:
@@ -161,18 +107,8 @@ def stamp() -> str:
         OSError: layout.h has not been generated yet.
     """
     total = hashlib.sha256()
-    for text in (
-        COMPILER,
-        *FLAGS,
-        *FAST,
-        *SMALL,
-        *SMALLEST,
-        *HOT,
-        *COLD,
-        *_OBJECT,
-        *_LINK,
-        *map(repr, _TARGETS.values()),
-    ):
+    options = (*FLAGS, *FAST, *SMALL, *SMALLEST, *HOT, *COLD, *OBJECT, *LINK)
+    for text in (COMPILER, *options, *map(repr, TARGETS.values())):
         total.update(text.encode() + b"\0")
     for name, text in {**texts(), "layout.h": generated("layout.h")}.items():
         total.update(f"{Path(name).name}\0{len(text)}\0{text}".encode())
@@ -199,7 +135,7 @@ def texts() -> dict[str, str]:
     """Text of every C source by its path, those for one platform in a folder of their own."""
     if PACKED.exists():
         return _unpacked()
-    folders = sorted(platform.folder for platform in _TARGETS.values() if platform.folder)
+    folders = sorted(platform.folder for platform in TARGETS.values() if platform.folder)
     paths = sorted(SOURCES.glob("*.[ch]"))
     paths += [path for folder in folders for path in sorted((SOURCES / folder).iterdir())]
     return {path.relative_to(SOURCES).as_posix(): source(path) for path in paths}
@@ -239,7 +175,7 @@ def _compile(names: list[str]) -> None:
     current = stamp()
     with _caches() as environment:
         for name in names:
-            library = _compiled(_TARGETS[name], environment)
+            library = _compiled(TARGETS[name], environment)
             # a page holds it as text, whatever the form in which it is kept
             packed = name == PAGE
             _write(_library(name), lzma.compress(library, preset=9) if packed else library)
@@ -262,15 +198,7 @@ def _compiled(platform: Platform, environment: dict[str, str]) -> bytes:
             stem = Path(file).stem
             output = str(Path(folder) / f"{stem}.o")
             level = FAST if stem in HOT else SMALLEST if stem in COLD else SMALL
-            options = (
-                *FLAGS,
-                *level,
-                *_WARNINGS,
-                *_OBJECT,
-                *platform.compiler,
-                "-I",
-                str(GENERATED),
-            )
+            options = (*FLAGS, *level, *WARNINGS, *OBJECT, *platform.compiler, "-I", str(GENERATED))
             _zig([*target, *options, "-c", file, "-o", output], folder, environment)
             return output
 
@@ -279,7 +207,7 @@ def _compiled(platform: Platform, environment: dict[str, str]) -> bytes:
         if windows:
             objects.append(_import_library(folder, environment))
         output = Path(folder) / platform.library
-        _zig([*target, *_LINK, *platform.link, *objects, "-o", str(output)], folder, environment)
+        _zig([*target, *LINK, *platform.link, *objects, "-o", str(output)], folder, environment)
         library = output.read_bytes()
     if windows:
         return _without_time(library)
@@ -343,7 +271,7 @@ def _known(platforms: Iterable[str], known: Iterable[str] = PLATFORMS) -> list[s
 
 
 def _library(platform: str) -> Path:
-    return BINARIES / platform / _TARGETS[platform].library
+    return BINARIES / platform / TARGETS[platform].library
 
 
 def _made_from(platform: str) -> str | None:
@@ -367,5 +295,5 @@ def _write(path: Path, data: bytes) -> None:
 
 
 if __name__ == "__main__":
-    for platform_, path_ in _made(_known(sys.argv[1:] or _TARGETS, _TARGETS)).items():
+    for platform_, path_ in _made(_known(sys.argv[1:] or TARGETS, TARGETS)).items():
         print(f"{platform_:15} {path_.stat().st_size:7} bytes  {path_}")

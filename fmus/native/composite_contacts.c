@@ -5,7 +5,7 @@
 #include "composite.h"
 #include "elementary.h"
 
-static const double BRIEF = 1e-6, WIDE = 1e-4, LEAST = 0.01, ROUNDING = 1e-5, JUMP = 1e-6, GROWTH = 10.0, KINK = 1e-10,
+static const double BRIEF = 1e-6, WIDE = 1e-4, LEAST = 0.1, ROUNDING = 1e-5, JUMP = 1e-6, GROWTH = 10.0, KINK = 1e-10,
                     AGREED = 1e-6;
 enum { QUIET = 3, AWAITED = 20, MOST = 1000, TRIES = 3 };
 static const double SHORTER[TRIES] = {1.0, 0.6, 0.36};

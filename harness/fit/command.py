@@ -78,7 +78,8 @@ def command(
     from .measured import read_measured
     from .parameters import parse_free
     from .report import document, lines, table
-    from .study import difference, fit, predicted_rms
+    from .search import difference
+    from .study import fit, predicted_rms
 
     loaded = changed_scene(scene, changes)
     loaded = loaded.without_balancers() if without_balancers else loaded

@@ -9,7 +9,8 @@ from matplotlib.figure import Figure
 
 from ..output.plot import metres, save
 from .measured import SPEED, MeasuredAmplitudes
-from .study import Difference, Fit
+from .search import Difference
+from .study import Fit
 
 
 def plot_fit(

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from xarray import Dataset
 
     from ..scene import Scene
-    from .verify import Verification
+    from .verification import Verification
 
 Signal = NDArray[np.float64]
 

@@ -101,7 +101,7 @@ def _scene(stored: Mapping[str, Any]) -> Scene:
 
 def _verification(stored: dict[str, Any] | None) -> Any:
     from .parting import Parting, Statistics
-    from .verify import Verification
+    from .verification import Verification
 
     if stored is None:
         return None

@@ -7,7 +7,7 @@ from html import escape
 from typing import TYPE_CHECKING
 
 from ..output.words import printable
-from .run_command import summary
+from .result_tables import summary
 
 if TYPE_CHECKING:
     from .result import Result

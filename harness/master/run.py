@@ -16,6 +16,7 @@ from .plan import plan
 from .recorder import Recorder, recorded, refuse_unknown
 from .result import Result
 from .schedule import order_of_run
+from .verify import FIRST, verified
 
 
 def cosimulate(
@@ -46,11 +47,13 @@ def cosimulate(
         scene = load_scene(scene)
     names = list(recorded(scene) if record is None else record)
     loaded = _loader(fmus, one_file)
-    if verify:
-        from .verify import verified  # it runs scenes itself
-
-        return verified(scene, names, loaded, progress)
-    return run_once(scene, names, loaded, progress)
+    if not verify:
+        return run_once(scene, names, loaded, progress)
+    if not names:
+        raise UserError("verify: nothing is recorded, so there is nothing to compare")
+    told = progress or (lambda _done: None)
+    found = run_once(scene, names, loaded, lambda done: told(FIRST * done))
+    return verified(scene, found, loaded, lambda done: told(FIRST + (1.0 - FIRST) * done))
 
 
 def _loader(fmus: Path | None, one_file: bool) -> Callable[[Scene], Simulation]:

@@ -12,7 +12,7 @@ from .system import System
 BRIEF = 1e-6  # of a communication step
 # tolerance below which brief steps shrink with it, down to a share of them: a blow, or a jump of
 # the drive, reaches the rotor late by one, which a mode faster than the rotor turns shows
-WIDE, LEAST = 1e-4, 0.01
+WIDE, LEAST = 1e-4, 0.1
 # tolerance from which on quintic signals cost less than cubic ones, at a constant speed; and in a
 # run-up, where the rotor's own step is the larger part
 QUINTIC, QUINTIC_RUN_UP = 1e-4, 1e-5

@@ -13,27 +13,28 @@ from __future__ import annotations
 import math
 import time as clock
 from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ..errors import SimulationError, UserError
+from ..errors import SimulationError
 from ..scene import Scene
 from .cosimulation import REPORTED, Simulation
 from .facts import exchanging
 from .names import kin
-from .parting import Parting, Statistics, parted
+from .parting import Statistics, parted
 from .recorder import Recorder
 from .result import Result
-from .run import run_once
 from .scales import largest_force
 from .schedule import force_jumps, milestones, schedule, steps_per_rev
 from .schemes.prescribed import SLIVER
+from .verification import Verification
 
 FINER = 30.0  # times smaller, the second run's tolerance
 PARTS = 3  # of a step: 3^4 = 81 where a tolerance lets steps be as long as may be
+FIRST = 1.0 / (1.0 + PARTS)  # share of the first run in the work
 USUAL = 1e-4  # tolerance in place of given steps
 CLOSED = 0.1  # of its tolerance: a run's loop is closed ten times better
 TIGHTEST = 1e-12  # tolerance: below it is rounding
@@ -56,64 +57,17 @@ class Refinement:
     words: str
 
 
-@dataclass(frozen=True)
-class Verification:
-    """What a second, finer run says of the first.
-
-    Attributes:
-        finer: how the second run was stepped, in words.
-        error: by signal, largest error at a communication point, in the signal's unit.
-        relative: the same over the signal's range; x and y, or the parts of a vector in the rotor,
-            share the larger of their ranges.  A rotor that stands still but for rounding is
-            measured by 1e-12 of what the scene's forces can move it.
-        statistics: by signal, of the first and of the second run.
-        parting: None where the runs stay together, and `error` is what the first one errs.
-        seconds: the second run took.
-    """
-
-    finer: str
-    error: dict[str, float]
-    relative: dict[str, float]
-    statistics: dict[str, tuple[Statistics, Statistics]] = field(default_factory=dict)
-    parting: Parting | None = None
-    seconds: float = 0.0
-
-    def note(self) -> str:
-        """What a reader must know; empty where the errors say all."""
-        if self.parting is None:
-            return ""
-        return (
-            "verify: the motion parts from its neighbours "
-            f"{math.exp(self.parting.rate):.2g}-fold a revolution (rate {self.parting.rate:.2g}): "
-            f"from revolution {self.parting.revolution:.3g} on values at a time are not known, "
-            "only their statistics"
-        )
-
-
 def verified(
-    scene: Scene,
-    names: list[str],
-    loaded: Callable[[Scene], Simulation],
-    progress: Report | None = None,
+    scene: Scene, result: Result, loaded: Callable[[Scene], Simulation], report: Report
 ) -> Result:
-    """Run a scene, recording `names`, and once more to measure the errors.
+    """The result of a run, with its errors as a second run measures them.
 
     Args:
         loaded: what steps a scene.
 
     Raises:
-        UserError: nothing is recorded, or see `cosimulate`.
-        SimulationError: one of the two runs cannot be completed.
+        SimulationError: the second run cannot be completed.
     """
-    if not names:
-        raise UserError("verify: nothing is recorded, so there is nothing to compare")
-    part = 1.0 / (1.0 + PARTS)  # of the work
-
-    def report(done: float) -> None:
-        if progress:
-            progress(part + (1.0 - part) * done)
-
-    result = run_once(scene, names, loaded, progress and (lambda done: progress(part * done)))
     begun, tolerance = clock.perf_counter(), (scene.coupling.tolerance or USUAL) / FINER
     while True:
         fine = controlled(scene, tolerance)

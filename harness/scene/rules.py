@@ -1,27 +1,17 @@
-"""What the tables of a scene demand of each other."""
+"""Problems between the tables of a scene, found in its document."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
-import numpy as np
 from pydantic import TypeAdapter, ValidationError
 
-from ...models.rotor import LinearRotor
 from .messages import Place, show, statement
 from .rotor import Rotor
 
-if TYPE_CHECKING:
-    from .scene import Scene
-
 TABLES = ("rotor", "operation", "coupling", "run")
 _ROTOR: TypeAdapter[Any] = TypeAdapter(Rotor)
-# keys of a balancer by what is then true of it
-_WITHOUT_SECOND_DERIVATIVES = {
-    "weight_radius": "can_meet",
-    "rolling_resistance": "can_stick",
-}
 
 
 def plane_count(rotor: Any) -> int | None:
@@ -60,67 +50,4 @@ def across(document: Mapping[str, Any], planes: int | None) -> list[str]:
         at = entry.get("at", 1)
         if planes is not None and type(at) is int and at > planes:
             lines.append(statement(Place(f"balancer[{i}].at", at, "", None), allowed))
-    return lines
-
-
-def refused_together(scene: Scene, rotor: LinearRotor) -> list[str]:
-    """Problems of a scene whose tables are right, each for itself."""
-    lines = _refused_under_a_motor(scene, rotor) + _refused_with_quintics(scene)
-    lines += scene.balancing.problems(scene.rotor) if scene.balancing else []
-    one_liquid = [b.kind for b in scene.balancer] == ["liquid"]
-    fits = one_liquid and rotor.isotropic and scene.rotor.kind == "planar"
-    lines += [
-        f'check[{i}].kind = "liquid_window": needs a planar rotor with equal stiffness '
-        "and damping in x and y, and one balancer of kind liquid"
-        for i, check in enumerate(scene.check, start=1)
-        if check.kind == "liquid_window" and not fits
-    ]
-    return lines
-
-
-def without_second_derivatives(scene: Scene) -> dict[str, str]:
-    """Keys of what has no second derivatives of its signals, and why."""
-    wrong = {}
-    if scene.operation.motor:
-        wrong["operation.motor"] = "the acceleration of its shaft is exchanged as a cubic"
-    if scene.rotor.friction:
-        wrong["rotor.friction"] = (
-            "a step in which friction turns round errs in first order, or behind a spring in "
-            "second, whatever the signals"
-        )
-    return wrong | {
-        f"balancer[{i}].{key}": "only weights that cannot meet or stick have second derivatives"
-        for i, balancer in enumerate(scene.balancer, start=1)
-        for key, what in _WITHOUT_SECOND_DERIVATIVES.items()
-        if getattr(balancer, what, None)
-    }
-
-
-def _refused_with_quintics(scene: Scene) -> list[str]:
-    """What cannot be coupled by them."""
-    found = without_second_derivatives(scene) if scene.coupling.order == 5 else {}
-    return [
-        f"{key}: not with coupling.order = 5: {why}; leave this out, or take order = 3"
-        for key, why in found.items()
-    ]
-
-
-def _refused_under_a_motor(scene: Scene, rotor: LinearRotor) -> list[str]:
-    """What a motor of limited power cannot drive."""
-    motor = scene.operation.motor
-    if motor is None:
-        return []
-    lines = []
-    u = rotor.unbalance
-    least = float((u.conj() @ np.linalg.solve(rotor.mass, u)).real)
-    if not motor.inertia > least:
-        lines.append(
-            f"operation.motor.inertia = {motor.inertia:g} kg m^2: must be above {least:.6g}, "
-            "the unbalance's own: squared static moment over mass"
-        )
-    if scene.coupling.scheme == "compensated":
-        lines.append(
-            'coupling.scheme = "compensated": does not know operation.motor: must be "auto", '
-            '"iterated", "gauss-seidel" or "jacobi"'
-        )
     return lines

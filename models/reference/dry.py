@@ -19,7 +19,7 @@ from .coupled import REST, Array, Monolith, Start
 
 MARGIN = 1e-9  # of a limit: what holds may push by so much more, so that rounding frees nothing
 ROUNDING = 1e-14  # of the rate at which a weight turns in space
-LONGEST = 1.0  # rad of the fastest turning in a step: nothing may stop and go within one
+LONGEST = 0.3  # rad of the fastest turning in a step: nothing may stop and go within one
 MOST_EVENTS = 5000  # of a run
 
 

@@ -18,46 +18,18 @@ from .judge import KEPT
 QUICK = ["two_balls", "filimonikhina", "liquid_disc", "three_mass_shaft", "run_up", "sommerfeld"]
 LONG = ("check", "precision", "stress")  # made of many runs
 NUMBERS = [
-    "0",
-    "1",
-    "2",
-    "3",
-    "-5",
-    "0.5",
-    "12",
-    "150",
-    "1e300",
-    "1e-300",
-    "nan",
-    "inf",
-    "1e9",
-    "x",
-]
+    "0", "1", "2", "3", "-5", "0.5", "12", "150", "1e300", "1e-300", "nan", "inf", "1e9", "x",
+]  # fmt: skip
 WORDS = [
     *["", ",", "--", "-", "-o", "--x", "--set", "--range", "--help", "--version", "nowhere", "/"],
     *["two_balls", "speed=1:2:3", "a=b=c", "\x1b[31m", "ü", "\udcff", "x" * 300, "-1", "a\nb"],
 ]
 PLACES = [
-    "new",
-    "new",
-    "new",
-    "kept",
-    "kept",
-    "protected",
-    "ü (x) 'y' %41",
-    "nowhere/x",
-    "folder/x",
-]
+    "new", "new", "new", "kept", "kept", "protected", "ü (x) 'y' %41", "nowhere/x", "folder/x",
+]  # fmt: skip
 ODD = [
-    "/dev/null",
-    "/dev/full",
-    "/proc/x.png",
-    "folder",
-    ".",
-    "given/scene.toml",
-    "\udcff.csv",
-    "x",
-]
+    "/dev/null", "/dev/full", "/proc/x.png", "folder", ".", "given/scene.toml", "\udcff.csv", "x",
+]  # fmt: skip
 ENDINGS = {
     "FILE.csv": [".csv"],
     "FILE.png": [".png", ".svg", ".pdf"],

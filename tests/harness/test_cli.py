@@ -10,17 +10,9 @@ import pytest
 from autobalancer.harness.scene import bundled_scenes, load_scene
 
 ROW_KEYS = [
-    "scene",
-    "check",
-    "quantity",
-    "expected",
-    "measured",
-    "error",
-    "tolerance",
-    "holds",
-    "seconds",
+    "scene", "check", "quantity", "expected", "measured", "error", "tolerance", "holds", "seconds",
     "source",
-]
+]  # fmt: skip
 
 
 def altered(tmp_path, name: str, **replacements: str):

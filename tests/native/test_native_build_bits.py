@@ -33,13 +33,8 @@ STEP = 2.0**-11
 # what the host calls; a library of these names stands in for the C library when it is linked
 _C_LIBRARY = ("_exit", "dlopen", "dlsym", "memcpy", "memset", "read", "strlen", "write")
 _KERNEL32 = (
-    "ExitProcess",
-    "GetProcAddress",
-    "GetStdHandle",
-    "LoadLibraryA",
-    "ReadFile",
-    "WriteFile",
-)
+    "ExitProcess", "GetProcAddress", "GetStdHandle", "LoadLibraryA", "ReadFile", "WriteFile",
+)  # fmt: skip
 
 
 # --- machines ---------------------------------------------------------------------------------

@@ -41,17 +41,11 @@ RUNS = {"autobalancer_runs"}  # batch.h
 RUNS |= {f"autobalancer_run_{name}" for name in ("new", "free", "start", "on", "read")}  # run.h
 # of FMI 2.0, for model exchange alone
 EXCHANGE = {
-    "fmi2CompletedIntegratorStep",
-    "fmi2EnterContinuousTimeMode",
-    "fmi2EnterEventMode",
-    "fmi2GetContinuousStates",
-    "fmi2GetDerivatives",
-    "fmi2GetEventIndicators",
-    "fmi2GetNominalsOfContinuousStates",
-    "fmi2NewDiscreteStates",
-    "fmi2SetContinuousStates",
+    "fmi2CompletedIntegratorStep", "fmi2EnterContinuousTimeMode", "fmi2EnterEventMode",
+    "fmi2GetContinuousStates", "fmi2GetDerivatives", "fmi2GetEventIndicators",
+    "fmi2GetNominalsOfContinuousStates", "fmi2NewDiscreteStates", "fmi2SetContinuousStates",
     "fmi2SetTime",
-}
+}  # fmt: skip
 MACHINE_ORDER = (0x01000007, 0x0100000C)  # x86_64, arm64
 
 each = pytest.mark.parametrize("platform", PLATFORMS)

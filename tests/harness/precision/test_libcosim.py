@@ -16,14 +16,9 @@ pytest.importorskip("libcosimpy")
 STEP = 1.0 / 64.0  # s: a whole number of nanoseconds, in which libcosim counts time
 STEPS = 400
 SIGNALS = [
-    "rotor.x",
-    "rotor.y",
-    "rotor.plane[1].a_xi",
-    "weights.weight[1].angle",
-    "weights.weight[2].speed",
-    "weights.F_xi",
-    "liquid.F_eta",
-]
+    "rotor.x", "rotor.y", "rotor.plane[1].a_xi", "weights.weight[1].angle",
+    "weights.weight[2].speed", "weights.F_xi", "liquid.F_eta",
+]  # fmt: skip
 SCENE = {
     "rotor": {"kind": "planar", "mass": 0.95, "stiffness": [1.0, 9.0], "damping": [0.5, 1.0],
               "unbalance": 0.025},

@@ -29,24 +29,16 @@ from autobalancer.models.reference.oscillator import forced_motion
 from autobalancer.models.weights import Weights, advance
 
 QUICK = [
-    "stiffness 1e2 and 1e14 N/m in one rotor",
-    "damping ratio 1",
-    "damping ratio 10000",
-    "speed 1e5 rad/s, rotor alone",
-    "exactly at a natural frequency, undamped",
+    "stiffness 1e2 and 1e14 N/m in one rotor", "damping ratio 1", "damping ratio 10000",
+    "speed 1e5 rad/s, rotor alone", "exactly at a natural frequency, undamped",
     "liquid mu = 1 + 9999, gap 1e-05 of the radius, as added mass",
-    "liquid mu = 1 + 9999, gap 1e-05 of the radius, as force",
-    "drag 1e-06 m w",
-    "weights of 10 of the rotor's mass",
-    "weights that spin twenty times as fast as the rotor",
-    "4 steps a revolution",
-    "shaft a hundred times as soft",
-    "rigid rotor with the polar inertia of a disc",
-    "balancer on a rotor of 1e14 N/m",
-    "dry supports that hold 10 of the pull",
-    "weights that start 1e7 revolutions on",
+    "liquid mu = 1 + 9999, gap 1e-05 of the radius, as force", "drag 1e-06 m w",
+    "weights of 10 of the rotor's mass", "weights that spin twenty times as fast as the rotor",
+    "4 steps a revolution", "shaft a hundred times as soft",
+    "rigid rotor with the polar inertia of a disc", "balancer on a rotor of 1e14 N/m",
+    "dry supports that hold 10 of the pull", "weights that start 1e7 revolutions on",
     "angle after 1e7 revolutions in steps of a thousand",
-]
+]  # fmt: skip
 
 
 @pytest.mark.parametrize("name", QUICK)

@@ -188,6 +188,13 @@ TIGHT = {
         {"speed": 1.709},
         {"revolutions": 18.14},
     ),
+    "a stiff support that lets go for a moment, which a reference may overlook": scene(
+        planar(38.85, [13159747565.759808, 11968253013.878553], [0.0, 27850.0], 0.02167)
+        | {"friction": [{"limit": [1942.9272042198697, 3240.74929362041]}]},
+        [],
+        {"speed": 937.1},
+        {"revolutions": 0.8603},
+    ),
 }  # fmt: skip
 
 

@@ -1,0 +1,73 @@
+"""A result in numbers: tables of its signals and errors, and what `--json` writes."""
+
+from __future__ import annotations
+
+from dataclasses import asdict, astuple
+from typing import TYPE_CHECKING, Any
+
+from ..output.table import Sheet
+
+if TYPE_CHECKING:
+    from .result import Result
+    from .verification import Verification
+
+
+def summary(result: Result) -> Sheet:
+    """Smallest, largest and last value of every signal, and its error where that was measured."""
+    rows, verification = [], result.verification
+    for name, values in {"time": result.time, **result.signals}.items():
+        unit = "s" if name == "time" else result.signal_units.get(name, "")
+        numbers = (values.min(), values.max(), values[-1])
+        errors = ["-", "-"]
+        if verification is not None and name in verification.error:
+            errors = [f"{verification.error[name]:.2g}", f"{verification.relative[name]:.2g}"]
+        rows.append([name, unit, *(f"{n:.6g}" for n in numbers), *(errors if verification else [])])
+    columns = ["signal", "unit", "smallest", "largest", "at the end"]
+    columns += ["error", "of range"] if verification else []
+    align = "ll" + "r" * (len(columns) - 2)
+    return Sheet(columns, rows, align, result.scene_title or "run")
+
+
+def statistics(verification: Verification) -> Sheet:
+    """Mean, rms and extreme of every signal in both runs."""
+    rows = [
+        [name, *(f"{a:.4g} | {b:.4g}" for a, b in zip(astuple(one), astuple(other), strict=True))]
+        for name, (one, other) in verification.statistics.items()
+    ]
+    title = "this run | the finer one"
+    return Sheet(("signal", "mean", "rms", "extreme"), rows, "lrrr", title)
+
+
+def as_json(result: Result) -> dict[str, Any]:
+    """The facts of a run and every signal's values and errors, for `--json`."""
+    signals: dict[str, Any] = {}
+    verification = result.verification
+    for name, values in result.signals.items():
+        signals[name] = {
+            "unit": result.signal_units.get(name, ""),
+            "smallest": values.min(),
+            "largest": values.max(),
+            "last": values[-1],
+        }
+        if verification is not None:
+            one, other = (asdict(s) for s in verification.statistics[name])
+            signals[name] |= {
+                "error": verification.error[name],
+                "relative_error": verification.relative[name],
+            }
+            signals[name] |= {"statistics": one, "finer_statistics": other}
+    document = {
+        "title": result.scene_title,
+        "time": result.time[-1],
+        "steps": result.steps,
+        "passes": result.passes,
+        "seconds": result.seconds,
+        "units": result.units,
+        "left_out": result.left_out,
+        "events": result.events,
+        "signals": signals,
+    }
+    if verification is not None:
+        parting = asdict(verification.parting) if verification.parting else None
+        document["verification"] = {"finer": verification.finer, "parting": parting}
+    return document
