@@ -243,10 +243,7 @@ class Scene(Table):
         if self.operation.motor:
             wrong["operation.motor"] = "the acceleration of its shaft is exchanged as a cubic"
         if self.rotor.friction:
-            wrong["rotor.friction"] = (
-                "a step in which friction turns round errs in first order, or behind a spring in "
-                "second, whatever the signals"
-            )
+            wrong["rotor.friction"] = "the rotor's Taylor series between events takes cubics"
         return wrong | {
             f"balancer[{i}].{key}": "only weights that cannot meet or stick have second derivatives"
             for i, balancer in enumerate(self.balancer, start=1)
