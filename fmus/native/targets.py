@@ -11,8 +11,11 @@ FLAGS = ("-std=c99", "-ffp-contract=off", "-fno-math-errno")
 FAST, SMALL, SMALLEST = ("-O2",), ("-Os",), ("-Os", "-Xclang", "-Oz")
 HOT = ("propagator", "quintic_weights", "weights")
 COLD = (
-    *("composite_scales", "composite_startup", "composite_token", "decimal", "failure_words"),
-    *("first_fall", "fmi3_interfaces", "fmi3_types", "resource", "rotor_kinds", "text", "token"),
+    *("batch", "composite", "composite_contacts", "composite_run", "composite_scales"),
+    *("composite_startup", "composite_token", "fmi2", "fmi3", "run", "unit", "unit_motor"),
+    *("decimal", "failure_words", "first_fall", "fmi3_interfaces", "fmi3_types"),
+    *("composite_shaft", "motor", "shaft", "unit_liquid", "friction"),
+    *("linear_rotor", "resource", "rotor_kinds", "text", "token", "unit_values"),
     *("unit_derivatives", "unit_elements", "unit_front", "unit_messages"),
     *("unit_rotor_derivatives", "unit_rotor_kinds", "unit_state_bytes"),
     *("unit_weights_derivatives", "variables"),
