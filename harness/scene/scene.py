@@ -150,6 +150,12 @@ class Scene(Table):
         """Speed against time; of a motor its no-load speed, which scales and steps go by."""
         return self._profile
 
+    @cached_property
+    def slowest_rate(self) -> float:
+        """Rate of the loaded rotor's slowest motion, over its highest speed."""
+        top = max(self._profile.start, self._profile.end)
+        return float(np.abs(self._assembly.loaded_rotor.free_rates(top)).min()) / top
+
     def refuse_motor(self, what: str) -> None:
         """Raise SceneError where a motor drives the rotor, which `what` does not know."""
         if self.operation.motor is not None:
