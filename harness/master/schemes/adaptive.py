@@ -36,13 +36,13 @@ from .own_steps import OwnSteps
 LOCAL_SHARE = 0.2  # of the tolerance that one step may err: the errors of many steps add up
 AIM = 0.5  # of what is allowed, so that few steps are rejected
 RUNGS = 4  # of the ladder of step sizes per factor 2, so that the rotor's matrices are reused
-FIRST_RUNG = 6 * RUNGS  # 64 times shorter than the longest
+FIRST_RUNG = 4 * RUNGS  # 16 times shorter than the longest
 MINUTE = 20 * RUNGS  # steps 2^20 times shorter: what one misses of a jump moves nothing
 LOWEST = 40 * RUNGS  # steps 2^40 times shorter than the longest are no way to finish
 RESTED = 4  # steps at rest of one length
 GROWTH = 2.0  # at most, from one step to the next: a lucky zero of f'''' must not mislead
 SLOWEST = 1e3  # times the residual allowed: passes then lead nowhere, with the Jacobian they have
-RESIDUAL_SHARE = 0.05  # of what a step may err: it may stay in the loop
+RESIDUAL_SHARE = 0.2  # of what a step may err: it may stay in the loop
 
 
 class Adaptive(OwnSteps):
@@ -163,7 +163,7 @@ class Adaptive(OwnSteps):
     def _error(self, system: System, trial: Trial) -> tuple[float, float]:
         """Largest relative error of the signals' cubics over the step, and the largest motion."""
         count, missed = len(system.forces), trial.missed
-        largest = max(self._largest_motion, *(abs(end[0]) for end in trial.ends[count:]), 0.0)
+        largest = max([self._largest_motion, *[abs(end[0]) for end in trial.ends[count:]]])
         force, motion = max(missed[:count]), max(missed[count:], default=0.0)
         error = max(
             self._cancelled * force / trial.largest if trial.largest else 0.0,

@@ -194,13 +194,14 @@ class Iterated:
         known = self._ready(system, step, held)
         past = self._past(system)
         track = past.dot(ahead(system.order, system.forces[0].last_step, step))
-        known.begin(track, 0.0 if held else track[:count, cut:])
+        known.starts[:] = track[:, :cut]
+        known.assumed_ends[:] = 0.0 if held else track[:count, cut:]
         previous: tuple[np.ndarray, np.ndarray, float] | None = None
         for number in range(1, passes + 1):
             answers, residual = self._pass(system, time, step)
             # of passes and steps that are taken back none counts: they can be far too large
-            largest = max(self.largest, _size(answers))
-            error = _size(residual) / largest if largest else 0.0
+            largest = max(self.largest, *map(abs, _vectors(answers)))
+            error = max(map(abs, _vectors(residual))) / largest if largest else 0.0
             if previous and error > max(tolerance, SLOW * previous[2]):
                 self.newton.learn(previous[0], previous[1], residual)
             if number == passes or not error > tolerance:
@@ -210,13 +211,14 @@ class Iterated:
             known.assumed += du
             system.restore(states)
         cubics = self._maps.cubics.dot(known.numbers).view(complex).reshape(len(track), -1)
-        changes = [*_vectors(known.answered)[::cut], *_vectors(known.moved)[::cut]]
-        led = track[:, cut].tolist()
+        # accelerations stand first
+        changes, led = known.changes.tolist(), track[:, cut].tolist()
+        changes = changes[-count:] + changes[:-count]
         return Trial(
             self,
             time,
             step,
-            cubics.tolist(),
+            [tuple(cubic) for cubic in cubics.tolist()],
             system.ends(),
             [abs(found - change) for found, change in zip(changes, led, strict=True)],
             error,
@@ -232,8 +234,9 @@ class Iterated:
         known, past = self._ready(system, step, False), self._past(system)
         past[:, self.parts :] = 0.0
         track = past.dot(ahead(system.order, 0.0, step))
-        known.begin(track, track[: len(system.forces), self.parts :])
-        largest = max(self.largest, _size(known.first + known.assumed))
+        known.starts[:] = track[:, : self.parts]
+        known.assumed_ends[:] = track[: len(system.forces), self.parts :]
+        largest = max(self.largest, size(_vectors(known.first + known.assumed)))
         with system.saved() as states:
 
             def respond(assumed: Vector) -> Vector:
@@ -267,7 +270,7 @@ class Iterated:
     def _past(self, system: System) -> np.ndarray:
         """Of every signal its end now, and the higher derivatives of its cubic before."""
         signals = (*system.forces, *system.accelerations)
-        return np.array([(*s.now, *s.last[self.parts :]) for s in signals], complex)
+        return np.array([s.now + s.last[self.parts :] for s in signals], complex)
 
     def _pass(self, system: System, time: float, step: float) -> tuple[np.ndarray, np.ndarray]:
         """Step all units once as assumed; forces answered, and how far they miss those assumed."""
@@ -292,7 +295,3 @@ class Iterated:
 def _vectors(components: np.ndarray) -> Vector:
     """Complex numbers from their real and imaginary parts."""
     return components.view(complex).tolist()
-
-
-def _size(components: np.ndarray) -> float:
-    return size(_vectors(components))

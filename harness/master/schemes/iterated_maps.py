@@ -80,22 +80,26 @@ class Layout:
 
 
 class Known:
-    """What is known of a step: `numbers`, as a layout has them, and views of parts of them."""
+    """What is known of a step: `numbers`, as a layout has them, and views of parts of them.
+
+    Attributes:
+        assumed, first, begun, moved, answered: the parts.
+        pushing, telling: what is known before the rotor's step and before the balancers'.
+        assumed_ends, starts: changes assumed, and starts, as rows of complex numbers.
+        changes: of the values of accelerations and then of forces.
+    """
 
     def __init__(self, layout: Layout) -> None:
         self.layout, self.numbers = layout, np.zeros(layout.ends[-1])
-        assumed, first, begun, moved, _ = layout.ends
+        _, first, begun, moved, _ = layout.ends
         self.assumed, self.first, self.begun, self.moved, self.answered = np.split(
             self.numbers, layout.ends[:-1]
         )
         self.pushing, self.telling = self.numbers[:first], self.numbers[first:moved]
-        self.starts = self.numbers[assumed:begun]
-
-    def begin(self, track: np.ndarray, assumed: np.ndarray | float) -> None:
-        """Take over starts and assumed changes, signal by signal."""
-        parts = self.layout.parts
-        self.starts.view(complex).reshape(-1, parts)[:] = track[:, :parts]
-        self.assumed.view(complex).reshape(-1, parts)[:] = assumed
+        rows = self.numbers.view(complex).reshape(-1, layout.parts)
+        counts = [end // (2 * layout.parts) for end in layout.ends]
+        self.assumed_ends, self.starts = rows[: counts[0]], rows[counts[0] : counts[2]]
+        self.changes = self.numbers[begun:].view(complex)[:: layout.parts]
 
 
 class StepMaps:
@@ -148,7 +152,8 @@ def ahead(order: int, past: float, step: float) -> np.ndarray:
     shift, predicted = _ahead_of_unit_steps(order)
     exponents = np.arange(len(shift))
     since = np.maximum(np.subtract.outer(exponents, exponents), 0)
-    return (shift * past**since * step**exponents).dot(predicted)
+    # complex as what it is applied to: nothing is converted then
+    return (shift * past**since * step**exponents).dot(predicted).astype(complex)
 
 
 @lru_cache
