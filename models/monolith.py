@@ -11,6 +11,7 @@ from scipy.integrate import solve_ivp
 from .assembly import Assembly, SpeedProfile
 from .reference.colliding import integrate_contacts
 from .reference.coupled import REST, Array, Monolith, Start
+from .reference.driven import Driven, MotorDriven
 from .reference.dry import integrate_dry
 from .reference.trajectory import Trajectory, differences
 
@@ -25,7 +26,7 @@ class ReferenceDisagreement(ArithmeticError):
 
 def simulate(
     assembly: Assembly,
-    profile: SpeedProfile,
+    profile: SpeedProfile | MotorDriven,
     times: ArrayLike,
     *,
     initial: Start = REST,
@@ -36,6 +37,7 @@ def simulate(
     """Integrate from time 0 and give the motion at `times`.
 
     Args:
+        profile: the speed against time, or the motor that makes it.
         times: (T,) ascending, from 0 on [s].
         method: of `scipy.integrate.solve_ivp`.
         rtol: relative tolerance.
@@ -43,29 +45,40 @@ def simulate(
 
     Raises:
         ValueError: `times` are not ascending from 0 on, the start does not fit the assembly, or
-            weights can collide as well as stick.
+            weights can collide as well as stick, or do either under a motor.
         ArithmeticError: the method gave up, or the motion is not finite.
     """
     time = np.asarray(times, float)
     listed = time.ndim == 1 and len(time) > 0 and bool(np.isfinite(time).all())
     if not listed or time[0] < 0.0 or not (np.diff(time) > 0.0).all():
         raise ValueError("times must be an ascending list of numbers, 0 or more")
-    system = Monolith(assembly, profile, initial.angle)
+    system = equations(assembly, profile, initial.angle)
     solved = None
     finite = any(m.half_angle for m in assembly.weights)
     if system.dry and finite:
         raise ValueError("weights that collide: not where something sticks")
-    if system.dry:
+    if isinstance(system, Driven) and (system.dry or finite):
+        raise ValueError("weights that collide, or what sticks: not under a motor")
+    if isinstance(system, Monolith) and system.dry:
         states, solved = integrate_dry(system, time, initial, method=method, rtol=rtol)
-    elif finite:
+    elif isinstance(system, Monolith) and finite:
         states = integrate_contacts(system, time, initial, method=method, rtol=rtol)
     else:
         _, states, _ = integrate(system, time, initial, method=method, rtol=rtol, atol=atol)
     return trajectory(system, time, states, solved)
 
 
+def equations(
+    assembly: Assembly, profile: SpeedProfile | MotorDriven, angle: float = 0.0
+) -> Monolith | Driven:
+    """Of all in one piece; `angle` [rad] is the rotor's at time 0."""
+    if isinstance(profile, MotorDriven):
+        return Driven(assembly, profile, angle)
+    return Monolith(assembly, profile, angle)
+
+
 def integrate(
-    system: Monolith,
+    system: Monolith | Driven,
     time: Array | float,
     initial: Start = REST,
     *,
@@ -113,7 +126,7 @@ def integrate(
 
 
 def trajectory(
-    system: Monolith,
+    system: Monolith | Driven,
     time: Array,
     states: Array,
     solved: Sequence[tuple[Array, Array]] | None = None,
@@ -123,11 +136,8 @@ def trajectory(
     Args:
         solved: accelerations there, where friction takes part in them.
     """
-    n, profile = system.stations, system.profile
-    count = (system.size - 4 * n) // 2
-    speed = np.array([profile.speed(t) for t in time])
-    angular_acceleration = np.array([profile.acceleration(t) for t in time])
-    angle = system.angle + np.array([profile.angle(t) for t in time])
+    n, count = system.stations, system.weights
+    angle, speed, angular_acceleration = system.turning(time, states)
     if solved is None:
         solved = [system.accelerations(t, y) for t, y in zip(time, states, strict=True)]
     phi2 = np.array([turning for _, turning in solved]).reshape(len(time), count)
@@ -147,7 +157,7 @@ def trajectory(
 
 def reference(
     assembly: Assembly,
-    profile: SpeedProfile,
+    profile: SpeedProfile | MotorDriven,
     times: ArrayLike,
     *,
     initial: Start = REST,
@@ -178,7 +188,7 @@ def reference(
             abs(profile.start), abs(profile.end), 1.0 / max(np.max(times), np.finfo(float).tiny)
         )
         turning = max([turning, *(abs(rate) for m in assembly.weights for rate in m.speeds)])
-        stiff = Monolith(assembly, profile).fastest_mode > _STIFF_RATIO * turning
+        stiff = equations(assembly, profile).fastest_mode > _STIFF_RATIO * turning
         methods = STIFF if stiff else NON_STIFF
     runs = [
         simulate(assembly, profile, times, initial=initial, method=method, rtol=rtol)

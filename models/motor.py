@@ -58,6 +58,15 @@ class Drive:
         """The motor whose torque falls in one line from standstill to the no-load speed."""
         return cls(inertia, (0.0, no_load_speed), (stall_torque, 0.0))
 
+    @property
+    def top_speed(self) -> float:
+        """Largest speed at which the motor does not brake [rad/s]; 0: it brakes at any above."""
+        points = list(zip(self.speeds, self.torques, strict=True))
+        for (low, pull), (high, brake) in reversed(list(pairwise(points))):
+            if pull > 0.0 >= brake:
+                return low + (high - low) * pull / (pull - brake)
+        return 0.0
+
     def piece(self, speed: float) -> int:
         """The line a speed lies on: that from point `piece` to the next, or its continuation."""
         return min(max(bisect_right(self.speeds, speed) - 1, 0), len(self.speeds) - 2)

@@ -24,9 +24,9 @@ settings.load_profile("untimed")
 SLOW = (  # folders and files that take most of the time: `-m "not slow"` leaves them out
     "fmus/test_build", "fmus/test_host", "fmus/test_rotor", "harness/checks", "harness/design",
     "harness/fit", "harness/master/test_global_error", "harness/master/test_gravity",
-    "harness/master/test_master.py", "harness/master/test_motor", "harness/master/test_schemes",
-    "harness/master/test_sticking", "harness/master/test_verify", "harness/output",
-    "harness/pictures", "harness/precision", "harness/rotor", "harness/show", "harness/stability",
+    "harness/master/pictures", "harness/master/test_master.py", "harness/master/test_motor",
+    "harness/master/test_schemes", "harness/master/test_sticking", "harness/master/test_verify",
+    "harness/output", "harness/precision", "harness/rotor", "harness/show", "harness/stability",
     "harness/stress", "harness/test_cli", "harness/test_fuzz", "harness/truth",
     "models/test_colliding", "models/test_contact", "models/test_dry",
     "models/test_finite_elements", "models/test_friction", "models/test_harmonic_balance",

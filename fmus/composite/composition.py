@@ -51,7 +51,7 @@ class Composition:
 
     Attributes:
         parts: the rotor first; a motor of limited power last.
-        scheme: auto | iterated | compensated, the last with cubic signals alone.
+        scheme: auto | iterated | compensated.
         corrections: corrector passes of a step; None: until the loop has converged, or, with auto,
             as few as its gain asks for.
         start: of the coupling's own parameters and inputs: `coupling.steps_per_rev`, `speed` ...
@@ -83,8 +83,6 @@ class Composition:
             raise ValueError("parts: a motor must be the last of them, and the only one")
         if motors[-1] and self.scheme == "compensated":
             raise ValueError('coupling.scheme = "compensated": does not know a motor')
-        if order != 3 and self.scheme == "compensated":
-            raise ValueError(f'coupling.scheme = "compensated": takes order = 3, not {order}')
         for part in self.parts:
             if not part.name.isidentifier() or not part.name.isascii():
                 raise ValueError(

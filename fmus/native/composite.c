@@ -46,7 +46,7 @@ size_t composite_memory(Composite *c, double *memory)
     const size_t outer = 2 * (size_t)c->parts->unit->layout.sizes.planes, o = (size_t)c->orders;
     const size_t counts[BLOCKS] = {
         sizeof(Course) / sizeof(double), outer, signal_doubles(e), signal_doubles(p),
-        o * o * e * e, o * o * e * (e + p), 4 * (e + p), p * sizeof(Swung) / sizeof(double), c->state_count,
+        o * o * e * e, o * o * e * (e + p), o * (e + p), p * sizeof(Swung) / sizeof(double), c->state_count,
         c->state_count, c->state_count};
     size_t at[BLOCKS], total = 0, state;
     int k;
@@ -71,7 +71,7 @@ size_t composite_memory(Composite *c, double *memory)
         c->accelerations = (Signal *)(memory + at[3]);
         c->learned = memory + at[4];
         c->solution = memory + at[5];
-        c->missed = (Missed *)(memory + at[6]);
+        c->missed = (Complex *)(memory + at[6]);
         c->swung = (Swung *)(memory + at[7]);
         c->at_begin = memory + at[8];
         c->at_end = memory + at[9];

@@ -22,11 +22,6 @@ typedef struct {
     Complex value, slope, second;
 } Knot;
 
-/* What a step missed of a signal's end: value, and slope times step. */
-typedef struct {
-    Complex value, slope;
-} Missed;
-
 /* A coupling signal: its end now, and how it went over the step before. */
 typedef struct {
     Knot now;
@@ -100,11 +95,11 @@ typedef struct {
     double turned, swung;
 } Swung;
 
-/* Cubic over a step per value and slope missed in the one before, and what it was worked out for:
-   turn of the axes [rad], past step, and step [s]. */
+/* Signal over a step per part of its end that was missed in the one before, and what it was worked out
+   for: turn of the axes [rad], past step, and step [s]. */
 typedef struct {
     double turn, past, step;
-    Complex rows[SIGNAL_ORDERS][2];
+    Complex rows[QUINTIC_ORDERS][QUINTIC_ORDERS / 2];
 } Carried;
 
 /* How a run goes on in place of a host, which leaves all of it 0. */
@@ -138,8 +133,8 @@ typedef struct {
     double *outer_forces; /* (rotor's planes, 2) as told last [N] */
     Signal *forces, *accelerations; /* (unknowns,), (planes,) */
     double *learned;  /* (o e, o e) for e unknowns and o orders: `solution` before an event */
-    double *solution; /* (o e, o e): inverse of 1 - dG/du; compensated: (4 e + 4 p, 4 e) */
-    Missed *missed;   /* (e + p,) */
+    double *solution; /* (o e, o e): inverse of 1 - dG/du; compensated: (o e + o p, o e) */
+    Complex *missed;  /* (e + p, o / 2): of a signal's end by a step, each part times its power of the step */
     Swung *swung;     /* (p,) */
     double *states;   /* memories of all parts, one after the other, */
     double *at_begin, *at_end; /* and those at the ends of the last step */

@@ -6,7 +6,7 @@
 #include "elementary.h"
 #include "matrix.h"
 
-enum { NODES = 12, LOST = 12, CALM = 4 };
+enum { NODES = 12, LOST = 12, CALM = 4, MOST_PARTS = 3 };
 static const double MISSED = 0.5, GROWN = 1e3;
 
 /* Gauss and Legendre on 0 to 1, exact to degree 23: the upper half of points, and their shares. */
@@ -19,7 +19,7 @@ static const double SHARE[NODES / 2] = {
 
 void compensated_begin(Composite *c, double step)
 {
-    const int e = 4 * c->exchanges, p = 4 * c->planes;
+    const int e = c->orders * c->exchanges, p = c->orders * c->planes;
     c->course->missed_step = 0.0;
     c->course->largest = c->course->largest_before = 0.0;
     c->course->lost = c->course->calm = 0.0;
@@ -32,39 +32,69 @@ static Complex plus(Complex a, double factor, Complex b)
     return complex_sum(a, complex_scaled(factor, b));
 }
 
-/* Cubic over a step that gives a free mass what it missed in the step before. */
-static void carry(Carried *carried, double turn, double past, double step)
+/* At s of a step of 1, what begins with each part of an end alone, and ends in nothing. */
+static void falling_at(int parts, double s, double *falling)
 {
-    static const double shape[SIGNAL_ORDERS][2] = {
-        {1.0, 0.0}, {0.0, 1.0}, {-6.0, -4.0}, {12.0, 6.0}};
-    const double ratio = step / past;
-    Complex missed[4], given[4]; /* (2, 2): impulse and its moment, per value and slope */
+    const double rest = 1.0 - s, square = rest * rest, cube = square * rest;
+    if (parts == 2) {
+        falling[0] = square * (1.0 + 2.0 * s);
+        falling[1] = square * s;
+    } else {
+        falling[0] = cube * (1.0 + s * (3.0 + 6.0 * s));
+        falling[1] = cube * s * (1.0 + 3.0 * s);
+        falling[2] = cube * 0.5 * s * s;
+    }
+}
+
+/* Moments about the end of this step of what was missed, and of what can be given, per part. */
+static void moments(int parts, double turn, double ratio, Complex *missed, Complex *given)
+{
+    int k, i, j;
+    for (k = 0; k < NODES; k++) {
+        const double s = k < NODES / 2 ? 1.0 - POINT[k] : POINT[k - NODES / 2];
+        const double share = SHARE[k % (NODES / 2)], rest = 1.0 - s;
+        const Complex before = rect(share, turn * s);
+        const Complex after = rect(share * ratio, turn * (1.0 + ratio * s));
+        double falling[MOST_PARTS], mirrored[MOST_PARTS], past = 1.0, now = 1.0;
+        falling_at(parts, s, falling);
+        falling_at(parts, rest, mirrored);
+        for (i = 0; i < parts; i++, past *= rest + ratio, now *= ratio * rest) {
+            for (j = 0; j < parts; j++) {
+                const double rising = j == 1 ? -mirrored[j] : mirrored[j];
+                missed[parts * i + j] = plus(missed[parts * i + j], rising * past, before);
+                given[parts * i + j] = plus(given[parts * i + j], falling[j] * now, after);
+            }
+        }
+    }
+}
+
+/* Signal over a step that gives a free mass what it missed in the step before. */
+static void carry(Carried *carried, int parts, double turn, double past, double step)
+{
+    static const double shapes[MOST_PARTS - 1][QUINTIC_ORDERS][MOST_PARTS] = {
+        {{1.0, 0.0}, {0.0, 1.0}, {-6.0, -4.0}, {12.0, 6.0}},
+        {{1.0, 0.0, 0.0},
+         {0.0, 1.0, 0.0},
+         {0.0, 0.0, 1.0},
+         {-60.0, -36.0, -9.0},
+         {360.0, 192.0, 36.0},
+         {-720.0, -360.0, -60.0}}};
+    Complex missed[MOST_PARTS * MOST_PARTS], given[MOST_PARTS * MOST_PARTS];
     double power = 1.0;
-    int k, i;
+    int k, i, j;
     if (carried->turn == turn && carried->past == past && carried->step == step) {
         return;
     }
     memset(missed, 0, sizeof missed);
     memset(given, 0, sizeof given);
-    for (k = 0; k < NODES; k++) {
-        const double s = k < NODES / 2 ? 1.0 - POINT[k] : POINT[k - NODES / 2];
-        const double share = SHARE[k % (NODES / 2)], rest = 1.0 - s;
-        const double rising[2] = {s * s * (3.0 - 2.0 * s), s * s * (s - 1.0)};
-        const double falling[2] = {1.0 - rising[0], s * rest * rest};
-        const Complex before = rect(share, turn * s);
-        const Complex after = rect(share * ratio, turn * (1.0 + ratio * s));
-        for (i = 0; i < 2; i++) {
-            missed[i] = plus(missed[i], rising[i], before);
-            missed[2 + i] = plus(missed[2 + i], rising[i] * (rest + ratio), before);
-            given[i] = plus(given[i], falling[i], after);
-            given[2 + i] = plus(given[2 + i], falling[i] * ratio * rest, after);
-        }
-    }
-    matrix_solve(2, 2, 2, (double *)given, (double *)missed);
-    for (k = 0; k < SIGNAL_ORDERS; k++, power *= step) {
-        for (i = 0; i < 2; i++) {
-            const Complex value = complex_scaled(shape[k][0], missed[i]);
-            const Complex sum = plus(value, shape[k][1], missed[2 + i]);
+    moments(parts, turn, step / past, missed, given);
+    matrix_solve(2, parts, parts, (double *)given, (double *)missed);
+    for (k = 0; k < 2 * parts; k++, power *= step) {
+        for (i = 0; i < parts; i++) {
+            Complex sum = {0.0, 0.0};
+            for (j = 0; j < parts; j++) {
+                sum = plus(sum, shapes[parts - 2][k][j], missed[parts * j + i]);
+            }
             carried->rows[k][i] = complex_of(sum.re / power, sum.im / power);
         }
     }
@@ -74,14 +104,15 @@ static void carry(Carried *carried, double turn, double past, double step)
 }
 
 /* Signals over the step with what was missed in the past one added. */
-static void make_good(const Carried *carried, const Missed *missed, int count, Complex *signals)
+static void make_good(const Carried *carried, int parts, const Complex *missed, int count,
+                      Complex *signals)
 {
-    int j, k;
-    for (j = 0; j < count; j++, signals += SIGNAL_ORDERS) {
-        for (k = 0; k < SIGNAL_ORDERS; k++) {
-            const Complex *row = carried->rows[k];
-            signals[k] = complex_sum(signals[k], complex_product(row[0], missed[j].value));
-            signals[k] = complex_sum(signals[k], complex_product(row[1], missed[j].slope));
+    int j, k, i;
+    for (j = 0; j < count; j++, missed += parts, signals += 2 * parts) {
+        for (k = 0; k < 2 * parts; k++) {
+            for (i = 0; i < parts; i++) {
+                signals[k] = complex_sum(signals[k], complex_product(carried->rows[k][i], missed[i]));
+            }
         }
     }
 }
@@ -96,7 +127,7 @@ static int diverges(Unit *unit, double step)
     Text *reason;
     int k;
     for (k = 0; k < c->exchanges; k++) {
-        const Complex expected = knot_end(c->assumed + SIGNAL_ORDERS * k, SIGNAL_ORDERS, step).value;
+        const Complex expected = knot_end(c->assumed + c->orders * k, c->orders, step).value;
         const Complex value = c->answers[k].value;
         const double missed = magnitude(complex_difference(value, expected));
         worst = missed <= worst ? worst : missed;
@@ -129,65 +160,112 @@ static int diverges(Unit *unit, double step)
 /* What forces and accelerations would have agreed, less those assumed and answered. */
 static void solve(Composite *c, double step)
 {
-    const int e = 4 * c->exchanges, p = 4 * c->planes;
+    const int o = c->orders, e = o * c->exchanges, p = o * c->planes;
     int k;
     loop_rescale(c, e + p, step);
     for (k = 0; k < c->exchanges; k++) {
-        const Knot expected = knot_end(c->assumed + SIGNAL_ORDERS * k, SIGNAL_ORDERS, step);
+        const Knot expected = knot_end(c->assumed + o * k, o, step);
         Knot gap;
         gap.value = complex_difference(c->answers[k].value, expected.value);
         gap.slope = complex_difference(c->answers[k].slope, expected.slope);
-        loop_pack(c, &gap, 1, step, c->residual + 4 * k);
+        gap.second = complex_difference(c->answers[k].second, expected.second);
+        loop_pack(c, &gap, 1, step, c->residual + o * k);
     }
-    matrix_product(1, e + p, e, 1, c->solution, c->residual, (double *)c->missed);
+    matrix_product(1, e + p, e, 1, c->solution, c->residual, &c->missed->re);
 }
 
-/* A signal's end with what was missed (value, and slope times step) added. */
-static Knot righted(Knot end, Missed missed, double step)
+/* A signal's end with what was missed added, each part over its power of the step. */
+static Knot righted(Knot end, int parts, const Complex *missed, double step)
 {
-    const Complex slope = complex_scaled(1.0 / step, missed.slope);
-    end.value = complex_sum(end.value, missed.value);
-    end.slope = complex_sum(end.slope, slope);
+    Complex *part = &end.value;
+    double power = 1.0;
+    int k;
+    for (k = 0; k < parts; k++, power /= step) {
+        part[k] = plus(part[k], power, missed[k]);
+    }
     return end;
+}
+
+/* Go on from the end of a step as long as the one before: what is continued is the quintic that was
+   assumed, bent so that it has the value, slope and second derivative found, and the value and second
+   derivative of a step before, and the second derivative of two. */
+static void bend(Signal *signal, const Complex *assumed, double step)
+{
+    static const double bending[3][3] = {
+        {-7.5, 7.5, -27.0 / 16.0}, {0.0, 0.0, 1.0}, {45.0, -45.0, 105.0 / 8.0}};
+    const Knot led = knot_end(assumed, QUINTIC_ORDERS, step);
+    Complex missed[3];
+    double power = 1.0;
+    int k, i;
+    for (k = 0; k < 3; k++, power *= step) {
+        missed[k] = complex_difference((&signal->now.value)[k], (&led.value)[k]);
+        missed[k] = complex_scaled(power, missed[k]);
+    }
+    for (k = 0; k < 3; k++, power *= step) {
+        signal->last[3 + k] = assumed[3 + k];
+        for (i = 0; i < 3; i++) {
+            signal->last[3 + k] = plus(signal->last[3 + k], bending[k][i] / power, missed[i]);
+        }
+    }
+    signal->prediction_error = magnitude(missed[0]);
+}
+
+/* Right the ends of all signals, and go on from there. */
+static int accept(Unit *unit, double past, double step)
+{
+    Composite *c = unit->own;
+    const int o = c->orders, parts = o / 2, bends = o == QUINTIC_ORDERS && past == step;
+    int k;
+    for (k = 0; k < c->exchanges; k++) {
+        const Knot end = knot_end(c->assumed + o * k, o, step);
+        c->answers[k] = righted(end, parts, c->missed + parts * k, step);
+    }
+    for (k = 0; k < c->planes; k++) {
+        signal_predicted(c->accelerations + k, o, c->felt + o * k);
+        c->ends[k] = righted(c->ends[k], parts, c->missed + parts * (c->exchanges + k), step);
+    }
+    if (composite_accept(unit, c->ends, c->answers, step)) {
+        return 1;
+    }
+    for (k = 0; k < c->exchanges && bends; k++) {
+        bend(c->forces + k, c->assumed + o * k, step);
+    }
+    for (k = 0; k < c->planes && bends; k++) {
+        bend(c->accelerations + k, c->felt + o * k, step);
+    }
+    return 0;
 }
 
 int compensated_step(Unit *unit, double step, int jump)
 {
     Composite *c = unit->own;
     Course *course = c->course;
+    const int o = c->orders, parts = o / 2;
     const double past = jump ? 0.0 : course->missed_step;
     const double speed = c->parts->unit->real[c->parts->drive];
     int k;
     for (k = 0; k < c->exchanges; k++) {
-        signal_predicted(c->forces + k, SIGNAL_ORDERS, c->assumed + SIGNAL_ORDERS * k);
+        signal_predicted(c->forces + k, o, c->assumed + o * k);
     }
-    copy_doubles((size_t)(2 * SIGNAL_ORDERS * c->exchanges), &c->assumed->re, &c->sent->re);
+    copy_doubles((size_t)(2 * o * c->exchanges), &c->assumed->re, &c->sent->re);
     if (past > 0.0) {
-        carry(c->carried, speed * past, past, step);
-        make_good(c->carried, c->missed, c->exchanges, c->sent);
+        carry(c->carried, parts, speed * past, past, step);
+        make_good(c->carried, parts, c->missed, c->exchanges, c->sent);
     }
     if (composite_rotor_pass(unit, c->sent, step)) {
         return 1;
     }
     for (k = 0; k < c->planes; k++) {
-        knot_hermite(&c->accelerations[k].now, c->ends + k, SIGNAL_ORDERS, step,
-                     c->felt + SIGNAL_ORDERS * k);
+        knot_hermite(&c->accelerations[k].now, c->ends + k, o, step, c->felt + o * k);
     }
     if (past > 0.0) {
-        carry(c->carried + 1, 0.0, past, step);
-        make_good(c->carried + 1, c->missed + c->exchanges, c->planes, c->felt);
+        carry(c->carried + 1, parts, 0.0, past, step);
+        make_good(c->carried + 1, parts, c->missed + parts * c->exchanges, c->planes, c->felt);
     }
     if (composite_balancer_pass(unit, c->felt, step) || diverges(unit, step)) {
         return 1;
     }
     solve(c, step);
-    for (k = 0; k < c->exchanges; k++) {
-        const Knot end = knot_end(c->assumed + SIGNAL_ORDERS * k, SIGNAL_ORDERS, step);
-        c->answers[k] = righted(end, c->missed[k], step);
-    }
-    for (k = 0; k < c->planes; k++) {
-        c->ends[k] = righted(c->ends[k], c->missed[c->exchanges + k], step);
-    }
     course->missed_step = jump ? 0.0 : step;
-    return composite_accept(unit, c->ends, c->answers, step);
+    return accept(unit, past, step);
 }

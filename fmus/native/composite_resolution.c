@@ -10,7 +10,8 @@
 
 static const double SAID = 0.01, REFUSED = 0.3, UNRESOLVED = 0.05, NOISE = 1e-9, BEYOND = 10.0;
 static const double UNFOLLOWED = 0.5, GROWTH = 2.0, WEAK_LOOP = 0.1, MISS_PER_ERROR = 120.0;
-static const double EXPLICIT_MISS_PER_ERROR = 4.0, QUINTIC_MISS_PER_ERROR = 1120.0;
+static const double QUINTIC_MISS_PER_ERROR = 1120.0;
+static const double EXPLICIT_MISS_PER_ERROR = 4.0, QUINTIC_EXPLICIT_MISS_PER_ERROR = 5.06;
 enum { PERSISTENT = 20, RUNAWAY = 4, TOO_LONG = 2 };
 
 /* Lowest natural frequency along an axis [rad/s]. */
@@ -304,9 +305,10 @@ int resolution_check(Unit *unit, double step)
 {
     Composite *c = unit->own;
     Course *course = c->course;
-    const double share = c->scheme == SCHEME_COMPENSATED ? EXPLICIT_MISS_PER_ERROR
-                         : c->orders == QUINTIC_ORDERS   ? QUINTIC_MISS_PER_ERROR
-                                                         : MISS_PER_ERROR;
+    const double cubic = c->scheme == SCHEME_COMPENSATED ? EXPLICIT_MISS_PER_ERROR : MISS_PER_ERROR;
+    const double quintic = c->scheme == SCHEME_COMPENSATED ? QUINTIC_EXPLICIT_MISS_PER_ERROR
+                                                           : QUINTIC_MISS_PER_ERROR;
+    const double share = c->orders == QUINTIC_ORDERS ? quintic : cubic;
     double missed = 0.0, times, worst;
     int k, cause = 0, lost = -1;
     if (step != course->judged_step) {

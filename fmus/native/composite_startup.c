@@ -4,8 +4,8 @@
 
 static const double STEEP = 0.2, FIRST = 0.05, KINK = 1e-6, SLIVER = 1e-12;
 enum { MOST_HALVINGS = 60, JUMP_PARTS = 8, STARTUP_HALVINGS = 2 };
-/* of quintics behind a jump: over a negligible step second derivatives are rounding, which moves a
-   short step by nothing */
+/* of quintics that are compensated, and of all behind a jump: over a negligible step second derivatives
+   are rounding, which moves a short step by nothing */
 enum { QUINTIC_HALVINGS = 4 };
 enum { DEFAULT_STEPS = 40 }; /* a revolution */
 
@@ -50,11 +50,16 @@ static int compensates(const Composite *c)
     return c->scheme == SCHEME_COMPENSATED && c->exchanges;
 }
 
+static int fewest_halvings(const Composite *c)
+{
+    return c->orders == QUINTIC_ORDERS ? QUINTIC_HALVINGS : STARTUP_HALVINGS;
+}
+
 static void divide(const Composite *c, Course *course)
 {
     course->piece = course->halvings = 0.0;
     if (course->no_past > 0.0 && c->unknowns) {
-        course->halvings = halvings(c, course->whole, compensates(c) ? STARTUP_HALVINGS : 0);
+        course->halvings = halvings(c, course->whole, compensates(c) ? fewest_halvings(c) : 0);
     }
 }
 
@@ -105,10 +110,8 @@ int startup_taken(Unit *unit, int struck)
         course->crossing -= 1.0;
         composite_drop_past(c);
         course->piece = course->halvings = course->first_step = 0.0;
-        if (course->crossing == 0.0 && compensates(c)) {
-            course->halvings = halvings(c, whole, STARTUP_HALVINGS);
-        } else if (course->crossing == 0.0 && c->orders == QUINTIC_ORDERS) {
-            course->halvings = halvings(c, whole, QUINTIC_HALVINGS);
+        if (course->crossing == 0.0 && (compensates(c) || c->orders == QUINTIC_ORDERS)) {
+            course->halvings = halvings(c, whole, fewest_halvings(c));
         }
         return 0;
     }

@@ -423,8 +423,8 @@ int composite_build(Unit *unit, const char *token)
     if (read_parts(unit, after(token, "Composite;"), &own, &id)) {
         return 1;
     }
-    if (c->scheme == SCHEME_COMPENSATED && (c->motor || c->orders == QUINTIC_ORDERS)) {
-        return refuse(unit, "the scheme must not be compensated under a motor, nor with quintics");
+    if (c->scheme == SCHEME_COMPENSATED && c->motor) {
+        return refuse(unit, "the scheme must not be compensated under a motor");
     }
     stop_at_contacts(c);
     if (connect(unit) || describe(unit, own)) {

@@ -69,11 +69,11 @@ def without_balls(scene: Scene) -> Iterator[Quantity]:
         rig = np.array([np.mean([peak(c, band, PROMINENT) for c in ways]) for ways in both])
         ours = np.array([peak(curve, band, PROMINENT) for curve in grids])
         yield Quantity("critical speed", f"critical speed, {mode}", rig, ours)
-    speeds = sorted({*CURVE, *WHOLE})
+    speeds = sorted({*CURVE, *WHOLE, *HIGH})
     found = np.array([steady(scene, n, np.array(speeds, float), SETTLED) for n in WASHERS])
     for speed in HIGH:
         wide = np.array([at(response(n, 0), [speed])[0] for n in WASHERS])
-        ours = found[:, speeds.index(int(speed))]
+        ours = found[:, speeds.index(speed)]
         yield Quantity("plain", f"no balls, {speed:g} rpm", wide, ours)
     for curve in (CURVE, WHOLE):
         label = f"no balls, {len(curve)} speeds, {curve[0]} to {curve[-1]} rpm"

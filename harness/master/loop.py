@@ -142,7 +142,9 @@ def components(vector: Sequence[complex]) -> np.ndarray:
 
 
 def rotor_response(system: System, step: float) -> np.ndarray:
-    """d(acceleration)/d(force) of a rotor in initialisation mode, (4 p, 4 c) for p planes.
+    """d(acceleration)/d(force) of a rotor in initialisation mode, for p planes and c connections.
+
+    (4 p, 4 c), with order 5 (6 p, 6 c).
 
     Leaves the rotor without forces.
     """
@@ -150,10 +152,10 @@ def rotor_response(system: System, step: float) -> np.ndarray:
         return np.zeros((0, 0))
 
     def respond(u: Vector) -> Vector:
-        system.set_forces([(value, slope, 0j, 0j) for value, slope in unpack(u, step)])
+        system.set_forces([begun(end) for end in unpack(u, step, system.parts)])
         return pack(system.read_accelerations(), step)
 
-    nothing = [0j] * (2 * len(system.exchanges))
+    nothing = [0j] * (system.parts * len(system.exchanges))
     found = jacobian(respond, nothing, respond(nothing), 1.0)
     respond(nothing)
     return found

@@ -14,8 +14,8 @@ from ..errors import UserError
 
 if TYPE_CHECKING:
     from ..output.picture import Picture
-    from ..pictures.motion import Motion
     from ..scene import Scene
+    from .pictures.motion import Motion
 
     class _Result:
         time: NDArray[np.float64]
@@ -51,49 +51,49 @@ class Pictures(_Result):
 
     def plot_history(self) -> Picture:
         """Everything recorded against time."""
-        from ..pictures.over_time import history
+        from .pictures.over_time import history
 
         return history(self.time, self.signals, self.signal_units, self.scene_title or "run")
 
     def plot_weights(self) -> Picture:
         """Displacement of every station and angles of all weights against time."""
-        from ..pictures.over_time import motion_with_weights
+        from .pictures.over_time import motion_with_weights
 
         return motion_with_weights(self._motion())
 
     def plot_weights_over_speed(self) -> Picture:
         """Angles of all weights in the rotor against speed, over time where that is constant."""
-        from ..pictures.over_speed import weights
+        from .pictures.over_speed import weights
 
         return weights(self._motion())
 
     def plot_waterfall(self, signal: str | None = None) -> Picture:
         """Spectra of a signal over the speed; by default of the largest displacement."""
-        from ..pictures.over_speed import waterfall
+        from .pictures.over_speed import waterfall
 
         return waterfall(self._motion(), signal)
 
     def plot_orders(self, orders: Sequence[float] = (1.0, 2.0, 3.0)) -> Picture:
         """Amplitude of the stations' orders (0.5, 1, ...) over the speed, phase of the first."""
-        from ..pictures.over_speed import orders as picture
+        from .pictures.over_speed import orders as picture
 
         return picture(self._motion(), orders)
 
     def plot_polar(self) -> Picture:
         """Synchronous amplitude and phase as polar (Nyquist) curves over the speed."""
-        from ..pictures.over_speed import polar
+        from .pictures.over_speed import polar
 
         return polar(self._motion())
 
     def plot_orbits(self, revolutions: float = 2.0) -> Picture:
         """Orbits along the shaft in three dimensions, over the last revolutions."""
-        from ..pictures.in_space import orbits
+        from .pictures.in_space import orbits
 
         return orbits(self._motion(), revolutions)
 
     def plot_modes(self, speed: float | None = None) -> Picture:
         """Mode shapes of the rotor alone with their whirl, at a speed [rad/s]: the scene's."""
-        from ..pictures.in_space import mode_shapes
+        from .pictures.in_space import mode_shapes
 
         return mode_shapes(self._scene(), speed)
 
@@ -102,8 +102,8 @@ class Pictures(_Result):
 
         The scene is run `points`^2 times, by the coupling in C.
         """
-        from ..pictures.settling import first_weights, settling_map
         from .many import cosimulate_many
+        from .pictures.settling import first_weights, settling_map
         from .schedule import end_time
 
         if points < 2:
@@ -136,12 +136,12 @@ class Pictures(_Result):
         Raises:
             UserError: it cannot be made here or written, or frames are too few for fixed axes.
         """
-        from ..pictures.movie import write_movie
+        from .pictures.movie import write_movie
 
         return write_movie(self._motion(), Path(path), axes, seconds, progress)
 
     def _motion(self) -> Motion:
-        from ..pictures.motion import Motion
+        from .pictures.motion import Motion
 
         return Motion(self._scene(), self.time, self)
 

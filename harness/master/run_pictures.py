@@ -30,7 +30,7 @@ def place(path: Path | None) -> Path | None:
         UserError: so it is.
     """
     if path is not None:
-        from ..pictures.movie import refuse_unwritable
+        from .pictures.movie import refuse_unwritable
 
         refuse_unwritable(path)
         ready_to_write(path)
@@ -43,7 +43,7 @@ def refuse_movie(scene: Scene, axes: MovieAxes, seconds: float) -> None:
     Raises:
         UserError: so it is.
     """
-    from ..pictures.movie import refuse_unseen
+    from .pictures.movie import refuse_unseen
 
     refuse_unseen(scene, scene.run.revolutions, axes.value, seconds)
 
@@ -54,8 +54,8 @@ def refuse_pictures(scene: Scene, kinds: Iterable[str]) -> None:
     Raises:
         UserError: so it is.
     """
-    from ..pictures.asked import refuse_impossible
     from .one_file import composition
+    from .pictures.asked import refuse_impossible
 
     for kind in kinds:
         try:

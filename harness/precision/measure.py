@@ -20,8 +20,16 @@ from ..master.recorder import recorded
 from ..output.workers import ItemProgress
 from ..scene import Scene
 from ..scene.balancer import LiquidBalancer
-from .methods import LIBCOSIM, Method, coupling_methods, monolith_methods, quintic_methods, ready
-from .reference import right_motion, signal_ranges
+from .methods import (
+    LIBCOSIM,
+    UNDER_A_MOTOR,
+    Method,
+    coupling_methods,
+    monolith_methods,
+    quintic_methods,
+    ready,
+)
+from .reference import refuse_without_reference, right_motion, signal_ranges
 from .runner import Runner, TimedRun
 
 TWO_DECADES = 100.0  # the reference must be that much better than a point whose error counts
@@ -116,7 +124,7 @@ def precision(
         SimulationError: the reference methods disagree, so that no error can be told.
         UserError: the scene or an FMU is wrong.
     """
-    scene.refuse_motor("every method that is compared")
+    refuse_without_reference(scene)
     names = tuple(recorded(scene))
     chosen = list(methods) if methods is not None else all_methods(scene)
     bench = _Bench(scene, names, seconds, progress or (lambda _what, _part: None))
@@ -139,6 +147,8 @@ def all_methods(scene: Scene) -> list[Method]:
         methods += quintic_methods()
     if exchanges:
         methods += [Method(LIBCOSIM, 0, n) for n in LIBCOSIM_STEPS]
+    if scene.operation.motor:
+        methods = [m for m in methods if m.name in UNDER_A_MOTOR]
     return methods + monolith_methods()
 
 

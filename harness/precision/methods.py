@@ -6,8 +6,7 @@ import time as clock
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
-from ...models.monolith import integrate, trajectory
-from ...models.reference.coupled import Monolith
+from ...models.monolith import equations, integrate, trajectory
 from ..master.cosimulation import CoSimulation
 from ..master.recorder import Recorder
 from ..master.runtime import Backend
@@ -37,6 +36,7 @@ SOLVERS: dict[str, tuple[float, ...]] = {
 }
 ALONG_FIXED_AXES = "jacobi along fixed axes"  # what most tools do with most units
 LIBCOSIM = "libcosimpy"
+UNDER_A_MOTOR = ("auto", "jacobi", "gauss-seidel", "iterated")  # the others know the speed ahead
 HELD: dict[str, Callable[[Scene, Sequence[str]], Runner]] = {
     ALONG_FIXED_AXES: FixedAxesRunner,
     LIBCOSIM: LibcosimRunner,
@@ -127,7 +127,7 @@ class MonolithRunner:
 
     def __init__(self, scene: Scene, names: Sequence[str], method: str, rtol: float) -> None:
         start = scene.run.initial.motion()
-        self._system = Monolith(scene.assembly(), scene.profile(), start.angle)
+        self._system = equations(scene.assembly(), scene.operation.drive(), start.angle)
         self._start, self._method, self._rtol = start, method, rtol
         self._names, self._end = list(names), end_time(scene)
 
@@ -169,18 +169,18 @@ def coupling_methods(exchanges_force: bool) -> list[Method]:
 
 
 def quintic_methods() -> list[Method]:
-    """The iterated scheme with quintic signals, for scenes whose units have them."""
-    methods = [Method("iterated", 5, n, passes) for passes in (1, None) for n in QUINTIC_STEPS]
+    """Every scheme that has quintic signals, for scenes whose units have them."""
+    methods = [Method("compensated", 5, n) for n in COMPENSATED_STEPS]
+    methods += [Method("iterated", 5, n, passes) for passes in (1, None) for n in QUINTIC_STEPS]
     methods += [Method("iterated", 5, tolerance=t) for t in TOLERANCES]
     methods += [Method("iterated", 5, tolerance=t, fewest=FEWEST_QUINTIC) for t in LONG_TOLERANCES]
     return methods + one_file_methods(5)
 
 
 def one_file_methods(order: int = 3) -> list[Method]:
-    """The composite by each of its schemes that has signals of this order."""
-    steps, methods = sorted(ONE_FILE_STEPS), []
-    if order == 3:
-        methods = [Method("compensated", 3, n, one_file=True) for n in steps]
+    """The composite by each of its schemes with signals of this order."""
+    steps = sorted(ONE_FILE_STEPS)
+    methods = [Method("compensated", order, n, one_file=True) for n in steps]
     methods += [Method("iterated", order, n, 1, one_file=True) for n in steps]
     return methods + [
         Method("iterated", order, tolerance=t, one_file=True) for t in ONE_FILE_TOLERANCES

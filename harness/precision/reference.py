@@ -21,6 +21,27 @@ BOUND = 1e-3  # two methods that differ by more give no reference at all
 STILL = 1e-6  # of the largest range in the same unit: a signal that moves less has no range
 
 
+def refuse_without_reference(scene: Scene) -> None:
+    """Where nobody knows the motion to the digits that are compared.
+
+    Raises:
+        SceneError: the supports have dry friction.
+        SimulationError: weights stick, or a motor drives weights of finite size.
+    """
+    scene.refuse_friction("no error can be told: the reference is that")
+    for balancer in scene.balancer:
+        if not isinstance(balancer, WeightBalancer):
+            continue
+        lacks = "rolling_resistance" if balancer.rolling_resistance else ""
+        if scene.operation.motor and balancer.weight_radius:
+            lacks = "operation.motor with weight_radius"
+        if lacks:
+            raise SimulationError(
+                f"{scene.name}: no error can be told: the reference knows no {lacks} of "
+                f"{balancer.label!r}"
+            )
+
+
 def right_motion(
     scene: Scene, names: Sequence[str], times: Sequence[Array]
 ) -> tuple[Trajectory, float]:
@@ -30,37 +51,24 @@ def right_motion(
         times: of every run [s].
 
     Raises:
-        SimulationError: nobody knows it; the message says why.
+        SimulationError: the two methods of the reference disagree, or weights touch.
     """
-    scene.refuse_friction("no error can be told: the reference is that")
-    for balancer in scene.balancer:
-        if isinstance(balancer, WeightBalancer):
-            _refuse_what_the_reference_lacks(scene, balancer)
     every = np.unique(np.concatenate([[0.0], *times]))
     states = [n for n in names if n.rpartition(".")[2] in ("x", "y", "vx", "vy", "angle", "speed")]
     try:
         right, own = reference(
             scene.assembly(),
-            scene.profile(),
+            scene.operation.drive(),
             every,
             initial=scene.run.initial.motion(),
             rtol=RTOL,
             bound=BOUND,
-            signals=[n for n in states if not n.startswith("rotor.angle")] or None,
+            signals=[n for n in states if not n.startswith(("rotor.angle", "motor."))] or None,
         )
     except ReferenceDisagreement as error:
         raise SimulationError(f"{scene.name}: no error can be told: {error}") from error
     _refuse_contacts(scene, right)
     return right, own
-
-
-def _refuse_what_the_reference_lacks(scene: Scene, balancer: WeightBalancer) -> None:
-    for name in ("rolling_resistance", "offset"):
-        if getattr(balancer, name):
-            raise SimulationError(
-                f"{scene.name}: no error can be told: the reference knows no {name} of "
-                f"{balancer.label!r}"
-            )
 
 
 def _refuse_contacts(scene: Scene, right: Trajectory) -> None:

@@ -74,7 +74,7 @@ def command(
 
 
 def _draw(kind: str, scene: Scene, low: float, high: float, path: Path) -> None:
-    from ..pictures.in_space import mode_shapes
+    from ..master.pictures.in_space import mode_shapes
     from . import plot, plot_motion, study
 
     if kind == "campbell":

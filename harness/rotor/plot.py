@@ -11,9 +11,9 @@ from matplotlib.lines import Line2D
 from numpy.typing import NDArray
 
 from ...models.linear.modes import Campbell
+from ..master.pictures.over_speed import polar_picture
 from ..output.picture import Picture, PlotAxis
 from ..output.plot import metres, save
-from ..pictures.over_speed import polar_picture
 from .study import Array, UnbalanceResponse
 
 COLOURS = ("tab:blue", "tab:orange", "tab:green", "tab:purple", "tab:brown", "tab:pink")

@@ -11,6 +11,7 @@ from pydantic import AfterValidator, BeforeValidator, Field, model_validator
 from ...models.assembly import SpeedProfile
 from ...models.motor import Drive
 from ...models.reference.coupled import Start
+from ...models.reference.driven import MotorDriven
 from .quantities import SI, Angle, NotNegative, Positive, Real, Table, Text, Whole, refusal
 
 DEFAULT_TOLERANCE = 1e-4  # of the motion: no picture shows it
@@ -70,10 +71,7 @@ class LimitedMotor(Table):
     @property
     def top_speed(self) -> float:
         """Largest speed at which the motor does not brake [rad/s]."""
-        for (low, pull), (high, brake) in reversed(list(pairwise(self.points))):
-            if pull > 0.0 >= brake:
-                return low + (high - low) * pull / (pull - brake)
-        return 0.0
+        return self.build().top_speed
 
     def build(self) -> Drive:
         """For the models."""
@@ -111,6 +109,11 @@ class Operation(Table):
         if self.gravity_angle is None:
             return complex(0.0, 0.0 - self.gravity)
         return rect(self.gravity, self.gravity_angle)
+
+    def drive(self) -> SpeedProfile | MotorDriven:
+        """The speed against time, or the motor that makes it."""
+        motor = self.motor
+        return MotorDriven(motor.build(), motor.start) if motor else self.profile()
 
     def profile(self) -> SpeedProfile:
         """Speed against time; of a motor its no-load speed, which scales and steps go by."""
@@ -183,13 +186,15 @@ class Coupling(Table):
             )
         if self.fewest_steps_per_rev is not None and self.tolerance is None:
             raise refusal("fewest_steps_per_rev", "needs a tolerance, which chooses the steps")
-        if self.order != 3 and self.scheme == "compensated":
-            raise refusal("order", 'must be 3 with scheme = "compensated", which exchanges slopes')
-        if self.order == 5 and self.scheme in UNCORRECTED:
+        if self.order < 3 and self.scheme == "compensated":
+            raise refusal(
+                "order", 'must be 3 or 5 with scheme = "compensated", which exchanges slopes'
+            )
+        if self.order == 5 and self.scheme in ("jacobi", "gauss-seidel"):
             raise refusal(
                 "order",
                 f'must be 0, 1 or 3 with scheme = "{self.scheme}": quintic signals are for '
-                '"iterated" and "auto"',
+                '"iterated", "compensated" and "auto"',
             )
         return self
 

@@ -156,14 +156,6 @@ class Scene(Table):
         top = max(self._profile.start, self._profile.end)
         return float(np.abs(self._assembly.loaded_rotor.free_rates(top)).min()) / top
 
-    def refuse_motor(self, what: str) -> None:
-        """Raise SceneError where a motor drives the rotor, which `what` does not know."""
-        if self.operation.motor is not None:
-            raise SceneError(
-                f"{self.name}: operation.motor: {what} knows the speed ahead; give "
-                "operation.speed or operation.run_up instead"
-            )
-
     @property
     def asks_for_coupling(self) -> bool:
         """Whether anything is said of how the units are coupled; which units does not count."""

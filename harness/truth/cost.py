@@ -54,11 +54,12 @@ def costs(counts: dict[str, int], seed: int) -> Iterator[Costs]:
 
 
 def _costs(family: str, scene: Scene) -> Costs:
-    given, profile, start = at_fixed_steps(scene), scene.profile(), scene.run.initial.motion()
+    given, start = at_fixed_steps(scene), scene.run.initial.motion()
+    drive = scene.operation.drive()
     points = np.linspace(0.0, end_time(scene), math.ceil(40 * scene.run.revolutions) + 1)
 
     def one_piece() -> None:
-        simulate(scene.assembly(), profile, points, initial=start, method="LSODA", rtol=RTOL)
+        simulate(scene.assembly(), drive, points, initial=start, method="LSODA", rtol=RTOL)
 
     return Costs(
         family,

@@ -215,6 +215,30 @@ def gravity(generator: random.Random) -> Document:
     return document
 
 
+def motor(generator: random.Random) -> Document:
+    """Any rotor with point weights before a motor that passes the resonance or is caught there.
+
+    A third of the motors have a characteristic of three points.
+    """
+    document = generator.choice((planar, planar, two_support, flexible, offset))(generator)
+    rotor, operation = document["rotor"], document["operation"]
+    speed = operation["speed"] if "speed" in operation else operation["run_up"]["to"]
+    mass = rotor["mass"] if "mass" in rotor else min(rotor["masses"])
+    unbalance = rotor["unbalance"] if "unbalance" in rotor else rotor["unbalances"][0]["amount"]
+    own = unbalance**2 / mass  # the least that a shaft with this unbalance can have
+    inertia = float(f"{10.0 * own + mass * _sized(generator, 1e-4, 0.1):.4g}")
+    seconds = 2.0 * math.pi * document["run"]["revolutions"] / speed
+    stall = float(f"{inertia * speed / seconds * _sized(generator, 0.3, 10.0):.4g}")
+    drive: Document = {"inertia": inertia}
+    if generator.random() < 1 / 3:
+        between = float(f"{speed * _even(generator, 0.2, 0.9):.4g}")
+        drive["table"] = [[0.0, stall], [between, 1.5 * stall], [speed, 0.0]]
+    else:
+        drive |= {"stall_torque": stall, "no_load_speed": speed}
+    drive["from"] = _sometimes(generator, 0.6, speed * _even(generator, 0.0, 0.9))
+    return {**document, "operation": {"motor": drive}}
+
+
 FAMILIES: dict[str, Callable[[random.Random], Document]] = {
     "planar": planar,
     "run_up": run_up,
@@ -227,6 +251,7 @@ FAMILIES: dict[str, Callable[[random.Random], Document]] = {
     "sticking": sticking,
     "friction": friction,
     "gravity": gravity,
+    "motor": motor,
 }
 
 

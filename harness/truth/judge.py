@@ -234,7 +234,7 @@ def referred(
     names = [n for n in result.signals if not n.endswith((".angle", ".clearance"))]
     right, own = reference(
         scene.assembly(),
-        scene.profile(),
+        scene.operation.drive(),
         result.time,
         initial=scene.run.initial.motion(),
         rtol=rtol,
@@ -246,11 +246,11 @@ def referred(
 
 def growth(scene: Scene, times: NDArray) -> float:
     """How many times as large a small turn of every first weight is at most by the end."""
-    start, profile = scene.run.initial.motion(), scene.profile()
+    start, drive = scene.run.initial.motion(), scene.operation.drive()
     ends = []
     for turn in (0.0, DISTURBANCE):
         assembly = _turned(scene.assembly(), turn)
-        run = simulate(assembly, profile, times, initial=start, rtol=RTOLS[0])
+        run = simulate(assembly, drive, times, initial=start, rtol=RTOLS[0])
         ends.append([run.moment(m.name) for m in assembly.weights])
     parted = [float(np.abs(b - a).max() / np.abs(a).max()) for a, b in zip(*ends, strict=True)]
     return max(parted, default=0.0) / DISTURBANCE

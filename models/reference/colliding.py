@@ -34,7 +34,7 @@ class Colliding:
         """Find who is beside whom on every track where weights can meet."""
         self.system = system
         self.first = 4 * system.stations
-        self.count = (system.size - self.first) // 2
+        self.count = system.weights
         self.tracks: list[tuple[list[Pair], float]] = []
         begin, loaded = 0, system.assembly.loaded_rotor
         for m in system.assembly.weights:

@@ -20,11 +20,12 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from ..assembly import Assembly, SpeedProfile
+from ..assembly import Assembly, Mounted, SpeedProfile
 from ..linear.modes import modes
 from ..weights import Weights
 
 Array = NDArray[np.float64]
+Turning = tuple[Array, Array, Array]  # angle, speed and angular acceleration of the rotor
 RightHandSide = Callable[[float, Array], "Array | list[float]"]
 
 
@@ -58,8 +59,8 @@ class Monolith:
         rotor = assembly.rotor
         self.assembly, self.profile, self.angle = assembly, profile, angle
         self.stations = rotor.stations
-        mounted = [m for m in assembly.weights for _ in range(_weights(m.device).count)]
-        devices = [_weights(m.device) for m in mounted]
+        mounted = [m for m in assembly.weights for _ in range(weights_of(m).count)]
+        devices = [weights_of(m) for m in mounted]
         self._plane = np.array([m.plane for m in mounted], int)
         self._pull = np.array([d.moment for d in devices])
         self._share = np.array([d.mass / d.kappa for d in devices])
@@ -79,6 +80,19 @@ class Monolith:
         """Length of the state, 4 n + 2 N."""
         return 4 * self.stations + 2 * len(self._plane)
 
+    @property
+    def weights(self) -> int:
+        """How many, N."""
+        return len(self._plane)
+
+    def turning(self, time: Array, _states: Array) -> Turning:
+        """How the rotor turns at `time` (T,), each (T,) [rad, rad/s, rad/s^2]."""
+        profile = self.profile
+        angle, speed, change = np.array(
+            [(profile.angle(t), profile.speed(t), profile.acceleration(t)) for t in time]
+        ).T
+        return self.angle + angle, speed, change
+
     def initial(self, start: Start = REST) -> Array:
         """State at time 0, (size,).
 
@@ -92,7 +106,7 @@ class Monolith:
         angles: list[float] = []
         rates: list[float] = []
         for m in self.assembly.weights:
-            count = _weights(m.device).count
+            count = weights_of(m).count
             if len(m.angles) != count or len(m.speeds) not in (0, count):
                 raise ValueError(f"{m.name}: needs {count} angles, and as many speeds or none")
             angles += m.angles
@@ -264,6 +278,7 @@ class Monolith:
         return Monolith(self.assembly, ramp, self.angle)
 
 
-def _weights(device: object) -> Weights:
-    assert isinstance(device, Weights)
-    return device
+def weights_of(mounted: Mounted) -> Weights:
+    """What is mounted, where it is known to be weights."""
+    assert isinstance(mounted.device, Weights)
+    return mounted.device

@@ -44,7 +44,7 @@ class Dry:
 
     def __init__(self, system: Monolith) -> None:
         self.system, n = system, system.stations
-        self.count = (system.size - 4 * n) // 2
+        self.count = system.weights
         mounted = [m for m in system.assembly.weights for _ in m.angles]
         self.weights = [k for k, m in enumerate(mounted) if m.rolling_resistance]
         self._of = [mounted[k] for k in self.weights]

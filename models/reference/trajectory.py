@@ -87,7 +87,8 @@ class Trajectory:
         """A signal over time, (T,), by the name the units give it.
 
         `rotor.x`, `rotor.station[2].vy`, `rotor.plane[1].a_xi`, `rotor.bending`,
-        `weights.weight[1].angle`, `weights.moment_xi`, `liquid.clearance`; indices from 1.
+        `weights.weight[1].angle`, `weights.moment_xi`, `motor.speed`, `liquid.clearance`; indices
+        from 1.
 
         Raises:
             KeyError: there is no such signal; the message names those there are.
@@ -97,7 +98,9 @@ class Trajectory:
         values = None
         if match:
             kind, index, what = match[1], int(match[2] or 1) - 1, match[3]
-            if owner == "rotor":
+            if owner == "motor" and rest == "speed":
+                values = self.speed
+            elif owner == "rotor":
                 values = self._rotor_signal(kind, index, what)
             elif any(m.name == owner for m in self.assembly.balancers):
                 values = self._balancer_signal(self._mounted(owner), kind, index, what)

@@ -9,11 +9,12 @@ from pathlib import Path
 
 import pytest
 
-# of each kind how many, from which on; interrupts: lines that do not end before they are told to
+# of each kind how many, from which on; the line before the fourth waits 10 s for a cluster;
+# interrupts: lines that do not end before they are told to
 DRAWN = {
     "scenes": (30, 0),
     "assignments": (40, 0),
-    "lines": (12, 0),
+    "lines": (12, 4),
     "interrupts": (5, 40),
     "fmus": (20, 0),
     "states": (25, 0),

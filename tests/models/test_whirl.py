@@ -174,8 +174,8 @@ def test_turns_that_change_nothing_are_left_out_by_structure(count):
 
 def test_a_stable_whirl_begins_where_its_growth_changes_sign():
     assembly = couple("anisotropic")
-    found = whirl_boundaries(assembly, 5.0, 40.0)
-    assert found
+    found = whirl_boundaries(assembly, 20.0, 40.0)
+    assert [c.above for c in found] == ["unstable", "stable"]
     for c in found:
         below, above = (whirl_growth(assembly, c.speed * (1.0 + d)) < 0.0 for d in (-1e-5, 1e-5))
         assert below != above == (c.above == "stable")

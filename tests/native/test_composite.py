@@ -62,11 +62,13 @@ def test_a_scene_moves_as_the_harness_couples_it(hosted, name, changes):
     assert run.estimated_error == pytest.approx(expected.estimated_error, rel=1e-6)
 
 
+@pytest.mark.parametrize("order", [3, 5])
 @pytest.mark.parametrize("scheme", ["auto", "iterated", "compensated"])
 @pytest.mark.parametrize("name", ["two_plane_rodrigues", "liquid_heavy_force"])
-def test_schemes_do_what_the_harness_does(hosted, name, scheme):
+def test_schemes_do_what_the_harness_does(hosted, name, scheme, order):
     """Loop gains of 0.04 and of 19."""
-    changes = {"run.revolutions": 3, "coupling.scheme": scheme, "run.initial.angle": 0.7}
+    changes = {"run.revolutions": 3, "coupling.scheme": scheme, "coupling.order": order}
+    changes |= {"run.initial.angle": 0.7}
     scene = at_fixed_steps(load_scene(name)).replace(changes)
     with CoSimulation(scene) as cosim:
         cosim.start()

@@ -76,10 +76,13 @@ def sprung(**coupling) -> Scene:
 
 
 @pytest.mark.parametrize("tool", [1.0, 0.37, 2.6])
+@pytest.mark.parametrize("scheme", ["iterated", "compensated"])
 @pytest.mark.parametrize(("order", "allowed"), [(3, 1e-6), (5, 1e-8)])
-def test_a_force_from_outside_moves_the_rotor_as_a_closed_form_says(hosted, tool, order, allowed):
+def test_a_force_from_outside_moves_the_rotor_as_a_closed_form_says(
+    hosted, tool, scheme, order, allowed
+):
     """x = F/k (1 - cos w t) from when it comes on, which need not be the end of a step."""
-    scene = sprung(order=order)
+    scene = sprung(scheme=scheme, order=order)
     mass = 2.0 + 1000.0 * math.pi * 0.04**2 * 0.05
     step = tool * 2.0 * math.pi / 250.0 / 80
     host = hosted(scene)

@@ -11,24 +11,35 @@ from functools import lru_cache
 
 import numpy as np
 
-from ..signals import Knot, end_of, extrapolated, hermite
+from ..signals import Cubic, Knot, end_of, extrapolated, hermite
 
+# derivatives 3 to 5, in powers of the step, at the start of a step of the quintic that ends with
+# given value, slope and second derivative, begins with no value and no second derivative, and had
+# no second derivative a step before
+_BENDING = np.array([[-7.5, 7.5, -27.0 / 16.0], [0.0, 0.0, 1.0], [45.0, -45.0, 105.0 / 8.0]])
+_FACTORIALS = np.cumprod([1.0, 1.0, 2.0, 3.0, 4.0, 5.0])
 # exact to degree 23, so for turns of radians
 _POINTS, _SHARES = np.polynomial.legendre.leggauss(12)
 _NODES, _SHARES = 0.5 + 0.5 * _POINTS, 0.5 * _SHARES
-_UNITS = np.eye(4).tolist()
-KEPT = 7  # numbers kept of a signal
 
 
 class StepMaps:
     """Maps of a step from what is known to what the units are told and what is found.
 
-    Known are, as reals, KEPT numbers of every force, then of every acceleration, and as the units
-    give them accelerations with slopes and forces with slopes.  Kept are value, slope, second and
-    third derivative at the start of the step before, value and slope times step that it missed,
-    and how far the signal ended from where the cubic before had led.
+    Known are, as reals, `kept_of` numbers of every force, then of every acceleration, and as the
+    units give them accelerations and forces with their `parts`: value, slope, of quintics second
+    derivative.  Kept are the parts now, the higher derivatives of what is to be continued at the
+    start of the step before, the parts that it missed, each times its power of the step, and how
+    far the signal ended from where the cubic or quintic before had led.
+
+    Continued is a cubic through both ends of the step before.  The quintic through both ends would
+    multiply an error 121-fold, and so ask for a Jacobian that is right to 1/121 over the loop gain
+    while weights move; the one that leaves out the slope before and takes the second derivative two
+    steps before multiplies it 7.6-fold, a cubic 13-fold.  Until there are two steps of one length
+    it is the first one.
 
     Args:
+        parts: of a signal's end: 2 of cubics, 3 of quintics.
         planes: on which each exchange is.
         solution: what signals missed, per gap between forces answered and assumed.
         past, step: lengths of the step before (0: none) and of this one [s].
@@ -40,34 +51,40 @@ class StepMaps:
     """
 
     def __init__(
-        self, planes: Sequence[int], solution: np.ndarray, past: float, step: float
+        self, parts: int, planes: Sequence[int], solution: np.ndarray, past: float, step: float
     ) -> None:
-        forces, every = len(planes), len(solution) // 4
-        known = _identity((KEPT + 2) * every)
-        kept, felt, answers = np.split(known, [KEPT * every, (KEPT + 2) * every - 2 * forces], 1)
-        kept, answers = _parted(kept, every, KEPT), _parted(answers, forces, 2)
-        felt = _parted(felt, 2, every - forces).swapaxes(0, 2)
-        now, missed = kept[:2], kept[4:6]
+        forces, every, keeps = len(planes), len(solution) // (2 * parts), kept_of(parts)
+        known = _identity((keeps + parts) * every)
+        bounds = [keeps * every, (keeps + parts) * every - parts * forces]
+        kept, felt, answers = np.split(known, bounds, 1)
+        kept, answers = _parted(kept, every, keeps), _parted(answers, forces, parts)
+        felt = _parted(felt, parts, every - forces).swapaxes(0, 2)
+        now, missed = kept[:parts], kept[2 * parts : 3 * parts]
 
-        self._planes, self._past, self._step, self._angle = planes, past, step, np.nan
-        predicting = _formula(lambda f, d, d2, d3: extrapolated((f, d), (f, d, d2, d3), past, 3))
-        ending = _formula(lambda *cubic: end_of(cubic, step))
-        joining = _formula(lambda f, d, g, e: hermite((f, d), (g, e), step))
-        predicted = _combined(predicting, kept[:4])
+        self._parts, self._planes, self._past, self._step = parts, planes, past, step
+        self._angle = np.nan
+        order = 2 * parts - 1
+        predicting = _formula(parts, lambda *c: extrapolated(c[:parts], c, past, order))
+        ending = _formula(parts, lambda *cubic: end_of(cubic, step))
+        joining = _formula(parts, lambda *ends: hermite(ends[:parts], ends[parts:], step))
+        predicted = _combined(predicting, kept[: 2 * parts])
         self._assumed = predicted[..., :forces]
         self._missed = missed
         motion = _combined(joining, np.concatenate([now[..., forces:], felt]))
         motion += self._made_good(0.0, missed[..., forces:])
         self.told = _map(motion[..., planes])
 
-        times = np.array([1.0, step])[:, None, None]
+        times = step ** np.arange(parts)[:, None, None]
         led = _combined(ending, predicted)
         ends = led[..., :forces]
         gaps = (answers - ends) * times
-        found = _parted((solution @ _map(gaps)).T.copy().view(complex), every, 2)
+        found = _parted((solution @ _map(gaps)).T.copy().view(complex), every, parts)
         right = np.concatenate([ends, felt], axis=2) + found / times
-        cubic = _combined(joining, np.concatenate([now, right]))
-        rows = np.concatenate([right, cubic[2:], found, right[:1] - led[:1]])
+        signals = _combined(joining, np.concatenate([now, right]))
+        if parts == 3 and past == step:
+            bend = _combined(_BENDING, (right - led) * times) / times / step**3
+            signals[3:] = predicted[3:] + bend
+        rows = np.concatenate([right, signals[parts:], found, right[:1] - led[:1]])
         self.found = np.concatenate([_map(rows), _map(answers[:1]), _map(gaps[:1])])
 
     def turn(self, angle: float) -> None:
@@ -85,12 +102,17 @@ class StepMaps:
         """Cubics that make good what was missed in the past step, `carried` on."""
         if not self._past:
             return 0.0
-        return _combined(np.array(carried(angle, self._past, self._step)), missed)
+        return _combined(carried(angle, self._past, self._step, self._parts), missed)
 
 
-def _formula(formula: Callable[..., Sequence[complex]]) -> np.ndarray:
-    """Coefficients of a formula that is linear in four numbers, a column each."""
-    return np.array([formula(*unit) for unit in _UNITS]).T
+def kept_of(parts: int) -> int:
+    """How many numbers are kept of a signal whose ends have so many parts."""
+    return 3 * parts + 1
+
+
+def _formula(parts: int, formula: Callable[..., Cubic | Knot]) -> np.ndarray:
+    """Coefficients of a formula that is linear in what tells a signal, a column each."""
+    return np.array([formula(*unit) for unit in np.eye(2 * parts).tolist()]).T
 
 
 # Below, numbers that are linear in what is known are an array (parts of a signal, known, signals)
@@ -120,30 +142,31 @@ def _map(parts: np.ndarray) -> np.ndarray:
 
 
 @lru_cache(maxsize=64)
-def carried(turn: float, past: float, step: float) -> tuple[Knot, ...]:
-    """Cubic over a step that gives a free mass what it missed in the step before.
+def carried(turn: float, past: float, step: float, parts: int = 2) -> np.ndarray:
+    """Cubic, or quintic, over a step that gives a free mass what it missed in the step before.
 
-    Missed was the cubic that starts from nothing and ends with a value and a slope; the one found
-    ends in nothing, and both leave the mass with the same velocity in the same place.
+    Missed was the one that starts from nothing and ends with value and slope (and second
+    derivative); the one found ends in nothing.  Both leave the mass with the same velocity in the
+    same place, and of quintics the integral of the place is the same.
 
     Args:
         turn: of the signals' axes in the past step [rad].
         past, step: lengths of the past step and of this one [s].
+        parts: of a signal's end.
 
     Returns:
-        (4, 2): value and derivatives of order 1 to 3 at the start of the step, per missed value and
-        per missed slope times `past`.
+        (2 parts, parts): value and derivatives at the start of the step, per missed value, missed
+        slope times `past`, and missed second derivative times its square.
     """
-    s = _NODES
-    rising = np.array([s * s * (3.0 - 2.0 * s), s * s * (s - 1.0)])
-    falling = np.array([1.0 - rising[0], s * (s - 1.0) ** 2])
-    ratio = step / past
-    # impulse, and its moment about the end of this step, in axes of the start of the past one
-    before = _SHARES * np.exp(1j * turn * s)
-    after = _SHARES * ratio * np.exp(1j * turn * (1.0 + ratio * s))
-    missed = np.array([rising @ before, rising @ (before * (1.0 - s + ratio))])
-    given = np.array([falling @ after, falling @ (after * ratio * (1.0 - s))])
-    start = np.linalg.solve(given, missed)  # value, and slope times step
-    shape = np.array([[1.0, 0.0], [0.0, 1.0], [-6.0, -4.0], [12.0, 6.0]])
-    orders = shape @ start / step ** np.arange(4)[:, None]
-    return tuple((value, slope) for value, slope in orders.tolist())
+    ratio, moments = step / past, np.arange(parts)[:, None]
+    nothing, units = (0.0,) * parts, [tuple(unit) for unit in np.eye(parts).tolist()]
+    rising = np.array([hermite(nothing, unit, 1.0) for unit in units])
+    falling = np.array([hermite(unit, nothing, 1.0) for unit in units])
+    powers = _NODES ** np.arange(2 * parts)[:, None] / _FACTORIALS[: 2 * parts, None]
+    # impulse and its moments about the end of this step, in axes of the start of the past one
+    before = _SHARES * np.exp(1j * turn * _NODES) * (1.0 - _NODES + ratio) ** moments
+    after = _SHARES * ratio * np.exp(1j * turn * (1.0 + ratio * _NODES))
+    after = after * (ratio * (1.0 - _NODES)) ** moments
+    missed, given = before @ (rising @ powers).T, after @ (falling @ powers).T
+    orders = falling.T @ np.linalg.solve(given, missed)
+    return orders / step ** np.arange(2 * parts)[:, None]

@@ -106,7 +106,7 @@ def choose(
     if coupling.scheme == GaussSeidel.name or not system.coupled:
         return GaussSeidel()
     if coupling.scheme == Compensated.name:
-        return Compensated(jacobian, response, step, scene.profile().speed)
+        return Compensated(jacobian, response, step, scene.profile().speed, system.order)
     if coupling.tolerance is not None:
         return Adaptive(
             Iterated(jacobian, step, system.order, rounding=rounding),

@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 import pytest
+from scipy.interpolate import BPoly
 
 from autobalancer.harness import SceneError, SimulationError, cosimulate, load_scene
 from autobalancer.harness.master.cosimulation import CoSimulation
 from autobalancer.harness.master.schedule import step_size
 from autobalancer.harness.master.schemes.compensated import Compensated
-from autobalancer.harness.master.schemes.compensated_maps import carried
+from autobalancer.harness.master.schemes.compensated_maps import StepMaps, carried
 from autobalancer.harness.master.schemes.explicit import BEFORE, NOW
 from autobalancer.harness.master.schemes.gauss_seidel import GaussSeidel
 from autobalancer.harness.master.schemes.jacobi import Jacobi
@@ -19,7 +22,7 @@ from tests.scenes import driven_scenes
 ORDERS = {  # of convergence, as the schemes' docstrings state them, by order of the signals
     "jacobi": {0: 1, 1: 2, 3: 3},
     "gauss-seidel": {0: 1, 1: 2, 3: 3},
-    "compensated": {3: 4},
+    "compensated": {3: 4, 5: 6},
     "iterated": {0: 1, 1: 2, 3: 4, 5: 6},
 }
 GAIN_LIMIT = {  # 1 where nothing is said of an explicit scheme; the others know none
@@ -222,28 +225,58 @@ def test_steps_under_a_tolerance_grow_twofold_at_most(name):
 # -- compensated ----------------------------------------------------------------------------------
 
 
+@pytest.mark.parametrize("parts", [2, 3])
 @pytest.mark.parametrize("turn", [0.0, 0.3, 2.0])
 @pytest.mark.parametrize(("past", "step"), [(0.1, 0.1), (0.1, 0.2), (0.3, 0.07)])
-def test_what_is_made_good_gives_a_free_mass_the_velocity_and_the_way_it_missed(turn, past, step):
-    value, slope = 0.7 - 0.2j, -0.4 + 1.1j  # missed at the end of the past step
-    cubic = [row[0] * value + row[1] * slope * past for row in carried(turn, past, step)]
-    given = [cubic[k] / (1.0, 1.0, 2.0, 6.0)[k] for k in range(4)]  # powers of t in the step
-    # zero at both ends but for the end value and slope
-    rise = [0.0, 0.0, 3.0 * value / past**2 - slope / past, slope / past**2 - 2 * value / past**3]
-    end, rate = past + step, turn / past
+def test_what_is_made_good_gives_a_free_mass_the_velocity_and_the_way_it_missed(
+    turn, past, step, parts
+):
+    """And, of quintics, the integral of the way."""
+    end = [0.7 - 0.2j, (-0.4 + 1.1j) / past, (2.0 + 0.3j) / past**2][:parts]  # of the past step
+    times = past ** np.arange(parts)
+    nodes, shares = np.polynomial.legendre.leggauss(30)
+    over, rate = past + step, turn / past
 
-    def motion(powers, begin, length):
-        """Velocity and place at `end` of a unit mass under a cubic in turning axes."""
-        nodes, shares = np.polynomial.legendre.leggauss(30)
+    def force(polynomial, begin, length):
+        """In fixed axes, with times and shares of an integral."""
         t = 0.5 * length * (nodes + 1.0)
-        force = np.polynomial.polynomial.polyval(t, powers) * np.exp(1j * rate * (begin + t))
-        push = 0.5 * length * shares * force
-        return push.sum(), (push * (end - begin - t)).sum()
+        return begin + t, 0.5 * length * shares * polynomial(t) * np.exp(1j * rate * (begin + t))
 
-    assert motion(given, past, step) == pytest.approx(motion(rise, 0.0, past), rel=1e-12)
-    leaves = np.polynomial.Polynomial(given)
-    assert abs(leaves(step)) < 1e-12
-    assert abs(leaves.deriv()(step)) < 1e-10
+    def motion(polynomial, begin, length):
+        """Velocity of a unit mass at the end of both steps, and its integrals."""
+        t, push = force(polynomial, begin, length)
+        return [(push * (over - t) ** k).sum() for k in range(parts)]
+
+    missed = BPoly.from_derivatives([0.0, past], [[0.0] * parts, end])
+    start = carried(turn, past, step, parts) @ (times * end)
+    given = np.polynomial.Polynomial(start / [math.factorial(k) for k in range(2 * parts)])
+    assert motion(given, past, step) == pytest.approx(motion(missed, 0.0, past), rel=1e-11)
+    left = [abs(given.deriv(k)(step)) * step**k for k in range(parts)]
+    assert max(left) < 1e-12 * np.abs(start * step ** np.arange(2 * parts)).max()
+
+
+@pytest.mark.parametrize(("parts", "limit"), [(2, 1.0 / 13.0), (3, 1.0 / 7.59)])
+def test_compensated_stands_a_jacobian_that_is_wrong_by_a_limit_which_quintics_raise(parts, limit):
+    """Units answer with a share of what is assumed for them, and the scheme knows of no loop."""
+    keeps, size = 3 * parts + 1, 2 * parts
+    unknowing = np.vstack([np.eye(size), np.zeros((size, size))])
+    maps = StepMaps(parts, [0], unknowing, 1.0, 1.0)
+
+    def found(kept, answers):
+        nothing = np.zeros(keeps + parts)
+        known = np.concatenate([kept, nothing, answers]).astype(complex)
+        return (maps.found @ known.view(float)).view(complex)[:keeps]
+
+    def growth(share):
+        columns = []
+        for kept in np.eye(keeps):
+            assumed = -found(kept, np.zeros(parts))[size : size + parts]
+            columns.append(found(kept, share * assumed))
+        return np.abs(np.linalg.eigvals(np.array(columns))).max()
+
+    shares = limit * np.exp(1j * np.linspace(0.0, np.pi, 13))
+    assert max(growth(0.99 * share) for share in shares) < 1.0
+    assert max(growth(1.01 * share) for share in shares) > 1.0
 
 
 @pytest.mark.parametrize("name", ["two_balls", "finite_weights", "three_mass_shaft"])
@@ -257,15 +290,18 @@ def test_compensated_is_as_cheap_as_gauss_seidel_and_ten_times_as_exact(against,
     assert runs.of_amplitude(found) <= 0.1 * runs.of_amplitude(plain)
 
 
+@pytest.mark.parametrize(("order", "least"), [(3, 3.5), (5, 5.5)])
 @pytest.mark.parametrize("gain", [0.5, 19.0, 1e3])
-def test_compensated_knows_no_limit_of_the_loop_gain(against, liquid_of_gain, gain):
+def test_compensated_knows_no_limit_of_the_loop_gain(against, liquid_of_gain, gain, order, least):
     density = liquid_of_gain(gain).balancer[0].density
     runs = against("liquid_heavy_force", {"liquid.density": density, "run.revolutions": 4})
     errors = [
-        runs.of_amplitude(runs.run({"scheme": "compensated", "steps_per_rev": steps}))
+        runs.of_amplitude(
+            runs.run({"scheme": "compensated", "order": order, "steps_per_rev": steps})
+        )
         for steps in (80, 160)
     ]
-    assert errors[1] <= errors[0] / 2**3.5
+    assert errors[1] <= errors[0] / 2**least
     assert errors[1] <= 1e-6 * (1.0 + gain)  # the loop turns an error of the force into that much
 
 
@@ -276,26 +312,30 @@ STIFF = {  # mode of the y axis at 20 steps a revolution, 0.105 s each
 DRAGGED = {2.1: {"weights.drag": 0.5}, 8.4: {"weights.drag": 2.0}}  # d = b/m times the step
 
 
+@pytest.mark.parametrize("order", [3, 5])
 @pytest.mark.parametrize(
     ("changes", "times"), [(STIFF[1.5], 1.8), (DRAGGED[2.1], 50.0)], ids=["stiff", "drag"]
 )
-def test_compensated_is_better_than_gauss_seidel_while_a_step_is_short(against, changes, times):
+def test_compensated_is_better_than_gauss_seidel_while_a_step_is_short(
+    against, changes, times, order
+):
     runs = against("two_balls", changes)
     plain = runs.run({"scheme": "gauss-seidel", "corrections": None})
-    found = runs.run({"scheme": "compensated", "corrections": None})
+    found = runs.run({"scheme": "compensated", "corrections": None, "order": order})
     assert runs.of_range(found) * times <= runs.of_range(plain)
 
 
+@pytest.mark.parametrize("order", [3, 5])
 @pytest.mark.parametrize("changes", [STIFF[7.4], DRAGGED[8.4]], ids=["stiff", "drag"])
-def test_compensated_says_that_it_cannot_follow_what_a_long_step_hides(changes):
-    scene = load_scene("two_balls").replace({"coupling.scheme": "compensated", **changes})
+def test_compensated_says_that_it_cannot_follow_what_a_long_step_hides(changes, order):
+    coupling = {"coupling.scheme": "compensated", "coupling.order": order}
     with pytest.raises(SimulationError, match=r"t = .*use "):
-        cosimulate(scene)
+        cosimulate(load_scene("two_balls").replace({**coupling, **changes}))
 
 
 def test_compensated_exchanges_slopes_and_keeps_no_tolerance():
     scene = load_scene("two_balls")
-    with pytest.raises(SceneError, match=r'coupling.order.*3 with scheme = "compensated"'):
+    with pytest.raises(SceneError, match=r'coupling.order.*3 or 5 with scheme = "compensated"'):
         scene.replace({"coupling.scheme": "compensated", "coupling.order": 1})
     loose = scene.replace({"coupling.scheme": "compensated", "coupling.tolerance": 1e-4})
     with pytest.raises(SceneError, match=r'"compensated"'):

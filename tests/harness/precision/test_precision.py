@@ -20,7 +20,13 @@ from autobalancer.harness.precision.measure import (
     observed_orders,
     precision,
 )
-from autobalancer.harness.precision.methods import ALONG_FIXED_AXES, Method, coupling_methods, ready
+from autobalancer.harness.precision.methods import (
+    ALONG_FIXED_AXES,
+    LIBCOSIM,
+    Method,
+    coupling_methods,
+    ready,
+)
 from autobalancer.harness.precision.plot import plot_precision
 from autobalancer.harness.precision.report import (
     KEYS,
@@ -229,6 +235,31 @@ def test_weights_that_touch_or_stick_have_no_reference():
         precision(crowded, seconds=1.0, methods=methods)
     with pytest.raises(SimulationError, match="knows no rolling_resistance of 'balls'"):
         precision(scene.replace({"balls.rolling_resistance": 1e-3}), seconds=1.0, methods=methods)
+    motor = {"inertia": 1.0, "stall_torque": 1.0, "no_load_speed": 9.0}
+    driven = scene.replace({"operation.speed": None, "operation.motor": motor})
+    with pytest.raises(SimulationError, match="motor with weight_radius"):
+        precision(driven, seconds=1.0)
+
+
+def test_a_motor_is_measured_against_one_piece_and_its_speed_too():
+    motor = {"inertia": 2.0, "stall_torque": 1.0, "no_load_speed": 4.0, "from": 1.0}
+    scene = load_scene("two_balls").replace(
+        {
+            "operation.speed": None,
+            "operation.motor": motor,
+            "run.revolutions": 4,
+            "weights.track_offset_xi": 0.01,
+        }
+    )
+    methods = all_methods(scene)
+    assert not {"compensated", ALONG_FIXED_AXES, LIBCOSIM} & {method.name for method in methods}
+    cubic = [Method("iterated", 3, n, 1) for n in (20, 40, 80)]
+    found = precision(
+        scene, seconds=1.0, methods=[*cubic, Method("monolith DOP853", tolerance=1e-9)]
+    )
+    assert "motor.speed" in found.signals
+    assert found.orders["iterated cubic 1 pass"] == pytest.approx(4.0, abs=0.4)
+    assert found.points[-1].error < 1e-7
 
 
 def test_libcosim_gives_the_same_error_as_held_jacobi_with_the_same_units(short):

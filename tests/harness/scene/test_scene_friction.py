@@ -10,7 +10,7 @@ from autobalancer.harness.errors import SceneError, SimulationError, UserError
 from autobalancer.harness.master.many import cosimulate_many
 from autobalancer.harness.master.plan import plan
 from autobalancer.harness.master.revolution import Revolution
-from autobalancer.harness.precision.reference import right_motion
+from autobalancer.harness.precision.reference import refuse_without_reference
 from autobalancer.harness.rotor.study import campbell_of, modes_at
 from autobalancer.harness.stability.axis import Axis
 from autobalancer.harness.stability.map import stability_map
@@ -64,7 +64,7 @@ def test_mistakes_are_named(sliders, said):
         lambda scene: modes_at(scene),
         lambda scene: campbell_of(scene, 1.0, 2.0),
         lambda scene: Revolution(scene),
-        lambda scene: right_motion(scene, ["rotor.x"], []),
+        refuse_without_reference,
         lambda scene: stability_map(
             scene, Axis.parse("speed=1:2:3"), Axis.parse("weights.drag=0.1:0.2:3")
         ),

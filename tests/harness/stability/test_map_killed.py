@@ -19,7 +19,7 @@ from pathlib import Path
 import pytest
 
 CODE = "from autobalancer.harness.__main__ import main; main()"
-SMALL, LARGE = (50, 40), (400, 250)
+TINY, SMALL, LARGE = (20, 24), (50, 40), (400, 250)
 
 
 def begin(
@@ -76,12 +76,14 @@ def kill(run: subprocess.Popen[str], store: Path, moment: float | None) -> bool:
     return ended
 
 
-def killed(right: Path, alone: float, cosim: int, kills: int, seed: int) -> int:
+def killed(
+    right: Path, alone: float, cosim: int, kills: int, seed: int, grid: tuple[int, int] = SMALL
+) -> int:
     """How many maps `kills` ends took, half of them at random; all maps are the `right` one."""
     draw, maps, kept, store = random.Random(seed), 0, 0, right.with_name("killed.zarr")
     while kills or store.exists():
         before = worked_on(store)
-        run = begin(store, cosim)
+        run = begin(store, cosim, grid)
         if kills and kill(run, store, draw.uniform(0.2, 0.6 * alone) if kills % 2 else None):
             kills -= 1
             print(f"{kills} kills to come, {len(before)} points kept", flush=True)
@@ -123,16 +125,16 @@ FEW = 8  # co-simulated points
 @pytest.fixture(scope="module")
 def right(tmp_path_factory) -> tuple[Path, float]:
     pytest.importorskip("zarr")
-    return undisturbed(tmp_path_factory.mktemp("maps"), FEW)
+    return undisturbed(tmp_path_factory.mktemp("maps"), FEW, TINY)
 
 
 def test_a_killed_map_goes_on_to_the_same_bytes_and_does_nothing_twice(right):
-    assert killed(*right, FEW, kills=2, seed=1) >= 1
+    assert killed(*right, FEW, kills=2, seed=1, grid=TINY) >= 1
 
 
 def test_a_cluster_that_loses_a_worker_gives_the_same_bytes(right):
     pytest.importorskip("distributed")
-    with_a_worker_lost(right[0], FEW)
+    with_a_worker_lost(right[0], FEW, TINY)
 
 
 if __name__ == "__main__" and sys.argv[1:] == ["cluster"]:

@@ -178,7 +178,7 @@ def test_a_track_off_centre_is_the_same_in_the_units_and_in_one_piece(run_up):
 
 
 def test_a_sample_is_right_or_says_so():
-    families = ("run_up", "two_support", "liquid", "heavy", "offset", "friction", "gravity")
-    found = verdicts(Study({"planar": 6, **dict.fromkeys(families, 2)}, seed=14))
+    families = FAMILIES.keys() - {"flexible", "finite", "sticking"}  # take longest
+    found = verdicts(Study({**dict.fromkeys(sorted(families), 2), "planar": 6}, seed=14))
     assert not misses(found)
     assert "| all | " in table(found).markdown()

@@ -11,8 +11,8 @@ import pytest
 from PIL import Image, ImageSequence
 
 from autobalancer.harness import UserError, cosimulate, load_scene
-from autobalancer.harness.pictures.motion import Motion
-from autobalancer.harness.pictures.movie import FRAMES_PER_SECOND, REACH, views
+from autobalancer.harness.master.pictures.motion import Motion
+from autobalancer.harness.master.pictures.movie import FRAMES_PER_SECOND, REACH, views
 
 RADIUS = 0.1  # m, the run-up's track
 
@@ -122,7 +122,7 @@ def test_what_cannot_be_made_is_refused_before_the_run(
     invoke, tmp_path, monkeypatch, place, message
 ):
     monkeypatch.setattr(
-        "autobalancer.harness.pictures.movie.FFMpegWriter.isAvailable", lambda: False
+        "autobalancer.harness.master.pictures.movie.FFMpegWriter.isAvailable", lambda: False
     )
     monkeypatch.setattr("autobalancer.harness.master.cosimulation.cosimulate", None)
     done = invoke("run", "two_balls", "--movie", tmp_path / place)

@@ -6,9 +6,9 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from ..errors import UserError
-from ..output.picture import Line, Panel, Picture, PlotAxis, colour
-from ..output.plot import metres
+from ...errors import UserError
+from ...output.picture import Line, Panel, Picture, PlotAxis, colour
+from ...output.plot import metres
 from .motion import Array, Motion, station_names
 from .over_speed import weight_panels
 

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
 from scipy.signal.windows import hann
 
-from ..errors import UserError
+from ...errors import UserError
 
 Array = NDArray[np.float64]
 POINTS = 64  # a revolution

@@ -10,9 +10,9 @@ from typing import Any
 
 import numpy as np
 
-from ..errors import UserError
-from ..output.picture import GREY, Field, Line, Panel, Picture, PlotAxis, colour, unbroken
-from ..output.plot import metres
+from ...errors import UserError
+from ...output.picture import GREY, Field, Line, Panel, Picture, PlotAxis, colour, unbroken
+from ...output.plot import metres
 from .motion import Array, Motion, station_names
 from .orders import spectra, tracked
 

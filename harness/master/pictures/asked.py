@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from ..scene import Scene
+from ...scene import Scene
 from .motion import with_weights
 from .orders import SHORTEST, TRACKED, refuse_few
 from .settling import first_weights

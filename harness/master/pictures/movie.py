@@ -19,12 +19,12 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Circle
 from numpy.typing import NDArray
 
-from ..errors import UserError
-from ..output.files import movie_format, write_whole
-from ..output.picture import GREY, colour, unbroken
-from ..output.plot import harmless, metres
-from ..scene import Scene
-from ..scene.balancer import LiquidBalancer, WeightBalancer
+from ...errors import UserError
+from ...output.files import movie_format, write_whole
+from ...output.picture import GREY, colour, unbroken
+from ...output.plot import harmless, metres
+from ...scene import Scene
+from ...scene.balancer import LiquidBalancer, WeightBalancer
 from .motion import Array, Motion
 
 Axes = Literal["rotor", "fixed"]

@@ -10,12 +10,12 @@ import numpy as np
 import pytest
 
 from autobalancer.harness import UserError, cosimulate, load_scene
+from autobalancer.harness.master.pictures.in_space import mode_shapes
+from autobalancer.harness.master.pictures.motion import Motion
+from autobalancer.harness.master.pictures.orders import spectra, tracked
 from autobalancer.harness.master.result import UnknownSignalError
 from autobalancer.harness.output.picture import Picture
 from autobalancer.harness.output.plot import drawn
-from autobalancer.harness.pictures.in_space import mode_shapes
-from autobalancer.harness.pictures.motion import Motion
-from autobalancer.harness.pictures.orders import spectra, tracked
 from autobalancer.harness.rotor.plot import polar_response
 from autobalancer.harness.rotor.study import response_of
 from autobalancer.harness.scene import Scene

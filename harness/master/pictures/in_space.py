@@ -7,11 +7,11 @@ from typing import Any
 
 import numpy as np
 
-from ...models.linear.modes import modes
-from ..errors import UserError
-from ..output.picture import GREY, Line, Panel, Picture, PlotAxis, colour
-from ..output.plot import metres
-from ..scene import Scene
+from ....models.linear.modes import modes
+from ...errors import UserError
+from ...output.picture import GREY, Line, Panel, Picture, PlotAxis, colour
+from ...output.plot import metres
+from ...scene import Scene
 from .motion import Motion, Place, places
 
 _WHIRLS = {"forward": colour(0), "backward": colour(1), "planar": colour(2)}
