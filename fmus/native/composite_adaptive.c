@@ -5,7 +5,7 @@
 #include "unit_rotor.h"
 
 static const double LOCAL_SHARE = 0.2, AIM = 0.5, RESIDUAL_SHARE = 0.2, SLOWEST = 1e3;
-enum { RUNGS = 4, FIRST_RUNG = 16, MINUTE = 80, LOWEST = 160, MOST_RISE = 4, HOPELESS = 40, RESTED = 4 };
+enum { RUNGS = 4, FIRST_RUNG = 24, MINUTE = 80, LOWEST = 160, MOST_RISE = 4, HOPELESS = 40, RESTED = 4 };
 
 /* 2^(-k/4) */
 static const double ROOTS[RUNGS] = {1.0, 0.8408964152537145, 0.7071067811865476, 0.5946035575013605};

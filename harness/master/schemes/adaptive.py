@@ -36,7 +36,7 @@ from .own_steps import OwnSteps
 LOCAL_SHARE = 0.2  # of the tolerance that one step may err: the errors of many steps add up
 AIM = 0.5  # of what is allowed, so that few steps are rejected
 RUNGS = 4  # of the ladder of step sizes per factor 2, so that the rotor's matrices are reused
-FIRST_RUNG = 4 * RUNGS  # 16 times shorter than the longest
+FIRST_RUNG = 6 * RUNGS  # 64 times shorter than the longest
 MINUTE = 20 * RUNGS  # steps 2^20 times shorter: what one misses of a jump moves nothing
 LOWEST = 40 * RUNGS  # steps 2^40 times shorter than the longest are no way to finish
 RESTED = 4  # steps at rest of one length

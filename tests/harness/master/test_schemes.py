@@ -212,7 +212,7 @@ def test_a_step_passes_as_often_as_asked(corrections):
 
 @pytest.mark.parametrize("name", ["two_balls", "two_plane_rodrigues"])
 def test_steps_under_a_tolerance_grow_twofold_at_most(name):
-    scene = load_scene(name).replace({"coupling.tolerance": 1e-1, "coupling.scheme": "auto"})
+    scene = load_scene(name).replace({"coupling.tolerance": 1e-2, "coupling.scheme": "auto"})
     with CoSimulation(scene) as cosim:
         cosim.start()
         longest = step_size(scene, 8)
