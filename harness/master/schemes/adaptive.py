@@ -183,9 +183,10 @@ class Adaptive(OwnSteps):
         """Whether nothing moves in the rotor at the end of a step."""
         count = len(system.forces)
         motion, force = self._still_motion * largest_motion, self._still * trial.largest
+        for end in trial.ends[count:]:
+            if not max(abs(end[0]), longest * abs(end[1])) < motion:
+                return False
         return all(
-            max(abs(end[0]), longest * abs(end[1])) < motion for end in trial.ends[count:]
-        ) and all(
             self._cancelled * max(abs(end[0] - s.now[0]), longest * abs(end[1])) < force
             for s, end in zip(system.forces, trial.ends, strict=False)
         )

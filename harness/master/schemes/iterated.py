@@ -101,7 +101,7 @@ class Iterated:
         self._least = ROUNDING * self.newton.gain
         self.closed = max(CONVERGED, self._least)
         self.corrections = corrections
-        self._known: Known | None = None
+        self._rooms: dict[bool, Known] = {}  # by whether signals are held
         self.rounding = rounding
         self.allow(tolerance)
 
@@ -200,8 +200,8 @@ class Iterated:
         for number in range(1, passes + 1):
             answers, residual = self._pass(system, time, step)
             # of passes and steps that are taken back none counts: they can be far too large
-            largest = max(self.largest, *map(abs, _vectors(answers)))
-            error = max(map(abs, _vectors(residual))) / largest if largest else 0.0
+            largest = max(self.largest, *map(abs, answers.view(complex).tolist()))
+            error = max(map(abs, residual.view(complex).tolist())) / largest if largest else 0.0
             if previous and error > max(tolerance, SLOW * previous[2]):
                 self.newton.learn(previous[0], previous[1], residual)
             if number == passes or not error > tolerance:
@@ -261,11 +261,12 @@ class Iterated:
 
     def _ready(self, system: System, step: float, held: bool) -> Known:
         """Maps of a step, and room for what is known of it."""
-        layout = layout_of(system.planes, len(system.forces), system.order, held)
-        if self._known is None or self._known.layout is not layout:
-            self._known = Known(layout)
-        self._maps = step_maps(layout, step)
-        return self._known
+        if held not in self._rooms:
+            layout = layout_of(system.planes, len(system.forces), system.order, held)
+            self._rooms[held] = Known(layout)
+        self._known = known = self._rooms[held]
+        self._maps = step_maps(known.layout, step)
+        return known
 
     def _past(self, system: System) -> np.ndarray:
         """Of every signal its end now, and the higher derivatives of its cubic before."""
@@ -275,7 +276,6 @@ class Iterated:
     def _pass(self, system: System, time: float, step: float) -> tuple[np.ndarray, np.ndarray]:
         """Step all units once as assumed; forces answered, and how far they miss those assumed."""
         maps, known = self._maps, self._known
-        assert known
         maps.pushed.dot(known.pushing, system.pushed)
         if system.shaft:
             system.shaft.tell(tuple(_vectors(maps.spun.dot(known.pushing))), step)
