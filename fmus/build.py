@@ -99,7 +99,7 @@ def contents(
             input_derivatives=True,
             output_derivatives=1,
             directional_derivatives=getattr(sized.sizes, "order", 3) == 3,
-            early_return=sized.unit.returns_early,
+            early_return=sized.returns_early,
             arrays=arrays,
         )
 

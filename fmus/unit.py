@@ -101,7 +101,6 @@ class Unit:
         sizes: its build options.
         variables: all variables of a unit of these sizes, in the order parameters, inputs,
             outputs, observed outputs; raises ValueError where there is no unit of these sizes.
-        returns_early: whether a native step may end before the communication point asked for.
         stop, step: of the run that a tool proposes [s]; by default 40 steps a revolution at the
             start value of the speed, 300 rad/s.
     """
@@ -110,7 +109,6 @@ class Unit:
     summary: str
     sizes: type[Sizes]
     variables: Callable[[Any], list[Variable]]
-    returns_early: bool = False
     stop: float = 1.0
     step: float = 0.0005
 
@@ -143,6 +141,11 @@ class SizedUnit:
     def name(self) -> str:
         """Of the unit."""
         return self.unit.name
+
+    @property
+    def returns_early(self) -> bool:
+        """Whether a native step may end before the communication point asked for."""
+        return "shortest_stopped_step" in self.layout.index
 
     @property
     def options(self) -> dict[str, Any]:

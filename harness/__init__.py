@@ -10,9 +10,9 @@ if TYPE_CHECKING:
     from ..fmus.build import build
     from .checks.runner import check
     from .errors import SceneError, SimulationError, UnitError, UserError
-    from .master.cosimulation import cosimulate
     from .master.many import cosimulate_many
     from .master.result import Result
+    from .master.run import cosimulate
     from .scene import Scene, bundled_scenes, load_scene
     from .stability.boundaries import speeds
 
@@ -43,7 +43,7 @@ __getattr__, __dir__ = lazy_names(
         "build": "..fmus.build",
         "bundled_scenes": ".scene",
         "check": ".checks.runner",
-        "cosimulate": ".master.cosimulation",
+        "cosimulate": ".master.run",
         "cosimulate_many": ".master.many",
         "load_scene": ".scene",
         "speeds": ".stability.boundaries",

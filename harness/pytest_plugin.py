@@ -34,7 +34,7 @@ def cosim(request: pytest.FixtureRequest) -> Callable[..., Result]:
         one_file: bool = False,
         **overrides: Any,
     ) -> Result:
-        from .master.cosimulation import cosimulate
+        from .master.run import cosimulate
         from .scene import Scene, load_scene
 
         if isinstance(source, Scene):

@@ -32,7 +32,6 @@ def simulate(
     initial: Start = REST,
     method: str = "DOP853",
     rtol: float = 1e-9,
-    atol: float | None = None,
 ) -> Trajectory:
     """Integrate from time 0 and give the motion at `times`.
 
@@ -41,7 +40,6 @@ def simulate(
         times: (T,) ascending, from 0 on [s].
         method: of `scipy.integrate.solve_ivp`.
         rtol: relative tolerance.
-        atol: absolute tolerance of every part of the state; by default `rtol` times its size.
 
     Raises:
         ValueError: `times` are not ascending from 0 on, the start does not fit the assembly, or
@@ -64,7 +62,7 @@ def simulate(
     elif isinstance(system, Monolith) and finite:
         states = integrate_contacts(system, time, initial, method=method, rtol=rtol)
     else:
-        _, states, _ = integrate(system, time, initial, method=method, rtol=rtol, atol=atol)
+        _, states, _ = integrate(system, time, initial, method=method, rtol=rtol)
     return trajectory(system, time, states, solved)
 
 
@@ -84,7 +82,6 @@ def integrate(
     *,
     method: str,
     rtol: float,
-    atol: float | None = None,
 ) -> tuple[Array, Array, int]:
     """Times, states there (T, size), and how often the right-hand side was evaluated.
 
@@ -99,7 +96,7 @@ def integrate(
     if system.dry:
         raise ValueError("dry friction: `simulate` integrates it, from event to event")
     state = system.initial(initial)
-    absolute = rtol * system.scales(initial) if atol is None else atol
+    absolute = rtol * system.scales(initial)
     listed = None if isinstance(time, float) else time
     end = time if isinstance(time, float) else float(time[-1])
     shown = slice(1 if listed is None or listed[0] == 0.0 else 0)

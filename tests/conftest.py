@@ -77,6 +77,26 @@ def invoke() -> Callable[..., object]:
     return run
 
 
+@pytest.fixture
+def interrupted_once(monkeypatch) -> Callable[[object, str, int], list]:
+    """Let work of a module be done so often, then be interrupted once; the jobs that were done."""
+
+    def arm(module: object, name: str, after: int) -> list:
+        work, done, told = getattr(module, name), [], []
+
+        def interrupted(job: object) -> object:
+            if len(done) == after and not told:
+                told.append(True)
+                raise KeyboardInterrupt
+            done.append(job)
+            return work(job)
+
+        monkeypatch.setattr(module, name, interrupted)
+        return done
+
+    return arm
+
+
 # a shaft whose fastest mode turns fifty times as fast as the rotor needs one digit more
 TIGHTER = {"bristol_flexible": 1e-13}
 

@@ -5,7 +5,7 @@
 #include "unit_rotor.h"
 
 static const double LOCAL_SHARE = 0.2, AIM = 0.5, RESIDUAL_SHARE = 0.2, SLOWEST = 1e3;
-enum { RUNGS = 4, FIRST_RUNG = 24, MINUTE = 80, LOWEST = 160, MOST_RISE = 4, HOPELESS = 40, RESTED = 4 };
+enum { RUNGS = 4, FIRST_RUNG = 24, MINUTE = 80, LOWEST = 160, HOPELESS = 40, RESTED = 4 };
 
 /* 2^(-k/4) */
 static const double ROOTS[RUNGS] = {1.0, 0.8408964152537145, 0.7071067811865476, 0.5946035575013605};
@@ -82,11 +82,14 @@ static int rungs_in(double ratio, int orders)
 }
 
 /* Whole number of rungs up that an error of this ratio to the one aimed at allows; `slack` as a
-   factor. */
-static int rise(double ratio, double slack, int orders)
+   factor.  `shortened`: by how much the step was shorter than its rung. */
+static int rise(double ratio, double slack, double shortened, int orders)
 {
-    const int power = ratio > 0.0 ? rungs_in(slack * ratio, orders) : -HOPELESS;
-    return power < MOST_RISE ? power : MOST_RISE;
+    const double square = shortened * shortened;
+    const int quintic = orders == QUINTIC_ORDERS;
+    const double most = quintic ? 64.0 : 16.0; /* of an error, four rungs */
+    const double left = smaller(slack * ratio, most) / (square * square * (quintic ? square : 1.0));
+    return left > 0.0 ? rungs_in(left, orders) : -HOPELESS;
 }
 
 /* Whether nothing moves in the rotor at the end of a step. */
@@ -153,7 +156,7 @@ int adaptive_step(Unit *unit, double longest)
         const double own = length_of(rung, longest);
         /* do not leave a sliver for the last step */
         const double step = own >= remaining ? remaining : own > 0.5 * remaining ? 0.5 * remaining : own;
-        double residual, error, ratio, largest_motion;
+        double residual, error, ratio, largest_motion, shortened = own / step;
         int lower, higher, minute, still;
         course->held = rung < 0;
         residual = iterated_attempt(unit, step);
@@ -180,7 +183,7 @@ int adaptive_step(Unit *unit, double longest)
         error = error_of(c, step, &largest_motion);
         ratio = error > 0.0 ? AIM * allowed / error : infinity();
         minute = jumps && rung >= MINUTE; /* what such a step misses of a jump moves nothing */
-        higher = error > 0.0 ? rise(ratio, 1.0 + 1e-9, c->orders) : MOST_RISE;
+        higher = rise(ratio, 1.0 + 1e-9, shortened, c->orders);
         still = !jumps && (rung < 0 || rung < higher) && rests(c, longest, largest_motion);
         if (((error <= allowed && (still || rung >= 0)) || minute) && residual <= course->tolerance) {
             double lowest = still ? smaller(rung, 0.0) : 0.0;
@@ -204,7 +207,7 @@ int adaptive_step(Unit *unit, double longest)
         if (residual > SLOWEST * course->tolerance && iterated_after_start(unit, 0.5 * step)) {
             return 1;
         }
-        lower = error > 0.0 ? -rise(ratio, 1.0, c->orders) : 1;
+        lower = -rise(ratio, 1.0, shortened, c->orders);
         course->rung = rung + (lower > 1 ? lower : 1);
         if (rung < 0 && !still) {
             course->rung = larger(course->rung, 0.0);

@@ -1,18 +1,20 @@
-/* Events met: a step ends where weights collide, part, stick or slide, so that it holds no jump; twin
-   of harness/master/schemes/contacts.py. */
+/* Events met: a step ends where a unit says that something jumps, so that it holds no jump; twin of
+   harness/master/schemes/contacts.py. */
 #include <string.h>
 
 #include "composite.h"
 #include "elementary.h"
 
-static const double BRIEF = 1e-6, ROUNDING = 1e-5, JUMP = 1e-6, GROWTH = 10.0, KINK = 1e-10,
+static const double BRIEF = 1e-6, WIDE = 1e-4, LEAST = 0.01, ROUNDING = 1e-5, JUMP = 1e-6, GROWTH = 10.0, KINK = 1e-10,
                     AGREED = 1e-6;
 enum { QUIET = 3, AWAITED = 20, MOST = 1000, TRIES = 3 };
 static const double SHORTER[TRIES] = {1.0, 0.6, 0.36};
 
 double contacts_brief(const Unit *unit)
 {
-    return BRIEF * startup_size(unit);
+    const double tolerance = unit->real[((const Composite *)unit->own)->tolerance];
+    const double share = tolerance > 0.0 ? larger(LEAST, smaller(1.0, tolerance / WIDE)) : 1.0;
+    return share * BRIEF * startup_size(unit);
 }
 
 int contacts_ahead(Unit *unit, double *step)
@@ -105,20 +107,34 @@ int contacts_strike(Unit *unit)
     return contacts_step(unit);
 }
 
+/* Whether any of like signals jumps in a brief step, and whether its slope does. */
+static void judge(const Signal *signals, const Knot *ends, int count, double step, double largest,
+                  int *jumped, int *turned)
+{
+    double left = 0.0, turn = 0.0, grown = 0.0;
+    int k;
+    for (k = 0; k < count; k++) {
+        const Knot now = signals[k].now, end = ends[k];
+        const Complex led = complex_sum(now.value, complex_scaled(step, now.slope));
+        left = larger(left, magnitude(complex_difference(end.value, led)));
+        turn = larger(turn, step * magnitude(complex_difference(end.slope, now.slope)));
+        grown = larger(grown, step * magnitude(end.slope));
+    }
+    *jumped |= left > JUMP * larger(largest, GROWTH * grown);
+    *turned |= turn > KINK * largest;
+}
+
 int contacts_step(Unit *unit)
 {
     Composite *c = unit->own;
     Course *course = c->course;
-    double step, residual, moved = 0.0, turned = 0.0, grown = 0.0;
-    int k;
-    residual = brief(unit, &step);
-    for (k = 0; k < c->unknowns && residual >= 0.0; k++) {
-        const Knot now = c->forces[k].now, end = c->answers[k];
-        const Complex led = complex_sum(now.value, complex_scaled(step, now.slope));
-        moved = larger(moved, magnitude(complex_difference(end.value, led)));
-        turned = larger(turned, step * magnitude(complex_difference(end.slope, now.slope)));
-        grown = larger(grown, step * magnitude(end.slope));
+    double step, residual = brief(unit, &step), motion = 0.0;
+    int k, jumped = 0, turned = 0;
+    for (k = 0; k < c->planes; k++) {
+        motion = larger(motion, c->accelerations[k].largest_before);
     }
+    judge(c->forces, c->answers, c->unknowns, step, course->unpulsed, &jumped, &turned);
+    judge(c->accelerations, c->ends, c->planes, step, motion, &jumped, &turned);
     if (residual < 0.0 || iterated_accept(unit, step)) {
         return 1;
     }
@@ -133,12 +149,12 @@ int contacts_step(Unit *unit)
     course->length = step;
     course->strikes += 1.0;
     /* passes that do not agree disagree on whether the step holds an event; it is soon over */
-    if (moved > JUMP * larger(course->unpulsed, GROWTH * grown) || residual > AGREED) {
+    if (jumped || residual > AGREED) {
         course->striking = QUIET;
     } else {
         course->striking -= 1.0;
     }
-    if (turned > KINK * course->unpulsed) {
+    if (turned) {
         course->striking = smaller(course->striking, QUIET);
     }
     if (course->striking == 0.0) {

@@ -1,5 +1,6 @@
 /* A communication step as a run takes it; twin of harness/master/cosimulation.py. */
 #include "composite.h"
+#include "elementary.h"
 
 static const double SLIVER = 1e-12; /* of a step */
 
@@ -13,7 +14,6 @@ static int unfinished(const Composite *c, double ends, double step)
     if (course->allowed == 0.0) {
         return course->whole > 0.0;
     }
-    /* what happens to weights is no communication point */
     return course->no_past > 0.0 && ends - course->time > SLIVER * step;
 }
 
@@ -21,7 +21,8 @@ int composite_run_step(Unit *unit, double step)
 {
     Composite *c = unit->own;
     Course *course = c->course;
-    const double ends = course->time + step;
+    const double begin = course->time;
+    double ends = begin + step;
     c->loop_failed = 0;
     if (course->acceleration != 0.0 && course->rises_until > 0.0 &&
         course->time >= course->rises_until) {
@@ -35,6 +36,10 @@ int composite_run_step(Unit *unit, double step)
             }
             return 1;
         }
-    } while (unfinished(c, ends, step));
+        /* an event is no communication point, but only at rest are these further apart */
+        if (course->allowed > 0.0) {
+            ends = smaller(ends, begin + c->pacing.longest);
+        }
+    } while (unfinished(c, ends, ends - begin));
     return 0;
 }

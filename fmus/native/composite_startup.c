@@ -72,8 +72,8 @@ double startup_length(Unit *unit)
         const double step = communication(unit);
         course->changed = 0.0;
         course->crossing = compensates(c) ? JUMP_PARTS : 1;
-        course->negligible = KINK * step / course->crossing;
-        course->whole = step - KINK * step;
+        course->negligible = smaller(KINK * step, contacts_brief(unit)) / course->crossing;
+        course->whole = step - course->crossing * course->negligible;
         course->ends = course->time + step;
     }
     if (course->crossing > 0.0) {

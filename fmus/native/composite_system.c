@@ -146,6 +146,16 @@ void composite_read_forces(const Composite *c, Knot *answers)
 
 /* -- steps ----------------------------------------------------------------------------------- */
 
+/* Whether a part met an event in the step and went no further. */
+static int ended_early(Composite *c, const Part *part, double step)
+{
+    if (part->unit->made < step) {
+        c->course->ahead = part->unit->made;
+        return 1;
+    }
+    return 0;
+}
+
 int composite_rotor_pass(Unit *unit, const Complex *forces, double step)
 {
     Composite *c = unit->own;
@@ -154,7 +164,7 @@ int composite_rotor_pass(Unit *unit, const Complex *forces, double step)
         shaft_tell(unit, forces + c->orders * c->exchanges, step);
     }
     composite_set_forces(unit, forces, step);
-    if (composite_advance(unit, c->parts, step)) {
+    if (composite_advance(unit, c->parts, step) || ended_early(c, c->parts, step)) {
         return 1;
     }
     composite_read_accelerations(c, c->ends);
@@ -182,11 +192,7 @@ int composite_balancer_pass(Unit *unit, const Complex *accelerations, double ste
         copy_doubles(size, &accelerations[c->orders * c->member_planes[k]].re,
                      part->unit->real + part->unit->layout.inputs.first);
         composite_place(c, part);
-        if (composite_advance(unit, part, step)) {
-            return 1;
-        }
-        if (part->unit->made < step) {
-            c->course->ahead = part->unit->made;
+        if (composite_advance(unit, part, step) || ended_early(c, part, step)) {
             return 1;
         }
     }

@@ -273,13 +273,18 @@ static int read_parts(Unit *unit, const char *at, const char **own, const char *
     return c->part_count && *own && *id ? 0 : refuse(unit, "it ends too early");
 }
 
-/* Have steps end at events, where they can be taken back and no motor drives: weights are told the mean
-   of its acceleration over a step, not what it is at a time in it. */
+/* Have steps end at events, where there are any to be taken back and no motor drives: weights are told
+   the mean of its acceleration over a step, not what it is at a time in it. */
 static void stop_at_contacts(Composite *c)
 {
+    const int stops = c->exchanges && !c->motor && c->scheme != SCHEME_COMPENSATED;
     int part, k;
-    for (part = 0; part < c->part_count && !c->motor && c->scheme != SCHEME_COMPENSATED; part++) {
+    for (part = 0; part < c->part_count; part++) {
         Unit *unit = c->parts[part].unit;
+        if (!stops) {
+            c->parts[part].brief = -1;
+            continue;
+        }
         for (k = 0; k < unit->layout.table->flag_count; k++) {
             if (!strncmp(unit->layout.table->flags[k].name, STOP, sizeof STOP)) {
                 unit->boolean[k] = 1;

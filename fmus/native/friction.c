@@ -488,7 +488,7 @@ static double value_at(const double *from, int stride, double s)
 }
 
 int friction_advance(FrictionStep *method, double *state, double *held, const Drive *drive,
-                     double step, Failure *failure)
+                     double step, int stops, double *reached, Failure *failure)
 {
     const int dof = method->smooth->dof, m = method->count;
     double time = 0.0;
@@ -511,11 +511,16 @@ int friction_advance(FrictionStep *method, double *state, double *held, const Dr
             held[2 * k + HOLDS] = value_at(method->forces + k, m, fraction);
         }
         if (which < 0 && last) {
+            *reached = step;
             return FINE;
         }
         time += fraction * stretch;
         if (which >= 0) {
             code = change(method, state, held, drive, time, which, fraction > 0.0, failure);
+            if (stops) {
+                *reached = time;
+                return code;
+            }
         }
     }
     return code ? code

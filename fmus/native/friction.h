@@ -52,9 +52,10 @@ int friction_step(const LinearRotor *rotor, const VariableSpeedStep *smooth, con
    rates: velocities of the stations, x and y alternating. */
 void friction_at_start(const Slider *sliders, int count, const double *rates, double *held);
 
-/* State (q, v), x before y, and sliders one `step` [s] later, in place. */
+/* State (q, v), x before y, and sliders one `step` [s] later, in place; with `stops` behind the first
+   event at most, such that *reached [s] is 0 for one at the start. */
 int friction_advance(FrictionStep *method, double *state, double *held, const Drive *drive,
-                     double step, Failure *failure);
+                     double step, int stops, double *reached, Failure *failure);
 
 /* Whether each rigid slider at rest sticks or slips at time t, in place. */
 int friction_resolve(FrictionStep *method, const double *state, double *held, const Drive *drive,

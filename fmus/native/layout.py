@@ -171,6 +171,7 @@ def _blocks(unit: str, options: dict[str, Any]) -> list[_Block]:
     """Variables of a unit in order, those that repeat together in one block."""
     turning, fixed = (_layout(unit, frame=frame, **options).reals for frame in ("rotor", "fixed"))
     patterns = [_without_axis(a.name, b.name) for a, b in zip(turning, fixed, strict=True)]
+    smooth = _layout(unit, frame="rotor", **{k: v for k, v in options.items() if k != "sliders"})
     blocks: list[_Block] = []
     i = 0
     while i < len(patterns):
@@ -185,8 +186,9 @@ def _blocks(unit: str, options: dict[str, Any]) -> list[_Block]:
                 _REPEATS[repeats], shown, [list(found[k::length]) for k in range(length)]
             )
         else:
-            block = _Block("SIZE_ONE", patterns[i : i + size], [[v] for v in found])
-            if blocks and blocks[-1].repeat == "SIZE_ONE":
+            repeat = "SIZE_ONE" if found[0].name in smooth.index else "SIZE_SLIDING"
+            block = _Block(repeat, patterns[i : i + size], [[v] for v in found])
+            if blocks and blocks[-1].repeat == repeat:
                 blocks[-1].patterns += block.patterns
                 blocks[-1].variables += block.variables
                 block = blocks.pop()

@@ -153,12 +153,14 @@ static int step(Unit *unit, double length)
 {
     Rotor *own = unit->own;
     const double speed = rotor_drive(unit)[0], spin_up = rotor_drive(unit)[SPIN_UP];
-    const Drift more = drift(rotor_drive(unit) + SPIN_UP, length);
     const size_t motion = 4 * (size_t)own->stations;
     double *end_speed = unit->memory + MOTION + motion;
+    Drift more;
     if (rotor_propagate(unit, length)) {
         return 1;
     }
+    unit->made = length = own->reached;
+    more = drift(rotor_drive(unit) + SPIN_UP, length);
     angle_turn(unit->memory, length * (speed + 0.5 * spin_up * length) + more.angle);
     copy_doubles(motion, own->result, unit->memory + MOTION);
     end_speed[0] = speed + spin_up * length + more.speed;

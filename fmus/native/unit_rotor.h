@@ -73,6 +73,7 @@ typedef struct {
     double *friction_memory, *held; /* held: as it is after what was propagated last */
     int frozen; /* whether outputs keep to how the sliders were found, for derivatives */
     Rates rates;
+    double reached;  /* length of the step as far as it came: it ends behind an event of a slider [s] */
     double whole;    /* length of the step within which the unit is moved, 0: over all of it [s] */
     double *ends[4]; /* outputs at other speeds, for derivatives */
 } Rotor;
@@ -82,6 +83,8 @@ typedef struct {
 int rotor_kind(const Layout *layout);
 /* Start values that depend on index and size. */
 void rotor_starts(const Layout *layout, double *real);
+/* Value reference of the length from which on steps end at events of sliders; a unit with sliders. */
+size_t rotor_shortest_stopped(const Unit *unit);
 /* Value reference of the first slider's first parameter. */
 size_t rotor_slider_parameters(const Unit *unit);
 /* Make unit->own's rotor from the parameters; 0, or 1 with the reason. */

@@ -236,11 +236,14 @@ static int flexible(Unit *unit)
     return misplaced >= 0; /* the reason is that of the first one */
 }
 
+size_t rotor_shortest_stopped(const Unit *unit)
+{
+    return unit->layout.parameters.count - 4 * (size_t)((const Rotor *)unit->own)->stations - 2;
+}
+
 size_t rotor_slider_parameters(const Unit *unit)
 {
-    const Rotor *own = unit->own;
-    return unit->layout.parameters.count - 4 * (size_t)own->stations - 1 -
-           5 * (size_t)unit->layout.sizes.sliders;
+    return rotor_shortest_stopped(unit) - 5 * (size_t)unit->layout.sizes.sliders;
 }
 
 /* Sliders along x and y, in the order of the parameters; 1 with the reason. */

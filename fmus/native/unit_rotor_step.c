@@ -217,6 +217,13 @@ static Drive friction_drive(Unit *unit, const double *forces, const double *spin
     return drive;
 }
 
+/* Whether a step of this length ends at an event of a slider. */
+static int stops(const Unit *unit, double length)
+{
+    const double shortest = unit->real[rotor_shortest_stopped(unit)];
+    return unit->may_end_early && shortest > 0.0 && length >= shortest;
+}
+
 /* The sliders in own->held as they are `step` after the inputs were set, own->state with them. */
 static int friction_move(Unit *unit, const Drive *drive, double step, Failure *failure)
 {
@@ -227,7 +234,8 @@ static int friction_move(Unit *unit, const Drive *drive, double step, Failure *f
     }
     memcpy(own->held, rotor_held(unit), 2 * (size_t)own->slider_count * sizeof(double));
     return step != 0.0
-               ? friction_advance(&own->friction, own->state, own->held, drive, step, failure)
+               ? friction_advance(&own->friction, own->state, own->held, drive, step,
+                              stops(unit, step), &own->reached, failure)
                : friction_resolve(&own->friction, own->state, own->held, drive, 0.0, failure);
 }
 
@@ -244,7 +252,7 @@ static int propagate_friction(Unit *unit, double step)
         return 1;
     }
     if (friction_move(unit, &drive, step, &failure) ||
-        friction_plane_motion(&own->friction, own->state, own->held, &drive, step,
+        friction_plane_motion(&own->friction, own->state, own->held, &drive, own->reached,
                               own->acceleration, own->jerk, &failure)) {
         return unit_failed(unit, &failure, NULL, 0);
     }
@@ -454,6 +462,7 @@ int rotor_propagate(Unit *unit, double step)
 {
     Rotor *own = unit->own;
     own->lifted = 0;
+    own->reached = step;
     if (propagate(unit, step)) {
         return 1;
     }

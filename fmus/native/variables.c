@@ -34,6 +34,8 @@ static size_t repeats(int repeat, const Sizes *sizes)
         return (size_t)sizes->weights;
     case SIZE_SLIDERS:
         return (size_t)sizes->sliders;
+    case SIZE_SLIDING: /* once, where there are sliders */
+        return sizes->sliders > 0;
     case SIZE_POINTS:
         return (size_t)sizes->points;
     case SIZE_TRIANGLE:

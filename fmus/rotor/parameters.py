@@ -100,7 +100,7 @@ def flexible(sizes: RotorSizes) -> list[Variable]:
 def friction(sizes: RotorSizes) -> list[Variable]:
     """Sliders in parallel with the supports' springs: dry friction, each axis for itself."""
     text = "Of the spring in series along {}; 0: none, the slider is rigid"
-    return [
+    sliders = [
         v
         for k in range(1, sizes.sliders + 1)
         for v in (
@@ -112,6 +112,9 @@ def friction(sizes: RotorSizes) -> list[Variable]:
                         minimum=0.0) for axis in "xy"),
         )
     ]  # fmt: skip
+    ends = "A step this long or longer ends where one sticks, lets go or turns; 0: none does"
+    own = [parameter("shortest_stopped_step", 0.0, "s", ends, minimum=0.0)]
+    return [*sliders, *own[: sizes.sliders]]
 
 
 PARAMETERS = {"planar": planar, "two_support": two_support, "flexible": flexible}

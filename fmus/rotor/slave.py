@@ -35,6 +35,11 @@ class RotorOnSupports(Slave):
 
     def parameters(self) -> None:
         values = self.parameter_values()
+        if shortest := values.get("shortest_stopped_step"):
+            raise ValueError(
+                f"shortest_stopped_step = {shortest!r} s: must be 0 s, a step of a Python unit "
+                "cannot end early"
+            )
         self.gravity = complex(values["gravity_x"], values["gravity_y"])
         self.rotor = replace(rotor_of(values, self.sizes), gravity=self.gravity)
         if self.gravity:

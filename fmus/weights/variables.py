@@ -142,5 +142,4 @@ BALLS = Unit(
     summary="N equal weights on one track: the acceleration of the track's centre in, force out.",
     sizes=WeightSizes,
     variables=variables,
-    returns_early=True,  # `stop_at_contact`
 )

@@ -12,8 +12,8 @@ from ...models.papers import capacity as theory
 from ...models.papers.settling import plane_response
 from ..design.scenes import capacity_of, only_finite_weights
 from ..errors import SceneError
-from ..master.cosimulation import cosimulate
 from ..master.result import Result
+from ..master.run import cosimulate
 from ..output.workers import Progress
 from ..scene import Scene
 from ..scene.check import CapacityCheck, SizesCheck

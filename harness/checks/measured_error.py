@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from ..master.cosimulation import cosimulate
+from ..master.run import cosimulate
 from ..output.workers import Progress
 from ..scene import Scene
 from ..scene.check import MeasuredErrorCheck

@@ -97,12 +97,11 @@ def parts_of(scene: Scene) -> list[CheckPart]:
     ]
 
 
-def run_checks(scene: Scene, progress: Progress | None = None, workers: Workers = 1) -> list[Row]:
+def run_checks(scene: Scene, progress: Progress | None = None) -> list[Row]:
     """Every [[check]] of a scene, in order.
 
     Args:
         progress: called with the finished fraction.
-        workers: processes that share the work, or an executor.
 
     Raises:
         UserError: a check does not fit the scene.
@@ -113,7 +112,7 @@ def run_checks(scene: Scene, progress: Progress | None = None, workers: Workers 
         if progress:
             progress(sum(done) / len(done))
 
-    return [row for rows in run_parts(parts_of(scene), workers, report) for row in rows]
+    return [row for rows in run_parts(parts_of(scene), 1, report) for row in rows]
 
 
 def run_parts(

@@ -13,7 +13,6 @@ from functools import partial
 from typing import Any
 
 import numpy as np
-from scipy.signal import find_peaks
 
 from ..output.workers import Progress
 from ..scene import Scene, load_scene
@@ -95,6 +94,8 @@ def _critical_speeds(scene: Scene, _check: RigCheck, rows: Rows) -> Iterator[Row
 
 def peak(curve: Curve, band: tuple[float, float], prominent: float = PROMINENT) -> float:
     """Speed of the largest local maximum within a band; NaN: there is none."""
+    from scipy.signal import find_peaks  # a second to load, for every check
+
     speeds, amplitude = curve
     places, _ = find_peaks(amplitude, prominence=prominent)
     inside = [k for k in places if band[0] < speeds[k] < band[1]]

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from ..master.cosimulation import cosimulate
+from ..master.run import cosimulate
 from ..master.runtime import runtime
 from ..output.workers import Progress
 from ..scene import Scene

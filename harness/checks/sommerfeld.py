@@ -8,8 +8,8 @@ import numpy as np
 
 from ...models.sommerfeld import Resonance
 from ..errors import SceneError
-from ..master.cosimulation import cosimulate
 from ..master.result import Result
+from ..master.run import cosimulate
 from ..output.workers import Progress
 from ..scene import Scene
 from ..scene.check import SommerfeldCheck

@@ -6,25 +6,23 @@ decides whether they are compared with the prediction and the step is taken agai
 
 from __future__ import annotations
 
-import time as clock
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import ExitStack
-from dataclasses import replace
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, TypeAlias
 
 import numpy as np
 
-from ..errors import SimulationError, UserError
-from ..scene import Scene, load_scene
-from .facts import Facts, advice, result
+from ..errors import SimulationError
+from ..scene import Scene
+from .beginning import Beginning
+from .facts import Facts, advice
 from .fmu import Closing, Fmu
 from .loop import consistent_start, rotor_response, value_eigenvalues
-from .plan import find_or_build, plan
-from .recorder import Recorder, recorded, refuse_unknown
+from .plan import plan
+from .recorder import Recorder
 from .resolution import Resolution
-from .result import Result
 from .runtime import runtime
 from .scales import ROUNDING, largest_force
 from .schedule import (
@@ -33,8 +31,8 @@ from .schedule import (
     brief_step,
     end_time,
     fewest_chosen,
+    meets_events,
     milestones,
-    order_of_run,
     schedule,
     step_size,
 )
@@ -43,7 +41,8 @@ from .schemes.iterated import Iterated
 from .schemes.prescribed import SLIVER, Prescribed
 from .schemes.protocol import Scheme, choose, refuse_loose_tolerance
 from .schemes.startup import substeps
-from .system import Beginning, System
+from .system import System
+from .unit_files import find_or_build
 
 if TYPE_CHECKING:
     from .one_file_run import OneFileRun
@@ -86,7 +85,8 @@ class CoSimulation(Closing):
                 one.name: stack.enter_context(Fmu(path, one.name))
                 for path, one in zip(self.paths, self.plan.units, strict=True)
             }
-            self.system = System(self.plan, self.units, order, watch, brief_step(scene))
+            brief = brief_step(scene) if meets_events(scene) else 0.0
+            self.system = System(self.plan, self.units, order, watch, brief)
             stack.callback(self.system.free_states)
             self._beginning = Beginning(self.system)
             stack.callback(self._beginning.free)
@@ -202,7 +202,8 @@ class CoSimulation(Closing):
         begin = self.time
         try:
             self._cover(step, longest)
-            # what happens to weights is no communication point
+            # an event is no communication point, but only at rest are these further apart
+            step = min(step, longest or step)
             while self.system.has_no_past and step - (self.time - begin) > SLIVER * step:
                 self._cover(step - (self.time - begin), longest)
         except SimulationError as error:
@@ -308,79 +309,3 @@ class CoSimulation(Closing):
     def close(self) -> None:
         """Free all instances."""
         self._stack.close()
-
-
-def cosimulate(
-    scene: Scene | str | Path,
-    *,
-    record: Iterable[str] | None = None,
-    fmus: Path | None = None,
-    progress: Progress | None = None,
-    verify: bool = False,
-    one_file: bool = False,
-) -> Result:
-    """Run a scene and return what it recorded.
-
-    Args:
-        scene: a scene, the path of a scene file, or the name of a bundled scene.
-        record: signals such as `rotor.x`; by default the scene's, an empty list records nothing.
-        fmus: directory of ready-made FMUs instead of building them.
-        progress: called with the finished fraction now and then.
-        verify: run once more, finer, and measure the error of every signal (`Result.error`).
-        one_file: couple the units in C as the scene's one file does, instead of as separate FMUs:
-            the same steps and results many times faster, and threads run side by side.
-
-    Raises:
-        UserError: the scene or an FMU is wrong, or one file does not cover the scene.
-        SimulationError: the run cannot be completed correctly.
-    """
-    if not isinstance(scene, Scene):
-        scene = load_scene(scene)
-    names = list(recorded(scene) if record is None else record)
-    loaded = _loader(fmus, one_file)
-    if verify:
-        from .verify import verified  # it steps co-simulations itself
-
-        return verified(scene, names, loaded, progress)
-    return run_once(scene, names, loaded, progress)
-
-
-def _loader(fmus: Path | None, one_file: bool) -> Callable[[Scene], Simulation]:
-    """What steps a scene: separate units, or its one file."""
-    if not one_file:  # FMUs that were built have the order their scene says
-        return lambda scene: CoSimulation(
-            scene, fmus=fmus, order=None if fmus else order_of_run(scene)
-        )
-    if fmus is not None:
-        raise UserError(f"{fmus}: holds separate FMUs, and one file is to run: give one of them")
-    from .one_file_run import OneFileRun  # compiles where it has to
-
-    return lambda scene: OneFileRun(scene, order_of_run(scene))
-
-
-def run_once(
-    scene: Scene,
-    names: list[str],
-    loaded: Callable[[Scene], Simulation],
-    progress: Progress | None,
-) -> Result:
-    """A scene run as its coupling asks, recording `names`, see `cosimulate`."""
-    refuse_unknown(names, plan(scene).variables_by_unit())
-    with loaded(scene) as cosim:
-        begun, controlled = clock.perf_counter(), None
-        if cosim.scene.coupling.tolerance is not None and cosim.coupled:
-            from .global_error import Controlled  # it runs co-simulations itself
-
-            controlled = Controlled(cosim, names)
-            recorder = controlled.run(progress)
-        else:
-            recorder = Recorder(cosim.units, names)
-            cosim.start()
-            cosim.record(recorder, progress)
-        seconds = clock.perf_counter() - begun
-        if progress:
-            progress(1.0)
-        facts = cosim.facts()
-        if controlled:
-            facts = replace(facts, estimated_error=controlled.error)
-        return result(recorder, facts, seconds)

@@ -11,7 +11,6 @@ import shutil
 import zipfile
 from collections.abc import Sequence
 from ctypes import Array, byref, c_double, c_int, c_size_t, c_uint, c_void_p
-from functools import lru_cache
 from pathlib import Path
 from tempfile import mkdtemp
 from typing import TYPE_CHECKING
@@ -19,11 +18,10 @@ from typing import TYPE_CHECKING
 import fmpy
 import numpy as np
 from fmpy import fmi2
-from fmpy.model_description import ModelDescription
 
 from ..errors import SimulationError, UnitError
 from .library import Library
-from .names import readable
+from .unit_files import described, measured_in
 
 if TYPE_CHECKING:
     from typing_extensions import Self
@@ -50,24 +48,6 @@ class EndedEarly(SimulationError):
     def __init__(self, unit: str, time: float, length: float) -> None:
         super().__init__(f"{unit}: a step from t = {time:g} s ended after {length:g} s")
         self.length = length
-
-
-def described(path: Path) -> ModelDescription:
-    """What an FMU declares; read once while the file stays as it is."""
-    return _described(path, path.stat().st_mtime_ns)
-
-
-@lru_cache(maxsize=64)
-def _described(path: Path, _written: int) -> ModelDescription:
-    return fmpy.read_model_description(str(path))
-
-
-def measured_in(description: ModelDescription) -> dict[str, str]:
-    """Unit of measurement of every variable as an FMU declares it; empty where it has none."""
-    declared = {
-        v.name: v.unit or getattr(v.declaredType, "unit", None) for v in description.modelVariables
-    }
-    return {name: readable(unit or "") for name, unit in declared.items()}
 
 
 class Variables:
@@ -322,17 +302,17 @@ class Fmu(Closing):
         """Release a saved state."""
         self._free(self._component, byref(state))
 
-    def restart(self, parameters: dict[str, float | bool], time: float = 0.0) -> None:
+    def restart(self, parameters: dict[str, float | bool]) -> None:
         """Reset, set parameters and start values, and enter initialisation mode.
 
         Raises:
             UnitError: the FMU lacks a parameter the scene needs.
         """
-        self.time = time
+        self.time = 0.0
         self.calls["reset"] += 1
         dll, component = self.fmu.dll, self._component
         self._check(dll.fmi2Reset(component), "reset")
-        self._check(dll.fmi2SetupExperiment(component, 0, 0.0, time, 0, 0.0), "set-up")
+        self._check(dll.fmi2SetupExperiment(component, 0, 0.0, 0.0, 0, 0.0), "set-up")
         reals = {k: v for k, v in parameters.items() if not isinstance(v, bool)}
         self.set(self.group(list(reals)), [float(v) for v in reals.values()])
         for name, value in parameters.items():

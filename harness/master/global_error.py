@@ -4,9 +4,9 @@ What a step errs says little of the end: lightly damped motion gathers errors, m
 stable multiplies them.  So the run is done twice.  The first chooses its steps by what each of them
 errs (`schemes.adaptive`); the second takes every one of them in two, and is the result.  Where they
 meet they differ by 15 times the error of the second, for the coupling is of order 4 (with quintic
-signals of order 6, and by 63 times; taken for 1 where weights can collide, or stick within a step,
-or supports have dry friction, for 2 where weights stick or slide at the end of one and two runs are
-all there are, for 1 from where steps at rest have held their signals).  If that is more than the
+signals of order 6, and by 63 times; taken for 1 where weights can collide, or a jump falls
+within a step, for 2 where weights or supports stick or slide at the end of one and two runs are all
+there are, for 1 from where steps at rest have held their signals).  If that is more than the
 tolerance, every step is divided again, into as many parts as it takes.
 
 Hairer, Norsett & Wanner 1993, II.4: Richardson's extrapolation, here of the run as a whole.
@@ -27,7 +27,7 @@ from .names import kin, stations
 from .plan import MOTOR
 from .recorder import Recorder, Signal
 from .scales import least_motion
-from .schedule import fewest_chosen, force_jumps, step_size
+from .schedule import fewest_chosen, force_jumps, meets_events, step_size
 from .schemes.adaptive import RESIDUAL_SHARE
 from .schemes.prescribed import LONG, SLIVER
 
@@ -35,7 +35,7 @@ ORDER = {3: 4, 5: 6}  # of the coupling, by that of the signals
 # forces or accelerations that jump within a step: three runs may show more by chance; motion with
 # collisions, met ones too, is no smooth function of the steps' errors
 ORDER_OF_JUMPS = 1
-# steps end where weights stick: where that is all but missed its time errs by the root of what
+# steps end where something sticks: where that is all but missed its time errs by the root of what
 # signals do
 ORDER_OF_EVENTS = 2
 ORDER_HELD = 1  # and all that follows
@@ -70,8 +70,9 @@ class Controlled:
         self.cosim, self.names = cosim, names
         self.tolerance = cosim.scene.coupling.tolerance
         touching = any(balancer.can_meet for balancer in cosim.scene.balancer)
-        jumping = touching or force_jumps(cosim.scene) or cosim.scene.rotor.friction
-        self._sticking = any(balancer.can_stick for balancer in cosim.scene.balancer)
+        dry = bool(cosim.scene.rotor.friction)
+        jumping = touching or force_jumps(cosim.scene) or (dry and not meets_events(cosim.scene))
+        self._sticking = dry or any(balancer.can_stick for balancer in cosim.scene.balancer)
         self.highest_order = ORDER_OF_JUMPS if jumping else ORDER[cosim.order]
         self.order: float = self.highest_order
         self.parts, self.error = 1, math.inf
@@ -116,10 +117,9 @@ class Controlled:
         if self._apart and apart:  # three runs show by which order errors shrink
             shown = math.log1p(self._apart / apart) / math.log(self._times)
             self.order = order = min(self.highest_order, max(shown, ORDER_OF_JUMPS))
-        elif self._sticking:
-            order = min(order, ORDER_OF_EVENTS)
         elif order > ORDER_OF_JUMPS:
             enough *= AIM
+            order = min(order, ORDER_OF_EVENTS if self._sticking else order)
         self.error = max(apart, at_rest)
         if self.error < ASYMPTOTIC:
             self.error = max(apart / (times**order - 1.0), at_rest / (times**ORDER_HELD - 1.0))

@@ -6,31 +6,18 @@ masters.
 
 from __future__ import annotations
 
-import atexit
 import math
-import shutil
-import tempfile
-import threading
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
-from functools import cache
-from pathlib import Path
 from typing import Any, Literal, NamedTuple
 
-from fmpy import platform_tuple
-
-from ...fmus.build import build, is_present_build, options_of
 from ...fmus.catalogue import sized_unit
-from ..errors import UnitError
 from ..scene import Scene
 from ..scene.balancer import Balancer
 from ..scene.run import LimitedMotor
-from .fmu import described, measured_in
-from .names import AXES, by_unit, components, plane, stations
-from .runtime import Backend, runtime
+from .names import AXES, components, plane, stations
 
 ROTOR, MOTOR = "rotor", "motor"
-_BUILDING = threading.Lock()  # a unit is built once, however many threads want it
 Kind = Literal["signal", "value", "mass", "torque", "spin"]
 
 
@@ -218,94 +205,3 @@ def _connections(balancer: Balancer, number: int, frame: str) -> Iterator[Connec
         yield Connection(Port(ROTOR, "angle"), Port(name, "angle"), "value")
     mass = "added_mass"
     yield Connection(Port(name, mass), Port(ROTOR, plane(number, mass)), "mass")
-
-
-@cache
-def _built(backend: Backend) -> Path:
-    """Directory of the FMUs built by this process, removed when it ends."""
-    directory = Path(tempfile.mkdtemp(prefix="autobalancer-units-"))
-    atexit.register(shutil.rmtree, directory, ignore_errors=True)
-    return directory
-
-
-def find_or_build(
-    units: Iterable[UnitPlan], fmus: Path | None = None, backend: Backend | None = None
-) -> list[Path]:
-    """The FMU file of every unit: found in `fmus`, or built once a process, for this machine.
-
-    Args:
-        backend: of those that are built; by default native ones where they can be had.
-
-    Raises:
-        UnitError: `fmus` is given and lacks a file, or has one of a different build.
-    """
-    if fmus is not None:
-        return [_found(unit, fmus) for unit in units]
-    backend = backend or runtime("native").backend
-    platforms = [platform_tuple] if backend == "native" else None
-    with _BUILDING:
-        paths = [(unit, _built(backend) / unit.file_name) for unit in units]
-        for unit, path in paths:
-            if not path.exists():
-                build(unit.model, path, backend=backend, platforms=platforms, **unit.sizes)
-    return [path for _, path in paths]
-
-
-def _found(unit: UnitPlan, fmus: Path) -> Path:
-    candidates = [fmus / unit.file_name, fmus / f"{unit.model}.fmu"]
-    for candidate in candidates:
-        if candidate.is_file():
-            refuse_other_build(candidate, unit)
-            return candidate
-    raise UnitError(
-        f"{fmus}: no FMU for {unit.name!r}: expected {candidates[0].name} or "
-        f"{candidates[1].name}; `autobalancer build -o {fmus} SCENE` makes them"
-    )
-
-
-def signal_units(units: Iterable[UnitPlan], names: Iterable[str]) -> dict[str, str]:
-    """What signals are measured in, as the units' FMUs declare it; nothing is loaded."""
-    units = list(units)
-    declared = {
-        unit.name: measured_in(described(path))
-        for unit, path in zip(
-            units, find_or_build(units, None, runtime("native").backend), strict=True
-        )
-    }
-    wanted = by_unit(names)
-    return {f"{name}.{v}": declared[name][v] for name in wanted for v in wanted[name]}
-
-
-def refuse_other_build(path: Path, unit: UnitPlan) -> None:
-    """Raise UnitError where an FMU is not what this installation would build for a unit.
-
-    An FMU of other sizes, or of older equations, would run along unseen, and a library that was
-    damaged takes the process with it: nothing of the file is loaded before.
-    """
-    try:
-        if is_present_build(path, unit.model, **unit.sizes):
-            return
-        built = options_of(path)
-    except ValueError as error:
-        raise UnitError(str(error)) from error
-    except OSError as error:
-        raise UnitError(f"{path}: cannot be read: {error.strerror or error}") from error
-    different = [
-        f"{key} = {built[key]} instead of {value}"
-        for key, value in {
-            "unit": unit.model,
-            "frame": "rotor",
-            "order": 3,
-            **unit.sizes,
-        }.items()
-        if key in built and built[key] != value
-    ]
-    why = "its content is not what this installation builds"
-    if different:
-        why = f"it was built with {', '.join(different)}"
-    elif not built:
-        why = "it is not from `autobalancer build`"
-    raise UnitError(
-        f"{path}: is of a different build than {unit.name!r} of this scene needs: {why}; build "
-        "it for this scene"
-    )

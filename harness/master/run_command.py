@@ -77,7 +77,7 @@ def command(
 
     Pictures are png, svg or pdf; all but --plot also html, to turn and to look into.
     """
-    from .cosimulation import cosimulate
+    from .run import cosimulate
 
     wanted = {
         "weights": weights, "weights_over_speed": weights_over_speed, "waterfall": waterfall,

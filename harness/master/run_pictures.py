@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Collection, Mapping
 from enum import Enum
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -48,12 +48,14 @@ def refuse_movie(scene: Scene, axes: MovieAxes, seconds: float) -> None:
     refuse_unseen(scene, scene.run.revolutions, axes.value, seconds)
 
 
-def refuse_pictures(scene: Scene, kinds: Iterable[str]) -> None:
+def refuse_pictures(scene: Scene, kinds: Collection[str]) -> None:
     """Refuse kinds of pictures that the scene's run cannot give, before it.
 
     Raises:
         UserError: so it is.
     """
+    if not kinds:
+        return  # to load what pictures are made from takes longer than a run
     from .one_file import composition
     from .pictures.asked import refuse_impossible
 

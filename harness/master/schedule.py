@@ -10,6 +10,9 @@ from .runtime import runtime
 from .system import System
 
 BRIEF = 1e-6  # of a communication step
+# tolerance below which brief steps shrink with it, down to a share of them: a blow, or a jump of
+# the drive, reaches the rotor late by one, which a mode faster than the rotor turns shows
+WIDE, LEAST = 1e-4, 0.01
 QUINTIC = 1e-4  # tolerance from which on quintic signals cost less than cubic ones
 
 
@@ -18,7 +21,7 @@ class DrivenSpeed:
 
     def __init__(self, scene: Scene, system: System) -> None:
         self._profile, self._system = scene.profile(), system
-        self.step = step_size(scene)
+        self.brief = brief_step(scene)
         self.acceleration = self._profile.acceleration(0.0)
         system.tell_speed = self.jumps
 
@@ -54,21 +57,23 @@ def order_of_run(scene: Scene) -> int:
 
 def force_jumps(scene: Scene) -> bool:
     """Whether a force can jump within a step: weights collide or stick, and no step ends there."""
-    return any(b.can_meet or b.can_stick for b in scene.balancer) and not meets_contacts(scene)
+    return any(b.can_meet or b.can_stick for b in scene.balancer) and not meets_events(scene)
 
 
-def meets_contacts(scene: Scene) -> bool:
-    """Whether steps end where weights collide, stick or slide: native units, steps taken back.
+def meets_events(scene: Scene) -> bool:
+    """Whether steps end where weights collide, stick or slide, or a dry support turns round.
 
-    A motor's scene is stepped through its collisions: its units are told the mean over a step.
+    That takes native units, and steps that are taken back.  A motor's scene is stepped through its
+    events: its units are told the mean over a step.
     """
     corrects = scene.coupling.scheme not in UNCORRECTED and scene.operation.motor is None
     return corrects and runtime(scene.coupling.units).backend == "native"
 
 
 def brief_step(scene: Scene) -> float:
-    """Step in which a collision and its pulse err by less than steps do [s]; 0: none is met."""
-    return BRIEF * step_size(scene) if meets_contacts(scene) else 0.0
+    """Step in which an event, its pulse or a jump of the drive errs by less than steps do [s]."""
+    share = min(1.0, max(LEAST, (scene.coupling.tolerance or WIDE) / WIDE))
+    return share * BRIEF * step_size(scene)
 
 
 def at_fixed_steps(scene: Scene) -> Scene:

@@ -32,7 +32,7 @@ class Sweeps:
     amplitude: NDArray[np.float64]
 
 
-def sweep_alike(scenes: Sequence[Scene], record: float, threads: int | None = None) -> Sweeps:
+def sweep_alike(scenes: Sequence[Scene], record: float) -> Sweeps:
     """Run the rise (or fall) of speed of scenes, as `cosimulate_alike` takes them, in C.
 
     Args:
@@ -63,7 +63,7 @@ def sweep_alike(scenes: Sequence[Scene], record: float, threads: int | None = No
         pairs = signals[0, 1:].reshape(count, SAMPLES_PER_RECORD, -1, 2)
         return np.hypot(pairs[..., 0], pairs[..., 1]).max(axis=1)
 
-    with ThreadPoolExecutor(threads or os.cpu_count()) as executor:
+    with ThreadPoolExecutor(os.cpu_count()) as executor:
         found = list(executor.map(amplitude, np.array(list(table.values())).T))
     middles = record * (np.arange(count) + 0.5)
     return Sweeps(np.array([profile.speed(t) for t in middles.tolist()]), np.array(found))

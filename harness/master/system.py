@@ -8,7 +8,6 @@ from __future__ import annotations
 
 from cmath import isfinite
 from collections.abc import Callable, Mapping, Sequence
-from copy import copy
 from ctypes import c_void_p
 from dataclasses import dataclass
 
@@ -18,6 +17,7 @@ from ..errors import SimulationError
 from .fmu import Fmu, Variables
 from .names import components, signals
 from .plan import MOTOR, ROTOR, Plan, Port
+from .saved_states import SavedStates
 from .shaft import Shaft
 from .signals import EXACT, Cubic, Knot, SignalState, begun
 
@@ -47,8 +47,8 @@ class System:
         units: the loaded units by name.
         order: of the exchanged signals, 0, 1, 3 or 5.
         watch: also tell balancers where their plane is that report their clearance.
-        brief: step that is taken whole [s]: balancers that can end longer ones at an event; 0:
-            none does.
+        brief: step that is taken whole [s]: units that can end longer ones at an event; 0: none
+            does.
 
     Attributes:
         exchanges: balancers that exchange force, in order; `planes` that they are on.
@@ -81,14 +81,36 @@ class System:
         self.masses: dict[str, float] = {}
         self.brief = brief
         self.tell_speed: Callable[[float], object] = lambda time: None
-        slopes = EXACT[order]
         self.parts = EXACT[max(3, order)] + 1
+        self._connect_planes()
+        self.shaft = Shaft(plan, units, order) if MOTOR in units else None
+        self.members = [self.rotor, *(e.unit for e in self.exchanges)]
+        if self.shaft:
+            self.forces.append(self.shaft.spin)
+            self.force_names.append(self.shaft.name)
+            self.members.append(self.shaft.motor)
+        self._spare: list[SavedStates] = []
+        self.watched: list[tuple[Fmu, Variables, Variables]] = []
+        if watch:
+            self._follow_places()
+        self._driven = [
+            (units[one.name], units[one.name].group(["speed", "acceleration"]))
+            for one in plan.units
+            if one.driven
+        ]
+
+    @property
+    def coupled(self) -> bool:
+        """Whether there is a loop: something is assumed for a step and answered at its end."""
+        return bool(self.forces)
+
+    def _connect_planes(self) -> None:
+        """Connect forces and accelerations of rotor and balancers, over buffers that they share."""
+        plan, units, order, slopes = self.plan, self.units, self.order, EXACT[self.order]
         exchanged = plan.of_kind("signal")
         followed = {c.target.unit: c.source.variable for c in exchanged if c.source.unit == ROTOR}
         pushed = {c.source.unit: c.target.variable for c in exchanged if c.target.unit == ROTOR}
-        names = {
-            pushed[unit]: followed[unit] for unit in pushed
-        }  # force and acceleration of a plane
+        names = {pushed[unit]: followed[unit] for unit in pushed}  # by a plane's force
         # in the order in which the rotor declares them they are one slice
         planes = sorted(
             names, key=lambda name: self.rotor.reference(components(name, plan.axes)[0])
@@ -121,26 +143,6 @@ class System:
         self._alone = self.planes == tuple(range(len(planes)))
         self.forces = [SignalState() for _ in self.exchanges]
         self.force_names = [f"{exchange.unit.name}.F" for exchange in self.exchanges]
-        self.shaft = Shaft(plan, units, order) if MOTOR in units else None
-        self.members = [self.rotor, *(e.unit for e in self.exchanges)]
-        if self.shaft:
-            self.forces.append(self.shaft.spin)
-            self.force_names.append(self.shaft.name)
-            self.members.append(self.shaft.motor)
-        self._spare: list[SavedStates] = []
-        self.watched: list[tuple[Fmu, Variables, Variables]] = []
-        if watch:
-            self._follow_places()
-        self._driven = [
-            (units[one.name], units[one.name].group(["speed", "acceleration"]))
-            for one in plan.units
-            if one.driven
-        ]
-
-    @property
-    def coupled(self) -> bool:
-        """Whether there is a loop: something is assumed for a step and answered at its end."""
-        return bool(self.forces)
 
     def _follow_places(self) -> None:
         """Connect what balancers are told of their plane's place."""
@@ -326,8 +328,9 @@ class System:
             start = {**one.start, **changes.get(one.name, {})}
             if unit is self.rotor:
                 start |= self.masses
-            elif self.brief and "stop_at_contact" in unit.variables and not unit.runs_python:
-                start |= {"stop_at_contact": True, "shortest_stopped_step": 1.5 * self.brief}
+            if self.brief and self.coupled and not unit.runs_python:
+                stops = {"stop_at_contact": True, "shortest_stopped_step": 1.5 * self.brief}
+                start |= {name: stops[name] for name in stops if name in unit.variables}
             unit.restart(start)
             if one.name in carried:
                 source, target = carried[one.name].source, carried[one.name].target.variable
@@ -335,74 +338,3 @@ class System:
                 self.masses[target] = self.masses.get(target, 0.0) + mass
         if self.shaft:
             self.shaft.restart()
-
-
-class SavedStates:
-    """States of units, held within a `with` block; their memory serves the next such block.
-
-    Args:
-        spare: where it goes at the end of the block.
-    """
-
-    __slots__ = ("_spare", "_states", "_units")
-
-    def __init__(self, units: Sequence[Fmu], spare: list[SavedStates]) -> None:
-        self._units, self._spare = units, spare
-        self._states: list[c_void_p] = []
-
-    def __enter__(self) -> list[c_void_p]:
-        try:
-            if self._states:
-                for unit, state in zip(self._units, self._states, strict=True):
-                    unit.save(state)
-            else:
-                for unit in self._units:
-                    self._states.append(unit.save())
-        except BaseException:
-            self.free()
-            raise
-        return self._states
-
-    def __exit__(self, *_exception: object) -> None:
-        self._spare.append(self)
-
-    def free(self) -> None:
-        """Free the states."""
-        for unit, state in zip(self._units, self._states, strict=False):  # saving may have failed
-            unit.free(state)
-        self._states = []
-
-
-class Beginning:
-    """Where a run begins: states of units, and signals, to begin it again."""
-
-    def __init__(self, system: System) -> None:
-        self._system, self._units = system, list(system.units.values())
-        self._states: list[c_void_p] = []
-
-    def keep(self) -> None:
-        """What is now is where a run begins."""
-        if self._states:
-            for unit, state in zip(self._units, self._states, strict=True):
-                unit.save(state)
-        else:
-            self._states.extend(unit.save() for unit in self._units)
-        self._signals = (*self._system.forces, *self._system.accelerations)
-        self._kept = [copy(signal) for signal in self._signals]
-
-    def again(self) -> None:
-        """Bring all back to where the run began."""
-        for unit, state in zip(self._units, self._states, strict=True):
-            unit.restore(state)
-            unit.time = 0.0
-        for signal, kept in zip(self._signals, self._kept, strict=True):
-            signal.now, signal.largest = kept.now, kept.largest
-        if self._system.shaft:
-            self._system.shaft.again()
-        self._system.drop_past()
-
-    def free(self) -> None:
-        """Free the states."""
-        for unit, state in zip(self._units, self._states, strict=False):  # saving may have failed
-            unit.free(state)
-        self._states = []

@@ -21,14 +21,16 @@ from numpy.typing import NDArray
 
 from ..errors import SimulationError, UserError
 from ..scene import Scene
-from .cosimulation import REPORTED, SLIVER, Simulation, run_once
+from .cosimulation import REPORTED, Simulation
 from .facts import exchanging
 from .names import kin
 from .parting import Parting, Statistics, parted
 from .recorder import Recorder
 from .result import Result
+from .run import run_once
 from .scales import largest_force
 from .schedule import force_jumps, milestones, schedule, steps_per_rev
+from .schemes.prescribed import SLIVER
 
 FINER = 30.0  # times smaller, the second run's tolerance
 PARTS = 3  # of a step: 3^4 = 81 where a tolerance lets steps be as long as may be

@@ -146,8 +146,8 @@ class Picture:
         return as_png(drawn(self))
 
 
-def unbroken(angle: Any, full: float = 360.0) -> Array:
-    """An angle between 0 and `full`, NaN where the line to the next point would cross the edge."""
-    turned = np.mod(np.asarray(angle, float), full)
-    over = np.abs(np.diff(turned, append=turned[-1:])) > full / 2.0
+def unbroken(angle: Any) -> Array:
+    """An angle [deg], 0 to 360; NaN where the line to the next point would cross the edge."""
+    turned = np.mod(np.asarray(angle, float), 360.0)
+    over = np.abs(np.diff(turned, append=turned[-1:])) > 180.0
     return np.where(over, np.nan, turned)

@@ -11,7 +11,8 @@ from ...models.monolith import ReferenceDisagreement, reference
 from ...models.reference.trajectory import Trajectory
 from ..errors import SimulationError
 from ..master.names import weight
-from ..master.plan import plan, signal_units
+from ..master.plan import plan
+from ..master.unit_files import signal_units
 from ..scene import Scene
 from ..scene.balancer import WeightBalancer
 from .runner import Array

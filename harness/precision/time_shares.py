@@ -63,9 +63,9 @@ def split_time(scene: Scene, method: Method, names: Sequence[str], runs: int = 3
     return min(splits, key=lambda split: split.total)
 
 
-def _cost_of_timing(count: int = 20_000) -> float:
+def _cost_of_timing() -> float:
     """Seconds that timing adds to a call, most of which fall outside what it measures."""
-    watch = _Clock()
+    watch, count = _Clock(), 20_000
     plain, timed = len, watch.timed(len)
     begun = clock.process_time()
     for _ in range(count):

@@ -15,9 +15,9 @@ from ...models.linear.modes import Campbell, Modes, campbell, critical_speeds, m
 from ...models.linear.synchronous import synchronous
 from ...models.papers.influence import influence
 from ..errors import UserError
-from ..master.cosimulation import cosimulate
 from ..master.names import stations
 from ..master.revolution import Revolution
+from ..master.run import cosimulate
 from ..scene import Scene
 
 Array = NDArray[np.float64]

@@ -8,7 +8,7 @@ from typing import Annotated, Literal
 from pydantic import Field, field_validator
 
 from .quantities import SI, Angle, NotNegative, Positive, Table, Text, Whole
-from .rotor import RotorTable
+from .rotor_table import RotorTable
 
 _GRADE = re.compile(r"^G\s?(\d+(?:\.\d+)?)$")
 

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .balancing import Balancing
-from .rotor import RotorTable
+from .rotor_table import RotorTable
 from .scene import Scene
 
 SHARE_INBOARD, SHARE_OVERHUNG = (0.3, 0.7), (0.3, 1.3)  # of U_per at a support

@@ -1,20 +1,15 @@
-"""The [rotor] table of a scene: planar, two_support, flexible.
-
-Every kind answers for itself: what it weighs, where its supports, stations and planes are, what its
-unit is built and started with, and where corrections go.
-"""
+"""The [rotor] table of a scene: planar, two_support, flexible."""
 
 from __future__ import annotations
 
 import cmath
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
 from itertools import pairwise
-from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal
+from typing import Annotated, Any, ClassVar, Literal
 
 from pydantic import Field, field_validator, model_validator
 
-from ...models.rotor import LinearRotor, Slider
+from ...models.rotor import LinearRotor
 from .feeds import Feeds, Start, fed
 from .quantities import (
     SI,
@@ -24,170 +19,18 @@ from .quantities import (
     Positive,
     PositivePair,
     Real,
-    Table,
     Whole,
     refusal,
     refuse_other_length,
 )
-
-
-class Unbalance(Table):
-    """Static moment at an axial position, at an angle in the rotor."""
-
-    position: Annotated[Real, SI("m"), Feeds()]
-    """Place along the axis, from support 1."""
-    amount: Annotated[NotNegative, SI("kg m"), Feeds()]
-    """Static moment, mass times eccentricity."""
-    angle: Annotated[Angle, Feeds()] = 0.0
-    """Direction in the rotor."""
-
-
-Unbalances = tuple[Unbalance, ...]
-
-
-class SliderTable(Table):
-    """Dry friction in a support, in parallel with its spring, each axis for itself."""
-
-    support: Annotated[Whole, Field(ge=1, le=2), Feeds()] = 1
-    """Number of the support; a planar rotor has one."""
-    limit: Annotated[NotNegativePair, SI("N"), Feeds("limit_{axis}")]
-    """Force at which it slips; a number for both axes, or [x, y]."""
-    stiffness: Annotated[PositivePair | None, SI("N/m"), Feeds("stiffness_{axis}")] = None
-    """Of a spring in series with it; default: none, it is rigid."""
-
-
-Friction = Annotated[tuple[SliderTable, ...], Feeds("slider[{n}].")]
-
-
-@dataclass(frozen=True)
-class Corrections:
-    """Room for correction weights on a rotor.
-
-    Attributes:
-        changes: of the scene, for `Scene.replace`.
-        present: (p,) unbalance that the rotor already has in these places, complex [kg m].
-        parameters: (p,) parameters of the unit that hold amount and angle.
-    """
-
-    changes: dict[str, Any]
-    present: list[complex]
-    parameters: list[tuple[str, str]]
-
-
-class RotorTable(Table):
-    """What every kind of rotor answers; positions are axial [m].
-
-    Attributes:
-        model: the unit that steps it.
-        stations: places that move on their own.
-        supports: numbers of the stations that stand on supports, from 1.
-        planes: places that a balancer's `at` and a correction can name.
-    """
-
-    model: ClassVar[str] = "RotorOnSupports"
-    kind: str
-    if TYPE_CHECKING:  # a key of one kind, a property of another
-        friction: tuple[SliderTable, ...]
-
-        @property
-        def mass(self) -> float: ...
-        @property
-        def centre(self) -> float: ...
-        @property
-        def stations(self) -> tuple[float, ...]: ...
-        @property
-        def supports(self) -> tuple[int, ...]: ...
-        @property
-        def planes(self) -> tuple[float, ...]: ...
-        @property
-        def unbalances(self) -> Unbalances: ...
-
-    @model_validator(mode="after")
-    def _slides_one_way(self) -> RotorTable:
-        for k, slider in enumerate(self.friction, start=1):
-            if slider.support > len(self.supports):
-                raise refusal(f"friction[{k}].support", "must be 1: a planar rotor has one support")
-        for axis in (0, 1):
-            rigid = [s.support for s in self.friction if s.stiffness is None and s.limit[axis]]
-            if len(set(rigid)) < len(rigid):
-                raise refusal(
-                    "friction",
-                    "two rigid sliders at one support and axis are one with the sum of their "
-                    "limits: give that, or a stiffness",
-                )
-        return self
-
-    @property
-    def plane_count(self) -> int:
-        """Planes that a balancer's `at` can name."""
-        return len(self.planes)
-
-    @property
-    def support_positions(self) -> tuple[float, ...]:
-        """Places of the supports [m]."""
-        return tuple(self.stations[number - 1] for number in self.supports)
-
-    def unit_planes(self, used: Sequence[int]) -> tuple[int, ...]:
-        """Numbers of the planes that the rotor's unit has; at least one.
-
-        Args:
-            used: planes that carry a balancer.
-        """
-        return tuple(range(1, self.plane_count + 1)) or (1,)
-
-    def sizes(self, planes: Sequence[int]) -> dict[str, Any]:
-        """What the unit is built for, with at least one unbalance; `planes` from `unit_planes`."""
-        return {
-            "kind": self.kind,
-            "stations": len(self.stations),
-            "planes": len(planes),
-            "unbalances": len(self.unbalances) or 1,
-            **self._sliders,
-        }
-
-    def start(self, planes: Sequence[int]) -> Start:
-        """Parameters of the unit."""
-        return fed(self)
-
-    def with_corrections(self, planes: Sequence[int]) -> Corrections:
-        """Room for corrections in these planes: unbalances of nothing beside the rotor's own."""
-        table = [unbalance.model_dump() for unbalance in self.unbalances]
-        table += [{"position": self.planes[p - 1], "amount": 0.0, "angle": 0.0} for p in planes]
-        numbers = range(len(self.unbalances) + 1, len(table) + 1)
-        names = [(f"unbalance[{k}].amount", f"unbalance[{k}].angle") for k in numbers]
-        return Corrections({"rotor.unbalances": table}, [0j] * len(planes), names)
-
-    def _arguments(self) -> dict[str, Any]:
-        """What a constructor of `LinearRotor` takes: the table's keys, unbalances as triples."""
-        values = {key: value for key, value in self if key not in ("kind", "friction")}
-        if "unbalances" in values:
-            triples = [(u.position, u.amount, u.angle) for u in self.unbalances]
-            values["unbalances"] = triples
-        return values
-
-    @property
-    def _sliders(self) -> dict[str, int]:
-        """The build option, where there are any."""
-        return {"sliders": len(self.friction)} if self.friction else {}
-
-    def _with_friction(self, rotor: LinearRotor) -> LinearRotor:
-        """The same rotor with the sliders in its supports."""
-        sliders = [
-            Slider(self.supports[s.support - 1] - 1, axis, s.limit[axis],
-                        s.stiffness[axis] if s.stiffness else 0.0)
-            for s in self.friction
-            for axis in (0, 1)
-        ]  # fmt: skip
-        return replace(rotor, sliders=tuple(sliders))
-
-    def _plane_start(self, planes: Sequence[int]) -> Start:
-        """Positions of the unit's planes, and its unbalances: at least one of each."""
-        places = self.planes or (0.0,)
-        nothing = () if self.unbalances else (Unbalance(position=self.stations[0], amount=0.0),)
-        values: Start = {f"plane[{i + 1}].position": places[p - 1] for i, p in enumerate(planes)}
-        for unbalance in nothing:
-            values |= fed(unbalance, "unbalance[1].")
-        return values
+from .rotor_table import (
+    Corrections,
+    Friction,
+    RotorTable,
+    SupportDamping,
+    SupportStiffness,
+    Unbalances,
+)
 
 
 class PlanarRotor(RotorTable):
@@ -242,13 +85,9 @@ class TwoSupportRotor(RotorTable):
     """Distance of the supports."""
     com: Annotated[Real | None, SI("m")] = None
     """Centre of mass, from support 1; default: `span/2`."""
-    stiffness: Annotated[
-        tuple[PositivePair, PositivePair], SI("N/m"), Feeds("support[{n}].stiffness_{axis}")
-    ]
+    stiffness: SupportStiffness
     """One entry a support."""
-    damping: Annotated[
-        tuple[NotNegativePair, NotNegativePair], SI("N s/m"), Feeds("support[{n}].damping_{axis}")
-    ] = ((0.0, 0.0), (0.0, 0.0))
+    damping: SupportDamping = ((0.0, 0.0), (0.0, 0.0))
     """One entry a support."""
     friction: Friction = ()
     """Dry friction in the supports: sliders."""
@@ -296,13 +135,9 @@ class FlexibleRotor(RotorTable):
     """One a station."""
     supports: tuple[Whole, Whole]
     """Numbers of the two stations that are supported, from 1."""
-    support_stiffness: Annotated[
-        tuple[PositivePair, PositivePair], SI("N/m"), Feeds("support[{n}].stiffness_{axis}")
-    ]
+    support_stiffness: SupportStiffness
     """One entry a support."""
-    support_damping: Annotated[
-        tuple[NotNegativePair, NotNegativePair], SI("N s/m"), Feeds("support[{n}].damping_{axis}")
-    ] = ((0.0, 0.0), (0.0, 0.0))
+    support_damping: SupportDamping = ((0.0, 0.0), (0.0, 0.0))
     """One entry a support."""
     friction: Friction = ()
     """Dry friction in the supports: sliders."""

@@ -14,8 +14,7 @@ from functools import cached_property
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-from pydantic import Field, PrivateAttr, TypeAdapter, ValidationError
+from pydantic import Field, PrivateAttr, ValidationError
 
 from ...models.assembly import Assembly, SpeedProfile
 from ...models.rotor import LinearRotor
@@ -24,16 +23,14 @@ from .balancer import AnyBalancer
 from .balancing import Balancing
 from .check import AnyCheck
 from .file import bundled_scenes, find, read, refuse_deep
-from .messages import Place, problems, show, statement
+from .messages import problems
 from .quantities import Flag, Table, Text
 from .replace import replaced
 from .rotor import Rotor
+from .rules import TABLES, across, plane_count, refused_together, without_second_derivatives
 from .run import Coupling, Operation, RunTable
 
 __all__ = ["Scene", "bundled_scenes", "load_scene"]
-
-TABLES = ("rotor", "operation", "coupling", "run")
-_ROTOR: TypeAdapter[Any] = TypeAdapter(Rotor)
 
 
 class Scene(Table):
@@ -86,10 +83,10 @@ class Scene(Table):
         try:
             scene = cls.model_validate(document)
         except ValidationError as error:
-            planes = _plane_count(document.get("rotor"))
-            lines = [*problems(error, document, cls), *_across(document, planes)]
+            planes = plane_count(document.get("rotor"))
+            lines = [*problems(error, document, cls), *across(document, planes)]
         else:
-            lines = _across(document, scene.rotor.plane_count) or scene._refused_by_models()
+            lines = across(document, scene.rotor.plane_count) or scene._refused_by_models()
         if lines:
             raise SceneError("\n".join(f"{label}: {line}" for line in lines))
         scene._document, scene._path, scene._label = document, path, label
@@ -154,7 +151,7 @@ class Scene(Table):
     def slowest_rate(self) -> float:
         """Rate of the loaded rotor's slowest motion, over its highest speed."""
         top = max(self._profile.start, self._profile.end)
-        return float(np.abs(self._assembly.loaded_rotor.free_rates(top)).min()) / top
+        return float(min(abs(self._assembly.loaded_rotor.free_rates(top)))) / top
 
     @property
     def asks_for_coupling(self) -> bool:
@@ -222,116 +219,18 @@ class Scene(Table):
         document["balancer"] = [table for balancer, table in kept if balancer.label not in names]
         return Scene._of(document, self._path, self._label)
 
+    @property
+    def takes_quintics(self) -> bool:
+        """Whether its units have signals of order 5."""
+        return not without_second_derivatives(self)
+
     def _refused_by_models(self) -> list[str]:
         """What the models themselves refuse, once the tables are right."""
         try:
             rotor = self._linear_rotor
         except ValueError as error:
             return [f"rotor: {error}"]
-        lines = self._refused_under_a_motor() + self._refused_with_quintics()
-        lines += self.balancing.problems(self.rotor) if self.balancing else []
-        one_liquid = [b.kind for b in self.balancer] == ["liquid"]
-        fits = one_liquid and rotor.isotropic and self.rotor.kind == "planar"
-        lines += [
-            f'check[{i}].kind = "liquid_window": needs a planar rotor with equal stiffness '
-            "and damping in x and y, and one balancer of kind liquid"
-            for i, check in enumerate(self.check, start=1)
-            if check.kind == "liquid_window" and not fits
-        ]
-        return lines
-
-    @property
-    def takes_quintics(self) -> bool:
-        """Whether its units have signals of order 5."""
-        return not self._without_second_derivatives()
-
-    def _without_second_derivatives(self) -> list[str]:
-        """Keys of what has no second derivatives of its signals."""
-        drives = ("run_up", "motor")
-        wrong = [f"operation.{what}" for what in drives if getattr(self.operation, what)]
-        wrong += ["rotor.friction"] if self.rotor.friction else []
-        wrong += [
-            f"balancer[{i}].{key}"
-            for i, balancer in enumerate(self.balancer, start=1)
-            for key, what in _WITHOUT_SECOND_DERIVATIVES.items()
-            if getattr(balancer, what, None)
-        ]
-        return wrong
-
-    def _refused_with_quintics(self) -> list[str]:
-        """What cannot be coupled by them."""
-        return [
-            f"{what}: coupling.order = 5 takes a constant speed, supports without dry friction, "
-            "and point weights on centred tracks: leave this out, or take order = 3"
-            for what in (self._without_second_derivatives() if self.coupling.order == 5 else ())
-        ]
-
-    def _refused_under_a_motor(self) -> list[str]:
-        """What a motor of limited power cannot drive."""
-        motor, rotor = self.operation.motor, self._linear_rotor
-        if motor is None:
-            return []
-        lines = []
-        u = rotor.unbalance
-        least = float((u.conj() @ np.linalg.solve(rotor.mass, u)).real)
-        if not motor.inertia > least:
-            lines.append(
-                f"operation.motor.inertia = {motor.inertia:g} kg m^2: must be above {least:.6g}, "
-                "the unbalance's own: squared static moment over mass"
-            )
-        if self.coupling.scheme == "compensated":
-            lines.append(
-                'coupling.scheme = "compensated": does not know operation.motor: must be "auto", '
-                '"iterated", "gauss-seidel" or "jacobi"'
-            )
-        return lines
-
-
-# keys of a balancer by what is then true of it
-_WITHOUT_SECOND_DERIVATIVES = {
-    "weight_radius": "can_meet",
-    "rolling_resistance": "can_stick",
-    "track_offset": "offset",
-}
-
-
-def _plane_count(rotor: Any) -> int | None:
-    """Planes of a rotor's table; None where the table is wrong itself."""
-    try:
-        return int(_ROTOR.validate_python(rotor).plane_count)
-    except ValidationError:
-        return None
-
-
-def _across(document: Mapping[str, Any], planes: int | None) -> list[str]:
-    """Problems between tables, found in the document even when single values are wrong."""
-    balancers = document.get("balancer", [])
-    if not isinstance(balancers, list):
-        return []
-    entries = [(i, b) for i, b in enumerate(balancers, start=1) if isinstance(b, dict)]
-    lines = []
-    owners = {name: f"the table [{name}]" for name in (*TABLES, "balancing")}
-    operation = document.get("operation")
-    if isinstance(operation, dict) and operation.get("motor") is not None:
-        owners["motor"] = "operation.motor"
-    for i, entry in entries:
-        name = entry.get("name", entry.get("kind"))
-        if not isinstance(name, str):
-            continue
-        if name in owners:
-            lines.append(
-                f"balancer[{i}].name = {show(name)}: taken by {owners[name]}; give every balancer "
-                "a name of its own"
-            )
-        owners.setdefault(name, f"balancer[{i}]")
-    allowed = {None: "", 0: "the rotor has no planes", 1: "must be 1, the rotor's only plane"}.get(
-        planes, f"must be 1 to {planes}, the rotor's planes"
-    )
-    for i, entry in entries:
-        at = entry.get("at", 1)
-        if planes is not None and type(at) is int and at > planes:
-            lines.append(statement(Place(f"balancer[{i}].at", at, "", None), allowed))
-    return lines
+        return refused_together(self, rotor)
 
 
 def load_scene(source: str | Path) -> Scene:

@@ -13,14 +13,13 @@ from __future__ import annotations
 
 import functools
 import itertools
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Iterable
 from dataclasses import dataclass, field, replace
 from itertools import pairwise
-from typing import Any, Literal
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.optimize import brentq
 
 from ...models.assembly import Assembly
 from ...models.criteria import Criterion
@@ -31,19 +30,16 @@ from ..errors import UserError
 from ..output.workers import Progress, Workers, in_order
 from ..scene import Scene
 from ..scene.quantities import LARGEST
+from .crossings import Side, crossings, nodes_around, side
 from .in_time import growth_in_run
 from .main_motion import MainMotion, NoMainMotion
 from .whirl import WhirlMotion, Whirls, has_map, whirls
 
 METHODS = ("criterion", "floquet", "cosim", "cosim-run")
 DEFAULT_METHODS = METHODS[:3]
-TOLERANCE = 1e-6  # relative, of a co-simulated boundary
 MOST_SPEEDS = 100_000  # of one scan: more is a slip of the keyboard
 SCAN = 60  # intervals of a co-simulated scan, unless other methods say where to look
-NEAR = 2e-3  # relative distance from a guess at which the co-simulation is asked: it errs by less
 _PARTS = 8  # of a scan, so that progress is seen
-
-Side = Literal["stable", "unstable"]
 
 
 @dataclass(frozen=True)
@@ -180,10 +176,6 @@ def speeds(
     return replace(result, whirl=remaining)
 
 
-def _side(growth: float) -> Side:
-    return "unstable" if growth > 0.0 else "stable"
-
-
 def criterion_of(assembly: Assembly) -> Criterion:
     """The criterion of a scene's assembly.
 
@@ -203,7 +195,7 @@ def _by_criterion(scene: Scene, result: Speeds) -> None:
         result.refused["criterion"] = str(error)
         return
     result.methods["criterion"] = tuple(c for c in criterion.crossings if low <= c.speed <= high)
-    result.lowest["criterion"] = _side(float(criterion.value(low)))
+    result.lowest["criterion"] = side(float(criterion.value(low)))
 
 
 def _by_floquet(scene: Scene, result: Speeds, narrowest: float | None) -> None:
@@ -214,7 +206,7 @@ def _by_floquet(scene: Scene, result: Speeds, narrowest: float | None) -> None:
         result.refused["floquet"] = str(error)
         return
     result.methods["floquet"] = tuple(crossings)
-    result.lowest["floquet"] = _side(float(growth_rates(assembly, result.range[0])[0]))
+    result.lowest["floquet"] = side(float(growth_rates(assembly, result.range[0])[0]))
 
 
 def _why_no_rest(scene: Scene) -> str:
@@ -249,20 +241,6 @@ def _whirl_by_units(
     work = functools.partial(_search, scene, "cosim", steps, None, motion_of=WhirlMotion)
     searched = in_order(work, spans, workers, progress)
     whirl.methods["cosim"] = tuple(c for crossings, _ in searched for c in crossings)
-
-
-def nodes_around(guesses: Sequence[float], low: float, high: float) -> NDArray[np.float64]:
-    """Speeds at which the sign of the growth shows whether the guessed crossings are there.
-
-    Both sides of every guess, the middle between neighbours, and the ends of the range.  A side is
-    at most a third of the way to the neighbour, so that the order stays.
-    """
-    bounds = [low, *guesses, high]
-    nodes = {low, high}
-    for before, guess, after in zip(bounds, bounds[1:], bounds[2:], strict=False):
-        reach = min(NEAR * guess, (guess - before) / 3.0, (after - guess) / 3.0)
-        nodes |= {guess - reach, guess + reach, 0.5 * (before + guess), 0.5 * (guess + after)}
-    return np.array(sorted(nodes))
 
 
 def _by_units(
@@ -300,21 +278,3 @@ def _search(
     with motion_of(scene, steps=steps) as motion:
         in_run = functools.partial(growth_in_run, motion)
         return crossings(motion.growth if method == "cosim" else in_run, nodes, progress)
-
-
-def crossings(
-    growth: Callable[[float], float], nodes: Sequence[float], progress: Progress | None = None
-) -> tuple[list[Crossing], Side]:
-    """Changes of sign of a measured growth rate between neighbouring speeds, and the first sign."""
-    known = functools.cache(growth)
-    sides = []
-    for number, speed in enumerate(nodes, start=1):
-        sides.append(_side(known(speed)))
-        if progress:
-            progress(number / len(nodes))
-    changes = []
-    for (left, before), (right, after) in pairwise(zip(nodes, sides, strict=True)):
-        if before != after:
-            speed = brentq(known, left, right, xtol=TOLERANCE * left)
-            changes.append(Crossing(float(speed), after))
-    return changes, sides[0]

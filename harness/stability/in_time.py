@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from ...models.linear.balanced import golden_parts
 from ..errors import SimulationError
-from ..master.cosimulation import cosimulate
+from ..master.run import cosimulate
 from ..scene import Scene
 from .main_motion import MainMotion
 

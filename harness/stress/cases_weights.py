@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from ..master.cosimulation import cosimulate
+from ..master.run import cosimulate
 from ..scene import Scene, load_scene
 from .case import (
     BOTH_WAYS,

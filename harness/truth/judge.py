@@ -14,10 +14,10 @@ from numpy.typing import NDArray
 from ...models.assembly import Assembly
 from ...models.monolith import reference, simulate
 from ..errors import SimulationError, UserError
-from ..master.cosimulation import cosimulate
 from ..master.names import kin
 from ..master.resolution import SAID, Resolution
 from ..master.result import Result
+from ..master.run import cosimulate
 from ..scene import Scene
 from .draw import draw
 

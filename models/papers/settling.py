@@ -29,8 +29,8 @@ from ..rotor import LinearRotor
 from ..weights import Weights
 
 
-def plane_response(rotor: LinearRotor, speed: float, plane: int = 0) -> complex:
-    """Y = -a/s: acceleration of a plane by a constant moment on it, rotor frame [1/(kg s^2)].
+def plane_response(rotor: LinearRotor, speed: float) -> complex:
+    """Y = -a/s: acceleration of plane 1 by a constant moment on it, rotor frame [1/(kg s^2)].
 
     Args:
         rotor: isotropic, with the balancers' added masses.
@@ -42,24 +42,22 @@ def plane_response(rotor: LinearRotor, speed: float, plane: int = 0) -> complex:
     if not rotor.isotropic:
         raise ValueError("the slow root (1) needs equal stiffness and damping in x and y")
     mass, damping, stiffness = rotor.coefficients(speed)
-    row = rotor.planes[plane]
+    row = rotor.planes[0]
     dynamic = stiffness - speed**2 * mass + 1j * speed * damping
     return complex(speed**4 * (row @ np.linalg.solve(dynamic, row)))
 
 
-def critical_drag_factor(
-    rotor: LinearRotor, speed: float, kappa: float = 1.0, plane: int = 0
-) -> float:
+def critical_drag_factor(rotor: LinearRotor, speed: float, kappa: float = 1.0) -> float:
     """b_cr of (1), sqrt(-2 Re Y/kappa) [1/(s sqrt(kg))].
 
     Raises:
         ValueError: the rotor is anisotropic, or the weights are driven to the heavy side
             (Re Y >= 0, as below the critical speed of a disc): the main motion is unstable.
     """
-    response = plane_response(rotor, speed, plane)
+    response = plane_response(rotor, speed)
     if not response.real < 0.0:
         raise ValueError(
-            f"speed = {speed!r} rad/s: weights on plane {plane + 1} move to the heavy side there, "
+            f"speed = {speed!r} rad/s: weights on plane 1 move to the heavy side there, "
             "so that the main motion is unstable and has no b_cr"
         )
     return math.sqrt(-2.0 * response.real / kappa)

@@ -33,8 +33,8 @@ class TableRow:
     intervals: tuple[tuple[float, float], ...]
 
 
-def _first(eps: float, mu_w: float, *starts: float, width: float = 0.05) -> TableRow:
-    spans = tuple((start, round(start + width, 10)) for start in starts)
+def _first(eps: float, mu_w: float, *starts: float) -> TableRow:
+    spans = tuple((start, round(start + 0.05, 10)) for start in starts)
     return TableRow(1, eps, mu_w, 0.25, 0.5, (1.003, 5.041, 6.925), spans)
 
 

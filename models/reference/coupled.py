@@ -21,7 +21,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..assembly import Assembly, Mounted, SpeedProfile
-from ..linear.modes import modes
 from ..weights import Weights
 
 Array = NDArray[np.float64]
@@ -253,6 +252,8 @@ class Monolith:
     @property
     def fastest_vibration(self) -> float:
         """Largest modulus of an eigenvalue of the rotor [1/s]."""
+        from ..linear.modes import modes  # a scene's start loads this module, and no SciPy
+
         return float(max(modes(self.assembly.loaded_rotor, self.profile.end).natural_frequencies))
 
     @property

@@ -22,7 +22,8 @@ import typer
 os.environ["OPENBLAS_NUM_THREADS"] = "1"  # a fork takes no threads along
 os.environ["DASK_DISTRIBUTED__COMM__TIMEOUTS__CONNECT"] = "3s"  # where no cluster is, none comes
 
-from autobalancer.harness.master.plan import find_or_build, plan
+from autobalancer.harness.master.plan import plan
+from autobalancer.harness.master.unit_files import find_or_build
 from autobalancer.harness.scene import bundled_scenes, load_scene
 from tests.fuzz import lines, scenes, units
 from tests.fuzz.judge import Wrong, alone, refuse_wrong
@@ -30,7 +31,7 @@ from tests.fuzz.judge import Wrong, alone, refuse_wrong
 LOADED = [  # by some command or other, which would otherwise load it anew each time
     *["matplotlib.backends.backend_agg", "matplotlib.backends.backend_svg", "scipy.stats"],
     *["matplotlib.backends.backend_pdf", "scipy.signal", "scipy.optimize", "scipy.integrate"],
-    *["autobalancer.harness.master.cosimulation", "autobalancer.harness.stability.map_command"],
+    *["autobalancer.harness.master.run", "autobalancer.harness.stability.map_command"],
     *["autobalancer.harness.precision.runner", "autobalancer.harness.checks.registry"],
     *["tomli_w", "rich.progress", "rich.table", "rich.markdown", "typer.rich_utils", "jinja2"],
 ]

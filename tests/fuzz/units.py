@@ -14,7 +14,8 @@ from fmpy.fmi1 import FMICallException
 
 from autobalancer.fmus.build import build
 from autobalancer.harness.master.one_file import build_one_file
-from autobalancer.harness.master.plan import find_or_build, plan
+from autobalancer.harness.master.plan import plan
+from autobalancer.harness.master.unit_files import find_or_build
 from autobalancer.harness.scene import load_scene
 
 SCENES = ["two_balls", "balls_and_liquid", "sommerfeld", "three_mass_shaft", "bristol_friction"]

@@ -257,6 +257,13 @@ def test_a_run_without_a_picture_leaves_the_plotting_library_out():
     assert "matplotlib" not in modules_after(run)
 
 
+def test_a_run_that_shows_nothing_but_words_does_without_scipy():
+    """Whose statistics and signal processing take longer to load than the run takes."""
+    run = "from autobalancer.harness.__main__ import program; "
+    run += "program()(['run', 'two_balls', '--set', 'run.revolutions=1'], standalone_mode=False)"
+    assert not modules_after(run) & {"matplotlib", "scipy"}
+
+
 def test_exports_are_there_and_loaded_when_used():
     import autobalancer.harness as harness
 

@@ -3,12 +3,10 @@
 from __future__ import annotations
 
 import ctypes
-import importlib.util
+import importlib
 import math
 import re
-import subprocess
-import sys
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from ctypes import POINTER, byref, c_char_p, c_double, c_int, c_size_t
 from pathlib import Path
 from types import SimpleNamespace
@@ -21,6 +19,7 @@ from numpy.typing import NDArray
 
 from autobalancer.harness import Scene
 from autobalancer.harness.master.one_file import build_one_file
+from tests.native.compiler import shared_library
 
 SOURCES = Path(__file__).parents[2] / "fmus" / "native"
 CORE = [
@@ -49,18 +48,6 @@ CORE = [
     "pulse",
     "reaction_change",
 ]
-FLAGS = [
-    "-std=c99",
-    "-O2",
-    "-ffp-contract=off",
-    "-fno-math-errno",
-    "-Wall",
-    "-Wextra",
-    "-Wpedantic",
-    "-Werror",
-    "-shared",
-    "-fPIC",
-]
 
 
 def compile_library(
@@ -71,11 +58,10 @@ def compile_library(
 ) -> Path:
     """Compile C sources (names without ending) into the shared library `destination`.
 
-    `flags` are added to `FLAGS`, and win over them.
+    `flags` are added to `compiler.FLAGS`, and win over them.
     """
     files = [str(SOURCES / f"{name}.c") for name in sources]
-    subprocess.run([*compiler, *FLAGS, *flags, *files, "-o", str(destination)], check=True)
-    return destination
+    return shared_library(files, destination, *flags, compiler=compiler)
 
 
 class Complex(ctypes.Structure):
@@ -244,6 +230,12 @@ class Core:
         if self(name, *arguments, byref(failure)):
             raise Refused(failure)
 
+    def refusal(self, call: Callable[..., object], *arguments: Any) -> tuple[str, Refused]:
+        """Name of the failure of a call that must fail, and the failure."""
+        with pytest.raises(Refused) as refused:
+            call(*arguments)
+        return list(self.codes)[refused.value.code], refused.value
+
     def real(self, name: str, x: NDArray, *others: NDArray) -> NDArray:
         """A function of numbers for each of the arrays' elements."""
         call = getattr(self.library, name)
@@ -320,15 +312,8 @@ def core(tmp_path_factory: pytest.TempPathFactory) -> Core:
 
 @pytest.fixture(scope="session")
 def packaging() -> Any:
-    """The module beside this one: native FMUs and their host."""
-    path = Path(__file__).with_name("packaging.py")
-    spec = importlib.util.spec_from_file_location("native_packaging", path)
-    assert spec
-    assert spec.loader
-    module = importlib.util.module_from_spec(spec)
-    sys.modules[spec.name] = module
-    spec.loader.exec_module(module)
-    return module
+    """The module beside this one, which compiles: native FMUs and their host."""
+    return importlib.import_module("tests.native.packaging")
 
 
 @pytest.fixture(scope="session")
@@ -338,11 +323,42 @@ def fmus(packaging: Any, tmp_path_factory: pytest.TempPathFactory) -> Any:
 
 
 @pytest.fixture
-def hosted(packaging: Any, tmp_path: Path) -> Any:
+def instance(packaging: Any, tmp_path: Path) -> Any:
+    """Makes a host of a scene's composite."""
+
+    def made(scene: Scene) -> Any:
+        path = build_one_file(scene, tmp_path / "one.fmu", platforms=[platform_tuple])
+        return packaging.Host(path)
+
+    return made
+
+
+@pytest.fixture
+def hosted(instance: Any) -> Any:
     """Begins the composite of a scene in a host."""
 
     def begun(scene: Scene, values: dict[str, float] | None = None) -> Any:
-        path = build_one_file(scene, tmp_path / "one.fmu", platforms=[platform_tuple])
-        return packaging.Host(path).begin(values)
+        return instance(scene).begin(values)
 
     return begun
+
+
+@pytest.fixture
+def state_is_everything(hosted: Any) -> Any:
+    """A composite gives the same bits after going back, in the same instance and another one."""
+
+    def demand(
+        scene: Scene, changes: dict[str, float], times: Sequence[float], names: Sequence[str]
+    ) -> None:
+        host = hosted(scene)
+        host.driven(times[:20], names)
+        state = host.slave.getFMUState()
+        expected = host.driven(times[19:], names).tolist()
+        host.slave.setFMUState(state)
+        assert host.driven(times[19:], names).tolist() == expected
+        foreign = hosted(scene, changes)
+        kept = host.slave.serializeFMUState(state)
+        foreign.slave.setFMUState(foreign.slave.deserializeFMUState(kept))
+        assert foreign.driven(times[19:], names).tolist() == expected
+
+    return demand

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import itertools
 import shutil
-import subprocess
 import zipfile
 from collections.abc import Callable, Sequence
 from functools import partial
@@ -22,23 +21,11 @@ from autobalancer.fmus.catalogue import sized_unit
 from autobalancer.fmus.native import layout
 from autobalancer.fmus.native.compile import libraries, stamp
 from autobalancer.fmus.native.layout import header, token
+from tests.native.compiler import shared_library
 
 SOURCES = Path(layout.__file__).parent
 LIBRARY = libraries([platform_tuple])[platform_tuple]  # what `build` packs
 STAMP = stamp()
-FLAGS = (
-    "-std=c99",
-    "-O2",
-    "-ffp-contract=off",
-    "-fno-math-errno",
-    "-fvisibility=hidden",
-    "-Wall",
-    "-Wextra",
-    "-Wpedantic",
-    "-Werror",
-    "-shared",
-    "-fPIC",
-)
 
 
 def generate(folder: Path) -> None:
@@ -48,14 +35,12 @@ def generate(folder: Path) -> None:
 
 
 def compile_units(folder: Path, *flags: str) -> Path:
-    """Compile all C sources with the compiler of this machine; flags are added to `FLAGS`."""
+    """Compile all C sources with the compiler of this machine."""
     folder.mkdir(parents=True, exist_ok=True)
     generate(folder)
-    library = folder / "autobalancer.so"
     sources = sorted(str(path) for path in SOURCES.glob("*.c"))
-    command = ["cc", *FLAGS, *flags, f"-I{folder}", *sources, "-o", str(library)]
-    subprocess.run(command, check=True)
-    return library
+    options = ("-fvisibility=hidden", f"-I{folder}", *flags)
+    return shared_library(sources, folder / "autobalancer.so", *options)
 
 
 class Packager:

@@ -128,20 +128,10 @@ def test_between_the_ends_of_steps_the_order_is_four_or_with_quintics_six(
 
 
 @pytest.mark.parametrize("order", [3, 5])
-def test_a_state_within_a_step_is_everything(hosted, order):
-    """The same bits after going back, from the same instance and in another one."""
+def test_a_state_within_a_step_is_everything(state_is_everything, order):
     scene = load_scene("balls_and_liquid").replace({"coupling.order": order})
     names = ["rotor.x", "balls.weight[2].angle", "liquid.clearance", "coupling.steps"]
-    times = turning(scene, 7.3, 8)
-    host = hosted(scene)
-    host.driven(times[:20], names)
-    state = host.slave.getFMUState()
-    expected = host.driven(times[19:], names)
-    host.slave.setFMUState(state)
-    assert host.driven(times[19:], names).tolist() == expected.tolist()
-    other = hosted(scene, {"balls.drag": 0.1})
-    other.slave.setFMUState(other.slave.deserializeFMUState(host.slave.serializeFMUState(state)))
-    assert other.driven(times[19:], names).tolist() == expected.tolist()
+    state_is_everything(scene, {"balls.drag": 0.1}, turning(scene, 7.3, 8), names)
 
 
 @pytest.mark.parametrize("fmi", [2, 3])

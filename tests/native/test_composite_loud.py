@@ -14,17 +14,6 @@ from autobalancer.harness.master.cosimulation import CoSimulation
 from autobalancer.harness.master.one_file import build_one_file
 
 
-@pytest.fixture
-def instance(packaging, tmp_path):
-    """Makes a host of a scene's composite."""
-
-    def made(scene: Scene):
-        path = build_one_file(scene, tmp_path / "one.fmu", platforms=[platform_tuple])
-        return packaging.Host(path)
-
-    return made
-
-
 def stepped(host, scene: Scene, revolutions: float) -> None:
     """At the scene's own steps."""
     step = 2.0 * math.pi / scene.profile().speed(0.0) / scene.coupling.steps_per_rev

@@ -94,18 +94,10 @@ def test_between_the_ends_of_steps_the_order_is_four(hosted):
     assert (coarse > 9.0 * fine).all()
 
 
-def test_a_state_within_a_step_is_everything(hosted):
+def test_a_state_within_a_step_is_everything(state_is_everything):
     scene = Scene.from_document(DOCUMENT)
     times = np.linspace(0.0, end_time(scene), 60)
-    host = hosted(scene)
-    host.driven(times[:20], RECORD)
-    state = host.slave.getFMUState()
-    expected = host.driven(times[19:], RECORD)
-    host.slave.setFMUState(state)
-    assert host.driven(times[19:], RECORD).tolist() == expected.tolist()
-    other = hosted(scene, {"motor.inertia": 0.02})
-    other.slave.setFMUState(other.slave.deserializeFMUState(host.slave.serializeFMUState(state)))
-    assert other.driven(times[19:], RECORD).tolist() == expected.tolist()
+    state_is_everything(scene, {"motor.inertia": 0.02}, times, RECORD)
 
 
 def test_a_force_from_outside_that_begins_within_a_step_moves_rotor_and_shaft(hosted):

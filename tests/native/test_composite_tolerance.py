@@ -7,11 +7,10 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
-from fmpy import platform_tuple
 
 from autobalancer.harness import Scene, load_scene
 from autobalancer.harness.master.cosimulation import CoSimulation
-from autobalancer.harness.master.one_file import build_one_file, composition
+from autobalancer.harness.master.one_file import composition
 from autobalancer.harness.master.recorder import Recorder, recorded
 
 STICKING = {"weights.rolling_resistance": 5e-3}
@@ -24,17 +23,6 @@ HEAVY = {
     "weights.inertia_as_force": True,
 }  # whose loop is another while they stick
 QUINTIC = {"coupling.order": 5}
-
-
-@pytest.fixture
-def instance(packaging, tmp_path):
-    """Makes a host of a scene's composite."""
-
-    def made(scene: Scene):
-        path = build_one_file(scene, tmp_path / "one.fmu", platforms=[platform_tuple])
-        return packaging.Host(path)
-
-    return made
 
 
 def loose(name: str, tolerance: float, revolutions: float) -> Scene:
@@ -75,8 +63,9 @@ def test_steps_and_motion_are_those_of_the_harness(instance, name, tolerance, re
         host.step(end - begin)
         rows.append(host.get(*expected))
     found = np.array(rows)
-    # rounding moves the time of an event, and with it all that follows
-    allowed = 1e-6 if changes in (STICKING, HEAVY) else 2e-9
+    # rounding moves the time of an event, and with it all that follows; of HEAVY one rounding of a
+    # start angle changes the number of steps, so that its runs share no more than their tolerance
+    allowed = tolerance if changes is HEAVY else 1e-6 if changes is STICKING else 2e-9
     for k, signal in enumerate(expected):
         error = np.abs(found[:, k] - expected[signal][:-2]).max()
         assert error <= allowed * np.ptp(expected[signal]), signal

@@ -68,13 +68,6 @@ def test_results_are_the_same_bits_whatever_compiles_them(core, tmp_path, compil
     assert _bits(other) == _bits(core)
 
 
-def _refused(core, function, *arguments):
-    with pytest.raises(core.Refused) as refused:
-        core.rotor(function, *arguments)
-    names = {number: name for name, number in core.codes.items()}
-    return names[refused.value.code], refused.value
-
-
 def _array(values):
     values = np.ascontiguousarray(values, float).ravel()
     return (ctypes.c_double * len(values))(*values)
@@ -167,7 +160,7 @@ def test_rotors_that_python_refuses_are_refused(core, kind, change, code, text):
     values = {name: value for name, value in values.items() if value is not None}
     stations = 2 if kind == "two_support" else 4
     assert core.rotor(kind, stations, 1, _native(core, kind, good)).stations == stations
-    found, failure = _refused(core, kind, stations, 1, _native(core, kind, values))
+    found, failure = core.refusal(core.rotor, kind, stations, 1, _native(core, kind, values))
     assert (found, failure.name.decode()) == (code, text)
 
 
@@ -176,6 +169,6 @@ def test_internal_damping_of_a_shaft_that_cannot_bend_is_refused(core):
     values |= {"unbalances": [], "internal_damping": 2.0}
     with pytest.raises(ValueError, match="cannot bend"):
         LinearRotor.flexible(**values)
-    assert _refused(core, "flexible", 2, 1, _native(core, "flexible", values))[0] == (
+    assert core.refusal(core.rotor, "flexible", 2, 1, _native(core, "flexible", values))[0] == (
         "FAILURE_CANNOT_BEND"
     )

@@ -236,13 +236,6 @@ def test_first_contacts_and_static_moment_are_those_of_python(core):
             assert abs(complex(moment.re, moment.im) - exact) < 1e-15 * count * 0.01 * 0.05
 
 
-def _code(core, call, *arguments):
-    with pytest.raises(core.Refused) as refused:
-        call(*arguments)
-    names = {number: name for name, number in core.codes.items()}
-    return names[refused.value.code], refused.value
-
-
 def test_tracks_that_python_refuses_are_refused(core):
     good = {
         "weight_radius": 0.005,
@@ -266,7 +259,7 @@ def test_tracks_that_python_refuses_are_refused(core):
         *numbers, offset = values.values()
         pair = core.structures.Complex(offset.real, offset.imag)
         native = core.structures.Track(points, *numbers, pair)
-        found, failure = _code(core, core.demand, "track_prepare", byref(native))
+        found, failure = core.refusal(core.demand, "track_prepare", byref(native))
         assert (found, failure.name.decode()) == (code, name)
 
 
@@ -279,7 +272,7 @@ def test_weights_that_overlap_and_steps_that_fail_are_refused_as_in_python(core)
         lambda: pair.reaction(overlap, 0j, 0j, 100.0, 0.0),
         lambda: pair.first_contacts(*overlap[:2]),
     ):
-        code, failure = _code(core, call)
+        code, failure = core.refusal(call)
         assert code == "FAILURE_OVERLAP"
         assert failure.value[:2] == pytest.approx(
             (2.0 * pair.python.alpha - 0.1, 0.200335), rel=1e-5
@@ -289,7 +282,7 @@ def test_weights_that_overlap_and_steps_that_fail_are_refused_as_in_python(core)
         ([1e9, 0j, 0j, 0j], 10.0, "FAILURE_SUBSTEPS"),
         ([1.0, 0j, 0j, 1e30], STEP, "FAILURE_SLIDE"),
     ):
-        found, failure = _code(core, pair.advance, apart, signal, 100.0, 0.0, step)
+        found, failure = core.refusal(pair.advance, apart, signal, 100.0, 0.0, step)
         assert found == code
         with pytest.raises(ArithmeticError) as error:
             advance(pair.python, *apart, [complex(a) for a in signal], 100.0, 0.0, step)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import ctypes
 import math
-from ctypes import byref
+from ctypes import POINTER, byref, c_double
 from dataclasses import replace
 
 import mpmath
@@ -17,18 +17,6 @@ from autobalancer.models.steps.propagator import exponential, step_matrix
 from autobalancer.models.steps.variable_speed import Drive, VariableSpeedStep
 
 KINDS = ("planar", "two_support", "flexible")
-FIELDS = [
-    "mass",
-    "damping_x",
-    "damping_y",
-    "stiffness_x",
-    "stiffness_y",
-    "internal_damping",
-    "gyroscopic",
-    "planes",
-    "unbalance",
-    "deflection",
-]
 
 
 def _log(random, low, high, size=None):
@@ -167,7 +155,8 @@ def drawn(core):
 
 def _arrays(rotor):
     n, p = rotor.stations, rotor.plane_count
-    sizes = dict.fromkeys(FIELDS, (n, n)) | {"planes": (p, n), "unbalance": (2 * n,)}
+    arrays = [name for name, type_ in rotor._fields_ if type_ is POINTER(c_double)]
+    sizes = dict.fromkeys(arrays, (n, n)) | {"planes": (p, n), "unbalance": (2 * n,)}
     sizes["deflection"] = (rotor.deflections, n)
     return {
         name: np.ctypeslib.as_array(getattr(rotor, name), shape).copy()

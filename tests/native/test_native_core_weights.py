@@ -141,13 +141,6 @@ def test_a_remembered_response_is_not_taken_for_another_step_or_drag(core):
             assert found == pytest.approx(points.quadrature(drag, step), rel=1e-14)
 
 
-def _refusal(core, call, *arguments):
-    with pytest.raises(core.Refused) as refused:
-        call(*arguments)
-    names = {number: name for name, number in core.codes.items()}
-    return names[refused.value.code], refused.value
-
-
 def test_steps_that_python_refuses_are_refused_with_the_numbers_of_its_message(core):
     native = core.structures.Weights(2, 0.01, 0.05, 0.05, 1.4)
     python = Weights(2, 0.01, 0.05, 0.05, 1.4)
@@ -158,7 +151,7 @@ def test_steps_that_python_refuses_are_refused_with_the_numbers_of_its_message(c
         ([0.0, 1.0], [0.0, math.nan], [1.0, 0.0, 0.0, 0.0], 1e-3, "FAILURE_NOT_CONVERGED"),
         ([0.0, 1.0], [0.0, 0.0], [0.0, 0.0, 0.0, 1e30], 1e-3, "FAILURE_NOT_CONVERGED"),
     ):
-        found, failure = _refusal(core, _advance, core, native, angles, speeds, signal, 0.0, step)
+        found, failure = core.refusal(_advance, core, native, angles, speeds, signal, 0.0, step)
         assert found == code
         with pytest.raises(ArithmeticError) as error:
             points.advance(python, angles, speeds, [complex(a) for a in signal], 0.0, step)
@@ -181,7 +174,7 @@ def test_weights_that_python_refuses_are_refused_in_the_same_order(core):
         for value in values:
             changed = good | {"kappa": 0.0, name: value}  # the last one is wrong as well
             native = core.structures.Weights(**changed)
-            _, failure = _refusal(core, core.demand, "weights_check", byref(native))
+            _, failure = core.refusal(core.demand, "weights_check", byref(native))
             assert failure.name.decode() == name
             assert failure.value[0] == pytest.approx(value, nan_ok=True)
             with pytest.raises(ValueError, match=f"^{name} = "):
@@ -213,8 +206,8 @@ def test_liquids_that_python_refuses_are_refused(core):
         for value in (0.0, -1.0, math.nan, math.inf):
             values = [*good[:k], value, *good[k + 1 :]]
             native = core.structures.Liquid(*values)
-            code, failure = _refusal(core, core.demand, "liquid_check", byref(native))
+            code, failure = core.refusal(core.demand, "liquid_check", byref(native))
             assert (code, failure.name.decode()) == ("FAILURE_NOT_POSITIVE", name)
     native = core.structures.Liquid(0.04, 0.05, 0.02, 1000.0)
-    code, failure = _refusal(core, core.demand, "liquid_check", byref(native))
+    code, failure = core.refusal(core.demand, "liquid_check", byref(native))
     assert (code, *failure.value[:2]) == ("FAILURE_FLOAT_RADIUS", 0.05, 0.04)

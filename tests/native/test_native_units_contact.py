@@ -1,4 +1,4 @@
-"""Steps that end behind what happens to weights: where unit and host allow it."""
+"""Steps that end behind what happens to weights and sliders: where unit and host allow it."""
 
 from __future__ import annotations
 
@@ -124,6 +124,44 @@ def test_the_python_unit_says_that_it_cannot(fmus, packaging):
     host = packaging.Host(fmus.python("BallBalancer"))
     text = host.refused(lambda: host.begin({"stop_at_contact": True}))
     assert "stop_at_contact = True: must be False" in text
+
+
+SLIDING = {
+    "mass": 2.0, "stiffness_x": 50.0, "damping_x": 0.0, "unbalance": 0.0,
+    "slider[1].limit_x": 0.03, "shortest_stopped_step": 1e-6, "speed": 7.0,
+}  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("values", "expected"),
+    [
+        ({"x0": 0.01}, math.pi / math.sqrt(50.0 / 2.0)),  # half a period: it turns round
+        ({"der(plane[1].F_x)": 0.4}, 0.03 / 0.4),  # a force that grows to what it holds
+        ({"vx0": 0.001, "stiffness_x": 0.0}, 2.0 * 0.001 / 0.03),  # slows down, and sticks
+    ],
+    ids=["turns", "lets go", "sticks"],
+)
+def test_a_step_of_the_rotor_ends_at_an_event_of_a_slider(fmus, packaging, values, expected):
+    host = packaging.Host(fmus.native("RotorOnSupports", frame="fixed", sliders=1))
+    host.begin(SLIDING | values)
+    with pytest.raises(FMICallException):
+        host.slave.doStep(0.0, 1.0)
+    assert last_successful_time(host) == pytest.approx(expected, rel=1e-9)
+    # output and state are those of the event
+    assert host.get("angle")[0] == pytest.approx(7.0 * expected, rel=1e-9)
+    assert host.get("vx")[0] == pytest.approx(0.0, abs=1e-12)
+    host.slave.reset()
+    host.time = 0.0
+    host.begin(SLIDING | values | {"shortest_stopped_step": 2.0})
+    host.step(1.0)
+    assert last_successful_time(host) == 1.0
+    host.free()
+
+
+def test_the_rotor_in_python_says_that_it_cannot(fmus, packaging):
+    host = packaging.Host(fmus.python("RotorOnSupports", sliders=1))
+    text = host.refused(lambda: host.begin({"shortest_stopped_step": 1e-6}))
+    assert "shortest_stopped_step = 1e-06 s: must be 0 s" in text
 
 
 @pytest.mark.parametrize("allowed", [True, False])

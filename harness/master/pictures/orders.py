@@ -15,7 +15,6 @@ import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
 from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
-from scipy.signal.windows import hann
 
 from ...errors import UserError
 
@@ -25,6 +24,7 @@ SPECTRA, POINTS_TRACKED = 120, 1000  # of a run, about
 PADDED = 4  # times as long: what lies between two lines of a spectrum is seen
 LONGEST, SHORTEST = 8, 2  # revolutions of a window for spectra
 TRACKED = 4  # revolutions of a window for one order
+HIGHEST = 4.0  # order of a spectrum
 WINDOWS = 6  # that a run should have room for, one behind the other
 
 
@@ -75,7 +75,7 @@ def tracked(angle: Array, samples: Array, orders: Sequence[float]) -> Tracked:
         if not 0.0 < order < POINTS / 2.0 or 2.0 * order % 1.0:
             raise UserError(f"order {order:g}: must be 0.5, 1, 1.5 or so on, below {POINTS // 2}")
     grid, windows = _windows(angle, samples, TRACKED, POINTS_TRACKED)
-    weight = hann(grid.shape[1], sym=False)
+    weight = _hann(grid.shape[1])
     turn = np.exp(-1j * np.outer(grid[:, 0], orders))[:, :, None]
     within = (grid[0] - grid[0, 0])[:, None] * np.asarray(orders)
     fourier = (2.0 * weight / weight.sum())[:, None] * np.exp(-1j * within)
@@ -83,8 +83,8 @@ def tracked(angle: Array, samples: Array, orders: Sequence[float]) -> Tracked:
     return Tracked(grid.mean(axis=1), tuple(orders), amplitude)
 
 
-def spectra(angle: Array, samples: Array, highest: float = 4.0) -> Spectra:
-    """Spectra of one signal up to an order, by Hann's window; an order's line has its amplitude.
+def spectra(angle: Array, samples: Array) -> Spectra:
+    """Spectra of one signal up to `HIGHEST`, by Hann's window; an order's line has its amplitude.
 
     Args:
         angle, samples: (T,) of the rotor, rising [rad], and of the signal.
@@ -95,11 +95,11 @@ def spectra(angle: Array, samples: Array, highest: float = 4.0) -> Spectra:
     revolutions = int(np.clip((angle[-1] - angle[0]) / math.tau / WINDOWS, SHORTEST, LONGEST))
     grid, windows = _windows(angle, samples[None], revolutions, SPECTRA)
     length = grid.shape[1]
-    weight = hann(length, sym=False)
+    weight = _hann(length)
     flat = windows[0] - windows[0].mean(axis=1, keepdims=True)
     lines = np.abs(np.fft.rfft(flat * weight, PADDED * length, axis=1)) * 2.0 / weight.sum()
     orders = np.arange(lines.shape[1]) / (PADDED * revolutions)
-    shown = orders <= highest
+    shown = orders <= HIGHEST
     return Spectra(grid.mean(axis=1), orders[shown], lines[:, shown])
 
 
@@ -118,6 +118,11 @@ def refuse_few(turned: float, revolutions: int) -> None:
 
 def _steps(turned: float) -> int:
     return int(turned / (math.tau / POINTS) * (1.0 + 1e-12))
+
+
+def _hann(length: int) -> Array:
+    """Hann's window for spectra: periodic."""
+    return np.hanning(length + 1)[:-1]
 
 
 def _windows(angle: Array, samples: Array, revolutions: int, most: int) -> tuple[Array, Array]:

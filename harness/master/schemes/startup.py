@@ -33,7 +33,7 @@ def substeps(
     if system.has_no_past and not scheme.chooses_steps:
         return _divided(system, scheme, drive, time, step)
     if drive.jumps(time):
-        return _across(system, scheme, time, step, drive.step)
+        return _across(system, scheme, time, step, drive.brief)
     return ((time, step),)
 
 
@@ -44,7 +44,7 @@ def _divided(
     parts, begin = doubling_steps(system, step, scheme.startup_halvings), time
     for part in parts:
         if drive.jumps(begin):
-            yield from _across(system, scheme, begin, part, drive.step)
+            yield from _across(system, scheme, begin, part, drive.brief)
         else:
             yield begin, part
         begin += part
@@ -53,13 +53,13 @@ def _divided(
 
 
 def _across(
-    system: System, scheme: Scheme, begin: float, step: float, usual: float
+    system: System, scheme: Scheme, begin: float, step: float, brief: float
 ) -> Iterator[tuple[float, float]]:
     """What is left of a step that begins with a jump of the drive, divided if need be.
 
-    Of a step that is to be chosen, which is all that is left, a part of the `usual` one is taken.
+    Of a step that is to be chosen, which is all that is left, a `brief` one is negligible.
     """
-    negligible = KINK * min(step, usual)
+    negligible = min(KINK * step, brief)
     scheme.cross_jump(system, begin, negligible)
     system.drop_past()
     begin += negligible

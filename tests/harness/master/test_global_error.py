@@ -6,8 +6,9 @@ import numpy as np
 import pytest
 
 from autobalancer.harness import load_scene
-from autobalancer.harness.master.cosimulation import CoSimulation, cosimulate
+from autobalancer.harness.master.cosimulation import CoSimulation
 from autobalancer.harness.master.recorder import Recorder
+from autobalancer.harness.master.run import cosimulate
 from autobalancer.harness.scene import Scene
 from autobalancer.harness.truth.judge import deviations, motion
 from autobalancer.models.monolith import reference, simulate

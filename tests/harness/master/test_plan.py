@@ -7,8 +7,9 @@ import pytest
 from autobalancer.harness import Scene, bundled_scenes, load_scene
 from autobalancer.harness.master.cosimulation import CoSimulation
 from autobalancer.harness.master.names import readable, signals, stations
-from autobalancer.harness.master.plan import Port, plan, signal_units
+from autobalancer.harness.master.plan import Port, plan
 from autobalancer.harness.master.recorder import Recorder, recorded
+from autobalancer.harness.master.unit_files import signal_units
 
 
 def shaft(**changes):

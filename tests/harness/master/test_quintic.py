@@ -10,7 +10,7 @@ from autobalancer.fmus.composite.composition import Composition, Part
 from autobalancer.harness import SceneError, cosimulate, load_scene
 from autobalancer.harness.master.cosimulation import CoSimulation
 from autobalancer.harness.master.one_file import composition
-from autobalancer.harness.master.plan import find_or_build, plan
+from autobalancer.harness.master.plan import plan
 from autobalancer.harness.master.schedule import order_of_run
 from autobalancer.harness.master.signals import (
     MISS_PER_ERROR,
@@ -19,6 +19,7 @@ from autobalancer.harness.master.signals import (
     extrapolated,
     hermite,
 )
+from autobalancer.harness.master.unit_files import find_or_build
 
 LATERAL = ("rotor.x", "rotor.y")
 RUNTIMES = ("native", "python")

@@ -71,7 +71,9 @@ def gain_of(scene) -> float:
 def test_every_scheme_converges_with_its_order_or_says_that_it_is_unstable(
     against, name, scheme, order
 ):
-    runs = against(name, {"run.revolutions": 2, "run.record": None})
+    # the reference of a shaft whose fastest mode turns fifty times as fast as the rotor takes long
+    revolutions = 1 if name == "bristol_flexible" else 2
+    runs = against(name, {"run.revolutions": revolutions, "run.record": None})
     coupling = {"scheme": scheme, "order": order, "corrections": None, "tolerance": None}
 
     def error(steps):

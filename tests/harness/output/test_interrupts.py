@@ -35,39 +35,44 @@ LONG = {
 }
 
 
+WORDS = {signal.SIGINT: "interrupted", signal.SIGTERM: "terminated"}
+
+
 @pytest.mark.parametrize("command", LONG)
-@pytest.mark.parametrize(("number", "word"), [("SIGINT", "interrupted"), ("SIGTERM", "terminated")])
-def test_a_command_ends_at_once_with_one_word_and_leaves_no_folder(
-    tmp_path, answering, command, number, word
-):
-    folder = tmp_path / "temporary"
-    folder.mkdir()
-    code = getattr(signal, number)
-    group = subprocess.Popen(
-        [sys.executable, "-m", "autobalancer.harness", *LONG[command]],
-        env={**os.environ, "TMPDIR": str(folder), "HOME": str(tmp_path)},
-        cwd=tmp_path,
-        stdout=subprocess.PIPE,
-        stderr=subprocess.PIPE,
-        text=True,
-        start_new_session=True,
-        preexec_fn=answering,
-    )
+def test_a_command_ends_at_once_with_one_word_and_leaves_no_folder(tmp_path, answering, command):
+    """By either signal; the two commands work side by side."""
+    places = {code: tmp_path / code.name / "temporary" for code in WORDS}
+    groups = {}
     try:
+        for code, folder in places.items():
+            folder.mkdir(parents=True)
+            groups[code] = subprocess.Popen(
+                [sys.executable, "-m", "autobalancer.harness", *LONG[command]],
+                env={**os.environ, "TMPDIR": str(folder), "HOME": str(folder.parent)},
+                cwd=folder.parent,
+                stdout=subprocess.PIPE,
+                stderr=subprocess.PIPE,
+                text=True,
+                start_new_session=True,
+                preexec_fn=answering,
+            )
         until = time.monotonic() + 60.0
-        while not os.listdir(folder) and time.monotonic() < until:
+        while not all(map(os.listdir, places.values())) and time.monotonic() < until:
             time.sleep(0.05)
         time.sleep(1.0)  # well into the work
-        os.killpg(group.pid, code)  # as a terminal does: it tells every process of the group
-        _, errors = group.communicate(timeout=60.0)
+        for code, group in groups.items():
+            os.killpg(group.pid, code)  # as a terminal does: it tells every process of the group
+        for code, group in groups.items():
+            _, errors = group.communicate(timeout=60.0)
+            assert group.returncode == 128 + code
+            assert errors.strip() == WORDS[code]
+            assert os.listdir(places[code]) == []
+            assert os.listdir(places[code].parent) == ["temporary"]
     finally:
-        if group.poll() is None:
-            os.killpg(group.pid, signal.SIGKILL)
-            group.wait()
-    assert group.returncode == 128 + code
-    assert errors.strip() == word
-    assert os.listdir(folder) == []
-    assert sorted(os.listdir(tmp_path)) == ["temporary"]
+        for group in groups.values():
+            if group.poll() is None:
+                os.killpg(group.pid, signal.SIGKILL)
+                group.wait()
 
 
 BEGIN = """

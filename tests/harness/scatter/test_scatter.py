@@ -159,25 +159,18 @@ def test_without_salib_rank_correlations_are_given_and_said(linear, monkeypatch)
     assert rows[0].first_order is None
 
 
-def test_a_store_that_was_ended_is_gone_on_with_to_the_same_bytes(linear, monkeypatch, tmp_path):
+def test_a_store_that_was_ended_is_gone_on_with_to_the_same_bytes(
+    linear, interrupted_once, monkeypatch, tmp_path
+):
     xarray = pytest.importorskip("xarray")
     pytest.importorskip("zarr")
     monkeypatch.setattr(study, "CHUNK", 10)
     variations = vary("rotor.damping=normal(2,2)")
-    work, done = study._machines, []
     whole, ended = tmp_path / "whole.zarr", tmp_path / "ended.zarr"
     alone = scatter(linear, variations, 31, store=whole)
-
-    def dies(job):
-        if len(done) == 2:
-            raise KeyboardInterrupt
-        done.append(job)
-        return work(job)
-
-    monkeypatch.setattr(study, "_machines", dies)
+    done = interrupted_once(study, "_machines", 2)
     with pytest.raises(KeyboardInterrupt):
         scatter(linear, variations, 31, store=ended)
-    monkeypatch.setattr(study, "_machines", lambda job: done.append(job) or work(job))
     resumed = scatter(linear, variations, 31, store=ended)
     assert len(done) == 4  # two before, two after
     assert resumed.residual.tobytes() == alone.residual.tobytes()

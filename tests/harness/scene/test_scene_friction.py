@@ -5,15 +5,17 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from autobalancer.harness import cosimulate, load_scene, speeds
+from autobalancer.harness import Scene, cosimulate, load_scene, speeds
 from autobalancer.harness.errors import SceneError, SimulationError, UserError
 from autobalancer.harness.master.many import cosimulate_many
 from autobalancer.harness.master.plan import plan
 from autobalancer.harness.master.revolution import Revolution
+from autobalancer.harness.master.schedule import fewest_chosen, step_size
 from autobalancer.harness.precision.reference import refuse_without_reference
 from autobalancer.harness.rotor.study import campbell_of, modes_at
 from autobalancer.harness.stability.axis import Axis
 from autobalancer.harness.stability.map import stability_map
+from autobalancer.models.monolith import simulate
 from autobalancer.models.rotor import Slider
 
 RIGID = {"limit": [5.0, 0.0]}
@@ -101,18 +103,55 @@ def test_the_composite_moves_as_the_separate_units_do():
     assert abs(run["rotor.x"][-1]) > 1e-3
 
 
+TURNING = {
+    "rotor": {"kind": "planar", "mass": 2.0, "stiffness": 8e3, "damping": 40.0, "unbalance": 2e-3},
+    "balancer": [
+        {"kind": "balls", "name": "weights", "count": 2, "mass": 0.02, "track_radius": 0.1,
+         "drag": 0.6, "angles": [0.4, 2.5]}
+    ],
+    "operation": {"speed": 150.0},
+    "run": {"revolutions": 2},
+}  # fmt: skip
+
+
+def off(slider: dict, **coupling) -> float:
+    """Largest error of x and y, by an integration from event to event, over the amplitude."""
+    scene = Scene.from_document(TURNING | {"coupling": coupling}).replace(
+        {"rotor.friction": [slider]}
+    )
+    run = cosimulate(scene)
+    true = simulate(scene.assembly(), scene.profile(), run.time, rtol=1e-11)
+    errors = [np.abs(run[name] - true[name]).max() for name in ("rotor.x", "rotor.y")]
+    return max(errors) / np.abs(run["rotor.x"]).max()
+
+
+@pytest.mark.parametrize("more", [{}, {"stiffness": 4e4}], ids=["rigid", "spring"])
+def test_the_error_falls_with_the_fourth_power_of_given_steps(more):
+    """Supports turn round 6 times in between, which steps end at: jumps cost no order."""
+    slider = {"limit": [4.0, 3.0], **more}
+    coarse, fine = (off(slider, scheme="iterated", steps_per_rev=steps) for steps in (20, 40))
+    assert coarse < 2e-6
+    assert fine < coarse / 12.0
+
+
 def test_a_jump_within_a_step_costs_orders_but_not_the_result():
-    """Signals are cubics: a step with a jump errs by first order in the step instead of fourth."""
-    scene = two_balls(*SLIDING).replace({"run.revolutions": 10})
-    ends = []
-    for steps in (40, 1280):
-        run = cosimulate(scene.replace({"coupling.steps_per_rev": steps}))
-        ends.append(run["rotor.x"][:: steps // 40])
-    assert abs(ends[0] - ends[1]).max() < 2e-3 * np.ptp(ends[1])
+    """Steps of Python units end at no event: one with a jump errs by first order in the step."""
+    slider = {"limit": [4.0, 3.0]}
+    assert 1e-5 < off(slider, scheme="iterated", steps_per_rev=40, units="python") < 1e-3
+
+
+@pytest.mark.parametrize("one_file", [False, True])
+def test_events_draw_communication_points_no_further_apart(one_file):
+    """Steps longer than the longest would count as those of a rotor at rest, and hold signals."""
+    scene = Scene.from_document(TURNING | {"coupling": {"tolerance": 1e-4}}).replace(
+        {"rotor.friction": [{"limit": [4.0, 3.0], "stiffness": 4e4}], "run.revolutions": 10}
+    )
+    run = cosimulate(scene, one_file=one_file)
+    assert np.diff(run.time).max() < 0.501 * step_size(scene, fewest_chosen(scene))
 
 
 def test_a_tolerance_is_met_across_a_jump():
-    """A step over a jump never fits; one that is short enough for nothing to move is taken."""
+    """In separate units and in C."""
     scene = two_balls({"limit": 0.01}).replace({"run.revolutions": 0.4})
     fine = cosimulate(scene.replace({"coupling.steps_per_rev": 20000}))
     scene = scene.replace({"coupling.tolerance": 1e-6})

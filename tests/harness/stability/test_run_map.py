@@ -66,21 +66,12 @@ def test_a_run_that_fails_costs_its_point_alone(scene):
     np.testing.assert_array_equal(np.isnan(data.residual), [[False, True]] * 2)
 
 
-def test_a_store_that_was_ended_is_gone_on_with_to_the_same_map(scene, monkeypatch, tmp_path):
+def test_a_store_that_was_ended_is_gone_on_with_to_the_same_map(scene, interrupted_once, tmp_path):
     pytest.importorskip("zarr")
     x, y = Axis.parse("speed=2.5:4:3"), Axis.parse("weights.drag=1e-3:1e-1:4:log")
-    whole, work, done = run_map(scene, x, y), module._row, []
-
-    def dies(job):
-        if len(done) == 2:
-            raise KeyboardInterrupt
-        done.append(job)
-        return work(job)
-
-    monkeypatch.setattr(module, "_row", dies)
+    whole, done = run_map(scene, x, y), interrupted_once(module, "_row", 2)
     with pytest.raises(KeyboardInterrupt):
         run_map(scene, x, y, store=tmp_path / "map.zarr")
-    monkeypatch.setattr(module, "_row", lambda job: done.append(job) or work(job))
     resumed = run_map(scene, x, y, store=tmp_path / "map.zarr")
     assert len(done) == 4
     assert resumed.residual.tobytes() == whole.residual.tobytes()

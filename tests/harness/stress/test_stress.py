@@ -10,7 +10,8 @@ import pytest
 from autobalancer.harness import load_scene
 from autobalancer.harness.errors import SimulationError
 from autobalancer.harness.master import resolution
-from autobalancer.harness.master.cosimulation import CoSimulation, cosimulate
+from autobalancer.harness.master.cosimulation import CoSimulation
+from autobalancer.harness.master.run import cosimulate
 from autobalancer.harness.master.schemes.startup import doubling_steps
 from autobalancer.harness.stress.case import (
     Outcome,

@@ -3,9 +3,9 @@
 import pytest
 
 from autobalancer.harness.errors import SimulationError
-from autobalancer.harness.master.cosimulation import cosimulate
+from autobalancer.harness.master.run import cosimulate
 from autobalancer.harness.scene import Scene
-from autobalancer.harness.truth.judge import deviations, motion
+from autobalancer.harness.truth.judge import RTOLS, deviations, motion, referred
 
 
 def planar(mass: float, stiffness: object, damping: object = None, unbalance: float = 0.0) -> dict:
@@ -164,6 +164,39 @@ def test_is_right_to_a_thousandth(name):
     allowed = 1e-3 if tolerance is None else 3.0 * tolerance
     assert max(errors.values()) < allowed, errors
     assert not result.events
+
+
+TIGHT = {
+    "weights that strike a rotor whose modes are forty times as fast as it turns": scene(
+        planar(0.31, [1219.0, 7499.0], [0.093, 0.093], 8.3e-4),
+        pendulums(4, 0.006, 0.107, kind="balls", drag=4.5e-5, weight_radius=0.042,
+                  angles=[5.89, 7.511, 8.689, 10.66], speeds=[1.08, 1.67, -2.28, 0.74],
+                  restitution=0.5),
+        {"speed": 3.783},
+        {"revolutions": 0.1},
+    ),
+    "a stiff, undamped rotor behind its run-up": scene(
+        planar(1.8, 8.24e6, [3.3, 0.0]),
+        pendulums(1, 0.76, 0.029, kind="balls", drag=0.0074, angles=[3.475]),
+        ramp(0.0, 96.35, 0.0764),
+        {"revolutions": 0.7},
+    ),
+    "a pendulum against resistance, whose first two runs happen to agree": scene(
+        planar(0.5813, [0.10115183915274994, 0.4085819602402896], [9.701e-05, 0.02186], 0.00153),
+        pendulums(1, 0.0006621, 0.0606, angles=[3.869], speeds=[-4.764],
+                  rolling_resistance=0.001285),
+        {"speed": 1.709},
+        {"revolutions": 18.14},
+    ),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", TIGHT)
+def test_keeps_a_tolerance_of_a_millionth(name):
+    tight = Scene.from_document(TIGHT[name]).replace({"coupling.tolerance": 1e-6})
+    result = cosimulate(tight, one_file=True)
+    errors = deviations(result, referred(tight, result, RTOLS[1])[0])
+    assert max(errors.values()) < 3e-6, errors
 
 
 def test_a_tolerance_on_a_perfectly_balanced_rotor_ends():

@@ -124,7 +124,7 @@ def test_what_cannot_be_made_is_refused_before_the_run(
     monkeypatch.setattr(
         "autobalancer.harness.master.pictures.movie.FFMpegWriter.isAvailable", lambda: False
     )
-    monkeypatch.setattr("autobalancer.harness.master.cosimulation.cosimulate", None)
+    monkeypatch.setattr("autobalancer.harness.master.run.cosimulate", None)
     done = invoke("run", "two_balls", "--movie", tmp_path / place)
     assert done.exit_code == 2, done.output
     assert message in done.output
@@ -140,7 +140,7 @@ def test_what_cannot_be_made_is_refused_before_the_run(
 def test_what_would_not_show_the_run_is_refused_before_it(
     invoke, tmp_path, monkeypatch, options, message
 ):
-    monkeypatch.setattr("autobalancer.harness.master.cosimulation.cosimulate", None)
+    monkeypatch.setattr("autobalancer.harness.master.run.cosimulate", None)
     done = invoke("run", "two_balls", "--movie", tmp_path / "a.gif", *options)
     assert done.exit_code == 2, done.output
     assert message in done.output

@@ -241,7 +241,7 @@ def test_what_a_scene_does_not_have_is_said(kind, message):
 def test_a_picture_that_the_run_cannot_give_is_refused_before_it(
     invoke, monkeypatch, tmp_path, scene, option, change, message
 ):
-    monkeypatch.setattr("autobalancer.harness.master.cosimulation.cosimulate", None)
+    monkeypatch.setattr("autobalancer.harness.master.run.cosimulate", None)
     changes = [part for each in change for part in ("--set", each)]
     done = invoke("run", scene, f"--{option}", tmp_path / "a.png", *changes)
     assert done.exit_code == 2, done.output
