@@ -4,7 +4,7 @@
 #include "elementary.h"
 #include "unit_rotor.h"
 
-static const double LOCAL_SHARE = 0.2, AIM = 0.5, RESIDUAL_SHARE = 0.05, SLOWEST = 1e3;
+static const double LOCAL_SHARE = 0.2, AIM = 0.5, RESIDUAL_SHARE = 0.2, SLOWEST = 1e3;
 enum { RUNGS = 4, FIRST_RUNG = 24, MINUTE = 80, LOWEST = 160, HOPELESS = 40, RESTED = 4 };
 
 /* 2^(-k/4) */

@@ -16,6 +16,7 @@ import numpy as np
 
 from ..errors import SimulationError
 from ..scene import Scene
+from .beginning import Beginning
 from .facts import Facts, advice
 from .fmu import Closing, Fmu
 from .loop import consistent_start, rotor_response, value_eigenvalues
@@ -87,6 +88,8 @@ class CoSimulation(Closing):
             brief = brief_step(scene) if meets_events(scene) else 0.0
             self.system = System(self.plan, self.units, order, watch, brief)
             stack.callback(self.system.free_states)
+            self._beginning = Beginning(self.system)
+            stack.callback(self._beginning.free)
             self._stack = stack.pop_all()
         self.gain = self.amplification = 0.0
         self._at: Scene | None = None  # kept: a map starts often at one speed
@@ -104,25 +107,24 @@ class CoSimulation(Closing):
     ) -> None:
         """Restart all units from the scene's start values, `changes` by unit name on top.
 
-        `step` is the communication step to come [s], by default the scene's; a scheme that chooses
-        its steps meets `points` instead, where they are given: times [s], and the residual, of the
-        largest force, that may stay in the loop, which is known from the start before.  Without
+        `step` is the communication step to come [s], by default the scene's.  With `points` the run
+        before, which had a tolerance, begins again with the same start values and meets these:
+        times [s], and the residual, of the largest force, that may stay in the loop.  Without
         points `step_share` of the tolerance, if it is above 0, is what a step may err.
 
         Raises:
             SimulationError: a unit refuses its parameters, or no consistent start exists.
         """
-        self.system.restart(changes or {})
         self.time = 0.0
         self.steps = self.unconverged = 0
         self.worst_residual = 0.0
-        self.drive = DrivenSpeed(self.scene, self.system)
         step = step or step_size(self.scene)
-        self.scheme = self._prepare(step) if points is None else self._prescribed(step, *points)
-        if step_share and isinstance(self.scheme, Adaptive):
-            self.scheme.allow(step_share)
-        for unit in self.units.values():
-            unit.start()
+        if points is None:
+            self._begin(changes or {}, step)
+            if isinstance(self.scheme, Adaptive) and step_share:
+                self.scheme.allow(step_share)
+        else:
+            self._begin_again(step, *points)
         share = self.scheme.miss_per_error if self.system.order >= 3 else 0.0
         # an exchange that is unstable at any step is no matter of resolution
         judged = share and self.amplification <= 1.0 and self.system.coupled
@@ -159,6 +161,24 @@ class CoSimulation(Closing):
         """Of forces that cancel [N]."""
         return ROUNDING * largest_force(self.scene)
 
+    def _begin(self, changes: Mapping[str, Mapping[str, float | bool]], step: float) -> None:
+        """Start all units anew, for steps of this length [s]."""
+        self.system.restart(changes)
+        self.drive = DrivenSpeed(self.scene, self.system)
+        self.scheme = self._prepare(step)
+        for unit in self.units.values():
+            unit.start()
+        if self.scheme.chooses_steps:
+            self._beginning.keep()
+
+    def _begin_again(self, step: float, points: Sequence[float], residual: float) -> None:
+        """Bring all back to the start of the run before, of whose loop all is known."""
+        assert self._jacobian is not None
+        self._beginning.again()
+        self.drive = DrivenSpeed(self.scene, self.system)
+        iterated = Iterated(self._jacobian, step, self.system.order, rounding=self._rounding)
+        self.scheme = Prescribed(iterated, points, residual)
+
     def _prepare(self, step: float) -> Scheme:
         """Bring the units to a consistent start, and make the scheme for this loop."""
         system, response, rounding = self.system, np.zeros((0, 0)), self._rounding
@@ -170,12 +190,6 @@ class CoSimulation(Closing):
         scheme = choose(self.scene, system, jacobian, response, step, self.gain, rounding)
         self.amplification = scheme.amplification(eigenvalues, system.order)
         return scheme
-
-    def _prescribed(self, step: float, points: Sequence[float], residual: float) -> Prescribed:
-        """The same for given points: of the loop all is known from the start before."""
-        known = consistent_start(self.system, step, self._rounding, self._jacobian)
-        iterated = Iterated(known, step, self.system.order, rounding=self._rounding)
-        return Prescribed(iterated, points, residual)
 
     def step(self, step: float, longest: float | None = None) -> float:
         """One communication step of length `step` [s]; returns its length.

@@ -70,7 +70,7 @@ def jacobian(g: Callable[[Vector], Vector], u: Vector, g_u: Vector, change: floa
         for moved_by in (change, 1j * change):
             moved = list(u)
             moved[i] += moved_by
-            columns.append(_components(difference(g(moved), g_u)))
+            columns.append(components(difference(g(moved), g_u)))
     return np.array(columns).T / change
 
 
@@ -111,25 +111,17 @@ class QuasiNewton:
         if ratio != 1.0:
             self.inverse, self.step = rescaled(self.inverse, ratio, self.parts), step
 
-    def correction(self, residual: Sequence[complex]) -> Vector:
-        """The step du that would make the residual G(u) - u vanish."""
-        return applied(self.inverse, residual)
+    def correction(self, residual: np.ndarray) -> np.ndarray:
+        """The step du that would make the residual G(u) - u vanish, both in `components`."""
+        return self.inverse.dot(residual)
 
-    def learn(self, du: Sequence[complex], old: Sequence[complex], new: Sequence[complex]) -> None:
+    def learn(self, du: np.ndarray, old: np.ndarray, new: np.ndarray) -> None:
         """Use how the residual really changed over a step du (Broyden 1965, Sherman-Morrison)."""
-        moved = _components(du)
         with np.errstate(over="ignore", invalid="ignore"):  # motion beyond bounds teaches nothing
-            predicted = self.inverse @ _components(difference(old, new))
-            weight = moved @ predicted
+            predicted = self.inverse @ (old - new)
+            weight = du @ predicted
         if weight != 0.0 and np.isfinite(weight):
-            self.inverse = self.inverse + np.outer(
-                (moved - predicted) / weight, moved @ self.inverse
-            )
-
-
-def applied(matrix: np.ndarray, vector: Sequence[complex]) -> Vector:
-    """A real matrix times a vector as `pack` makes them."""
-    return matrix.dot(_components(vector)).view(complex).tolist()
+            self.inverse = self.inverse + np.outer((du - predicted) / weight, du @ self.inverse)
 
 
 def rescaled(matrix: np.ndarray, ratio: float, parts: int = 2) -> np.ndarray:
@@ -144,7 +136,7 @@ def _powers(shape: tuple[int, int], parts: int) -> np.ndarray:
     return np.subtract.outer(rows, columns)
 
 
-def _components(vector: Sequence[complex]) -> np.ndarray:
+def components(vector: Sequence[complex]) -> np.ndarray:
     """Real and imaginary parts, alternating."""
     return np.array(vector, complex).view(float)
 
@@ -169,15 +161,12 @@ def rotor_response(system: System, step: float) -> np.ndarray:
     return found
 
 
-def consistent_start(
-    system: System, step: float, rounding: float = 0.0, known: np.ndarray | None = None
-) -> np.ndarray:
+def consistent_start(system: System, step: float, rounding: float = 0.0) -> np.ndarray:
     """Bring forces and accelerations of units in initialisation mode into agreement.
 
     Args:
         step: communication step to come [s].
         rounding: of the forces [N]: where they cancel, nothing larger can be made of them.
-        known: what an earlier start from the same values has returned; it is not measured again.
 
     Returns:
         dG/du at the start, (4 c, 4 c) for c connections, with order 5 (6 c, 6 c); its spectral
@@ -201,19 +190,21 @@ def consistent_start(
     # second derivatives take squares of the values, but these converge before them
     u = [0j] * (parts * len(system.forces))
     g_u = respond(u)
-    slope_of_g = jacobian(respond, u, g_u, size(g_u) or 1.0) if known is None else known
+    slope_of_g = jacobian(respond, u, g_u, size(g_u) or 1.0)
     if not np.isfinite(slope_of_g).all():
         raise SimulationError("start values: the forces of the balancers are not finite at t = 0 s")
     newton = QuasiNewton(slope_of_g, step, parts)
     residual = difference(g_u, u)
+    missed = components(residual)
     tolerance = max(_START_TOLERANCE, _ROUNDING * newton.gain)
     for _ in range(_START_ITERATIONS):
-        du, before = newton.correction(residual), residual
-        u = [a + b for a, b in zip(u, du, strict=True)]
+        du, before, past = newton.correction(missed), residual, missed
+        u = [a + b for a, b in zip(u, du.view(complex).tolist(), strict=True)]
         g_u = respond(u)
         residual = difference(g_u, u)
+        missed = components(residual)
         if size(residual) > SLOW * size(before):  # a weight sticks where the one before has slid
-            newton.learn(du, before, residual)
+            newton.learn(du, past, missed)
         if size(residual) <= max(tolerance * max(size(u), size(g_u)), rounding):
             break
     else:

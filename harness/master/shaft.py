@@ -45,7 +45,7 @@ class Shaft:
         self._torque = self.motor.group(derivatives("torque", order))
         self._answer = self.motor.group([*derivatives("acceleration", slopes), "speed"])
         self.speed = self._next_speed = 0.0
-        self._now = self._end = ZERO  # torque on the shaft
+        self._now = self._end = self._begun = ZERO  # torque on the shaft
 
     def restart(self) -> None:
         """The speed of a motor that was restarted."""
@@ -69,10 +69,15 @@ class Shaft:
 
     def begin(self) -> Knot:
         """The angular acceleration of units in initialisation mode, and its slope."""
-        self._now = self._end = self._torques()
+        self._now = self._end = self._begun = self._torques()
         self.motor.set(self._torque, [k.real for k in (*self._now, 0j, 0j)[: self.order + 1]])
         self.motor.fetch(self._answer)
         return self._knot()
+
+    def again(self) -> None:
+        """As after `begin`, with units that were brought back there."""
+        self.restart()
+        self._now = self._end = self._begun
 
     def step(self, time: float, step: float) -> Knot:
         """Step the motor once all others have done the step; its acceleration at the end."""

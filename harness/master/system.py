@@ -51,7 +51,7 @@ class System:
             does.
 
     Attributes:
-        exchanges: balancers that exchange force, in order.
+        exchanges: balancers that exchange force, in order; `planes` that they are on.
         shaft: the motor's part, where one drives the rotor.
         forces: of the exchanges, and then the shaft's acceleration counted as one; `force_names`
             as well.
@@ -59,7 +59,8 @@ class System:
         pushed: what the rotor is told as reals, (order + 1, planes, 2): forces and derivatives.
         felt: what it answers, (2, planes, 2) with slopes: accelerations and their slopes; with
             order 5 (3, planes, 2).
-        told, answers: the same of the balancers, (exchanges, order + 1, 2), (exchanges, 2, 2).
+        told, answers: the same of the balancers, (exchanges, order + 1, 2), (exchanges, 2, 2); of
+            the shaft a last row of `answers`.
         parts: of a signal's end: value and slope, with order 5 the second derivative.
         masses: added mass handed to the rotor at the start, by its input [kg].
         has_no_past: no step has been taken since the start or the last jump of the drive.
@@ -124,8 +125,9 @@ class System:
         self.acceleration_names = [f"{ROTOR}.{name}" for name in felt]
         self.accelerations = [SignalState() for _ in planes]
         told = np.zeros((len(pushed), 2 * (order + 1)))
-        answers = np.zeros((len(pushed), 2 * (slopes + 1)))
+        answers = np.zeros((len(pushed) + (MOTOR in units), 2 * (slopes + 1)))
         self.told, self.answers = told.reshape(-1), answers.reshape(-1)
+        self._answer_rows = answers.view(complex)
         self.exchanges = [
             Exchange(
                 units[name],
@@ -134,10 +136,11 @@ class System:
                 units[name].group(signals(["F"], slopes, plan.axes), its_answers),
             )
             for (name, force), its_told, its_answers in zip(
-                pushed.items(), told, answers, strict=True
+                pushed.items(), told, answers, strict=False
             )
         ]
-        self._alone = [e.plane for e in self.exchanges] == list(range(len(planes)))
+        self.planes = tuple(exchange.plane for exchange in self.exchanges)
+        self._alone = self.planes == tuple(range(len(planes)))
         self.forces = [SignalState() for _ in self.exchanges]
         self.force_names = [f"{exchange.unit.name}.F" for exchange in self.exchanges]
 
@@ -165,15 +168,15 @@ class System:
         """Step the rotor under the cubics of `forces`; accelerations of the planes."""
         if self.shaft:
             self.shaft.tell(forces[-1], step)
-        if not self.exchanges:
-            self.rotor.step(time, step)
-            return []
         self._sum_forces(forces)
         self.step_rotor(time, step)
         return self._knots(self._accelerations.vectors.tolist())
 
     def step_rotor(self, time: float, step: float) -> None:
         """Step the rotor as it is `pushed`; `felt` is what it answers."""
+        if not self.exchanges:
+            self.rotor.step(time, step)
+            return
         self.rotor.exchange(self._forces, self._accelerations, time, step)
 
     def balancer_pass(self, accelerations: Sequence[Cubic], time: float, step: float) -> list[Knot]:
@@ -182,8 +185,7 @@ class System:
             cubic = accelerations[exchange.plane]
             exchange.inputs.vectors[:] = cubic if self.order >= 3 else self._used(cubic)
         self.step_balancers(time, step)
-        knots = [k for e in self.exchanges for k in self._knots(e.outputs.vectors.tolist())]
-        return [*knots, self.shaft.step(time, step)] if self.shaft else knots
+        return self.ends()[: len(self.forces)]
 
     def step_balancers(self, time: float, step: float) -> None:
         """Step every exchanging balancer as it is `told`; `answers` are what they answer."""
@@ -193,6 +195,13 @@ class System:
                 self.rotor.fetch(source)
                 exchange.unit.send(target)
             exchange.unit.exchange(exchange.inputs, exchange.outputs, time, step)
+        if self.shaft:
+            self._answer_rows[-1] = self.shaft.step(time, step)[: EXACT[self.order] + 1]
+
+    def ends(self) -> list[Knot]:
+        """Ends of `forces`, and then of `accelerations`, of the step that was taken last."""
+        forces = [knot for row in self._answer_rows.tolist() for knot in self._knots(row)]
+        return forces + self._knots(self._accelerations.vectors.tolist())
 
     def answer(self, accelerations: Sequence[Cubic]) -> list[Knot]:
         """What `forces` are of units in initialisation mode under accelerations of the planes."""
@@ -283,8 +292,6 @@ class System:
             state.move(cubic, end, step)
         for state, (cubic, end) in zip(self.forces, forces, strict=True):
             state.move(cubic, end, step)
-        if self.shaft:
-            self.shaft.accept()
         self.accepted(time + step)
 
     def accepted(self, time: float) -> None:
@@ -294,6 +301,8 @@ class System:
             SimulationError: a force is not finite.
         """
         self.has_no_past = False
+        if self.shaft:
+            self.shaft.accept()
         for force, name in zip(self.forces, self.force_names, strict=True):
             if not isfinite(force.now[0]):
                 raise SimulationError(

@@ -26,6 +26,8 @@ PYTHON_STEPS = (20, 40)  # the same digits as native units, at another price
 ONE_FILE_STEPS = (*COMPENSATED_STEPS, 60, 110, 160, 220, 320, 450, 640)
 ONE_FILE_TOLERANCES = tuple(10.0 ** (-k / 2) for k in range(2, 21))
 TOLERANCES = (1e-1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7)
+FEWEST_QUINTIC = 4  # steps a revolution: three derivatives at both ends follow a quarter of a turn
+LONG_TOLERANCES = tuple(10.0 ** (-k / 2) for k in range(2, 13))
 SOLVERS: dict[str, tuple[float, ...]] = {
     "RK45": tuple(10.0**-k for k in range(3, 10)),
     "DOP853": tuple(10.0**-k for k in range(3, 11)),
@@ -171,6 +173,7 @@ def quintic_methods() -> list[Method]:
     methods = [Method("compensated", 5, n) for n in COMPENSATED_STEPS]
     methods += [Method("iterated", 5, n, passes) for passes in (1, None) for n in QUINTIC_STEPS]
     methods += [Method("iterated", 5, tolerance=t) for t in TOLERANCES]
+    methods += [Method("iterated", 5, tolerance=t, fewest=FEWEST_QUINTIC) for t in LONG_TOLERANCES]
     return methods + one_file_methods(5)
 
 

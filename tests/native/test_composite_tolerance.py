@@ -63,8 +63,9 @@ def test_steps_and_motion_are_those_of_the_harness(instance, name, tolerance, re
         host.step(end - begin)
         rows.append(host.get(*expected))
     found = np.array(rows)
-    # rounding moves the time of an event, and with it all that follows
-    allowed = 1e-6 if changes in (STICKING, HEAVY) else 2e-9
+    # rounding moves the time of an event, and with it all that follows; of HEAVY one rounding of a
+    # start angle changes the number of steps, so that its runs share no more than their tolerance
+    allowed = tolerance if changes is HEAVY else 1e-6 if changes is STICKING else 2e-9
     for k, signal in enumerate(expected):
         error = np.abs(found[:, k] - expected[signal][:-2]).max()
         assert error <= allowed * np.ptp(expected[signal]), signal

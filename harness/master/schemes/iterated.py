@@ -17,32 +17,11 @@ import numpy as np
 
 from ...errors import LoopError
 from ..fmu import EndedEarly
-from ..loop import (
-    SLOW,
-    QuasiNewton,
-    Vector,
-    difference,
-    jacobian,
-    pack,
-    size,
-    unpack,
-    values_in,
-)
-from ..signals import (
-    EXACT,
-    MISS_PER_ERROR,
-    Cubic,
-    Knot,
-    begun,
-    end_of,
-    flat,
-    interpolated,
-    joined,
-    leading_to,
-    predicted,
-)
+from ..loop import SLOW, QuasiNewton, Vector, jacobian, size, values_in
+from ..signals import EXACT, MISS_PER_ERROR, Cubic, Knot
 from ..system import System
 from .contacts import before, strike
+from .iterated_maps import Known, ahead, layout_of, step_maps
 
 CONVERGED = 1e-10  # residual of the forces relative to the largest force so far
 MAX_PASSES = 30  # quasi-Newton meets CONVERGED in two to six; more means it does not converge
@@ -54,12 +33,13 @@ CHANGE = 1e-3  # of the largest force: a disturbance that shows the loop's Jacob
 LOOSE = 1e-3  # a fixed number of passes that leaves more of the force than this is reported
 
 
-@dataclass
+@dataclass(slots=True)
 class Trial:
-    """A step taken but not yet accepted.
+    """A step taken but not yet accepted; rows are of the forces, then of the accelerations.
 
     Attributes:
-        motion, forces: cubic over the step and end, of every plane and exchange.
+        cubics, ends: of all signals; by how far these are from where the cubics before led,
+            `missed`.
         residual: of the forces, relative to the largest so far.
         largest: force [N] so far, this step's included.
     """
@@ -67,15 +47,21 @@ class Trial:
     scheme: Iterated
     time: float
     step: float
-    motion: list[tuple[Cubic, Knot]]
-    forces: list[tuple[Cubic, Knot]]
+    cubics: list[Cubic]
+    ends: list[Knot]
+    missed: list[float]
     residual: float
     largest: float
 
     def accept(self, system: System) -> None:
         """Go on from the end of the step."""
         self.scheme.largest = self.largest
-        system.accept(self.motion, self.forces, self.time, self.step)
+        signals = (*system.forces, *system.accelerations)
+        of_signals = zip(signals, self.cubics, self.ends, self.missed, strict=True)
+        for signal, cubic, end, missed in of_signals:
+            alike = signal.last_step == self.step
+            signal.arrive(cubic, end, self.step, missed if alike else 0.0)
+        system.accepted(self.time + self.step)
 
 
 class Iterated:
@@ -115,6 +101,7 @@ class Iterated:
         self._least = ROUNDING * self.newton.gain
         self.closed = max(CONVERGED, self._least)
         self.corrections = corrections
+        self._rooms: dict[tuple[bool, float], Known] = {}
         self.rounding = rounding
         self.allow(tolerance)
 
@@ -203,37 +190,46 @@ class Iterated:
         `held`: signals are held at the values they end with, whatever the order.  `jump`: the step
         is negligible.
         """
-        order = 0 if held else system.order
         tolerance = max(self._least, HELD * self.tolerance) if held else self.tolerance
         # by the unit of a negligible step second derivatives would count for nothing
-        measure = self.newton.step if jump and order == 5 else step
-        self.newton.rescale(measure)
-        starts = [force.now for force in system.forces]
-        ahead = [end_of(cubic, step) for cubic in predicted(system.forces, order)]
-        u = self._pack(ahead, measure, order)
-        previous: tuple[Vector, Vector, float] | None = None
+        unit = self.newton.step if jump and system.order == 5 else step
+        self.newton.rescale(unit)
+        count, cut = len(system.forces), self.parts
+        known = self._ready(system, unit, held, step / unit)
+        past = self._past(system)
+        track = past.dot(ahead(system.order, system.forces[0].last_step, step))
+        if unit != step:
+            track *= np.tile((unit / step) ** np.arange(cut), 2)
+        known.starts[:] = track[:, :cut]
+        known.assumed_ends[:] = 0.0 if held else track[:count, cut:]
+        previous: tuple[np.ndarray, np.ndarray, float] | None = None
         for number in range(1, passes + 1):
-            accelerations, ends, answers = self._pass(system, starts, u, time, step, order, measure)
-            g_u = self._pack(answers, measure, order)
-            residual = difference(g_u, u)
+            answers, residual = self._pass(system, time, step)
             # of passes and steps that are taken back none counts: they can be far too large
-            largest = max(self.largest, size(g_u))
-            error = size(residual) / largest if largest else 0.0
+            largest = max(self.largest, *map(abs, answers.view(complex).tolist()))
+            error = max(map(abs, residual.view(complex).tolist())) / largest if largest else 0.0
             if previous and error > max(tolerance, SLOW * previous[2]):
                 self.newton.learn(previous[0], previous[1], residual)
             if number == passes or not error > tolerance:
                 break
             du = self.newton.correction(residual)
             previous = (du, residual, error)
-            u = [a + b for a, b in zip(u, du, strict=True)]
-            if held:
-                u = [0j if k % self.parts else a for k, a in enumerate(u)]
+            known.assumed += du
             system.restore(states)
-        motion = list(zip(accelerations, ends, strict=True))
-        if held:
-            motion = joined(system.accelerations, ends, step)
-        forces = joined(system.forces, answers, step)
-        return Trial(self, time, step, motion, forces, error, largest)
+        cubics = self._maps.cubics.dot(known.numbers).view(complex).reshape(len(track), -1)
+        # accelerations stand first
+        changes, led = known.changes.tolist(), track[:, cut].tolist()
+        changes = changes[-count:] + changes[:-count]
+        return Trial(
+            self,
+            time,
+            step,
+            [tuple(cubic) for cubic in cubics.tolist()],
+            system.ends(),
+            [abs(found - change) for found, change in zip(changes, led, strict=True)],
+            error,
+            largest,
+        )
 
     def after_start(self, system: System, time: float, step: float) -> None:
         """Take the loop's Jacobian from steps of this length, all of them taken back.
@@ -241,19 +237,24 @@ class Iterated:
         At the start the units answer without a step, which says little of what heavy drag lets
         through within one.
         """
-        starts = [force.now for force in system.forces]
-        order = system.order
-        u = self._pack([end_of(begun(start), step) for start in starts], step, order)
+        known, past = self._ready(system, step), self._past(system)
+        past[:, self.parts :] = 0.0
+        track = past.dot(ahead(system.order, 0.0, step))
+        known.starts[:] = track[:, : self.parts]
+        known.assumed_ends[:] = track[: len(system.forces), self.parts :]
+        largest = max(self.largest, size(_vectors(known.first + known.assumed)))
         with system.saved() as states:
 
             def respond(assumed: Vector) -> Vector:
-                ends = self._pass(system, starts, assumed, time, step, order)[2]
+                known.assumed.view(complex)[:] = assumed
+                answers, _ = self._pass(system, time, step)
                 system.restore(states)
-                return self._pack(ends, step, order)
+                return _vectors(answers)
 
             try:
+                u = _vectors(known.assumed)
                 g_u = respond(u)
-                change = CHANGE * max(size(u), size(g_u), self.largest)
+                change = CHANGE * max(size(g_u), largest)
                 self.newton = QuasiNewton(jacobian(respond, u, g_u, change), step, self.parts)
             except EndedEarly:  # an event within the step: what is known of the loop serves on
                 system.restore(states)
@@ -264,33 +265,40 @@ class Iterated:
             return MAX_PASSES
         return self.corrections + 1
 
-    def _pack(self, ends: list[Knot], step: float, order: int) -> Vector:
-        return pack(ends if order >= 3 else [flat(end) for end in ends], step)
+    def _ready(self, system: System, unit: float, held: bool = False, length: float = 1.0) -> Known:
+        """Maps of a step of so many units of time [s], and room for what is known of it."""
+        room = held, length
+        if room not in self._rooms:
+            layout = layout_of(system.planes, len(system.forces), system.order, held, length)
+            self._rooms[room] = Known(layout)
+        self._known = known = self._rooms[room]
+        self._maps = step_maps(known.layout, unit)
+        return known
 
-    def _pass(
-        self,
-        system: System,
-        starts: list[Knot],
-        u: Vector,
-        time: float,
-        step: float,
-        order: int,
-        measure: float | None = None,
-    ) -> tuple[list[Cubic], list[Knot], list[Knot]]:
-        """Step all units once with forces that end at u, packed by the step or this `measure`."""
-        measure = measure or step
+    def _past(self, system: System) -> np.ndarray:
+        """Of every signal its end now, and the higher derivatives of its cubic before."""
+        signals = (*system.forces, *system.accelerations)
+        return np.array([s.now + s.last[self.parts :] for s in signals], complex)
 
-        def led(start: Knot, end: Knot) -> Cubic:
-            if measure != step:
-                return leading_to(end, step)
-            return interpolated(start, end, step, order)
+    def _pass(self, system: System, time: float, step: float) -> tuple[np.ndarray, np.ndarray]:
+        """Step all units once as assumed; forces answered, and how far they miss those assumed."""
+        maps, known = self._maps, self._known
+        maps.pushed.dot(known.pushing, system.pushed)
+        if system.shaft:
+            system.shaft.tell(tuple(_vectors(maps.spun.dot(known.pushing))), step)
+        system.step_rotor(time, step)
+        np.subtract(maps.felt.dot(system.felt), known.begun, known.moved)
+        maps.told.dot(known.telling, system.told)
+        system.step_balancers(time, step)
+        answers = maps.answers.dot(system.answers)
+        np.subtract(answers, known.first, known.answered)
+        residual = known.answered - known.assumed
+        unused = known.layout.unused
+        if unused.size:
+            answers[unused] = residual[unused] = 0.0
+        return answers, residual
 
-        forces = [
-            led(start, end)
-            for start, end in zip(starts, unpack(u, measure, self.parts), strict=True)
-        ]
-        ends = system.rotor_pass(forces, time, step)
-        accelerations = [
-            led(track.now, end) for track, end in zip(system.accelerations, ends, strict=True)
-        ]
-        return accelerations, ends, system.balancer_pass(accelerations, time, step)
+
+def _vectors(components: np.ndarray) -> Vector:
+    """Complex numbers from their real and imaginary parts."""
+    return components.view(complex).tolist()

@@ -108,15 +108,13 @@ def choose(
     if coupling.scheme == Compensated.name:
         return Compensated(jacobian, response, step, scene.profile().speed, system.order)
     if coupling.tolerance is not None:
-        rotor, profile = scene.assembly().loaded_rotor, scene.profile()
-        top = max(profile.start, profile.end)
         return Adaptive(
             Iterated(jacobian, step, system.order, rounding=rounding),
             coupling.tolerance,
             gain,
-            float(rotor.mass.sum()),
+            float(scene.assembly().loaded_rotor.mass.sum()),
             bool(scene.rotor.friction),
-            float(np.abs(rotor.free_rates(top)).min()) / top,
+            scene.slowest_rate,
         )
     corrections = coupling.corrections
     if corrections is None and coupling.scheme == "auto" and gain <= WEAK_LOOP:

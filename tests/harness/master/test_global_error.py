@@ -187,3 +187,21 @@ def test_weights_that_stick_are_given_steps_by_units_whose_steps_cannot_end_earl
         "run": {"revolutions": 1},
     }
     assert cosimulate(Scene.from_document(document), record=[]).steps == 40
+
+
+@pytest.mark.parametrize("name", ["two_balls", "run_up", "liquid_heavy_force", "sommerfeld"])
+def test_a_run_that_begins_again_does_not_know_what_became_of_the_one_before(name):
+    scene = load_scene(name).replace({"coupling.tolerance": 1e-3, "run.revolutions": 2})
+    points = (np.linspace(0.0, 0.1, 400).tolist(), 1e-8)
+    ends = []
+    with CoSimulation(scene) as cosim:
+        for steps in (0, 7):
+            cosim.start()
+            for _ in range(steps):
+                cosim.step(0.01, 0.001)
+            cosim.start(points=points)
+            for _ in range(20):
+                cosim.step(0.01, 0.001)
+            system = cosim.system
+            ends.append(([s.now for s in (*system.forces, *system.accelerations)], cosim.time))
+    assert ends[0] == ends[1]

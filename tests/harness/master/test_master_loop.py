@@ -146,7 +146,8 @@ def test_a_loop_without_a_digit_of_its_own_gain_is_refused():
 
 def test_a_motion_beyond_all_bounds_teaches_the_loop_nothing(recwarn):
     newton = QuasiNewton(np.zeros((4, 4)), 0.1)
-    newton.learn([1e200, 0.0], [1e200, 0.0], [-1e200, 0.0])
+    far = np.array([1e200, 0.0, 0.0, 0.0])
+    newton.learn(far, far, -far)
     assert (newton.inverse == np.eye(4)).all()
     assert not recwarn
 

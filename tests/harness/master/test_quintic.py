@@ -215,7 +215,7 @@ def test_one_file_takes_the_same_order_and_the_same_steps(name):
         ({"operation.speed": None, "operation.motor": MOTOR}, "operation.motor"),
         (
             {"rotor.friction": [{"limit": 0.1}]},
-            "rotor.friction: not with coupling.order = 5: a step",
+            "rotor.friction: not with coupling.order = 5: the rotor",
         ),
         ({"weights.weight_radius": 0.1}, "balancer[1].weight_radius"),
         ({"weights.rolling_resistance": 0.01}, "balancer[1].rolling_resistance"),

@@ -1,0 +1,43 @@
+"""The beginning of a run, to which the next one with the same start values goes back."""
+
+from __future__ import annotations
+
+from copy import copy
+from ctypes import c_void_p
+
+from .system import System
+
+
+class Beginning:
+    """Where a run begins: states of units, and signals, to begin it again."""
+
+    def __init__(self, system: System) -> None:
+        self._system, self._units = system, list(system.units.values())
+        self._states: list[c_void_p] = []
+
+    def keep(self) -> None:
+        """What is now is where a run begins."""
+        if self._states:
+            for unit, state in zip(self._units, self._states, strict=True):
+                unit.save(state)
+        else:
+            self._states.extend(unit.save() for unit in self._units)
+        self._signals = (*self._system.forces, *self._system.accelerations)
+        self._kept = [copy(signal) for signal in self._signals]
+
+    def again(self) -> None:
+        """Bring all back to where the run began."""
+        for unit, state in zip(self._units, self._states, strict=True):
+            unit.restore(state)
+            unit.time = 0.0
+        for signal, kept in zip(self._signals, self._kept, strict=True):
+            signal.now, signal.largest = kept.now, kept.largest
+        if self._system.shaft:
+            self._system.shaft.again()
+        self._system.drop_past()
+
+    def free(self) -> None:
+        """Free the states."""
+        for unit, state in zip(self._units, self._states, strict=False):  # saving may have failed
+            unit.free(state)
+        self._states = []
