@@ -14,12 +14,11 @@ from __future__ import annotations
 
 import hashlib
 import importlib.util
-import io
+import json
 import lzma
 import os
 import subprocess
 import sys
-import tarfile
 import tempfile
 from collections.abc import Iterable, Iterator
 from concurrent.futures import ThreadPoolExecutor
@@ -52,8 +51,7 @@ COMPILER = "0.17.1"  # version of ziglang: part of the stamp, another writes oth
 
 SOURCES = Path(__file__).resolve().parent
 BINARIES = SOURCES / "bin"
-GENERATED = BINARIES / "sources"
-PACKED = SOURCES / "sources.tar.xz"  # once installed, in place of the C files
+PACKED = SOURCES / "sources.json.xz"  # once installed, in place of the C files
 
 _STAMP = '#ifndef STAMP_H\n#define STAMP_H\n\n#define STAMP "{}"\n\n#endif\n'
 
@@ -85,50 +83,30 @@ def page_library() -> bytes:
 
 
 def _made(names: list[str]) -> dict[str, Path]:
-    if not _current():
-        generate()
     current = stamp()
     _compile([name for name in names if _made_from(name) != current])
     return {name: _library(name) for name in names}
 
 
 def stale(platforms: Iterable[str] = TARGETS) -> bool:
-    """Whether `libraries` would have to generate or compile."""
-    if not _current():
-        return True
+    """Whether `libraries` would have to compile."""
     current = stamp()
     return any(_made_from(name) != current for name in _known(platforms, TARGETS))
 
 
 def stamp() -> str:
-    """Sixteen hexadecimal digits that name the sources of the libraries.
-
-    Raises:
-        OSError: layout.h has not been generated yet.
-    """
-    total = hashlib.sha256()
-    options = (*FLAGS, *FAST, *SMALL, *SMALLEST, *HOT, *COLD, *OBJECT, *LINK)
-    for text in (COMPILER, *options, *map(repr, TARGETS.values())):
-        total.update(text.encode() + b"\0")
-    for name, text in {**texts(), "layout.h": generated("layout.h")}.items():
-        total.update(f"{Path(name).name}\0{len(text)}\0{text}".encode())
-    return total.hexdigest()[:16]
+    """Sixteen hexadecimal digits that name the sources of the libraries."""
+    return _complete()[1]
 
 
 def sources() -> dict[str, str]:
-    """Text of the C sources by file name, without what is generated or for one platform alone."""
-    return {name: text for name, text in texts().items() if "/" not in name}
+    """Text of what a tool compiles, by file name: all but what is for one platform alone."""
+    return {name: text for name, text in _complete()[0].items() if "/" not in name}
 
 
 def packed() -> bytes:
-    """The C sources as one archive, for a wheel: half of what they take one by one."""
-    buffer = io.BytesIO()
-    with tarfile.open(fileobj=buffer, mode="w:xz", preset=9) as archive:
-        for name, text in texts().items():
-            entry = tarfile.TarInfo(name)
-            entry.size = len(data := text.encode())
-            archive.addfile(entry, io.BytesIO(data))
-    return buffer.getvalue()
+    """The C sources as one file, for a wheel: half of what they take one by one."""
+    return lzma.compress(json.dumps(texts()).encode(), preset=9)
 
 
 def texts() -> dict[str, str]:
@@ -143,24 +121,24 @@ def texts() -> dict[str, str]:
 
 @cache
 def _unpacked() -> dict[str, str]:
-    with tarfile.open(PACKED) as archive:
-        files = ((entry.name, archive.extractfile(entry)) for entry in archive)
-        return {name: file.read().decode() for name, file in files if file}
+    return json.loads(lzma.decompress(PACKED.read_bytes()))
 
 
-def generated(name: str) -> str:
-    """Text of layout.h or stamp.h, as `libraries` leaves them."""
-    return source(GENERATED / name)
-
-
-def generate() -> None:
-    """Write layout.h, from the declarations of the units, and stamp.h."""
-    _write(GENERATED / "layout.h", header().encode())
-    _write(GENERATED / "stamp.h", _STAMP.format(stamp()).encode())
+def _complete() -> tuple[dict[str, str], str]:
+    """Sources with what is generated, the variables of the units and the stamp; and the stamp."""
+    written = {**texts(), "layout.h": header()}
+    total = hashlib.sha256()
+    options = (*FLAGS, *FAST, *SMALL, *SMALLEST, *HOT, *COLD, *OBJECT, *LINK)
+    for text in (COMPILER, *options, *map(repr, TARGETS.values())):
+        total.update(text.encode() + b"\0")
+    for name, text in written.items():
+        total.update(f"{Path(name).name}\0{len(text)}\0{text}".encode())
+    current = total.hexdigest()[:16]
+    return {**written, "stamp.h": _STAMP.format(current)}, current
 
 
 def compile(platforms: Iterable[str] = PLATFORMS) -> None:
-    """Compile the libraries of these platforms from the sources and what `generate` has written.
+    """Compile the libraries of these platforms.
 
     Raises:
         As `libraries`.
@@ -172,20 +150,19 @@ def _compile(names: list[str]) -> None:
     if not names:
         return
     _installed()
-    current = stamp()
+    written, current = _complete()
     with _caches() as environment:
         for name in names:
-            library = _compiled(TARGETS[name], environment)
+            library = _compiled(TARGETS[name], written, environment)
             # a page holds it as text, whatever the form in which it is kept
             packed = name == PAGE
             _write(_library(name), lzma.compress(library, preset=9) if packed else library)
             _write(BINARIES / name / "stamp", current.encode())
 
 
-def _compiled(platform: Platform, environment: dict[str, str]) -> bytes:
+def _compiled(platform: Platform, sources: dict[str, str], environment: dict[str, str]) -> bytes:
     """Bytes of a library; the compiler runs in the folder of the sources, so no path is in them."""
     windows = platform.library.endswith(".dll")
-    sources = texts()
     folders = (".", platform.folder)
     files = [n for n in sources if n.endswith(".c") and str(Path(n).parent) in folders]
     target = ("cc", "-target", platform.target, "-g0")
@@ -198,7 +175,7 @@ def _compiled(platform: Platform, environment: dict[str, str]) -> bytes:
             stem = Path(file).stem
             output = str(Path(folder) / f"{stem}.o")
             level = FAST if stem in HOT else SMALLEST if stem in COLD else SMALL
-            options = (*FLAGS, *level, *WARNINGS, *OBJECT, *platform.compiler, "-I", str(GENERATED))
+            options = (*FLAGS, *level, *WARNINGS, *OBJECT, *platform.compiler, "-I", ".")
             _zig([*target, *options, "-c", file, "-o", output], folder, environment)
             return output
 
@@ -278,14 +255,6 @@ def _made_from(platform: str) -> str | None:
     """Stamp of the library that is there."""
     path = BINARIES / platform / "stamp"
     return path.read_text() if path.exists() and _library(platform).exists() else None
-
-
-def _current() -> bool:
-    """Whether layout.h and stamp.h belong to the present sources and declarations."""
-    try:
-        return generated("layout.h") == header() and generated("stamp.h") == _STAMP.format(stamp())
-    except FileNotFoundError:
-        return False
 
 
 def _write(path: Path, data: bytes) -> None:

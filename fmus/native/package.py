@@ -6,7 +6,7 @@ import struct
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from xml.etree.ElementTree import Element, SubElement, indent, tostring
 
-from .compile import PLATFORMS, generated, libraries, sources, stamp
+from .compile import PLATFORMS, libraries, sources, stamp
 
 # FMI 2.0.5, 2.3: names of its own for x86, else those of FMI 3.0
 _FMI2 = {"x86_64-linux": "linux64", "x86_64-windows": "win64", "x86_64-darwin": "darwin64"}
@@ -40,7 +40,7 @@ def native_files(
         f"binaries/{folder}/{identifier}{_suffix(folder)}": library
         for folder, library in (_fmi2_folders(made) if fmi == 2 else made).items()
     }
-    texts = {**sources(), "layout.h": generated("layout.h"), "stamp.h": generated("stamp.h")}
+    texts = sources()
     files.update((f"sources/{name}", text.encode()) for name, text in texts.items())
     compiled = sorted(name for name in texts if name.endswith(".c"))
     if fmi == 3:

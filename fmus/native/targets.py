@@ -6,9 +6,10 @@ from dataclasses import dataclass
 
 # no contraction to fused multiply-add: the same bits on every processor; sqrt an instruction
 FLAGS = ("-std=c99", "-ffp-contract=off", "-fno-math-errno")
-# where steps spend their time, for speed; what no step comes to, for the least size (zig takes -Oz
-# alone for -Os); all else, for size: it is no slower
-FAST, SMALL, SMALLEST = ("-O2",), ("-Os",), ("-Os", "-Xclang", "-Oz")
+# where steps spend their time, for speed; what takes little of a step, for the least size (zig
+# takes -Oz alone for -Os); all else, for size with little put in line: it is no slower
+FAST, SMALL = ("-O2",), ("-Os", "-mllvm", "-inline-threshold=5")
+SMALLEST = ("-Os", "-Xclang", "-Oz")
 HOT = ("propagator", "quintic_weights", "weights")
 COLD = (
     *("batch", "composite", "composite_contacts", "composite_run", "composite_scales"),
@@ -18,7 +19,11 @@ COLD = (
     *("linear_rotor", "resource", "rotor_kinds", "text", "token", "unit_values"),
     *("unit_derivatives", "unit_elements", "unit_front", "unit_messages"),
     *("unit_rotor_derivatives", "unit_rotor_kinds", "unit_state_bytes"),
-    *("unit_weights_derivatives", "variables"),
+    *("unit_weights_derivatives", "variables", "variable_speed", "unit_rotor_within"),
+    *("composite_compensated", "composite_resolution", "composite_loop", "composite_system"),
+    *("composite_adaptive", "composite_iterated", "composite_signals", "unit_rotor", "contact"),
+    *("groups", "ring", "motion", "impacts", "roots", "events", "event_functions", "unit_state"),
+    *("resistance", "unit_rotor_gravity"),
 )
 WARNINGS = ("-Wall", "-Wextra", "-Wpedantic")
 # macOS headers would call checking variants of memcpy; without loops unrolled or made into vectors

@@ -49,6 +49,8 @@ def who_works(cluster: str | None) -> Iterator[Workers]:
                         n_workers=cores,
                         threads_per_worker=1,
                         dashboard_address=None,
+                        # of its own HTTP server: any port, others may work beside this one
+                        scheduler_kwargs={"dashboard_address": ":0"},
                         silence_logs=logging.CRITICAL,
                         local_directory=tempfile.gettempdir(),
                         env={"TMPDIR": tempfile.gettempdir()},

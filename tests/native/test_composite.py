@@ -22,7 +22,8 @@ from autobalancer.harness.master.schedule import at_fixed_steps
 
 RANGE = 1e-11  # of a signal's range
 KEPT: list[object] = []  # FMPy's one proxy goes on calling the last logger it was given
-RANGE_MET = 1e-9  # where weights collide: a pulse, a million times the force, has its rounding
+# where weights collide: the last digits of a start angle move their signals by 1e-9
+RANGE_MET = 1e-8
 
 
 def turning(scene: Scene, parts: int, revolutions: float) -> np.ndarray:

@@ -60,8 +60,10 @@ class Layout:
         if length < 1.0:
             telling = joining = _of_changes(lambda _, end: leading_to(end, length), parts)
         else:
-            telling = _of_changes(lambda *ends: interpolated(*ends, 1.0, exchanged), parts)
-            joining = _of_changes(lambda *ends: hermite(*ends, 1.0), parts)
+            telling = _of_changes(
+                lambda start, end: interpolated(start, end, 1.0, exchanged), parts
+            )
+            joining = _of_changes(lambda start, end: hermite(start, end, 1.0), parts)
         cubics = _combined(first, assumed, telling[:, : order + 1])
         pushed = np.zeros((order + 1, places, len(known)))
         for plane, cubic in zip(planes, cubics, strict=False):
