@@ -21,7 +21,7 @@ COLD = (
     *("unit_rotor_derivatives", "unit_rotor_kinds", "unit_state_bytes"),
     *("unit_weights_derivatives", "variables", "variable_speed", "unit_rotor_within"),
     *("composite_compensated", "composite_resolution", "composite_loop", "composite_system"),
-    *("composite_adaptive", "composite_iterated", "composite_signals", "unit_rotor", "contact"),
+    *("composite_adaptive", "composite_prescribed", "spacing", "track", "unit_rotor", "contact"),
     *("groups", "ring", "motion", "impacts", "roots", "events", "event_functions", "unit_state"),
     *("resistance", "unit_rotor_gravity"),
 )

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 
+from ...models.reference.coupled import weights_of
 from ..scene import Scene
 from ..scene.run import DEFAULT_STEPS, FEWEST_CHOSEN, UNCORRECTED
 from .runtime import runtime
@@ -16,6 +17,7 @@ WIDE, LEAST = 1e-4, 0.1
 # tolerance from which on quintic signals cost less than cubic ones, at a constant speed; and in a
 # run-up, where the rotor's own step is the larger part
 QUINTIC, QUINTIC_RUN_UP = 1e-4, 1e-5
+HEAVY_DRAG = 1e3  # rate over speed: a second derivative of the force errs by the square of it
 
 
 class DrivenSpeed:
@@ -55,7 +57,14 @@ def order_of_run(scene: Scene) -> int:
         return coupling.order
     exchanges = any(balancer.exchanges_force for balancer in scene.balancer)
     left_open = "order" not in coupling.model_fields_set
-    return 5 if left_open and exchanges and scene.takes_quintics else coupling.order
+    takes = left_open and exchanges and scene.takes_quintics and not _heavy_drag(scene)
+    return 5 if takes else coupling.order
+
+
+def _heavy_drag(scene: Scene) -> bool:
+    """Whether drag holds a weight so much that second derivatives of its force are lost."""
+    limit, weights = HEAVY_DRAG * scene.profile().end, scene.assembly().weights
+    return any(weights_of(mounted).damping_rate > limit for mounted in weights)
 
 
 def force_jumps(scene: Scene) -> bool:

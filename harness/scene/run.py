@@ -148,7 +148,8 @@ class Coupling(Table):
     order: Annotated[Literal[0, 1, 3, 5], BeforeValidator(_whole_choice)] = 3
     """Of the signals over a step: 0 held, 1 linear, 3 cubic, 5 quintic Hermite; the last takes a
     speed that is prescribed, supports without dry friction, and weights that cannot meet or stick;
-    default: 3, or 5 in a run with a tolerance of at most 1e-4 (run-ups: 1e-5) if the scene can."""
+    default: 3, or 5 in a run with a tolerance of at most 1e-4 (run-ups: 1e-5) if the scene can and
+    drag is not heavy."""
     corrections: Annotated[Whole | None, Field(ge=0, le=100)] = None
     """Corrector passes of `iterated` with given steps; default: until the loop has converged, with
     `auto` as few as the loop gain asks for."""
