@@ -17,7 +17,7 @@ WIDE, LEAST = 1e-4, 0.1
 # tolerance from which on quintic signals cost less than cubic ones, at a constant speed; and in a
 # run-up, where the rotor's own step is the larger part
 QUINTIC, QUINTIC_RUN_UP = 1e-4, 1e-5
-HEAVY_DRAG = 1e3  # rate over speed: a second derivative of the force errs by the square of it
+HEAVY_DRAG = 1e2  # rate over speed: a second derivative of the force errs by the square of it
 
 
 class DrivenSpeed:

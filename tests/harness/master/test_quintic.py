@@ -7,7 +7,7 @@ import pytest
 
 from autobalancer.fmus.catalogue import sized_unit
 from autobalancer.fmus.composite.composition import Composition, Part
-from autobalancer.harness import SceneError, cosimulate, load_scene
+from autobalancer.harness import Scene, SceneError, cosimulate, load_scene
 from autobalancer.harness.master.cosimulation import CoSimulation
 from autobalancer.harness.master.one_file import composition
 from autobalancer.harness.master.plan import plan
@@ -244,3 +244,23 @@ def test_dry_friction_has_no_unit_with_quintic_signals():
         sized_unit("RotorOnSupports", sliders=1, order=5)
     with pytest.raises(ValueError, match="order = 4: must be one of 3, 5"):
         sized_unit("BallBalancer", order=4)
+
+
+@pytest.mark.parametrize("one_file", [False, True])
+def test_a_run_up_under_heavy_drag_keeps_cubics(one_file):
+    """Quintics found no step short enough for what the end of this run-up leaves in a weight."""
+    document = {
+        "rotor": {
+            "kind": "planar", "mass": 5.293, "stiffness": [3520.12, 1535.28],
+            "damping": [0.02306, 0.2073], "unbalance": 2.427e-6,
+        },
+        "balancer": [{
+            "kind": "pendulums", "count": 1, "mass": 0.327, "track_radius": 0.1492,
+            "drag": 10440.0, "angles": [4.76],
+        }],
+        "operation": {"run_up": {"from": 0.0, "to": 135.7, "seconds": 0.01076}, "gravity": 1.955},
+        "run": {"revolutions": 0.34},
+        "coupling": {"tolerance": 1e-6},
+    }  # fmt: skip
+    result = cosimulate(Scene.from_document(document), one_file=one_file)
+    assert result.estimated_error < 1e-6
