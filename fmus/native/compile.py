@@ -32,7 +32,6 @@ from ..xml.archive import source, write
 from .layout import header
 from .macho import settled
 from .targets import (
-    COLD,
     FAST,
     FLAGS,
     HOT,
@@ -43,6 +42,7 @@ from .targets import (
     SMALL,
     SMALLEST,
     TARGETS,
+    WARM,
     WARNINGS,
     Platform,
 )
@@ -128,7 +128,7 @@ def _complete() -> tuple[dict[str, str], str]:
     """Sources with what is generated, the variables of the units and the stamp; and the stamp."""
     written = {**texts(), "layout.h": header()}
     total = hashlib.sha256()
-    options = (*FLAGS, *FAST, *SMALL, *SMALLEST, *HOT, *COLD, *OBJECT, *LINK)
+    options = (*FLAGS, *FAST, *SMALL, *SMALLEST, *HOT, *WARM, *OBJECT, *LINK)
     for text in (COMPILER, *options, *map(repr, TARGETS.values())):
         total.update(text.encode() + b"\0")
     for name, text in written.items():
@@ -174,7 +174,7 @@ def _compiled(platform: Platform, sources: dict[str, str], environment: dict[str
         def compiled(file: str) -> str:
             stem = Path(file).stem
             output = str(Path(folder) / f"{stem}.o")
-            level = FAST if stem in HOT else SMALLEST if stem in COLD else SMALL
+            level = FAST if stem in HOT else SMALL if stem in WARM else SMALLEST
             options = (*FLAGS, *level, *WARNINGS, *OBJECT, *platform.compiler, "-I", ".")
             _zig([*target, *options, "-c", file, "-o", output], folder, environment)
             return output

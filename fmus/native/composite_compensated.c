@@ -71,17 +71,9 @@ static void moments(int parts, double turn, double ratio, Complex *missed, Compl
 /* Signal over a step that gives a free mass what it missed in the step before. */
 static void carry(Carried *carried, int parts, double turn, double past, double step)
 {
-    static const double shapes[MOST_PARTS - 1][QUINTIC_ORDERS][MOST_PARTS] = {
-        {{1.0, 0.0}, {0.0, 1.0}, {-6.0, -4.0}, {12.0, 6.0}},
-        {{1.0, 0.0, 0.0},
-         {0.0, 1.0, 0.0},
-         {0.0, 0.0, 1.0},
-         {-60.0, -36.0, -9.0},
-         {360.0, 192.0, 36.0},
-         {-720.0, -360.0, -60.0}}};
+    const Knot nothing = {{0.0, 0.0}, {0.0, 0.0}, {0.0, 0.0}};
     Complex missed[MOST_PARTS * MOST_PARTS], given[MOST_PARTS * MOST_PARTS];
-    double power = 1.0;
-    int k, i, j;
+    int k, i;
     if (carried->turn == turn && carried->past == past && carried->step == step) {
         return;
     }
@@ -89,13 +81,16 @@ static void carry(Carried *carried, int parts, double turn, double past, double 
     memset(given, 0, sizeof given);
     moments(parts, turn, step / past, missed, given);
     matrix_solve(2, parts, parts, (double *)given, (double *)missed);
-    for (k = 0; k < 2 * parts; k++, power *= step) {
-        for (i = 0; i < parts; i++) {
-            Complex sum = {0.0, 0.0};
-            for (j = 0; j < parts; j++) {
-                sum = plus(sum, shapes[parts - 2][k][j], missed[parts * j + i]);
-            }
-            carried->rows[k][i] = complex_of(sum.re / power, sum.im / power);
+    for (i = 0; i < parts; i++) {
+        Complex signal[QUINTIC_ORDERS];
+        Knot start = nothing;
+        double power = 1.0;
+        for (k = 0; k < parts; k++) {
+            (&start.value)[k] = missed[parts * k + i];
+        }
+        knot_hermite(&start, &nothing, 2 * parts, 1.0, signal);
+        for (k = 0; k < 2 * parts; k++, power *= step) {
+            carried->rows[k][i] = complex_of(signal[k].re / power, signal[k].im / power);
         }
     }
     carried->turn = turn;

@@ -6,24 +6,15 @@ from dataclasses import dataclass
 
 # no contraction to fused multiply-add: the same bits on every processor; sqrt an instruction
 FLAGS = ("-std=c99", "-ffp-contract=off", "-fno-math-errno")
-# where steps spend their time, for speed; what takes little of a step, for the least size (zig
-# takes -Oz alone for -Os); all else, for size with little put in line: it is no slower
+# where steps spend their time, for speed; what takes a part of it, for size with little put in
+# line: it is no slower; all else, for the least size (zig takes -Oz alone for -Os)
 FAST, SMALL = ("-O2",), ("-Os", "-mllvm", "-inline-threshold=5")
 SMALLEST = ("-Os", "-Xclang", "-Oz")
 HOT = ("propagator", "quintic_weights", "weights")
-COLD = (
-    *("batch", "composite", "composite_contacts", "composite_run", "composite_scales"),
-    *("composite_startup", "composite_token", "fmi2", "fmi3", "run", "unit", "unit_motor"),
-    *("decimal", "failure_words", "first_fall", "fmi3_interfaces", "fmi3_types"),
-    *("composite_shaft", "motor", "shaft", "unit_liquid", "friction"),
-    *("linear_rotor", "resource", "rotor_kinds", "text", "token", "unit_values"),
-    *("unit_derivatives", "unit_elements", "unit_front", "unit_messages"),
-    *("unit_rotor_derivatives", "unit_rotor_kinds", "unit_state_bytes"),
-    *("unit_weights_derivatives", "variables", "variable_speed", "unit_rotor_within"),
-    *("composite_compensated", "composite_resolution", "composite_loop", "composite_system"),
-    *("composite_adaptive", "composite_prescribed", "spacing", "track", "unit_rotor", "contact"),
-    *("groups", "ring", "motion", "impacts", "roots", "events", "event_functions", "unit_state"),
-    *("resistance", "unit_rotor_gravity"),
+WARM = (
+    *("angle", "centre", "composite_iterated", "composite_signals", "elementary", "liquid"),
+    *("matrix", "pulse", "quintic", "reaction_change", "signals", "unit_rotor_step"),
+    *("unit_weights", "entry", "failure", "memory", "page"),
 )
 WARNINGS = ("-Wall", "-Wextra", "-Wpedantic")
 # macOS headers would call checking variants of memcpy; without loops unrolled or made into vectors

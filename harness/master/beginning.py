@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from copy import copy
-from ctypes import c_void_p
 
+from .saved_states import SavedStates
 from .system import System
 
 
@@ -13,15 +13,12 @@ class Beginning:
 
     def __init__(self, system: System) -> None:
         self._system, self._units = system, list(system.units.values())
-        self._states: list[c_void_p] = []
+        self._saved = SavedStates(self._units, [])
+        self.free = self._saved.free
 
     def keep(self) -> None:
         """What is now is where a run begins."""
-        if self._states:
-            for unit, state in zip(self._units, self._states, strict=True):
-                unit.save(state)
-        else:
-            self._states.extend(unit.save() for unit in self._units)
+        self._states = self._saved.save()
         self._signals = (*self._system.forces, *self._system.accelerations)
         self._kept = [copy(signal) for signal in self._signals]
 
@@ -35,9 +32,3 @@ class Beginning:
         if self._system.shaft:
             self._system.shaft.again()
         self._system.drop_past()
-
-    def free(self) -> None:
-        """Free the states."""
-        for unit, state in zip(self._units, self._states, strict=False):  # saving may have failed
-            unit.free(state)
-        self._states = []

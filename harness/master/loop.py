@@ -141,6 +141,11 @@ def components(vector: Sequence[complex]) -> np.ndarray:
     return np.array(vector, complex).view(float)
 
 
+def vector(components: np.ndarray) -> Vector:
+    """Inverse of `components`."""
+    return components.view(complex).tolist()
+
+
 def rotor_response(system: System, step: float) -> np.ndarray:
     """d(acceleration)/d(force) of a rotor in initialisation mode, for p planes and c connections.
 
@@ -199,7 +204,7 @@ def consistent_start(system: System, step: float, rounding: float = 0.0) -> np.n
     tolerance = max(_START_TOLERANCE, _ROUNDING * newton.gain)
     for _ in range(_START_ITERATIONS):
         du, before, past = newton.correction(missed), residual, missed
-        u = [a + b for a, b in zip(u, du.view(complex).tolist(), strict=True)]
+        u = [a + b for a, b in zip(u, vector(du), strict=True)]
         g_u = respond(u)
         residual = difference(g_u, u)
         missed = components(residual)

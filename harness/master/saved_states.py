@@ -22,6 +22,13 @@ class SavedStates:
         self._states: list[c_void_p] = []
 
     def __enter__(self) -> list[c_void_p]:
+        return self.save()
+
+    def __exit__(self, *_exception: object) -> None:
+        self._spare.append(self)
+
+    def save(self) -> list[c_void_p]:
+        """The states as they are now."""
         try:
             if self._states:
                 for unit, state in zip(self._units, self._states, strict=True):
@@ -33,9 +40,6 @@ class SavedStates:
             self.free()
             raise
         return self._states
-
-    def __exit__(self, *_exception: object) -> None:
-        self._spare.append(self)
 
     def free(self) -> None:
         """Free the states."""

@@ -8,8 +8,10 @@ of both ends as well; how many derivatives its ends have tells it from a cubic.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+
+import numpy as np
 
 from ...models import quintic
 
@@ -124,6 +126,11 @@ class SignalState:
             self.largest = modulus
         self.prediction_error = missed
         self.now, self.last, self.last_step = end, cubic, step
+
+
+def matrix_of(formula: Callable[..., Sequence[complex]], count: int) -> np.ndarray:
+    """The matrix of a formula that is linear in so many numbers, a row for each of these."""
+    return np.array([formula(*unit) for unit in np.eye(count).tolist()])
 
 
 def predicted(signals: Sequence[SignalState], order: int) -> list[Cubic]:

@@ -22,7 +22,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from .. import quintic
+from .. import cubic, quintic
 from ..rotor import LinearRotor
 from ..spin import STEADY, Rates, drift, spin_at
 from .radau import radau
@@ -217,13 +217,7 @@ class VariableSpeedStep:
 
 def _derivatives(forces: NDArray, time: float) -> Sequence[NDArray]:
     """Cubic or quintic forces at a time: value and slope, of quintics the second derivative too."""
-    if len(forces) == 6:
-        return quintic.at(list(forces), time)
-    f0, f1, f2, f3 = forces
-    return (
-        f0 + time * (f1 + time * (f2 / 2 + time * f3 / 6)),
-        f1 + time * (f2 + time * f3 / 2),
-    )
+    return (quintic.at if len(forces) == 6 else cubic.at)(list(forces), time)
 
 
 def _largest(values: NDArray) -> float:

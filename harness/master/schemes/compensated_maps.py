@@ -6,12 +6,12 @@ of an identity once for every length of a step; then a step costs three products
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from functools import lru_cache
 
 import numpy as np
 
-from ..signals import Cubic, Knot, end_of, extrapolated, hermite, leading_to
+from ..signals import end_of, extrapolated, hermite, leading_to, matrix_of
 
 # derivatives 3 to 5, in powers of the step, at the start of a step of the quintic that ends with
 # given value, slope and second derivative, begins with no value and no second derivative, and had
@@ -70,16 +70,16 @@ class StepMaps:
 
         self._parts, self._planes, self._past, self._step = parts, planes, past, step
         self._angle = np.nan
-        order = 2 * parts - 1
-        predicting = _formula(parts, lambda *c: extrapolated(c[:parts], c, past, order))
-        ending = _formula(parts, lambda *cubic: end_of(cubic, step))
-        joining = _formula(parts, lambda *ends: hermite(ends[:parts], ends[parts:], step))
+        size, order = 2 * parts, 2 * parts - 1
+        predicting = matrix_of(lambda *c: extrapolated(c[:parts], c, past, order), size).T
+        ending = matrix_of(lambda *cubic: end_of(cubic, step), size).T
+        joining = matrix_of(lambda *ends: hermite(ends[:parts], ends[parts:], step), size).T
         predicted = _combined(predicting, kept[: 2 * parts])
         self._assumed = predicted[..., :forces]
         self._missed = missed
         if jump and parts == 3:  # rounding would be all that is left of the quintic's derivatives
-            leading = [leading_to(unit, step) for unit in _units(3)]
-            motion = _combined(np.array(leading).T, felt)
+            leading = matrix_of(lambda *end: leading_to(end, step), parts).T
+            motion = _combined(leading, felt)
         else:
             motion = _combined(joining, np.concatenate([now[..., forces:], felt]))
         motion += self._made_good(0.0, missed[..., forces:])
@@ -119,16 +119,6 @@ class StepMaps:
 def kept_of(parts: int) -> int:
     """How many numbers are kept of a signal whose ends have so many parts."""
     return 3 * parts + 1
-
-
-def _formula(parts: int, formula: Callable[..., Cubic | Knot]) -> np.ndarray:
-    """Coefficients of a formula that is linear in what tells a signal, a column each."""
-    return np.array([formula(*unit) for unit in np.eye(2 * parts).tolist()]).T
-
-
-def _units(parts: int) -> list[Knot]:
-    """Ends with 1 for each part in turn."""
-    return [tuple(unit) for unit in np.eye(parts).tolist()]
 
 
 # Below, numbers that are linear in what is known are an array (parts of a signal, known, signals)
@@ -175,9 +165,9 @@ def carried(turn: float, past: float, step: float, parts: int = 2) -> np.ndarray
         slope times `past`, and missed second derivative times its square.
     """
     ratio, moments = step / past, np.arange(parts)[:, None]
-    nothing, units = (0.0,) * parts, _units(parts)
-    rising = np.array([hermite(nothing, unit, 1.0) for unit in units])
-    falling = np.array([hermite(unit, nothing, 1.0) for unit in units])
+    nothing = (0.0,) * parts
+    rising = matrix_of(lambda *end: hermite(nothing, end, 1.0), parts)
+    falling = matrix_of(lambda *start: hermite(start, nothing, 1.0), parts)
     powers = _NODES ** np.arange(2 * parts)[:, None] / _FACTORIALS[: 2 * parts, None]
     # impulse and its moments about the end of this step, in axes of the start of the past one
     before = _SHARES * np.exp(1j * turn * _NODES) * (1.0 - _NODES + ratio) ** moments

@@ -17,7 +17,7 @@ import numpy as np
 
 from ...errors import LoopError
 from ..fmu import EndedEarly
-from ..loop import SLOW, QuasiNewton, Vector, jacobian, size, values_in
+from ..loop import SLOW, QuasiNewton, Vector, jacobian, size, values_in, vector
 from ..signals import EXACT, MISS_PER_ERROR, Cubic, Knot
 from ..system import System
 from .contacts import before, strike
@@ -206,8 +206,8 @@ class Iterated:
         for number in range(1, passes + 1):
             answers, residual = self._pass(system, time, step)
             # of passes and steps that are taken back none counts: they can be far too large
-            largest = max(self.largest, *map(abs, answers.view(complex).tolist()))
-            error = max(map(abs, residual.view(complex).tolist())) / largest if largest else 0.0
+            largest = max(self.largest, size(vector(answers)))
+            error = size(vector(residual)) / largest if largest else 0.0
             if previous and error > max(tolerance, SLOW * previous[2]):
                 self.newton.learn(previous[0], previous[1], residual)
             if number == passes or not error > tolerance:
@@ -242,17 +242,17 @@ class Iterated:
         track = past.dot(ahead(system.order, 0.0, step))
         known.starts[:] = track[:, : self.parts]
         known.assumed_ends[:] = track[: len(system.forces), self.parts :]
-        largest = max(self.largest, size(_vectors(known.first + known.assumed)))
+        largest = max(self.largest, size(vector(known.first + known.assumed)))
         with system.saved() as states:
 
             def respond(assumed: Vector) -> Vector:
                 known.assumed.view(complex)[:] = assumed
                 answers, _ = self._pass(system, time, step)
                 system.restore(states)
-                return _vectors(answers)
+                return vector(answers)
 
             try:
-                u = _vectors(known.assumed)
+                u = vector(known.assumed)
                 g_u = respond(u)
                 change = CHANGE * max(size(g_u), largest)
                 self.newton = QuasiNewton(jacobian(respond, u, g_u, change), step, self.parts)
@@ -285,7 +285,7 @@ class Iterated:
         maps, known = self._maps, self._known
         maps.pushed.dot(known.pushing, system.pushed)
         if system.shaft:
-            system.shaft.tell(tuple(_vectors(maps.spun.dot(known.pushing))), step)
+            system.shaft.tell(tuple(vector(maps.spun.dot(known.pushing))), step)
         system.step_rotor(time, step)
         np.subtract(maps.felt.dot(system.felt), known.begun, known.moved)
         maps.told.dot(known.telling, system.told)
@@ -297,8 +297,3 @@ class Iterated:
         if unused.size:
             answers[unused] = residual[unused] = 0.0
         return answers, residual
-
-
-def _vectors(components: np.ndarray) -> Vector:
-    """Complex numbers from their real and imaginary parts."""
-    return components.view(complex).tolist()

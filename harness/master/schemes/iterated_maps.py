@@ -12,7 +12,15 @@ from functools import lru_cache
 
 import numpy as np
 
-from ..signals import EXACT, end_of, extrapolated, hermite, interpolated, leading_to
+from ..signals import (
+    EXACT,
+    end_of,
+    extrapolated,
+    hermite,
+    interpolated,
+    leading_to,
+    matrix_of,
+)
 
 
 class Layout:
@@ -179,23 +187,20 @@ def _ahead_of_unit_steps(order: int) -> tuple[np.ndarray, np.ndarray]:
         start, end = scaled[:parts], end_of(cubic, 1.0)
         return (*start, *(b - a for a, b in zip(start, end, strict=True)))
 
-    shift = _map(lambda *k: extrapolated(k[:parts], (*now, *k[parts:]), 1.0, max(3, order)), size)
-    return shift, _map(led, size)
-
-
-def _map(formula: Callable[..., Sequence[complex]], size: int) -> np.ndarray:
-    """The matrix of a formula that is linear in so many numbers, to be applied from the right."""
-    return np.array([formula(*unit) for unit in np.eye(size).tolist()]).real
+    shift = matrix_of(
+        lambda *k: extrapolated(k[:parts], (*now, *k[parts:]), 1.0, max(3, order)), size
+    )
+    return shift.real, matrix_of(led, size).real
 
 
 def _of_changes(formula: Callable[..., Sequence[complex]], parts: int) -> np.ndarray:
-    """`_map` of a formula of start and end, to be applied to start and change."""
+    """Matrix of a formula of start and end, to be applied from the right to start and change."""
 
     def changed(*track: float) -> Sequence[complex]:
         start, change = track[:parts], track[parts:]
         return formula(start, tuple(a + b for a, b in zip(start, change, strict=True)))
 
-    return _map(changed, 2 * parts)
+    return matrix_of(changed, 2 * parts).real
 
 
 def _combined(starts: np.ndarray, changes: np.ndarray, formula: np.ndarray) -> np.ndarray:
