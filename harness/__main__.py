@@ -38,6 +38,8 @@ def program() -> Typer:
     """`autobalancer`: its commands by their names."""
     import typer
 
+    from .accuracy.precision import command as precision
+    from .accuracy.stress import command as stress
     from .balancing import command as balance
     from .checks import command as check
     from .design import command as design
@@ -45,13 +47,11 @@ def program() -> Typer:
     from .master import build_command as build
     from .master import run_command as run
     from .output.commands import Commands
-    from .precision import command as precision
     from .rotor import command as rotor
     from .scatter import command as scatter
     from .show import command as show
     from .stability import map_command
     from .stability import speeds_command as speeds
-    from .stress import command as stress
 
     app = typer.Typer(
         name="autobalancer",

@@ -13,7 +13,7 @@ from fmpy import read_model_description
 
 from autobalancer.fmus.build import build
 from autobalancer.harness import bundled_scenes, check
-from autobalancer.harness.precision.omissions import calls, in_a_process, omissions
+from autobalancer.harness.accuracy.precision.omissions import calls, in_a_process, omissions
 from tests.test_pages import NUMBER, blocks, run
 
 ROOT = Path(__file__).parent.parent

@@ -10,10 +10,10 @@ import tempfile
 from pathlib import Path
 
 from autobalancer.harness import Scene, load_scene
+from autobalancer.harness.accuracy.precision.measure import TARGETS, Point, precision
+from autobalancer.harness.accuracy.precision.methods import one_file_methods
 from autobalancer.harness.output.machine import machine
 from autobalancer.harness.output.table import Sheet
-from autobalancer.harness.precision.measure import TARGETS, Point, precision
-from autobalancer.harness.precision.methods import one_file_methods
 from tests.one_piece.integrator import OnePiece
 from tests.one_piece.solvers import WAYS, solvers
 

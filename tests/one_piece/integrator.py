@@ -11,9 +11,9 @@ from numpy.typing import NDArray
 from scipy.integrate._ivp import dop853_coefficients as dop853
 
 from autobalancer.harness import Scene
+from autobalancer.harness.accuracy.precision.reference import right_motion, signal_ranges
 from autobalancer.harness.master.recorder import recorded
 from autobalancer.harness.master.schedule import end_time, step_size
-from autobalancer.harness.precision.reference import right_motion, signal_ranges
 from autobalancer.models.reference.trajectory import Trajectory
 
 SOURCE = Path(__file__).with_name("one_piece.c")

@@ -13,10 +13,10 @@ import numpy as np
 from scipy.integrate import solve_ivp
 
 from autobalancer.harness import Scene
+from autobalancer.harness.accuracy.precision.methods import SOLVERS
+from autobalancer.harness.accuracy.precision.reference import right_motion, signal_ranges
 from autobalancer.harness.master.recorder import recorded
 from autobalancer.harness.master.schedule import end_time, step_size
-from autobalancer.harness.precision.methods import SOLVERS
-from autobalancer.harness.precision.reference import right_motion, signal_ranges
 from autobalancer.models.monolith import trajectory
 from autobalancer.models.reference.coupled import Monolith
 from autobalancer.models.reference.trajectory import Trajectory

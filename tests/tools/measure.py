@@ -18,12 +18,12 @@ import numpy as np
 from fmpy import platform_tuple
 
 from autobalancer.harness import Scene, load_scene
+from autobalancer.harness.accuracy.precision.libcosim import LibcosimRunner
+from autobalancer.harness.accuracy.precision.reference import right_motion
 from autobalancer.harness.errors import SimulationError
 from autobalancer.harness.master.one_file import build_one_file
 from autobalancer.harness.master.schedule import end_time, step_size
 from autobalancer.harness.master.ssp.build import build_ssp
-from autobalancer.harness.precision.libcosim import LibcosimRunner
-from autobalancer.harness.precision.reference import right_motion
 from tests.tools import drivers
 
 SCENE = "two_balls"

@@ -7,10 +7,10 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from ..output import costs, options
-from ..output.files import write_json, write_whole
-from ..output.machine import machine
-from ..output.terminal import progress_bar, say, show
+from ...output import costs, options
+from ...output.files import write_json, write_whole
+from ...output.machine import machine
+from ...output.terminal import progress_bar, say, show
 
 if TYPE_CHECKING:
     from .measure import Point, Precision
@@ -39,7 +39,7 @@ def command(
     at_most: Annotated[str, options.at_most()] = costs.DEFAULT,
 ) -> None:
     """Measure what each digit costs: every scheme, order and step, and SciPy's methods."""
-    from ..scene import load_scene
+    from ...scene import load_scene
     from . import report
     from .measure import precision
 

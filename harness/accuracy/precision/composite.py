@@ -10,11 +10,11 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from ...fmus.composite.batch import BatchRuns
-from ..errors import SimulationError
-from ..master.one_file import composition
-from ..master.schedule import end_time
-from ..scene import Scene
+from ....fmus.composite.batch import BatchRuns
+from ...errors import SimulationError
+from ...master.one_file import composition
+from ...master.schedule import end_time
+from ...scene import Scene
 from .runner import TimedRun
 
 MORE = 16  # points than steps: of those at the start and at jumps

@@ -14,15 +14,15 @@ from contextlib import ExitStack
 from dataclasses import dataclass
 from itertools import pairwise
 
-from ..errors import SceneError, SimulationError
-from ..master.cosimulation import CoSimulation
-from ..master.fmu import Fmu, Variables
-from ..master.plan import ROTOR, Plan, Port, plan
-from ..master.recorder import Recorder
-from ..master.schedule import milestones, schedule
-from ..master.start import shown_at_start
-from ..master.unit_files import find_or_build
-from ..scene import Scene
+from ...errors import SceneError, SimulationError
+from ...master.cosimulation import CoSimulation
+from ...master.fmu import Fmu, Variables
+from ...master.plan import ROTOR, Plan, Port, plan
+from ...master.recorder import Recorder
+from ...master.schedule import milestones, schedule
+from ...master.start import shown_at_start
+from ...master.unit_files import find_or_build
+from ...scene import Scene
 from .runner import TimedRun
 
 

@@ -16,13 +16,13 @@ from xml.sax.saxutils import quoteattr
 
 import numpy as np
 
-from ..errors import SimulationError
-from ..master.cosimulation import CoSimulation
-from ..master.names import by_unit
-from ..master.plan import Port
-from ..master.schedule import end_time, step_size
-from ..master.start import start_inputs
-from ..scene import Scene
+from ...errors import SimulationError
+from ...master.cosimulation import CoSimulation
+from ...master.names import by_unit
+from ...master.plan import Port
+from ...master.schedule import end_time, step_size
+from ...master.start import start_inputs
+from ...scene import Scene
 from .runner import TimedRun
 
 NANOSECOND = 1e-9  # s: libcosim counts time in whole ones

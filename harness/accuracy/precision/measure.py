@@ -14,12 +14,12 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from ...models.reference.trajectory import Trajectory
-from ..errors import SimulationError
-from ..master.recorder import recorded
-from ..output.workers import ItemProgress
-from ..scene import Scene
-from ..scene.balancer import LiquidBalancer
+from ....models.reference.trajectory import Trajectory
+from ...errors import SimulationError
+from ...master.recorder import recorded
+from ...output.workers import ItemProgress
+from ...scene import Scene
+from ...scene.balancer import LiquidBalancer
 from .methods import (
     LIBCOSIM,
     UNDER_A_MOTOR,

@@ -6,12 +6,12 @@ import time as clock
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
-from ...models.monolith import equations, integrate, trajectory
-from ..master.cosimulation import CoSimulation
-from ..master.recorder import Recorder
-from ..master.runtime import Backend
-from ..master.schedule import end_time
-from ..scene import Scene
+from ....models.monolith import equations, integrate, trajectory
+from ...master.cosimulation import CoSimulation
+from ...master.recorder import Recorder
+from ...master.runtime import Backend
+from ...master.schedule import end_time
+from ...scene import Scene
 from .composite import CompositeRunner
 from .fixed_axes import FixedAxesRunner
 from .libcosim import LibcosimRunner

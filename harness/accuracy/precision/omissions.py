@@ -1,6 +1,6 @@
 """What each omission saves in calls, time and memory.
 
-    python -m autobalancer.harness.precision.omissions
+    python -m autobalancer.harness.accuracy.precision.omissions
 
 Every row is one scene twice: with something that a run usually leaves out, and without it.  Times
 are the processor's for a run without loading, both ways taking turns, the smallest of several;
@@ -20,15 +20,15 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
-from ..master.cosimulation import CoSimulation
-from ..master.facts import result
-from ..master.recorder import Recorder, recorded
-from ..output.machine import machine
-from ..output.table import Sheet
-from ..scene import Scene, load_scene
+from ...master.cosimulation import CoSimulation
+from ...master.facts import result
+from ...master.recorder import Recorder, recorded
+from ...output.machine import machine
+from ...output.table import Sheet
+from ...scene import Scene, load_scene
 
 ROUNDS = 7  # of time, both ways in turns
-_MODULE = "autobalancer.harness.precision.omissions"
+_MODULE = "autobalancer.harness.accuracy.precision.omissions"
 
 
 @dataclass(frozen=True)

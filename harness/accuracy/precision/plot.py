@@ -8,8 +8,8 @@ from typing import Any
 
 from matplotlib.figure import Figure
 
-from ..output.machine import machine
-from ..output.plot import save
+from ...output.machine import machine
+from ...output.plot import save
 from .measure import TWO_DECADES, Point, Precision
 from .methods import ALONG_FIXED_AXES
 

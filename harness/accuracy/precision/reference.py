@@ -7,14 +7,14 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from ...models.monolith import ReferenceDisagreement, reference
-from ...models.reference.trajectory import Trajectory
-from ..errors import SimulationError
-from ..master.names import weight
-from ..master.plan import plan
-from ..master.unit_files import signal_units
-from ..scene import Scene
-from ..scene.balancer import WeightBalancer
+from ....models.monolith import ReferenceDisagreement, reference
+from ....models.reference.trajectory import Trajectory
+from ...errors import SimulationError
+from ...master.names import weight
+from ...master.plan import plan
+from ...master.unit_files import signal_units
+from ...scene import Scene
+from ...scene.balancer import WeightBalancer
 from .runner import Array
 
 RTOL = 3e-14  # a hair above the smallest SciPy accepts

@@ -6,7 +6,7 @@ from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import Any
 
-from ..output.table import Sheet
+from ...output.table import Sheet
 from .measure import TARGETS, TWO_DECADES, Point, Precision
 from .methods import ALONG_FIXED_AXES
 from .time_shares import Split

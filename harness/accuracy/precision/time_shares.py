@@ -7,8 +7,8 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from ..master.fmu import Fmu
-from ..scene import Scene
+from ...master.fmu import Fmu
+from ...scene import Scene
 from .methods import CoSimulationRunner, Method, coupled_scene
 
 FUNCTIONS = ("_get", "_set", "_step", "_save", "_restore", "_free")  # of the library, in `Fmu`

@@ -2,7 +2,7 @@
 
 from typing import TYPE_CHECKING
 
-from ...fmus.lazy import lazy_names
+from ....fmus.lazy import lazy_names
 
 if TYPE_CHECKING:
     from .run import stress

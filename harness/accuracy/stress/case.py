@@ -10,13 +10,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ...models.monolith import reference
-from ...models.reference.oscillator import forced_motion
-from ..errors import SimulationError
-from ..master.resolution import SAID
-from ..master.result import Result
-from ..master.run import cosimulate
-from ..scene import Scene, load_scene
+from ....models.monolith import reference
+from ....models.reference.oscillator import forced_motion
+from ...errors import SimulationError
+from ...master.resolution import SAID
+from ...master.result import Result
+from ...master.run import cosimulate
+from ...scene import Scene, load_scene
 
 UNEVEN = (2, 4, 6, 8, 10, 12, 14)  # powers of ten of the stiffness along y, 1e2 N/m along x
 LEFT_ALONE = 1e-2  # of the range: a picture would not show it; asked of the default coupling

@@ -8,10 +8,10 @@ from functools import partial
 
 import numpy as np
 
-from ...models.reference.oscillator import forced_motion
-from ..master.cosimulation import CoSimulation
-from ..master.run import cosimulate
-from ..scene import load_scene
+from ....models.reference.oscillator import forced_motion
+from ...master.cosimulation import CoSimulation
+from ...master.run import cosimulate
+from ...scene import load_scene
 from .case import ROTOR_AND_MOMENT, Case, Outcome, deviation, planar_scene
 
 TURN = Fraction("6.283185307179586476925286766559005768394338798750211641949889")

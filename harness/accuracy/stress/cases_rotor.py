@@ -9,8 +9,8 @@ from typing import Any
 
 import numpy as np
 
-from ..master.run import cosimulate
-from ..scene import Scene
+from ...master.run import cosimulate
+from ...scene import Scene
 from .case import (
     BOTH_WAYS,
     LEFT_ALONE,

@@ -9,8 +9,8 @@ from typing import Any
 
 import numpy as np
 
-from ..master.run import cosimulate
-from ..scene import Scene, load_scene
+from ...master.run import cosimulate
+from ...scene import Scene, load_scene
 from .case import (
     BOTH_WAYS,
     FACTOR,

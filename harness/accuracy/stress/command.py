@@ -7,10 +7,10 @@ from typing import Annotated
 
 import typer
 
-from ..errors import UserError
-from ..output import costs, options
-from ..output.files import write_json, write_whole
-from ..output.terminal import progress_bar, say, show
+from ...errors import UserError
+from ...output import costs, options
+from ...output.files import write_json, write_whole
+from ...output.terminal import progress_bar, say, show
 
 
 def command(

@@ -10,8 +10,8 @@ from contextlib import closing
 from dataclasses import asdict, dataclass
 from typing import Any
 
-from ..output.table import BAD, GOOD, Sheet
-from ..output.workers import ItemProgress, Workers, as_they_come
+from ...output.table import BAD, GOOD, Sheet
+from ...output.workers import ItemProgress, Workers, as_they_come
 from . import cases_angles, cases_dry, cases_rotor, cases_shafts, cases_weights
 from .case import Case, Outcome
 

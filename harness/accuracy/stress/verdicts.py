@@ -1,6 +1,6 @@
 """How far the verdict on too coarse steps can be trusted: estimated against real errors.
 
-    python -m autobalancer.harness.stress.verdicts
+    python -m autobalancer.harness.accuracy.stress.verdicts
 
 Weights that spin faster than the rotor, on several scenes at several steps, each run to its end
 whatever its verdict and compared with the monolith.
@@ -14,15 +14,15 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from itertools import product
 
-from ...models.monolith import ReferenceDisagreement
-from ..errors import SimulationError
-from ..master import facts
-from ..master.cosimulation import CoSimulation
-from ..master.recorder import Recorder, recorded
-from ..master.resolution import REFUSED, SAID
-from ..output.table import Sheet
-from ..scene import Scene, load_scene
-from ..scene.balancer import WeightBalancer
+from ....models.monolith import ReferenceDisagreement
+from ...errors import SimulationError
+from ...master import facts
+from ...master.cosimulation import CoSimulation
+from ...master.recorder import Recorder, recorded
+from ...master.resolution import REFUSED, SAID
+from ...output.table import Sheet
+from ...scene import Scene, load_scene
+from ...scene.balancer import WeightBalancer
 from .case import TOO_COARSE, against_reference
 
 SCENES = ("two_balls", "drum", "grinder", "balls_and_liquid", "two_plane_rodrigues", "run_up")

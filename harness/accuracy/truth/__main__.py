@@ -1,7 +1,7 @@
 """Command: draw random scenes, run them as they are, and count how many are right.
 
-python -m autobalancer.harness.truth --n 1000 --seed 1 [--verify] [--one-file] [--save DIR]
-python -m autobalancer.harness.truth --family planar=3000 --family heavy=500
+python -m autobalancer.harness.accuracy.truth --n 1000 --seed 1 [--verify] [--one-file] [--save DIR]
+python -m autobalancer.harness.accuracy.truth --family planar=3000 --family heavy=500
 """
 
 from __future__ import annotations
@@ -11,12 +11,12 @@ from typing import Annotated
 
 import typer
 
-from ..errors import UserError
-from ..output import options
-from ..output.cluster import who_works
-from ..output.commands import Commands, execute
-from ..output.files import write_whole
-from ..output.terminal import progress_bar, say
+from ...errors import UserError
+from ...output import options
+from ...output.cluster import who_works
+from ...output.commands import Commands, execute
+from ...output.files import write_whole
+from ...output.terminal import progress_bar, say
 from .cost import cost_table, costs
 from .draw import FAMILIES
 from .store import Verdicts

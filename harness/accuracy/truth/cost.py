@@ -10,15 +10,15 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ...models.monolith import simulate
-from ..errors import SimulationError, UserError
-from ..master.cosimulation import CoSimulation, Simulation
-from ..master.global_error import Controlled
-from ..master.one_file_run import OneFileRun
-from ..master.recorder import Recorder, recorded
-from ..master.schedule import at_fixed_steps, end_time, order_of_run
-from ..output.table import Sheet
-from ..scene import Scene
+from ....models.monolith import simulate
+from ...errors import SimulationError, UserError
+from ...master.cosimulation import CoSimulation, Simulation
+from ...master.global_error import Controlled
+from ...master.one_file_run import OneFileRun
+from ...master.recorder import Recorder, recorded
+from ...master.schedule import at_fixed_steps, end_time, order_of_run
+from ...output.table import Sheet
+from ...scene import Scene
 from .draw import draw
 
 RTOL = 1e-6  # of the integration in one piece

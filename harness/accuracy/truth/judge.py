@@ -11,14 +11,14 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ...models.assembly import Assembly
-from ...models.monolith import reference, simulate
-from ..errors import SimulationError, UserError
-from ..master.names import kin
-from ..master.resolution import SAID, Resolution
-from ..master.result import Result
-from ..master.run import cosimulate
-from ..scene import Scene
+from ....models.assembly import Assembly
+from ....models.monolith import reference, simulate
+from ...errors import SimulationError, UserError
+from ...master.names import kin
+from ...master.resolution import SAID, Resolution
+from ...master.result import Result
+from ...master.run import cosimulate
+from ...scene import Scene
 from .draw import draw
 
 RIGHT = 0.01  # of a signal's largest value: a picture would not show more

@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
-from ..output.store import StoredArray, StoredItems, open_store
+from ...output.store import StoredArray, StoredItems, open_store
 from .judge import Verdict
 from .study import Study, items_of
 

@@ -12,8 +12,8 @@ from typing import Any
 
 import tomli_w
 
-from ..output.table import Sheet
-from ..output.workers import Kept, Progress, Workers, in_order
+from ...output.table import Sheet
+from ...output.workers import Kept, Progress, Workers, in_order
 from .draw import FAMILIES, draw
 from .judge import FACTOR, MISSES, OUTCOMES, SET_ASIDE, Verdict, judge
 

@@ -213,7 +213,7 @@ def _told(script: str, folder, answering, *arguments: object) -> tuple[int, str,
 
 
 @pytest.mark.parametrize(("number", "word"), [(2, "interrupted"), (15, "terminated")])
-@pytest.mark.parametrize("module", ["typer", "autobalancer.harness.stress"])
+@pytest.mark.parametrize("module", ["typer", "autobalancer.harness.accuracy.stress"])
 def test_a_signal_while_the_program_loads_is_answered_in_a_word(
     tmp_path, answering, module, number, word
 ):

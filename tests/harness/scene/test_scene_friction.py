@@ -6,12 +6,12 @@ import numpy as np
 import pytest
 
 from autobalancer.harness import Scene, cosimulate, load_scene, speeds
+from autobalancer.harness.accuracy.precision.reference import refuse_without_reference
 from autobalancer.harness.errors import SceneError, SimulationError, UserError
 from autobalancer.harness.master.many import cosimulate_many
 from autobalancer.harness.master.plan import plan
 from autobalancer.harness.master.revolution import Revolution
 from autobalancer.harness.master.schedule import fewest_chosen, step_size
-from autobalancer.harness.precision.reference import refuse_without_reference
 from autobalancer.harness.rotor.study import campbell_of, modes_at
 from autobalancer.harness.stability.axis import Axis
 from autobalancer.harness.stability.map import stability_map

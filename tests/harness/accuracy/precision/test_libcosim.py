@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from autobalancer.harness import Scene, cosimulate
+from autobalancer.harness.accuracy.precision.libcosim import LibcosimRunner
 from autobalancer.harness.master.cosimulation import CoSimulation
-from autobalancer.harness.precision.libcosim import LibcosimRunner
 
 pytest.importorskip("libcosimpy")
 

@@ -10,9 +10,7 @@ import numpy as np
 import pytest
 
 from autobalancer.harness import load_scene
-from autobalancer.harness.errors import SimulationError
-from autobalancer.harness.master.recorder import recorded
-from autobalancer.harness.precision.measure import (
+from autobalancer.harness.accuracy.precision.measure import (
     TWO_DECADES,
     Point,
     Precision,
@@ -20,15 +18,15 @@ from autobalancer.harness.precision.measure import (
     observed_orders,
     precision,
 )
-from autobalancer.harness.precision.methods import (
+from autobalancer.harness.accuracy.precision.methods import (
     ALONG_FIXED_AXES,
     LIBCOSIM,
     Method,
     coupling_methods,
     ready,
 )
-from autobalancer.harness.precision.plot import plot_precision
-from autobalancer.harness.precision.report import (
+from autobalancer.harness.accuracy.precision.plot import plot_precision
+from autobalancer.harness.accuracy.precision.report import (
     KEYS,
     as_json,
     cheapest_words,
@@ -38,7 +36,9 @@ from autobalancer.harness.precision.report import (
     table,
     write_csv,
 )
-from autobalancer.harness.precision.time_shares import split_time
+from autobalancer.harness.accuracy.precision.time_shares import split_time
+from autobalancer.harness.errors import SimulationError
+from autobalancer.harness.master.recorder import recorded
 from autobalancer.models.monolith import simulate
 
 CUBIC = [Method("iterated", 3, n, 1) for n in (20, 40, 80)]
@@ -221,7 +221,7 @@ def test_liquid_scene_is_exact_at_any_step():
 
 
 def test_scene_without_a_reference_is_refused_in_words(short, monkeypatch):
-    monkeypatch.setattr("autobalancer.harness.precision.reference.BOUND", 1e-20)
+    monkeypatch.setattr("autobalancer.harness.accuracy.precision.reference.BOUND", 1e-20)
     with pytest.raises(SimulationError, match="no error can be told"):
         precision(short, seconds=1.0, methods=HELD[:1])
 
@@ -255,7 +255,7 @@ def test_a_motor_is_measured_against_one_piece_and_its_speed_too():
     assert not {"compensated", ALONG_FIXED_AXES, LIBCOSIM} & {method.name for method in methods}
     cubic = [Method("iterated", 3, n, 1) for n in (20, 40, 80)]
     found = precision(
-        scene, seconds=1.0, methods=[*cubic, Method("monolith DOP853", tolerance=1e-9)]
+        scene, seconds=30.0, methods=[*cubic, Method("monolith DOP853", tolerance=1e-9)]
     )
     assert "motor.speed" in found.signals
     assert found.orders["iterated cubic 1 pass"] == pytest.approx(4.0, abs=0.4)
@@ -287,7 +287,8 @@ def test_command_writes_what_is_asked_and_ends_with_the_cheapest_way(invoke, tmp
     scene.write_text(source.replace("revolutions = 20", "revolutions = 1"), encoding="utf-8")
     target = tmp_path / "rows.json"
     few = [*CUBIC, *HELD, Method("monolith LSODA", tolerance=1e-4)]
-    monkeypatch.setattr("autobalancer.harness.precision.measure.all_methods", lambda _scene: few)
+    module = "autobalancer.harness.accuracy.precision.measure"
+    monkeypatch.setattr(f"{module}.all_methods", lambda _scene: few)
     done = invoke("precision", str(scene), "--seconds", "10", "--json", str(target))
     assert done.exit_code == 0, done.output
     assert json.loads(target.read_text(encoding="utf-8"))["rows"]

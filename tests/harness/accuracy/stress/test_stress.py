@@ -8,22 +8,22 @@ import numpy as np
 import pytest
 
 from autobalancer.harness import load_scene
-from autobalancer.harness.errors import SimulationError
-from autobalancer.harness.master import resolution
-from autobalancer.harness.master.cosimulation import CoSimulation
-from autobalancer.harness.master.run import cosimulate
-from autobalancer.harness.master.schemes.startup import doubling_steps
-from autobalancer.harness.stress.case import (
+from autobalancer.harness.accuracy.stress.case import (
     Outcome,
     linear_motion,
     planar_scene,
     refusal,
     stated_error,
 )
-from autobalancer.harness.stress.cases_rotor import liquid_scene
-from autobalancer.harness.stress.cases_weights import two_pendulums
-from autobalancer.harness.stress.run import as_json, run_case, stress
-from autobalancer.harness.stress.verdicts import VerdictSample, judge, spinning, table
+from autobalancer.harness.accuracy.stress.cases_rotor import liquid_scene
+from autobalancer.harness.accuracy.stress.cases_weights import two_pendulums
+from autobalancer.harness.accuracy.stress.run import as_json, run_case, stress
+from autobalancer.harness.accuracy.stress.verdicts import VerdictSample, judge, spinning, table
+from autobalancer.harness.errors import SimulationError
+from autobalancer.harness.master import resolution
+from autobalancer.harness.master.cosimulation import CoSimulation
+from autobalancer.harness.master.run import cosimulate
+from autobalancer.harness.master.schemes.startup import doubling_steps
 from autobalancer.models.monolith import reference
 from autobalancer.models.reference.oscillator import forced_motion
 from autobalancer.models.weights import Weights, advance
@@ -228,7 +228,7 @@ def test_closed_form_satisfies_the_equation_at_resonance_and_critical_damping():
 
 
 def test_a_wrong_answer_does_not_hold(monkeypatch):
-    from autobalancer.harness.stress import case
+    from autobalancer.harness.accuracy.stress import case
 
     right = case.forced_motion
     monkeypatch.setattr(case, "forced_motion", lambda m, *rest: right(1.001 * m, *rest))
@@ -236,8 +236,8 @@ def test_a_wrong_answer_does_not_hold(monkeypatch):
 
 
 def test_nan_never_holds_and_an_unforeseen_error_is_an_outcome(monkeypatch):
-    from autobalancer.harness.stress import run as module
-    from autobalancer.harness.stress.case import Case
+    from autobalancer.harness.accuracy.stress import run as module
+    from autobalancer.harness.accuracy.stress.case import Case
 
     def crash() -> Outcome:
         raise ZeroDivisionError("seen")
@@ -279,7 +279,7 @@ def test_command_exits_with_one_when_a_case_does_not_hold(invoke, tmp_path, monk
     assert done.exit_code == 0, done.output
     assert json.loads(target.read_text(encoding="utf-8"))["rows"][0]["holds"] is True
     assert invoke("stress", "no such case").exit_code == 2
-    from autobalancer.harness.stress import case
+    from autobalancer.harness.accuracy.stress import case
 
     monkeypatch.setattr(case, "forced_motion", lambda *_a: np.zeros(2001, complex))
     assert invoke("stress", "damping ratio 0.1").exit_code == 1

@@ -6,12 +6,19 @@ import numpy as np
 import pytest
 
 from autobalancer.harness import cosimulate, load_scene
+from autobalancer.harness.accuracy.truth.__main__ import counts
+from autobalancer.harness.accuracy.truth.cost import Costs, cost_table, costs
+from autobalancer.harness.accuracy.truth.draw import FAMILIES, draw
+from autobalancer.harness.accuracy.truth.judge import (
+    Verdict,
+    classify,
+    deviations,
+    growth,
+    judge,
+    motion,
+)
+from autobalancer.harness.accuracy.truth.study import Study, every, misses, save, table, verdicts
 from autobalancer.harness.scene import Scene
-from autobalancer.harness.truth.__main__ import counts
-from autobalancer.harness.truth.cost import Costs, cost_table, costs
-from autobalancer.harness.truth.draw import FAMILIES, draw
-from autobalancer.harness.truth.judge import Verdict, classify, deviations, growth, judge, motion
-from autobalancer.harness.truth.study import Study, every, misses, save, table, verdicts
 from autobalancer.models.stability import growth_rates
 
 
@@ -56,7 +63,7 @@ def test_a_disturbance_grows_at_the_rate_of_the_linearised_motion():
 @pytest.mark.parametrize("one_file", [False, True])
 def test_an_altered_motion_is_found_out(monkeypatch, one_file):
     """A run whose rotor moves twice as far is gross, and nothing else is."""
-    from autobalancer.harness.truth import judge as module
+    from autobalancer.harness.accuracy.truth import judge as module
 
     honest = judge("planar", 3, 4, one_file=one_file)
     assert honest.outcome == "right"
@@ -132,7 +139,7 @@ def test_the_table_tells_how_many_measure_their_errors_rightly(tmp_path):
 
 def test_errors_measured_wrongly_are_found_out(monkeypatch):
     """A run that states ten times its error, or a tenth, is not measured rightly."""
-    from autobalancer.harness.truth import judge as module
+    from autobalancer.harness.accuracy.truth import judge as module
 
     run = module.cosimulate
     for factor, rightly in ((1.0, True), (10.0, False), (0.1, False)):
