@@ -10,6 +10,7 @@ from autobalancer.models.linear.linearised import linearise
 from autobalancer.models.rotor import LinearRotor
 from autobalancer.models.weights import Weights, alignment
 from tests.models.filimonikhin_reduced import reduced_eigenvalues, second_harmonic
+from tests.papers import rodrigues_rotor
 
 EQUAL = ((1.0, 1.0), (1.0, 1.0))
 PAIR = (2 * np.pi / 3, 4 * np.pi / 3)  # two weights that balance one weight's moment
@@ -50,16 +51,7 @@ def three_balls():
 
 
 def gyroscopic_drum():
-    rotor = LinearRotor.two_support(
-        mass=1.0,
-        inertia=3.25,
-        polar_inertia=0.5,
-        span=6.0,
-        stiffness=((0.5, 0.5), (0.5, 0.5)),
-        damping=((0.01, 0.01), (0.01, 0.01)),
-        planes=(1.0, 5.0),
-        unbalances=[(1.0, 0.01, 0.0), (5.0, 0.01, 0.0)],
-    )
+    rotor = rodrigues_rotor([(1.0, 0.01, 0.0), (5.0, 0.01, 0.0)])
     return Assembly(
         rotor,
         (Mounted("left", weights(2), 0, PAIR), Mounted("right", weights(2), 1, PAIR)),

@@ -9,6 +9,7 @@ from autobalancer.models.linear.modes import critical_speeds, modes
 from autobalancer.models.papers.influence import influence
 from autobalancer.models.rotor import LinearRotor
 from autobalancer.models.rotor_kinds import line_rows
+from tests.papers import rodrigues_rotor
 
 MACHINE = {
     "mass": 12.0,
@@ -24,22 +25,6 @@ MACHINE = {
 
 def rigid(**changes):
     return LinearRotor.two_support(**{**MACHINE, **changes})
-
-
-def rodrigues_rotor():
-    """Rodrigues, Champneys, Friswell, Wilson 2008: k11 = 1, k22 = 9, damping 0.02 of each.
-
-    Two supports of k = 0.5 each, l = 6 apart, have these about the centre: 2 k and k l^2/2.
-    """
-    return LinearRotor.two_support(
-        mass=1.0,
-        inertia=3.25,
-        polar_inertia=0.5,
-        span=6.0,
-        stiffness=((0.5, 0.5), (0.5, 0.5)),
-        damping=((0.01, 0.01), (0.01, 0.01)),
-        planes=(1.0, 5.0),
-    )
 
 
 def eigenvalues(mass, damping, stiffness):
