@@ -10,9 +10,10 @@ from ..errors import SceneError
 from ..output.workers import Progress
 from ..scene import Scene
 from ..scene.check import CriticalSpeedsCheck
-from ..stability.boundaries import Speeds, speeds
+from ..stability.boundaries import speeds
 from ..stability.in_time import growth_in_run, needed_revolutions, run_from_rest
 from ..stability.main_motion import MainMotion
+from ..stability.speeds import Speeds
 from .report import text
 from .row import Row, Rows
 

@@ -15,7 +15,8 @@ from ..errors import SceneError
 from ..output.workers import Progress
 from ..scene import Scene
 from ..scene.check import TableCheck
-from ..stability.boundaries import Speeds, speeds
+from ..stability.boundaries import speeds
+from ..stability.speeds import Speeds
 from .critical_speeds import growth_row, rest_row, speed_rows
 from .row import Row, Rows
 

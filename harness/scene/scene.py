@@ -14,7 +14,6 @@ from functools import cached_property
 from pathlib import Path
 from typing import Any
 
-import numpy as np
 from pydantic import Field, PrivateAttr, ValidationError
 
 from ...models.assembly import Assembly, SpeedProfile
@@ -25,6 +24,12 @@ from .balancing import Balancing
 from .check import AnyCheck
 from .file import bundled_scenes, find, read, refuse_deep
 from .messages import problems
+from .model_rules import (
+    liquid_windows,
+    under_a_motor,
+    with_quintics,
+    without_second_derivatives,
+)
 from .quantities import Flag, Table, Text
 from .replace import replaced
 from .rotor import Rotor
@@ -226,71 +231,19 @@ class Scene(Table):
             rotor = self._linear_rotor
         except ValueError as error:
             return [f"rotor: {error}"]
-        lines = self._refused_under_a_motor() + self._refused_with_quintics()
+        lines = under_a_motor(self.operation.motor, rotor, self.coupling.scheme)
+        lines += with_quintics(self._without_second_derivatives) if self.coupling.order == 5 else []
         lines += self.balancing.problems(self.rotor) if self.balancing else []
-        one_liquid = [b.kind for b in self.balancer] == ["liquid"]
-        fits = one_liquid and rotor.isotropic and self.rotor.kind == "planar"
-        lines += [
-            f'check[{i}].kind = "liquid_window": needs a planar rotor with equal stiffness '
-            "and damping in x and y, and one balancer of kind liquid"
-            for i, check in enumerate(self.check, start=1)
-            if check.kind == "liquid_window" and not fits
-        ]
-        return lines
+        return lines + liquid_windows(self.check, self.rotor, rotor, self.balancer)
 
     @property
     def takes_quintics(self) -> bool:
         """Whether its units have signals of order 5."""
-        return not self._without_second_derivatives()
+        return not self._without_second_derivatives
 
+    @property
     def _without_second_derivatives(self) -> dict[str, str]:
-        """Keys of what has no second derivatives of its signals, and why."""
-        wrong = {}
-        if self.operation.motor:
-            wrong["operation.motor"] = "the acceleration of its shaft is exchanged as a cubic"
-        if self.rotor.friction:
-            wrong["rotor.friction"] = "the rotor's Taylor series between events takes cubics"
-        return wrong | {
-            f"balancer[{i}].{key}": "only weights that cannot meet or stick have second derivatives"
-            for i, balancer in enumerate(self.balancer, start=1)
-            for key, what in _WITHOUT_SECOND_DERIVATIVES.items()
-            if getattr(balancer, what, None)
-        }
-
-    def _refused_with_quintics(self) -> list[str]:
-        """What cannot be coupled by them."""
-        found = self._without_second_derivatives() if self.coupling.order == 5 else {}
-        return [
-            f"{key}: not with coupling.order = 5: {why}; leave this out, or take order = 3"
-            for key, why in found.items()
-        ]
-
-    def _refused_under_a_motor(self) -> list[str]:
-        """What a motor of limited power cannot drive."""
-        motor, rotor = self.operation.motor, self._linear_rotor
-        if motor is None:
-            return []
-        lines = []
-        u = rotor.unbalance
-        least = float((u.conj() @ np.linalg.solve(rotor.mass, u)).real)
-        if not motor.inertia > least:
-            lines.append(
-                f"operation.motor.inertia = {motor.inertia:g} kg m^2: must be above {least:.6g}, "
-                "the unbalance's own: squared static moment over mass"
-            )
-        if self.coupling.scheme == "compensated":
-            lines.append(
-                'coupling.scheme = "compensated": does not know operation.motor: must be "auto", '
-                '"iterated", "gauss-seidel" or "jacobi"'
-            )
-        return lines
-
-
-# keys of a balancer by what is then true of it
-_WITHOUT_SECOND_DERIVATIVES = {
-    "weight_radius": "can_meet",
-    "rolling_resistance": "can_stick",
-}
+        return without_second_derivatives(self.rotor, self.operation, self.balancer)
 
 
 def load_scene(source: str | Path) -> Scene:

@@ -14,9 +14,8 @@ from __future__ import annotations
 import functools
 import itertools
 from collections.abc import Iterable
-from dataclasses import dataclass, field, replace
+from dataclasses import replace
 from itertools import pairwise
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -33,6 +32,7 @@ from ..scene.quantities import LARGEST
 from .crossings import Side, crossings, nodes_around, side
 from .in_time import growth_in_run
 from .main_motion import MainMotion, NoMainMotion
+from .speeds import Speeds
 from .whirl import WhirlMotion, Whirls, has_map, whirls
 
 METHODS = ("criterion", "floquet", "cosim", "cosim-run")
@@ -40,66 +40,6 @@ DEFAULT_METHODS = METHODS[:3]
 MOST_SPEEDS = 100_000  # of one scan: more is a slip of the keyboard
 SCAN = 60  # intervals of a co-simulated scan, unless other methods say where to look
 _PARTS = 8  # of a scan, so that progress is seen
-
-
-@dataclass(frozen=True)
-class Speeds:
-    """Boundaries within a range by several methods.
-
-    Attributes:
-        scene: its name.
-        range: low and high [rad/s].
-        methods: crossings of every method that applies, ascending.
-        lowest: what each of these finds at the low end of the range.
-        refused: why each other method does not apply.
-        whirl: what remains where the weights cannot balance; None where they can, or where the
-            method floquet was not asked.
-    """
-
-    scene: str
-    range: tuple[float, float]
-    methods: dict[str, tuple[Crossing, ...]] = field(default_factory=dict)
-    lowest: dict[str, Side] = field(default_factory=dict)
-    refused: dict[str, str] = field(default_factory=dict)
-    whirl: Whirls | None = None
-
-    def as_json(self) -> dict[str, Any]:
-        """Plain lists and numbers."""
-        return {
-            "scene": self.scene,
-            "range": list(self.range),
-            "methods": {
-                name: [{"speed": c.speed, "above": c.above} for c in crossings]
-                for name, crossings in self.methods.items()
-            },
-            "below_first": dict(self.lowest),
-            "not_applicable": dict(self.refused),
-            "whirl": None if self.whirl is None else self.whirl.as_json(),
-        }
-
-    def rows(self) -> list[dict[str, Crossing]]:
-        """Crossings of the methods that belong together, one row each, ascending.
-
-        Each method's crossing joins the nearest one of the most exact method that leads to the
-        same side; what finds no partner stands alone.
-        """
-        order = [m for m in ("floquet", "cosim", "cosim-run", "criterion") if m in self.methods]
-        rows: list[dict[str, Crossing]] = []
-        for method in order:
-            left = list(self.methods[method])
-            pairs = sorted(
-                (abs(crossing.speed - next(iter(row.values())).speed), i, j)
-                for i, row in enumerate(rows)
-                for j, crossing in enumerate(left)
-                if next(iter(row.values())).above == crossing.above
-            )
-            taken: set[int] = set()
-            for _, i, j in pairs:
-                if method not in rows[i] and j not in taken:
-                    rows[i][method] = left[j]
-                    taken.add(j)
-            rows += [{method: c} for j, c in enumerate(left) if j not in taken]
-        return sorted(rows, key=lambda row: next(iter(row.values())).speed)
 
 
 def speeds(

@@ -16,7 +16,7 @@ from ..output.table import GOOD, Sheet
 from ..output.terminal import progress_bar, say, show
 
 if TYPE_CHECKING:
-    from .boundaries import Speeds
+    from .speeds import Speeds
     from .whirl import WhirlAt, Whirls
 
 DEFAULT = "criterion,floquet,cosim"

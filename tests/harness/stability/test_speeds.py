@@ -9,10 +9,10 @@ import pytest
 from autobalancer.harness import SimulationError, UserError, load_scene, speeds
 from autobalancer.harness.checks.registry import run_checks
 from autobalancer.harness.master.revolution import Revolution
-from autobalancer.harness.stability.boundaries import Speeds
 from autobalancer.harness.stability.crossings import crossings, nodes_around
 from autobalancer.harness.stability.in_time import growth_in_run, needed_revolutions, run_from_rest
 from autobalancer.harness.stability.main_motion import MainMotion, NoMainMotion
+from autobalancer.harness.stability.speeds import Speeds
 from autobalancer.models.linear.balanced import WeightTable, balanced_angles, residual_unbalance
 from autobalancer.models.linear.boundaries import Crossing
 from autobalancer.models.linear.linearised import linearise
