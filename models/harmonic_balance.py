@@ -10,12 +10,10 @@ at which it slips, and cos h = 1 - 2 s
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from .arrays import Array, Complex
 from .rotor import LinearRotor
-
-Array = NDArray[np.float64]
-Complex = NDArray[np.complexfloating]
 
 _STEPS, _HALVINGS = 100, 12  # of Newton's method, of one of its steps
 _SETTLED = 1e-9  # of the largest motion without sliders

@@ -8,8 +8,9 @@ from typing import NamedTuple
 
 from ...models import cubic, quintic, quintic_weights
 from ...models.contact import motion
-from ...models.contact.centre import shifted
+from ...models.contact.centre import Instant, shifted
 from ...models.contact.pulse import discharge
+from ...models.contact.torque import torque
 from ...models.contact.track import Track
 from ...models.spin import drift
 from ...models.weights import Weights, alignment
@@ -123,16 +124,8 @@ class BallBalancer(Slave):
     def _torque(self) -> tuple[float, float]:
         """Torque on the rotor and its slope."""
         now = self._at(self.memory[-1])
-        force = self._force(now)
-        return motion.torque(
-            self.track,
-            *self._state(),
-            (now.motion[0], now.motion[1]),
-            force,
-            now.speed,
-            now.spin_up,
-            now.change,
-        )
+        seen = Instant(now.motion[0], now.motion[1], now.speed, now.spin_up)
+        return torque(self.track, *self._state(), seen, now.change, self._force(now))
 
     def _at(self, time: float) -> _Now:
         """The rotor's motion so long after the inputs were set."""

@@ -28,7 +28,7 @@ def command(
     ] = None,
     json_file: Annotated[Path | None, options.json("all")] = None,
     changes: Annotated[list[str] | None, options.changes("balancing.noise=1e-7")] = None,
-    at_most: Annotated[str, options.at_most()] = costs.DEFAULT,
+    at_most: Annotated[str, options.AT_MOST] = costs.DEFAULT,
     correct: Annotated[
         str | None, typer.Option(metavar="RUN", help="Measured run to correct; default: the first.")
     ] = None,
@@ -41,7 +41,7 @@ def command(
     service_speed: Annotated[
         float | None, typer.Option(help="For --grade, rad/s; default: the fastest one measured.")
     ] = None,
-    report: Annotated[Path | None, options.report()] = None,
+    report: Annotated[Path | None, options.REPORT] = None,
 ) -> None:
     """Balance a scene's rotor on a virtual machine, or find corrections from measured runs.
 

@@ -11,14 +11,14 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from pydantic import ValidationError
 from scipy.optimize import nnls
 
+from ...models.arrays import Array, Complex
 from ...models.papers.influence import condition_number, from_runs, unbalance_from_response
 from ..errors import UserError
 from ..scene.balancing import Balancing
-from .measured import Complex, MeasuredRuns
+from .measured import MeasuredRuns
 
 _SINGULAR = 1e4  # condition number: readings of three digits then say nothing of the masses
 
@@ -83,7 +83,7 @@ class Correction:
     pieces: tuple[Piece, ...]
     before: Complex
     after: Complex
-    uncertainty: NDArray[np.float64]
+    uncertainty: Array
     grade: Grade | None = None
 
     @property
@@ -205,8 +205,8 @@ def _neighbours(plane: int, needed: complex, allowed: Sequence[float]) -> list[P
 def _graded(
     measured: MeasuredRuns,
     name: str,
-    before: NDArray[np.float64],
-    after: NDArray[np.float64],
+    before: Array,
+    after: Array,
     mass: float | None,
     service_speed: float | None,
 ) -> Grade:

@@ -13,8 +13,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ...models.arrays import Array, Complex
 from ...models.linear.synchronous import Synchronous
 from ...models.papers.influence import (
     from_trial_runs,
@@ -26,7 +26,7 @@ from ..errors import SceneError
 from ..output.workers import Progress
 from ..scene import Scene
 from ..scene.grade import levers, permissible
-from .machine import Complex, Machine
+from .machine import Machine
 
 TRIAL = 10.0  # times what is permissible: seen clearly, and as harmless as the unbalance itself
 
@@ -47,9 +47,9 @@ class Cycle:
     mounted: Complex
     reading: Synchronous
     found: Complex
-    at_supports: NDArray[np.float64]
+    at_supports: Array
     actual: Complex
-    actual_at_supports: NDArray[np.float64]
+    actual_at_supports: Array
 
 
 @dataclass(frozen=True, eq=False)
@@ -97,10 +97,10 @@ class BalancingReport:
     speed: float
     planes: tuple[int, ...]
     permissible: float
-    at_supports: NDArray[np.float64]
+    at_supports: Array
     trial: float
     measured: Complex
-    uncertainty: NDArray[np.float64]
+    uncertainty: Array
     analytic: Complex
     technologies: tuple[Technology, ...]
     runs: int
@@ -157,7 +157,7 @@ def balance(scene: Scene, *, progress: Progress | None = None) -> BalancingRepor
         )
 
 
-def trial_runs(machine: Machine, trial: float) -> tuple[Synchronous, Complex, NDArray[np.float64]]:
+def trial_runs(machine: Machine, trial: float) -> tuple[Synchronous, Complex, Array]:
     """(20), (22): the first reading, the coefficients (s, p), and their standard uncertainty."""
     count = len(machine.planes)
     first = machine.measure()
@@ -173,8 +173,8 @@ def _cycles(
     name: str,
     used: Complex,
     first: Synchronous,
-    levers: NDArray[np.float64],
-    allowed: NDArray[np.float64],
+    levers: Array,
+    allowed: Array,
     unbalance: Complex,
 ) -> Technology:
     """Correct and run again until what is found is permissible."""
@@ -200,7 +200,7 @@ def _cycles(
     return Technology(name, used, tuple(cycles), meets, actually_met, note)
 
 
-def support_levers(scene: Scene, planes: list[int]) -> NDArray[np.float64]:
+def support_levers(scene: Scene, planes: list[int]) -> Array:
     """(s, p): what an unbalance in each correction plane is at each support of a rigid rotor."""
     return levers(scene.rotor, [scene.rotor.planes[p - 1] for p in planes])
 

@@ -10,8 +10,8 @@ from __future__ import annotations
 import cmath
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ...models.arrays import Array, Complex
 from ...models.linear.synchronous import Synchronous, synchronous
 from ..errors import SceneError, SimulationError
 from ..master.fmu import Closing
@@ -19,8 +19,6 @@ from ..master.names import station
 from ..master.revolution import Revolution
 from ..scene import Scene
 from ..scene.balancing import Balancing
-
-Complex = NDArray[np.complexfloating]
 
 UNSTABLE = 1e-6  # a multiplier beyond 1 + this grows; an undamped rotor has exactly 1
 DRIFT = 1e-8  # of the amplitude, between the halves of a measurement: more is no steady state
@@ -97,7 +95,7 @@ class Machine(Closing):
         self.revolution.close()
 
 
-def _refuse_drift(angle: NDArray[np.float64], samples: NDArray[np.float64]) -> None:
+def _refuse_drift(angle: Array, samples: Array) -> None:
     """Raise SimulationError unless both halves of a measurement tell the same."""
     half = len(angle) // 2
     first = synchronous(angle[:half], samples[:, :half])

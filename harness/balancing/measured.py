@@ -19,12 +19,11 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ...models.arrays import Array, Complex
 from ..errors import UserError
 from .tachometer import read_samples
 
-Complex = NDArray[np.complexfloating]
 Row = Mapping[str, str]
 
 _WEIGHT = re.compile(r"(mass_g|angle_deg|radius_mm)\[(.+)\]")
@@ -53,7 +52,7 @@ class MeasuredRuns:
     unit: str
     planes: tuple[str, ...]
     radii: tuple[float, ...] | None
-    speeds: NDArray[np.float64]
+    speeds: Array
     responses: Complex
     mounted: Complex
 
@@ -190,7 +189,7 @@ def _from_samples(path: Path, rows: Sequence[Row]) -> Readings:
 
 def _table(
     path: Path, runs: Sequence[str], by_run: Readings
-) -> tuple[tuple[str, ...], NDArray[np.float64], Complex]:
+) -> tuple[tuple[str, ...], Array, Complex]:
     """Sensors, their speeds (s,) and complex amplitudes (r, s)."""
     sensors = tuple(by_run[runs[0]])
     for run in runs:

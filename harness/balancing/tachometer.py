@@ -10,8 +10,8 @@ import math
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ...models.arrays import Array
 from ...models.linear.synchronous import synchronous
 from ..errors import UserError
 
@@ -54,7 +54,7 @@ def read_samples(path: Path) -> tuple[float, dict[str, complex]]:
     return speed, dict(zip(sensors, reading.amplitude.tolist(), strict=True))
 
 
-def pulse_times(time: NDArray[np.float64], tacho: NDArray[np.float64]) -> NDArray[np.float64]:
+def pulse_times(time: Array, tacho: Array) -> Array:
     """When the channel rises through the middle of its range, between samples by a line [s]."""
     high = tacho - 0.5 * (tacho.min() + tacho.max())
     at = np.flatnonzero((high[:-1] < 0.0) & (high[1:] >= 0.0))

@@ -43,10 +43,10 @@ def command(
         ),
     ] = None,
     verify: Annotated[
-        bool, typer.Option("--verify", help="Also measure the errors of each scene's own run.")
+        bool, options.verify("Also measure the errors of each scene's own run.")
     ] = False,
-    python: Annotated[bool, options.python()] = False,
-    at_most: Annotated[str, options.at_most()] = costs.DEFAULT,
+    python: Annotated[bool, options.PYTHON] = False,
+    at_most: Annotated[str, options.AT_MOST] = costs.DEFAULT,
 ) -> None:
     """Check scenes against theory and measurement; exit code 1 if a row does not hold."""
     from ..master.run_command import ON_PYTHON

@@ -14,6 +14,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ...models.arrays import Array
 from ..errors import SimulationError
 from ..master.many import cosimulate_many
 from ..master.names import station_residuals
@@ -21,7 +22,6 @@ from ..master.sweep import sweep_alike
 from ..scene import Scene
 from ..scene.balancer import WeightBalancer
 
-Array = NDArray[np.float64]
 Curve = tuple[Array, Array]  # speeds that rise, amplitudes
 
 SOURCE = "run as one composite, against Rodrigues, Champneys, Friswell, Wilson 2010"

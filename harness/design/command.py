@@ -36,8 +36,8 @@ def command(
     output: Annotated[
         Path | None, options.picture("Picture (png, svg, pdf).", "--output", "-o")
     ] = None,
-    at_most: Annotated[str, options.at_most()] = costs.DEFAULT,
-    report: Annotated[Path | None, options.report()] = None,
+    at_most: Annotated[str, options.AT_MOST] = costs.DEFAULT,
+    report: Annotated[Path | None, options.REPORT] = None,
 ) -> None:
     """Compare numbers of balls or rollers: capacity, spread, predicted and measured settling."""
     from ..output.report import Report

@@ -10,6 +10,17 @@ import typer
 from ..output import costs, options
 from ..output.terminal import progress_bar, say, show
 
+_LIMITS = typer.Option(
+    "--limit",
+    metavar="PATH=LOW:HIGH,...",
+    help="Between which a free value stays; rotor.damping=2: has no upper limit.",
+)
+_PRIORS = typer.Option(
+    "--prior",
+    metavar="PATH=DEVIATION,...",
+    help="Standard deviation of a free value about its start: one more measurement.",
+)
+
 
 def command(
     scene: Annotated[str, options.SCENE],
@@ -28,22 +39,8 @@ def command(
             help="Values to find: rotor.stiffness[1],balls.drag; PATH=PATH is one for both.",
         ),
     ],
-    limits: Annotated[
-        list[str] | None,
-        typer.Option(
-            "--limit",
-            metavar="PATH=LOW:HIGH,...",
-            help="Between which a free value stays; rotor.damping=2: has no upper limit.",
-        ),
-    ] = None,
-    priors: Annotated[
-        list[str] | None,
-        typer.Option(
-            "--prior",
-            metavar="PATH=DEVIATION,...",
-            help="Standard deviation of a free value about its start: one more measurement.",
-        ),
-    ] = None,
+    limits: Annotated[list[str] | None, _LIMITS] = None,
+    priors: Annotated[list[str] | None, _PRIORS] = None,
     scatter: Annotated[
         float,
         typer.Option(min=1e-6, help="Standard deviation of a difference, to weigh priors against."),
@@ -68,8 +65,8 @@ def command(
     ] = None,
     picture: Annotated[Path | None, options.picture("Residual plot.", "--output", "-o")] = None,
     json: Annotated[Path | None, options.json("what is said")] = None,
-    at_most: Annotated[str, options.at_most()] = costs.DEFAULT,
-    report: Annotated[Path | None, options.report()] = None,
+    at_most: Annotated[str, options.AT_MOST] = costs.DEFAULT,
+    report: Annotated[Path | None, options.REPORT] = None,
 ) -> None:
     """Find values of a scene from measured amplitudes, and say how well they are known."""
     from ..output.files import write_json

@@ -10,8 +10,8 @@ from difflib import get_close_matches
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ...models.arrays import Array
 from ..errors import UserError
 from ..master.alike import refuse_unvaried
 from ..master.names import station_residuals
@@ -19,7 +19,6 @@ from ..scene import Scene
 from .parameters import value_at
 
 AMPLITUDE, LARGEST, SPEED = "amplitude", "residual", "speed"
-Array = NDArray[np.float64]
 Factors = dict[str | None, float]
 
 _HEAD = re.compile(r"(?P<name>\S+)(?:\s+\[(?P<unit>.*)\])?")

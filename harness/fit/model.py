@@ -10,6 +10,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from ...models.arrays import Array
 from ...models.harmonic_balance import NoResponse, largest_displacement, unbalance_response
 from ..errors import SimulationError, UserError
 from ..master.alike import table_of
@@ -18,8 +19,6 @@ from ..master.names import station_residuals
 from ..scene import Scene
 from .measured import AMPLITUDE, LARGEST, SPEED, MeasuredAmplitudes
 from .parameters import Parameter
-
-Array = NDArray[np.float64]
 
 
 class Model:

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from scipy.optimize import least_squares
 from scipy.special import stdtrit
 
+from ...models.arrays import Array
 from ...models.harmonic_balance import NoResponse
 from .model import HarmonicModel, Model
 from .parameters import Parameter
@@ -21,7 +22,6 @@ ENOUGH = 1e-5  # change of a parameter or of the sum of squares at which the fit
 CONFIDENCE = 0.95
 BLIND = 1e-6  # of the strongest parameter's effect: none at all
 
-Array = NDArray[np.float64]
 Difference = Callable[[Array], Array]  # of simulated amplitudes (..., n)
 
 

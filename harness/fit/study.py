@@ -7,8 +7,8 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ...models.arrays import Array
 from ...models.harmonic_balance import NoResponse
 from ..errors import UserError
 from ..scene import Scene
@@ -18,8 +18,6 @@ from .parameters import Parameter
 from .search import difference, first_guess, known, rms, search
 
 ALIKE = math.sqrt(10.0)  # a variance inflation of 10 is commonly taken for too much
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)

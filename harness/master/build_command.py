@@ -10,6 +10,7 @@ import typer
 
 from ...fmus.catalogue import CATALOGUE
 from ..errors import UserError
+from ..output import options
 from ..output.table import Sheet
 from ..output.terminal import progress_bars, ready_to_write, say, show
 
@@ -24,8 +25,7 @@ def command(
     ] = Path(),
     fmi: Annotated[int, typer.Option("--fmi", metavar="2|3", help="Version of FMI.")] = 2,
     arrays: Annotated[
-        bool,
-        typer.Option("--arrays", help="Weights, planes and stations as arrays, in FMI 3.0."),
+        bool, typer.Option("--arrays", help="Weights, planes and stations as arrays, in FMI 3.0.")
     ] = False,
     platform: Annotated[
         list[str] | None,
@@ -39,12 +39,10 @@ def command(
         bool, typer.Option("--python", help="Units that run Python, instead of native ones.")
     ] = False,
     one_file: Annotated[
-        bool,
-        typer.Option("--one-file", help="The scene's units and their coupling as a single FMU."),
+        bool, options.one_file("The scene's units and their coupling as a single FMU.")
     ] = False,
     ssp: Annotated[
-        bool,
-        typer.Option("--ssp", help="The scene as a system structure package, ready to run."),
+        bool, typer.Option("--ssp", help="The scene as a system structure package, ready to run.")
     ] = False,
 ) -> None:
     """Build all units as FMUs, or exactly those that a scene needs."""
@@ -68,9 +66,9 @@ def command(
     wanted, left_out = _wanted(scene)
     rows = []
     with progress_bars() as bars:
-        for name, (unit, options) in bars.track(wanted.items(), description="building"):
-            path = _build(unit, output / name, {**options, **form})
-            shown = ", ".join(f"{key} = {value}" for key, value in options.items()) or "-"
+        for name, (unit, sizes) in bars.track(wanted.items(), description="building"):
+            path = _build(unit, output / name, {**sizes, **form})
+            shown = ", ".join(f"{key} = {value}" for key, value in sizes.items()) or "-"
             rows.append([str(path), unit, shown, f"{path.stat().st_size / 1000:.0f}"])
     show(Sheet(("file", "unit", "options", "kB"), rows, "lllr", "Units built"))
     say(f"Left out: {', '.join(left_out) or 'nothing'}")
@@ -119,10 +117,10 @@ def _build_ssp(
     show(Sheet(("file", "units", "kB"), [row], "llr", "System structure package built"))
 
 
-def _build(unit: str, path: Path, options: dict[str, Any]) -> Path:
+def _build(unit: str, path: Path, form: dict[str, Any]) -> Path:
     from ...fmus.build import build
 
-    return _written(path, lambda to: build(unit, to, **options))
+    return _written(path, lambda to: build(unit, to, **form))
 
 
 def _written(path: Path, make: Callable[[Path], Path]) -> Path:

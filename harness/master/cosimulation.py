@@ -61,6 +61,9 @@ class CoSimulation(Closing):
         watch: also step balancers that exchange no force (their clearance is wanted).
         order: of the coupling signals; by default the scene's.
 
+    Attributes:
+        coupled: whether there is a loop.
+
     Raises:
         UnitError: an FMU is missing, corrupt, or of a different build.
         SceneError: a tolerance is asked of a scheme or an order that cannot keep it.
@@ -91,6 +94,7 @@ class CoSimulation(Closing):
             self._beginning = Beginning(self.system)
             stack.callback(self._beginning.free)
             self._stack = stack.pop_all()
+        self.order, self.coupled = order, self.system.coupled
         self.gain = self.amplification = 0.0
         self._at: Scene | None = None  # kept: a map starts often at one speed
         self._jacobian: np.ndarray | None = None  # of the loop, at the last start
@@ -127,20 +131,10 @@ class CoSimulation(Closing):
             self._begin_again(step, *points)
         share = self.scheme.miss_per_error if self.system.order >= 3 else 0.0
         # an exchange that is unstable at any step is no matter of resolution
-        judged = share and self.amplification <= 1.0 and self.system.coupled
+        judged = share and self.amplification <= 1.0 and self.coupled
         self.resolution = None
         if judged:
             self.resolution = Resolution(self._driven(changes), self.system, share, self.gain)
-
-    @property
-    def order(self) -> int:
-        """Of the exchanged signals."""
-        return self.system.order
-
-    @property
-    def coupled(self) -> bool:
-        """Whether there is a loop."""
-        return self.system.coupled
 
     @property
     def chooses_steps(self) -> bool:
@@ -207,7 +201,7 @@ class CoSimulation(Closing):
             while self.system.has_no_past and step - (self.time - begin) > SLIVER * step:
                 self._cover(step - (self.time - begin), longest)
         except SimulationError as error:
-            if not self.system.coupled:
+            if not self.coupled:
                 raise
             hint = advice(error, self.scene)
             raise SimulationError(f"{error}; loop gain {self.gain:.3g}{hint}") from error

@@ -10,11 +10,11 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
+
+from ...models.arrays import Array
 
 FEWEST_POINTS = 8  # to fit a rate to
 POWER_LAW = 3.0  # errors that gather grow with time to this power at most: 2 for a phase's drift
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

@@ -29,15 +29,14 @@ def command(
         Path | None, typer.Option(metavar="DIR", help="Use the FMUs there, build none.")
     ] = None,
     verify: Annotated[
-        bool, typer.Option("--verify", help="Run again, finer, and measure the signals' errors.")
+        bool, options.verify("Run again, finer, and measure the signals' errors.")
     ] = False,
     json_file: Annotated[Path | None, options.json("facts, signals and errors")] = None,
-    python: Annotated[bool, options.python()] = False,
+    python: Annotated[bool, options.PYTHON] = False,
     one_file: Annotated[
-        bool,
-        typer.Option("--one-file", help="Couple in C, as the scene's one file; as exact, faster."),
+        bool, options.one_file("Couple in C, as the scene's one file; as exact, faster.")
     ] = False,
-    at_most: Annotated[str, options.at_most()] = costs.DEFAULT,
+    at_most: Annotated[str, options.AT_MOST] = costs.DEFAULT,
     weights: Annotated[
         Path | None, options.figure("Displacement and angles of all weights against time.")
     ] = None,

@@ -19,6 +19,7 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
+from ...models.arrays import Array
 from ..errors import SimulationError
 from ..scene import Scene
 from .cosimulation import REPORTED, Simulation
@@ -40,7 +41,6 @@ CLOSED = 0.1  # of its tolerance: a run's loop is closed ten times better
 TIGHTEST = 1e-12  # tolerance: below it is rounding
 PARTED = 0.1  # of a signal's range: two runs that differ so much have lost each other
 NOISE = 1e-12  # of what the scene's forces can move the rotor by
-Array = NDArray[np.float64]
 Report = Callable[[float], None]
 
 

@@ -16,6 +16,16 @@ from .terminal import ready_to_write
 typed: ContextVar[tuple[str, ...]] = ContextVar("typed", default=())  # after the program's name
 STORE, TABLE = ".zarr", ".csv"
 SCENE = typer.Argument(help="Scene file, or the name of a bundled scene.")
+PYTHON = typer.Option("--python", help="Couple the units that run Python, not native ones.")
+AT_MOST = typer.Option("--at-most", metavar="TIME", help="Refuse what takes longer: 30m, 2h, 1d.")
+REPORT = typer.Option(
+    "--report",
+    metavar="DIR",
+    help="Also write report.html there, a page to pass on, with its pictures.",
+)
+CLUSTER = typer.Option(
+    "--cluster", metavar="ADDRESS", help="Work on this Dask cluster, or `local`: one made here."
+)
 
 
 def _writable(path: Path | None) -> Path | None:
@@ -131,21 +141,6 @@ def picture_table_or_store(of: str) -> Any:
     return _kept(help, _any_place)
 
 
-def cluster() -> Any:
-    """`--cluster ADDRESS`."""
-    return typer.Option(
-        "--cluster", metavar="ADDRESS", help="Work on this Dask cluster, or `local`: one made here."
-    )
-
-
-def report() -> Any:
-    """`--report DIR`."""
-    return typer.Option(
-        "--report", metavar="DIR", help="Also write report.html there, a page to pass on, "
-        "with its pictures.",
-    )  # fmt: skip
-
-
 def json(what: str) -> Any:
     """`--json FILE`."""
     return output("", f"Also write {what} as JSON.", "--json")
@@ -156,14 +151,14 @@ def markdown(what: str) -> Any:
     return output("", f"Also write {what}.", "--markdown")
 
 
-def python() -> Any:
-    """`--python`."""
-    return typer.Option("--python", help="Couple the units that run Python, not native ones.")
+def one_file(help: str) -> Any:
+    """`--one-file`."""
+    return typer.Option("--one-file", help=help)
 
 
-def at_most() -> Any:
-    """`--at-most TIME`."""
-    return typer.Option("--at-most", metavar="TIME", help="Refuse what takes longer: 30m, 2h, 1d.")
+def verify(help: str) -> Any:
+    """`--verify`."""
+    return typer.Option("--verify", help=help)
 
 
 def changes(example: str) -> Any:

@@ -11,14 +11,13 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ...models.arrays import Array
 from .files import PAGE
 
 if TYPE_CHECKING:
     from plotly.graph_objects import Figure
 
-Array = NDArray[np.float64]
 # Okabe and Ito's colours, told apart by colour-blind people and in grey
 COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#000000")
 GREY = "#767676"

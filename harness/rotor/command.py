@@ -42,7 +42,7 @@ def command(
     ] = None,
     changes: Annotated[list[str] | None, options.changes("rotor.mass=3.0")] = None,
     json_file: Annotated[Path | None, options.json("the modes")] = None,
-    at_most: Annotated[str, options.at_most()] = costs.DEFAULT,
+    at_most: Annotated[str, options.AT_MOST] = costs.DEFAULT,
 ) -> None:
     """Modes and critical speeds of a scene's rotor, and pictures of its motion."""
     from ...models.linear.modes import speeds_of_interest

@@ -11,6 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from ...models.arrays import Array
 from ...models.linear.modes import Campbell, Modes, campbell, critical_speeds, modes
 from ...models.linear.synchronous import synchronous
 from ...models.papers.influence import influence
@@ -19,8 +20,6 @@ from ..master.names import stations
 from ..master.revolution import Revolution
 from ..master.run import cosimulate
 from ..scene import Scene
-
-Array = NDArray[np.float64]
 
 CURVE_POINTS = 400
 MEASURED_POINTS = 16

@@ -29,9 +29,9 @@ def command(
     seed: Annotated[int, typer.Option(min=0, help="Another seed draws other machines.")] = 1,
     output: Annotated[list[Path] | None, options.picture_table_or_store("machine")] = None,
     json: Annotated[Path | None, options.json("what is said")] = None,
-    cluster: Annotated[str | None, options.cluster()] = None,
-    at_most: Annotated[str, options.at_most()] = costs.DEFAULT,
-    report: Annotated[Path | None, options.report()] = None,
+    cluster: Annotated[str | None, options.CLUSTER] = None,
+    at_most: Annotated[str, options.AT_MOST] = costs.DEFAULT,
+    report: Annotated[Path | None, options.REPORT] = None,
 ) -> None:
     """Machines with scattering values: residual vibration, ISO grades met, what matters most."""
     from ..output.cluster import who_works

@@ -87,9 +87,7 @@ def scatter(
 
     Args:
         count: machines.
-        workers: processes, or an executor.
-        progress: called with the finished fraction.
-        store: keeps every outcome as it comes; what it holds already is not computed again.
+        workers, progress, store: as `stability.map.stability_map`.
 
     Raises:
         UserError: a path is unknown or cannot be varied, the scene cannot be run in C, or the store

@@ -16,7 +16,7 @@ def command(
     scene: Annotated[str, options.SCENE],
     output: Annotated[Path | None, options.output(".html", "The page.", "--output", "-o")] = None,
     changes: Annotated[list[str] | None, options.changes("rotor.mass=3.0")] = None,
-    at_most: Annotated[str, options.at_most()] = costs.DEFAULT,
+    at_most: Annotated[str, options.AT_MOST] = costs.DEFAULT,
 ) -> None:
     """Write a page that runs a scene: one file, for any browser, without a network."""
     from ...fmus.native.compile import NotCompiled

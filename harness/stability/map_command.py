@@ -39,9 +39,9 @@ def command(
     cosim: Annotated[
         int, typer.Option(min=0, metavar="K", help="Co-simulate K points of the map, too.")
     ] = 0,
-    cluster: Annotated[str | None, options.cluster()] = None,
-    at_most: Annotated[str, options.at_most()] = costs.DEFAULT,
-    report: Annotated[Path | None, options.report()] = None,
+    cluster: Annotated[str | None, options.CLUSTER] = None,
+    at_most: Annotated[str, options.AT_MOST] = costs.DEFAULT,
+    report: Annotated[Path | None, options.REPORT] = None,
 ) -> None:
     """Draw over two parameters where balancing is stable, or how far it has come after a run."""
     from ..output.cluster import who_works

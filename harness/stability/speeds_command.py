@@ -38,7 +38,7 @@ def command(
         float | None,
         typer.Option(help="Width of a band Floquet must not miss [rad/s]; default: range/1000."),
     ] = None,
-    at_most: Annotated[str, options.at_most()] = costs.DEFAULT,
+    at_most: Annotated[str, options.AT_MOST] = costs.DEFAULT,
 ) -> None:
     """Find the speeds at which balancing begins or ends."""
     from ..master.plan import plan

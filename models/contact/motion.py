@@ -14,7 +14,7 @@ from .. import weights as points
 from ..spin import STEADY, Rates
 from .centre import CentreMotion, Instant, shifted, turned
 from .events import EventStepper, run
-from .groups import ring_reaction, ring_turning
+from .groups import ring_reaction
 from .ring import as_given, gap, put_in_order
 from .track import TOUCH, Track
 
@@ -166,46 +166,3 @@ def reaction_second(
     )
     second = quintic_weights.reaction_second(track.weights, angles, speeds, centre, w, spin_up)
     return second - track.weights.added_mass * bent
-
-
-def torque(
-    track: Track,
-    angles: Sequence[float],
-    speeds: Sequence[float],
-    contacts: Sequence[float],
-    motion: tuple[complex, complex],
-    force: tuple[complex, complex],
-    rotor_speed: float,
-    angular_acceleration: float,
-    change: float,
-) -> tuple[float, float]:
-    """Torque of the weights on the rotor about the plane's centre and its slope, without impulses.
-
-    Args:
-        motion: acceleration of the plane's centre and its slope, rotor frame [m/s^2, m/s^3].
-        force: as `reaction` gives it.
-        rotor_speed, angular_acceleration, change: w, w', w'' [rad/s, rad/s^2, rad/s^3].
-
-    Returns:
-        [N m], [N m/s].
-    """
-    offset, carried = track.offset, track.weights.added_mass
-    whirl = 1j * angular_acceleration - rotor_speed * rotor_speed
-    whirl_slope = 1j * change - 2.0 * rotor_speed * angular_acceleration
-    centre = motion[0] + whirl * offset, motion[1] + whirl_slope * offset
-    drawn, slope = points.torque(
-        track.weights, angles, speeds, centre, angular_acceleration, change
-    )
-    if track.rolling_resistance:
-        # what it takes of kappa m R^2 theta'', less what the body's own turning gives back
-        body, now = track.weights, Instant(*centre, rotor_speed, angular_acceleration)
-        arm = body.track_radius - (body.kappa - 1.0) * body.radius
-        free = points.unhindered(body, angles, speeds, centre, angular_acceleration, 0.0)
-        left = ring_turning(put_in_order(track, angles, speeds, contacts), now)
-        drawn += body.moment * arm * (free[0] - left[0])
-        slope += body.moment * arm * (free[1] - left[1])
-    if offset:  # the whole force goes through the track's centre
-        pull, pull_slope = (f - carried * a for f, a in zip(force, motion, strict=True))
-        drawn += (offset.conjugate() * pull).imag
-        slope += (offset.conjugate() * pull_slope).imag
-    return drawn, slope

@@ -5,7 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
+
+from ..arrays import Array, Complex
 
 
 @dataclass(frozen=True, eq=False)
@@ -17,11 +18,11 @@ class Synchronous:
         uncertainty: (s,) standard uncertainty of its real and of its imaginary part [m].
     """
 
-    amplitude: NDArray[np.complexfloating]
-    uncertainty: NDArray[np.float64]
+    amplitude: Complex
+    uncertainty: Array
 
 
-def synchronous(angle: NDArray[np.float64], samples: NDArray[np.float64]) -> Synchronous:
+def synchronous(angle: Array, samples: Array) -> Synchronous:
     """Least-squares fit of Re(A e^{i angle}) + c to samples (s, m) taken at rotor angles (m,).
 
     Over whole revolutions other harmonics and the offset c are orthogonal to it.  The uncertainty

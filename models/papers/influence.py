@@ -10,9 +10,9 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from ..arrays import Complex
 from ..rotor import LinearRotor
 
-Complex = NDArray[np.complexfloating]
 _SINGULAR = 1e-6  # of the largest singular value: readings have three digits
 
 

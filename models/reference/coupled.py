@@ -18,12 +18,11 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ..arrays import Array
 from ..assembly import Assembly, Mounted, SpeedProfile
 from ..weights import Weights
 
-Array = NDArray[np.float64]
 Turning = tuple[Array, Array, Array]  # angle, speed and angular acceleration of the rotor
 RightHandSide = Callable[[float, Array], "Array | list[float]"]
 

@@ -8,11 +8,10 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
+from ..arrays import Array
 from ..assembly import Assembly, Mounted
 from ..liquid import Liquid
 from ..weights import Weights
-
-Array = NDArray[np.float64]
 
 _INDEXED = re.compile(r"(?:(station|plane|weight)\[(\d+)\]\.)?(\w+)")
 _STILL = 1e-6  # a range below this part of the largest of its kind is no scale of its own

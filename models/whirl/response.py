@@ -17,10 +17,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from ..arrays import Array
 from ..rotor import LinearRotor
 
 Complex = NDArray[np.complex128]
-Array = NDArray[np.float64]
 
 
 def points(count: int) -> Array:

@@ -36,7 +36,7 @@ def command(
     seconds: Annotated[
         float, typer.Option(min=1.0, help="About how long the measuring may take.")
     ] = 75.0,
-    at_most: Annotated[str, options.at_most()] = costs.DEFAULT,
+    at_most: Annotated[str, options.AT_MOST] = costs.DEFAULT,
 ) -> None:
     """Measure what each digit costs: every scheme, order and step, and SciPy's methods."""
     from ...scene import load_scene

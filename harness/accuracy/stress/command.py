@@ -19,7 +19,7 @@ def command(
     ] = None,
     json_file: Annotated[Path | None, options.json("the rows")] = None,
     markdown_file: Annotated[Path | None, options.markdown("the table")] = None,
-    at_most: Annotated[str, options.at_most()] = costs.DEFAULT,
+    at_most: Annotated[str, options.AT_MOST] = costs.DEFAULT,
 ) -> None:
     """Run stiff and extreme cases: each must be right or clearly refused; exit code 1 if not."""
     from .run import all_cases, as_json, markdown, stress, table

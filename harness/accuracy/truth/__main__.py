@@ -37,10 +37,10 @@ def command(
         float | None, typer.Option(help="Asked of every run, instead of the default coupling.")
     ] = None,
     verify: Annotated[
-        bool, typer.Option("--verify", help="Are the errors right that runs measure themselves?")
+        bool, options.verify("Are the errors right that runs measure themselves?")
     ] = False,
     one_file: Annotated[
-        bool, typer.Option("--one-file", help="Judge the coupling in C, not separate FMUs.")
+        bool, options.one_file("Judge the coupling in C, not separate FMUs.")
     ] = False,
     save_to: Annotated[
         Path | None, typer.Option("--save", metavar="DIR", help="Keep the scenes that went wrong.")
@@ -51,7 +51,7 @@ def command(
     markdown: Annotated[Path | None, options.markdown("the table")] = None,
     output: Annotated[Path | None, options.table_or_store("verdict")] = None,
     workers: Annotated[int | None, typer.Option(min=1, help="Processes.")] = None,
-    cluster: Annotated[str | None, options.cluster()] = None,
+    cluster: Annotated[str | None, options.CLUSTER] = None,
 ) -> None:
     """Random scenes against an independent integration."""
     changes = () if tolerance is None else (("coupling.tolerance", tolerance),)

@@ -11,12 +11,12 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
 
+from ....models.arrays import Array
 from ...errors import UserError
 from ...output.picture import PlotAxis
 from ...scene import Scene
 from ...scene.balancer import WeightBalancer
 
-Array = NDArray[np.float64]
 Place = tuple[float, str, Array]
 
 

@@ -17,8 +17,8 @@ import numpy as np
 from matplotlib.animation import FFMpegWriter, PillowWriter
 from matplotlib.figure import Figure
 from matplotlib.patches import Circle
-from numpy.typing import NDArray
 
+from ....models.arrays import Complex
 from ...errors import UserError
 from ...output.files import movie_format, write_whole
 from ...output.picture import GREY, colour, unbroken
@@ -55,9 +55,9 @@ class View:
     label: str
     radius: float
     weight_radius: float
-    trail: NDArray[np.complex128]
+    trail: Complex
     turned: Array
-    weights: NDArray[np.complex128]
+    weights: Complex
     heavy: float | None
 
 

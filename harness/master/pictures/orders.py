@@ -16,9 +16,9 @@ from numpy.lib.stride_tricks import sliding_window_view
 from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
 
+from ....models.arrays import Array
 from ...errors import UserError
 
-Array = NDArray[np.float64]
 POINTS = 64  # a revolution
 SPECTRA, POINTS_TRACKED = 120, 1000  # of a run, about
 PADDED = 4  # times as long: what lies between two lines of a spectrum is seen

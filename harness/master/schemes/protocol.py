@@ -36,14 +36,10 @@ class Scheme(Protocol):
             on average; 0: no error is to be estimated from it.
     """
 
-    @property
-    def name(self) -> str: ...
-    @property
-    def chooses_steps(self) -> bool: ...
-    @property
-    def startup_halvings(self) -> int: ...
-    @property
-    def miss_per_error(self) -> float: ...
+    name: str
+    chooses_steps: bool
+    startup_halvings: int
+    miss_per_error: float
 
     def step(self, system: System, time: float, step: float, longest: float) -> tuple[float, float]:
         """Take one step; its length [s], and the residual of the forces over the largest so far.
