@@ -58,4 +58,9 @@ typedef struct {
 int fail(Failure *failure, int code, const char *name, int where, double first, double second,
          double third, double fourth);
 
+/* FINE, or what is wrong with a value that has to be so; twins of models/ranges.py. */
+int demand_positive(const char *name, double value, Failure *failure);
+int demand_not_negative(const char *name, double value, Failure *failure);
+int demand_finite(const char *name, double value, Failure *failure);
+
 #endif

@@ -221,7 +221,7 @@ static int out_of_place(Unit *unit, double time, double step)
 }
 
 /* 0, or 1 with the reason when one of these is not finite. */
-static int demand_finite(Unit *unit, Range range)
+static int demand_finite_values(Unit *unit, Range range)
 {
     const double *values = unit->real + range.first;
     double even = 0.0, odd = 0.0; /* sums, not finite where one of them is not, or where they are huge */
@@ -248,8 +248,8 @@ int unit_advance(Unit *unit, double step)
     const size_t size = unit->memory_count * sizeof(double);
     memcpy(unit->before, unit->memory, size);
     unit->made = step;
-    if (demand_finite(unit, unit->layout.inputs) || unit->equations->step(unit, step) ||
-        demand_finite(unit, unit->layout.computed)) {
+    if (demand_finite_values(unit, unit->layout.inputs) || unit->equations->step(unit, step) ||
+        demand_finite_values(unit, unit->layout.computed)) {
         memcpy(unit->memory, unit->before, size);
         unit->stale = unit->stale > COMPUTED ? unit->stale : COMPUTED;
         return 1;
@@ -316,8 +316,8 @@ int unit_refresh(Unit *unit, int level)
         unit->stale = COMPUTED;
     }
     if (unit->stale == COMPUTED && level < COMPUTED) {
-        if (demand_finite(unit, unit->layout.inputs) || equations->outputs(unit) ||
-            demand_finite(unit, unit->layout.computed)) {
+        if (demand_finite_values(unit, unit->layout.inputs) || equations->outputs(unit) ||
+            demand_finite_values(unit, unit->layout.computed)) {
             return 1;
         }
         unit->stale = OBSERVED;
