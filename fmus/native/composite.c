@@ -455,8 +455,7 @@ static int show(Unit *unit, double time, int end)
 static int refuse_length(Unit *unit, double own)
 {
     Text *reason = unit_reason(unit);
-    text_put(reason, "the coupling's steps of ");
-    text_rounded(reason, own, 3);
+    text_put_rounded(reason, "the coupling's steps of ", own, 3);
     text_put(reason, " s are too short for it: speed, coupling.top_speed and coupling.steps_per_rev "
                      "must leave at most 1e8 of them");
     return 1;
@@ -464,15 +463,13 @@ static int refuse_length(Unit *unit, double own)
 
 void composite_put_time(Text *reason, double time)
 {
-    text_put(reason, " at t = ");
-    text_rounded(reason, time, 6);
+    text_put_rounded(reason, " at t = ", time, 6);
     text_put(reason, " s");
 }
 
 void composite_put_gain(const Unit *unit, Text *reason)
 {
-    text_put(reason, "; loop gain ");
-    text_rounded(reason, ((const Composite *)unit->own)->course->gain, 3);
+    text_put_rounded(reason, "; loop gain ", ((const Composite *)unit->own)->course->gain, 3);
 }
 
 void composite_level_off(Unit *unit)

@@ -72,10 +72,8 @@ static void warn_of_touch(Unit *unit, Complex displacement, double time)
     const Own *own = unit->own;
     char words[160];
     Text text = text_in(words, sizeof words);
-    text_put(&text, "bending ");
-    text_rounded(&text, magnitude(displacement), 6);
-    text_put(&text, " m exceeds the gap ");
-    text_rounded(&text, liquid_gap(&own->liquid), 6);
+    text_put_rounded(&text, "bending ", magnitude(displacement), 6);
+    text_put_rounded(&text, " m exceeds the gap ", liquid_gap(&own->liquid), 6);
     text_put(&text, " m: the float touches the chamber and the model is invalid");
     unit_warn_once(unit, TOUCHES, time, words);
 }
