@@ -102,16 +102,6 @@ static double turned(const Unit *unit, double speed)
     return 0.0;
 }
 
-static double total(const double *mass, int count)
-{
-    double sum = 0.0;
-    int k;
-    for (k = 0; k < count; k++) {
-        sum += mass[k];
-    }
-    return sum;
-}
-
 /* Unbalance that the weights can balance [kg m]. */
 static double capacity(const Composite *c)
 {
@@ -160,7 +150,7 @@ void resolution_begin(Unit *unit)
         unbalance += hypotenuse(loaded.unbalance[2 * k], loaded.unbalance[2 * k + 1]);
     }
     course->top = top;
-    course->mass = total(loaded.mass, n * n);
+    course->mass = sum_of(loaded.mass, n * n);
     course->pace = larger(top, smaller(slowest(c, &loaded, loaded.stiffness_x),
                                        slowest(c, &loaded, loaded.stiffness_y)));
     course->reach = reach(c, (weights + unbalance) * top * top, course->pace);

@@ -229,14 +229,10 @@ int weights_substeps(int number, const double *angles, const double *speeds, con
                      double lever, double lag, double damping_rate, double step, int *count,
                      Failure *failure)
 {
-    double strongest, turns, sum = 0.0;
+    double strongest, turns;
     const double fastest =
         fastest_rate(number, speeds, signal, lever, lag, damping_rate, step, &strongest);
-    int k;
-    for (k = 0; k < number; k++) {
-        sum += angles[k];
-    }
-    if (!is_finite(sum)) {
+    if (!is_finite(sum_of(angles, number))) {
         return fail(failure, FAILURE_ANGLES, "angles", 0, 0.0, 0.0, 0.0, 0.0);
     }
     turns = step * fastest / TURN_PER_SUBSTEP;
