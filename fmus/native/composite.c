@@ -15,23 +15,6 @@ static const double FEWEST_STEPS = 4.0; /* fewer do not resolve one revolution *
 static const double WEAK_LOOP = 0.1; /* one corrector pass then leaves 1 % of the prediction's error */
 static const double ROUNDING = 1e-14; /* of the largest force there can be */
 
-static size_t memory_size(const Layout *layout)
-{
-    (void)layout;
-    return 0;
-}
-
-static size_t own_size(void)
-{
-    return sizeof(Composite);
-}
-
-static void starts(const Layout *layout, double *real)
-{
-    (void)layout;
-    (void)real;
-}
-
 /* -- memory ---------------------------------------------------------------------------------- */
 
 static size_t signal_doubles(size_t count)
@@ -619,5 +602,6 @@ static int slope(Unit *unit, size_t reference, double *value)
 }
 
 const Equations COMPOSITE_EQUATIONS = {
-    "Composite", memory_size, own_size, starts,  allocate,    parameters, begin,
-    step,        outputs,     observe,  observe_torques, is_torque, signals, directional, slope};
+    .name = "Composite", .allocate = allocate, .parameters = parameters, .begin = begin,
+    .step = step, .outputs = outputs, .observe = observe, .observe_torques = observe_torques,
+    .is_torque = is_torque, .signals = signals, .directional = directional, .slope = slope};

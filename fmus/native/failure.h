@@ -1,4 +1,4 @@
-/* What a function of the core could not do, as numbers; the words are made in text.c. */
+/* What a function of the core could not do, as numbers; the words are made in failure_words.c. */
 #ifndef AUTOBALANCER_FAILURE_H
 #define AUTOBALANCER_FAILURE_H
 
