@@ -15,23 +15,6 @@ static const double FEWEST_STEPS = 4.0; /* fewer do not resolve one revolution *
 static const double WEAK_LOOP = 0.1; /* one corrector pass then leaves 1 % of the prediction's error */
 static const double ROUNDING = 1e-14; /* of the largest force there can be */
 
-static size_t memory_size(const Layout *layout)
-{
-    (void)layout;
-    return 0;
-}
-
-static size_t own_size(void)
-{
-    return sizeof(Composite);
-}
-
-static void starts(const Layout *layout, double *real)
-{
-    (void)layout;
-    (void)real;
-}
-
 /* -- memory ---------------------------------------------------------------------------------- */
 
 static size_t signal_doubles(size_t count)
@@ -455,8 +438,7 @@ static int show(Unit *unit, double time, int end)
 static int refuse_length(Unit *unit, double own)
 {
     Text *reason = unit_reason(unit);
-    text_put(reason, "the coupling's steps of ");
-    text_rounded(reason, own, 3);
+    text_put_rounded(reason, "the coupling's steps of ", own, 3);
     text_put(reason, " s are too short for it: speed, coupling.top_speed and coupling.steps_per_rev "
                      "must leave at most 1e8 of them");
     return 1;
@@ -464,15 +446,13 @@ static int refuse_length(Unit *unit, double own)
 
 void composite_put_time(Text *reason, double time)
 {
-    text_put(reason, " at t = ");
-    text_rounded(reason, time, 6);
+    text_put_rounded(reason, " at t = ", time, 6);
     text_put(reason, " s");
 }
 
 void composite_put_gain(const Unit *unit, Text *reason)
 {
-    text_put(reason, "; loop gain ");
-    text_rounded(reason, ((const Composite *)unit->own)->course->gain, 3);
+    text_put_rounded(reason, "; loop gain ", ((const Composite *)unit->own)->course->gain, 3);
 }
 
 void composite_level_off(Unit *unit)
@@ -622,5 +602,6 @@ static int slope(Unit *unit, size_t reference, double *value)
 }
 
 const Equations COMPOSITE_EQUATIONS = {
-    "Composite", memory_size, own_size, starts,  allocate,    parameters, begin,
-    step,        outputs,     observe,  observe_torques, is_torque, signals, directional, slope};
+    .name = "Composite", .allocate = allocate, .parameters = parameters, .begin = begin,
+    .step = step, .outputs = outputs, .observe = observe, .observe_torques = observe_torques,
+    .is_torque = is_torque, .signals = signals, .directional = directional, .slope = slope};

@@ -125,16 +125,12 @@ static int refuse(Unit *unit, double step, double error, double residual)
     Composite *c = unit->own;
     Text *reason = unit_reason(unit);
     c->loop_failed = 1;
-    text_put(reason, "tolerance ");
-    text_rounded(reason, c->course->allowed, 6);
+    text_put_rounded(reason, "tolerance ", c->course->allowed, 6);
     text_put(reason, " cannot be met");
     composite_put_time(reason, c->course->time);
-    text_put(reason, ": steps of ");
-    text_rounded(reason, step, 3);
-    text_put(reason, " s still err by ");
-    text_rounded(reason, error, 3);
-    text_put(reason, ", loop residual ");
-    text_rounded(reason, residual, 3);
+    text_put_rounded(reason, ": steps of ", step, 3);
+    text_put_rounded(reason, " s still err by ", error, 3);
+    text_put_rounded(reason, ", loop residual ", residual, 3);
     return 1;
 }
 

@@ -146,8 +146,8 @@ static int diverges(Unit *unit, double step)
     composite_put_time(reason, course->time + step);
     text_put(reason, ": ");
     composite_name_forces(c, reason);
-    text_put(reason, " differs from what was assumed for the step by ");
-    text_rounded(reason, worst / course->largest, 3);
+    text_put_rounded(reason, " differs from what was assumed for the step by ",
+                     worst / course->largest, 3);
     text_put(reason, " of the largest force and grows; build with scheme = \"iterated\" or \"auto\"");
     return 1;
 }

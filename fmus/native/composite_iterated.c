@@ -166,8 +166,7 @@ int iterated_judge(Unit *unit)
     composite_put_time(reason, course->time);
     text_put(reason, ": ");
     composite_name_forces(c, reason);
-    text_put(reason, " still changes by ");
-    text_rounded(reason, residual, 2);
+    text_put_rounded(reason, " still changes by ", residual, 2);
     text_put(reason, " of the largest force; use smaller steps or more corrections");
     return 1;
 }

@@ -275,12 +275,9 @@ static int refuse_start(Unit *unit, double residual, double size, double gain)
     Text *reason = unit_reason(unit);
     text_put(reason, "consistent start values were not found in ");
     text_integer(reason, START_ITERATIONS);
-    text_put(reason, " iterations: forces still change by ");
-    text_rounded(reason, residual, 3);
-    text_put(reason, " N of ");
-    text_rounded(reason, size, 3);
-    text_put(reason, " N; loop gain ");
-    text_rounded(reason, gain, 3);
+    text_put_rounded(reason, " iterations: forces still change by ", residual, 3);
+    text_put_rounded(reason, " N of ", size, 3);
+    text_put_rounded(reason, " N; loop gain ", gain, 3);
     return 1;
 }
 

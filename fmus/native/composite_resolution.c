@@ -102,16 +102,6 @@ static double turned(const Unit *unit, double speed)
     return 0.0;
 }
 
-static double total(const double *mass, int count)
-{
-    double sum = 0.0;
-    int k;
-    for (k = 0; k < count; k++) {
-        sum += mass[k];
-    }
-    return sum;
-}
-
 /* Unbalance that the weights can balance [kg m]. */
 static double capacity(const Composite *c)
 {
@@ -160,7 +150,7 @@ void resolution_begin(Unit *unit)
         unbalance += hypotenuse(loaded.unbalance[2 * k], loaded.unbalance[2 * k + 1]);
     }
     course->top = top;
-    course->mass = total(loaded.mass, n * n);
+    course->mass = sum_of(loaded.mass, n * n);
     course->pace = larger(top, smaller(slowest(c, &loaded, loaded.stiffness_x),
                                        slowest(c, &loaded, loaded.stiffness_y)));
     course->reach = reach(c, (weights + unbalance) * top * top, course->pace);
@@ -203,8 +193,7 @@ static Text *refuse(Unit *unit)
 {
     const Composite *c = unit->own;
     Text *reason = unit_reason(unit);
-    text_put(reason, "coupling steps of ");
-    text_rounded(reason, c->course->judged_step, 3);
+    text_put_rounded(reason, "coupling steps of ", c->course->judged_step, 3);
     text_put(reason, " s are too long");
     composite_put_time(reason, c->course->time);
     text_put(reason, ": ");
@@ -262,8 +251,8 @@ static int count_lost(Unit *unit, int number, const Signal *signal)
     if (course->unresolved >= PERSISTENT) {
         Text *reason = refuse(unit);
         put_name(unit->own, number, reason);
-        text_put(reason, " has ended 20 steps far from where the one before led, now by ");
-        text_rounded(reason, signal->prediction_error / signal->largest, 2);
+        text_put_rounded(reason, " has ended 20 steps far from where the one before led, now by ",
+                         signal->prediction_error / signal->largest, 2);
         text_put(reason, " of its largest value");
         return refused(reason);
     }
@@ -332,8 +321,7 @@ int resolution_check(Unit *unit, double step)
             Text *reason = refuse(unit);
             text_put(reason, "what the cubics miss of ");
             put_name(c, cause, reason);
-            text_put(reason, " moves the units ");
-            text_rounded(reason, worst, 2);
+            text_put_rounded(reason, " moves the units ", worst, 2);
             text_put(reason, " times as far as they move at all");
             return refused(reason);
         }

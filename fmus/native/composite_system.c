@@ -12,8 +12,7 @@ static int part_failed(Unit *unit, const Part *part, double step)
     text_put(reason, part->unit->name);
     if (step > 0.0) {
         composite_put_time(reason, part->unit->time);
-        text_put(reason, ": a step of ");
-        text_rounded(reason, step, 6);
+        text_put_rounded(reason, ": a step of ", step, 6);
         text_put(reason, " s failed");
     }
     text_put(reason, ": ");

@@ -129,12 +129,12 @@ static void add_exactly(double *parts, int *count, double term)
     parts[(*count)++] = term;
 }
 
-static double sum_of(const double *parts, int count)
+double sum_of(const double *values, int count)
 {
     double sum = 0.0;
     int k;
     for (k = 0; k < count; k++) {
-        sum += parts[k];
+        sum += values[k];
     }
     return sum;
 }

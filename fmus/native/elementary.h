@@ -71,6 +71,8 @@ double arc_sine(double x);     /* -1 to 1, below 1 ulp; NaN beyond */
 double hypotenuse(double x, double y); /* sqrt(x^2 + y^2), below 0.6 ulp, no overflow within */
 double magnitude(Complex z);   /* |z|, below 1.1 ulp */
 
+double sum_of(const double *values, int count); /* one after the other */
+
 /* Exact: x less a whole multiple of y > 0.  Python's x % y and math.remainder(x, y). */
 double modulo(double x, double y);
 double ieee_remainder(double x, double y);

@@ -1,4 +1,4 @@
-/* What a function of the core could not do, as numbers; the words are made in text.c. */
+/* What a function of the core could not do, as numbers; the words are made in failure_words.c. */
 #ifndef AUTOBALANCER_FAILURE_H
 #define AUTOBALANCER_FAILURE_H
 
@@ -57,5 +57,10 @@ typedef struct {
 /* Write a failure and return its code, so that a caller can return what this returns. */
 int fail(Failure *failure, int code, const char *name, int where, double first, double second,
          double third, double fourth);
+
+/* FINE, or what is wrong with a value that has to be so; twins of models/ranges.py. */
+int demand_positive(const char *name, double value, Failure *failure);
+int demand_not_negative(const char *name, double value, Failure *failure);
+int demand_finite(const char *name, double value, Failure *failure);
 
 #endif

@@ -5,6 +5,8 @@
 #include "unit.h"
 #include "unit_front.h"
 
+static const char WRONG_TYPE[] = "the unit has Reals and Booleans only";
+
 /* An instance: what the host gave, and the unit. */
 typedef struct {
     Unit *unit;
@@ -27,7 +29,7 @@ static void put_literally(Text *text, const char *words)
 /* Warnings and errors are told whether or not debug messages are asked for. */
 static void tell(void *host, const char *instance, Status status, const char *message)
 {
-    const fmi2CallbackFunctions *functions = host;
+    const fmi2CallbackFunctions *functions = &((const Front *)host)->functions;
     char literal[2 * MESSAGE_SIZE];
     Text text = text_in(literal, sizeof literal);
     if (functions->logger) {
@@ -58,9 +60,7 @@ const char *fmi2GetVersion(void)
 fmi2Status fmi2SetDebugLogging(fmi2Component c, fmi2Boolean on, size_t count,
                                const fmi2String categories[])
 {
-    (void)on;
-    (void)count;
-    (void)categories;
+    (void)on, (void)count, (void)categories;
     return c ? fmi2OK : fmi2Error;
 }
 
@@ -68,47 +68,33 @@ fmi2Component fmi2Instantiate(fmi2String instance, fmi2Type type, fmi2String gui
                               fmi2String resources, const fmi2CallbackFunctions *functions,
                               fmi2Boolean visible, fmi2Boolean logging)
 {
-    fmi2CallbackFunctions host = {0};
-    Unit *unit;
-    Front *front;
-    (void)visible;
-    (void)logging;
+    Front host = {0}, *front;
+    (void)visible, (void)logging;
     if (functions) {
-        host = *functions;
+        host.functions = *functions;
     }
     if (type != fmi2CoSimulation) {
         tell(&host, instance ? instance : "", STATUS_ERROR,
              "instantiation failed: the unit is for co-simulation, not for model exchange");
         return NULL;
     }
-    unit = front_instantiate(instance, guid, resources, tell, &host);
-    front = unit ? unit_allocate(unit, 1, sizeof *front) : NULL;
-    if (!front) {
-        if (unit) {
-            unit_free(unit);
-        }
-        return NULL;
+    front = front_instantiate(instance, guid, resources, tell, &host, sizeof host);
+    if (front) {
+        front->unit->may_end_early = 1;
     }
-    front->functions = host;
-    front->unit = unit;
-    unit->host = &front->functions;
-    unit->may_end_early = 1;
     return front;
 }
 
 void fmi2FreeInstance(fmi2Component c)
 {
-    if (c) {
-        unit_free(front_unit(c));
-    }
+    front_free(c);
 }
 
 fmi2Status fmi2SetupExperiment(fmi2Component c, fmi2Boolean tolerance_defined, fmi2Real tolerance,
                                fmi2Real start, fmi2Boolean stop_defined, fmi2Real stop)
 {
     const fmi2Status status = allowed(c, "fmi2SetupExperiment", INSTANTIATED, 0, NULL, NULL);
-    (void)tolerance_defined;
-    (void)tolerance;
+    (void)tolerance_defined, (void)tolerance;
     return status ? status
                   : (fmi2Status)unit_setup(front_unit(c), start, stop_defined ? stop : infinity());
 }
@@ -182,48 +168,23 @@ fmi2Status fmi2SetBoolean(fmi2Component c, const fmi2ValueReference vr[], size_t
     return status;
 }
 
-/* Access to a type the unit has no variables of. */
-static fmi2Status wrong_type(fmi2Component c, const char *function, size_t count)
-{
-    if (!c) {
-        return fmi2Error;
+/* what no variable of the unit has */
+#define REFUSE_TYPE(type)                                                                         \
+    fmi2Status fmi2Get##type(fmi2Component c, const fmi2ValueReference vr[], size_t count,        \
+                             fmi2##type value[])                                                  \
+    {                                                                                             \
+        (void)vr, (void)value;                                                                    \
+        return (fmi2Status)front_wrong_type(c, "fmi2Get" #type, count, WRONG_TYPE);               \
+    }                                                                                             \
+    fmi2Status fmi2Set##type(fmi2Component c, const fmi2ValueReference vr[], size_t count,        \
+                             const fmi2##type value[])                                            \
+    {                                                                                             \
+        (void)vr, (void)value;                                                                    \
+        return (fmi2Status)front_wrong_type(c, "fmi2Set" #type, count, WRONG_TYPE);               \
     }
-    return count ? (fmi2Status)unit_refuse(front_unit(c), function,
-                                           "the unit has Reals and Booleans only")
-                 : fmi2OK;
-}
 
-fmi2Status fmi2GetInteger(fmi2Component c, const fmi2ValueReference vr[], size_t count,
-                          fmi2Integer value[])
-{
-    (void)vr;
-    (void)value;
-    return wrong_type(c, "fmi2GetInteger", count);
-}
-
-fmi2Status fmi2GetString(fmi2Component c, const fmi2ValueReference vr[], size_t count,
-                         fmi2String value[])
-{
-    (void)vr;
-    (void)value;
-    return wrong_type(c, "fmi2GetString", count);
-}
-
-fmi2Status fmi2SetInteger(fmi2Component c, const fmi2ValueReference vr[], size_t count,
-                          const fmi2Integer value[])
-{
-    (void)vr;
-    (void)value;
-    return wrong_type(c, "fmi2SetInteger", count);
-}
-
-fmi2Status fmi2SetString(fmi2Component c, const fmi2ValueReference vr[], size_t count,
-                         const fmi2String value[])
-{
-    (void)vr;
-    (void)value;
-    return wrong_type(c, "fmi2SetString", count);
-}
+REFUSE_TYPE(Integer)
+REFUSE_TYPE(String)
 
 /* -- state ----------------------------------------------------------------------------------- */
 
@@ -313,10 +274,8 @@ fmi2Status fmi2DoStep(fmi2Component c, fmi2Real time, fmi2Real step,
 
 fmi2Status fmi2CancelStep(fmi2Component c)
 {
-    return c ? (fmi2Status)unit_refuse(front_unit(c), "fmi2CancelStep",
-                                       "no step is under way: steps are made while they are asked "
-                                       "for")
-             : fmi2Error;
+    return (fmi2Status)front_refuse(
+        c, "fmi2CancelStep", "no step is under way: steps are made while they are asked for");
 }
 
 /* A status the unit does not have; the host goes on. */
@@ -325,12 +284,16 @@ static fmi2Status no_status(fmi2Component c)
     return c ? fmi2Discard : fmi2Error;
 }
 
-fmi2Status fmi2GetStatus(fmi2Component c, const fmi2StatusKind kind, fmi2Status *value)
-{
-    (void)kind;
-    (void)value;
-    return no_status(c);
-}
+#define REFUSE_STATUS(name, type)                                                                 \
+    fmi2Status fmi2##name(fmi2Component c, const fmi2StatusKind kind, type *value)                \
+    {                                                                                             \
+        (void)kind, (void)value;                                                                  \
+        return no_status(c);                                                                      \
+    }
+
+REFUSE_STATUS(GetStatus, fmi2Status)
+REFUSE_STATUS(GetIntegerStatus, fmi2Integer)
+REFUSE_STATUS(GetStringStatus, fmi2String)
 
 fmi2Status fmi2GetRealStatus(fmi2Component c, const fmi2StatusKind kind, fmi2Real *value)
 {
@@ -341,13 +304,6 @@ fmi2Status fmi2GetRealStatus(fmi2Component c, const fmi2StatusKind kind, fmi2Rea
     return fmi2OK;
 }
 
-fmi2Status fmi2GetIntegerStatus(fmi2Component c, const fmi2StatusKind kind, fmi2Integer *value)
-{
-    (void)kind;
-    (void)value;
-    return no_status(c);
-}
-
 fmi2Status fmi2GetBooleanStatus(fmi2Component c, const fmi2StatusKind kind, fmi2Boolean *value)
 {
     if (!c || !value || kind != fmi2Terminated) {
@@ -355,11 +311,4 @@ fmi2Status fmi2GetBooleanStatus(fmi2Component c, const fmi2StatusKind kind, fmi2
     }
     *value = 0;
     return fmi2OK;
-}
-
-fmi2Status fmi2GetStringStatus(fmi2Component c, const fmi2StatusKind kind, fmi2String *value)
-{
-    (void)kind;
-    (void)value;
-    return no_status(c);
 }

@@ -36,9 +36,7 @@ EXPORT const char *fmi3GetVersion(void)
 EXPORT fmi3Status fmi3SetDebugLogging(fmi3Instance instance, fmi3Boolean on, size_t count,
                                       const fmi3String categories[])
 {
-    (void)on;
-    (void)count;
-    (void)categories;
+    (void)on, (void)count, (void)categories;
     return instance ? fmi3OK : fmi3Error;
 }
 
@@ -49,41 +47,24 @@ EXPORT fmi3Instance fmi3InstantiateCoSimulation(
     fmi3InstanceEnvironment environment, fmi3LogMessageCallback log,
     fmi3IntermediateUpdateCallback update)
 {
-    Front host, *front;
-    Unit *unit;
-    (void)visible;
-    (void)logging;
-    (void)intermediate;
-    (void)update;
-    host.unit = NULL;
-    host.environment = environment;
-    host.log = log;
+    Front host = {NULL, environment, log}, *front;
+    (void)visible, (void)logging, (void)intermediate, (void)update;
     if (event_mode || intermediates) {
         tell(&host, name, STATUS_ERROR,
              "instantiation failed: the unit has neither event mode nor intermediate variables");
         return NULL;
     }
-    unit = front_instantiate(name, token, resources, tell, &host);
-    front = unit ? unit_allocate(unit, 1, sizeof *front) : NULL;
-    if (!front) {
-        if (unit) {
-            unit_free(unit);
-        }
-        return NULL;
+    front = front_instantiate(name, token, resources, tell, &host, sizeof host);
+    if (front) {
+        front->unit->may_end_early = early_return;
+        front->unit->first_boolean = front->unit->layout.real_count;
     }
-    *front = host;
-    front->unit = unit;
-    unit->host = front;
-    unit->may_end_early = early_return;
-    unit->first_boolean = unit->layout.real_count;
     return front;
 }
 
 EXPORT void fmi3FreeInstance(fmi3Instance instance)
 {
-    if (instance) {
-        unit_free(front_unit(instance));
-    }
+    front_free(instance);
 }
 
 EXPORT fmi3Status fmi3EnterInitializationMode(fmi3Instance instance, fmi3Boolean tolerance_defined,
@@ -92,8 +73,7 @@ EXPORT fmi3Status fmi3EnterInitializationMode(fmi3Instance instance, fmi3Boolean
 {
     const char *function = "fmi3EnterInitializationMode";
     Status status = front_allowed(instance, function, INSTANTIATED, 0, NULL, NULL);
-    (void)tolerance_defined;
-    (void)tolerance;
+    (void)tolerance_defined, (void)tolerance;
     if (!status) {
         status = unit_setup(front_unit(instance), start, stop_defined ? stop : infinity());
     }

@@ -2,25 +2,12 @@
 
 #include "elementary.h"
 
-static int positive(const char *name, double value, Failure *failure)
-{
-    return is_finite(value) && value > 0.0
-               ? FINE
-               : fail(failure, FAILURE_NOT_POSITIVE, name, 0, value, 0.0, 0.0, 0.0);
-}
-
 int liquid_check(const Liquid *liquid, Failure *failure)
 {
-    int code = positive("chamber_radius", liquid->chamber_radius, failure);
-    if (!code) {
-        code = positive("float_radius", liquid->float_radius, failure);
-    }
-    if (!code) {
-        code = positive("height", liquid->height, failure);
-    }
-    if (!code) {
-        code = positive("density", liquid->density, failure);
-    }
+    int code = demand_positive("chamber_radius", liquid->chamber_radius, failure);
+    code = code ? code : demand_positive("float_radius", liquid->float_radius, failure);
+    code = code ? code : demand_positive("height", liquid->height, failure);
+    code = code ? code : demand_positive("density", liquid->density, failure);
     if (!code && liquid->float_radius >= liquid->chamber_radius) {
         code = fail(failure, FAILURE_FLOAT_RADIUS, "float_radius", 0, liquid->float_radius,
                     liquid->chamber_radius, 0.0, 0.0);

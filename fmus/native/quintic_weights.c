@@ -68,7 +68,7 @@ static void along_track_of(const Driven *by, Complex direction, double rate, dou
 }
 
 /* What the rates t[k] make of g's derivatives. */
-static double sum_of(const double *t, const double *g)
+static double weighted_sum(const double *t, const double *g)
 {
     return t[0] * g[0] + t[1] * g[1] + t[2] * g[2];
 }
@@ -85,8 +85,8 @@ static int substep(double *angle, double *angle_rate, const Driven *start, const
     double free_rate, free_angle, new_rate, new_angle, change = 1.0;
     int iteration;
     along_track_of(start, direction, *angle_rate, damping_rate, begin);
-    free_rate = response[0] * *angle_rate + sum_of(s, begin);
-    free_angle = *angle + response[7] * *angle_rate + sum_of(t, begin);
+    free_rate = response[0] * *angle_rate + weighted_sum(s, begin);
+    free_angle = *angle + response[7] * *angle_rate + weighted_sum(t, begin);
     new_angle = free_angle;
     new_rate = free_rate;
     for (iteration = 0; iteration < MAX_ITERATIONS; iteration++) {
@@ -94,8 +94,8 @@ static int substep(double *angle, double *angle_rate, const Driven *start, const
         along_track_of(end, direction_at(direction, new_angle - from, lever, new_angle), new_rate,
                        damping_rate, reached);
         quintic_hermite(begin, reached, 1, step, higher);
-        new_rate = free_rate + sum_of(s + 3, higher);
-        new_angle = free_angle + sum_of(t + 3, higher);
+        new_rate = free_rate + weighted_sum(s + 3, higher);
+        new_angle = free_angle + weighted_sum(t + 3, higher);
         change = absolute(new_angle - last_angle) + absolute(new_rate - last_rate) * step;
         if (converged(change, last_change, new_angle)) {
             *angle = new_angle;

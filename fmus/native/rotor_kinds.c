@@ -7,35 +7,15 @@
 
 #define SAME_PLACE 1e-9 /* of the shaft's length: an unbalance this near to a disc sits on it */
 
-static int positive(const char *name, double value, Failure *failure)
-{
-    return is_finite(value) && value > 0.0
-               ? FINE
-               : fail(failure, FAILURE_NOT_POSITIVE, name, 0, value, 0.0, 0.0, 0.0);
-}
-
-static int demand_finite(const char *name, double value, Failure *failure)
-{
-    return is_finite(value) ? FINE
-                            : fail(failure, FAILURE_NOT_FINITE, name, 0, value, 0.0, 0.0, 0.0);
-}
-
-static int not_negative(const char *name, double value, Failure *failure)
-{
-    return is_finite(value) && value >= 0.0
-               ? FINE
-               : fail(failure, FAILURE_NEGATIVE, name, 0, value, 0.0, 0.0, 0.0);
-}
-
 static int per_support(const char *stiffness_name, const double *stiffness,
                        const char *damping_name, const double *damping, Failure *failure)
 {
     int k, code = FINE;
     for (k = 0; k < 4 && !code; k++) {
-        code = positive(stiffness_name, stiffness[k], failure);
+        code = demand_positive(stiffness_name, stiffness[k], failure);
     }
     for (k = 0; k < 4 && !code; k++) {
-        code = not_negative(damping_name, damping[k], failure);
+        code = demand_not_negative(damping_name, damping[k], failure);
     }
     return code;
 }
@@ -44,10 +24,9 @@ static int check_unbalances(int count, const double *unbalances, Failure *failur
 {
     int k, code = FINE;
     for (k = 0; k < count && !code; k++) {
-        code = not_negative("unbalances: amount", unbalances[3 * k + 1], failure);
-        if (!code) {
-            code = demand_finite("unbalances: angle", unbalances[3 * k + 2], failure);
-        }
+        const double *u = unbalances + 3 * k;
+        code = demand_not_negative("unbalances: amount", u[1], failure);
+        code = code ? code : demand_finite("unbalances: angle", u[2], failure);
     }
     for (k = 0; k < count && !code; k++) {
         code = demand_finite("unbalances: position", unbalances[3 * k], failure);
@@ -71,26 +50,17 @@ static void line_row(double position, double span, double *row)
 
 static int check_two_support(const TwoSupport *v, int plane_count, Failure *failure)
 {
-    int k, code = positive("mass", v->mass, failure);
-    if (!code) {
-        code = positive("inertia", v->inertia, failure);
-    }
-    if (!code) {
-        code = positive("span", v->span, failure);
-    }
-    if (!code) {
-        code = demand_finite("com", v->com, failure);
-    }
-    if (!code) {
-        code = demand_finite("polar_inertia", v->polar_inertia, failure);
-    }
+    int k, code = demand_positive("mass", v->mass, failure);
+    code = code ? code : demand_positive("inertia", v->inertia, failure);
+    code = code ? code : demand_positive("span", v->span, failure);
+    code = code ? code : demand_finite("com", v->com, failure);
+    code = code ? code : demand_finite("polar_inertia", v->polar_inertia, failure);
     if (!code && !(v->polar_inertia >= 0.0 && v->polar_inertia <= 2.0 * v->inertia)) {
         code = fail(failure, FAILURE_POLAR_INERTIA, "polar_inertia", 0, v->polar_inertia,
                     2.0 * v->inertia, 0.0, 0.0);
     }
-    if (!code) {
-        code = per_support("stiffness", v->stiffness, "damping", v->damping, failure);
-    }
+    code = code ? code
+                : per_support("stiffness", v->stiffness, "damping", v->damping, failure);
     for (k = 0; k < plane_count && !code; k++) {
         code = demand_finite("planes", v->planes[k], failure);
     }
@@ -156,7 +126,7 @@ static int check_discs(int n, const Flexible *v, Failure *failure)
     if (p == q || p < 1 || p > n || q < 1 || q > n) {
         return fail(failure, FAILURE_SUPPORTS, "supports", n, p, q, 0.0, 0.0);
     }
-    code = not_negative("internal_damping", v->internal_damping, failure);
+    code = demand_not_negative("internal_damping", v->internal_damping, failure);
     return code ? code
                 : per_support("support_stiffness", v->support_stiffness, "support_damping",
                               v->support_damping, failure);

@@ -27,10 +27,10 @@ int beam_compliance(int n, const double *z, const double *rows, double bending_s
                     double *delta, double *scratch, Failure *failure)
 {
     const int size = n - 2;
+    const int code = demand_positive("bending_stiffness", bending_stiffness, failure);
     int i, j, k;
-    if (!(is_finite(bending_stiffness) && bending_stiffness > 0.0)) {
-        return fail(failure, FAILURE_NOT_POSITIVE, "bending_stiffness", 0, bending_stiffness, 0.0,
-                    0.0, 0.0);
+    if (code) {
+        return code;
     }
     for (i = 0; i < size; i++) {
         for (j = 0; j < n; j++) {

@@ -151,6 +151,12 @@ void text_rounded(Text *text, double value, int asked)
     put_decimal(text, digits, count, exponent, asked, "");
 }
 
+void text_put_rounded(Text *text, const char *words, double value, int digits)
+{
+    text_put(text, words);
+    text_rounded(text, value, digits);
+}
+
 void text_list(Text *text, const double *values, size_t count)
 {
     size_t k;

@@ -24,6 +24,8 @@ void text_hexadecimal(Text *text, uint64_t value);
 void text_number(Text *text, double value);
 /* So many significant digits: Python's format(value, ".6g"). */
 void text_rounded(Text *text, double value, int digits);
+/* Words, and such a number behind them. */
+void text_put_rounded(Text *text, const char *words, double value, int digits);
 /* [1.0, 2.0]: Python's repr of a list. */
 void text_list(Text *text, const double *values, size_t count);
 

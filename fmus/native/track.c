@@ -7,12 +7,11 @@ static int check_options(const Track *track, Failure *failure)
 {
     const double radius = track->weights.track_radius, size = track->weight_radius;
     const int count = track->weights.count;
-    if (!(is_finite(size) && size >= 0.0)) {
-        return fail(failure, FAILURE_NEGATIVE, "weight_radius", 0, size, 0.0, 0.0, 0.0);
-    }
-    if (!(is_finite(track->rolling_resistance) && track->rolling_resistance >= 0.0)) {
-        return fail(failure, FAILURE_NEGATIVE, "rolling_resistance", 0, track->rolling_resistance,
-                    0.0, 0.0, 0.0);
+    int code = demand_not_negative("weight_radius", size, failure);
+    code = code ? code
+                : demand_not_negative("rolling_resistance", track->rolling_resistance, failure);
+    if (code) {
+        return code;
     }
     if (!(track->restitution >= 0.0 && track->restitution <= 1.0)) {
         return fail(failure, FAILURE_RESTITUTION, "restitution", 0, track->restitution, 0.0, 0.0,

@@ -69,20 +69,23 @@ static int build_single(Unit *unit, const char *token)
     count = layout_count(table, &sizes, MOST_REALS);
     reals = unit_allocate(unit, count, sizeof *reals);
     unit->starts = unit_allocate(unit, count, sizeof(double));
-    unit->own = unit_allocate(unit, 1, unit->equations->own_size());
+    unit->own = unit_allocate(unit, 1, unit->equations->own_size);
     if (!reals || !unit->starts || !unit->own) {
         text_put(unit_reason(unit), NO_MEMORY);
         return 1;
     }
     unit->layout = layout_in(reals, table, &sizes);
     layout_starts(&unit->layout, unit->starts);
-    unit->equations->starts(&unit->layout, unit->starts);
+    if (unit->equations->starts) {
+        unit->equations->starts(&unit->layout, unit->starts);
+    }
     if (token_check(token, &unit->layout, layout_digest(&unit->layout, unit->starts),
                     &unit->reason)) {
         return 1;
     }
     memcpy(unit->token, token, text_length(token) + 1);
-    unit->memory_count = unit->equations->memory_size(&unit->layout);
+    unit->memory_count =
+        unit->equations->memory_size ? unit->equations->memory_size(&unit->layout) : 0;
     return 0;
 }
 
@@ -100,7 +103,8 @@ static int build_arrays(Unit *unit, const char *name)
     unit->change = unit_allocate(unit, outputs, sizeof(double));
     unit->kept = unit_allocate(unit, unit->layout.computed.count, sizeof(double));
     if (!unit->real || !unit->name || !unit->boolean || !unit->memory || !unit->before ||
-        !unit->seed || !unit->change || !unit->kept || unit->equations->allocate(unit) ||
+        !unit->seed || !unit->change || !unit->kept ||
+        (unit->equations->allocate && unit->equations->allocate(unit)) ||
         unit_allocate_elements(unit)) {
         return 1;
     }
@@ -221,7 +225,7 @@ static int out_of_place(Unit *unit, double time, double step)
 }
 
 /* 0, or 1 with the reason when one of these is not finite. */
-static int demand_finite(Unit *unit, Range range)
+static int demand_finite_values(Unit *unit, Range range)
 {
     const double *values = unit->real + range.first;
     double even = 0.0, odd = 0.0; /* sums, not finite where one of them is not, or where they are huge */
@@ -248,8 +252,8 @@ int unit_advance(Unit *unit, double step)
     const size_t size = unit->memory_count * sizeof(double);
     memcpy(unit->before, unit->memory, size);
     unit->made = step;
-    if (demand_finite(unit, unit->layout.inputs) || unit->equations->step(unit, step) ||
-        demand_finite(unit, unit->layout.computed)) {
+    if (demand_finite_values(unit, unit->layout.inputs) || unit->equations->step(unit, step) ||
+        demand_finite_values(unit, unit->layout.computed)) {
         memcpy(unit->memory, unit->before, size);
         unit->stale = unit->stale > COMPUTED ? unit->stale : COMPUTED;
         return 1;
@@ -316,8 +320,8 @@ int unit_refresh(Unit *unit, int level)
         unit->stale = COMPUTED;
     }
     if (unit->stale == COMPUTED && level < COMPUTED) {
-        if (demand_finite(unit, unit->layout.inputs) || equations->outputs(unit) ||
-            demand_finite(unit, unit->layout.computed)) {
+        if (demand_finite_values(unit, unit->layout.inputs) || equations->outputs(unit) ||
+            demand_finite_values(unit, unit->layout.computed)) {
             return 1;
         }
         unit->stale = OBSERVED;

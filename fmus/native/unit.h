@@ -37,10 +37,10 @@ typedef struct {
 /* What a unit supplies.  Functions that return int return 0, or 1 with unit->reason written. */
 typedef struct {
     const char *name;
-    /* Doubles of `memory`, and bytes of what else the equations need (`own`). */
+    /* Bytes of what the equations need (`own`) besides `memory`; its doubles, NULL: none. */
+    size_t own_size;
     size_t (*memory_size)(const Layout *layout);
-    size_t (*own_size)(void);
-    /* Start values that depend on index and size; then what the equations allocate. */
+    /* Start values that depend on index and size; then what the equations allocate; or NULL. */
     void (*starts)(const Layout *layout, double *real);
     int (*allocate)(Unit *unit);
     /* Make the physical model from the parameters. */

@@ -1,6 +1,7 @@
 #include "unit_front.h"
 
 #include <stdlib.h>
+#include <string.h>
 
 #include "composite.h"
 #include "resource.h"
@@ -25,8 +26,8 @@ static char *composition(const char *token, const char *resources, Text *reason)
     return text;
 }
 
-Unit *front_instantiate(const char *name, const char *token, const char *resources, Log log,
-                        void *host)
+static Unit *instantiate(const char *name, const char *token, const char *resources, Log log,
+                         void *host)
 {
     char words[REASON_SIZE], *text;
     Text reason = text_in(words, sizeof words);
@@ -43,6 +44,28 @@ Unit *front_instantiate(const char *name, const char *token, const char *resourc
     unit = unit_instantiate(name, text, log, host);
     free(text);
     return unit;
+}
+
+void *front_instantiate(const char *name, const char *token, const char *resources, Log log,
+                        void *host, size_t size)
+{
+    Unit *unit = instantiate(name, token, resources, log, host);
+    void *instance = unit ? unit_allocate(unit, 1, size) : NULL;
+    if (instance) {
+        memcpy(instance, host, size);
+        *(Unit **)instance = unit;
+        unit->host = instance;
+    } else if (unit) {
+        unit_free(unit);
+    }
+    return instance;
+}
+
+void front_free(void *instance)
+{
+    if (instance) {
+        unit_free(front_unit(instance));
+    }
 }
 
 Unit *front_unit(void *instance)
@@ -67,6 +90,16 @@ Status front_allowed(void *instance, const char *function, int phases, size_t co
         return unit_refuse(front_unit(instance), function, "an array is missing");
     }
     return unit_allowed(front_unit(instance), function, phases);
+}
+
+Status front_refuse(void *instance, const char *function, const char *why)
+{
+    return instance ? unit_refuse(front_unit(instance), function, why) : STATUS_ERROR;
+}
+
+Status front_wrong_type(void *instance, const char *function, size_t count, const char *why)
+{
+    return instance && !count ? STATUS_OK : front_refuse(instance, function, why);
 }
 
 Status front_save(void *instance, const char *function, void **state)

@@ -14,9 +14,11 @@ enum {
 /* The file that says what a composite is made of. */
 #define COMPOSITION "composition.txt"
 
-/* As unit_instantiate; what a composite is made of is read from the folder of the FMU's resources. */
-Unit *front_instantiate(const char *name, const char *token, const char *resources, Log log,
-                        void *host);
+/* As unit_instantiate; what a composite is made of is read from the folder of the FMU's resources.
+   The instance is a copy of `host`, of that size, with the unit put in. */
+void *front_instantiate(const char *name, const char *token, const char *resources, Log log,
+                        void *host, size_t size);
+void front_free(void *instance);
 Unit *front_unit(void *instance);
 /* Log category of a message, as the model description names it. */
 const char *front_category(Status status);
@@ -24,6 +26,10 @@ const char *front_category(Status status);
    are there. */
 Status front_allowed(void *instance, const char *function, int phases, size_t count,
                      const void *a, const void *b);
+/* The error of a call for what the unit does not have, */
+Status front_refuse(void *instance, const char *function, const char *why);
+/* and of one for so many values of a type that no variable has. */
+Status front_wrong_type(void *instance, const char *function, size_t count, const char *why);
 
 Status front_save(void *instance, const char *function, void **state);
 Status front_restore(void *instance, const char *function, void *state);

@@ -21,29 +21,6 @@ static size_t orders_of(const Unit *unit)
     return (size_t)unit->layout.sizes.order + 1;
 }
 
-static size_t memory_size(const Layout *layout)
-{
-    (void)layout;
-    return 0;
-}
-
-static size_t own_size(void)
-{
-    return sizeof(Own);
-}
-
-static void starts(const Layout *layout, double *real)
-{
-    (void)layout;
-    (void)real;
-}
-
-static int allocate(Unit *unit)
-{
-    (void)unit;
-    return 0;
-}
-
 static int parameters(Unit *unit)
 {
     Own *own = unit->own;
@@ -72,10 +49,8 @@ static void warn_of_touch(Unit *unit, Complex displacement, double time)
     const Own *own = unit->own;
     char words[160];
     Text text = text_in(words, sizeof words);
-    text_put(&text, "bending ");
-    text_rounded(&text, magnitude(displacement), 6);
-    text_put(&text, " m exceeds the gap ");
-    text_rounded(&text, liquid_gap(&own->liquid), 6);
+    text_put_rounded(&text, "bending ", magnitude(displacement), 6);
+    text_put_rounded(&text, " m exceeds the gap ", liquid_gap(&own->liquid), 6);
     text_put(&text, " m: the float touches the chamber and the model is invalid");
     unit_warn_once(unit, TOUCHES, time, words);
 }
@@ -154,5 +129,6 @@ static int slope(Unit *unit, size_t reference, double *value)
 }
 
 const Equations LIQUID_EQUATIONS = {
-    "LiquidBalancer", memory_size, own_size, starts,  allocate,    parameters, begin,
-    step,             outputs,     observe,  NULL, NULL, signals, directional, slope};
+    .name = "LiquidBalancer", .own_size = sizeof(Own), .parameters = parameters, .begin = begin,
+    .step = step, .outputs = outputs, .observe = observe, .signals = signals,
+    .directional = directional, .slope = slope};

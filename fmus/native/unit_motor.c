@@ -18,11 +18,6 @@ static size_t memory_size(const Layout *layout)
     return ANGLE_SIZE + 1;
 }
 
-static size_t own_size(void)
-{
-    return sizeof(Motor);
-}
-
 static void starts(const Layout *layout, double *real)
 {
     const int last = layout->sizes.points - 1;
@@ -31,12 +26,6 @@ static void starts(const Layout *layout, double *real)
         real[1 + 2 * k] = 300.0 * k / last;
         real[2 + 2 * k] = 10.0 * (last - k) / last;
     }
-}
-
-static int allocate(Unit *unit)
-{
-    (void)unit;
-    return 0;
 }
 
 static int parameters(Unit *unit)
@@ -125,5 +114,6 @@ static int slope(Unit *unit, size_t reference, double *value)
 }
 
 const Equations MOTOR_EQUATIONS = {
-    "Motor", memory_size, own_size, starts,  allocate,    parameters, begin,
-    step,    outputs,     observe,  NULL, NULL, signals, directional, slope};
+    .name = "Motor", .own_size = sizeof(Motor), .memory_size = memory_size, .starts = starts,
+    .parameters = parameters, .begin = begin, .step = step, .outputs = outputs, .observe = observe,
+    .signals = signals, .directional = directional, .slope = slope};

@@ -13,11 +13,6 @@ static size_t memory_size(const Layout *layout)
     return MOTION + 4 * (size_t)layout->sizes.stations + 2 + 4 * (size_t)layout->sizes.sliders;
 }
 
-static size_t own_size(void)
-{
-    return sizeof(Rotor);
-}
-
 static double *doubles(Unit *unit, size_t count)
 {
     return unit_allocate(unit, count, sizeof(double));
@@ -228,6 +223,8 @@ static size_t signals(const Layout *layout, size_t *first)
 }
 
 const Equations ROTOR_EQUATIONS = {
-    "RotorOnSupports", memory_size, own_size, rotor_starts,  allocate,    parameters, begin,
-    step,              outputs,     observe,  observe_torques, unit_ends_with,
-    signals,           rotor_directional, rotor_slope};
+    .name = "RotorOnSupports", .own_size = sizeof(Rotor), .memory_size = memory_size,
+    .starts = rotor_starts, .allocate = allocate, .parameters = parameters, .begin = begin,
+    .step = step, .outputs = outputs, .observe = observe, .observe_torques = observe_torques,
+    .is_torque = unit_ends_with, .signals = signals, .directional = rotor_directional,
+    .slope = rotor_slope};

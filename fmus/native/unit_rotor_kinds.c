@@ -97,16 +97,13 @@ static int planar(Unit *unit)
 {
     Rotor *own = unit->own;
     const double *real = unit->real;
-    Planar values;
+    const Planar values = {.mass = real[0],
+                           .stiffness = {real[1], real[2]},
+                           .damping = {real[3], real[4]},
+                           .internal_damping = real[5],
+                           .unbalance = real[6],
+                           .unbalance_angle = real[7]};
     Failure failure;
-    values.mass = real[0];
-    values.stiffness[0] = real[1];
-    values.stiffness[1] = real[2];
-    values.damping[0] = real[3];
-    values.damping[1] = real[4];
-    values.internal_damping = real[5];
-    values.unbalance = real[6];
-    values.unbalance_angle = real[7];
     if (linear_rotor_planar(&values, &own->rotor, &failure)) {
         return unit_failed(unit, &failure, NULL, 0);
     }
@@ -129,17 +126,16 @@ static int two_support(Unit *unit)
 {
     Rotor *own = unit->own;
     const double *real = unit->real;
-    TwoSupport values;
+    TwoSupport values = {.mass = real[0],
+                         .inertia = real[1],
+                         .polar_inertia = real[2],
+                         .span = real[3],
+                         .com = real[4],
+                         .planes = real + 13,
+                         .unbalance_count = own->unbalances,
+                         .unbalances = real + 13 + own->planes};
     Failure failure;
-    values.mass = real[0];
-    values.inertia = real[1];
-    values.polar_inertia = real[2];
-    values.span = real[3];
-    values.com = real[4];
     support_values(real + 5, values.stiffness, values.damping);
-    values.planes = real + 13;
-    values.unbalance_count = own->unbalances;
-    values.unbalances = real + 13 + own->planes;
     if (linear_rotor_two_support(&values, &own->rotor, &failure)) {
         return unit_failed(unit, &failure, NULL, 0);
     }

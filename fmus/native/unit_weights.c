@@ -16,11 +16,6 @@ static size_t memory_size(const Layout *layout)
     return 3 * (size_t)layout->sizes.weights + 5;
 }
 
-static size_t own_size(void)
-{
-    return sizeof(Balls);
-}
-
 static void starts(const Layout *layout, double *real)
 {
     int k;
@@ -375,6 +370,8 @@ static size_t signals(const Layout *layout, size_t *first)
 }
 
 const Equations WEIGHTS_EQUATIONS = {
-    "BallBalancer", memory_size, own_size, starts,  allocate,    parameters, begin,
-    step,           outputs,     observe,  observe_torques, unit_ends_with,
-    signals,        weights_directional, weights_slope};
+    .name = "BallBalancer", .own_size = sizeof(Balls), .memory_size = memory_size,
+    .starts = starts, .allocate = allocate, .parameters = parameters, .begin = begin, .step = step,
+    .outputs = outputs, .observe = observe, .observe_torques = observe_torques,
+    .is_torque = unit_ends_with, .signals = signals, .directional = weights_directional,
+    .slope = weights_slope};

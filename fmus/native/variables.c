@@ -192,8 +192,7 @@ int layout_problem(const Layout *layout, size_t reference, double value, Text *t
     layout_shown(layout, reference, value, text);
     text_put(text, ": must be a finite number");
     if (limited) {
-        text_put(text, above ? " above " : ", at least ");
-        text_rounded(text, declared->minimum, 6);
+        text_put_rounded(text, above ? " above " : ", at least ", declared->minimum, 6);
         if (!text_equal(declared->unit, "1")) {
             text_put(text, " ");
             text_put(text, declared->unit);

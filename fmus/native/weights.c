@@ -12,23 +12,17 @@
 
 int weights_check(const Weights *weights, Failure *failure)
 {
+    int code;
     if (weights->count < 1) {
         return fail(failure, FAILURE_COUNT, "count", 0, weights->count, 0.0, 0.0, 0.0);
     }
-    if (!(is_finite(weights->mass) && weights->mass > 0.0)) {
-        return fail(failure, FAILURE_NOT_POSITIVE, "mass", 0, weights->mass, 0.0, 0.0, 0.0);
+    code = demand_positive("mass", weights->mass, failure);
+    code = code ? code : demand_positive("track_radius", weights->track_radius, failure);
+    code = code ? code : demand_not_negative("drag", weights->drag, failure);
+    if (!code && !(is_finite(weights->kappa) && weights->kappa >= 1.0)) {
+        code = fail(failure, FAILURE_KAPPA, "kappa", 0, weights->kappa, 0.0, 0.0, 0.0);
     }
-    if (!(is_finite(weights->track_radius) && weights->track_radius > 0.0)) {
-        return fail(failure, FAILURE_NOT_POSITIVE, "track_radius", 0, weights->track_radius, 0.0,
-                    0.0, 0.0);
-    }
-    if (!(is_finite(weights->drag) && weights->drag >= 0.0)) {
-        return fail(failure, FAILURE_NEGATIVE, "drag", 0, weights->drag, 0.0, 0.0, 0.0);
-    }
-    if (!(is_finite(weights->kappa) && weights->kappa >= 1.0)) {
-        return fail(failure, FAILURE_KAPPA, "kappa", 0, weights->kappa, 0.0, 0.0, 0.0);
-    }
-    return FINE;
+    return code;
 }
 
 double weights_added_mass(const Weights *weights)
@@ -235,14 +229,10 @@ int weights_substeps(int number, const double *angles, const double *speeds, con
                      double lever, double lag, double damping_rate, double step, int *count,
                      Failure *failure)
 {
-    double strongest, turns, sum = 0.0;
+    double strongest, turns;
     const double fastest =
         fastest_rate(number, speeds, signal, lever, lag, damping_rate, step, &strongest);
-    int k;
-    for (k = 0; k < number; k++) {
-        sum += angles[k];
-    }
-    if (!is_finite(sum)) {
+    if (!is_finite(sum_of(angles, number))) {
         return fail(failure, FAILURE_ANGLES, "angles", 0, 0.0, 0.0, 0.0, 0.0);
     }
     turns = step * fastest / TURN_PER_SUBSTEP;
