@@ -134,10 +134,12 @@ def trajectory(
         solved: accelerations there, where friction takes part in them.
     """
     n, count = system.stations, system.weights
-    angle, speed, angular_acceleration = system.turning(time, states)
+    turning = angle, speed, angular_acceleration = system.turning(time, states)
     if solved is None:
-        solved = [system.accelerations(t, y) for t, y in zip(time, states, strict=True)]
-    phi2 = np.array([turning for _, turning in solved]).reshape(len(time), count)
+        a, phi2 = system.accelerations_of(turning, states)
+    else:
+        a = np.array([lateral for lateral, _ in solved])
+        phi2 = np.array([bend for _, bend in solved]).reshape(len(time), count)
     theta, theta_1, theta_2, first = {}, {}, {}, 0
     for m in system.assembly.weights:
         part = slice(first, first := first + len(m.angles))
@@ -145,7 +147,6 @@ def trajectory(
         theta_1[m.name] = states[:, 4 * n + count :][:, part] - speed[:, None]
         theta_2[m.name] = phi2[:, part] - angular_acceleration[:, None]
     x, y, vx, vy = (states[:, j * n : (j + 1) * n] for j in range(4))
-    a = np.array([lateral for lateral, _ in solved])
     return Trajectory(
         system.assembly, time, x, y, vx, vy, angle, speed, angular_acceleration,
         a[:, 0], a[:, 1], theta, theta_1, theta_2,

@@ -307,6 +307,8 @@ static int set_series(FrictionStep *method, const double *state, const double *h
     const VariableSpeedStep *smooth = method->smooth;
     const int dof = smooth->dof, m = method->count, width = 2 * dof;
     const Turning turning = turning_of(drive, t, h);
+    /* a rotor may be the same at every speed */
+    const int changes = method->norms[1] > 0.0 || method->norms[3] > 0.0;
     double *motion = method->motion, *rate = method->rate;
     int i, j, k, back;
     set_pushes(method, drive, &turning, t, h, terms, !state);
@@ -338,7 +340,7 @@ static int set_series(FrictionStep *method, const double *state, const double *h
             for (j = 0; j < m; j++) {
                 rate[i] += method->push[i * m + j] * forces[j];
             }
-            for (back = 1; back < SPEEDS && back <= k; back++) {
+            for (back = 1; back < SPEEDS && back <= k && changes; back++) {
                 const double faster = turning.speed[back], *then = motion - back * width;
                 for (j = 0; j < width && faster != 0.0; j++) {
                     rate[i] += faster * smooth->per_speed[i * width + j] * then[j];

@@ -6,14 +6,16 @@ from dataclasses import dataclass
 
 # no contraction to fused multiply-add: the same bits on every processor; sqrt an instruction
 FLAGS = ("-std=c99", "-ffp-contract=off", "-fno-math-errno")
-# where steps spend their time, for speed; what takes a part of it, for size with little put in
-# line: it is no slower; all else, for the least size (zig takes -Oz alone for -Os)
-FAST, SMALL = ("-O2",), ("-Os", "-mllvm", "-inline-threshold=5")
+# where steps spend their time, for speed, but with half as much put in line as usual: it is no
+# slower; what takes a part of it, for size with little put in line: no slower either; all else,
+# for the least size (zig takes -Oz alone for -Os)
+FAST = ("-O2", "-mllvm", "-inline-threshold=100")
+SMALL = ("-Os", "-mllvm", "-inline-threshold=5")
 SMALLEST = ("-Os", "-Xclang", "-Oz")
-HOT = ("propagator", "quintic_weights", "weights")
+HOT = ("matrix", "propagator", "quintic_weights", "weights")
 WARM = (
-    *("angle", "centre", "composite_iterated", "composite_signals", "elementary", "liquid"),
-    *("matrix", "pulse", "quintic", "reaction_change", "signals", "unit_rotor_step"),
+    *("angle", "centre", "composite_iterated", "composite_signals", "elementary", "friction"),
+    *("liquid", "pulse", "quintic", "reaction_change", "signals", "unit_rotor_step"),
     *("unit_weights", "entry", "failure", "memory", "page"),
 )
 WARNINGS = ("-Wall", "-Wextra", "-Wpedantic")

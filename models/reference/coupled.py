@@ -60,6 +60,7 @@ class Monolith:
         mounted = [m for m in assembly.weights for _ in range(weights_of(m).count)]
         devices = [weights_of(m) for m in mounted]
         self._plane = np.array([m.plane for m in mounted], int)
+        self._of_plane = (self._plane[:, None] == np.arange(rotor.plane_count)).astype(float)
         self._pull = np.array([d.moment for d in devices])
         self._share = np.array([d.mass / d.kappa for d in devices])
         self._drag = np.array([d.damping_rate for d in devices])
@@ -133,33 +134,45 @@ class Monolith:
     def accelerations(
         self, t: float, y: Array, push: Array | float = 0.0, force: Array | float = 0.0
     ) -> tuple[Array, Array]:
-        """x'' and y'' of the stations, (2, n) [m/s^2], and phi'' of the weights (N,) [rad/s^2].
+        """As `accelerations_of`, at time `t` [s]."""
+        profile = self.profile
+        turning = self.angle + profile.angle(t), profile.speed(t), profile.acceleration(t)
+        return self.accelerations_of(turning, y, push, force)
+
+    def accelerations_of(
+        self,
+        turning: Turning | tuple[float, float, float],
+        y: Array,
+        push: Array | float = 0.0,
+        force: Array | float = 0.0,
+    ) -> tuple[Array, Array]:
+        """x'' and y'' of the stations, (..., 2, n) [m/s^2], and phi'' of the weights, (..., N)
+        [rad/s^2], of states (..., size) while the rotor turns so.
 
         Gravity acts as if everything were accelerated against it: it is added where all is solved.
 
         Args:
             push: what else would accelerate each weight along its track on a rotor that is held,
-                (N,) [rad/s^2].
-            force: what else pushes the stations, (2, n) [N].
+                (..., N) [rad/s^2].
+            force: what else pushes the stations, (..., 2, n) [N].
         """
         rotor, n, count = self.assembly.rotor, self.stations, len(self._plane)
-        q_x, q_y, v_x, v_y = y[: 4 * n].reshape(4, n)
-        phi, phi1 = y[4 * n :].reshape(2, count)
-        w, w1 = self.profile.speed(t), self.profile.acceleration(t)
+        q_x, q_y, v_x, v_y = (y[..., j * n : (j + 1) * n] for j in range(4))
+        phi, phi1 = y[..., 4 * n : 4 * n + count], y[..., 4 * n + count :]
+        turned, w, w1 = (np.asarray(value, float)[..., None] for value in turning)
         s, c = np.sin(phi), np.cos(phi)
         slip = self._drag * (phi1 - w) - self._follow * w1 - push
 
         def on_planes(values: Array) -> Array:
-            return np.bincount(self._plane, values, rotor.plane_count).astype(float)
+            return values @ self._of_plane
 
         lateral, added = rotor.planes, self.assembly.added_mass
-        mass = np.empty((2 * n, 2 * n))
+        mass = np.empty((*y.shape[:-1], 2 * n, 2 * n))
         xx, yy = added - on_planes(self._share * s * s), added - on_planes(self._share * c * c)
-        mass[:n, :n] = rotor.mass + lateral.T @ (xx[:, None] * lateral)
-        mass[n:, n:] = rotor.mass + lateral.T @ (yy[:, None] * lateral)
-        mass[:n, n:] = lateral.T @ (on_planes(self._share * s * c)[:, None] * lateral)
-        mass[n:, :n] = mass[:n, n:].T
-        turned = self.angle + self.profile.angle(t)
+        mass[..., :n, :n] = rotor.mass + lateral.T @ (xx[..., None] * lateral)
+        mass[..., n:, n:] = rotor.mass + lateral.T @ (yy[..., None] * lateral)
+        mass[..., :n, n:] = lateral.T @ (on_planes(self._share * s * c)[..., None] * lateral)
+        mass[..., n:, :n] = mass[..., :n, n:]
         pull = rotor.unbalance * (w * w - 1j * w1) * np.exp(1j * turned)
         # tracks off centre: their centres' own acceleration, which the weights feel and resist
         off = (1j * w1 - w * w) * self._offset * np.exp(1j * turned)
@@ -167,12 +180,14 @@ class Monolith:
         m_x, m_y = self._mass * off.real - drawn * s, self._mass * off.imag + drawn * c
         f_x = on_planes(self._pull * (phi1 * phi1 * c - slip * s) - m_x) @ lateral + pull.real
         f_y = on_planes(self._pull * (phi1 * phi1 * s + slip * c) - m_y) @ lateral + pull.imag
-        inner, gyro = w * rotor.internal_damping, w * rotor.gyroscopic
-        f_x -= self._damping_x @ v_x + gyro @ v_y + rotor.stiffness_x @ q_x + inner @ q_y
-        f_y -= self._damping_y @ v_y - gyro @ v_x + rotor.stiffness_y @ q_y - inner @ q_x
-        right = np.concatenate([f_x, f_y]) + np.broadcast_to(force, (2, n)).ravel()
-        a: Array = np.linalg.solve(mass, right).reshape(2, n)
-        a_x, a_y = (a @ lateral.T)[:, self._plane]
+        inner, gyro = rotor.internal_damping.T, rotor.gyroscopic.T
+        f_x -= v_x @ self._damping_x.T + q_x @ rotor.stiffness_x.T + w * (v_y @ gyro + q_y @ inner)
+        f_y -= v_y @ self._damping_y.T + q_y @ rotor.stiffness_y.T - w * (v_x @ gyro + q_x @ inner)
+        right: Array = np.stack([f_x, f_y], axis=-2) + force
+        column = right.reshape(*right.shape[:-2], 2 * n, 1)
+        a = np.asarray(np.linalg.solve(mass, column), float).reshape(*right.shape[:-1], n)
+        at_weights = (a @ lateral.T)[..., self._plane]
+        a_x, a_y = at_weights[..., 0, :], at_weights[..., 1, :]
         if rotor.gravity:
             a = a + np.array([[rotor.gravity.real], [rotor.gravity.imag]])
         return a, self._lever * ((a_x + off.real) * s - (a_y + off.imag) * c) - slip

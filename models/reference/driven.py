@@ -83,10 +83,10 @@ class Driven:
         lateral, spin, phi2 = found[: 2 * n], found[2 * n], found[2 * n + 1 :]
         return np.concatenate([speeds, lateral, rates, phi2, [y[-1], spin]])
 
-    def accelerations(self, _t: float, y: Array) -> tuple[Array, Array]:
-        """x'' and y'' of the stations, (2, n) [m/s^2], and phi'' of the weights (N,) [rad/s^2]."""
-        found = self._solved(y)
-        return found[: self.shaft].reshape(2, -1), found[self.shaft + 1 :]
+    def accelerations_of(self, _turning: Turning, states: Array) -> tuple[Array, Array]:
+        """As `Monolith.accelerations_of`, of states (T, size)."""
+        found = np.array([self._solved(y) for y in states])
+        return found[:, : self.shaft].reshape(len(states), 2, -1), found[:, self.shaft + 1 :]
 
     def turning(self, _time: Array, states: Array) -> Turning:
         """Angle, speed and angular acceleration of the shaft, each (T,)."""

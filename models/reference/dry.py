@@ -75,29 +75,32 @@ class Dry:
         return rates
 
     def accelerations(self, t: float, y: Array, pushes: Array) -> tuple[Array, Array]:
-        """As `Monolith.accelerations`, with `pushes` of the grips that are solved for."""
-        push, force = np.zeros(self.count), np.zeros((2, self.system.stations))
-        push[self.weights] = pushes[: len(self.weights)]
-        of_sliders = [*pushes[len(self.weights) :], *y[self.system.size :]]
+        """As `Monolith.accelerations`, with `pushes` (k, s) of the grips that are solved for."""
+        trials, weights = len(pushes), len(self.weights)
+        push, force = np.zeros((trials, self.count)), np.zeros((trials, 2, self.system.stations))
+        push[:, self.weights] = pushes[:, :weights]
+        of_sliders = [*pushes[:, weights:].T, *y[self.system.size :]]
         for slider, value in zip(self.sliders, of_sliders, strict=True):
-            force[slider.axis, slider.station] += value
+            force[:, slider.axis, slider.station] += value
         return self.system.accelerations(t, y[: self.system.size], push, force)
 
     def answers(self, t: float, y: Array, pushes: Array) -> Array:
-        """Accelerations of stations and weights, of the grips that are solved for, and loads n."""
+        """Accelerations of stations and weights, of the grips that are solved for, and loads n;
+        of each of the `pushes` (k, s) a row."""
         a, phi2 = self.accelerations(t, y, pushes)
         profile, rotor = self.system.profile, self.system.assembly.rotor
         w, w1 = profile.speed(t), profile.acceleration(t)
-        grips = [*(phi2[self.weights] - w1), *(a[s.axis, s.station] for s in self._rigid)]
-        felt = a[0] + 1j * a[1] - rotor.gravity
+        grips = [*(phi2[:, self.weights] - w1).T, *(a[:, s.axis, s.station] for s in self._rigid)]
+        felt = a[:, 0] + 1j * a[:, 1] - rotor.gravity
         whirl = (1j * w1 - w * w) * np.exp(1j * (self.system.angle + profile.angle(t)))
         loads = []
         for k, m in zip(self.weights, self._of, strict=True):
             phi, rate = y[4 * self.system.stations + k :: self.count][:2]
-            centre = rotor.planes[m.plane] @ felt + whirl * m.offset
+            centre = felt @ rotor.planes[m.plane] + whirl * m.offset
             inward = (centre * np.exp(-1j * phi)).real
             loads.append(m.device.track_radius * rate**2 - inward)  # type: ignore[union-attr]
-        return np.concatenate([a.ravel(), phi2, grips, loads])
+        rest = np.array([*grips, *loads]).reshape(-1, len(pushes)).T
+        return np.hstack([a.reshape(len(pushes), -1), phi2, rest])
 
     def solve(self, t: float, y: Array, phase: Phase) -> tuple[Array, Array, Array]:
         """Pushes of the grips, accelerations of stations and weights, limits of all grips (g,).
@@ -105,7 +108,7 @@ class Dry:
         Accelerations, loads and so limits are linear in the pushes that they are to agree with.
         """
         trials = np.vstack([np.zeros(self.solved), np.eye(self.solved)])
-        answers = np.array([self.answers(t, y, pushes) for pushes in trials])
+        answers = self.answers(t, y, trials)
         answers[1:] -= answers[0]
         lateral, weights = 2 * self.system.stations + self.count, len(self.weights)
         grips = answers[:, lateral : lateral + self.solved]

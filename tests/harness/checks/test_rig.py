@@ -3,11 +3,16 @@
 from __future__ import annotations
 
 from autobalancer.harness import check, load_scene
-from autobalancer.harness.checks import rig_data, rig_quantities
+from autobalancer.harness.checks import rig_data, rig_quantities, rig_sweeps
 
 
-def test_every_row_holds_but_the_authors_curve_without_balls():
-    """That one misses by little, where modes cancel; and a run-down: harness/bristol.md."""
+def test_every_row_holds_but_the_authors_curve_without_balls(monkeypatch):
+    """That one misses by little, where modes cancel; and a run-down: harness/bristol.md.
+
+    The command begins the way down above all resonances, at 2700 rpm; its rows are read below 1700.
+    """
+    monkeypatch.setattr(rig_sweeps, "SWEPT", (1200.0, 1900.0))
+    monkeypatch.setattr(rig_sweeps, "GRID", rig_sweeps.GRID[rig_sweeps.GRID < 1880.0])
     rows = check(load_scene("bristol"))
     assert len(rows) == 40
     missed = [row for row in rows if not row.holds]

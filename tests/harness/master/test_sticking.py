@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from functools import cache
 
 import numpy as np
 import pytest
@@ -24,35 +25,35 @@ SCENE = {
     ],
     "run": {"revolutions": 20},
 }  # fmt: skip
-RUN_UP = {"run_up": {"from": 40.0, "to": 150.0, "seconds": 0.6}}
+DRIVEN = {
+    "run_up": {"run_up": {"from": 40.0, "to": 150.0, "seconds": 0.6}},
+    "held": {"speed": 150.0},
+}
 
 
-def ends(operation: dict, **coupling: float | str) -> tuple[np.ndarray, np.ndarray]:
+@cache
+def ends(driven: str, **coupling: float | str) -> tuple[np.ndarray, np.ndarray]:
     """Angles of the balls where the co-simulation ends, and their speeds."""
-    scene = Scene.from_document(SCENE | {"operation": operation, "coupling": coupling})
+    scene = Scene.from_document(SCENE | {"operation": DRIVEN[driven], "coupling": coupling})
     names = [f"weights.weight[{k}].{what}" for what in ("angle", "speed") for k in (1, 2)]
     run = cosimulate(scene, record=names)
     values = np.array([run[name][-1] for name in names])
     return values[:2], values[2:]
 
 
-@pytest.fixture(params=[RUN_UP, {"speed": 150.0}], ids=["run_up", "held"])
-def operation(request) -> dict:
-    """How the rotor is driven."""
-    return request.param
-
-
-def referred(operation: dict) -> tuple[np.ndarray, np.ndarray]:
+@cache
+def referred(driven: str) -> tuple[np.ndarray, np.ndarray]:
     """Angles and speeds of the balls by an independent integration."""
-    scene = Scene.from_document(SCENE | {"operation": operation})
+    scene = Scene.from_document(SCENE | {"operation": DRIVEN[driven]})
     run = simulate(scene.assembly(), scene.profile(), [end_time(scene)], rtol=1e-10)
     return run.theta["weights"][0], run.angle_rate["weights"][0]
 
 
-def test_balls_stick_where_an_independent_event_integration_leaves_them(operation):
+@pytest.mark.parametrize("driven", DRIVEN)
+def test_balls_stick_where_an_independent_event_integration_leaves_them(driven):
     """To the tolerance that a scene gets which asks for nothing."""
-    right, rates = referred(operation)
-    angles, speeds = ends(operation)
+    right, rates = referred(driven)
+    angles, speeds = ends(driven)
     assert np.abs(rates).min() < 1e-9
     assert angles == pytest.approx(right, abs=1e-4)
     assert ((speeds == 0.0) == (np.abs(rates) < 1e-9)).all()
@@ -60,18 +61,19 @@ def test_balls_stick_where_an_independent_event_integration_leaves_them(operatio
 
 def test_the_error_stated_of_a_run_that_meets_events_is_not_too_small():
     """Where one is all but missed errors do not fall with the fourth power."""
-    scene = Scene.from_document(SCENE | {"operation": {"speed": 150.0}})
+    scene = Scene.from_document(SCENE | {"operation": DRIVEN["held"]})
     run = cosimulate(scene, record=[f"weights.weight[{k}].angle" for k in (1, 2)])
-    right, _ = referred({"speed": 150.0})
+    right, _ = referred("held")
     error = np.abs([values[-1] for values in run.signals.values()] - right).max()
     assert error < 3.0 * run.estimated_error < 3e-4
 
 
-def test_the_error_falls_with_the_fourth_power_of_given_steps(operation):
+@pytest.mark.parametrize("driven", DRIVEN)
+def test_the_error_falls_with_the_fourth_power_of_given_steps(driven):
     """Events in between, which steps end at: 3 to 4 of them."""
-    right, _ = referred(operation)
+    right, _ = referred(driven)
     coarse, fine = (
-        np.abs(ends(operation, scheme="iterated", steps_per_rev=steps)[0] - right).max()
+        np.abs(ends(driven, scheme="iterated", steps_per_rev=steps)[0] - right).max()
         for steps in (10, 20)
     )
     assert coarse < 1e-5
@@ -80,7 +82,7 @@ def test_the_error_falls_with_the_fourth_power_of_given_steps(operation):
 
 def test_where_they_stay_depends_on_the_way_there():
     """Both have come to rest at the same speed, in different places, neither of them balanced."""
-    (up, still_up), (held, still_held) = ends(RUN_UP), ends({"speed": 150.0})
+    (up, still_up), (held, still_held) = ends("run_up"), ends("held")
     assert not still_up.any()
     assert not still_held.any()
     apart = np.abs((up - held + math.pi) % (2.0 * math.pi) - math.pi)
