@@ -151,19 +151,20 @@ class Monolith:
         slip = self._drag * (phi1 - w) - self._follow * w1 - push
 
         def on_planes(values: Array) -> Array:
-            return np.bincount(self._plane, values, rotor.plane_count).astype(float)
+            return np.bincount(self._plane, values, len(added))
 
         lateral, added = rotor.planes, self.assembly.added_mass
         mass = np.empty((2 * n, 2 * n))
-        xx, yy = added - on_planes(self._share * s * s), added - on_planes(self._share * c * c)
+        side, ahead = self._share * s, self._share * c
+        xx, yy = added - on_planes(side * s), added - on_planes(ahead * c)
         mass[:n, :n] = rotor.mass + lateral.T @ (xx[:, None] * lateral)
         mass[n:, n:] = rotor.mass + lateral.T @ (yy[:, None] * lateral)
-        mass[:n, n:] = lateral.T @ (on_planes(self._share * s * c)[:, None] * lateral)
+        mass[:n, n:] = lateral.T @ (on_planes(side * c)[:, None] * lateral)
         mass[n:, :n] = mass[:n, n:].T
-        turned = self.angle + self.profile.angle(t)
-        pull = rotor.unbalance * (w * w - 1j * w1) * np.exp(1j * turned)
+        turn = np.exp(1j * (self.angle + self.profile.angle(t)))
+        pull = rotor.unbalance * (w * w - 1j * w1) * turn
         # tracks off centre: their centres' own acceleration, which the weights feel and resist
-        off = (1j * w1 - w * w) * self._offset * np.exp(1j * turned)
+        off = (1j * w1 - w * w) * self._offset * turn
         drawn = self._share * (off.real * s - off.imag * c)
         m_x, m_y = self._mass * off.real - drawn * s, self._mass * off.imag + drawn * c
         f_x = on_planes(self._pull * (phi1 * phi1 * c - slip * s) - m_x) @ lateral + pull.real
@@ -171,8 +172,8 @@ class Monolith:
         inner, gyro = w * rotor.internal_damping, w * rotor.gyroscopic
         f_x -= self._damping_x @ v_x + gyro @ v_y + rotor.stiffness_x @ q_x + inner @ q_y
         f_y -= self._damping_y @ v_y - gyro @ v_x + rotor.stiffness_y @ q_y - inner @ q_x
-        right = np.concatenate([f_x, f_y]) + np.broadcast_to(force, (2, n)).ravel()
-        a: Array = np.linalg.solve(mass, right).reshape(2, n)
+        right = np.array([f_x, f_y]) + force
+        a: Array = np.linalg.solve(mass, right.ravel()).reshape(2, n)
         a_x, a_y = (a @ lateral.T)[:, self._plane]
         if rotor.gravity:
             a = a + np.array([[rotor.gravity.real], [rotor.gravity.imag]])
