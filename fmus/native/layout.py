@@ -78,6 +78,7 @@ class _Block:
     variables: list[list[Any]]  # of each pattern, those that show it
 
 
+@cache
 def header() -> str:
     """Text of `layout.h`.
 

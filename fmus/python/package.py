@@ -5,6 +5,7 @@ from __future__ import annotations
 import ast
 import hashlib
 import json
+from functools import cache
 from pathlib import Path
 
 import pythonfmu
@@ -100,6 +101,7 @@ def embedded(module: str) -> dict[str, bytes]:
     return sources
 
 
+@cache
 def imports(module: str, text: str) -> list[str]:
     """Modules of this project that a source imports relatively, by their dotted names."""
     imported = []

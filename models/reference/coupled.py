@@ -173,9 +173,10 @@ class Monolith:
         mass[..., n:, n:] = rotor.mass + lateral.T @ (yy[..., None] * lateral)
         mass[..., :n, n:] = lateral.T @ (on_planes(self._share * s * c)[..., None] * lateral)
         mass[..., n:, :n] = mass[..., :n, n:]
-        pull = rotor.unbalance * (w * w - 1j * w1) * np.exp(1j * turned)
+        turn = np.exp(1j * turned)
+        pull = rotor.unbalance * (w * w - 1j * w1) * turn
         # tracks off centre: their centres' own acceleration, which the weights feel and resist
-        off = (1j * w1 - w * w) * self._offset * np.exp(1j * turned)
+        off = (1j * w1 - w * w) * self._offset * turn
         drawn = self._share * (off.real * s - off.imag * c)
         m_x, m_y = self._mass * off.real - drawn * s, self._mass * off.imag + drawn * c
         f_x = on_planes(self._pull * (phi1 * phi1 * c - slip * s) - m_x) @ lateral + pull.real

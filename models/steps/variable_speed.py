@@ -16,7 +16,6 @@ short for the motion at hand.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -70,43 +69,42 @@ class VariableSpeedStep:
         self.planes = np.kron(np.eye(self.axes), rotor.planes)
         self.force = inverse @ self.planes.T
         self.unbalance = inverse @ rotor.unbalance_columns
+        # of a part's stages: what does not depend on the time
+        self._matrices = np.zeros((STAGES, 2 * self.dof, 2 * self.dof), self.still.dtype)
+        self._matrices[:, : self.dof, self.dof :] = np.eye(self.dof)
         self._torque_of = rotor.unbalance, rotor.internal_damping, rotor.gravity
 
     def _axes_of(self, value: NDArray) -> NDArray:
         return value if self.axes == 1 else np.concatenate([value.real, value.imag])
 
-    def _drive(self, drive: Drive, t: float) -> tuple[NDArray, NDArray, float, float]:
-        """Acceleration by unbalance, plane forces and gravity at t, its derivative, w, w'."""
-        forces, angle, speed, spin_up, rates = drive
-        gone, faster, more, change = drift(rates, t)
-        w, angular_acceleration = speed + spin_up * t + faster, spin_up + more
-        turn = np.exp(1j * (angle + speed * t + 0.5 * spin_up * t * t + gone))
-        value, slope = _derivatives(forces, t)[:2]
-        pull = np.array([w * w - 1j * angular_acceleration]) * turn
-        pull_slope = np.array([3.0 * w * angular_acceleration + 1j * (w**3 - change)]) * turn
+    def _sum_drive(self, force: NDArray, unbalance: NDArray) -> NDArray:
+        """Acceleration by forces on the planes (p,) and by what the unbalance pulls (1,)."""
+        return self.force @ self._axes_of(force) + self.unbalance @ self._axes_of(unbalance)
+
+    def _drive(self, drive: Drive, t: float) -> tuple[NDArray, float]:
+        """Acceleration by unbalance, plane forces and gravity at t; w."""
+        turn, w, (w1, _, _) = _turning(drive, t)
+        force = _derivatives(drive.forces, t)[0]
+        pull = np.array([w * w - 1j * w1]) * turn
+        push = self._sum_drive(force * turn if self.turning_force else force, pull)
+        return push if self.falling is None else push + self.falling, w
+
+    def _drive_slope(self, drive: Drive, t: float) -> NDArray:
+        """Derivative of that acceleration."""
+        turn, w, (w1, w2, _) = _turning(drive, t)
+        value, slope = _derivatives(drive.forces, t)[:2]
         if self.turning_force:
-            value, slope = value * turn, (slope + 1j * w * value) * turn
-        push, push_slope = (
-            self.force @ self._axes_of(force) + self.unbalance @ self._axes_of(unbalance)
-            for force, unbalance in ((value, pull), (slope, pull_slope))
-        )
-        if self.falling is not None:
-            push = push + self.falling
-        return push, push_slope, w, angular_acceleration
+            slope = (slope + 1j * w * value) * turn
+        return self._sum_drive(slope, np.array([3.0 * w * w1 + 1j * (w**3 - w2)]) * turn)
 
     def _drive_second(self, drive: Drive, t: float) -> NDArray:
-        """Second derivative of the acceleration by unbalance and plane forces at t, of quintics."""
-        forces, angle, speed, spin_up, rates = drive
-        gone, faster, _, _ = drift(rates, t)
-        w, (w1, w2, w3) = speed + spin_up * t + faster, spin_at(spin_up, rates, t)
-        turn = np.exp(1j * (angle + speed * t + 0.5 * spin_up * t * t + gone))
-        value, slope, second = _derivatives(forces, t)
+        """Its second derivative, of quintics."""
+        turn, w, (w1, w2, w3) = _turning(drive, t)
+        value, slope, second = _derivatives(drive.forces, t)
         if self.turning_force:
             second = (second + 2j * w * slope + (1j * w1 - w * w) * value) * turn
         pull = 3.0 * w1 * w1 + 4.0 * w * w2 - w**4 + 1j * (6.0 * w * w * w1 - w3)
-        return self.force @ self._axes_of(second) + self.unbalance @ self._axes_of(
-            np.array([pull * turn])
-        )
+        return self._sum_drive(second, np.array([pull * turn]))
 
     def advance(self, state: NDArray, drive: Drive, step: float) -> NDArray:
         """State (q, v) one `step` [s] later, displacements to `ACCURACY`.
@@ -117,7 +115,7 @@ class VariableSpeedStep:
         Raises:
             ArithmeticError: the motion is too fast for 2^`HALVINGS` parts of the step.
         """
-        push, _, w, _ = self._drive(drive, 0.0)
+        push, w = self._drive(drive, 0.0)
         acceleration = _largest((self.still + w * self.per_speed) @ state + push)
         before, rate = _largest(state[: self.dof]), _largest(state[self.dof :])
         whole = self.parts(state, drive, step, 1)
@@ -144,20 +142,16 @@ class VariableSpeedStep:
 
     def _part(self, state: NDArray, drive: Drive, begin: float, step: float) -> NDArray:
         """State one `step` later than at the time `begin` into the cubic forces."""
-        dof, size = self.dof, 2 * self.dof
-        system = np.eye(STAGES * size, dtype=self.still.dtype)
-        right = np.empty(STAGES * size, dtype=self.still.dtype)
-        for i, node in enumerate(NODES):
-            push, _, w, _ = self._drive(drive, begin + node * step)
-            matrix = np.zeros((size, size), dtype=self.still.dtype)
-            matrix[:dof, dof:] = np.eye(dof)
-            matrix[dof:] = self.still + w * self.per_speed
-            rows = slice(i * size, (i + 1) * size)
-            right[rows] = matrix @ state
-            right[rows][dof:] += push
-            for j in range(STAGES):
-                system[rows, j * size : (j + 1) * size] -= step * COEFFICIENTS[i, j] * matrix
-        stages = np.linalg.solve(system, right).reshape(STAGES, size)
+        size = 2 * self.dof
+        matrices, right = self._matrices.copy(), np.empty((STAGES, size), self.still.dtype)
+        for matrix, row, node in zip(matrices, right, NODES, strict=True):
+            push, w = self._drive(drive, begin + node * step)
+            matrix[self.dof :] = self.still + w * self.per_speed
+            row[:] = matrix @ state
+            row[self.dof :] += push
+        coupled = (step * COEFFICIENTS)[:, None, :, None] * matrices[:, :, None]
+        system = np.eye(STAGES * size) - coupled.reshape(STAGES * size, -1)
+        stages = np.linalg.solve(system, right.ravel()).reshape(STAGES, size)
         return state + step * (COEFFICIENTS[-1] @ stages)
 
     def plane_motion(self, state: NDArray, drive: Drive, t: float = 0.0) -> tuple[NDArray, NDArray]:
@@ -170,18 +164,17 @@ class VariableSpeedStep:
 
     def motion(self, state: NDArray, drive: Drive, t: float = 0.0) -> tuple[NDArray, NDArray]:
         """As `plane_motion`, of the stations."""
-        push, push_slope, w, angular_acceleration = self._drive(drive, t)
+        push, w = self._drive(drive, t)
+        w1 = _turning(drive, t)[2][0]
         matrix = self.still + w * self.per_speed
         acceleration = matrix @ state + push
         jerk = matrix @ np.concatenate([state[self.dof :], acceleration])
-        return acceleration, jerk + angular_acceleration * (self.per_speed @ state) + push_slope
+        return acceleration, jerk + w1 * (self.per_speed @ state) + self._drive_slope(drive, t)
 
     def plane_second(self, state: NDArray, drive: Drive, t: float = 0.0) -> NDArray:
         """Second derivative of the planes' acceleration under quintic forces; as `plane_motion`."""
         acceleration, jerk = self.motion(state, drive, t)
-        faster = drift(drive.rates, t).speed
-        w1, w2, _ = spin_at(drive.angular_acceleration, drive.rates, t)
-        w = drive.speed + drive.angular_acceleration * t + faster
+        _, w, (w1, w2, _) = _turning(drive, t)
         velocity = state[self.dof :]
         second = (self.still + w * self.per_speed) @ np.concatenate([acceleration, jerk])
         second += 2.0 * w1 * (self.per_speed @ np.concatenate([velocity, acceleration]))
@@ -215,9 +208,19 @@ class VariableSpeedStep:
         return values if self.axes == 1 else values[: self.dof // 2] + 1j * values[self.dof // 2 :]
 
 
-def _derivatives(forces: NDArray, time: float) -> Sequence[NDArray]:
+def _turning(drive: Drive, t: float) -> tuple[complex, float, Rates]:
+    """The rotor's turn at t as a unit vector, its speed, and derivatives of order 1 to 3."""
+    _, angle, speed, spin_up, rates = drive
+    gone, faster, _, _ = drift(rates, t)
+    turn = np.exp(1j * (angle + speed * t + 0.5 * spin_up * t * t + gone))
+    return turn, speed + spin_up * t + faster, spin_at(spin_up, rates, t)
+
+
+def _derivatives(forces: NDArray, time: float) -> NDArray:
     """Cubic or quintic forces at a time: value and slope, of quintics the second derivative too."""
-    return (quintic.at if len(forces) == 6 else cubic.at)(list(forces), time)
+    at = quintic.at if len(forces) == 6 else cubic.at
+    # in plain numbers: for a few planes arrays take two to four times as long
+    return np.array(list(zip(*(at(plane, time) for plane in forces.T.tolist()), strict=True)))
 
 
 def _largest(values: NDArray) -> float:

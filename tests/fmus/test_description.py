@@ -5,13 +5,12 @@ from __future__ import annotations
 import itertools
 import math
 import re
-import zipfile
 from xml.etree import ElementTree
 
 import fmpy
 import pytest
 
-from autobalancer.fmus.build import build
+from autobalancer.fmus.build import contents
 from autobalancer.fmus.catalogue import CATALOGUE
 from autobalancer.fmus.xml import fmi2, fmi3
 from autobalancer.fmus.xml.description import Capabilities, options_in
@@ -19,9 +18,8 @@ from autobalancer.fmus.xml.types import SI_UNITS
 
 
 @pytest.fixture
-def description(unit, options, tmp_path):
-    with zipfile.ZipFile(build(unit, tmp_path, **options)) as archive:
-        return ElementTree.fromstring(archive.read("modelDescription.xml"))
+def description(unit, options):
+    return ElementTree.fromstring(contents(unit, **options)["modelDescription.xml"])
 
 
 def variables_of(description):

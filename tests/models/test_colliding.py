@@ -91,7 +91,7 @@ def test_an_overloaded_group_packs_and_leaves_what_goncharov_says(count, restitu
     run = simulate(
         assembly(count, restitution, drag=0.3, unbalance=unbalance, damping=1.5),
         SpeedProfile.constant(6.0),
-        np.linspace(0.0, 25.0, 100),
+        np.linspace(0.0, 15.0, 60),
         rtol=1e-9,
     )
     assert gaps(run).min() > -10.0 * MARGIN

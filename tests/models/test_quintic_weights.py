@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+import math
+from collections.abc import Sequence
 from itertools import pairwise
 
 import numpy as np
 import pytest
+from numpy.polynomial import Polynomial
 from numpy.testing import assert_allclose
 from scipy.integrate import solve_ivp
 from scipy.interpolate import BPoly
@@ -21,16 +24,25 @@ SPEED = 3.0
 SPIN_UP, RATES = 2.0, (-3.0, 4.0, 5.0)  # w' [rad/s^2] and its derivatives
 
 
+def derivatives(values: Sequence[complex]) -> list[Polynomial]:
+    """A polynomial with these values and derivatives at 0, and its own."""
+    taylor = Polynomial(np.array(values) / [math.factorial(k) for k in range(len(values))])
+    return [taylor.deriv(k) for k in range(len(values))]
+
+
+SIGNAL_DERIVATIVES = derivatives(SIGNAL)
+SPEED_DERIVATIVES = derivatives((SPEED, SPIN_UP, *RATES))[:4]
+
+
 def derivative(k: int, t: float) -> complex:
     """The signal's k-th derivative, by NumPy's polynomials."""
-    coefficients = np.array(SIGNAL) / np.cumprod([1, 1, 2, 3, 4, 5])
-    return complex(np.polynomial.Polynomial(coefficients).deriv(k)(t))
+    return complex(SIGNAL_DERIVATIVES[k](t))
 
 
 def spin(t: float) -> tuple[float, float, float, float]:
     """The rotor's speed and its derivatives of order 1 to 3, by NumPy's polynomials."""
-    w = np.polynomial.Polynomial(np.array([SPEED, SPIN_UP, *RATES]) / [1, 1, 2, 6, 24])
-    return w(t), w.deriv()(t), w.deriv(2)(t), w.deriv(3)(t)
+    w, w1, w2, w3 = (derivative(t) for derivative in SPEED_DERIVATIVES)
+    return w, w1, w2, w3
 
 
 def integrate(weights: Weights, t: float, method: str = "DOP853", still: bool = True) -> np.ndarray:

@@ -5,6 +5,7 @@ import math
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
+from scipy.linalg import block_diag
 
 from autobalancer.models.assembly import Assembly, Mounted
 from autobalancer.models.linear import floquet
@@ -77,7 +78,6 @@ def one_turn_map(assembly, speed):
     b = np.array([d.drag for d, _ in rows])
     kappa = np.array([d.kappa for d, _ in rows])
     count = len(rows)
-    zero = np.zeros((n, n))
     liquid = np.zeros(rotor.plane_count)
     for mounted in assembly.balancers:
         if isinstance(mounted.device, Liquid):
@@ -91,14 +91,14 @@ def one_turn_map(assembly, speed):
     damping = np.block([[rotor.damping_x + inner, gyro], [-gyro, rotor.damping_y + inner]])
     stiffness = np.block([[rotor.stiffness_x, speed * inner], [-speed * inner, rotor.stiffness_y]])
     big = 2 * n + count
+    mass = block_diag(body, body, np.diag(kappa * m * r * r))
 
     def rhs(t, y):
         q, phi, v, nu = np.split(y, [2 * n, big, big + 2 * n])
         sin, cos = np.sin(phi), np.cos(phi)
-        arm = np.hstack([-(m * r * sin)[:, None] * shape, (m * r * cos)[:, None] * shape])
-        mass = np.block(
-            [[np.block([[body, zero], [zero, body]]), arm.T], [arm, np.diag(kappa * m * r * r)]]
-        )
+        mass[2 * n :, :n] = -(m * r * sin)[:, None] * shape
+        mass[2 * n :, n : 2 * n] = (m * r * cos)[:, None] * shape
+        mass[: 2 * n, 2 * n :] = mass[2 * n :, : 2 * n].T
         pull = np.concatenate([(m * r * nu**2 * cos) @ shape, (m * r * nu**2 * sin) @ shape])
         turned = rotor.unbalance * speed**2 * np.exp(1j * speed * t)
         force = pull + np.concatenate([turned.real, turned.imag]) - damping @ v - stiffness @ q

@@ -7,8 +7,6 @@ import shutil
 import subprocess
 from pathlib import Path
 
-import pytest
-
 from autobalancer.fmus.xml.arrays import arrays
 from autobalancer.harness import load_scene
 from autobalancer.harness.master.one_file import composition
@@ -59,9 +57,8 @@ def run(command: list[str], **environment: str) -> subprocess.CompletedProcess:
     return subprocess.run(command, env=environment, capture_output=True, text=True, timeout=300)
 
 
-@pytest.mark.parametrize("folder", ["plain", "Jörg (1) + [x] 'y' %s#"])
-def test_a_plain_host_finds_nothing_wrong(fmus, packaging, tmp_path, folder):
-    place = tmp_path / folder
+def test_a_plain_host_finds_nothing_wrong(fmus, packaging, tmp_path):
+    place = tmp_path / "Jörg (1) + [x] 'y' %s#"
     place.mkdir()
     library = shutil.copy(fmus.library, place)
     done = run([str(compiled(tmp_path)), str(library), *words(fmus, packaging)])
@@ -71,7 +68,7 @@ def test_a_plain_host_finds_nothing_wrong(fmus, packaging, tmp_path, folder):
 
 def test_sanitizers_find_nothing_either(fmus, packaging, tmp_path):
     flags = ["-fsanitize=address,undefined", "-fno-sanitize-recover=all", "-g1"]
-    library = packaging.compile_units(tmp_path / "sanitized", *flags, "-O1")
+    library = packaging.compile_units(tmp_path / "sanitized", *flags, "-Og")
     host = compiled(tmp_path, *flags, counting="not_counting.c")
     done = run([str(host), str(library), *words(fmus, packaging)], ASAN_OPTIONS="detect_leaks=1")
     assert (done.returncode, done.stderr) == (0, "")
