@@ -136,7 +136,8 @@ def trajectory(
     n, count = system.stations, system.weights
     turning = angle, speed, angular_acceleration = system.turning(time, states)
     if solved is None:
-        a, phi2 = system.accelerations_of(turning, states)
+        columns = angle[:, None], speed[:, None], angular_acceleration[:, None]
+        a, phi2 = system.accelerations_of(columns, states)
     else:
         a = np.array([lateral for lateral, _ in solved])
         phi2 = np.array([bend for _, bend in solved]).reshape(len(time), count)

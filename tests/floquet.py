@@ -13,12 +13,7 @@ from autobalancer.models.linear.linearised import linearise
 
 
 def multipliers(assembly: Assembly, speeds: ArrayLike) -> NDArray[np.complex128]:
-    """Multipliers of one revolution about the main motion.
-
-    Args:
-        assembly: rotor and balancers; the weights' angles are made to balance, see
-            `balanced.balanced_angles`.
-        speeds: (b,) [rad/s], positive.
+    """Multipliers of one revolution about the main motion; arguments as of `growth_rates`.
 
     Returns:
         (b, size), size = 4 n + 2 K for n stations and K weights.  The last columns

@@ -147,19 +147,19 @@ class Monolith:
         force: Array | float = 0.0,
     ) -> tuple[Array, Array]:
         """x'' and y'' of the stations, (..., 2, n) [m/s^2], and phi'' of the weights, (..., N)
-        [rad/s^2], of states (..., size) while the rotor turns so.
+        [rad/s^2], of states (..., size) while the rotor turns so: numbers, or columns (..., 1).
 
         Gravity acts as if everything were accelerated against it: it is added where all is solved.
 
         Args:
             push: what else would accelerate each weight along its track on a rotor that is held,
                 (..., N) [rad/s^2].
-            force: what else pushes the stations, (..., 2, n) [N].
+            force: what else pushes the stations along x, then along y, (..., 2 n) [N].
         """
         rotor, n, count = self.assembly.rotor, self.stations, len(self._plane)
         q_x, q_y, v_x, v_y = (y[..., j * n : (j + 1) * n] for j in range(4))
         phi, phi1 = y[..., 4 * n : 4 * n + count], y[..., 4 * n + count :]
-        turned, w, w1 = (np.asarray(value, float)[..., None] for value in turning)
+        turned, w, w1 = turning
         s, c = np.sin(phi), np.cos(phi)
         slip = self._drag * (phi1 - w) - self._follow * w1 - push
 
@@ -168,10 +168,11 @@ class Monolith:
 
         lateral, added = rotor.planes, self.assembly.added_mass
         mass = np.empty((*y.shape[:-1], 2 * n, 2 * n))
-        xx, yy = added - on_planes(self._share * s * s), added - on_planes(self._share * c * c)
+        side, ahead = self._share * s, self._share * c
+        xx, yy = added - on_planes(side * s), added - on_planes(ahead * c)
         mass[..., :n, :n] = rotor.mass + lateral.T @ (xx[..., None] * lateral)
         mass[..., n:, n:] = rotor.mass + lateral.T @ (yy[..., None] * lateral)
-        mass[..., :n, n:] = lateral.T @ (on_planes(self._share * s * c)[..., None] * lateral)
+        mass[..., :n, n:] = lateral.T @ (on_planes(side * c)[..., None] * lateral)
         mass[..., n:, :n] = mass[..., :n, n:]
         turn = np.exp(1j * turned)
         pull = rotor.unbalance * (w * w - 1j * w1) * turn
@@ -184,9 +185,8 @@ class Monolith:
         inner, gyro = rotor.internal_damping.T, rotor.gyroscopic.T
         f_x -= v_x @ self._damping_x.T + q_x @ rotor.stiffness_x.T + w * (v_y @ gyro + q_y @ inner)
         f_y -= v_y @ self._damping_y.T + q_y @ rotor.stiffness_y.T - w * (v_x @ gyro + q_x @ inner)
-        right: Array = np.stack([f_x, f_y], axis=-2) + force
-        column = right.reshape(*right.shape[:-2], 2 * n, 1)
-        a = np.asarray(np.linalg.solve(mass, column), float).reshape(*right.shape[:-1], n)
+        right = np.concatenate([f_x, f_y], axis=-1) + force
+        a: Array = np.linalg.solve(mass, right[..., None]).reshape(*right.shape[:-1], 2, n)
         at_weights = (a @ lateral.T)[..., self._plane]
         a_x, a_y = at_weights[..., 0, :], at_weights[..., 1, :]
         if rotor.gravity:

@@ -77,11 +77,11 @@ class Dry:
     def accelerations(self, t: float, y: Array, pushes: Array) -> tuple[Array, Array]:
         """As `Monolith.accelerations`, with `pushes` (k, s) of the grips that are solved for."""
         trials, weights = len(pushes), len(self.weights)
-        push, force = np.zeros((trials, self.count)), np.zeros((trials, 2, self.system.stations))
+        push, force = np.zeros((trials, self.count)), np.zeros((trials, 2 * self.system.stations))
         push[:, self.weights] = pushes[:, :weights]
         of_sliders = [*pushes[:, weights:].T, *y[self.system.size :]]
         for slider, value in zip(self.sliders, of_sliders, strict=True):
-            force[:, slider.axis, slider.station] += value
+            force[:, slider.axis * self.system.stations + slider.station] += value
         return self.system.accelerations(t, y[: self.system.size], push, force)
 
     def answers(self, t: float, y: Array, pushes: Array) -> Array:
