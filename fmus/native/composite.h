@@ -206,7 +206,6 @@ void composite_drop_past(Composite *c);
 int composite_part_failed(Unit *unit, const Part *part);
 /* Names of all that a step assumes, and of the k-th of it. */
 void composite_name_forces(const Composite *c, Text *text);
-void composite_name_force(const Composite *c, int k, Text *text);
 /* One step of a part. */
 int composite_advance(Unit *unit, Part *part, double step);
 

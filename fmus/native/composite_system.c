@@ -25,20 +25,20 @@ int composite_part_failed(Unit *unit, const Part *part)
     return part_failed(unit, part, 0.0);
 }
 
+static void name_force(const Composite *c, int k, Text *text)
+{
+    const Part *part = k < c->exchanges ? c->parts + c->members[k] : c->motor;
+    text_put(text, part->unit->name);
+    text_put(text, k < c->exchanges ? ".F" : ".acceleration");
+}
+
 void composite_name_forces(const Composite *c, Text *text)
 {
     int k;
     for (k = 0; k < c->unknowns; k++) {
         text_put(text, k ? ", " : "");
-        composite_name_force(c, k, text);
+        name_force(c, k, text);
     }
-}
-
-void composite_name_force(const Composite *c, int k, Text *text)
-{
-    const Part *part = k < c->exchanges ? c->parts + c->members[k] : c->motor;
-    text_put(text, part->unit->name);
-    text_put(text, k < c->exchanges ? ".F" : ".acceleration");
 }
 
 int composite_advance(Unit *unit, Part *part, double step)
@@ -275,7 +275,7 @@ int composite_accept(Unit *unit, const Knot *accelerations, const Knot *forces, 
         const Complex value = forces[k].value;
         if (!is_finite(value.re) || !is_finite(value.im)) {
             Text *reason = unit_reason(unit);
-            composite_name_force(c, k, reason);
+            name_force(c, k, reason);
             text_put(reason, " is not finite");
             composite_put_time(reason, c->course->time + step);
             text_put(reason, ": the coupling diverged; use smaller steps");

@@ -33,11 +33,6 @@ double liquid_added_mass(const Liquid *liquid)
            liquid->height;
 }
 
-Complex liquid_reaction(const Liquid *liquid, Complex acceleration)
-{
-    return complex_scaled(-liquid_added_mass(liquid), acceleration);
-}
-
 double liquid_clearance(const Liquid *liquid, Complex displacement)
 {
     return liquid_gap(liquid) - hypotenuse(displacement.re, displacement.im);

@@ -1,4 +1,5 @@
-/* Exact step of the linear rotor at constant speed; twin of models/propagator.py.
+/* Exact step of the linear rotor at constant speed; twin of
+   models/steps/propagator.py.
 
    Axes and parts: an isotropic rotor has one axis of complex elements (parts 2), any other two axes
    of real ones (parts 1). */

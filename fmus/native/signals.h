@@ -1,4 +1,5 @@
-/* Cubic signals, and their change between fixed and rotating axes; twin of fmus/signals.py. */
+/* Cubic signals, and their change between fixed and rotating axes; twin of
+   fmus/python/signals.py. */
 #ifndef AUTOBALANCER_SIGNALS_H
 #define AUTOBALANCER_SIGNALS_H
 

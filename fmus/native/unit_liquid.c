@@ -1,4 +1,4 @@
-/* The liquid balancer of Dubovik 2006 as a unit; twin of fmus/liquid.py. */
+/* The liquid balancer of Dubovik 2006 as a unit; twin of fmus/liquid/slave.py. */
 #include "elementary.h"
 #include "liquid.h"
 #include "signals.h"

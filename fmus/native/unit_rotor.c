@@ -1,5 +1,5 @@
 /* The rotor on its supports as a unit: forces on its planes in, accelerations of the planes out;
-   twin of fmus/rotor.py. */
+   twin of fmus/rotor/slave.py. */
 #include <string.h>
 
 #include "elementary.h"

@@ -85,8 +85,6 @@ int rotor_kind(const Layout *layout);
 void rotor_starts(const Layout *layout, double *real);
 /* Value reference of the length from which on steps end at events of sliders; a unit with sliders. */
 size_t rotor_shortest_stopped(const Unit *unit);
-/* Value reference of the first slider's first parameter. */
-size_t rotor_slider_parameters(const Unit *unit);
 /* Make unit->own's rotor from the parameters; 0, or 1 with the reason. */
 int rotor_of_parameters(Unit *unit);
 

@@ -1,5 +1,5 @@
 /* The kinds of rotor: their start values, and how their parameters make a `LinearRotor`; twin of
-   fmus/rotor_kinds.py, rotor_two_support.py and rotor_flexible.py. */
+   fmus/rotor/kinds.py and fmus/rotor/parameters.py. */
 #include <string.h>
 
 #include "elementary.h"
@@ -237,7 +237,8 @@ size_t rotor_shortest_stopped(const Unit *unit)
     return unit->layout.parameters.count - 4 * (size_t)((const Rotor *)unit->own)->stations - 2;
 }
 
-size_t rotor_slider_parameters(const Unit *unit)
+/* Value reference of the first slider's first parameter. */
+static size_t slider_parameters(const Unit *unit)
 {
     return rotor_shortest_stopped(unit) - 5 * (size_t)unit->layout.sizes.sliders;
 }
@@ -247,7 +248,7 @@ static int set_sliders(Unit *unit)
 {
     Rotor *own = unit->own;
     const int supports = own->kind == PLANAR ? 1 : 2;
-    size_t first = rotor_slider_parameters(unit);
+    size_t first = slider_parameters(unit);
     int k, axis;
     for (k = 0; k < own->slider_count; k += 2, first += 5) {
         const double *real = unit->real + first;

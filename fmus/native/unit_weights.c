@@ -1,5 +1,5 @@
 /* The balancer with balls, rollers or pendulums, Filimonikhina 2017 (4), as a unit; twin of
-   fmus/weights.py. */
+   fmus/weights/slave.py. */
 #include <string.h>
 
 #include "centre.h"
@@ -162,7 +162,9 @@ RotorMotion weights_motion_now(const Unit *unit)
     return now;
 }
 
-int weights_force_now(Unit *unit, const RotorMotion *now, Complex *force)
+/* Residual force of the weights on the rotor and its slope in its frame, without pulses; 1 with the
+   reason. */
+static int force_now(Unit *unit, const RotorMotion *now, Complex *force)
 {
     const Balls *own = unit->own;
     const size_t count = (size_t)own->count;
@@ -202,7 +204,7 @@ static int put(Unit *unit)
     const RotorMotion now = weights_motion_now(unit);
     double *out = unit->real + unit->layout.computed.first;
     Complex force[3];
-    if (weights_force_now(unit, &now, force)) {
+    if (force_now(unit, &now, force)) {
         return 1;
     }
     if (!own->plain) {
@@ -356,7 +358,7 @@ static void observe_torques(Unit *unit)
     double *out = unit->real + unit->layout.real_count - 2;
     Complex force[2];
     Failure failure;
-    if (weights_force_now(unit, &now, force) ||
+    if (force_now(unit, &now, force) ||
         track_torque(&own->track, angles, speeds, speeds + own->count, motion, force, now.speed,
                      now.spin_up, now.change, out, own->scratch, &failure)) {
         out[0] = out[1] = not_a_number();

@@ -49,9 +49,6 @@ typedef struct {
 
 /* At the end of the last step, or where inputs are set since. */
 RotorMotion weights_motion_now(const Unit *unit);
-/* Residual force of the weights on the rotor and its slope in its frame, without pulses; 1 with the
-   reason. */
-int weights_force_now(Unit *unit, const RotorMotion *now, Complex *force);
 
 /* -- unit_weights_derivatives.c: as in `Equations` -------------------------------------------- */
 

@@ -44,7 +44,7 @@ from tests.papers import (
     slow_roots,
 )
 
-# Table 1 and the longer digits checked for physics.md: n, rho, sector [degrees], s
+# Goncharov 2017, Table 1, with more digits of the same equations: n, rho, sector [degrees], s
 BALLS = [
     (1, 3 / 4, None, 0.1055), (2, 3 / 7, 194, 0.0595), (3, 0.364, 209, 0.0518),
     (4, 0.315, 219, 0.0439), (5, 0.278, 226, 0.0370), (6, 0.248, 231, 0.0314),

@@ -14,7 +14,7 @@ TEXTS = [
     path
     for folder in ("models", "fmus", "harness")
     for path in sorted((ROOT / folder).rglob("*"))
-    if path.suffix in (".py", ".md")
+    if path.suffix in (".py", ".md", ".c", ".h")
 ]
 
 

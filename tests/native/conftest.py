@@ -180,7 +180,7 @@ _RETURNS = {
         " fastest_rate liquid_gap liquid_mass liquid_added_mass liquid_clearance group_factor"
         " lowest"
     ),
-    Complex: "rect weights_static_moment liquid_reaction track_static_moment hat_half strike",
+    Complex: "rect weights_static_moment track_static_moment hat_half strike",
     c_size_t: (
         "linear_rotor_size linear_rotor_flexible_scratch step_matrix_scratch variable_speed_size"
         " variable_speed_scratch track_scratch"

@@ -82,7 +82,7 @@ def test_forces_of_all_balancers_on_a_plane_add_up():
 # -- tolerance ------------------------------------------------------------------------------------
 
 
-# no tolerance is kept across a meeting of weights: tests/test_master_errors.py
+# no tolerance is kept across a meeting of weights: tests/harness/master/test_master_errors.py
 @pytest.mark.parametrize(
     "name", [n for n in driven_scenes() if n not in ("contact_order", "bristol_friction")]
 )
