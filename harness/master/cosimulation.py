@@ -6,7 +6,7 @@ decides whether they are compared with the prediction and the step is taken agai
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import ExitStack
 from functools import cached_property
 from pathlib import Path
@@ -19,7 +19,7 @@ from ..scene import Scene
 from .beginning import Beginning
 from .facts import Facts, advice
 from .fmu import Closing, Fmu
-from .loop import consistent_start, rotor_response, value_eigenvalues
+from .loop import consistent_start, value_eigenvalues
 from .plan import plan
 from .recorder import Recorder
 from .resolution import Resolution
@@ -36,19 +36,18 @@ from .schedule import (
     schedule,
     step_size,
 )
-from .schemes.adaptive import Adaptive
 from .schemes.iterated import Iterated
 from .schemes.prescribed import SLIVER, Prescribed
-from .schemes.protocol import Scheme, choose, refuse_loose_tolerance
+from .schemes.protocol import Scheme, choose, refuse_loose_tolerance, response_before
 from .schemes.startup import substeps
 from .system import System
 from .unit_files import find_or_build
 
 if TYPE_CHECKING:
+    from ..output.workers import Progress
     from .one_file_run import OneFileRun
 
 REPORTED = 256  # steps between two reports of progress: some ten a second
-Progress = Callable[[float], None]
 Simulation: TypeAlias = "CoSimulation | OneFileRun"
 
 
@@ -125,8 +124,8 @@ class CoSimulation(Closing):
         step = step or step_size(self.scene)
         if points is None:
             self._begin(changes or {}, step)
-            if isinstance(self.scheme, Adaptive) and step_share:
-                self.scheme.allow(step_share)
+            if step_share:
+                self.scheme.allow_error(step_share)
         else:
             self._begin_again(step, *points)
         share = self.scheme.miss_per_error if self.system.order >= 3 else 0.0
@@ -175,9 +174,8 @@ class CoSimulation(Closing):
 
     def _prepare(self, step: float) -> Scheme:
         """Bring the units to a consistent start, and make the scheme for this loop."""
-        system, response, rounding = self.system, np.zeros((0, 0)), self._rounding
-        if self.scene.coupling.scheme == "compensated":
-            response = rotor_response(system, step)
+        system, rounding = self.system, self._rounding
+        response = response_before(self.scene, system, step)
         self._jacobian = jacobian = consistent_start(system, step, rounding)
         eigenvalues = value_eigenvalues(jacobian, system.parts)
         self.gain = max(map(abs, eigenvalues), default=0.0)

@@ -73,7 +73,7 @@ class Adaptive(OwnSteps):
         super().__init__(iterated)
         self.tolerance, self._mass = tolerance, mass
         self._cancelled = max(1.0, gain)
-        self.allow(LOCAL_SHARE)
+        self.allow_error(LOCAL_SHARE)
         # start short: nothing is known of the signals yet, and a longer step sees no fast mode
         self.rung: int = FIRST_RUNG
         self._minute = 2.0 ** (-MINUTE / RUNGS) if jumps else 0.0
@@ -82,7 +82,7 @@ class Adaptive(OwnSteps):
         # what moves slowly is still on its way when its acceleration is small
         self._still_motion = 0.0 if jumps else self._still * min(1.0, slowest) ** 2
 
-    def allow(self, share: float) -> None:
+    def allow_error(self, share: float) -> None:
         """From the start on, let a step err by this share of the tolerance, its loop by less."""
         self.share = share
         iterated, allowed = self.iterated, RESIDUAL_SHARE * self.tolerance

@@ -47,6 +47,9 @@ class Explicit:
         self.advance(system, time, step)
         return step, 0.0
 
+    def allow_error(self, share: float) -> None:
+        """Nothing: it keeps no tolerance."""
+
     def cross_jump(self, system: System, time: float, step: float) -> None:
         """A negligible step at a jump of the drive, in parts that settle force and acceleration.
 

@@ -154,8 +154,11 @@ class Iterated:
         with system.saved() as states:
             self.attempt(system, states, time, step, MAX_PASSES, jump=True).accept(system)
 
+    def allow_error(self, share: float) -> None:
+        """Nothing: it keeps no tolerance."""
+
     def amplification(self, eigenvalues: Sequence[complex], order: int) -> float:
-        """Nothing: the loop is solved."""
+        """0: the loop is solved, so that steps repeat no error, whatever its gain."""
         return 0.0
 
     def judge(self, system: System, time: float, residual: float) -> bool:

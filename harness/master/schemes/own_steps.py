@@ -30,6 +30,9 @@ class OwnSteps:
     def after_start(self, system: System, time: float, step: float) -> None:
         """Nothing: the first steps are as short as they have to be."""
 
+    def allow_error(self, share: float) -> None:
+        """Nothing, unless it keeps a tolerance."""
+
     def amplification(self, eigenvalues: Sequence[complex], order: int) -> float:
-        """Nothing: the loop is solved."""
+        """0: the loop is solved, so that steps repeat no error, whatever its gain."""
         return 0.0

@@ -15,6 +15,7 @@ import numpy as np
 from ...errors import SceneError
 from ...scene import Scene
 from ...scene.run import UNCORRECTED
+from ..loop import rotor_response
 from ..system import System
 from .adaptive import Adaptive
 from .compensated import Compensated
@@ -71,6 +72,10 @@ class Scheme(Protocol):
         """
         ...
 
+    def allow_error(self, share: float) -> None:
+        """From the start on, let a step err by this share of a tolerance, where there is one."""
+        ...
+
     def judge(self, system: System, time: float, residual: float) -> bool:
         """Whether a step counts as converged.
 
@@ -78,6 +83,13 @@ class Scheme(Protocol):
             LoopError: what it left cannot be tolerated.
         """
         ...
+
+
+def response_before(scene: Scene, system: System, step: float) -> np.ndarray:
+    """What the scene's scheme knows of the rotor before its start: empty where it needs nothing."""
+    if scene.coupling.scheme == Compensated.name:
+        return rotor_response(system, step)
+    return np.zeros((0, 0))
 
 
 def choose(
@@ -92,7 +104,7 @@ def choose(
     """The scene's scheme; `auto` iterates, and no more than the loop gain asks for.
 
     Args:
-        jacobian, response: from `loop.consistent_start` and `loop.rotor_response` with `step` [s].
+        jacobian, response: from `loop.consistent_start` and `response_before` with `step` [s].
         gain: of the loop.
         rounding: of forces that cancel [N].
     """
