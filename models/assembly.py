@@ -88,6 +88,11 @@ class SpeedProfile:
         """The same speed throughout [rad/s]."""
         return cls(speed, speed)
 
+    @property
+    def rises(self) -> bool:
+        """Whether the speed changes."""
+        return self.start != self.end
+
     def acceleration(self, time: float) -> float:
         """Angular acceleration just after `time` [rad/s^2]."""
         if self.start == self.end or time >= self.seconds:

@@ -134,7 +134,7 @@ def trajectory(
         solved: accelerations there, where friction takes part in them.
     """
     n, count = system.stations, system.weights
-    turning = angle, speed, angular_acceleration = system.turning(time, states)
+    angle, speed, angular_acceleration = system.turning(time, states)
     if solved is None:
         columns = angle[:, None], speed[:, None], angular_acceleration[:, None]
         a, phi2 = system.accelerations_of(columns, states)

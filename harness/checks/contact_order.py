@@ -43,7 +43,7 @@ def check_contact_order(
     points = scene.run.revolutions * coarsest
     profile = scene.profile()
     whole = abs(points - round(points)) < 1e-9 * points
-    if profile.start != profile.end or not whole:
+    if profile.rises or not whole:
         raise SceneError(
             f"{about}: needs a constant speed and whole steps: run.revolutions = "
             f"{scene.run.revolutions:g} times {coarsest} steps is {points:g}"

@@ -12,7 +12,7 @@ from collections.abc import Callable, Iterator
 
 import numpy as np
 
-from ...models.papers.window import LiquidWindow
+from ...models.papers.window import OPEN_END, LiquidWindow
 from ..errors import SceneError
 from ..master.revolution import Revolution
 from ..output.workers import Progress
@@ -28,7 +28,6 @@ GROWTH_TOLERANCE = 1e-3  # of growth rates (9e-5)
 BENDING_TOLERANCE = 1e-5  # (7e-10)
 PHASE_TOLERANCE = 1e-5  # rad (9e-10)
 GROWTH_SPEEDS = (0.9, 0.97, 1.03, 1.1)  # fractions of w^*, both sides of it
-OPEN_END = 5.0  # times w_*: how far an unlimited window is followed
 OPEN_SPAN, OPEN_SPEEDS = 50.0, 25  # of it, end over start: from far below w_*; every 17 %
 BESIDE = 1e-3  # relative: so near a speed of contact, rounding decides whether the float touches
 

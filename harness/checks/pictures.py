@@ -10,11 +10,12 @@ import numpy as np
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
+from ...models.papers.window import OPEN_END
 from ..master.revolution import Revolution
 from ..output.plot import metres, save
 from ..scene import Scene
 from ..scene.check import LiquidWindowCheck, SommerfeldCheck
-from .liquid_window import OPEN_END, steady_displacement, window_of
+from .liquid_window import steady_displacement, window_of
 from .rig_picture import plot_rig
 from .sommerfeld import run_with, variants_of
 

@@ -71,7 +71,7 @@ class CheckPart:
         return self.check.kind in SHARING
 
     def rows(self, progress: Progress, workers: Workers = 1) -> list[Row]:
-        """Do it."""
+        """Run the part, and give its rows."""
         kind = self.check.kind
         if self.sharing:
             return list(SHARING[kind](self.scene, self.check, progress, workers))

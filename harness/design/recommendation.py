@@ -23,7 +23,7 @@ NEAR = 0.15  # of the critical unbalance: ten per cent off, 58 of 200 starts had
 
 
 def words(data: Design) -> list[str]:
-    """Lines for people."""
+    """The recommendation as lines of text, its reasons included."""
     if not data.with_capacity:
         best = max(data.choices, key=lambda c: c.capacity)
         return [

@@ -121,7 +121,7 @@ def only_finite_weights(scene: Scene) -> WeightBalancer | None:
     """The one set of weights of finite size on a planar isotropic rotor at constant speed."""
     profile = scene.profile()
     fits = scene.rotor.kind == "planar" and scene.assembly().rotor.isotropic
-    if not fits or profile.start != profile.end or len(scene.balancer) != 1:
+    if not fits or profile.rises or len(scene.balancer) != 1:
         return None
     one = scene.balancer[0]
     return one if isinstance(one, WeightBalancer) and one.weight_radius else None

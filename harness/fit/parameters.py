@@ -36,12 +36,12 @@ class Parameter:
 
     @property
     def label(self) -> str:
-        """As it was written."""
+        """The path as the user wrote it."""
         return "=".join(self.paths)
 
     @property
     def is_angle(self) -> bool:
-        """It is a direction [rad]."""
+        """Whether the value is an angle [rad], which has no lower or upper end."""
         return self.paths[0].rpartition(".")[2].partition("[")[0].endswith("angle")
 
     def changes(self, value: float) -> dict[str, float]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator, Sequence
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,6 +15,9 @@ from ...models.arrays import Array
 from ...models.harmonic_balance import NoResponse
 from .model import HarmonicModel, Model
 from .parameters import Parameter
+
+if TYPE_CHECKING:
+    from ..output.workers import Progress
 
 STEP = 1e-3  # of a parameter's start: far above the error of a run, far below what bends a curve
 SEED, SPREAD = 1, 0.5  # of the starts that are drawn; deviation of their logarithms
@@ -52,7 +55,7 @@ def first_guess(
     model: Model,
     differ: Difference,
     starts: int,
-    progress: Callable[[float], None] | None,
+    progress: Progress | None,
 ) -> Guess:
     """By harmonic balance, the best of several starts.
 
@@ -103,7 +106,7 @@ def search(
     model: Model,
     differ: Difference,
     first: Array,
-    progress: Callable[[float], None] | None = None,
+    progress: Progress | None = None,
 ) -> Any:
     """SciPy's result of a search from `first` (p,), of parameters over their starts.
 

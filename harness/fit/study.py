@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -16,6 +17,9 @@ from .measured import MeasuredAmplitudes
 from .model import HarmonicModel, Model
 from .parameters import Parameter
 from .search import difference, first_guess, known, rms, search
+
+if TYPE_CHECKING:
+    from ..output.workers import Progress
 
 ALIKE = math.sqrt(10.0)  # a variance inflation of 10 is commonly taken for too much
 
@@ -76,7 +80,7 @@ def fit(
     logarithms: bool = True,
     harmonic: bool = False,
     starts: int = 1,
-    progress: Callable[[float], None] | None = None,
+    progress: Progress | None = None,
 ) -> Fit:
     """Find the parameters by least squares (SciPy's trust region), Jacobian by differences.
 

@@ -17,7 +17,7 @@ class Beginning:
         self.free = self._saved.free
 
     def keep(self) -> None:
-        """What is now is where a run begins."""
+        """Save states and signals of all units as the beginning of a run."""
         self._states = self._saved.save()
         self._signals = (*self._system.forces, *self._system.accelerations)
         self._kept = [copy(signal) for signal in self._signals]

@@ -15,8 +15,9 @@ Hairer, Norsett & Wanner 1993, II.4: Richardson's extrapolation, here of the run
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from itertools import pairwise
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -30,6 +31,9 @@ from .scales import least_motion
 from .schedule import fewest_chosen, force_jumps, meets_events, step_size
 from .schemes.adaptive import RESIDUAL_SHARE
 from .schemes.prescribed import LONG, SLIVER
+
+if TYPE_CHECKING:
+    from ..output.workers import Progress
 
 ORDER = {3: 4, 5: 6}  # of the coupling, by that of the signals
 # forces or accelerations that jump within a step: three runs may show more by chance; motion with
@@ -49,7 +53,6 @@ MOST_TIMES = 4  # as many parts as in the run before, which is to be confirmed
 MOST_PARTS = 128  # of a step of the first run
 PARTING = 32  # parts that should be enough to see runs come together
 ASYMPTOTIC = 0.03  # of the motion: runs that differ by more need not differ by their order
-Report = Callable[[float], None]
 
 
 class Controlled:
@@ -80,7 +83,7 @@ class Controlled:
         self._done = 0  # work, in first runs
         self._share = SHARES[0]
 
-    def run(self, progress: Report | None) -> Recorder:
+    def run(self, progress: Progress | None) -> Recorder:
         """Run as often as it takes; what the last run recorded.
 
         Raises:
@@ -126,7 +129,7 @@ class Controlled:
         self.parts, self._times, self._apart = parts, times, apart
         return self.error <= enough
 
-    def _first(self, progress: Report | None) -> Recorder:
+    def _first(self, progress: Progress | None) -> Recorder:
         """The run that chooses its steps, which shorter ones may bring to its end."""
         for self._share in SHARES[:-1]:
             try:
@@ -147,7 +150,7 @@ class Controlled:
         self,
         parts: int,
         points: Sequence[float] | None,
-        progress: Report | None,
+        progress: Progress | None,
     ) -> Recorder:
         """One run, of all that is asked for and all that is compared."""
         cosim = self.cosim

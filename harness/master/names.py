@@ -6,14 +6,11 @@ import re
 from collections.abc import Iterable, Sequence
 from functools import cache
 
+from ...fmus.rotor.variables import station
+
 AXES = {"rotor": ("xi", "eta"), "fixed": ("x", "y")}  # of coupling signals, by the units' frame
 _AXIS = re.compile(r"(^v?|_)(x|y|xi|eta)$")  # x, vx, a_x, F_xi: one part of a vector
 _POWER = re.compile(r"(?<=[a-z])(\d+)")
-
-
-def station(number: int, count: int) -> str:
-    """Prefix of a station's variables; a rotor's only station has none."""
-    return f"station[{number}]." if count > 1 else ""
 
 
 def stations(count: int) -> list[str]:

@@ -98,7 +98,7 @@ def drive(scene: Scene) -> dict[str, float]:
     if scene.operation.motor:
         return {"coupling.top_speed": profile.end}
     return {
-        "rise_time": profile.seconds if profile.start != profile.end else 0.0,
+        "rise_time": profile.seconds if profile.rises else 0.0,
         "speed": profile.speed(0.0),
         "acceleration": profile.acceleration(0.0),
     }

@@ -7,8 +7,9 @@ library is called a slice of time at once, and releases the interpreter's lock m
 from __future__ import annotations
 
 import time as clock
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from functools import lru_cache
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -24,6 +25,9 @@ from .one_file import composition_in_c, model_name
 from .recorder import Recorder
 from .schedule import as_run, end_time, fewest_chosen, milestones, schedule, step_size
 from .schemes.protocol import refuse_loose_tolerance
+
+if TYPE_CHECKING:
+    from ..output.workers import Progress
 
 SLICE = 0.1  # s of a call: interrupts and progress wait for its end
 FIRST_ROWS, MORE = 16, 4  # of the first call, and times as many of the next while it is short
@@ -85,7 +89,7 @@ class OneFileRun(Closing):
         self.time = self._run.facts.time
         return self.time - begin
 
-    def record(self, recorder: Recorder, progress: Callable[[float], None] | None) -> None:
+    def record(self, recorder: Recorder, progress: Progress | None) -> None:
         """As `CoSimulation.record`."""
         outputs = np.concatenate([np.zeros(0, np.uintc), *(g[0] for _, g in recorder.groups)])
         end, most = end_time(self.scene), FIRST_ROWS

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Literal
 
@@ -14,6 +14,7 @@ from ..errors import UserError
 
 if TYPE_CHECKING:
     from ..output.picture import Picture
+    from ..output.workers import Progress
     from ..scene import Scene
     from .pictures.motion import Motion
 
@@ -125,7 +126,7 @@ class Pictures(_Result):
         path: str | Path,
         axes: Literal["rotor", "fixed"] = "rotor",
         seconds: float = 8.0,
-        progress: Callable[[float], None] | None = None,
+        progress: Progress | None = None,
     ) -> Path:
         """Write the run as a moving picture of so many seconds: gif, webp, or mp4 by ffmpeg.
 

@@ -15,6 +15,7 @@ import time as clock
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from itertools import pairwise
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -33,6 +34,9 @@ from .schedule import force_jumps, milestones, schedule, steps_per_rev
 from .schemes.prescribed import SLIVER
 from .verification import Verification
 
+if TYPE_CHECKING:
+    from ..output.workers import Progress
+
 FINER = 30.0  # times smaller, the second run's tolerance
 PARTS = 3  # of a step: 3^4 = 81 where a tolerance lets steps be as long as may be
 FIRST = 1.0 / (1.0 + PARTS)  # share of the first run in the work
@@ -41,7 +45,6 @@ CLOSED = 0.1  # of its tolerance: a run's loop is closed ten times better
 TIGHTEST = 1e-12  # tolerance: below it is rounding
 PARTED = 0.1  # of a signal's range: two runs that differ so much have lost each other
 NOISE = 1e-12  # of what the scene's forces can move the rotor by
-Report = Callable[[float], None]
 
 
 @dataclass(frozen=True)
@@ -58,7 +61,7 @@ class Refinement:
 
 
 def verified(
-    scene: Scene, result: Result, loaded: Callable[[Scene], Simulation], report: Report
+    scene: Scene, result: Result, loaded: Callable[[Scene], Simulation], report: Progress
 ) -> Result:
     """The result of a run, with its errors as a second run measures them.
 
@@ -84,7 +87,7 @@ def verified(
 
 
 def _repeated(
-    fine: Simulation, result: Result, report: Report
+    fine: Simulation, result: Result, report: Progress
 ) -> tuple[dict[str, Array], Refinement]:
     """Signals of the second run at the times of the first, and how it was stepped."""
     with fine as cosim:

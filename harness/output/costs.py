@@ -6,9 +6,13 @@ import re
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
+from typing import TYPE_CHECKING
 
 from ..errors import UserError
 from .interrupts import raised_after
+
+if TYPE_CHECKING:
+    from .workers import Progress
 
 DEFAULT = "1h"
 MEASURED = 2.0  # s of work from which the rest is told: enough for three digits of its rate
@@ -81,9 +85,9 @@ def limited(at_most: str, key: str) -> Iterator[None]:
 def within(
     at_most: str,
     key: str,
-    progress: Callable[[float], None],
+    progress: Progress,
     clock: Callable[[], float] = time.perf_counter,
-) -> Callable[[float], None]:
+) -> Progress:
     """`progress`, ended as soon as the work is seen to take longer than `at_most`.
 
     The rate is measured from the first report on, so that loading does not count, and anew where it

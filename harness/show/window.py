@@ -6,12 +6,11 @@ from dataclasses import dataclass
 from typing import Literal
 
 from ...models.linear.modes import speeds_of_interest
-from ...models.papers.window import LiquidWindow
+from ...models.papers.window import OPEN_END, LiquidWindow
 from ..scene import Scene
 from ..stability.boundaries import speeds
 
 FOLLOWED = 1.15  # times the upper limit of a window: what is beyond it is seen
-OPEN_END = 5.0  # times the lower limit: a window that ends far above is not followed to its end
 
 Kind = Literal["good", "poor", "unstable"]
 

@@ -19,6 +19,8 @@ from ..assembly import Assembly
 from ..liquid import Liquid
 from ..ranges import demand_all
 
+OPEN_END = 5.0  # times the lower limit: a window that ends above is not followed to its end
+
 
 @dataclass(frozen=True)
 class LiquidWindow:

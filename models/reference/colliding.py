@@ -169,7 +169,7 @@ def integrate_contacts(
         ValueError: the speed varies.
         ArithmeticError: the method gave up, collisions do not come to an end, or one was missed.
     """
-    if system.profile.start != system.profile.end:
+    if system.profile.rises:
         raise ValueError("weights that collide: only at constant speed")
     bodies, y, t = Colliding(system), system.initial(initial), 0.0
     states = np.empty((len(time), system.size))

@@ -186,7 +186,8 @@ class Monolith:
         f_x -= v_x @ self._damping_x.T + q_x @ rotor.stiffness_x.T + w * (v_y @ gyro + q_y @ inner)
         f_y -= v_y @ self._damping_y.T + q_y @ rotor.stiffness_y.T - w * (v_x @ gyro + q_x @ inner)
         right = np.concatenate([f_x, f_y], axis=-1) + force
-        a: Array = np.linalg.solve(mass, right[..., None]).reshape(*right.shape[:-1], 2, n)
+        a = np.asarray(np.linalg.solve(mass, right[..., None]), float)
+        a = a.reshape(*right.shape[:-1], 2, n)
         at_weights = (a @ lateral.T)[..., self._plane]
         a_x, a_y = at_weights[..., 0, :], at_weights[..., 1, :]
         if rotor.gravity:
@@ -279,7 +280,7 @@ class Monolith:
     def stops(self, end: float) -> list[float]:
         """Times up to which the motion is smooth [s]: the acceleration jumps after a run-up."""
         profile = self.profile
-        kink = profile.seconds if profile.start != profile.end else 0.0
+        kink = profile.seconds if profile.rises else 0.0
         return [kink, end] if 0.0 < kink < end else [end] if end else []
 
     def between(self, begin: float, stop: float) -> Monolith:

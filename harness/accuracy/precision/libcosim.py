@@ -75,7 +75,7 @@ class LibcosimRunner:
     def __init__(self, scene: Scene, names: Sequence[str]) -> None:
         if find_spec("libcosimpy") is None:
             raise SimulationError("libcosimpy is not installed")
-        if scene.profile().start != scene.profile().end:
+        if scene.profile().rises:
             raise SimulationError("libcosimpy: nobody tells the units there of a changing speed")
         self._cosim = CoSimulation(scene)
         self._step = round(step_size(scene) / NANOSECOND) * NANOSECOND

@@ -7,6 +7,7 @@ import random
 from collections.abc import Callable
 
 from .sketch import (
+    TURN,
     Document,
     Sketch,
     at_constant_speed,
@@ -121,7 +122,7 @@ def finite(generator: random.Random) -> Document:
     count = generator.choice((2, 2, 3, 4))
     alpha = even(generator, 0.1, 0.8) * math.pi / count  # half the angle that each takes up
     slack = math.pi / count - alpha
-    turned = even(generator, 0.0, 6.283)
+    turned = even(generator, 0.0, TURN)
     balancer |= {
         "kind": generator.choice(("balls", "rollers")),
         "mass": float(f"{balancer['mass'] * balancer['count'] / count:.4g}"),
@@ -182,7 +183,7 @@ def gravity(generator: random.Random) -> Document:
     document = generator.choice((planar, run_up, two_support, flexible, liquid, offset))(generator)
     document["operation"]["gravity"] = sized(generator, 0.1, 9.81)
     if generator.random() < 0.3:
-        document["operation"]["gravity_angle"] = even(generator, 0.0, 6.283)
+        document["operation"]["gravity_angle"] = even(generator, 0.0, TURN)
     return document
 
 

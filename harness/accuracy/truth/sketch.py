@@ -13,6 +13,7 @@ from typing import Any
 
 Document = dict[str, Any]
 
+TURN = 6.283  # rad, as one types it
 LONGEST = 400.0  # radians of the fastest mode: longer runs gather error in the reference too
 
 
@@ -76,7 +77,7 @@ def unbalance(generator: random.Random, sketch: Sketch, position: float) -> Docu
     return {
         "position": float(f"{position:.4g}"),
         "amount": float(f"{sketch.mass * eccentricity:.4g}"),
-        "angle": even(generator, 0.0, 6.283),
+        "angle": even(generator, 0.0, TURN),
     }
 
 
@@ -92,7 +93,7 @@ def weights_of(generator: random.Random, sketch: Sketch, least: float, most: flo
         "mass": float(f"{mass:.4g}"),
         "track_radius": sketch.radius,
         "drag": sometimes(generator, 0.9, float(f"{drag:.4g}")),
-        "angles": [even(generator, 0.0, 6.283) for _ in range(count)],
+        "angles": [even(generator, 0.0, TURN) for _ in range(count)],
     }
     if generator.random() < 0.2:
         fastest = 3.0 * sketch.speed
@@ -126,7 +127,7 @@ def at_constant_speed(
             "x": even(generator, -length, length),
             "y": even(generator, -length, length),
             "vx": even(generator, -length, length) * sketch.mode,
-            "angle": even(generator, 0.0, 6.283),
+            "angle": even(generator, 0.0, TURN),
         }
     return {
         "rotor": rotor,

@@ -24,6 +24,6 @@ def refuse_impossible(scene: Scene, kind: str) -> None:
         first_weights(scene)
     elif kind in _WINDOWS:
         profile, turned = scene.profile(), math.tau * scene.run.revolutions
-        if profile.start != profile.end:
+        if profile.rises:
             turned = min(turned, profile.angle(profile.seconds))
         refuse_few(turned, _WINDOWS[kind])

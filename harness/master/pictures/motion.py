@@ -67,8 +67,7 @@ class Motion:
     @property
     def rises(self) -> bool:
         """Whether the speed does, all along a line: that of a motor may be caught."""
-        profile = self.scene.profile()
-        return profile.start != profile.end
+        return self.scene.profile().rises
 
     @cached_property
     def rise(self) -> Motion:

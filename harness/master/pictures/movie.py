@@ -11,7 +11,7 @@ import tempfile
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 from matplotlib.animation import FFMpegWriter, PillowWriter
@@ -26,6 +26,9 @@ from ...output.plot import harmless, metres
 from ...scene import Scene
 from ...scene.balancer import LiquidBalancer, WeightBalancer
 from .motion import Array, Motion
+
+if TYPE_CHECKING:
+    from ...output.workers import Progress
 
 Axes = Literal["rotor", "fixed"]
 FRAMES_PER_SECOND = 20
@@ -98,7 +101,7 @@ def write_movie(
     path: Path,
     axes: Axes = "rotor",
     seconds: float = 8.0,
-    progress: Callable[[float], None] | None = None,
+    progress: Progress | None = None,
 ) -> Path:
     """Write the whole run as a movie of so many seconds, completely or not at all.
 
