@@ -6,9 +6,10 @@ from dataclasses import dataclass
 
 # no contraction to fused multiply-add: the same bits on every processor; sqrt an instruction
 FLAGS = ("-std=c99", "-ffp-contract=off", "-fno-math-errno")
-# where steps spend their time, for speed, but with half as much put in line as usual: it is no
-# slower; what takes a part of it, for size with little put in line: no slower either; all else,
-# for the least size (zig takes -Oz alone for -Os)
+# where steps spend their time, for speed, with less put in line than usual: run-ups of the rig take
+# a tenth longer, and the library for Windows stays within its size; what takes a part of it, for
+# size with little put in line: it is no slower; all else, for the least size (zig takes -Oz alone
+# for -Os)
 FAST = ("-O2", "-mllvm", "-inline-threshold=100")
 SMALL = ("-Os", "-mllvm", "-inline-threshold=5")
 SMALLEST = ("-Os", "-Xclang", "-Oz")
