@@ -6,10 +6,11 @@ import time as clock
 from collections.abc import Callable, Iterable
 from dataclasses import replace
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from ..errors import UserError
 from ..scene import Scene, load_scene
-from .cosimulation import CoSimulation, Progress, Simulation
+from .cosimulation import CoSimulation, Simulation
 from .facts import result
 from .global_error import Controlled
 from .plan import plan
@@ -17,6 +18,9 @@ from .recorder import Recorder, recorded, refuse_unknown
 from .result import Result
 from .schedule import order_of_run
 from .verify import FIRST, verified
+
+if TYPE_CHECKING:
+    from ..output.workers import Progress
 
 
 def cosimulate(

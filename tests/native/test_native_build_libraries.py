@@ -330,7 +330,7 @@ def test_every_file_that_a_head_calls_its_twin_is_there():
     root = Path(compiler.__file__).parents[2]
     heads = {path: path.read_text() for path in sorted((root / "fmus" / "native").glob("*.[ch]"))}
     named = {
-        path.name: re.findall(r"[\w/]+\.py", head.split("*/")[0].split("twin of")[1])
+        path.name: re.findall(r"\w+(?:/\w+)+\.py", head.split("*/")[0].split("twin of")[1])
         for path, head in heads.items()
         if "twin of" in head.split("*/")[0]
     }

@@ -22,7 +22,7 @@ import numpy as np
 from ..loop import QuasiNewton, rescaled
 from ..signals import EXACT
 from ..system import System
-from .compensated_maps import StepMaps, kept_of
+from .compensated_maps import CompensatedMaps, kept_of
 from .explicit import Explicit
 
 _MOST_MAPS = 64  # a run has a handful of step lengths
@@ -60,7 +60,7 @@ class Compensated(Explicit):
         inverse = QuasiNewton(jacobian, step, parts).inverse
         self._solution, self._solved_step = np.vstack([inverse, response @ inverse]), step
         self._speed = speed
-        self._maps: dict[tuple[float, float], StepMaps] = {}
+        self._maps: dict[tuple[float, float], CompensatedMaps] = {}
         self._past = 0.0  # s, length of the step before; 0 where nothing of it can be used
         forces, every = len(inverse) // (2 * parts), len(self._solution) // (2 * parts)
         self._keeps = keeps = kept_of(parts)
@@ -116,10 +116,12 @@ class Compensated(Explicit):
         ):
             kept[: self._parts] = state.now
 
-    def _new_maps(self, system: System, past: float, step: float, jump: bool) -> StepMaps:
+    def _new_maps(self, system: System, past: float, step: float, jump: bool) -> CompensatedMaps:
         if len(self._maps) >= _MOST_MAPS:
             self._maps.clear()
         solution = rescaled(self._solution, step / self._solved_step, self._parts)
         planes = [exchange.plane for exchange in system.exchanges]
-        self._maps[past, step] = maps = StepMaps(self._parts, planes, solution, past, step, jump)
+        self._maps[past, step] = maps = CompensatedMaps(
+            self._parts, planes, solution, past, step, jump
+        )
         return maps

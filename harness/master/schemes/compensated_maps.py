@@ -23,7 +23,7 @@ _POINTS, _SHARES = np.polynomial.legendre.leggauss(12)
 _NODES, _SHARES = 0.5 + 0.5 * _POINTS, 0.5 * _SHARES
 
 
-class StepMaps:
+class CompensatedMaps:
     """Maps of a step from what is known to what the units are told and what is found.
 
     Known are, as reals, `kept_of` numbers of every force, then of every acceleration, and as the

@@ -21,7 +21,7 @@ from ..loop import SLOW, QuasiNewton, Vector, jacobian, size, values_in, vector
 from ..signals import EXACT, MISS_PER_ERROR, Cubic, Knot
 from ..system import System
 from .contacts import before, strike
-from .iterated_maps import Known, ahead, layout_of, step_maps
+from .iterated_maps import Known, ahead, iterated_maps, layout_of
 
 CONVERGED = 1e-10  # residual of the forces relative to the largest force so far
 MAX_PASSES = 30  # quasi-Newton meets CONVERGED in two to six; more means it does not converge
@@ -275,7 +275,7 @@ class Iterated:
             layout = layout_of(system.planes, len(system.forces), system.order, held, length)
             self._rooms[room] = Known(layout)
         self._known = known = self._rooms[room]
-        self._maps = step_maps(known.layout, unit)
+        self._maps = iterated_maps(known.layout, unit)
         return known
 
     def _past(self, system: System) -> np.ndarray:

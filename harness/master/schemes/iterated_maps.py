@@ -119,7 +119,7 @@ class Known:
         self.changes = self.numbers[begun:].view(complex)[:: layout.parts]
 
 
-class StepMaps:
+class IteratedMaps:
     """The maps of a layout for a unit of time [s]; what they are applied to is in brackets.
 
     Attributes:
@@ -151,9 +151,9 @@ def layout_of(
 
 
 @lru_cache(maxsize=256)
-def step_maps(layout: Layout, unit: float) -> StepMaps:
+def iterated_maps(layout: Layout, unit: float) -> IteratedMaps:
     """Maps of a layout for a unit of time [s]."""
-    return StepMaps(layout, unit)
+    return IteratedMaps(layout, unit)
 
 
 @lru_cache(maxsize=256)

@@ -12,7 +12,7 @@ from autobalancer.harness import SceneError, SimulationError, cosimulate, load_s
 from autobalancer.harness.master.cosimulation import CoSimulation
 from autobalancer.harness.master.schedule import step_size
 from autobalancer.harness.master.schemes.compensated import Compensated
-from autobalancer.harness.master.schemes.compensated_maps import StepMaps, carried
+from autobalancer.harness.master.schemes.compensated_maps import CompensatedMaps, carried
 from autobalancer.harness.master.schemes.explicit import BEFORE, NOW
 from autobalancer.harness.master.schemes.gauss_seidel import GaussSeidel
 from autobalancer.harness.master.schemes.jacobi import Jacobi
@@ -262,7 +262,7 @@ def test_compensated_stands_a_jacobian_that_is_wrong_by_a_limit_which_quintics_r
     """Units answer with a share of what is assumed for them, and the scheme knows of no loop."""
     keeps, size = 3 * parts + 1, 2 * parts
     unknowing = np.vstack([np.eye(size), np.zeros((size, size))])
-    maps = StepMaps(parts, [0], unknowing, 1.0, 1.0)
+    maps = CompensatedMaps(parts, [0], unknowing, 1.0, 1.0)
 
     def found(kept, answers):
         nothing = np.zeros(keeps + parts)
