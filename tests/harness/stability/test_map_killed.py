@@ -19,7 +19,7 @@ from pathlib import Path
 import pytest
 
 CODE = "from autobalancer.harness.__main__ import main; main()"
-TINY, SMALL, LARGE = (8, 24), (50, 40), (400, 250)
+TINY, SMALL, LARGE = (20, 24), (50, 40), (400, 250)
 
 
 def begin(
