@@ -151,7 +151,7 @@ class Monolith:
         slip = self._drag * (phi1 - w) - self._follow * w1 - push
 
         def on_planes(values: Array) -> Array:
-            return np.bincount(self._plane, values, len(added))
+            return np.bincount(self._plane, values, len(added)).astype(float)
 
         lateral, added = rotor.planes, self.assembly.added_mass
         mass = np.empty((2 * n, 2 * n))
@@ -172,8 +172,8 @@ class Monolith:
         inner, gyro = w * rotor.internal_damping, w * rotor.gyroscopic
         f_x -= self._damping_x @ v_x + gyro @ v_y + rotor.stiffness_x @ q_x + inner @ q_y
         f_y -= self._damping_y @ v_y - gyro @ v_x + rotor.stiffness_y @ q_y - inner @ q_x
-        right = np.array([f_x, f_y]) + force
-        a: Array = np.linalg.solve(mass, right.ravel()).reshape(2, n)
+        right = np.concatenate([f_x, f_y]) + np.asarray(force, float).ravel()
+        a: Array = np.linalg.solve(mass, right).reshape(2, n)
         a_x, a_y = (a @ lateral.T)[:, self._plane]
         if rotor.gravity:
             a = a + np.array([[rotor.gravity.real], [rotor.gravity.imag]])

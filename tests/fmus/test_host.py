@@ -7,6 +7,7 @@ import shutil
 import subprocess
 import sys
 
+import fmpy
 import pytest
 
 from autobalancer.fmus.build import build
@@ -194,12 +195,35 @@ def test_library_still_loaded_at_the_end_of_the_host_is_settled_and_no_other(tmp
     assert done.stdout == "['binaries/linux64/LiquidBalancer.so']\n"
 
 
+# fmpy would take most of the time
+BARE = """
+import ctypes, pathlib, sys
+folder, guid = sys.argv[1:]
+class Callbacks(ctypes.Structure):
+    _fields_ = [(name, ctypes.c_void_p) for name in ("log", "new", "free", "done", "host")]
+library = ctypes.CDLL(folder + "/binaries/linux64/LiquidBalancer.so")
+library.fmi2Instantiate.restype = ctypes.c_void_p
+resources = pathlib.Path(folder, "resources").as_uri().encode()
+unit = library.fmi2Instantiate(
+    b"unit", 1, guid.encode(), resources, ctypes.byref(Callbacks()), 0, 0)
+assert unit
+unit = ctypes.c_void_p(unit)
+assert library.fmi2SetupExperiment(
+    unit, 0, *map(ctypes.c_double, (0.0, 0.0)), 0, ctypes.c_double(0.0)) == 0
+assert library.fmi2EnterInitializationMode(unit) == 0
+assert library.fmi2ExitInitializationMode(unit) == 0
+assert library.fmi2DoStep(unit, ctypes.c_double(0.0), ctypes.c_double(1e-3), 1) == 0
+library.fmi2FreeInstance(unit)
+"""
+
+
 @pytest.mark.skipif(not shutil.which("valgrind"), reason="needs valgrind")
 def test_library_does_not_touch_freed_memory_when_the_host_ends(tmp_path):
     path = build("LiquidBalancer", tmp_path, backend="python")
     report = tmp_path / "valgrind.log"
     command = ["valgrind", "--error-limit=no", "--undef-value-errors=no", f"--log-file={report}"]
-    command += [sys.executable, "-c", HOST + "slave.instantiate()\nstart()\nfree()", path, "1"]
+    folder = fmpy.extract(path, tmp_path / "unit")
+    command += [sys.executable, "-c", BARE, folder, fmpy.read_model_description(path).guid]
     environment = {**os.environ, "PYTHONMALLOC": "malloc"}
     subprocess.run(command, env=environment, check=True, timeout=300)
     assert "finalizePythonInterpreter" not in report.read_text()
