@@ -12,6 +12,7 @@ that sticks is a constraint, whose force follows from the acceleration being 0.
 from __future__ import annotations
 
 import math
+import operator
 from typing import NamedTuple
 
 import numpy as np
@@ -256,10 +257,10 @@ def _pushes(smooth: VariableSpeedStep, drive: Drive, t: float, h: float, terms: 
     """Taylor coefficients (terms + 1, dof) of what moves the rotor, over a stretch h from t on."""
     forces = drive.forces
     angle, w, spin_up = _turning(drive, t, h)
-    turn = np.zeros(terms + 1, complex)
-    turn[0] = np.exp(1j * angle)
+    powers = [complex(np.exp(1j * angle))]  # in plain numbers: one by one they are faster
     for k in range(terms):
-        turn[k + 1] = 1j * h / (k + 1) * sum(w[j] * turn[k - j] for j in range(min(k, 4) + 1))
+        powers.append(1j * h / (k + 1) * sum(map(operator.mul, w, powers[:-6:-1])))
+    turn = np.array(powers)
     cubic = [
         forces[0] + t * (forces[1] + t * (forces[2] / 2 + t * forces[3] / 6)),
         h * (forces[1] + t * (forces[2] + t * forces[3] / 2)),

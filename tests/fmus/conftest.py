@@ -160,6 +160,19 @@ def host_of() -> type[Host]:
     return Host
 
 
+@pytest.fixture(scope="session")
+def elsewhere(tmp_path_factory: pytest.TempPathFactory) -> Callable[..., Path]:
+    """The FMU of one of `SHAPES`, built in another folder by another process."""
+    script = (
+        "from autobalancer.fmus.build import build\n"
+        f"for k, (unit, options) in enumerate({SHAPES!r}): build(unit, str(k), **options)"
+    )
+    folder = tmp_path_factory.mktemp("elsewhere")
+    environment = {**os.environ, "PYTHONHASHSEED": "7", "TZ": "Asia/Tokyo"}
+    subprocess.run([sys.executable, "-c", script], cwd=folder, env=environment, check=True)
+    return lambda shape: folder / str(SHAPES.index(shape)) / f"{shape[0]}.fmu"
+
+
 @pytest.fixture
 def altered(tmp_path) -> Callable[..., Path]:
     """Build a unit from a copy of the sources in which `old` of one file reads `new`."""
