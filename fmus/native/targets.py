@@ -6,17 +6,16 @@ from dataclasses import dataclass
 
 # no contraction to fused multiply-add: the same bits on every processor; sqrt an instruction
 FLAGS = ("-std=c99", "-ffp-contract=off", "-fno-math-errno")
-# where steps spend their time, for speed, with less put in line than usual: run-ups of the rig take
-# a tenth longer, and the library for Windows stays within its size; what takes a part of it, for
-# size with little put in line: it is no slower; all else, for the least size (zig takes -Oz alone
-# for -Os)
-FAST = ("-O2", "-mllvm", "-inline-threshold=100")
+# where steps spend their time, for speed, with less put in line than usual, which keeps the wheel
+# within its size; what takes a part of it, for size with little put in line: it is no slower; all
+# else, for the least size (zig takes -Oz alone for -Os)
+FAST = ("-O2", "-mllvm", "-inline-threshold=25")
 SMALL = ("-Os", "-mllvm", "-inline-threshold=5")
 SMALLEST = ("-Os", "-Xclang", "-Oz")
-HOT = ("matrix", "propagator", "quintic_weights", "weights")
+HOT = ("propagator", "quintic_weights", "weights")
 WARM = (
     *("angle", "centre", "composite_iterated", "composite_signals", "elementary", "friction"),
-    *("liquid", "pulse", "quintic", "reaction_change", "signals", "unit_rotor_step"),
+    *("liquid", "matrix", "pulse", "quintic", "reaction_change", "signals", "unit_rotor_step"),
     *("unit_weights", "entry", "failure", "memory", "page"),
 )
 WARNINGS = ("-Wall", "-Wextra", "-Wpedantic")
