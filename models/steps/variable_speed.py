@@ -33,6 +33,9 @@ HALVINGS = 12  # 4096 parts resolve a mode 4000 times as fast as a rotor of 40 s
 _HALVED = 2.0**5 - 1.0  # halved parts differ from whole ones by so many of their own errors
 
 
+Turning = tuple[complex, float, Rates]  # turn as a unit vector, w, derivatives of order 1 to 3
+
+
 class Drive(NamedTuple):
     """What moves the rotor over a step.
 
@@ -81,28 +84,27 @@ class VariableSpeedStep:
         """Acceleration by forces on the planes (p,) and by what the unbalance pulls (1,)."""
         return self.force @ self._axes_of(force) + self.unbalance @ self._axes_of(unbalance)
 
-    def _drive(self, drive: Drive, t: float) -> tuple[NDArray, float]:
-        """Acceleration by unbalance, plane forces and gravity at t; w."""
-        turn, w, (w1, _, _) = _turning(drive, t)
-        force = _derivatives(drive.forces, t)[0]
+    def _drive(self, turning: Turning, force: NDArray) -> NDArray:
+        """Acceleration by unbalance, forces on the planes (p,) and gravity."""
+        turn, w, (w1, _, _) = turning
         pull = np.array([w * w - 1j * w1]) * turn
         push = self._sum_drive(force * turn if self.turning_force else force, pull)
-        return push if self.falling is None else push + self.falling, w
+        return push if self.falling is None else push + self.falling
 
-    def _drive_slope(self, drive: Drive, t: float) -> NDArray:
+    def _drive_slope(self, turning: Turning, force: NDArray, slope: NDArray) -> NDArray:
         """Derivative of that acceleration."""
-        turn, w, (w1, w2, _) = _turning(drive, t)
-        value, slope = _derivatives(drive.forces, t)[:2]
+        turn, w, (w1, w2, _) = turning
         if self.turning_force:
-            slope = (slope + 1j * w * value) * turn
+            slope = (slope + 1j * w * force) * turn
         return self._sum_drive(slope, np.array([3.0 * w * w1 + 1j * (w**3 - w2)]) * turn)
 
-    def _drive_second(self, drive: Drive, t: float) -> NDArray:
+    def _drive_second(
+        self, turning: Turning, force: NDArray, slope: NDArray, second: NDArray
+    ) -> NDArray:
         """Its second derivative, of quintics."""
-        turn, w, (w1, w2, w3) = _turning(drive, t)
-        value, slope, second = _derivatives(drive.forces, t)
+        turn, w, (w1, w2, w3) = turning
         if self.turning_force:
-            second = (second + 2j * w * slope + (1j * w1 - w * w) * value) * turn
+            second = (second + 2j * w * slope + (1j * w1 - w * w) * force) * turn
         pull = 3.0 * w1 * w1 + 4.0 * w * w2 - w**4 + 1j * (6.0 * w * w * w1 - w3)
         return self._sum_drive(second, np.array([pull * turn]))
 
@@ -115,8 +117,9 @@ class VariableSpeedStep:
         Raises:
             ArithmeticError: the motion is too fast for 2^`HALVINGS` parts of the step.
         """
-        push, w = self._drive(drive, 0.0)
-        acceleration = _largest((self.still + w * self.per_speed) @ state + push)
+        turning, forces = _at(drive, 0.0)
+        push = self._drive(turning, forces[0])
+        acceleration = _largest((self.still + turning[1] * self.per_speed) @ state + push)
         before, rate = _largest(state[: self.dof]), _largest(state[self.dof :])
         whole = self.parts(state, drive, step, 1)
         for halving in range(1, HALVINGS + 1):
@@ -145,10 +148,10 @@ class VariableSpeedStep:
         size = 2 * self.dof
         matrices, right = self._matrices.copy(), np.empty((STAGES, size), self.still.dtype)
         for matrix, row, node in zip(matrices, right, NODES, strict=True):
-            push, w = self._drive(drive, begin + node * step)
-            matrix[self.dof :] = self.still + w * self.per_speed
+            turning, forces = _at(drive, begin + node * step)
+            matrix[self.dof :] = self.still + turning[1] * self.per_speed
             row[:] = matrix @ state
-            row[self.dof :] += push
+            row[self.dof :] += self._drive(turning, forces[0])
         coupled = (step * COEFFICIENTS)[:, None, :, None] * matrices[:, :, None]
         system = np.eye(STAGES * size) - coupled.reshape(STAGES * size, -1)
         stages = np.linalg.solve(system, right.ravel()).reshape(STAGES, size)
@@ -164,22 +167,26 @@ class VariableSpeedStep:
 
     def motion(self, state: NDArray, drive: Drive, t: float = 0.0) -> tuple[NDArray, NDArray]:
         """As `plane_motion`, of the stations."""
-        push, w = self._drive(drive, t)
-        w1 = _turning(drive, t)[2][0]
+        return self._motion(state, *_at(drive, t))
+
+    def _motion(self, state: NDArray, turning: Turning, forces: NDArray) -> tuple[NDArray, NDArray]:
+        _, w, (w1, _, _) = turning
         matrix = self.still + w * self.per_speed
-        acceleration = matrix @ state + push
+        acceleration = matrix @ state + self._drive(turning, forces[0])
         jerk = matrix @ np.concatenate([state[self.dof :], acceleration])
-        return acceleration, jerk + w1 * (self.per_speed @ state) + self._drive_slope(drive, t)
+        slope = self._drive_slope(turning, *forces[:2])
+        return acceleration, jerk + w1 * (self.per_speed @ state) + slope
 
     def plane_second(self, state: NDArray, drive: Drive, t: float = 0.0) -> NDArray:
         """Second derivative of the planes' acceleration under quintic forces; as `plane_motion`."""
-        acceleration, jerk = self.motion(state, drive, t)
-        _, w, (w1, w2, _) = _turning(drive, t)
+        turning, forces = _at(drive, t)
+        acceleration, jerk = self._motion(state, turning, forces)
+        _, w, (w1, w2, _) = turning
         velocity = state[self.dof :]
         second = (self.still + w * self.per_speed) @ np.concatenate([acceleration, jerk])
         second += 2.0 * w1 * (self.per_speed @ np.concatenate([velocity, acceleration]))
         second += w2 * (self.per_speed @ state)
-        return self.planes @ (second + self._drive_second(drive, t))
+        return self.planes @ (second + self._drive_second(turning, *forces))
 
     def torque(
         self, state: NDArray, drive: Drive, t: float, motion: tuple[NDArray, NDArray] | None = None
@@ -208,12 +215,13 @@ class VariableSpeedStep:
         return values if self.axes == 1 else values[: self.dof // 2] + 1j * values[self.dof // 2 :]
 
 
-def _turning(drive: Drive, t: float) -> tuple[complex, float, Rates]:
-    """The rotor's turn at t as a unit vector, its speed, and derivatives of order 1 to 3."""
-    _, angle, speed, spin_up, rates = drive
+def _at(drive: Drive, t: float) -> tuple[Turning, NDArray]:
+    """How the rotor turns at t, and the forces with their derivatives."""
+    forces, angle, speed, spin_up, rates = drive
     gone, faster, _, _ = drift(rates, t)
     turn = np.exp(1j * (angle + speed * t + 0.5 * spin_up * t * t + gone))
-    return turn, speed + spin_up * t + faster, spin_at(spin_up, rates, t)
+    turning = turn, speed + spin_up * t + faster, spin_at(spin_up, rates, t)
+    return turning, _derivatives(forces, t)
 
 
 def _derivatives(forces: NDArray, time: float) -> NDArray:
