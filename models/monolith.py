@@ -8,9 +8,10 @@ import numpy as np
 from numpy.typing import ArrayLike
 from scipy.integrate import solve_ivp
 
+from .arrays import Array
 from .assembly import Assembly, SpeedProfile
 from .reference.colliding import integrate_contacts
-from .reference.coupled import REST, Array, Monolith, Start
+from .reference.coupled import REST, Monolith, Start
 from .reference.driven import Driven, MotorDriven
 from .reference.dry import integrate_dry
 from .reference.trajectory import Trajectory, differences

@@ -204,7 +204,7 @@ int composite_accept(Unit *unit, const Knot *accelerations, const Knot *forces, 
 void composite_drop_past(Composite *c);
 /* 1, with a part's reason under its name. */
 int composite_part_failed(Unit *unit, const Part *part);
-/* Names of all that a step assumes, and of the k-th of it. */
+/* Names of all that a step assumes. */
 void composite_name_forces(const Composite *c, Text *text);
 /* One step of a part. */
 int composite_advance(Unit *unit, Part *part, double step);

@@ -14,7 +14,6 @@ int liquid_check(const Liquid *liquid, Failure *failure);
 double liquid_gap(const Liquid *liquid);        /* r1 - r2 [m] */
 double liquid_mass(const Liquid *liquid);       /* m2 = rho pi (r1^2 - r2^2) h [kg] */
 double liquid_added_mass(const Liquid *liquid); /* r m2 = rho pi r1^2 h [kg] */
-/* Force on the rotor -r m2 a [N] for the chamber centre's acceleration a [m/s^2]. */
 /* What is left of the gap when the chamber's centre is displaced [m]. */
 double liquid_clearance(const Liquid *liquid, Complex displacement);
 

@@ -12,9 +12,10 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ...models.arrays import Array
 from ..scene import Scene, load_scene
 from .rig import BANDS, HIGH, peak
-from .rig_data import Array, at, response, steady, swept
+from .rig_data import at, response, steady, swept
 from .rig_sweeps import FIRST, FITTED_DRAG, SWEPT, gained, lost
 
 WASHERS = range(5)

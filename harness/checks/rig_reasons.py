@@ -13,12 +13,13 @@ import numpy as np
 from numpy.typing import ArrayLike
 from scipy.optimize import minimize
 
+from ...models.arrays import Array
 from ...models.harmonic_balance import largest_displacement, unbalance_response
 from ..scene import Scene, load_scene
 from ..scene.balancer import WeightBalancer
 from ..scene.check import RigCheck
 from .rig import BANDS, GROUPS
-from .rig_data import RPM, WASHER, Array, at, response, steady, swept, with_washers
+from .rig_data import RPM, WASHER, at, response, steady, swept, with_washers
 from .rig_fitted import FITTED, OTHERS
 from .rig_quantities import (
     CURVE,

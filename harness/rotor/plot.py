@@ -10,11 +10,12 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from numpy.typing import NDArray
 
+from ...models.arrays import Array
 from ...models.linear.modes import Campbell
 from ..master.pictures.over_speed import polar_picture
 from ..output.picture import Picture, PlotAxis
 from ..output.plot import metres, save
-from .study import Array, UnbalanceResponse
+from .study import UnbalanceResponse
 
 COLOURS = ("tab:blue", "tab:orange", "tab:green", "tab:purple", "tab:brown", "tab:pink")
 CRITICAL = "tab:red"

@@ -16,8 +16,9 @@ from collections.abc import Sequence
 import numpy as np
 from scipy.integrate import solve_ivp
 
+from ..arrays import Array
 from ..contact.contact import restitution_on
-from .coupled import REST, Array, Monolith, Start
+from .coupled import REST, Monolith, Start
 
 Pair = tuple[int, int, float, float]  # two neighbours, distance of touching, turns between them
 MARGIN = 1e-10  # rad: a gap this far below zero is closed, so that rounding closes none

@@ -11,10 +11,11 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from ..arrays import Array
 from ..assembly import Assembly, SpeedProfile
 from ..liquid import Liquid
 from ..motor import Drive
-from .coupled import REST, Array, Monolith, Start, Turning, weights_of
+from .coupled import REST, Monolith, Start, Turning, weights_of
 
 
 @dataclass(frozen=True)

@@ -15,7 +15,8 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.integrate import solve_ivp
 
-from .coupled import REST, Array, Monolith, Start
+from ..arrays import Array
+from .coupled import REST, Monolith, Start
 
 MARGIN = 1e-9  # of a limit: what holds may push by so much more, so that rounding frees nothing
 ROUNDING = 1e-14  # of the rate at which a weight turns in space

@@ -15,11 +15,12 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ..arrays import Array
 from ..assembly import Assembly
 from ..linear.balanced import WeightTable, balanced_angles
 from ..linear.boundaries import MARGIN, Crossing, growth_boundaries, scan_speeds
 from ..papers.touching import merged, packed_groups
-from .response import Array, Response
+from .response import Response
 from .steady import NoWhirl, Whirl, whirl_near
 from .variation import growth_rate
 

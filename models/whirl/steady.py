@@ -19,9 +19,10 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from ..arrays import Array
 from ..assembly import Assembly
 from ..linear.balanced import WeightTable
-from .response import Array, Complex, Response, points, series, wave_numbers
+from .response import Complex, Response, points, series, wave_numbers
 
 _CONVERGED = 1e-9  # rad: Newton's last turn; it squares the error
 _NEWTON = 40  # iterations: quadratic near the end, half a radian a step before it

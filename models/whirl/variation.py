@@ -21,10 +21,11 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
+from ..arrays import Array
 from ..linear.balanced import WeightTable
 from ..linear.floquet import NODES, half_turn, half_turn_steps
 from ..linear.modes import modes
-from .response import Array, series
+from .response import series
 from .steady import Whirl, unfelt_turns
 
 _TURN = np.array([[0.0, -1.0], [1.0, 0.0]])  # i

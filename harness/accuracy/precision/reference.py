@@ -7,6 +7,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from ....models.arrays import Array
 from ....models.monolith import ReferenceDisagreement, reference
 from ....models.reference.trajectory import Trajectory
 from ...errors import SimulationError
@@ -15,7 +16,6 @@ from ...master.plan import plan
 from ...master.unit_files import signal_units
 from ...scene import Scene
 from ...scene.balancer import WeightBalancer
-from .runner import Array
 
 RTOL = 3e-14  # a hair above the smallest SciPy accepts
 BOUND = 1e-3  # two methods that differ by more give no reference at all

@@ -18,14 +18,14 @@ from matplotlib.animation import FFMpegWriter, PillowWriter
 from matplotlib.figure import Figure
 from matplotlib.patches import Circle
 
-from ....models.arrays import Complex
+from ....models.arrays import Array, Complex
 from ...errors import UserError
 from ...output.files import movie_format, write_whole
 from ...output.picture import GREY, colour, unbroken
 from ...output.plot import harmless, metres
 from ...scene import Scene
 from ...scene.balancer import LiquidBalancer, WeightBalancer
-from .motion import Array, Motion
+from .motion import Motion
 
 if TYPE_CHECKING:
     from ...output.workers import Progress

@@ -10,10 +10,11 @@ from typing import Any
 
 import numpy as np
 
+from ....models.arrays import Array
 from ...errors import UserError
 from ...output.picture import GREY, Field, Line, Panel, Picture, PlotAxis, colour, unbroken
 from ...output.plot import metres
-from .motion import Array, Motion, station_names
+from .motion import Motion, station_names
 from .orders import spectra, tracked
 
 SHOWN = 24  # spectra behind each other in space

@@ -6,10 +6,11 @@ from collections.abc import Mapping
 
 import numpy as np
 
+from ....models.arrays import Array
 from ...errors import UserError
 from ...output.picture import Line, Panel, Picture, PlotAxis, colour
 from ...output.plot import metres
-from .motion import Array, Motion, station_names
+from .motion import Motion, station_names
 from .over_speed import weight_panels
 
 _MOST_LINES = 12  # in one panel; more cannot be told apart

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 
+from ....models.arrays import Array
 from ...errors import UserError
 from ...output.picture import Field, Panel, Picture, PlotAxis
 from ...scene import Scene
 from ...scene.balancer import WeightBalancer
-from .motion import Array
 
 _TICKS = range(0, 361, 90)
 
