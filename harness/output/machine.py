@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import platform
-from importlib.metadata import PackageNotFoundError, version
+from importlib.metadata import version
 from pathlib import Path
 
 PACKAGES = ("numpy", "scipy", "fmpy", "pythonfmu")
@@ -23,9 +23,6 @@ def machine() -> str:
     return f"{processor}; Python {platform.python_version()}, {versions}"
 
 
-def requirement() -> str:
-    """This program as pip knows it."""
-    try:
-        return f"autobalancer=={version('autobalancer')}"
-    except PackageNotFoundError:  # run from a checkout
-        return "autobalancer"
+def program_version() -> str:
+    """Name and version of this program."""
+    return f"autobalancer {version('autobalancer')}"

@@ -16,7 +16,7 @@ from typing import Protocol
 from ...models.references import citations, references
 from . import options
 from .files import write_whole
-from .machine import machine, requirement
+from .machine import machine, program_version
 from .table import Sheet
 from .terminal import directory_to_fill, keeping, say
 from .words import printable
@@ -94,8 +94,7 @@ class Report:
             pictures=pictures,
             scenes=scenes,
             sources=self._sources([text for _, text in scenes]),
-            program=requirement().replace("==", " "),
-            requirement=requirement(),
+            program=program_version(),
             machine=machine(),
             command=shlex.join(["autobalancer", *options.typed.get()]),
             date=datetime.datetime.now().astimezone().strftime("%Y-%m-%d %H:%M %Z"),
