@@ -46,7 +46,7 @@ def program() -> Typer:
     from .fit import command as fit
     from .master import build_command as build
     from .master import run_command as run
-    from .output.commands import Commands
+    from .output.commands import Commands, without_command
     from .rotor import command as rotor
     from .scatter import command as scatter
     from .show import command as show
@@ -56,11 +56,12 @@ def program() -> Typer:
     app = typer.Typer(
         name="autobalancer",
         cls=Commands,
-        help="Rotors and their auto-balancers as FMI units: co-simulated and held against theory.",
+        help="Simulate rotors with automatic balancers, and build them as FMUs.",
         add_completion=False,
         pretty_exceptions_enable=False,
+        rich_markup_mode="markdown",  # "rich" takes a unit in brackets for a style and drops it
     )
-    app.callback(invoke_without_command=True)(check.by_default)
+    app.callback(invoke_without_command=True)(without_command)
     features = {"check": check, "build": build, "run": run, "speeds": speeds, "map": map_command}
     features |= {"balance": balance, "rotor": rotor, "design": design, "scatter": scatter}
     features |= {"fit": fit, "precision": precision, "show": show, "stress": stress}

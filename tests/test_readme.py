@@ -1,7 +1,7 @@
 """The tables of the READMEs keep their word, and so does the set-up that README.md promises.
 
-`.ci/run` runs the two commands and compares the main job's last line; what scripts and commands of
-the pages print is in `test_pages.py`.
+`.ci/run` runs the two commands and compares the self-check's last line; what scripts and commands
+of the pages print is in `test_pages.py`.
 """
 
 import os
@@ -42,8 +42,8 @@ def test_pytest_check_of_the_readme_fails_with_the_message_shown(tmp_path):
     assert NUMBER.sub("#", said) in NUMBER.sub("#", str(failure.value))
 
 
-def test_main_job_prints_the_numbers_shown():
-    shown = {name: text for _, name, text in blocks(ROOT / "harness" / "README.md")}["autobalancer"]
+def test_the_self_check_prints_the_numbers_shown():
+    shown = {name: text for _, name, text in blocks(ROOT / "harness" / "README.md")}["check"]
     named = [name for name in bundled_scenes() if shown.startswith(f"{name} (")]
     assert len(named) == 1
     rows = check(named[0])
@@ -101,7 +101,7 @@ def test_ci_takes_its_two_commands_from_the_readme():
     commands = re.search(r"^```sh\n(.*?)^```$", README, re.MULTILINE | re.DOTALL)[1].splitlines()
     assert len(commands) == 2
     script = (ROOT / ".ci" / "run").read_text(encoding="utf-8")
-    for command, variable in zip(commands, ("main_job", "tests"), strict=True):
+    for command, variable in zip(commands, ("self_check", "tests"), strict=True):
         pattern = re.search(rf"^{variable}=\$\(grep '(.*)' README\.md\)$", script, re.MULTILINE)[1]
         assert [line for line in README.splitlines() if re.search(pattern, line)] == [command]
         assert f'-c "${variable}"' in script

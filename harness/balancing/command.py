@@ -21,7 +21,10 @@ if TYPE_CHECKING:
 
 def command(
     scene: Annotated[
-        str, typer.Argument(help="Scene with a table [balancing]; or FILE.csv: measured runs.")
+        str,
+        typer.Argument(
+            metavar="SCENE", help="Scene with a table [balancing]; or FILE.csv: measured runs."
+        ),
     ],
     output: Annotated[
         Path | None, options.picture("Draw the corrections.", "--output", "-o")

@@ -20,17 +20,11 @@ if TYPE_CHECKING:
     from .runner import SceneReport
 
 
-def by_default(ctx: typer.Context) -> None:
-    """Without a command: check the bundled scenes."""
-    if ctx.invoked_subcommand is None:
-        command()
-
-
 def command(
     scenes: Annotated[
         list[str] | None,
         typer.Argument(
-            metavar="[SCENE]...",
+            metavar="SCENE...",
             help="Scene files or bundled names; default: all but those that take long, which say "
             "on_request, such as bristol.",
         ),

@@ -18,7 +18,7 @@ from ..output.terminal import progress_bars, ready_to_write, say, show
 def command(
     scene: Annotated[
         str | None,
-        typer.Argument(metavar="[SCENE]", help="Build exactly the units that this scene needs."),
+        typer.Argument(metavar="SCENE", help="Build exactly the units that this scene needs."),
     ] = None,
     output: Annotated[
         Path, typer.Option("--output", "-o", metavar="DIR", help="Where the files go.")

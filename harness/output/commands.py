@@ -12,7 +12,7 @@ import signal
 import subprocess
 import sys
 from contextlib import suppress
-from typing import Any
+from typing import Annotated, Any
 
 import typer
 from typer.core import TyperGroup
@@ -20,6 +20,7 @@ from typer.core import TyperGroup
 from ..errors import SimulationError, UserError
 from . import options
 from .interrupts import Interrupted, interruptible, temporary_files
+from .machine import program_version
 from .terminal import say
 
 
@@ -61,6 +62,18 @@ class Commands(TyperGroup):
                 interrupt = Interrupted(signal.SIGINT)
             say(interrupt.words, error=True)
             raise typer.Exit(interrupt.exit_code) from interrupt
+
+
+def without_command(
+    ctx: typer.Context,
+    version: Annotated[bool, typer.Option("--version", help="Show the version and exit.")] = False,
+) -> None:
+    """Options before any command; without a command, the help."""
+    if version:
+        typer.echo(program_version())
+        raise typer.Exit
+    if ctx.invoked_subcommand is None:
+        typer.echo(ctx.get_help())
 
 
 def execute(app: typer.Typer) -> None:

@@ -15,7 +15,7 @@ from .terminal import ready_to_write
 
 typed: ContextVar[tuple[str, ...]] = ContextVar("typed", default=())  # after the program's name
 STORE, TABLE = ".zarr", ".csv"
-SCENE = typer.Argument(help="Scene file, or the name of a bundled scene.")
+SCENE = typer.Argument(metavar="SCENE", help="Scene file, or the name of a bundled scene.")
 PYTHON = typer.Option("--python", help="Couple the units that run Python, not native ones.")
 AT_MOST = typer.Option("--at-most", metavar="TIME", help="Refuse what takes longer: 30m, 2h, 1d.")
 REPORT = typer.Option(

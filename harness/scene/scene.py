@@ -59,7 +59,7 @@ class Scene(Table):
     check: tuple[AnyCheck, ...] = Field(default=())
     """A list of tables, by kind: what is compared with theory and measurement."""
     on_request: Flag = False
-    """Long: checked only when it is named, not by the main job."""
+    """Long: checked only when it is named, not by the self-check."""
     balancing: Balancing | None = None
     """How the rotor is balanced on the virtual machine; default: not."""
 

@@ -4,11 +4,15 @@ import csv
 import json
 import subprocess
 import sys
+from importlib.metadata import version
 
 import pytest
+from typer.main import get_command
 
+from autobalancer.harness.__main__ import program
 from autobalancer.harness.scene import bundled_scenes, load_scene
 
+COMMANDS = get_command(program()).commands
 ROW_KEYS = [
     "scene", "check", "quantity", "expected", "measured", "error", "tolerance", "holds", "seconds",
     "source",
@@ -77,7 +81,28 @@ def test_a_run_that_cannot_be_completed_is_a_row_that_does_not_hold(invoke, tmp_
     assert any(row["scene"] == "liquid_touch" for row in document["rows"])
 
 
-def test_without_a_command_all_bundled_scenes_with_checks_are_checked(invoke, monkeypatch):
+def test_without_a_command_the_help_is_shown(invoke):
+    outcome = invoke()
+    assert (outcome.exit_code, outcome.stdout) == (0, invoke("--help").stdout)
+    assert all(name in outcome.stdout for name in COMMANDS)
+
+
+def test_the_version_is_that_of_the_package(invoke):
+    outcome = invoke("--version")
+    assert (outcome.exit_code, outcome.stdout) == (0, f"autobalancer {version('autobalancer')}\n")
+
+
+@pytest.mark.parametrize("name", COMMANDS)
+def test_help_shows_every_text_whole_with_its_units_in_brackets(invoke, monkeypatch, name):
+    monkeypatch.setenv("COLUMNS", "400")  # every text on one line
+    shown = " ".join(invoke(name, "--help").stdout.split())
+    texts = [COMMANDS[name].help, *(option.help for option in COMMANDS[name].params)]
+    for text in texts:
+        assert " ".join(text.replace("`", "").split()) in shown
+    assert "[[" not in shown
+
+
+def test_without_a_scene_all_bundled_scenes_with_checks_are_checked(invoke, monkeypatch):
     checked = []
 
     def note(scenes, progress):
@@ -85,7 +110,7 @@ def test_without_a_command_all_bundled_scenes_with_checks_are_checked(invoke, mo
         return []
 
     monkeypatch.setattr("autobalancer.harness.checks.runner.check_all", note)
-    outcome = invoke()
+    outcome = invoke("check")
     assert outcome.exit_code == 0
     scenes = [load_scene(name) for name in bundled_scenes()]
     assert checked == [scene.name for scene in scenes if scene.check and not scene.on_request]

@@ -188,6 +188,6 @@ def test_a_scene_that_is_not_of_the_rig_is_refused():
         check(load_scene("two_balls").with_check(table))
 
 
-def test_the_main_job_leaves_the_rig_out(rig):
+def test_the_self_check_leaves_the_rig_out(rig):
     assert rig.on_request
     assert len(parts_of(rig)) > 1  # side by side

@@ -23,7 +23,7 @@ SLOW = 0.3  # s: a run that needs no repeating to be told from noise
 
 def command(
     scene: Annotated[
-        str, typer.Argument(metavar="[SCENE]", help="Scene file or bundled name.")
+        str, typer.Argument(metavar="SCENE", help="Scene file or bundled name.")
     ] = "two_balls",
     output: Annotated[
         Path | None, options.picture("Draw it (png, svg, pdf).", "--output", "-o")

@@ -15,7 +15,7 @@ from ...output.terminal import progress_bar, say, show
 
 def command(
     only: Annotated[
-        str | None, typer.Argument(metavar="[WORDS]", help="Only cases whose name has these words.")
+        str | None, typer.Argument(metavar="WORDS", help="Only cases whose name has these words.")
     ] = None,
     json_file: Annotated[Path | None, options.json("the rows")] = None,
     markdown_file: Annotated[Path | None, options.markdown("the table")] = None,
