@@ -32,7 +32,7 @@ SLOW = (  # folders and files that take most of the time: `-m "not slow"` leaves
     "models/test_monolith", "models/test_papers_tables", "models/test_quintic_weights",
     "models/test_stability", "models/test_variable_speed", "models/test_whirl",
     "native/test_native_build", "native/test_native_core_bits", "native/test_native_units",
-    "test_pages", "test_readme", "tools/",
+    "test_pages", "test_readme", "tools/", "truth/",
 )  # fmt: skip
 
 

@@ -6,12 +6,12 @@ import numpy as np
 import pytest
 
 from autobalancer.harness import load_scene
-from autobalancer.harness.accuracy.truth.judge import deviations, motion
 from autobalancer.harness.master.cosimulation import CoSimulation
 from autobalancer.harness.master.recorder import Recorder
 from autobalancer.harness.master.run import cosimulate
 from autobalancer.harness.scene import Scene
 from autobalancer.models.monolith import reference, simulate
+from tests.truth.judge import deviations, motion
 
 UNSTABLE = Scene.from_document(  # a disturbance grows 1,900-fold
     {

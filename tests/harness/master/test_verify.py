@@ -9,12 +9,12 @@ from typer.testing import CliRunner
 
 from autobalancer.harness import cosimulate, load_scene
 from autobalancer.harness.__main__ import program
-from autobalancer.harness.accuracy.truth.judge import growth
 from autobalancer.harness.errors import UserError
 from autobalancer.harness.master.names import kin
 from autobalancer.harness.master.parting import Statistics
 from autobalancer.harness.scene import Scene
 from autobalancer.models.monolith import reference
+from tests.truth.judge import growth
 
 AUTO = {"coupling.scheme": "auto", "coupling.corrections": None, "coupling.steps_per_rev": None}
 EXPLICIT = {"coupling.scheme": "gauss-seidel", "coupling.corrections": None}

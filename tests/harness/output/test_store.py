@@ -12,14 +12,14 @@ from typer.testing import CliRunner
 
 from autobalancer.harness import UserError, load_scene
 from autobalancer.harness.__main__ import program
-from autobalancer.harness.accuracy.truth.judge import Verdict
-from autobalancer.harness.accuracy.truth.store import Verdicts
-from autobalancer.harness.accuracy.truth.study import Study, verdicts
 from autobalancer.harness.output import store as store_module
 from autobalancer.harness.output.store import StoredArray, open_store
 from autobalancer.harness.output.workers import in_order
 from autobalancer.harness.stability.axis import Axis
 from autobalancer.harness.stability.map import stability_map
+from tests.truth.judge import Verdict
+from tests.truth.store import Verdicts
+from tests.truth.study import Study, verdicts
 
 pytest.importorskip("zarr")
 ITEMS = [0.5, 1.5, -1.0]

@@ -10,16 +10,16 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ....models.monolith import simulate
-from ...errors import SimulationError, UserError
-from ...master.cosimulation import CoSimulation, Simulation
-from ...master.global_error import Controlled
-from ...master.one_file_run import OneFileRun
-from ...master.recorder import Recorder, recorded
-from ...master.schedule import at_fixed_steps, end_time, order_of_run
-from ...output.table import Sheet
-from ...scene import Scene
-from .draw import draw
+from autobalancer.harness.errors import SimulationError, UserError
+from autobalancer.harness.master.cosimulation import CoSimulation, Simulation
+from autobalancer.harness.master.global_error import Controlled
+from autobalancer.harness.master.one_file_run import OneFileRun
+from autobalancer.harness.master.recorder import Recorder, recorded
+from autobalancer.harness.master.schedule import at_fixed_steps, end_time, order_of_run
+from autobalancer.harness.output.table import Sheet
+from autobalancer.harness.scene import Scene
+from autobalancer.models.monolith import simulate
+from tests.truth.draw import draw
 
 RTOL = 1e-6  # of the integration in one piece
 REPEATED = 3  # the shortest counts

@@ -12,10 +12,10 @@ from typing import Any
 
 import tomli_w
 
-from ...output.table import Sheet
-from ...output.workers import Kept, Progress, Workers, in_order
-from .draw import FAMILIES, draw
-from .judge import FACTOR, MISSES, OUTCOMES, SET_ASIDE, Verdict, judge
+from autobalancer.harness.output.table import Sheet
+from autobalancer.harness.output.workers import Kept, Progress, Workers, in_order
+from tests.truth.draw import FAMILIES, draw
+from tests.truth.judge import FACTOR, MISSES, OUTCOMES, SET_ASIDE, Verdict, judge
 
 
 @dataclass(frozen=True)

@@ -1,7 +1,7 @@
 """Command: draw random scenes, run them as they are, and count how many are right.
 
-python -m autobalancer.harness.accuracy.truth --n 1000 --seed 1 [--verify] [--one-file] [--save DIR]
-python -m autobalancer.harness.accuracy.truth --family planar=3000 --family heavy=500
+python -m tests.truth --n 1000 --seed 1 [--verify] [--one-file] [--save DIR]
+python -m tests.truth --family planar=3000 --family heavy=500
 """
 
 from __future__ import annotations
@@ -11,17 +11,17 @@ from typing import Annotated
 
 import typer
 
-from ...errors import UserError
-from ...output import options
-from ...output.cluster import who_works
-from ...output.commands import Commands, execute
-from ...output.files import write_whole
-from ...output.terminal import progress_bar, say
-from .cost import cost_table, costs
-from .draw import FAMILIES
-from .store import Verdicts
-from .study import Study, every, line, misses, save, table, verdicts
-from .study import kept as tolerance_kept
+from autobalancer.harness.errors import UserError
+from autobalancer.harness.output import options
+from autobalancer.harness.output.cluster import who_works
+from autobalancer.harness.output.commands import Commands, execute
+from autobalancer.harness.output.files import write_whole
+from autobalancer.harness.output.terminal import progress_bar, say
+from tests.truth.cost import cost_table, costs
+from tests.truth.draw import FAMILIES
+from tests.truth.store import Verdicts
+from tests.truth.study import Study, every, line, misses, save, table, verdicts
+from tests.truth.study import kept as tolerance_kept
 
 SHARES = {"planar": 3}  # of the scenes; of every other family one
 

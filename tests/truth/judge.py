@@ -11,15 +11,15 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ....models.assembly import Assembly
-from ....models.monolith import reference, simulate
-from ...errors import SimulationError, UserError
-from ...master.names import kin
-from ...master.resolution import SAID, Resolution
-from ...master.result import Result
-from ...master.run import cosimulate
-from ...scene import Scene
-from .draw import draw
+from autobalancer.harness.errors import SimulationError, UserError
+from autobalancer.harness.master.names import kin
+from autobalancer.harness.master.resolution import SAID, Resolution
+from autobalancer.harness.master.result import Result
+from autobalancer.harness.master.run import cosimulate
+from autobalancer.harness.scene import Scene
+from autobalancer.models.assembly import Assembly
+from autobalancer.models.monolith import reference, simulate
+from tests.truth.draw import draw
 
 RIGHT = 0.01  # of a signal's largest value: a picture would not show more
 GROSS = 0.05

@@ -6,10 +6,12 @@ import numpy as np
 import pytest
 
 from autobalancer.harness import cosimulate, load_scene
-from autobalancer.harness.accuracy.truth.__main__ import counts
-from autobalancer.harness.accuracy.truth.cost import Costs, cost_table, costs
-from autobalancer.harness.accuracy.truth.draw import FAMILIES, draw
-from autobalancer.harness.accuracy.truth.judge import (
+from autobalancer.harness.scene import Scene
+from autobalancer.models.stability import growth_rates
+from tests.truth.__main__ import counts
+from tests.truth.cost import Costs, cost_table, costs
+from tests.truth.draw import FAMILIES, draw
+from tests.truth.judge import (
     Verdict,
     classify,
     deviations,
@@ -17,9 +19,7 @@ from autobalancer.harness.accuracy.truth.judge import (
     judge,
     motion,
 )
-from autobalancer.harness.accuracy.truth.study import Study, every, misses, save, table, verdicts
-from autobalancer.harness.scene import Scene
-from autobalancer.models.stability import growth_rates
+from tests.truth.study import Study, every, misses, save, table, verdicts
 
 
 @pytest.mark.parametrize("family", FAMILIES)
@@ -63,7 +63,7 @@ def test_a_disturbance_grows_at_the_rate_of_the_linearised_motion():
 @pytest.mark.parametrize("one_file", [False, True])
 def test_an_altered_motion_is_found_out(monkeypatch, one_file):
     """A run whose rotor moves twice as far is gross, and nothing else is."""
-    from autobalancer.harness.accuracy.truth import judge as module
+    from tests.truth import judge as module
 
     honest = judge("planar", 3, 4, one_file=one_file)
     assert honest.outcome == "right"
@@ -139,7 +139,7 @@ def test_the_table_tells_how_many_measure_their_errors_rightly(tmp_path):
 
 def test_errors_measured_wrongly_are_found_out(monkeypatch):
     """A run that states ten times its error, or a tenth, is not measured rightly."""
-    from autobalancer.harness.accuracy.truth import judge as module
+    from tests.truth import judge as module
 
     run = module.cosimulate
     for factor, rightly in ((1.0, True), (10.0, False), (0.1, False)):

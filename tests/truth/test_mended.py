@@ -2,10 +2,10 @@
 
 import pytest
 
-from autobalancer.harness.accuracy.truth.judge import RTOLS, deviations, motion, referred
 from autobalancer.harness.errors import SimulationError
 from autobalancer.harness.master.run import cosimulate
 from autobalancer.harness.scene import Scene
+from tests.truth.judge import RTOLS, deviations, motion, referred
 
 
 def planar(mass: float, stiffness: object, damping: object = None, unbalance: float = 0.0) -> dict:

@@ -6,7 +6,7 @@ import math
 import random
 from collections.abc import Callable
 
-from .sketch import (
+from tests.truth.sketch import (
     TURN,
     Document,
     Sketch,

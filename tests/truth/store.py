@@ -5,9 +5,9 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
-from ...output.store import StoredArray, StoredItems, open_store
-from .judge import Verdict
-from .study import Study, items_of
+from autobalancer.harness.output.store import StoredArray, StoredItems, open_store
+from tests.truth.judge import Verdict
+from tests.truth.study import Study, items_of
 
 _KINDS = {
     "outcome": "str",
