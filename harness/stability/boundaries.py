@@ -25,7 +25,7 @@ from ...models.criteria import Criterion
 from ...models.linear.balanced import CannotBalance, balanced_angles
 from ...models.linear.boundaries import Crossing, balancing_boundaries
 from ...models.stability import growth_rates
-from ..errors import UserError
+from ..errors import SimulationError, UserError
 from ..output.workers import Progress, Workers, in_order
 from ..scene import Scene
 from ..scene.quantities import LARGEST
@@ -73,7 +73,7 @@ def speeds(
     Raises:
         UserError: the range is empty, a method is unknown, or the supports have dry friction.
         SceneError: gravity swings the weights.
-        SimulationError: a co-simulation cannot be completed correctly.
+        SimulationError: a co-simulation cannot be completed correctly, and no other method answers.
     """
     scene.refuse_gravity("speeds")
     scene.refuse_friction("boundaries of balancing are those")
@@ -103,11 +103,15 @@ def speeds(
     if "floquet" in result.methods:
         nodes = nodes_around([c.speed for c in result.methods["floquet"]], low, high)
     why = _why_no_rest(scene) if "floquet" in wanted else ""
+    failure = None
     for method in (m for m in wanted if m.startswith("cosim")):
         if why:
             result.refused[method] = why
         else:
-            _by_units(scene, result, method, nodes, steps, workers, progress)
+            failed = _by_units(scene, result, method, nodes, steps, workers, progress)
+            failure = failure or failed
+    if failure and not result.methods:
+        raise failure
     if not (why and whirl):
         return result
     remaining = whirls(scene, result.range, why, narrowest, progress)
@@ -179,7 +183,11 @@ def _whirl_by_units(
             "where weights touch or drift in the whirl, and at the boundaries beside it"
         )
     work = functools.partial(_search, scene, "cosim", steps, None, motion_of=WhirlMotion)
-    searched = in_order(work, spans, workers, progress)
+    try:
+        searched = in_order(work, spans, workers, progress)
+    except SimulationError as error:
+        whirl.refused["cosim"] = f"to this whirl: {error}"
+        return
     whirl.methods["cosim"] = tuple(c for crossings, _ in searched for c in crossings)
 
 
@@ -191,7 +199,8 @@ def _by_units(
     steps: int | None,
     workers: Workers,
     progress: Progress | None,
-) -> None:
+) -> SimulationError | None:
+    """Boundaries by the units; returns the failure of a method that should have found them."""
     parts = 1 if workers == 1 else min(_PARTS, max(1, (len(nodes) - 1) // 2))
     cuts = np.linspace(0, len(nodes) - 1, parts + 1).astype(int)
     spans = [nodes[a : b + 1].tolist() for a, b in pairwise(cuts)]
@@ -200,11 +209,12 @@ def _by_units(
     work = functools.partial(_search, scene, method, steps, inner)
     try:
         searched = in_order(work, spans, workers, outer)
-    except NoMainMotion as error:
+    except SimulationError as error:
         result.refused[method] = str(error)
-        return
+        return None if isinstance(error, NoMainMotion) else error
     result.methods[method] = tuple(c for crossings, _ in searched for c in crossings)
     result.lowest[method] = searched[0][1]
+    return None
 
 
 def _search(

@@ -4,7 +4,9 @@ Known of the units is only what their FMUs declare: start values, the accelerati
 planes, the static moment of each balancer's weights.
 
 Main motion.  The rotor rests, the weights turn with it where the planes' acceleration vanishes;
-that position does not depend on the speed.
+that position does not depend on the speed.  The search starts from the scene's angles.  Units
+refuse positions in which weights of finite size overlap: with such weights it starts from the
+balanced angles of the equations.
 
 Neutral directions.  Weights act on the rotor through their static moment alone.  Turns that change
 the moment of no station (N - 2 for N >= 3 weights in a plane) meet no reaction, lead to another
@@ -23,7 +25,7 @@ from typing import TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from ...models.linear.balanced import restart_angles
+from ...models.linear.balanced import CannotBalance, balanced_angles, restart_angles
 from ..errors import SimulationError
 from ..master.fmu import Closing, Fmu, Variables
 from ..master.revolution import RANK, Matrix, Revolution, Vector, derivative
@@ -103,7 +105,7 @@ class MainMotion(Closing):
         names = [n for n in rotor.variables if n.startswith("plane[") and ".a_" in n]
         outputs = [(rotor, rotor.group(names))]
         scale = self.units.states[0].scale * self._speed**2
-        first = self.units.first[self._angles]
+        first = self._first_angles()
         for attempt in range(_STARTS):
             rest[self._angles] = restart_angles(first, attempt)
             balanced = self._newton(rest, outputs, scale)
@@ -113,6 +115,16 @@ class MainMotion(Closing):
             f"{self.units.scene.name}: no angles of the weights were found at which the rotor "
             "rests: they cannot undo its unbalance"
         )
+
+    def _first_angles(self) -> Vector:
+        """Angles of the weights to start the search from."""
+        assembly = self.units.scene.assembly()
+        if not any(mounted.half_angle for mounted in assembly.weights):
+            return self.units.first[self._angles]
+        try:
+            return balanced_angles(assembly)
+        except (CannotBalance, ArithmeticError) as error:
+            raise NoMainMotion(f"{self.units.scene.name}: {error}") from error
 
     def _rests(self, state: Vector) -> bool:
         """Whether a revolution leaves a state as it is."""

@@ -19,7 +19,7 @@ class Speeds:
         range: low and high [rad/s].
         methods: crossings of every method that applies, ascending.
         lowest: what each of these finds at the low end of the range.
-        refused: why each other method does not apply.
+        refused: why each other method gives no answer.
         whirl: what remains where the weights cannot balance; None where they can, or where the
             method floquet was not asked.
     """

@@ -67,7 +67,7 @@ def command(
         throughout = "" if result.methods[name] else ", and up to its end"
         say(f"{name}: {side} at the low end of the range{throughout}")
     for name, reason in result.refused.items():
-        say(f"{name}: does not apply: {reason}", style="yellow")
+        say(f"{name}: no answer: {reason}", style="yellow")
     if result.whirl is not None:
         for line in result.whirl.lines():
             say(line)

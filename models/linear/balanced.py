@@ -1,7 +1,8 @@
 """The main motion: where the weights must stand so that the rotor does not move.
 
 With weights at angles theta_k in the rotor the rotor stands still when their static moments undo
-the unbalance, S^T (sum m R e^{i theta}) + u = 0 (Filimonikhina 2017 (3), plane by plane).
+the unbalance, S^T (sum m R e^{i theta}) + u = 0 (Filimonikhina 2017 (3), plane by plane).  Weights
+of finite size stand there without touching: of the family of positions only some have room.
 """
 
 from __future__ import annotations
@@ -14,7 +15,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..assembly import Assembly
+from ..papers.capacity import packed_sine
 from ..weights import Weights
+from .room import Gaps, nearest_with_room
 
 _BALANCED = 1e-12  # residual moment over the sum of all moments: rounding only
 _RANK = 1e-12  # singular values below this share of the largest one are rounding
@@ -27,6 +30,8 @@ _RESTART = 0.3  # rad that each start is farther from the given angles than the 
 _GOLDEN = (math.sqrt(5.0) - 1.0) / 2.0  # its multiples spread most evenly over a turn
 _SMALL_TURN = 1e-6  # smaller singular values are of weights in line, which turns hardly help
 _LONGEST_TURN = 0.5  # rad per Newton step: a larger one leaves the neighbourhood of the start
+_CLEARANCES = (5e-3, 0.0)  # rad between weights, where there is room: small motions do not close it
+_GAP_ROUNDING = 1e-7  # rad that the last turns of Newton's method may take from a clearance
 
 
 class CannotBalance(ValueError):
@@ -53,6 +58,8 @@ class WeightTable:
         moment: m R [kg m].
         kappa_radius: kappa R [m].
         damping_rate: d = b/(kappa m) [1/s].
+        tracks: rows of the weights of each balancer, and half the angle between those that touch
+            [rad]; 0 where weights pass.
     """
 
     angle: NDArray[np.float64]
@@ -60,11 +67,13 @@ class WeightTable:
     moment: NDArray[np.float64]
     kappa_radius: NDArray[np.float64]
     damping_rate: NDArray[np.float64]
+    tracks: tuple[tuple[NDArray[np.int_], float], ...]
 
     @classmethod
     def of(cls, assembly: Assembly) -> WeightTable:
         """All weights in the order of the balancers, at their starting angles."""
         rows: list[tuple[float, ...]] = []
+        tracks = []
         for mounted in assembly.weights:
             device = mounted.device
             assert isinstance(device, Weights)
@@ -74,9 +83,11 @@ class WeightTable:
                 )
             kappa_radius = device.kappa * device.track_radius
             same = (mounted.plane, device.moment, kappa_radius, device.damping_rate)
+            tracks.append((len(rows) + np.arange(device.count), mounted.half_angle))
             rows += [(angle, *same) for angle in mounted.angles]
         angle, plane, *others = np.array(rows, float).reshape(-1, 5).T.copy()
-        return cls(angle, plane.astype(int), *others)
+        moment, kappa_radius, damping_rate = others
+        return cls(angle, plane.astype(int), moment, kappa_radius, damping_rate, tuple(tracks))
 
 
 def residual_unbalance(
@@ -107,15 +118,17 @@ def _check_reach(assembly: Assembly, table: WeightTable) -> dict[int, complex]:
         return {}
     moments: dict[int, complex] = {}
     for plane, moment in zip(used.tolist(), needed, strict=True):
-        lengths = table.moment[table.plane == plane]
-        most = float(lengths.sum())
-        least = max(0.0, 2.0 * float(lengths.max()) - most)
-        size = abs(moment)
+        tracks = [(rows, alpha) for rows, alpha in table.tracks if table.plane[rows[0]] == plane]
+        packed = [float(table.moment[rows[0]]) * packed_sine(len(rows), a) for rows, a in tracks]
+        # several weights on one track can undo each other, a single one cannot
+        single = [p for p, (rows, _) in zip(packed, tracks, strict=True) if len(rows) == 1]
+        most, size = sum(packed), abs(moment)
+        least = max(0.0, 2.0 * max(single, default=0.0) - most)
         if size > most * (1.0 + _BALANCED) or size < least * (1.0 - _BALANCED):
             span = f"at most {most:g}" if size > most else f"no less than {least:g}"
             raise CannotBalance(
                 f"the unbalance needs a moment of {size:g} kg m in plane {plane + 1}; "
-                f"its {len(lengths)} weights can make {span} kg m",
+                f"its {sum(len(rows) for rows, _ in tracks)} weights can make {span} kg m",
                 size,
                 most,
             )
@@ -138,6 +151,31 @@ def _newton(assembly: Assembly, table: WeightTable, angles: NDArray) -> NDArray 
         longest = float(np.abs(turn).max())
         angles = angles + turn * min(1.0, _LONGEST_TURN / longest if longest > 0.0 else 1.0)
     return None
+
+
+def _with_room(assembly: Assembly, table: WeightTable, start: NDArray) -> NDArray | None:
+    """Balanced angles next to a start at which no weights overlap; None when none were found."""
+    angles = _newton(assembly, table, start)
+    if angles is None or _has_room(table, angles, _CLEARANCES[0]):
+        return angles
+    scale = float(np.abs(assembly.rotor.unbalance).max()) + float(table.moment.sum())
+
+    def residual(angles: NDArray) -> NDArray:
+        left = residual_unbalance(assembly, table, angles) / scale
+        return np.concatenate([left.real, left.imag])
+
+    gaps = Gaps.of(table.tracks, start)
+    for clearance in _CLEARANCES:
+        near = nearest_with_room(residual, gaps, start, clearance)
+        exact = None if near is None else _newton(assembly, table, near)
+        if exact is not None and _has_room(table, exact, clearance):
+            return exact
+    return None
+
+
+def _has_room(table: WeightTable, angles: NDArray, clearance: float) -> bool:
+    """Whether neighbours that could touch stand apart by a clearance [rad]."""
+    return Gaps.of(table.tracks, angles).smallest(angles) >= clearance - _GAP_ROUNDING
 
 
 def _pairs_apart(table: WeightTable, moments: dict[int, complex], angles: NDArray) -> NDArray:
@@ -190,7 +228,8 @@ def balanced_angles(assembly: Assembly) -> NDArray[np.float64]:
     turns finds from them.  Two weights have one such position up to their exchange; of the family
     of three and more weights it is the member next to the given angles.  A start from which the
     weights cannot reach balance, or only with all of them on one line, is left by a small fixed
-    spread.
+    spread.  Weights of finite size stand apart: where the position found would make them overlap,
+    it is the nearest one with room.
 
     Raises:
         CannotBalance: the unbalance is out of the weights' reach.
@@ -199,7 +238,8 @@ def balanced_angles(assembly: Assembly) -> NDArray[np.float64]:
     table, rotor = WeightTable.of(assembly), assembly.rotor
     if len(table.angle) == 0:
         return table.angle
-    decides = (rotor.unbalance, rotor.planes, table.angle, table.plane, table.moment)
+    sizes = np.array([(len(rows), half_angle) for rows, half_angle in table.tracks])
+    decides = (rotor.unbalance, rotor.planes, table.angle, table.plane, table.moment, sizes)
     return _found(_Task(tuple(array.tobytes() for array in decides), assembly, table)).copy()
 
 
@@ -224,7 +264,7 @@ def _found(task: _Task) -> NDArray[np.float64]:
             start[on] = np.angle(moment)  # all weights together: Newton would creep there
     in_line = None
     for attempt in range(_STARTS):
-        angles = _newton(assembly, table, restart_angles(start, attempt))
+        angles = _with_room(assembly, table, restart_angles(start, attempt))
         if angles is None:
             continue
         if angles is start or not _needlessly_in_line(table, moments, angles):
@@ -233,6 +273,8 @@ def _found(task: _Task) -> NDArray[np.float64]:
     if in_line is not None:
         return in_line
     angles = _newton(assembly, table, _pairs_apart(table, moments, start))
+    if angles is not None and not _has_room(table, angles, 0.0):
+        angles = None
     if angles is not None:
         return angles
     size = float(np.abs(assembly.rotor.unbalance).max(initial=0.0))

@@ -153,7 +153,8 @@ def _starts(assembly: Assembly, speed: float) -> tuple[list[Array], list[int]]:
         needed[plane] *= min(1.0, most / size) if size > least else least / size if size else 0.0
     together = [np.angle(needed)[table.plane] + turn * math.pi / 2.0 for turn in range(4)]
     rotor = replace(assembly.rotor, planes=np.eye(len(needed)), unbalance=-needed)
-    starts = [balanced_angles(replace(assembly, rotor=rotor)), table.angle, *together]
+    points = tuple(replace(m, half_angle=0.0) for m in assembly.balancers)
+    starts = [balanced_angles(Assembly(rotor, points)), table.angle, *together]
     # NumPy 2.2 gives an empty matrix no rank
     one_way = 2 * np.linalg.matrix_rank(assembly.rotor.planes[within]) if within else 0
     shared = not assembly.rotor.isotropic and np.isin(table.plane, within).sum() > one_way

@@ -1,6 +1,7 @@
 """Stability of the main motion against the paper's tables and an independent integration."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -284,6 +285,25 @@ def test_balance_is_found_from_zero_unbalance_to_the_capacity(count, share):
     assembly = balls(count=count, unbalance=share * count * 0.01)
     left = residual_unbalance(assembly, WeightTable.of(assembly), balanced_angles(assembly))
     assert np.abs(left).max() < 1e-11 * count * 0.01
+
+
+@pytest.mark.parametrize("count", [2, 3, 4, 7])
+@pytest.mark.parametrize("share", [0.0, 0.3, 0.7, 0.99, 0.9999])
+def test_weights_of_finite_size_balance_apart_from_zero_unbalance_to_their_packed_moment(
+    count, share
+):
+    alpha = 0.7 * math.pi / (2.0 * count)
+    packed = 0.01 * math.sin(count * alpha) / math.sin(alpha)  # Goncharov 2017 (5)
+    base = balls(count=count, unbalance=share * packed)
+    assembly = Assembly(base.rotor, (replace(base.balancers[0], half_angle=alpha),))
+    angles = balanced_angles(assembly)
+    left = residual_unbalance(assembly, WeightTable.of(assembly), angles)
+    assert np.abs(left).max() < 1e-11 * count * 0.01
+    between = np.diff(np.sort(angles % math.tau), append=np.min(angles % math.tau) + math.tau)
+    assert between.min() > 2.0 * alpha - 1e-6
+    beyond = replace(assembly, rotor=balls(count=count, unbalance=1.0001 * packed).rotor)
+    with pytest.raises(CannotBalance, match=f"{count} weights can make at most {packed:g} kg m"):
+        balanced_angles(beyond)
 
 
 def test_weights_that_cannot_balance_are_refused_with_both_numbers():

@@ -9,10 +9,12 @@ import pytest
 from autobalancer.harness import SimulationError, UserError, load_scene, speeds
 from autobalancer.harness.checks.registry import run_checks
 from autobalancer.harness.master.revolution import Revolution
+from autobalancer.harness.scene import Scene
 from autobalancer.harness.stability.crossings import crossings, nodes_around
 from autobalancer.harness.stability.in_time import growth_in_run, needed_revolutions, run_from_rest
 from autobalancer.harness.stability.main_motion import MainMotion, NoMainMotion
 from autobalancer.harness.stability.speeds import Speeds
+from autobalancer.models.contact.spacing import closest
 from autobalancer.models.linear.balanced import WeightTable, balanced_angles, residual_unbalance
 from autobalancer.models.linear.boundaries import Crossing
 from autobalancer.models.linear.linearised import linearise
@@ -156,6 +158,36 @@ def test_steps_that_do_not_resolve_the_rotor_are_refined():
         assert motion.units.steps == 8
 
 
+def sized(count: int):
+    """A drum with steel balls of 20 mm: points at the nearest balanced angles would overlap."""
+    return Scene.from_document(
+        {
+            "rotor": {
+                "kind": "planar", "mass": 12.0, "stiffness": 25e3, "damping": 80.0,
+                "unbalance": 0.02,
+            },
+            "balancer": [
+                {
+                    "name": "balls", "kind": "balls", "count": count, "mass": 0.0327,
+                    "weight_radius": 0.01, "track_radius": 0.2, "drag": 0.2,
+                }
+            ],
+            "operation": {"speed": 125.66},
+        },
+        label="sized",
+    )  # fmt: skip
+
+
+@pytest.mark.parametrize("count", [4, 5, 6, 7])
+def test_balls_of_finite_size_balance_side_by_side_and_units_grow_as_floquet_says(count):
+    scene = sized(count)
+    needed = 2.0 * math.asin(0.01 / 0.2)
+    with MainMotion(scene) as motion:
+        assert closest(motion.state[angles_of(motion)])[0] > needed + 1e-3
+        found = motion.growth(125.66)
+    assert found == pytest.approx(float(growth_rates(scene.assembly(), 125.66)[0]), rel=1e-3)
+
+
 # -- growth in a run ------------------------------------------------------------------------------
 
 
@@ -234,6 +266,22 @@ def test_a_method_that_does_not_apply_says_why():
     found = speeds(heavy, (2.0, 3.0), ["floquet", "cosim"])
     assert set(found.refused) == {"floquet", "cosim"}
     assert not found.methods
+
+
+def test_methods_that_fail_leave_the_answers_of_the_others(monkeypatch, invoke):
+    def fails(motion, speed):
+        raise SimulationError("weights overlap by 0.0345 rad")
+
+    monkeypatch.setattr(MainMotion, "growth", fails)
+    found = speeds(load_scene("filimonikhina"), (4.5, 5.5))
+    assert found.refused == {"cosim": "weights overlap by 0.0345 rad"}
+    assert list(found.methods) == ["criterion", "floquet"]
+    monkeypatch.setattr("os.cpu_count", lambda: 1)
+    outcome = invoke("speeds", "filimonikhina", "--range", 4.5, 5.5)
+    assert outcome.exit_code == 0, outcome.output
+    assert "cosim: no answer: weights overlap by 0.0345 rad" in outcome.output
+    with pytest.raises(SimulationError, match=r"0\.0345"):  # nothing else answers
+        speeds(load_scene("filimonikhina"), (4.5, 5.5), ["cosim"])
 
 
 def test_crossings_are_bracketed_and_refined():
@@ -319,7 +367,7 @@ def test_a_speed_too_slow_for_a_turn_to_be_computed_is_told_and_not_raised(invok
     arguments = ("speeds", "two_balls", "--range", 1e-300, 9, "--method", "criterion,floquet")
     outcome = invoke(*arguments)
     assert outcome.exit_code == 0, outcome.output
-    assert "floquet: does not apply: 1e-300 rad/s: no double holds" in outcome.output
+    assert "floquet: no answer: 1e-300 rad/s: no double holds" in outcome.output
 
 
 # -- check ----------------------------------------------------------------------------------------
