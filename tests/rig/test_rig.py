@@ -33,10 +33,10 @@ from autobalancer.harness.checks.rig_quantities import (
     table,
     with_fitted_balls,
 )
-from autobalancer.harness.checks.rig_reasons import HOLDING, least_with_balls
 from autobalancer.harness.checks.rig_sweeps import FITTED_DRAG, gained, lost
 from autobalancer.models.harmonic_balance import largest_displacement, unbalance_response
 from autobalancer.models.papers.influence import influence
+from tests.rig.__main__ import HOLDING, least_with_balls
 
 
 @pytest.fixture

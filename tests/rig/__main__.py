@@ -1,6 +1,6 @@
 """Why some rows of the rig's checks do not hold: the same quantities with one value changed.
 
-`python -m autobalancer.harness.checks.rig_reasons` prints them as a table in Markdown.
+`python -m tests.rig` prints them as a table in Markdown.
 """
 
 from __future__ import annotations
@@ -13,15 +13,18 @@ import numpy as np
 from numpy.typing import ArrayLike
 from scipy.optimize import minimize
 
-from ...models.arrays import Array
-from ...models.harmonic_balance import largest_displacement, unbalance_response
-from ..scene import Scene, load_scene
-from ..scene.balancer import WeightBalancer
-from ..scene.check import RigCheck
-from .rig import BANDS, GROUPS
-from .rig_data import RPM, WASHER, at, response, steady, swept, with_washers
-from .rig_fitted import FITTED, OTHERS
-from .rig_quantities import (
+from autobalancer.harness.checks.rig import BANDS, GROUPS
+from autobalancer.harness.checks.rig_data import (
+    RPM,
+    WASHER,
+    at,
+    response,
+    steady,
+    swept,
+    with_washers,
+)
+from autobalancer.harness.checks.rig_fitted import FITTED, OTHERS
+from autobalancer.harness.checks.rig_quantities import (
     CURVE,
     GRID,
     MOTOR,
@@ -35,8 +38,13 @@ from .rig_quantities import (
     with_balls,
     with_fitted_balls,
 )
-from .rig_sweeps import FITTED_DRAG, SWEPT, first_peak
-from .row import Rows
+from autobalancer.harness.checks.rig_sweeps import FITTED_DRAG, SWEPT, first_peak
+from autobalancer.harness.checks.row import Rows
+from autobalancer.harness.scene import Scene, load_scene
+from autobalancer.harness.scene.balancer import WeightBalancer
+from autobalancer.harness.scene.check import RigCheck
+from autobalancer.models.arrays import Array
+from autobalancer.models.harmonic_balance import largest_displacement, unbalance_response
 
 Line = tuple[str, str, str]  # what, of which scene, found
 
