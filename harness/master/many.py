@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from ..errors import UserError
 from ..output.costs import free_memory, refuse_beyond
 from ..scene import Scene
+from .merged import merged_runs, names_of_states
 from .names import station_residuals, stations
 from .one_file import composition
 from .schedule import end_time
@@ -32,6 +33,8 @@ RESULTS = {
     "settled": "1 where the last two revolutions are alike",
     "error": "of the motion, estimated by the coupling",
     "loop_gain": "of the loop force - acceleration",
+    "merged": "1 where identical point weights end at one angle, equal to the last bit: the run "
+    "cannot part them again, even where that state is unstable (see `run`)",
 }
 
 
@@ -77,7 +80,9 @@ def cosimulate_many(
         f"rotor.{prefix}{axis}" for prefix in stations(len(scene.rotor.stations)) for axis in "xy"
     ]
     asked += ["coupling.error", "coupling.loop_gain"]
-    asked += [name for name in results if name not in RESULTS and name not in residuals]
+    states = names_of_states(scene) if "merged" in results else []
+    wanted = [name for name in results if name not in RESULTS and name not in residuals]
+    asked += list(dict.fromkeys([*wanted, *states]))
     ends = np.full(len(values), end_time(scene))
     paced = "coupling.top_speed" if scene.operation.motor else "speed"
     if paced in columns and profile.start == profile.end:
@@ -96,6 +101,10 @@ def cosimulate_many(
         part = slice(first, first + CHUNK)
         signals, reasons = runs(values[part], ends[part])
         reduced = _reduced(signals, turns, ends[part], asked, residuals, heavy)
+        if "merged" in results:
+            together = merged_runs(scene, {name: reduced[name] for name in states})
+            failed = np.isnan(reduced["residual"])
+            reduced["merged"] = np.where(failed, math.nan, together if states else 0.0)
         return {**{k: reduced[k].copy() for k in results}, "failure": np.array(reasons, object)}
 
     with ThreadPoolExecutor(threads) as executor:

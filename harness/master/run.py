@@ -13,6 +13,7 @@ from ..scene import Scene, load_scene
 from .cosimulation import CoSimulation, Simulation
 from .facts import result
 from .global_error import Controlled
+from .merged import merged_now
 from .plan import plan
 from .recorder import Recorder, recorded, refuse_unknown
 from .result import Result
@@ -96,4 +97,6 @@ def run_once(
         facts = cosim.facts()
         if controlled:
             facts = replace(facts, estimated_error=controlled.error)
+        messages = (*facts.messages, *merged_now(cosim.scene, cosim.units))
+        facts = replace(facts, messages=messages)
         return result(recorder, facts, seconds)

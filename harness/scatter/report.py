@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from ..master.merged import SHORT
 from ..output.table import Sheet
 from ..output.words import kinds_of
 from .grade import GRADES
@@ -35,6 +36,7 @@ def document(scatter: Scatter, important: Sequence[Importance], missing: str) ->
             for count, text in kinds_of(scatter.failure[~scatter.ran])
         ],
         "settled": float(scatter.settled[scatter.ran].mean()),
+        "merged": int(scatter.merged[scatter.ran].sum()),
         "residual": {
             f"{q:g}": float(np.quantile(scatter.residual[scatter.ran], q)) for q in QUANTILES
         },
@@ -105,6 +107,11 @@ def lines(said: Mapping[str, Any]) -> list[str]:
         f"Residual amplitude [mm]: median {q['0.5']}, 5 % {q['0.05']}, 95 % {q['0.95']}, "
         f"99 % {q['0.99']}",
     ]
+    if said["merged"]:
+        lines.append(
+            f"In {said['merged']} machines {SHORT}: they are not balanced in the run alone; give "
+            "weight_radius, or a [[balancer]] table to each weight with drags that differ by 1e-9"
+        )
     if said["no_grades"]:
         lines.append(f"No grades: {said['no_grades']}")
     if said["no_first_order"]:

@@ -37,6 +37,9 @@ def open_scatter(
         "settled": StoredArray(
             *along, chunk=chunk, meaning="1: the last two revolutions are alike"
         ),
+        "merged": StoredArray(
+            *along, chunk=chunk, meaning="1: identical weights cannot part though they would"
+        ),
         "failure": StoredArray(*along, "str", chunk, "why the run failed"),
     }
     made_for = {

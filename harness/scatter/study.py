@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from ..errors import SceneError, SimulationError
 from ..master.alike import cosimulate_alike
+from ..master.merged import merged, names_of_states
 from ..master.one_file import composition
 from ..output.table import Sheet
 from ..output.workers import Progress, Workers, in_order
@@ -23,7 +24,8 @@ from .vary import Variation, drawn, refuse_wrong
 
 CHUNK = 50  # machines worked on together: some seconds at most
 Vector = NDArray[np.float64]
-Outcome = tuple[Vector, Vector, Vector, NDArray[np.object_]]  # residual, grade, settled, failure
+# residual, grade, settled, merged, failure
+Outcome = tuple[Vector, Vector, Vector, Vector, NDArray[np.object_]]
 
 
 @dataclass(frozen=True, eq=False)
@@ -38,6 +40,7 @@ class Scatter:
         grade: (n,) of ISO 21940-11 that the residual unbalance at the end just meets [mm/s]; NaN
             where the run failed or the scene's balancers do not tell their unbalance.
         settled: (n,) 1 where the last two revolutions are alike.
+        merged: (n,) 1 where identical weights cannot part though they would, `master.merged`.
         failure: (n,) why a run failed; else empty.
         left_out: why there are no grades; else empty.
     """
@@ -49,6 +52,7 @@ class Scatter:
     residual: Vector
     grade: Vector
     settled: Vector
+    merged: Vector
     failure: NDArray[np.object_]
     left_out: str = ""
 
@@ -64,12 +68,13 @@ class Scatter:
             UserError: the file cannot be written.
         """
         heads = [one.path for one in self.variations]
-        numbers = np.column_stack([self.values, self.residual, self.grade, self.settled])
+        outcomes = (self.residual, self.grade, self.settled, self.merged)
+        numbers = np.column_stack([self.values, *outcomes])
         rows = [
             ["" if math.isnan(number) else number for number in row] + [failure]
             for row, failure in zip(numbers.tolist(), self.failure, strict=True)
         ]
-        heads += ["residual amplitude [m]", "grade [mm/s]", "settled", "failure"]
+        heads += ["residual amplitude [m]", "grade [mm/s]", "settled", "merged", "failure"]
         return Sheet(heads, rows).write_csv(path)
 
 
@@ -101,12 +106,21 @@ def scatter(
     kept = None if store is None else open_scatter(store, scene, variations, seed, values, CHUNK)
     parts = in_order(_machines, jobs, workers, progress, kept)
     # what a store has of one machine is no array
-    residual, grade, settled, failure = (
+    residual, grade, settled, together, failure = (
         np.concatenate(list(map(np.atleast_1d, column))) for column in zip(*parts, strict=True)
     )
     left_out = "" if moments(scene) is not None else "a liquid does not tell its unbalance"
     study = Scatter(
-        scene.heading, tuple(variations), seed, values, residual, grade, settled, failure, left_out
+        scene.heading,
+        tuple(variations),
+        seed,
+        values,
+        residual,
+        grade,
+        settled,
+        together,
+        failure,
+        left_out,
     )
     if not study.ran.any():
         raise SimulationError(f"{scene.name}: no machine could be run: {study.failure[0]}")
@@ -123,10 +137,11 @@ def _machines(job: tuple[Scene, list[str], Vector]) -> Outcome:
             machines[k] = scene.replace(dict(zip(paths, row, strict=True)))
         except SceneError as error:
             failure[k] = str(error)
-    residual, grade, settled = np.full((3, len(values)), np.nan)
+    residual, grade, settled, together = np.full((4, len(values)), np.nan)
     if machines:
         asked, rows = moments(scene), list(machines)
-        results = ["residual", "settled", *(asked or ())]
+        states = names_of_states(scene)
+        results = ["residual", "settled", *(asked or ()), *states]
         outcomes = cosimulate_alike(list(machines.values()), results, threads=1)
         residual[rows], settled[rows], failure[rows] = (
             outcomes[name] for name in ("residual", "settled", "failure")
@@ -136,4 +151,8 @@ def _machines(job: tuple[Scene, list[str], Vector]) -> Outcome:
                 residual_grade(machine, {name: outcomes[name][place] for name in asked})
                 for place, machine in enumerate(machines.values())
             ]
-    return residual, grade, settled, failure
+        for place, (row, machine) in enumerate(machines.items()):
+            if not failure[row]:
+                ends = {name: float(outcomes[name][place]) for name in states}
+                together[row] = bool(merged(machine, ends))
+    return residual, grade, settled, together, failure

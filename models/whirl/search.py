@@ -166,14 +166,21 @@ def _needed(assembly: Assembly, speed: float) -> np.ndarray:
     rotor = assembly.loaded_rotor
     compliance = Response.of(rotor, speed, 2).direct[0]
     planes = np.unique(WeightTable.of(assembly).plane)
-    rows, unbalance = rotor.planes[planes], rotor.unbalance.copy()
-    for mounted in assembly.weights:
-        unbalance += mounted.device.added_mass * mounted.offset * rotor.planes[mounted.plane]
+    rows, unbalance = rotor.planes[planes], moment_without_weights(assembly)
     offsets = {m.plane: m.offset for m in assembly.weights}  # the track's centre is to rest
     moved = rows @ compliance @ unbalance + np.array([offsets[plane] for plane in planes.tolist()])
     needed = np.zeros(rotor.plane_count, complex)
     needed[planes] = np.linalg.lstsq(rows @ compliance @ rows.T, -moved, rcond=_RANK)[0]
     return needed
+
+
+def moment_without_weights(assembly: Assembly) -> np.ndarray:
+    """Moment (n,) [kg m] of the unbalance, and of added masses on tracks that are off centre."""
+    moment = assembly.rotor.unbalance.astype(complex)
+    for mounted in assembly.weights:
+        mass = mounted.device.added_mass
+        moment += mass * mounted.offset * assembly.rotor.planes[mounted.plane]
+    return moment
 
 
 def _apart(assembly: Assembly, whirl: Whirl) -> Whirl:
