@@ -57,7 +57,7 @@ def cosimulate_many(
 
     Returns:
         By name an array with a value a run, NaN where a run has failed, and `failure`: why it has,
-        else empty.  A frame where the table is one.
+        else empty.  If the table is a frame, a copy of it with these columns added.
 
     Raises:
         UserError: a variable or a result does not exist, the columns differ in length, or the
@@ -110,7 +110,7 @@ def cosimulate_many(
     with ThreadPoolExecutor(threads) as executor:
         parts = list(executor.map(chunk, range(0, len(values), CHUNK)))
     found = {name: np.concatenate([part[name] for part in parts]) for name in parts[0]}
-    return found if isinstance(table, Mapping) else type(table)(found, index=table.index)
+    return found if isinstance(table, Mapping) else table.assign(**found)
 
 
 def _refuse_unknown(names: Any, known: Sequence[str]) -> None:

@@ -31,7 +31,7 @@ TableType = type[BaseModel]
 
 
 def in_full(path: str) -> str:
-    """A path as `replaced` takes it; `speed` is short for operation.speed."""
+    """A path with `speed`, which is short for operation.speed, in full."""
     return SPEED if path == "speed" else path
 
 
@@ -51,6 +51,9 @@ def replaced(
         SceneError: a path is unknown; the message says what is possible.
     """
     document = copy.deepcopy(document)
+    if {"speed", SPEED} <= changes.keys():
+        raise SceneError(f"'speed': short for {SPEED}, which is given too: give one of them")
+    changes = {in_full(path): value for path, value in changes.items()}
     given = {path for path, value in changes.items() if value is not None}
     for path, value in changes.items():
         first, *rest = path.split(".")
@@ -65,7 +68,7 @@ def replaced(
             holder = document["balancer"][balancers[first]]
         else:
             holder = document.setdefault(first, {})
-        _put(holder, tables[first], path, rest, _plain(value))
+        _put(holder, tables[first], path, rest, plain(value))
         for other in _superseded(path, value):
             if f"{first}.{other}" not in given:
                 holder.pop(other, None)
@@ -109,11 +112,15 @@ def _put(holder: Document, table: TableType, path: str, rest: list[str], value: 
         holder = below
 
 
-def _plain(value: Any) -> Any:
-    """NumPy scalars and arrays as Python numbers and lists."""
+def plain(value: Any) -> Any:
+    """A copy as `tomllib` gives it: of table objects, tuples, and NumPy's scalars and arrays."""
+    if isinstance(value, BaseModel):
+        value = value.model_dump(by_alias=True, exclude_unset=True)
+    if isinstance(value, Mapping):
+        return {key: plain(inner) for key, inner in value.items()}
     if hasattr(value, "tolist"):
         return value.tolist()
-    return list(value) if isinstance(value, tuple) else value
+    return [plain(inner) for inner in value] if isinstance(value, (list, tuple)) else value
 
 
 def _assign(target: Document, key: str, indices: str, value: Any, path: str) -> None:

@@ -31,7 +31,7 @@ from .model_rules import (
     without_second_derivatives,
 )
 from .quantities import Flag, Table, Text
-from .replace import replaced
+from .replace import plain, replaced
 from .rotor import Rotor
 from .rules import TABLES, across, plane_count
 from .run import Coupling, Operation, RunTable
@@ -40,7 +40,10 @@ __all__ = ["Scene", "bundled_scenes", "load_scene"]
 
 
 class Scene(Table):
-    """A validated scene.  Make one with `load_scene` or `Scene.from_document`."""
+    """A validated scene.
+
+    Make one with `load_scene`, `Scene.from_document`, or `Scene(rotor={...}, operation={...})`.
+    """
 
     title: Text = ""
     """For tables and pictures; default: the file's name."""
@@ -67,6 +70,11 @@ class Scene(Table):
     _path: Path | None = PrivateAttr(default=None)
     _label: str = PrivateAttr(default="scene")
 
+    def __init__(self, /, **tables: Any) -> None:
+        """As `from_document`; a table is a mapping or an object such as `scene.rotor`."""
+        refuse_deep(tables, "scene")
+        self._fill(plain(tables), None, "scene")
+
     @classmethod
     def from_document(
         cls, document: Mapping[str, Any], *, path: Path | None = None, label: str = "scene"
@@ -81,22 +89,26 @@ class Scene(Table):
             SceneError: one line for every problem there is.
         """
         refuse_deep(document, label)
-        return cls._of(copy.deepcopy(dict(document)), path, label)
+        return cls._of(plain(document), path, label)
 
     @classmethod
     def _of(cls, document: dict[str, Any], path: Path | None, label: str) -> Scene:
         """The scene of a document that nobody else can change."""
+        scene = cls.__new__(cls)
+        scene._fill(document, path, label)
+        return scene
+
+    def _fill(self, document: dict[str, Any], path: Path | None, label: str) -> None:
         try:
-            scene = cls.model_validate(document)
+            super().__init__(**document)
         except ValidationError as error:
             planes = plane_count(document.get("rotor"))
-            lines = [*problems(error, document, cls), *across(document, planes)]
+            lines = [*problems(error, document, Scene), *across(document, planes)]
         else:
-            lines = across(document, scene.rotor.plane_count) or scene._refused_by_models()
+            lines = across(document, self.rotor.plane_count) or self._refused_by_models()
         if lines:
             raise SceneError("\n".join(f"{label}: {line}" for line in lines))
-        scene._document, scene._path, scene._label = document, path, label
-        return scene
+        self._document, self._path, self._label = document, path, label
 
     @property
     def path(self) -> Path | None:
@@ -167,10 +179,11 @@ class Scene(Table):
     def replace(self, changes: Mapping[str, Any]) -> Scene:
         """A validated copy with values replaced, for example {"rotor.unbalance": 0.1}.
 
-        Paths begin with rotor, operation, coupling, run, or a balancer's name; elements of lists
-        count from 1 ("rotor.stiffness[2]").  None takes a key out, back to its default.  Speed and
-        run_up, steps_per_rev and tolerance take each other's place; a tolerance, or a scheme that
-        takes one pass, takes that of corrections.  Two of them given at once are refused.
+        Paths begin with rotor, operation, coupling, run, or a balancer's name; `speed` is short for
+        operation.speed; elements of lists count from 1 ("rotor.stiffness[2]").  None takes a key
+        out, back to its default.  Speed and run_up, steps_per_rev and tolerance take each other's
+        place; a tolerance, or a scheme that takes one pass, takes that of corrections.  Two of
+        them given at once are refused.
 
         Raises:
             SceneError: a path is unknown (says what is possible), or a value is wrong.

@@ -131,11 +131,12 @@ def test_threads_change_no_bit_and_leave_the_interpreter_free(scene):
         assert np.array_equal(runs[0][name], runs[1][name])
 
 
-def test_a_frame_in_is_a_frame_out(scene):
+def test_a_frame_in_is_a_frame_out_with_its_own_columns(scene):
     pandas = pytest.importorskip("pandas")
     frame = pandas.DataFrame(TABLE, index=["a", "b", "c", "d"])
     found = cosimulate_many(scene, frame)
     assert list(found.index) == ["a", "b", "c", "d"]
+    pandas.testing.assert_frame_equal(found[list(TABLE)], frame)
     assert found["largest"].to_numpy().tolist() == cosimulate_many(scene, TABLE)["largest"].tolist()
 
 

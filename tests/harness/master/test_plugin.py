@@ -32,8 +32,9 @@ def test_scene_beside_the_test_is_found_from_any_directory(with_scene, tmp_path,
             assert abs(result["rotor.x"]).max() > 0.1
 
         def test_record_can_be_chosen(cosim):
-            result = cosim("mine.toml", record=["rotor.vx"], **{"run.revolutions": 1})
+            result = cosim("mine.toml", record=["rotor.vx"], speed=4.0, **{"run.revolutions": 1})
             assert list(result.signals) == ["rotor.vx"]
+            assert result.scene.operation.speed == 4.0
 
         def test_errors_can_be_measured(cosim):
             result = cosim("mine.toml", verify=True, **{"run.revolutions": 2})

@@ -10,7 +10,7 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
 from autobalancer.harness.errors import SceneError
-from autobalancer.harness.scene import load_scene
+from autobalancer.harness.scene import Scene, load_scene
 from autobalancer.harness.scene.run import UNCORRECTED
 
 SCENE = load_scene("two_balls")
@@ -71,6 +71,16 @@ def settled(path, value):
     """What a value becomes: lists are tuples, and an absent one its default."""
     defaults = {"weights.speeds": (0.0, 0.0)}
     return defaults.get(path) if value is None else tuple(value) if type(value) is list else value
+
+
+@law
+@given(change)
+def test_a_scene_made_from_its_tables_or_objects_takes_changes_like_that_of_a_file(item):
+    tables, changed = SCENE.document, SCENE.replace(dict([item])).model_dump()
+    objects = {key: getattr(SCENE, key) for key in tables}
+    for made in (Scene(**tables), Scene(**objects)):
+        assert made.model_dump() == SCENE.model_dump()
+        assert made.replace(dict([item])).model_dump() == changed
 
 
 @law
