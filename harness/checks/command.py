@@ -40,15 +40,16 @@ def command(
         bool, options.verify("Also measure the errors of each scene's own run.")
     ] = False,
     python: Annotated[bool, options.PYTHON] = False,
+    changes: Annotated[list[str] | None, options.changes("coupling.steps_per_rev=80")] = None,
     at_most: Annotated[str, options.AT_MOST] = costs.DEFAULT,
 ) -> None:
     """Check scenes against theory and measurement; exit code 1 if a row does not hold."""
     from ..master.run_command import ON_PYTHON
-    from ..scene import load_scene
+    from ..scene.changes import changed_scene
     from .report import as_json, tables, verdict
     from .runner import check_all, checked_scenes
 
-    loaded = [load_scene(name) for name in scenes] if scenes else checked_scenes()
+    loaded = [changed_scene(scene, changes) for scene in scenes or checked_scenes()]
     if python:
         loaded = [scene.replace(ON_PYTHON) for scene in loaded]
     if verify:

@@ -36,19 +36,20 @@ def command(
     output: Annotated[
         Path | None, options.picture("Picture (png, svg, pdf).", "--output", "-o")
     ] = None,
+    changes: Annotated[list[str] | None, options.changes("balls.drag=0.1")] = None,
     at_most: Annotated[str, options.AT_MOST] = costs.DEFAULT,
     report: Annotated[Path | None, options.REPORT] = None,
 ) -> None:
     """Compare numbers of balls or rollers: capacity, spread, predicted and measured settling."""
     from ..output.report import Report
-    from ..scene import load_scene
+    from ..scene.changes import changed_scene
     from .choices import design
     from .recommendation import words
 
     for name, value in (("--race", race), ("--width", width), ("--density", density)):
         if value is not None and not 0.0 < value < math.inf:
             raise UserError(f"{name} {value:g}: must be above 0")
-    loaded = load_scene(scene)
+    loaded = changed_scene(scene, changes)
     page = Report(report, f"Design: {loaded.heading}", [loaded])
     key = f"--starts {starts} --most {most}, run.revolutions = {loaded.run.revolutions:g}"
     limit = costs.limited(at_most, key)  # one batch of runs may be too long by itself

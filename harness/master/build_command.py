@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from pathlib import Path
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
@@ -13,6 +13,10 @@ from ..errors import UserError
 from ..output import options
 from ..output.table import Sheet
 from ..output.terminal import progress_bars, ready_to_write, say, show
+from ..scene.changes import changed_scene
+
+if TYPE_CHECKING:
+    from ..scene import Scene
 
 
 def command(
@@ -44,26 +48,30 @@ def command(
     ssp: Annotated[
         bool, typer.Option("--ssp", help="The scene as a system structure package, ready to run.")
     ] = False,
+    changes: Annotated[list[str] | None, options.changes("rotor.mass=3.0")] = None,
 ) -> None:
     """Build all units as FMUs, or exactly those that a scene needs."""
     backend = "python" if python else "native"
     form = {"backend": backend, "fmi": fmi, "arrays": arrays, "platforms": platform}
+    if scene is None and changes:
+        raise UserError("--set: give the scene in which the value is to be replaced")
+    loaded = None if scene is None else changed_scene(scene, changes)
     if ssp:
-        if scene is None or arrays or fmi != 2 or (one_file and python):
+        if loaded is None or arrays or fmi != 2 or (one_file and python):
             raise UserError(
                 "--ssp: give a scene, and neither --arrays nor --fmi 3, which SSP 1.0 does not "
                 "have, nor --python with --one-file"
             )
-        _build_ssp(scene, output, one_file, backend, platform)
+        _build_ssp(loaded, output, one_file, backend, platform)
         return
     if one_file:
-        if scene is None:
+        if loaded is None:
             raise UserError("--one-file: give the scene whose units are to be coupled")
         if python or arrays:
             raise UserError("--one-file: goes with neither --python nor --arrays")
-        _build_one_file(scene, output, fmi, platform)
+        _build_one_file(loaded, output, fmi, platform)
         return
-    wanted, left_out = _wanted(scene)
+    wanted, left_out = _wanted(loaded)
     rows = []
     with progress_bars() as bars:
         for name, (unit, sizes) in bars.track(wanted.items(), description="building"):
@@ -74,24 +82,21 @@ def command(
     say(f"Left out: {', '.join(left_out) or 'nothing'}")
 
 
-def _wanted(scene: str | None) -> tuple[dict[str, tuple[str, dict[str, Any]]], list[str]]:
+def _wanted(scene: Scene | None) -> tuple[dict[str, tuple[str, dict[str, Any]]], list[str]]:
     """File name -> unit and options; and the units that the scene does without."""
     if scene is None:
         return {f"{unit}.fmu": (unit, {}) for unit in CATALOGUE}, []
-    from ..scene import load_scene
     from .plan import plan
 
-    units = plan(load_scene(scene)).units
+    units = plan(scene).units
     wanted = {unit.file_name: (unit.model, dict(unit.sizes)) for unit in units}
     used = {unit.model for unit in units}
     return wanted, [f"{unit} (none in the scene)" for unit in CATALOGUE if unit not in used]
 
 
-def _build_one_file(name: str, output: Path, fmi: int, platforms: list[str] | None) -> None:
-    from ..scene import load_scene
+def _build_one_file(scene: Scene, output: Path, fmi: int, platforms: list[str] | None) -> None:
     from .one_file import build_one_file
 
-    scene = load_scene(name)
     path = _written(
         output / f"{scene.name}.fmu", lambda to: build_one_file(scene, to, fmi, platforms)
     )
@@ -101,12 +106,10 @@ def _build_one_file(name: str, output: Path, fmi: int, platforms: list[str] | No
 
 
 def _build_ssp(
-    name: str, output: Path, one_file: bool, backend: str, platforms: list[str] | None
+    scene: Scene, output: Path, one_file: bool, backend: str, platforms: list[str] | None
 ) -> None:
-    from ..scene import load_scene
     from .ssp.build import build_ssp
 
-    scene = load_scene(name)
     path = output
     if output.suffix != ".ssp":
         path = output / f"{scene.name}.ssp"

@@ -48,7 +48,15 @@ def _drawable(path: Path | None) -> Path | None:
 
 def output(kind: str, help: str, *names: str) -> Any:
     """A file to write, ending in `kind`, under these names of the option or the parameter's."""
-    return typer.Option(*names, metavar=f"FILE{kind}", help=help, callback=_no_store)
+
+    def ready(path: Path | None) -> Path | None:
+        _no_store(path)
+        is_file = path is not None and (path.is_file() or not path.exists())  # no device, no pipe
+        if path is not None and is_file and path.suffix.lower() != kind and kind:
+            raise UserError(f"{path}: must end in {kind}")
+        return path
+
+    return typer.Option(*names, metavar=f"FILE{kind}", help=help, callback=ready)
 
 
 def picture(help: str, *names: str) -> Any:

@@ -30,6 +30,7 @@ def command(
     output: Annotated[list[Path] | None, options.picture_table_or_store("machine")] = None,
     json: Annotated[Path | None, options.json("what is said")] = None,
     cluster: Annotated[str | None, options.CLUSTER] = None,
+    changes: Annotated[list[str] | None, options.changes("run.revolutions=200")] = None,
     at_most: Annotated[str, options.AT_MOST] = costs.DEFAULT,
     report: Annotated[Path | None, options.REPORT] = None,
 ) -> None:
@@ -37,7 +38,7 @@ def command(
     from ..output.cluster import who_works
     from ..output.files import write_json
     from ..output.report import Report
-    from ..scene import load_scene
+    from ..scene.changes import changed_scene
     from .importance import importances
     from .report import document, grade_table, importance_table, lines
     from .study import scatter
@@ -47,7 +48,8 @@ def command(
     stores = [path for path in places if options.is_store(path)]
     if len(stores) > 1:
         raise UserError(f"{stores[1]}: one store is enough")
-    loaded, variations = load_scene(scene), [Variation.parse(text) for text in vary]
+    loaded = changed_scene(scene, changes)
+    variations = [Variation.parse(text) for text in vary]
     page = Report(report, f"Tolerances: {loaded.heading}", [loaded])
     with progress_bar(f"machines of {loaded.name}") as progress, who_works(cluster) as workers:
         study = scatter(

@@ -15,15 +15,15 @@ if TYPE_CHECKING:
 _LONGEST_SHOWN = 200  # characters of what was typed
 
 
-def changed_scene(scene: str, changes: list[str] | None) -> Scene:
-    """The scene of that file or name with every --set KEY=VALUE put in its place.
+def changed_scene(scene: str | Scene, changes: list[str] | None) -> Scene:
+    """The scene, or that of a file or name, with every --set KEY=VALUE put in its place.
 
     Raises:
         UserError: the scene is wrong, or a change is.
     """
     from .scene import load_scene
 
-    loaded = load_scene(scene)
+    loaded = load_scene(scene) if isinstance(scene, str) else scene
     return loaded.replace(dict(map(parse_change, changes))) if changes else loaded
 
 

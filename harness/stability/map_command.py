@@ -40,13 +40,14 @@ def command(
         int, typer.Option(min=0, metavar="K", help="Co-simulate K points of the map, too.")
     ] = 0,
     cluster: Annotated[str | None, options.CLUSTER] = None,
+    changes: Annotated[list[str] | None, options.changes("rotor.mass=3.0")] = None,
     at_most: Annotated[str, options.AT_MOST] = costs.DEFAULT,
     report: Annotated[Path | None, options.REPORT] = None,
 ) -> None:
     """Draw over two parameters where balancing is stable, or how far it has come after a run."""
     from ..output.cluster import who_works
     from ..output.report import Report
-    from ..scene import load_scene
+    from ..scene.changes import changed_scene
     from .axis import Axis
     from .map import stability_map
     from .run_map import RunMap, run_map
@@ -67,7 +68,7 @@ def command(
             axes.append(Axis.parse(text))
         except UserError as error:
             raise UserError(f"{option} {error}") from error
-    loaded = load_scene(scene)
+    loaded = changed_scene(scene, changes)
     page = Report(report, f"Map: {loaded.heading}", [loaded])
     with progress_bar(f"mapping {loaded.name}") as progress, who_works(cluster) as workers:
         key = f"--x {x} --y {y}" + (f" --cosim {cosim}" if cosim else "")

@@ -38,11 +38,12 @@ def command(
         float | None,
         typer.Option(help="Width of a band Floquet must not miss [rad/s]; default: range/1000."),
     ] = None,
+    changes: Annotated[list[str] | None, options.changes("rotor.mass=3.0")] = None,
     at_most: Annotated[str, options.AT_MOST] = costs.DEFAULT,
 ) -> None:
     """Find the speeds at which balancing begins or ends."""
     from ..master.plan import plan
-    from ..scene import load_scene
+    from ..scene.changes import changed_scene
     from .boundaries import METHODS, speeds
 
     if narrowest is not None and not narrowest > 0.0:
@@ -50,7 +51,7 @@ def command(
     names = [name.strip() for name in method.split(",") if name.strip()]
     if not names:
         raise UserError(f"--method {method!r}: name at least one of {', '.join(METHODS)}")
-    loaded = load_scene(scene)
+    loaded = changed_scene(scene, changes)
     low, high = range_
     with progress_bar(f"critical speeds of {loaded.name}") as progress:
         result = speeds(

@@ -7,6 +7,7 @@ import sys
 from importlib.metadata import version
 
 import pytest
+from fmpy import read_model_description
 from typer.main import get_command
 
 from autobalancer.harness.__main__ import program
@@ -159,6 +160,27 @@ def test_values_can_be_set_on_the_command_line(invoke, tmp_path):
     assert len(lines) == 22
 
 
+def test_every_command_that_takes_a_scene_takes_values_to_set_in_it():
+    commands = get_command(program()).commands
+    taking = {
+        name: [option for parameter in command.params for option in parameter.opts]
+        for name, command in commands.items()
+        if {parameter.name for parameter in command.params} & {"scene", "scenes"}
+    }
+    assert set(taking) == set(commands) - {"stress"}
+    assert [name for name, options in taking.items() if "--set" not in options] == []
+
+
+def test_a_value_set_for_the_one_file_is_its_start_value(invoke, tmp_path):
+    outcome = invoke(
+        "build", "two_balls", "--one-file", "--set", "speed=4.5", "--platform", "x86_64-linux",
+        "-o", tmp_path,
+    )  # fmt: skip
+    assert outcome.exit_code == 0, outcome.output
+    variables = read_model_description(str(tmp_path / "two_balls.fmu")).modelVariables
+    assert float(next(v.start for v in variables if v.name == "speed")) == 4.5
+
+
 def test_build_makes_all_units(invoke, tmp_path):
     outcome = invoke("build", "-o", tmp_path / "units")
     assert outcome.exit_code == 0, outcome.output
@@ -219,6 +241,9 @@ def test_a_place_that_takes_no_fmu_is_refused_before_anything_is_built(invoke, m
         (["check", "liquid_disc", "--json", "/"], "it is a directory"),
         (["check", "liquid_disc", "--report", "/dev/null/x"], "cannot be made a directory"),
         (["run", "two_balls", "-o", "x.zarr"], "x.zarr: this command writes no store"),
+        (["run", "two_balls", "-o", "x.png"], "x.png: must end in .csv"),
+        (["show", "two_balls", "-o", "x.png"], "x.png: must end in .html"),
+        (["build", "--set", "rotor.mass=3"], "--set: give the scene"),
         (["run", "two_balls", "--plot", "out.doc"], ".doc"),
         (["map", "two_balls", "--x", "speed=1:x:3", "--y", "speed=1:2:2"], "speed=1:x:3: must be"),
         (["run", "two_balls", "--fmus", "/nowhere"], "is not a directory with FMUs"),

@@ -36,14 +36,15 @@ def command(
     seconds: Annotated[
         float, typer.Option(min=1.0, help="About how long the measuring may take.")
     ] = 75.0,
+    changes: Annotated[list[str] | None, options.changes("run.revolutions=20")] = None,
     at_most: Annotated[str, options.AT_MOST] = costs.DEFAULT,
 ) -> None:
     """Measure what each digit costs: every scheme, order and step, and SciPy's methods."""
-    from ...scene import load_scene
+    from ...scene.changes import changed_scene
     from . import report
     from .measure import precision
 
-    loaded = load_scene(scene)
+    loaded = changed_scene(scene, changes)
     limit = costs.limited(at_most, f"run.revolutions = {loaded.run.revolutions:g}")
     with limit, progress_bar(f"measuring {loaded.name}") as move:
         study = precision(loaded, seconds=seconds, progress=lambda what, done: move(done, what))
