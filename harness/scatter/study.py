@@ -20,7 +20,7 @@ from ..output.workers import Progress, Workers, in_order
 from ..scene import Scene
 from .grade import moments, residual_grade
 from .store import open_scatter
-from .vary import Variation, drawn, refuse_wrong
+from .vary import Variation, drawn, refuse_drawn, refuse_wrong
 
 CHUNK = 50  # machines worked on together: some seconds at most
 Vector = NDArray[np.float64]
@@ -99,8 +99,10 @@ def scatter(
             is another's.
         SimulationError: every machine has failed.
     """
-    composition(refuse_wrong(scene, variations))
+    typical = refuse_wrong(scene, variations)
+    composition(typical)
     values = drawn(variations, count, seed)
+    refuse_drawn(typical, variations, values)
     paths = [one.path for one in variations]
     jobs = [(scene, paths, values[i : i + CHUNK]) for i in range(0, count, CHUNK)]
     kept = None if store is None else open_scatter(store, scene, variations, seed, values, CHUNK)

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..errors import UserError
+from ..errors import SceneError, UserError
 from ..master.alike import refuse_unvaried
 from ..scene import Scene
 from ..scene.replace import in_full
@@ -104,6 +104,25 @@ def refuse_wrong(scene: Scene, variations: Sequence[Variation]) -> Scene:
         if paths.count(path) > 1:
             raise UserError(f"--vary {path}: given {paths.count(path)} times")
     return scene.replace({one.path: one.typical for one in variations})
+
+
+def refuse_drawn(
+    typical: Scene, variations: Sequence[Variation], values: NDArray[np.float64]
+) -> None:
+    """Refuse a distribution whose least or largest drawn value the scene does not allow.
+
+    Raises:
+        UserError: it has one; the message says how to cut it off.
+    """
+    for one, column in zip(variations, values.T, strict=True):
+        for value in (float(column.min()), float(column.max())):
+            try:
+                typical.replace({one.path: value})
+            except SceneError as error:
+                raise UserError(
+                    f"--vary {one.text}: draws {value:.6g}, which is not allowed: {error}; "
+                    "cut the distribution off, such as by normal(mean,deviation,low,high)"
+                ) from None
 
 
 Maker = tuple[tuple[str, ...], dict[str, float], Callable[..., Any]]  # names, defaults

@@ -37,6 +37,16 @@ def linear():
     )
 
 
+@pytest.fixture
+def two_sized():
+    """Two weights of finite size, which overlap at less than 0.3 rad."""
+    return load_scene("two_balls").replace({"weights.weight_radius": 0.15, "run.revolutions": 5})
+
+
+# each alone allowed beside the other's median
+MAY_OVERLAP = ("weights.angles[1]=uniform(0,0.9)", "weights.angles[2]=uniform(1,2)")
+
+
 def amplitude(unbalance, damping=DAMPING, speed=SPEED):
     dynamic = STIFFNESS - MASS * speed**2 + 1j * damping * speed
     return unbalance * speed**2 / abs(dynamic)
@@ -107,18 +117,34 @@ def test_a_liquid_has_no_grade_and_that_is_said():
     assert np.isfinite(found.residual).all()
 
 
-def test_a_machine_that_cannot_be_costs_itself_alone(linear):
-    found = scatter(linear, vary("rotor.damping=normal(1,1)"), 60, seed=5)
-    wrong = found.values[:, 0] < 0.0
+def test_a_machine_that_cannot_be_costs_itself_alone(two_sized):
+    found = scatter(two_sized, vary(*MAY_OVERLAP), 60, seed=5)
+    wrong = found.values[:, 1] - found.values[:, 0] < 2.0 * math.asin(0.15)
     assert 0 < wrong.sum() < 30
     np.testing.assert_array_equal(found.ran, ~wrong)
-    assert all("damping" in text and "must be 0 or more" in text for text in found.failure[wrong])
+    assert all("weights 1 and 2 overlap" in text for text in found.failure[wrong])
     assert np.isnan(found.residual[wrong]).all()
     assert np.isfinite(found.residual[~wrong]).all()
 
 
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        ("rotor.damping=normal(1,1)", r"normal\(1,1\): draws -\S+, which .*must be 0 or more"),
+        ("rotor.mass=uniform(1,1.9e60)", "draws .*, which .*must be 1e\\+60 or less"),
+    ],
+)
+def test_a_distribution_that_draws_what_the_scene_refuses_is_refused_before_the_runs(
+    linear, monkeypatch, text, said
+):
+    monkeypatch.setattr(study, "_machines", None)
+    with pytest.raises(UserError, match=said):
+        scatter(linear, vary(text), 60, seed=5)
+
+
 def test_nothing_that_runs_is_an_error(linear, monkeypatch):
     monkeypatch.setattr(study, "refuse_wrong", lambda scene, variations: scene)
+    monkeypatch.setattr(study, "refuse_drawn", lambda *_: None)
     with pytest.raises(SimulationError, match=r"no machine could be run: .*must be 0 or more"):
         scatter(linear, vary("rotor.damping=uniform(-2,-1)"), 3)
 
@@ -160,18 +186,18 @@ def test_without_salib_rank_correlations_are_given_and_said(linear, monkeypatch)
 
 
 def test_a_store_that_was_ended_is_gone_on_with_to_the_same_bytes(
-    linear, interrupted_once, monkeypatch, tmp_path
+    two_sized, interrupted_once, monkeypatch, tmp_path
 ):
     xarray = pytest.importorskip("xarray")
     pytest.importorskip("zarr")
     monkeypatch.setattr(study, "CHUNK", 10)
-    variations = vary("rotor.damping=normal(2,2)")
+    variations = vary(*MAY_OVERLAP)
     whole, ended = tmp_path / "whole.zarr", tmp_path / "ended.zarr"
-    alone = scatter(linear, variations, 31, store=whole)
+    alone = scatter(two_sized, variations, 31, store=whole)
     done = interrupted_once(study, "_machines", 2)
     with pytest.raises(KeyboardInterrupt):
-        scatter(linear, variations, 31, store=ended)
-    resumed = scatter(linear, variations, 31, store=ended)
+        scatter(two_sized, variations, 31, store=ended)
+    resumed = scatter(two_sized, variations, 31, store=ended)
     assert len(done) == 4  # two before, two after
     assert resumed.residual.tobytes() == alone.residual.tobytes()
     assert list(resumed.failure) == list(alone.failure)
@@ -182,17 +208,17 @@ def test_a_store_that_was_ended_is_gone_on_with_to_the_same_bytes(
     assert contents[0] == contents[1]
     with xarray.open_zarr(ended) as data:
         np.testing.assert_array_equal(data["residual"], alone.residual)
-        np.testing.assert_array_equal(data["rotor.damping"], alone.values[:, 0])
+        np.testing.assert_array_equal(data["weights.angles[1]"], alone.values[:, 0])
     with pytest.raises(UserError, match="another seed"):
-        scatter(linear, variations, 31, seed=2, store=ended)
+        scatter(two_sized, variations, 31, seed=2, store=ended)
 
 
 def test_command_writes_picture_table_and_document(invoke, tmp_path, monkeypatch):
     monkeypatch.setattr("os.cpu_count", lambda: 1)
     picture, table, document = (tmp_path / name for name in ("a.png", "a.csv", "a.json"))
     outcome = invoke(
-        "scatter", "two_balls", "--vary", "weights.drag=normal(0.0125,0.01)",
-        "--vary", "rotor.unbalance=uniform(0.01,0.03)", "-n", 120, "--seed", 2,
+        "scatter", "two_balls", "--set", "weights.weight_radius=0.15",
+        "--vary", MAY_OVERLAP[0], "--vary", MAY_OVERLAP[1], "-n", 120, "--seed", 2,
         "-o", picture, "-o", table, "--json", document,
     )  # fmt: skip
     assert outcome.exit_code == 0, outcome.output
