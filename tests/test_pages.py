@@ -81,6 +81,7 @@ def test_page_does_what_it_shows(page, tmp_path):
             (tmp_path / name).write_text(text, encoding="utf-8")
             if name.endswith(".toml"):
                 assert load_scene(tmp_path / name).title
+                assert name.removesuffix(".toml") not in bundled_scenes()
             elif name.startswith("test_"):
                 if name not in commands:  # else the page runs it by itself
                     run(tmp_path, *COMMANDS["pytest"], "-q", name)

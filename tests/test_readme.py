@@ -34,7 +34,7 @@ def test_pytest_check_of_the_readme_fails_with_the_message_shown(tmp_path):
     files = {name: text for _, name, text in blocks(ROOT / "README.md")}
     strict = files["test_drum.py"].replace("below=1e-5", "below=1e-9")
     assert strict != files["test_drum.py"]
-    (tmp_path / "drum.toml").write_text(files["drum.toml"], encoding="utf-8")
+    (tmp_path / "my_drum.toml").write_text(files["my_drum.toml"], encoding="utf-8")
     (tmp_path / "test_drum.py").write_text(strict, encoding="utf-8")
     with pytest.raises(AssertionError) as failure:
         run(tmp_path, "-m", "pytest", "-q", "-p", "no:cacheprovider", "test_drum.py")
