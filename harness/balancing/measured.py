@@ -11,10 +11,9 @@ or one line a run with its raw samples in a file of their own (`tachometer`):
 
 from __future__ import annotations
 
-import csv
 import math
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -22,9 +21,8 @@ import numpy as np
 
 from ...models.arrays import Array, Complex
 from ..errors import UserError
+from ..input_files import CsvRow, read_csv
 from .tachometer import read_samples
-
-Row = Mapping[str, str]
 
 _WEIGHT = re.compile(r"(mass_g|angle_deg|radius_mm)\[(.+)\]")
 _AMPLITUDE = re.compile(r"amplitude_(\w+)")
@@ -64,21 +62,16 @@ def read_measured(path: Path) -> MeasuredRuns:
         UserError: it cannot be read, or something in it is missing, twice or no number; the message
             names the line or the run, and what is needed.
     """
-    try:
-        with path.open(newline="", encoding="utf-8-sig") as stream:
-            reader = csv.DictReader(stream, skipinitialspace=True)
-            rows, names = list(reader), list(reader.fieldnames or ())
-    except (OSError, UnicodeDecodeError, csv.Error) as error:
-        raise UserError(f"{path}: cannot be read: {error}") from error
-    if not rows or "run" not in names:
-        raise UserError(f"{path}: needs a column `run` and at least two runs")
+    names, rows = read_csv(path)
+    if "run" not in names:
+        raise UserError(f"{path}: needs a column `run`; has {', '.join(names)}")
     planes = tuple(dict.fromkeys(m[2] for n in names if (m := _WEIGHT.fullmatch(n))))
     if not planes:
         raise UserError(f"{path}: needs columns `mass_g[1]` and `angle_deg[1]` of every plane")
-    runs = tuple(dict.fromkeys(row["run"] for row in rows))
-    lines = {name: [i for i, row in enumerate(rows) if row["run"] == name] for name in runs}
+    runs = tuple(dict.fromkeys(row.cells["run"] for row in rows))
+    lines = {name: [row for row in rows if row.cells["run"] == name] for name in runs}
     radii = _radii(path, rows, names, planes)
-    mounted = np.array([[_mounted(path, rows, lines[r], p) for p in planes] for r in runs])
+    mounted = np.array([[_mounted(path, lines[r], p) for p in planes] for r in runs])
     unmoved = [p for p, m in zip(planes, mounted.T, strict=True) if np.ptp(np.abs(m - m[0])) == 0.0]
     if unmoved:
         raise UserError(
@@ -96,29 +89,23 @@ def read_measured(path: Path) -> MeasuredRuns:
 Readings = dict[str, dict[str, tuple[float, complex]]]  # by run and sensor: speed, amplitude
 
 
-def _number(path: Path, row: Row, line: int, name: str) -> float:
-    text = (row.get(name) or "").strip()
-    try:
-        value = float(text)
-    except ValueError:
-        value = math.nan
+def _number(row: CsvRow, name: str) -> float:
+    value = row.number(name)
     if not math.isfinite(value):
-        raise UserError(f"{path}, line {line + 2}: {name} = {text!r}: must be a finite number")
+        raise UserError(f"{row.place}: {name} = {value}: must be a finite number")
     return value
 
 
-def _mounted(path: Path, rows: Sequence[Row], lines: list[int], plane: str) -> complex:
+def _mounted(path: Path, lines: Sequence[CsvRow], plane: str) -> complex:
     """Mass and angle in a plane during a run; an empty mass is none."""
     trials = set()
-    for i in lines:
-        mass = 0.0
-        if (rows[i].get(f"mass_g[{plane}]") or "").strip():
-            mass = _number(path, rows[i], i, f"mass_g[{plane}]")
-        angle = math.radians(_number(path, rows[i], i, f"angle_deg[{plane}]")) if mass else 0.0
+    for row in lines:
+        mass = _number(row, f"mass_g[{plane}]") if row.cells.get(f"mass_g[{plane}]") else 0.0
+        angle = math.radians(_number(row, f"angle_deg[{plane}]")) if mass else 0.0
         trials.add((mass, angle))
     if len(trials) > 1:
         raise UserError(
-            f"{path}: run {rows[lines[0]]['run']!r}: its lines do not agree on the mass in plane "
+            f"{path}: run {lines[0].cells['run']!r}: its lines do not agree on the mass in plane "
             f"{plane}"
         )
     ((mass, angle),) = trials
@@ -126,7 +113,7 @@ def _mounted(path: Path, rows: Sequence[Row], lines: list[int], plane: str) -> c
 
 
 def _radii(
-    path: Path, rows: Sequence[Row], names: Sequence[str], planes: Sequence[str]
+    path: Path, rows: Sequence[CsvRow], names: Sequence[str], planes: Sequence[str]
 ) -> tuple[float, ...] | None:
     """One radius a plane: where trial masses were and corrections will be."""
     if not any(name.startswith("radius_mm[") for name in names):
@@ -134,15 +121,16 @@ def _radii(
     radii = []
     for plane in planes:
         name = f"radius_mm[{plane}]"
-        filled = [i for i, row in enumerate(rows) if (row.get(name) or "").strip()]
-        values = {_number(path, rows[i], i, name) for i in filled}
+        values = {_number(row, name) for row in rows if row.cells.get(name)}
         if len(values) != 1 or not min(values) > 0.0:
             raise UserError(f"{path}: {name}: must be one radius above 0 mm in all lines")
         radii.append(values.pop())
     return tuple(radii)
 
 
-def _from_readings(path: Path, rows: Sequence[Row], names: Sequence[str]) -> tuple[str, Readings]:
+def _from_readings(
+    path: Path, rows: Sequence[CsvRow], names: Sequence[str]
+) -> tuple[str, Readings]:
     units = [m[1] for name in names if (m := _AMPLITUDE.fullmatch(name))]
     phases = [name for name in names if name in _PHASES]
     if "sensor" not in names or len(units) != 1:
@@ -156,28 +144,30 @@ def _from_readings(path: Path, rows: Sequence[Row], names: Sequence[str]) -> tup
             "and phase_lag_deg (counted the other way)"
         )
     by_run: Readings = {}
-    for i, row in enumerate(rows):
-        amplitude = _number(path, row, i, f"amplitude_{units[0]}")
-        phase = _PHASES[phases[0]] * math.radians(_number(path, row, i, phases[0]))
+    for row in rows:
+        run, sensor = row.cells["run"], row.cells["sensor"]
+        amplitude = _number(row, f"amplitude_{units[0]}")
+        phase = _PHASES[phases[0]] * math.radians(_number(row, phases[0]))
         if amplitude < 0.0:
-            raise UserError(f"{path}, line {i + 2}: amplitude = {amplitude:g}: must not be below 0")
-        rpm = _number(path, row, i, "speed_rpm") if "speed_rpm" in names else 0.0
-        sensor = f"{row['sensor']} at {rpm:g} rpm" if rpm else row["sensor"]
-        readings = by_run.setdefault(row["run"], {})
+            raise UserError(f"{row.place}: amplitude = {amplitude:g}: must not be below 0")
+        rpm = _number(row, "speed_rpm") if "speed_rpm" in names else 0.0
+        sensor += f" at {rpm:g} rpm" if rpm else ""
+        readings = by_run.setdefault(run, {})
         if sensor in readings:
-            raise UserError(f"{path}, line {i + 2}: run {row['run']!r}: {sensor} is read twice")
+            raise UserError(f"{row.place}: run {run!r}: {sensor} is read twice")
         value = amplitude * complex(math.cos(phase), math.sin(phase))
         readings[sensor] = (rpm * math.pi / 30.0, value)
     return units[0], by_run
 
 
-def _from_samples(path: Path, rows: Sequence[Row]) -> Readings:
+def _from_samples(path: Path, rows: Sequence[CsvRow]) -> Readings:
     by_run: Readings = {}
-    for i, row in enumerate(rows):
-        if row["run"] in by_run:
-            raise UserError(f"{path}, line {i + 2}: run {row['run']!r} has samples already")
-        speed, amplitudes = read_samples(path.parent / (row["samples"] or "").strip())
-        by_run[row["run"]] = {name: (speed, value) for name, value in amplitudes.items()}
+    for row in rows:
+        run = row.cells["run"]
+        if run in by_run:
+            raise UserError(f"{row.place}: run {run!r} has samples already")
+        speed, amplitudes = read_samples(path.parent / row.cells["samples"])
+        by_run[run] = {name: (speed, value) for name, value in amplitudes.items()}
     speeds = [next(iter(readings.values()))[0] for readings in by_run.values()]
     if max(speeds) > (1.0 + _SPEED) * min(speeds):
         raise UserError(

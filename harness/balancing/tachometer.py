@@ -14,6 +14,7 @@ import numpy as np
 from ...models.arrays import Array
 from ...models.linear.synchronous import synchronous
 from ..errors import UserError
+from ..input_files import read_csv
 
 FEWEST = 3  # whole revolutions: fewer do not show that the speed is steady
 _STEADY = 0.02  # of the speed, between the longest and the shortest revolution
@@ -25,15 +26,12 @@ def read_samples(path: Path) -> tuple[float, dict[str, complex]]:
     Raises:
         UserError: the file cannot be read, holds no whole revolutions, or the speed is not steady.
     """
-    try:
-        table = np.genfromtxt(path, delimiter=",", names=True, dtype=float, encoding="utf-8-sig")
-    except (OSError, ValueError) as error:
-        raise UserError(f"{path}: cannot be read: {error}") from error
-    names = table.dtype.names or ()
+    names, rows = read_csv(path)
     sensors = [name for name in names if name not in ("time_s", "tacho")]
     if not {"time_s", "tacho"} <= set(names) or not sensors:
         raise UserError(f"{path}: needs the columns time_s, tacho and one a sensor")
-    if table.ndim != 1 or not all(np.isfinite(table[name]).all() for name in names):
+    table = {name: np.array([row.number(name) for row in rows]) for name in names}
+    if not all(np.isfinite(column).all() for column in table.values()):
         raise UserError(f"{path}: every sample must be a finite number")
     pulses = pulse_times(table["time_s"], table["tacho"])
     if len(pulses) <= FEWEST:

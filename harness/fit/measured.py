@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import csv
 import math
 import re
 from dataclasses import dataclass
@@ -13,6 +12,7 @@ import numpy as np
 
 from ...models.arrays import Array
 from ..errors import UserError
+from ..input_files import read_csv
 from ..master.alike import refuse_unvaried
 from ..master.names import station_residuals
 from ..scene import Scene
@@ -50,7 +50,7 @@ class MeasuredAmplitudes:
 
 
 def read_measured(path: Path, scene: Scene) -> MeasuredAmplitudes:
-    """Read a file; lines that begin with # are left out.
+    """Read a file, in any form that `read_csv` takes.
 
     A head is NAME or NAME [UNIT]: speed [rpm], [Hz] or [rad/s]; amplitudes [mm], [um] or [m];
     values of the scene by their path, in the scene's units.
@@ -58,21 +58,17 @@ def read_measured(path: Path, scene: Scene) -> MeasuredAmplitudes:
     Raises:
         UserError: the file cannot be read, or a head or a cell is wrong.
     """
-    try:
-        lines = path.read_text(encoding="utf-8-sig").splitlines()
-    except (OSError, UnicodeDecodeError) as error:
-        raise UserError(f"{path}: cannot be read: {error}") from error
-    rows = [(n, row) for n, row in enumerate(csv.reader(lines), 1) if row and row[0][:1] != "#"]
-    if len(rows) < 2:
-        raise UserError(f"{path}: has no rows: give a line of heads, and a line a measurement")
-    heads = [_HEAD.fullmatch(cell.strip()) for cell in rows[0][1]]
+    columns, rows = read_csv(path)
+    heads = [_HEAD.fullmatch(column) for column in columns]
     if None in heads:
         raise UserError(f"{path}: heads must be NAME or NAME [UNIT], such as speed [rpm]")
     names = [head["name"] for head in heads if head]
     if repeated := {name for name in names if names.count(name) > 1}:
         raise UserError(f"{path}: {', '.join(sorted(repeated))}: given twice")
     known = [AMPLITUDE, LARGEST, *station_residuals(len(scene.rotor.stations))]
-    table = np.array([_numbers(path, number, row, names) for number, row in rows[1:]]).T
+    table = np.array(
+        [[row.number(c) if row.cells[c] else math.nan for row in rows] for c in columns]
+    )
     settings, amplitudes = {}, {}
     for head, column in zip(filter(None, heads), table, strict=True):
         name, unit = head["name"], head["unit"]
@@ -84,18 +80,6 @@ def read_measured(path: Path, scene: Scene) -> MeasuredAmplitudes:
             settings[name] = column * _factor(path, name, unit, factors)
     _refuse_wrong(path, settings, amplitudes, known)
     return MeasuredAmplitudes(path, settings, amplitudes)
-
-
-def _numbers(path: Path, line: int, row: list[str], names: list[str]) -> list[float]:
-    if len(row) != len(names):
-        raise UserError(f"{path}: line {line}: has {len(row)} cells, but {len(names)} heads")
-    found = []
-    for name, cell in zip(names, row, strict=True):
-        try:
-            found.append(float(cell) if cell.strip() else math.nan)
-        except ValueError:
-            raise UserError(f"{path}: line {line}: {name} = {cell!r}: must be a number") from None
-    return found
 
 
 def _factor(path: Path, name: str, unit: str | None, factors: Factors) -> float:
@@ -113,7 +97,9 @@ def _refuse_unknown(path: Path, scene: Scene, name: str, known: list[str]) -> No
         refuse_unvaried(scene, name)
         value_at(scene, name)
     except UserError as error:
-        near = get_close_matches(name, [SPEED, *known], 1)
+        near = get_close_matches(name, [SPEED, *known], 1) or [f"speed [{name}]"] * (
+            name in _SPEEDS
+        )
         meant = f"; did you mean {near[0]}?" if near else ""
         raise UserError(f"{path}: {name}: neither measured nor set{meant} ({error})") from None
 

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import re
 import sys
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from pathlib import Path
 from typing import Any
 
 from ..errors import SceneError
+from ..input_files import read_text
 from .messages import did_you_mean
 
 if sys.version_info >= (3, 11):
@@ -19,6 +20,18 @@ else:
 BUNDLED = Path(__file__).parent.with_name("scenes")
 MOST_LEVELS = 20  # of tables and lists within one another; a scene has five
 _POSITION = re.compile(r"^(?P<what>.*) \(at (?P<where>.*)\)$", re.DOTALL)
+_REPAIRS: tuple[tuple[str, str | Callable[[re.Match[str]], str]], ...] = (
+    # of a line that is not TOML, each on top of those before
+    (r"^(\s*[\w.-]+)\s*:", r"\1 ="),  # as in YAML
+    (r"(\d),(\d)", r"\1.\2"),  # decimal comma
+    (r"(?<![\w.])\.(\d)", r"0.\1"),
+    (r"(\d)\.(?!\d)", r"\1.0"),
+    (r"=\s*(?:True|False)\b", lambda match: match[0].lower()),
+    (r"=\s*([A-Za-z][\w -]*?)(\s*(?:#.*)?)$", r'= "\1"\2'),  # text without quotes
+)
+_WITH_UNIT = re.compile(r"(=\s*[-+\d.e]*\d)\s*([A-Za-zµ°%][^#=]*?)(\s*(?:#.*)?)$")
+_SI_UNIT = re.compile(r"(?:kg|m|s|N|rad|[\s/*.^·\d])+")
+_LONGEST_SHOWN = 200  # characters of a line
 
 
 def bundled_scenes() -> list[str]:
@@ -75,23 +88,36 @@ def read(path: Path) -> dict[str, Any]:
     Raises:
         SceneError: it cannot be read, is not UTF-8, or is not TOML.
     """
-    try:
-        content = path.read_bytes()
-    except OSError as error:
-        raise SceneError(f"{path}: cannot be read: {error.strerror or error}") from error
-    try:
-        text = content.decode("utf-8-sig")  # editors on Windows put a byte-order mark first
-    except UnicodeDecodeError as error:
-        line = content.count(b"\n", 0, error.start) + 1
-        raise SceneError(
-            f"{path}: line {line}: byte 0x{content[error.start]:02x} is not UTF-8; "
-            "save the file as UTF-8 text"
-        ) from error
+    text = read_text(path, SceneError)
     try:
         return tomllib.loads(text)
     except tomllib.TOMLDecodeError as error:
         match = _POSITION.match(str(error))
         what, where = match.group("what", "where") if match else (str(error), "unknown place")
+        lines = text.split("\n")  # as it counts them
+        if number := re.match(r"line (\d+)", where):
+            what += f": {_shown(lines[int(number[1]) - 1])}"
         raise SceneError(f"{path}: not TOML: {where}: {what}") from error
     except (RecursionError, ValueError) as error:
         raise SceneError(f"{path}: not a TOML file a scene can be read from: {error}") from error
+
+
+def _shown(line: str) -> str:
+    """A line that is not TOML, and what was probably meant."""
+    meant = line = line.strip()[:_LONGEST_SHOWN]
+    for pattern, instead in _REPAIRS:
+        before, meant = meant, re.sub(pattern, instead, meant)
+        if meant != before and _is_toml(meant):
+            return f"{line} (did you mean {meant}?)"
+    unit, meant = _WITH_UNIT.search(meant), _WITH_UNIT.sub(r"\1\3", meant)
+    if unit is None or not _is_toml(meant):
+        return line
+    guess = f" (did you mean {meant}?)" if _SI_UNIT.fullmatch(unit[2]) else ""
+    return f"{line}{guess}; write the number alone, in SI units (kg, m, s, N, rad)"
+
+
+def _is_toml(text: str) -> bool:
+    try:
+        return bool(tomllib.loads(text))
+    except ValueError:
+        return False

@@ -188,7 +188,7 @@ def test_limits_are_those_of_the_scene(path, limits):
         ("rotor.mass [g],amplitude\n3,1\n", "unit must be one of: none, the scene's own"),
         ("speed\n3\n", "nothing measured: a head must be one of: amplitude"),
         ("speed,speed,amplitude\n3,3,1\n", "speed: given twice"),
-        ("speed,amplitude\n3\n", "line 2: has 1 cells, but 2 heads"),
+        ("speed,amplitude\n3\n", "line 2: must have as many cells as there are names, 2; has 1"),
         ("speed,amplitude\n3,x\n", "line 2: amplitude = 'x': must be a number"),
         ("speed,amplitude\n3,-1\n", "amplitude: must be above 0, or empty"),
         ("speed,amplitude\n,1\n", "speed: every row must have a number"),

@@ -269,6 +269,13 @@ def test_mistakes_in_the_other_rotors_are_named(tmp_path, text, right, wrong, me
         (b"title = 'x'\ntitle = 'y'\n", "not TOML: line 2"),
         (b"title = 'x'\nsource = '\xff'\n", "line 2: byte 0xff is not UTF-8"),
         (b"PK\x03\x04", "not TOML: line 1"),
+        (b"a = 1\nmass = 8,0", "after a statement: mass = 8,0 (did you mean mass = 8.0?)"),
+        (b"mass = 8,0 kg # bare", "(did you mean mass = 8.0 # bare?); write the number alone, in"),
+        (b"stiffness = 2e4 N/m", "(did you mean stiffness = 2e4?); write the number alone, in SI"),
+        (b"speed = 1200 rpm", ": speed = 1200 rpm; write the number alone, in SI units (kg, m"),
+        (b"kind = planar # or", ': kind = planar # or (did you mean kind = "planar" # or?)'),
+        (b"inertia_as_force = True", "(did you mean inertia_as_force = true?)"),
+        (b"mass: .5", "(did you mean mass = 0.5?)"),
         (b"a = " + 5000 * b"[", "not a TOML file"),
         (b"", "rotor: missing"),
         (b"rotor = 3\n[operation]\nspeed = 1\n", "rotor = 3: must be a table"),
@@ -304,6 +311,7 @@ def test_missing_file_is_refused(tmp_path):
         ("rotor..mass", 1.0, "unknown"),
         ("run.initial.z", 1.0, "run.initial has: x, y, vx, vy, angle"),
         ("rotor.mass", -1.0, "rotor.mass = -1.0 kg: must be greater than 0"),
+        ("speed", -1.0, "operation.speed = -1.0 rad/s: must be greater than 0"),
         ("weights.drag", "a lot", 'balancer[1].drag = "a lot": must be a number in N s/m'),
         ("weights.angles[2]", float("inf"), "angles[2] = inf rad: must be a finite number"),
     ],
@@ -311,6 +319,13 @@ def test_missing_file_is_refused(tmp_path):
 def test_replace_refuses_what_it_cannot_do(path, value, message):
     with pytest.raises(SceneError, match=re.escape(message)):
         load_scene("two_balls").replace({path: value})
+
+
+def test_the_short_and_the_full_name_of_the_speed_are_not_given_together():
+    with pytest.raises(
+        SceneError, match=r"'speed': short for operation\.speed, which is given too"
+    ):
+        load_scene("two_balls").replace({"operation.speed": 2.0, "speed": 3.0})
 
 
 def test_scene_errors_are_the_user_s():
