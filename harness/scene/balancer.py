@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import math
-from cmath import rect
-from random import Random
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal
 
 import numpy as np
@@ -106,18 +104,10 @@ class WeightBalancer(Balancer):
     """Of two weights that collide on the free rotor; needs `weight_radius`."""
     rolling_resistance: Annotated[NotNegative, Feeds()] = 0.0
     """Resistance over load: Coulomb's, with true sticking."""
-    track_offset_xi: Annotated[Real, SI("m")] = 0.0
+    track_offset_xi: Annotated[Real, SI("m"), Feeds()] = 0.0
     """Of the track's centre from the plane's, in the rotor."""
-    track_offset_eta: Annotated[Real, SI("m")] = 0.0
+    track_offset_eta: Annotated[Real, SI("m"), Feeds()] = 0.0
     """Of the track's centre from the plane's, in the rotor."""
-    track_offset: Annotated[NotNegative | None, SI("m")] = None
-    """Eccentricity of the race, in place of its parts `track_offset_xi`, `track_offset_eta`."""
-    track_offset_angle: Annotated[Angle | None, SI("rad")] = None
-    """Direction of `track_offset` in the rotor; default: 0."""
-    track_offset_deviation: Annotated[NotNegative, SI("m")] = 0.0
-    """Standard deviation of either part of an eccentricity that is drawn and added."""
-    track_offset_seed: Annotated[Whole, Field(ge=0)] = 1
-    """Another seed draws another one; balancers of different names have their own."""
     angles: Annotated[tuple[Angle, ...], SI("rad"), Feeds("weight[{n}].angle0")] = ()
     """In the rotor, one a weight; default: evenly spread."""
     speeds: Annotated[tuple[Real, ...], SI("rad/s"), Feeds("weight[{n}].speed0")] = ()
@@ -145,30 +135,10 @@ class WeightBalancer(Balancer):
             )
         return self
 
-    @model_validator(mode="after")
-    def _one_offset(self) -> WeightBalancer:
-        parts = {"track_offset_xi", "track_offset_eta"} & self.model_fields_set
-        if self.track_offset is not None and parts:
-            raise refusal("track_offset", f"give either this or {' and '.join(sorted(parts))}")
-        if self.track_offset is None and self.track_offset_angle is not None:
-            raise refusal("track_offset_angle", "needs track_offset, whose direction it is")
-        return self
-
     @property
     def offset(self) -> complex:
         """Of the track's centre from the plane's, in the rotor, xi + i eta [m]."""
-        given = complex(self.track_offset_xi, self.track_offset_eta)
-        if self.track_offset is not None:
-            given = rect(self.track_offset, self.track_offset_angle or 0.0)
-        return given + self._drawn_offset
-
-    @property
-    def _drawn_offset(self) -> complex:
-        """Both parts normal: the amount is Rayleigh's, every direction alike (Box, Muller 1958)."""
-        # `random` alone of Python's generator promises the same numbers in every version
-        draw = Random(f"{self.track_offset_seed} {self.label}")
-        amount = math.sqrt(-2.0 * math.log(1.0 - draw.random()))
-        return rect(self.track_offset_deviation * amount, math.tau * draw.random())
+        return complex(self.track_offset_xi, self.track_offset_eta)
 
     def _refuse_tight(self, radius: float) -> None:
         track = self.track_radius
@@ -224,7 +194,6 @@ class WeightBalancer(Balancer):
         Its restitution is that of a rotor which is held: the unit knows no rotor.
         """
         values: Start = {**fed(self), "kappa": self.kappa}
-        values |= {"track_offset_xi": self.offset.real, "track_offset_eta": self.offset.imag}
         if self.restitution and self.weight_radius:
             row = loaded_rotor.planes[self.at - 1]
             carrier = 1.0 / float(row @ np.linalg.solve(loaded_rotor.mass, row))

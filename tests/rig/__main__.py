@@ -5,6 +5,7 @@
 
 from __future__ import annotations
 
+import cmath
 import math
 from collections.abc import Iterator
 from typing import Any
@@ -170,7 +171,8 @@ def race_and_start() -> Iterator[Line]:
     scene = with_fitted_balls(load_scene("bristol_friction"))
     run_ups: dict[str, dict[str, Any]] = {"as fitted": {}}
     for angle in TOWARDS:
-        offset = {"track_offset": ECCENTRIC, "track_offset_angle": math.radians(angle)}
+        place = cmath.rect(ECCENTRIC, math.radians(angle))
+        offset = {"track_offset_xi": place.real, "track_offset_eta": place.imag}
         said = f"race {1e6 * ECCENTRIC:g} um off centre, at {angle} deg"
         run_ups[said] = {f"balls.{key}": value for key, value in offset.items()}
     for first, second in STARTS:

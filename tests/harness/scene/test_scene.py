@@ -5,7 +5,6 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from scipy.stats import kstest
 
 from autobalancer.harness.errors import SceneError
 from autobalancer.harness.master.plan import plan
@@ -212,42 +211,9 @@ def test_unknown_scene_lists_the_bundled_ones():
         load_scene("two_bals")
 
 
-def test_the_eccentricity_of_a_race_is_two_parts_or_amount_and_direction():
-    scene = load_scene("two_balls")
-    parts = scene.replace({"weights.track_offset_xi": 3e-5, "weights.track_offset_eta": -4e-5})
-    angle = math.atan2(-4.0, 3.0)
-    whole = scene.replace({"weights.track_offset": 5e-5, "weights.track_offset_angle": angle})
-    for one, other in zip(plan(parts).units, plan(whole).units, strict=True):
-        assert other.start == pytest.approx(one.start, rel=1e-14)
-    assert whole.assembly().weights[0].offset == pytest.approx(3e-5 - 4e-5j)
-    with pytest.raises(SceneError, match="give either this or track_offset_eta and track_offset"):
-        parts.replace({"weights.track_offset": 5e-5})
-    with pytest.raises(SceneError, match="needs track_offset, whose direction it is"):
-        scene.replace({"weights.track_offset_angle": 1.0})
-
-
-def test_random_race_errors_are_normal_in_both_parts_and_come_again_with_their_seed():
-    scene = load_scene("two_balls").replace({"weights.track_offset_xi": 2e-4})
-
-    def offset(scene, **values):
-        changed = scene.replace({f"weights.track_offset_{k}": v for k, v in values.items()})
-        return changed.assembly().weights[0].offset
-
-    drawn = [offset(scene, deviation=5e-5, seed=seed) - 2e-4 for seed in range(400)]
-    parts = np.array([[e.real, e.imag] for e in drawn]) / 5e-5
-    for part in parts.T:
-        assert kstest(part, "norm").pvalue > 0.01
-    assert abs(np.corrcoef(parts.T)[0, 1]) < 0.1
-    assert offset(scene, deviation=5e-5, seed=7) == drawn[7] + 2e-4
-    assert offset(scene, seed=7) == 2e-4  # none is drawn where none is asked for
-    scaled = offset(scene, deviation=1e-4, seed=7) - 2e-4
-    assert scaled == pytest.approx(2.0 * drawn[7], rel=1e-12)
-
-
-def test_balancers_of_one_seed_have_race_errors_of_their_own():
-    drum = load_scene("drum")
-    names = [balancer.label for balancer in drum.balancer]
-    drum = drum.replace({f"{name}.track_offset_deviation": 1e-5 for name in names})
-    assert len({weights.offset for weights in drum.assembly().weights}) == len(names) == 2
-    with pytest.raises(SceneError, match="track_offset_seed = -1: must be"):
-        drum.replace({f"{names[0]}.track_offset_seed": -1})
+def test_the_eccentricity_of_a_race_is_two_parts_in_the_rotor():
+    offset = {"weights.track_offset_xi": 3e-5, "weights.track_offset_eta": -4e-5}
+    scene = load_scene("two_balls").replace(offset)
+    assert scene.assembly().weights[0].offset == 3e-5 - 4e-5j
+    start = {name: value for unit in plan(scene).units for name, value in unit.start.items()}
+    assert (start["track_offset_xi"], start["track_offset_eta"]) == (3e-5, -4e-5)
