@@ -9,7 +9,7 @@
 /* Parts of a step and of a time: within them a point of the host is the end of a step; and of the
    speed: what differs less is no jump. */
 static const double POINT_OF_STEP = 1e-10, POINT_OF_TIME = 4e-16, SAME_SPEED = 1e-9;
-static const double MOST_STEPS = 1e8; /* within a step of the host: minutes */
+static const double MOST_STEPS = 1e8, MOST_MOVES = 1e7; /* within a step of the host: of the coupling, and of parts */
 static const double LOOSEST = 0.1; /* tolerance */
 static const double FEWEST_STEPS = 4.0; /* fewer do not resolve one revolution */
 static const double WEAK_LOOP = 0.1; /* one corrector pass then leaves 1 % of the prediction's error */
@@ -132,6 +132,14 @@ static int parameters(Unit *unit)
         }
     }
     return 0;
+}
+
+/* A host's times may be off by rounding, never by a step. */
+static int stands_at(const double *memory, double time)
+{
+    const Course *course = (const Course *)memory;
+    return course->started > 0.0 && time >= course->begin - course->length &&
+           time <= course->time + course->length;
 }
 
 static int begin(Unit *unit)
@@ -444,6 +452,15 @@ static int refuse_length(Unit *unit, double own)
     return 1;
 }
 
+static int refuse_work(Unit *unit, double step)
+{
+    Text *reason = unit_reason(unit);
+    text_put_rounded(reason, "a step of ", step, 6);
+    text_put(reason, " s takes too many steps of the coupling: one call may move all parts together "
+                     "1e7 times; use shorter communication steps");
+    return 1;
+}
+
 void composite_put_time(Text *reason, double time)
 {
     text_put_rounded(reason, " at t = ", time, 6);
@@ -469,8 +486,9 @@ void composite_level_off(Unit *unit)
 /* Step and move the units to a time. */
 static int reach(Unit *unit, double end)
 {
-    const double begin = unit->time;
-    const Course *course = ((Composite *)unit->own)->course;
+    const Composite *c = unit->own;
+    const Course *course = c->course;
+    const double begin = unit->time, most = course->passes + MOST_MOVES / c->part_count;
     for (;;) {
         const double point = POINT_OF_STEP * course->length + POINT_OF_TIME * absolute(end);
         if (!(course->time < end - point)) {
@@ -479,6 +497,9 @@ static int reach(Unit *unit, double end)
         if (unit->own_steps && course->time > begin) {
             unit->made = course->time - begin;
             return show(unit, course->time, 1);
+        }
+        if (course->passes > most) {
+            return refuse_work(unit, end - begin);
         }
         if (composite_go_on(unit)) {
             composite_put_gain(unit, &unit->reason);
@@ -602,6 +623,6 @@ static int slope(Unit *unit, size_t reference, double *value)
 }
 
 const Equations COMPOSITE_EQUATIONS = {
-    .name = "Composite", .allocate = allocate, .parameters = parameters, .begin = begin,
+    .name = "Composite", .allocate = allocate, .stands_at = stands_at, .parameters = parameters, .begin = begin,
     .step = step, .outputs = outputs, .observe = observe, .observe_torques = observe_torques,
     .is_torque = is_torque, .signals = signals, .directional = directional, .slope = slope};

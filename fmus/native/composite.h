@@ -16,8 +16,7 @@ typedef enum { SCHEME_AUTO, SCHEME_ITERATED, SCHEME_COMPENSATED } Scheme;
 
 enum { UNTIL_CONVERGED = -1 }; /* corrections */
 
-/* Value and slope of a signal at one point, and of a quintic its second derivative, else 0: in this
-   order, as an array of three. */
+/* Value and slope of a signal at one point, and of a quintic its second derivative, else 0. */
 typedef struct {
     Complex value, slope, second;
 } Knot;

@@ -71,7 +71,8 @@ static void moments(int parts, double turn, double ratio, Complex *missed, Compl
 /* Signal over a step that gives a free mass what it missed in the step before. */
 static void carry(Carried *carried, int parts, double turn, double past, double step)
 {
-    const Knot nothing = {{0.0, 0.0}, {0.0, 0.0}, {0.0, 0.0}};
+    const Complex zero = {0.0, 0.0};
+    const Knot nothing = {zero, zero, zero};
     Complex missed[MOST_PARTS * MOST_PARTS], given[MOST_PARTS * MOST_PARTS];
     int k, i;
     if (carried->turn == turn && carried->past == past && carried->step == step) {
@@ -83,11 +84,8 @@ static void carry(Carried *carried, int parts, double turn, double past, double 
     matrix_solve(2, parts, parts, (double *)given, (double *)missed);
     for (i = 0; i < parts; i++) {
         Complex signal[QUINTIC_ORDERS];
-        Knot start = nothing;
+        const Knot start = {missed[i], missed[parts + i], parts > 2 ? missed[2 * parts + i] : zero};
         double power = 1.0;
-        for (k = 0; k < parts; k++) {
-            (&start.value)[k] = missed[parts * k + i];
-        }
         knot_hermite(&start, &nothing, 2 * parts, 1.0, signal);
         for (k = 0; k < 2 * parts; k++, power *= step) {
             carried->rows[k][i] = complex_of(signal[k].re / power, signal[k].im / power);
@@ -172,11 +170,10 @@ static void solve(Composite *c, double step)
 /* A signal's end with what was missed added, each part over its power of the step. */
 static Knot righted(Knot end, int parts, const Complex *missed, double step)
 {
-    Complex *part = &end.value;
-    double power = 1.0;
-    int k;
-    for (k = 0; k < parts; k++, power /= step) {
-        part[k] = plus(part[k], power, missed[k]);
+    end.value = plus(end.value, 1.0, missed[0]);
+    end.slope = plus(end.slope, 1.0 / step, missed[1]);
+    if (parts > 2) {
+        end.second = plus(end.second, 1.0 / step / step, missed[2]);
     }
     return end;
 }
@@ -189,13 +186,12 @@ static void bend(Signal *signal, const Complex *assumed, double step)
     static const double bending[3][3] = {
         {-7.5, 7.5, -27.0 / 16.0}, {0.0, 0.0, 1.0}, {45.0, -45.0, 105.0 / 8.0}};
     const Knot led = knot_end(assumed, QUINTIC_ORDERS, step);
-    Complex missed[3];
-    double power = 1.0;
+    Complex missed[3] = {
+        complex_difference(signal->now.value, led.value),
+        complex_scaled(step, complex_difference(signal->now.slope, led.slope)),
+        complex_scaled(step * step, complex_difference(signal->now.second, led.second))};
+    double power = step * step * step;
     int k, i;
-    for (k = 0; k < 3; k++, power *= step) {
-        missed[k] = complex_difference((&signal->now.value)[k], (&led.value)[k]);
-        missed[k] = complex_scaled(power, missed[k]);
-    }
     for (k = 0; k < 3; k++, power *= step) {
         signal->last[3 + k] = assumed[3 + k];
         for (i = 0; i < 3; i++) {

@@ -5,8 +5,8 @@
        Composite;scheme=auto;corrections=-;part=rotor,0,-,RotorOnSupports/...;start=0:4028000000000000;
        part=balls,1,s,BallBalancer/...;own=1:4044000000000000;id=<digest>-<stamp>
 
-   A part: name, plane of the rotor from 1 (0 for itself and the motor, which is the last part), s where
-   it exchanges force and v where it is told its plane's place, token.  `start` and `flags` are of the part before them: value
+   A part: name, plane of the rotor from 1, s where it exchanges force and v where it is told its plane's
+   place, token.  The rotor is the first part and a motor the last; both have plane 0 and no letters.  `start` and `flags` are of the part before them: value
    references and the bits of what they start from; Booleans that are true.  `own` are the start
    values of the composite's own variables; the digest is of the layout and all before it. */
 #include <string.h>
@@ -206,10 +206,15 @@ static int read_part(Unit *unit, Part *part, const char *at)
     }
     if (part->unit->equations == &MOTOR_EQUATIONS) {
         c->motor = part;
-    } else if (!first && plane - 1 >= (uint64_t)c->parts->unit->layout.sizes.planes) {
-        return refuse(unit, "a part must be on a plane of the rotor");
     } else {
         c->mounted++;
+    }
+    if (first || c->motor) {
+        if (plane || !text_equal(connections, "-")) {
+            return refuse(unit, "the rotor and the motor must have plane 0 and connections -");
+        }
+    } else if (plane - 1 >= (uint64_t)c->parts->unit->layout.sizes.planes) {
+        return refuse(unit, "a part must be on a plane of the rotor");
     }
     part->plane = (int)plane - 1;
     part->drive = c->motor ? -1 : reference(part->unit, "speed");

@@ -148,7 +148,10 @@ size_t autobalancer_run_on(Run *shown, Stretch *stretch, const unsigned *outputs
             break;
         }
         stand(unit, *rows);
-        unit_get_reals(unit, outputs, asked, rows + 1);
+        if (unit_get_reals(unit, outputs, asked, rows + 1)) {
+            shown->reason = unit->reason.at;
+            break;
+        }
     }
     unit->asked = NULL;
     show(run);

@@ -43,6 +43,8 @@ typedef struct {
     /* Start values that depend on index and size; then what the equations allocate; or NULL. */
     void (*starts)(const Layout *layout, double *real);
     int (*allocate)(Unit *unit);
+    /* Whether a state's memory is that of its time [s]; NULL: it holds no time. */
+    int (*stands_at)(const double *memory, double time);
     /* Make the physical model from the parameters. */
     int (*parameters)(Unit *unit);
     /* Set `memory` to the initial state. */

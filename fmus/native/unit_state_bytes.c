@@ -101,6 +101,11 @@ static int wrong_content(Unit *unit, const State *state)
             return 1;
         }
     }
+    if (state->stale < COMPUTED && unit->equations->stands_at &&
+        !unit->equations->stands_at(state->values + state->count - unit->memory_count, state->time)) {
+        text_put(reason, "the bytes hold a time that is not that of their motion");
+        return 1;
+    }
     return 0;
 }
 

@@ -81,6 +81,11 @@ Status unit_read(Unit *unit, int level, const unsigned *references, size_t count
     }
     for (k = 0; k < count; k++) {
         values[k] = unit->real[references[k]];
+        if (!is_finite(values[k])) { /* of a finite state: speed times torque overflows */
+            layout_shown(&unit->layout, references[k], values[k], unit_reason(unit));
+            text_put(&unit->reason, ": is not finite; the motion is too fast or too large");
+            return unit_report(unit, STATUS_ERROR, "reading failed");
+        }
     }
     return STATUS_OK;
 }

@@ -3,15 +3,18 @@
 from __future__ import annotations
 
 import math
+import time as clock
+from dataclasses import replace
 
 import pytest
 from fmpy import platform_tuple, simulate_fmu
 from fmpy.fmi1 import FMICallException
 
+from autobalancer.fmus.composite.run import Run, RunFailed
 from autobalancer.harness import Scene, load_scene
 from autobalancer.harness.errors import SimulationError
 from autobalancer.harness.master.cosimulation import CoSimulation
-from autobalancer.harness.master.one_file import build_one_file
+from autobalancer.harness.master.one_file import build_one_file, composition
 
 
 def stepped(host, scene: Scene, revolutions: float) -> None:
@@ -125,7 +128,22 @@ def test_wrong_parameters_are_refused_by_the_names_they_have_here(instance, valu
     assert reason in host.refused(lambda: host.begin(values))
 
 
-def test_a_speed_that_would_never_be_done_is_refused(instance):
+@pytest.mark.parametrize(("step", "reason"), [(1e18, "too short"), (2e6, "too many steps")])
+def test_a_step_that_would_take_minutes_is_refused(instance, step, reason):
     host = instance(load_scene("two_balls")).begin()
-    host.set({"speed": 1e18})
-    assert "too short" in host.refused(lambda: host.step(1.0))
+    begun = clock.process_time()
+    assert reason in host.refused(lambda: host.step(step))
+    assert clock.process_time() - begun < 60.0
+
+
+@pytest.mark.parametrize(
+    ("part", "change"),
+    [(k, change) for k in (0, -1) for change in ({"exchanges_force": True}, {"plane": 1})],
+)
+def test_neither_rotor_nor_motor_lies_on_a_plane_or_exchanges_force(part, change):
+    made = composition(load_scene("sommerfeld"))
+    parts = list(made.parts)
+    parts[part] = replace(parts[part], **change)
+    run = Run(replace(made, parts=tuple(parts)))
+    with pytest.raises(RunFailed, match="the rotor and the motor must have plane 0"):
+        run.start()

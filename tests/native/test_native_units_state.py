@@ -8,6 +8,8 @@ import struct
 import numpy as np
 import pytest
 
+from autobalancer.harness import load_scene
+
 CASES = [
     ("LiquidBalancer", {}),
     ("BallBalancer", {"weights": 3}),
@@ -199,3 +201,17 @@ def test_parameters_no_setter_lets_in_come_by_no_state(fmus, packaging):
     assert host.outputs() == before
     host.slave.freeFMUState(state)
     host.free()
+
+
+@pytest.mark.parametrize("time", [-1.0, 3.0, 1e9])
+def test_a_time_that_is_not_that_of_the_coupled_units_is_refused(hosted, time):
+    """A step from there would first have to reach it."""
+    host = hosted(load_scene("two_balls"))
+    for _ in range(4):
+        host.step(0.3)
+    data = bytearray(host.slave.serializeFMUState(host.slave.getFMUState()))
+    assert struct.unpack("<d", data[208:216]) == (host.time,)
+    data[208:216] = struct.pack("<d", time)
+    data[-8:] = fnv(bytes(data[:-8]))
+    reason = host.refused(lambda: host.slave.deserializeFMUState(bytes(data)))
+    assert "a time that is not that of their motion" in reason

@@ -248,3 +248,18 @@ def test_a_name_is_no_format(fmus, packaging, name):
     doubled = name.replace("%", "%%").replace("#", "##")  # as the logger's format wants it
     assert text.startswith(doubled[:2000])
     host.free()
+
+
+OVERFLOWS = [
+    ("power", {"speed0": 1e160}, 1e-200),
+    ("angle", {"speed0": 1e308, "point[1].torque": 0.0}, 1e3),
+]
+
+
+@pytest.mark.parametrize(("output", "values", "step"), OVERFLOWS)
+def test_an_output_that_overflows_is_an_error(fmus, packaging, output, values, step):
+    host = packaging.Host(fmus.native("Motor", points=2)).begin(values)
+    host.step(step)
+    reason = reason_of(host.refused(lambda: host.get(output)))
+    assert re.match(rf"{output} = -?(inf|nan) .*: is not finite", reason)
+    host.free()
