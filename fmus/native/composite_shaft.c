@@ -4,6 +4,7 @@
 
 #include "composite.h"
 #include "elementary.h"
+#include "motor.h"
 #include "unit_rotor.h"
 #include "unit_weights.h"
 
@@ -115,6 +116,22 @@ int shaft_answer(Unit *unit, Knot *spin)
     return 0;
 }
 
+/* Step the motor; a step that is not brief ends at a corner of its characteristic, where w'' jumps,
+   unless that changes its torque by less than the loop may leave of it. */
+static int advance(Unit *unit, double step)
+{
+    Composite *c = unit->own;
+    const Course *course = c->course;
+    Motor *motor = c->motor->unit->own;
+    int wrong;
+    if (step > contacts_brief(unit)) {
+        motor->negligible = course->tolerance * course->largest / course->spin_scale * motor->inertia;
+    }
+    wrong = composite_advance(unit, c->motor, step);
+    motor->negligible = infinity();
+    return wrong;
+}
+
 int shaft_pass(Unit *unit, double step, Knot *spin)
 {
     Composite *c = unit->own;
@@ -133,7 +150,7 @@ int shaft_pass(Unit *unit, double step, Knot *spin)
     for (k = 0; k < SIGNAL_ORDERS; k++) {
         motor->real[motor->layout.inputs.first + (size_t)k] = cubic[k].re;
     }
-    if (composite_advance(unit, c->motor, step)) {
+    if (advance(unit, step)) {
         return 1;
     }
     *spin = answer(c);

@@ -198,7 +198,8 @@ int composite_balancer_pass(Unit *unit, const Complex *accelerations, double ste
         }
     }
     composite_read_forces(c, c->answers);
-    return c->motor ? shaft_pass(unit, step, c->answers + c->exchanges) : 0;
+    return c->motor && (shaft_pass(unit, step, c->answers + c->exchanges) ||
+                        ended_early(c, c->motor, step));
 }
 
 int composite_follow(Unit *unit, double step)

@@ -35,6 +35,7 @@ static int parameters(Unit *unit)
     own->inertia = unit->real[0];
     own->count = unit->layout.sizes.points;
     own->points = unit->real + 1;
+    own->negligible = infinity();
     own->quadrature = quadrature_empty();
     return motor_check(own, &failure) ? unit_failed(unit, &failure, NULL, 0) : 0;
 }
@@ -58,11 +59,13 @@ static void put(Unit *unit, const double *torque)
 static int step(Unit *unit, double length)
 {
     const double *torque = unit->real + unit->layout.inputs.first;
+    Motor *own = unit->own;
     double end[2], turned;
     Failure failure;
-    if (motor_advance(unit->own, unit->memory + SPEED, &turned, torque, length, &failure)) {
+    if (motor_advance(own, unit->memory + SPEED, &turned, torque, length, &failure)) {
         return unit_failed(unit, &failure, NULL, 0);
     }
+    unit->made = length = own->reached;
     angle_turn(unit->memory, turned);
     end[0] = torque[0] +
              length * (torque[1] + length * (torque[2] / 2.0 + length * torque[3] / 6.0));

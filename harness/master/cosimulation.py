@@ -62,11 +62,14 @@ class CoSimulation(Closing):
 
     Attributes:
         coupled: whether there is a loop.
+        ends_steps_at_corners: of a motor's characteristic.
 
     Raises:
         UnitError: an FMU is missing, corrupt, or of a different build.
         SceneError: a tolerance is asked of a scheme or an order that cannot keep it.
     """
+
+    ends_steps_at_corners = False
 
     def __init__(
         self,

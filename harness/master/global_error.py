@@ -4,10 +4,11 @@ What a step errs says little of the end: lightly damped motion gathers errors, m
 stable multiplies them.  So the run is done twice.  The first chooses its steps by what each of them
 errs (`schemes.adaptive`); the second takes every one of them in two, and is the result.  Where they
 meet they differ by 15 times the error of the second, for the coupling is of order 4 (with quintic
-signals of order 6, and by 63 times; taken for 1 where weights can collide, or a jump falls
-within a step, for 2 where weights or supports stick or slide at the end of one and two runs are all
-there are, for 1 from where steps at rest have held their signals).  If that is more than the
-tolerance, every step is divided again, into as many parts as it takes.
+signals of order 6, and by 63 times; taken for 1 where weights can collide, or a jump falls within a
+step, for 2 where weights or supports stick or slide or a motor meets a corner of its characteristic
+at the end of one and two runs are all there are, for 1 from where steps at rest have held their
+signals). If that is more than the tolerance, every step is divided again, into as many parts as it
+takes.
 
 Hairer, Norsett & Wanner 1993, II.4: Richardson's extrapolation, here of the run as a whole.
 """
@@ -39,11 +40,12 @@ ORDER = {3: 4, 5: 6}  # of the coupling, by that of the signals
 # forces or accelerations that jump within a step: three runs may show more by chance; motion with
 # collisions, met ones too, is no smooth function of the steps' errors
 ORDER_OF_JUMPS = 1
-# steps end where something sticks: where that is all but missed its time errs by the root of what
-# signals do
+# steps end where something sticks or a motor's slope jumps: where that is all but missed its time
+# errs by the root of what signals do
 ORDER_OF_EVENTS = 2
 ORDER_HELD = 1  # and all that follows
 LEFT = 2  # power of the parts with which what is left in the loop shrinks at least
+MOTOR_LEFT = 0.01  # of that under a motor, whose acceleration can be far the largest of the forces
 # of the tolerance, what a step of the first run may err; halved, it errs by 1/16 or 1/64
 SHARES = (10.0, 1.0, 0.1)
 # of the tolerance: what further parts are to leave, and two runs may say, for they do not tell by
@@ -74,9 +76,14 @@ class Controlled:
         self.tolerance = cosim.scene.coupling.tolerance
         touching = any(balancer.can_meet for balancer in cosim.scene.balancer)
         dry = bool(cosim.scene.rotor.friction)
+        motor = cosim.scene.operation.motor
+        bent = motor is not None and len(motor.table or ()) > 2
         jumping = touching or force_jumps(cosim.scene) or (dry and not meets_events(cosim.scene))
-        self._sticking = dry or any(balancer.can_stick for balancer in cosim.scene.balancer)
+        jumping = jumping or (bent and not cosim.ends_steps_at_corners)
+        self._ends_at_events = dry or bent or any(b.can_stick for b in cosim.scene.balancer)
+        self._left = MOTOR_LEFT if motor else 1.0
         self.highest_order = ORDER_OF_JUMPS if jumping else ORDER[cosim.order]
+        self._steepest = max(self.highest_order, ORDER_OF_EVENTS) if bent else math.inf
         self.order: float = self.highest_order
         self.parts, self.error = 1, math.inf
         self._apart = self._times = 0.0  # how far the last two runs were, and by how many parts
@@ -122,10 +129,13 @@ class Controlled:
             self.order = order = min(self.highest_order, max(shown, ORDER_OF_JUMPS))
         elif order > ORDER_OF_JUMPS:
             enough *= AIM
-            order = min(order, ORDER_OF_EVENTS if self._sticking else order)
+            order = min(order, ORDER_OF_EVENTS if self._ends_at_events else order)
+        # where a corner lies in its step, two runs can agree by chance
+        least = self.error / times**self._steepest if self._apart else 0.0
         self.error = max(apart, at_rest)
         if self.error < ASYMPTOTIC:
-            self.error = max(apart / (times**order - 1.0), at_rest / (times**ORDER_HELD - 1.0))
+            shares = apart / (times**order - 1.0), at_rest / (times**ORDER_HELD - 1.0)
+            self.error = max(*shares, least)
         self.parts, self._times, self._apart = parts, times, apart
         return self.error <= enough
 
@@ -159,7 +169,7 @@ class Controlled:
             cosim.start(step_share=self._share)
         else:
             # what is left in the loop must shrink with the rest, or no run would show it
-            left = RESIDUAL_SHARE * self._share * self.tolerance
+            left = self._left * RESIDUAL_SHARE * self._share * self.tolerance
             residual = left / parts ** max(self.highest_order, LEFT)
             cosim.start(points=(points, residual))
         # of a first run it is certain that another follows

@@ -13,6 +13,8 @@ from autobalancer.harness.scatter.study import scatter
 from autobalancer.harness.scatter.vary import Variation
 from autobalancer.harness.stability.axis import Axis
 from autobalancer.harness.stability.run_map import run_map
+from autobalancer.models.monolith import simulate
+from tests.truth.judge import deviations, motion
 
 RANGE = 1e-11
 MOTOR = {"inertia": 0.01, "stall_torque": 1.0, "no_load_speed": 200.0, "from": 20.0}
@@ -30,7 +32,12 @@ DOCUMENT = {
     "run": {"revolutions": 6.0},
 }  # fmt: skip
 RECORD = ["rotor.x", "rotor.y", "rotor.angle", "motor.speed", "motor.angle", "motor.power"]
-TABLE = [[0.0, 1.0], [30.0, 0.9], [100.0, 0.6], [200.0, 0.0]]
+LINE = [[0.0, 1.0], [200.0, 0.0]]
+CORNERS = {
+    "operation.motor.table": [[0.0, 1.0], [30.0, 4.0], [160.0, 0.0], [200.0, -2.0]],
+    "operation.motor.stall_torque": None,
+    "operation.motor.no_load_speed": None,
+}
 
 
 CASES = {
@@ -39,7 +46,7 @@ CASES = {
     "rollers": {"balls.kind": "rollers"},
     "gravity": {"operation.gravity": 9.81},
     "friction": {"rotor.friction": [{"limit": 2.0}], "operation.gravity": 9.81},
-    "table": {"operation.motor.table": TABLE, "operation.motor.stall_torque": None,
+    "table": {"operation.motor.table": LINE, "operation.motor.stall_torque": None,
               "operation.motor.no_load_speed": None},
     "rolling resistance": {"balls.rolling_resistance": 0.05},
     "from standstill": {"operation.motor.from": None},
@@ -61,6 +68,42 @@ def test_it_moves_as_the_harness_couples_the_units(hosted, case):
         assert np.abs(found[:, k] - expected[signal]).max() <= RANGE * size, signal
     assert host.get("coupling.steps") == [expected.steps]
     assert host.get("rotor.speed") == host.get("motor.speed")
+
+
+def test_a_step_ends_at_a_corner_of_the_characteristic(hosted):
+    """Of order four as elsewhere, against the machine in one piece."""
+    scene = Scene.from_document(DOCUMENT).replace(CORNERS)
+    times, names = np.linspace(0.0, end_time(scene), 61), ["rotor.x", "rotor.y", "motor.speed"]
+    right = simulate(scene.assembly(), scene.operation.drive(), times, rtol=1e-12)
+    expected = np.array([right.signal(name) for name in names]).T
+    coarse, fine = (
+        np.abs(hosted(scene.replace({"coupling.steps_per_rev": n})).driven(times, names) - expected)
+        for n in (20, 40)
+    )
+    assert (fine.max(axis=0) < 1e-5 * np.abs(expected).max(axis=0)).all()
+    assert (coarse.max(axis=0) > 9.0 * fine.max(axis=0)).all()
+
+
+def test_a_motor_that_comes_to_rest_on_a_corner_ends_no_step_there(hosted):
+    """Rounding crosses it for ever."""
+    scene = Scene.from_document({**DOCUMENT, "balancer": []}).replace(
+        {**CORNERS, "operation.motor.from": 159.0, "rotor.unbalance": 0.0, "run.revolutions": 400}
+    )
+    host = hosted(scene)
+    host.driven(np.linspace(0.0, end_time(scene), 11), ["motor.speed"])
+    assert host.get("motor.speed") == [pytest.approx(160.0, abs=1e-9)]
+    assert host.get("coupling.steps")[0] < 1.1 * 40 * 400
+
+
+@pytest.mark.parametrize(("tolerance", "one_file"), [(1e-6, True), (1e-4, True), (1e-4, False)])
+def test_a_run_over_corners_states_its_error(tolerance, one_file):
+    scene = Scene.from_document(DOCUMENT).replace(
+        {**CORNERS, "coupling.steps_per_rev": None, "coupling.tolerance": tolerance}
+    )
+    result = cosimulate(scene, one_file=one_file)
+    error = max(deviations(result, motion(scene, result)).values())
+    assert error < 3.0 * result.estimated_error
+    assert error < tolerance
 
 
 def test_a_motor_alone_with_the_rotor_is_a_loop_too(hosted):

@@ -190,7 +190,7 @@ def gravity(generator: random.Random) -> Document:
 def motor(generator: random.Random) -> Document:
     """Any rotor with point weights before a motor that passes the resonance or is caught there.
 
-    A third of the motors have a characteristic of three points.
+    The characteristic of half of the motors has one to seven corners.
     """
     document = generator.choice((planar, planar, two_support, flexible, offset))(generator)
     rotor, operation = document["rotor"], document["operation"]
@@ -202,9 +202,10 @@ def motor(generator: random.Random) -> Document:
     seconds = 2.0 * math.pi * document["run"]["revolutions"] / speed
     stall = float(f"{inertia * speed / seconds * sized(generator, 0.3, 10.0):.4g}")
     drive: Document = {"inertia": inertia}
-    if generator.random() < 1 / 3:
-        between = float(f"{speed * even(generator, 0.2, 0.9):.4g}")
-        drive["table"] = [[0.0, stall], [between, 1.5 * stall], [speed, 0.0]]
+    if generator.random() < 0.5:
+        corners = sorted({even(generator, 0.02, 0.95) for _ in range(generator.choice((1, 2, 7)))})
+        inner = [[speed * at, stall * sized(generator, 0.3, 3.0)] for at in corners]
+        drive["table"] = [[0.0, stall], *inner, [speed, 0.0]]
     else:
         drive |= {"stall_torque": stall, "no_load_speed": speed}
     drive["from"] = sometimes(generator, 0.6, speed * even(generator, 0.0, 0.9))
