@@ -31,7 +31,6 @@ def build(
     *,
     backend: str = "native",
     fmi: int = 2,
-    arrays: bool = False,
     platforms: Iterable[str] | None = None,
     name: str | None = None,
     **options: Any,
@@ -43,8 +42,6 @@ def build(
         destination: folder (made when missing), or a file that ends in .fmu.
         backend: "native" (libraries in C), or "python" (slaves under pythonfmu).
         fmi: 2 or 3; Python units are of FMI 2.0 only.
-        arrays: of FMI 3.0, whether `weight[1].angle`, `weight[2].angle` ... are one array
-            `weight.angle`; most tools connect scalars more easily.
         platforms: of native units, default: all.
         name: model name and file name, default: that of the unit.
         options: frame ("rotor", or "fixed" for signals along fixed axes), order (3, or 5 for
@@ -61,9 +58,7 @@ def build(
         NotCompiled: a native library is not of the present sources, and there is no compiler.
         OSError: the file cannot be written; nothing is left behind.
     """
-    content = contents(
-        unit, backend=backend, fmi=fmi, arrays=arrays, platforms=platforms, name=name, **options
-    )
+    content = contents(unit, backend=backend, fmi=fmi, platforms=platforms, name=name, **options)
     return written(content, destination, name or unit)
 
 
@@ -81,7 +76,6 @@ def contents(
     *,
     backend: str = "native",
     fmi: int = 2,
-    arrays: bool = False,
     platforms: Iterable[str] | None = None,
     name: str | None = None,
     **options: Any,
@@ -92,19 +86,16 @@ def contents(
     _refuse_wrong(identifier, fmi)
     if backend not in ("python", "native"):
         raise ValueError(f"backend = {backend!r}: must be one of 'python', 'native'")
-    if arrays and fmi != 3:
-        raise ValueError(f"arrays = {arrays!r}: only FMI 3.0 has them; build with fmi = 3")
     if backend == "native":
         can = Capabilities(
             input_derivatives=True,
             output_derivatives=1,
             directional_derivatives=getattr(sized.sizes, "order", 3) == 3,
             early_return=sized.returns_early,
-            arrays=arrays,
         )
 
         def identify(stamp: str) -> str:
-            return token(sized, stamp, arrays=arrays)
+            return token(sized, stamp)
 
         return native_contents(sized, identifier, identify, can, fmi, platforms)
     if fmi != 2:
@@ -123,9 +114,9 @@ def _refuse_wrong(identifier: str, fmi: int) -> None:
         raise ValueError(f"fmi = {fmi!r}: must be one of {alternatives(_DESCRIBED_BY)}")
 
 
-def _documented(unit: SizedUnit, identifier: str, arrays: bool = False) -> dict[str, bytes]:
+def _documented(unit: SizedUnit, identifier: str) -> dict[str, bytes]:
     return {
-        "documentation/index.html": html(unit, identifier, equations(unit.unit), arrays=arrays),
+        "documentation/index.html": html(unit, identifier, equations(unit.unit)),
         "documentation/licenses/license.txt": LICENCE.encode(),
     }
 
@@ -166,7 +157,7 @@ def native_contents(
 
     chosen = {} if platforms is None else {"platforms": platforms}
     files = native_files(identify, identifier, describe, fmi=fmi, **chosen)
-    return {**_documented(unit, identifier, can.arrays), **files}
+    return {**_documented(unit, identifier), **files}
 
 
 def _described(unit: SizedUnit, identifier: str, fmi: int, token: str, can: Capabilities) -> bytes:

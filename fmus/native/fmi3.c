@@ -1,7 +1,7 @@
 /* FMI 3.0 for co-simulation: a thin front over unit.h.
 
    Value references are unique over all types: the Reals as in FMI 2.0, then the Booleans, then the
-   independent variable, time.  In a unit with arrays that of a first element stands for its row. */
+   independent variable, time.  */
 #include "fmi3.h"
 
 #include "elementary.h"
@@ -122,30 +122,17 @@ static Status values_allowed(fmi3Instance instance, const char *function, int ph
     return status;
 }
 
-/* As front_allowed, for as many values as elements; these are number `which` of the unit's. */
-static Status reals_allowed(fmi3Instance instance, const char *function, int phases,
-                            const fmi3ValueReference vr[], size_t count, const void *values,
-                            size_t value_count, int which)
-{
-    const Status status = front_allowed(instance, function, phases, count, vr, values);
-    return status ? status
-                  : unit_elements(front_unit(instance), function, vr, count, value_count,
-                                  front_unit(instance)->elements + which);
-}
-
 EXPORT fmi3Status fmi3GetFloat64(fmi3Instance instance, const fmi3ValueReference vr[],
                                  size_t count, fmi3Float64 values[], size_t value_count)
 {
     Status status =
-        reals_allowed(instance, "fmi3GetFloat64", ANY_PHASE, vr, count, values, value_count, 0);
+        values_allowed(instance, "fmi3GetFloat64", ANY_PHASE, vr, count, values, value_count);
     Unit *unit;
     size_t from = 0, k;
     if (status) {
         return (fmi3Status)status;
     }
     unit = front_unit(instance);
-    vr = unit->elements[0].at;
-    count = unit->elements[0].count;
     /* hosts read time together with others: what stands between is read at once */
     for (k = 0; k <= count && !status; k++) {
         if (k == count || vr[k] == time_reference(unit)) {
@@ -162,14 +149,10 @@ EXPORT fmi3Status fmi3GetFloat64(fmi3Instance instance, const fmi3ValueReference
 EXPORT fmi3Status fmi3SetFloat64(fmi3Instance instance, const fmi3ValueReference vr[],
                                  size_t count, const fmi3Float64 values[], size_t value_count)
 {
-    const Status status = reals_allowed(instance, "fmi3SetFloat64", SETTABLE_PHASES, vr, count,
-                                        values, value_count, 0);
-    const Elements *reals;
-    if (status) {
-        return (fmi3Status)status;
-    }
-    reals = front_unit(instance)->elements;
-    return (fmi3Status)unit_set_reals(front_unit(instance), reals->at, reals->count, values);
+    const Status status = values_allowed(instance, "fmi3SetFloat64", SETTABLE_PHASES, vr, count,
+                                         values, value_count);
+    return (fmi3Status)(status ? status
+                               : unit_set_reals(front_unit(instance), vr, count, values));
 }
 
 EXPORT fmi3Status fmi3GetBoolean(fmi3Instance instance, const fmi3ValueReference vr[],
@@ -235,35 +218,6 @@ EXPORT fmi3Status fmi3DeserializeFMUState(fmi3Instance instance, const fmi3Byte 
 
 /* -- derivatives and the step --------------------------------------------------------------- */
 
-/* As reals_allowed, for outputs (elements 0) and inputs (elements 1). */
-static Status sides_allowed(fmi3Instance instance, const char *function,
-                            const fmi3ValueReference unknowns[], size_t unknown_count,
-                            const void *of_unknowns, size_t of_unknown_count,
-                            const fmi3ValueReference knowns[], size_t known_count,
-                            const void *of_knowns, size_t of_known_count)
-{
-    const int phases = INITIALISING | RUNNING;
-    const Status status = reals_allowed(instance, function, phases, unknowns, unknown_count,
-                                        of_unknowns, of_unknown_count, 0);
-    return status ? status
-                  : reals_allowed(instance, function, phases, knowns, known_count, of_knowns,
-                                  of_known_count, 1);
-}
-
-typedef Status Derivative(Unit *unit, const unsigned *unknowns, size_t unknown_count,
-                          const unsigned *knowns, size_t known_count, const double *seed,
-                          double *change);
-
-/* A derivative of the sides that were allowed. */
-static fmi3Status along(fmi3Instance instance, Derivative *derivative, const double *seed,
-                        double *change)
-{
-    Unit *unit = front_unit(instance);
-    const Elements *sides = unit->elements;
-    return (fmi3Status)derivative(unit, sides[0].at, sides[0].count, sides[1].at, sides[1].count,
-                                  seed, change);
-}
-
 EXPORT fmi3Status fmi3GetDirectionalDerivative(fmi3Instance instance,
                                                const fmi3ValueReference unknowns[],
                                                size_t unknown_count,
@@ -272,23 +226,16 @@ EXPORT fmi3Status fmi3GetDirectionalDerivative(fmi3Instance instance,
                                                size_t seed_count, fmi3Float64 change[],
                                                size_t change_count)
 {
-    const Status status = sides_allowed(instance, "fmi3GetDirectionalDerivative", unknowns,
-                                        unknown_count, change, change_count, knowns, known_count,
-                                        seed, seed_count);
-    return status ? (fmi3Status)status : along(instance, unit_directional, seed, change);
-}
-
-EXPORT fmi3Status fmi3GetAdjointDerivative(fmi3Instance instance,
-                                           const fmi3ValueReference unknowns[],
-                                           size_t unknown_count,
-                                           const fmi3ValueReference knowns[], size_t known_count,
-                                           const fmi3Float64 seed[], size_t seed_count,
-                                           fmi3Float64 change[], size_t change_count)
-{
-    const Status status = sides_allowed(instance, "fmi3GetAdjointDerivative", unknowns,
-                                        unknown_count, seed, seed_count, knowns, known_count,
-                                        change, change_count);
-    return status ? (fmi3Status)status : along(instance, unit_adjoint, seed, change);
+    const char *function = "fmi3GetDirectionalDerivative";
+    const int phases = INITIALISING | RUNNING;
+    Status status = values_allowed(instance, function, phases, unknowns, unknown_count, change,
+                                   change_count);
+    if (!status) {
+        status = values_allowed(instance, function, phases, knowns, known_count, seed, seed_count);
+    }
+    return (fmi3Status)(status ? status
+                               : unit_directional(front_unit(instance), unknowns, unknown_count,
+                                                  knowns, known_count, seed, change));
 }
 
 EXPORT fmi3Status fmi3GetOutputDerivatives(fmi3Instance instance, const fmi3ValueReference vr[],
@@ -296,25 +243,14 @@ EXPORT fmi3Status fmi3GetOutputDerivatives(fmi3Instance instance, const fmi3Valu
                                            fmi3Float64 values[], size_t value_count)
 {
     const char *function = "fmi3GetOutputDerivatives";
-    const Elements *reals;
-    size_t done = 0, end = 0, k;
-    Status status = reals_allowed(instance, function, AFTER_INSTANTIATION, vr, count, values,
-                                  value_count, 0);
+    Status status = values_allowed(instance, function, AFTER_INSTANTIATION, vr, count, values,
+                                   value_count);
     if (!status) {
         status = front_allowed(instance, function, AFTER_INSTANTIATION, count, vr, orders);
     }
-    if (status) {
-        return (fmi3Status)status;
-    }
-    reals = front_unit(instance)->elements;
-    for (k = 0; k < count && !status; k++) {
-        end += unit_element_count(front_unit(instance), vr[k]);
-        for (; done < end && !status; done++) {
-            status = unit_get_derivatives(front_unit(instance), reals->at + done, 1, orders + k,
-                                          values + done);
-        }
-    }
-    return (fmi3Status)status;
+    return (fmi3Status)(status ? status
+                               : unit_get_derivatives(front_unit(instance), vr, count, orders,
+                                                      values));
 }
 
 EXPORT fmi3Status fmi3DoStep(fmi3Instance instance, fmi3Float64 time, fmi3Float64 step,

@@ -1,4 +1,4 @@
-/* The functions of FMI 3.0 for what the units do not have: model exchange, clocks, events.
+/* The functions of FMI 3.0 for what the units do not have: model exchange, clocks, events, adjoint derivatives.
    Each is refused with a reason. */
 #include "fmi3.h"
 #include "unit_front.h"
@@ -169,4 +169,16 @@ EXPORT fmi3Status fmi3ActivateModelPartition(fmi3Instance instance, fmi3ValueRef
 {
     (void)clock, (void)time;
     return absent(instance, "fmi3ActivateModelPartition");
+}
+
+EXPORT fmi3Status fmi3GetAdjointDerivative(fmi3Instance instance,
+                                           const fmi3ValueReference unknowns[],
+                                           size_t unknown_count,
+                                           const fmi3ValueReference knowns[], size_t known_count,
+                                           const fmi3Float64 seed[], size_t seed_count,
+                                           fmi3Float64 change[], size_t change_count)
+{
+    (void)unknowns, (void)unknown_count, (void)knowns, (void)known_count, (void)seed,
+        (void)seed_count, (void)change, (void)change_count;
+    return absent(instance, "fmi3GetAdjointDerivative");
 }

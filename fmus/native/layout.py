@@ -115,16 +115,14 @@ def header() -> str:
 
 
 @cache
-def token(unit: SizedUnit, stamp: str, *, arrays: bool = False) -> str:
+def token(unit: SizedUnit, stamp: str) -> str:
     """Identity of a native unit: GUID in FMI 2.0, instantiation token in FMI 3.0.
 
     Args:
         unit: with its sizes.
         stamp: of the C sources.
-        arrays: whether variables that differ in an index alone are arrays (FMI 3.0).
     """
-    words = [unit.name, *["arrays=true"] * arrays]
-    words += [f"{key}={value}" for key, value in unit.options.items()]
+    words = [unit.name, *(f"{key}={value}" for key, value in unit.options.items())]
     return "/".join([*words, f"{digest(unit.layout)}-{stamp}"])
 
 

@@ -45,7 +45,7 @@ int token_read(const char *token, const Table **table, Sizes *sizes, Text *reaso
 {
     char unit[WORD_SIZE], key[WORD_SIZE], value[WORD_SIZE], kind[WORD_SIZE], shaft[WORD_SIZE];
     const char *at;
-    const Sizes none = {1, 1, 1, 1, 0, 2, 0, 0, 3};
+    const Sizes none = {1, 1, 1, 1, 0, 2, 0, 3};
     *sizes = none;
     kind[0] = shaft[0] = 0;
     at = token ? word_until(token, '/', unit) : NULL;
@@ -66,9 +66,7 @@ int token_read(const char *token, const Table **table, Sizes *sizes, Text *reaso
         if (kept != value) {
             continue;
         }
-        if (text_equal(key, "arrays")) {
-            sizes->arrays = 1;
-        } else if (text_equal(key, "frame")) {
+        if (text_equal(key, "frame")) {
             sizes->fixed_frame = text_equal(value, "fixed");
         } else {
             int *size = text_equal(key, "stations")     ? &sizes->stations
@@ -122,9 +120,6 @@ static void put_options(Text *text, const Layout *layout)
     const Table *table = layout->table;
     const Sizes *sizes = &layout->sizes;
     put_option(text, table->unit, "");
-    if (sizes->arrays) {
-        put_option(text, "arrays=", "true");
-    }
     put_option(text, "frame=", sizes->fixed_frame ? "fixed" : "rotor");
     if (table->kind[0]) {
         put_option(text, "kind=", table->kind);

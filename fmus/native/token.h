@@ -1,7 +1,6 @@
 /* What a GUID (FMI 2.0) or instantiation token (FMI 3.0) says: unit, sizes, layout, sources.
 
        BallBalancer/frame=rotor/weights=3/<digest of the layout>-<stamp of the sources>
-       BallBalancer/arrays=true/frame=rotor/weights=3/... with arrays, in FMI 3.0
 
    One library serves every unit and size, and refuses a model description that is not its own. */
 #ifndef AUTOBALANCER_TOKEN_H

@@ -104,8 +104,7 @@ static int build_arrays(Unit *unit, const char *name)
     unit->kept = unit_allocate(unit, unit->layout.computed.count, sizeof(double));
     if (!unit->real || !unit->name || !unit->boolean || !unit->memory || !unit->before ||
         !unit->seed || !unit->change || !unit->kept ||
-        (unit->equations->allocate && unit->equations->allocate(unit)) ||
-        unit_allocate_elements(unit)) {
+        (unit->equations->allocate && unit->equations->allocate(unit))) {
         return 1;
     }
     memcpy(unit->name, name, text_length(name) + 1);

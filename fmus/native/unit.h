@@ -26,14 +26,6 @@ enum { INSTANTIATED = 1, INITIALISING = 2, RUNNING = 4, TERMINATED = 8 };
 
 typedef struct Unit Unit;
 
-/* Value references of single Reals, `own` where they had to be written out. */
-typedef struct {
-    const unsigned *at;
-    size_t count;
-    unsigned *own;
-    size_t room;
-} Elements;
-
 /* What a unit supplies.  Functions that return int return 0, or 1 with unit->reason written. */
 typedef struct {
     const char *name;
@@ -88,7 +80,6 @@ struct Unit {
     double *kept;   /* and the computed outputs while it is found */
     const unsigned *asked; /* outputs that are read, where others need not be computed; else NULL */
     size_t asked_count;
-    Elements elements[2]; /* those of a call's value references */
     double time;    /* communication point reached [s] */
     double made;    /* length of the last step, less than asked where it ended early [s] */
     double stop;    /* infinite when not defined [s] */
@@ -136,14 +127,6 @@ Status unit_refuse(Unit *unit, const char *function, const char *why);
 
 /* -- values ---------------------------------------------------------------------------------- */
 
-/* How many Reals a value reference stands for: an array's elements, or one. */
-size_t unit_element_count(const Unit *unit, unsigned reference);
-/* Memory for the elements of arrays, so that calls need none; 0, or 1 when there is none. */
-int unit_allocate_elements(Unit *unit);
-/* The Reals that value references stand for: those of an array's first element for all of it.  Refused
-   unless there are as many values as elements. */
-Status unit_elements(Unit *unit, const char *function, const unsigned *references, size_t count,
-                     size_t value_count, Elements *elements);
 Status unit_get_reals(Unit *unit, const unsigned *references, size_t count, double *values);
 /* The same of references that are known, whose outputs may be as stale as `unit_level` says: for who
    reads them again and again. */
@@ -162,10 +145,6 @@ Status unit_get_derivatives(Unit *unit, const unsigned *references, size_t count
 Status unit_directional(Unit *unit, const unsigned *unknowns, size_t unknown_count,
                         const unsigned *knowns, size_t known_count, const double *seed,
                         double *change);
-/* The same read backwards: what `seed` on the unknowns weighs for each of `knowns`. */
-Status unit_adjoint(Unit *unit, const unsigned *unknowns, size_t unknown_count,
-                    const unsigned *knowns, size_t known_count, const double *seed,
-                    double *change);
 
 /* -- for the equations ----------------------------------------------------------------------- */
 

@@ -201,29 +201,3 @@ Status unit_directional(Unit *unit, const unsigned *unknowns, size_t unknown_cou
     }
     return STATUS_OK;
 }
-
-Status unit_adjoint(Unit *unit, const unsigned *unknowns, size_t unknown_count,
-                    const unsigned *knowns, size_t known_count, const double *seed,
-                    double *change)
-{
-    const char *what = "an adjoint derivative failed";
-    const Range inputs = unit->layout.inputs, outputs = outputs_of(&unit->layout);
-    const char *wrong =
-        wrong_sides(unit, outputs, unknowns, unknown_count, knowns, known_count);
-    size_t k, j;
-    if (wrong) {
-        return unit_refuse(unit, what, wrong);
-    }
-    for (k = 0; k < known_count; k++) {
-        memset(unit->seed, 0, inputs.count * sizeof(double));
-        unit->seed[knowns[k] - inputs.first] = 1.0;
-        if (unit_refresh(unit, COMPUTED) || respond(unit)) {
-            return unit_report(unit, STATUS_ERROR, what);
-        }
-        change[k] = 0.0;
-        for (j = 0; j < unknown_count; j++) {
-            change[k] += seed[j] * unit->change[unknowns[j] - outputs.first];
-        }
-    }
-    return STATUS_OK;
-}

@@ -96,8 +96,6 @@ Layout layout_in(Variable *reals, const Table *table, const Sizes *sizes)
                 reals[at].index = index;
                 reals[at].second = second;
                 reals[at].owner = NULL;
-                reals[at].members = triangle ? 1 : (int)times;
-                reals[at].stride = block->count;
                 at++;
             }
             /* the upper triangle of the stations that are no supports, row by row */

@@ -54,16 +54,13 @@ typedef struct {
 typedef struct {
     int stations, planes, unbalances, weights, sliders, points;
     int fixed_frame; /* signals along fixed axes */
-    int arrays;      /* rows of Reals are arrays, in FMI 3.0 */
     int order;       /* of the signals: 3, or 5 */
 } Sizes;
 
-/* A Real's declaration, its indices, from 1, and the row of those that differ in `index` alone: how
-   many they are, and how far their value references are apart. */
+/* A Real's declaration, and its indices, from 1. */
 typedef struct {
     const Declared *declared;
     int index, second;
-    int members, stride;
     const char *owner; /* the part of a composite it belongs to, or NULL */
 } Variable;
 

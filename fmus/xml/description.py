@@ -25,10 +25,9 @@ class Capabilities:
     Attributes:
         input_derivatives: whether it takes the derivatives of inputs FMI's own way.
         output_derivatives: highest order of those that it gives FMI's own way.
-        directional_derivatives: whether it gives them (FMI 3.0: adjoint ones as well).
+        directional_derivatives: whether it gives them.
         early_return: whether a step may end early (FMI 3.0).
         sources: names of the C files in `sources/` that make the library (FMI 2.0).
-        arrays: whether variables that differ in an index alone are arrays (FMI 3.0).
     """
 
     input_derivatives: bool = False
@@ -36,7 +35,6 @@ class Capabilities:
     directional_derivatives: bool = False
     early_return: bool = False
     sources: tuple[str, ...] = ()
-    arrays: bool = False
 
 
 def header(unit: SizedUnit, name: str, release: str) -> dict[str, str]:

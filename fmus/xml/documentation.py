@@ -22,9 +22,6 @@ communication step: its value and its derivatives of order 1 to 3 at the start o
 Connect only the value and it is held. Outputs belong to the end of the step and come
 with their exact slope."""
 
-_ARRAYS = """ Variables that differ in an index alone are one array: <code>weight[2].angle</code> is
-the second element of <code>weight.angle</code>."""
-
 _MIT = """Permission is hereby granted, free of charge, to any person obtaining a copy
 of this software and associated documentation files (the "Software"), to deal
 in the Software without restriction, including without limitation the rights
@@ -59,17 +56,16 @@ Copyright (c) 2019-2020 Safran SA
 {_MIT}"""
 
 
-def html(unit: SizedUnit, name: str, equations: str, *, arrays: bool = False) -> bytes:
+def html(unit: SizedUnit, name: str, equations: str) -> bytes:
     """documentation/index.html.
 
     Args:
         unit: with its sizes.
         name: of the model.
         equations: the unit's README, Markdown.
-        arrays: whether variables that differ in an index alone are arrays.
     """
     options = ", ".join(f"{key} = {value}" for key, value in unit.options.items())
-    built = f"{unit.name}, built with {escape(options)}.{_ARRAYS * arrays}"
+    built = f"{unit.name}, built with {escape(options)}."
     parts = [
         _HEAD.format(name=escape(name)),
         MarkdownIt("commonmark").render(equations),

@@ -1,8 +1,7 @@
 """modelDescription.xml of FMI 3.0, from a unit's declarations.
 
 Value references are unique over all types: the Reals have those of FMI 2.0, the Booleans follow
-them, and after those comes the independent variable `time`.  An array has that of its first
-element.
+them, and after those comes the independent variable `time`.
 """
 
 from __future__ import annotations
@@ -10,9 +9,8 @@ from __future__ import annotations
 from xml.etree.ElementTree import Element, SubElement
 
 from ..unit import SizedUnit
-from ..variables import Layout, Variable
+from ..variables import Layout
 from . import description as common
-from .arrays import arrays, as_one
 from .description import Capabilities, flag
 from .types import type_attributes, type_names, unit_definitions
 
@@ -47,7 +45,6 @@ def model_description(
             "canGetAndSetFMUState": "true",
             "canSerializeFMUState": "true",
             "providesDirectionalDerivatives": flag(can.directional_derivatives),
-            "providesAdjointDerivatives": flag(can.directional_derivatives),
             "canHandleVariableCommunicationStepSize": "true",
             "maxOutputDerivativeOrder": str(can.output_derivatives),
             "canReturnEarlyAfterIntermediateUpdate": "false",
@@ -64,32 +61,20 @@ def model_description(
     common.log_categories(root, "fmi3")
     common.experiment(root, unit.unit)
     references = {k: str(v) for k, v in value_references(unit.layout).items()}
-    rows = arrays(unit.layout) if can.arrays else [(v,) for v in unit.layout.variables]
-    references.update((v.name, references[row[0].name]) for row in rows for v in row)
     variables = SubElement(root, "ModelVariables")
     _time(variables, references[TIME])
-    for row in rows:
-        _variable(variables, row, references)
+    for v in unit.layout.variables:
+        about = {**common.scalar(v, references[v.name]), **common.value(v, references)}
+        SubElement(variables, "Boolean" if v.boolean else "Float64", about)
     structure = SubElement(root, "ModelStructure")
     for tag in ("Output", "InitialUnknown"):
-        for row in rows:
-            if row[0].causality == "output":
-                found = common.unknown(as_one(row), references, tag == "InitialUnknown")
-                SubElement(structure, tag, {"valueReference": references[row[0].name], **found})
+        for v in unit.layout.variables:
+            if v.causality == "output":
+                found = common.unknown(v, references, tag == "InitialUnknown")
+                SubElement(structure, tag, {"valueReference": references[v.name], **found})
     annotation = SubElement(SubElement(root, "Annotations"), "Annotation", {"type": "autobalancer"})
     common.built(annotation, unit)
     return common.text_of(root)
-
-
-def _variable(parent: Element, row: tuple[Variable, ...], references: dict[str, str]) -> None:
-    """A scalar, or an array with a start value for each of its elements."""
-    v = as_one(row)
-    about = {**common.scalar(v, references[row[0].name]), **common.value(v, references)}
-    element = SubElement(parent, "Boolean" if v.boolean else "Float64", about)
-    if len(row) > 1:
-        SubElement(element, "Dimension", {"start": str(len(row))})
-        if v.start is not None:
-            element.set("start", " ".join(common.value(e, references)["start"] for e in row))
 
 
 def _time(parent: Element, reference: str) -> None:

@@ -28,9 +28,6 @@ def command(
         Path, typer.Option("--output", "-o", metavar="DIR", help="Where the files go.")
     ] = Path(),
     fmi: Annotated[int, typer.Option("--fmi", metavar="2|3", help="Version of FMI.")] = 2,
-    arrays: Annotated[
-        bool, typer.Option("--arrays", help="Weights, planes and stations as arrays, in FMI 3.0.")
-    ] = False,
     platform: Annotated[
         list[str] | None,
         typer.Option(
@@ -52,23 +49,23 @@ def command(
 ) -> None:
     """Build all units as FMUs, or exactly those that a scene needs."""
     backend = "python" if python else "native"
-    form = {"backend": backend, "fmi": fmi, "arrays": arrays, "platforms": platform}
+    form = {"backend": backend, "fmi": fmi, "platforms": platform}
     if scene is None and changes:
         raise UserError("--set: give the scene in which the value is to be replaced")
     loaded = None if scene is None else changed_scene(scene, changes)
     if ssp:
-        if loaded is None or arrays or fmi != 2 or (one_file and python):
+        if loaded is None or fmi != 2 or (one_file and python):
             raise UserError(
-                "--ssp: give a scene, and neither --arrays nor --fmi 3, which SSP 1.0 does not "
-                "have, nor --python with --one-file"
+                "--ssp: give a scene, and neither --fmi 3, which SSP 1.0 does not have, nor "
+                "--python with --one-file"
             )
         _build_ssp(loaded, output, one_file, backend, platform)
         return
     if one_file:
         if loaded is None:
             raise UserError("--one-file: give the scene whose units are to be coupled")
-        if python or arrays:
-            raise UserError("--one-file: goes with neither --python nor --arrays")
+        if python:
+            raise UserError("--one-file: has no Python units; leave out --python")
         _build_one_file(loaded, output, fmi, platform)
         return
     wanted, left_out = _wanted(loaded)

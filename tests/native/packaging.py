@@ -57,9 +57,9 @@ class Packager:
         self._numbers = itertools.count()
         self._built: dict[tuple, Path] = {}
 
-    def token(self, unit: str, *, arrays: bool = False, **options: object) -> str:
+    def token(self, unit: str, **options: object) -> str:
         """GUID or instantiation token of a native unit."""
-        return token(sized_unit(unit, **options), STAMP, arrays=arrays)
+        return token(sized_unit(unit, **options), STAMP)
 
     def native(self, unit: str, **options: object) -> Path:
         """A native FMU for FMI 2.0."""

@@ -72,7 +72,7 @@ def test_a_scene_is_one_file_on_request(tmp_path, fmi):
 def test_one_file_needs_a_scene_that_it_can_couple(tmp_path):
     assert "give the scene whose units" in invoke("--one-file", "-o", tmp_path).output
     refused = invoke("two_balls", "--one-file", "--python", "-o", tmp_path).output
-    assert "goes with neither --python nor --arrays" in refused
+    assert "has no Python units" in refused
     text = find("two_balls").read_text().replace("corrections = 1", "")
     for key, mine, other, allowed in (
         ("order", "3", "1", "must be 3"),
@@ -85,15 +85,6 @@ def test_one_file_needs_a_scene_that_it_can_couple(tmp_path):
         said = f"coupling.{key} = {other}: of one file {allowed}".replace('"', "'")
         assert said in outcome.output
     assert not list(tmp_path.glob("*.fmu"))
-
-
-def test_weights_and_planes_are_arrays_on_request(tmp_path):
-    outcome = invoke("two_balls", "--fmi", "3", "--arrays", "-o", tmp_path)
-    assert outcome.exit_code == 0, outcome.output
-    balls = read_model_description(str(next(tmp_path.glob("[!R]*.fmu"))))
-    shapes = {v.name: v.shape for v in balls.modelVariables if v.shape}
-    assert shapes["weight.angle"] == (2,)
-    assert "spread" not in shapes
 
 
 def test_python_units_on_request(tmp_path):
@@ -110,9 +101,8 @@ def test_python_units_on_request(tmp_path):
         (["--fmi", "4"], "fmi = 4: must be one of"),
         (["--python", "--platform", "x86_64-linux"], "native units"),
         (["--python", "--fmi", "3"], "fmi = 3"),
-        (["--arrays"], "only FMI 3.0 has them"),
         (["nowhere"], "nowhere"),
-        (["two_balls", "--one-file", "--python"], "goes with neither"),
+        (["two_balls", "--one-file", "--python"], "has no Python units"),
         (["two_balls", "--one-file", "--platform", "amiga"], "platform = 'amiga'"),
         (["two_balls", "--ssp", "--platform", "amiga"], "platform = 'amiga'"),
     ],

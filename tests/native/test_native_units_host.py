@@ -7,7 +7,6 @@ import shutil
 import subprocess
 from pathlib import Path
 
-from autobalancer.fmus.xml.arrays import arrays
 from autobalancer.harness import load_scene
 from autobalancer.harness.master.one_file import composition
 
@@ -32,7 +31,7 @@ def compiled(folder: Path, *flags: str, counting: str = "counting.c") -> Path:
 
 
 def words(fmus, packaging) -> list[str]:
-    """The units for the host: tokens, ranges of value references, and what arrays stand for."""
+    """The units for the host: tokens and ranges of value references."""
     found: list[str] = []
     for unit, options in UNITS:
         layout = fmus.layout(unit, **options)
@@ -40,16 +39,12 @@ def words(fmus, packaging) -> list[str]:
         numbers = [inputs.start, inputs.stop - inputs.start]
         numbers += [computed.start, observed.stop - computed.start]
         found += [fmus.token(unit, **options), *map(str, numbers)]
-        rows = [[layout.index[v.name] for v in row] for row in arrays(layout) if not row[0].boolean]
-        strides = [(row[-1] - row[0]) // max(len(row) - 1, 1) for row in rows]
-        found.append(fmus.token(unit, arrays=True, **options))
-        found.append("".join(f"{r[0]}:{len(r)}:{s}," for r, s in zip(rows, strides, strict=True)))
     for name in COMPOSITES:
         made = composition(load_scene(name))
         layout = made.described("Composite").layout
         numbers = [layout.inputs.start, layout.inputs.stop - layout.inputs.start]
         numbers += [layout.computed.start, layout.observed.stop - layout.computed.start]
-        found += [made.token(packaging.STAMP), *map(str, numbers), "", ""]
+        found += [made.token(packaging.STAMP), *map(str, numbers)]
     return found
 
 

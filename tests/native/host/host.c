@@ -1,9 +1,7 @@
 /* A host in plain C that treats the units as badly as hosts do, and says what went wrong.
 
-       host LIBRARY [TOKEN FIRST_INPUT INPUTS FIRST_OUTPUT OUTPUTS TOKEN_OF_ARRAYS ROWS]...
+       host LIBRARY [TOKEN FIRST_INPUT INPUTS FIRST_OUTPUT OUTPUTS]...
 
-   ROWS are all scalars and arrays, as FIRST_REFERENCE:MEMBERS:STRIDE, with a comma behind each;
-   a composite, which has no arrays, has an empty TOKEN_OF_ARRAYS.
    Every unit by FMI 2.0 and 3.0: two instances, threads, calls in any order, wrong arguments, a
    thousand instances, ten thousand damaged states, allocation while stepping; and what belongs to the
    host stays as it was. */
@@ -21,22 +19,14 @@
 #include "../../../fmus/native/fmi3.h"
 
 enum { MOST = 512, TOKEN = 8192, STEPS = 20, THREADS = 4, INSTANCES = 50, REPEATED = 1000 };
-enum { RANDOM_CALLS = 4000, DAMAGED = 10000 };
+enum { RANDOM_CALLS = 4000, DAMAGED = 10000, VALUES = 9 };
 
 /* Memory that was asked for so far; in counting.c. */
 unsigned long allocations(void);
 
-/* References that an array, or a scalar, stands for. */
-typedef struct {
-    unsigned first, members, stride;
-} Row;
-
 typedef struct {
     const char *token;
     unsigned first_input, inputs, first_output, outputs;
-    const char *arrays; /* token of the unit with arrays */
-    Row rows[MOST];
-    size_t row_count;
 } Kind;
 
 static struct {
@@ -389,7 +379,7 @@ static void calls_in_any_order(const Kind *kind)
     fmi2FMUstate state = NULL;
     unsigned references[8];
     double values[8], time = 0.0;
-    int orders[8], k, i, wrong = 0;
+    int orders[VALUES], k, i, wrong = 0;
     for (k = 0; k < RANDOM_CALLS; k++) {
         const size_t count = drawn(9);
         fmi2Status status = fmi2OK;
@@ -506,103 +496,38 @@ static void wrong_identity(const Kind *kind)
     }
 }
 
-/* -- arrays --------------------------------------------------------------------------------- */
+/* -- FMI 3.0 -------------------------------------------------------------------------------- */
 
-static fmi3Instance begun3(const Kind *kind, const char *token)
-{
-    fmi3Instance c =
-        three.instantiate("arrays", token, NULL, 0, 0, 0, 0, NULL, 0, NULL, NULL, NULL);
-    if (!c || three.enter(c, 0, 0.0, 0.0, 0, 0.0) || three.leave(c)) {
-        check(0, "an instance with arrays begins", kind->token);
-    }
-    return c;
-}
-
-/* References of the rows from one Real to another, and of each of their elements. */
-static size_t references_of(const Kind *kind, unsigned from, unsigned to, unsigned *arrays,
-                            unsigned *elements, size_t *element_count)
-{
-    size_t count = 0, r;
-    unsigned e;
-    *element_count = 0;
-    for (r = 0; r < kind->row_count; r++) {
-        const Row *row = kind->rows + r;
-        if (row->first >= from && row->first < to) {
-            arrays[count++] = row->first;
-            for (e = 0; e < row->members; e++) {
-                elements[(*element_count)++] = row->first + e * row->stride;
-            }
-        }
-    }
-    return count;
-}
-
-static void arrays_are_rows_of_scalars(const Kind *kind)
-{
-    unsigned in[MOST], ins[MOST], out[MOST], outs[MOST];
-    double values[MOST], expected[MOST], found[MOST], time;
-    fmi3Boolean event, end, early;
-    const unsigned last = kind->first_output + kind->outputs;
-    size_t in_count, ins_count, out_count, outs_count, e;
-    fmi3Instance one = begun3(kind, kind->token), other = begun3(kind, kind->arrays);
-    const unsigned long before = allocations();
-    int k, wrong = 0;
-    in_count = references_of(kind, kind->first_input, kind->first_output, in, ins, &ins_count);
-    out_count = references_of(kind, kind->first_output, last, out, outs, &outs_count);
-    check(ins_count == kind->inputs && outs_count == kind->outputs, "rows are all", kind->token);
-    for (k = 0; k < STEPS && !wrong; k++) {
-        for (e = 0; e < ins_count; e++) {
-            values[e] = input_at(k + (int)e);
-        }
-        wrong |= three.set(one, ins, ins_count, values, ins_count) ||
-                 three.set(other, in, in_count, values, ins_count) ||
-                 three.step(one, 1e-3 * k, 1e-3, 1, &event, &end, &early, &time) ||
-                 three.step(other, 1e-3 * k, 1e-3, 1, &event, &end, &early, &time) ||
-                 three.get(one, outs, outs_count, expected, outs_count) ||
-                 three.get(other, out, out_count, found, outs_count) ||
-                 memcmp(found, expected, outs_count * sizeof *found);
-    }
-    check(!wrong, "arrays have the bits of scalars", kind->token);
-    check(allocations() == before, "arrays allocate nothing", kind->token);
-    check(three.get(other, out, out_count, found, outs_count + 1) == fmi3Error &&
-              three.get(other, out, out_count, found, outs_count - 1) == fmi3Error &&
-              three.set(other, in, in_count, values, ins_count - 1) == fmi3Error,
-          "there are as many values as elements", kind->token);
-    three.release(one);
-    three.release(other);
-}
-
-/* Some references of rows, now and then any at all; the number of their elements. */
+/* Value references of a unit, now and then any at all; how many values are handed over for them. */
 static size_t drawn_references(const Kind *kind, unsigned *references, size_t count)
 {
-    size_t elements = 0, k;
+    const unsigned known = kind->first_output + kind->outputs;
+    size_t k;
     for (k = 0; k < count; k++) {
-        const Row *row = kind->rows + drawn((uint32_t)kind->row_count);
-        references[k] = drawn(30) ? row->first : drawn(drawn(2) ? 60 : ~0u);
-        elements += row->members;
+        references[k] = drawn(30) ? drawn(known) : drawn(drawn(2) ? 60 : ~0u);
     }
-    return drawn(30) ? elements : drawn(8 * MOST);
+    return drawn(30) ? count : drawn(VALUES);
 }
 
-static void arrays_in_any_order(const Kind *kind)
+static void calls_of_fmi3_in_any_order(const Kind *kind)
 {
     fmi3Instance c =
-        three.instantiate("any", kind->arrays, NULL, 0, 0, 0, 1, NULL, 0, NULL, NULL, NULL);
-    static double values[8 * MOST], others[8 * MOST];
-    unsigned references[8], knowns[8];
+        three.instantiate("any", kind->token, NULL, 0, 0, 0, 1, NULL, 0, NULL, NULL, NULL);
+    double values[VALUES], others[VALUES];
+    unsigned references[VALUES], knowns[VALUES];
     fmi3FMUState state = NULL;
     fmi3Boolean event, end, early;
     double time = 0.0;
-    int orders[8], k, i, wrong = 0;
+    int orders[VALUES], k, i, wrong = 0;
     for (k = 0; k < RANDOM_CALLS; k++) {
-        const size_t count = drawn(9), known_count = drawn(9);
+        const size_t count = drawn(VALUES), known_count = drawn(VALUES);
         const size_t elements = drawn_references(kind, references, count);
         const size_t seeds = drawn_references(kind, knowns, known_count);
         fmi3Status status = fmi3OK;
-        for (i = 0; i < 8 * MOST; i++) {
+        for (i = 0; i < VALUES; i++) {
             values[i] = drawn_value();
         }
-        for (i = 0; i < 8; i++) {
+        for (i = 0; i < VALUES; i++) {
             orders[i] = (int)drawn(3);
         }
         switch (drawn(10)) {
@@ -626,7 +551,7 @@ static void arrays_in_any_order(const Kind *kind)
         }
         wrong |= status < fmi3OK || status > fmi3Error;
     }
-    check(!wrong, "arrays in any order", kind->token);
+    check(!wrong, "calls of FMI 3.0 in any order", kind->token);
     three.forget(c, &state);
     three.release(c);
 }
@@ -705,20 +630,6 @@ static void the_host_is_left_alone(void (*handler)(int), int rounding, int traps
     check(!strcmp(setlocale(LC_ALL, NULL), "C"), "the locale is the host's", "");
 }
 
-static void read_rows(const char *word, Kind *kind)
-{
-    int length;
-    kind->row_count = 0;
-    while (kind->row_count < MOST) {
-        Row *row = kind->rows + kind->row_count;
-        if (sscanf(word, "%u:%u:%u,%n", &row->first, &row->members, &row->stride, &length) != 3) {
-            break;
-        }
-        kind->row_count++;
-        word += length;
-    }
-}
-
 int main(int count, char **words)
 {
     struct sigaction action;
@@ -734,7 +645,7 @@ int main(int count, char **words)
         return 2;
     }
     load(library);
-    for (k = 2; k + 6 < count; k += 7) {
+    for (k = 2; k + 4 < count; k += 5) {
         static Kind kind;
         double expected[MOST];
         kind.token = words[k];
@@ -742,18 +653,13 @@ int main(int count, char **words)
         kind.inputs = (unsigned)atoi(words[k + 2]);
         kind.first_output = (unsigned)atoi(words[k + 3]);
         kind.outputs = (unsigned)atoi(words[k + 4]);
-        kind.arrays = words[k + 5];
-        read_rows(words[k + 6], &kind);
         run(&kind, expected);
         two_instances_do_not_know_each_other(&kind, expected);
         fmi3_gives_the_same_bits(&kind, expected);
         threads_do_not_meet(&kind, expected);
         calls_out_of_order(&kind);
         calls_in_any_order(&kind);
-        if (*kind.arrays) {
-            arrays_are_rows_of_scalars(&kind);
-            arrays_in_any_order(&kind);
-        }
+        calls_of_fmi3_in_any_order(&kind);
         damaged_states_are_refused(&kind);
         wrong_identity(&kind);
         a_step_allocates_nothing(&kind);
@@ -763,6 +669,6 @@ int main(int count, char **words)
     if (dlclose(library)) {
         failures++;
     }
-    printf("%d units, %d failures\n", (count - 2) / 7, failures);
+    printf("%d units, %d failures\n", (count - 2) / 5, failures);
     return failures != 0;
 }
