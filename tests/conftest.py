@@ -21,29 +21,6 @@ if TYPE_CHECKING:  # loaded where it is used: tests of the models alone need no 
 settings.register_profile("untimed", deadline=None)  # a busy machine is no failure
 settings.load_profile("untimed")
 
-SLOW = (  # folders and files that take most of the time: `-m "not slow"` leaves them out
-    "fmus/test_build", "fmus/test_host", "fmus/test_rotor", "harness/accuracy", "harness/checks",
-    "harness/design", "harness/fit", "harness/master/pictures", "harness/master/test_global_error",
-    "harness/master/test_gravity", "harness/master/test_master.py", "harness/master/test_motor",
-    "harness/master/test_schemes", "harness/master/test_sticking", "harness/master/test_verify",
-    "harness/output", "harness/rotor", "harness/show", "harness/stability", "harness/test_cli",
-    "harness/test_fuzz", "models/test_colliding", "models/test_contact", "models/test_dry",
-    "models/test_finite_elements", "models/test_friction", "models/test_harmonic_balance",
-    "models/test_monolith", "models/test_papers_tables", "models/test_quintic_weights",
-    "models/test_stability", "models/test_variable_speed", "models/test_whirl",
-    "native/test_native_build", "native/test_native_core_bits", "native/test_native_units",
-    "test_pages", "test_readme", "tools/", "truth/",
-)  # fmt: skip
-
-
-def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """Mark what is slow."""
-    here = Path(__file__).parent
-    inside = [item for item in items if item.path.is_relative_to(here)]
-    for item in inside:
-        if item.path.relative_to(here).as_posix().startswith(SLOW):
-            item.add_marker(pytest.mark.slow)
-
 
 @pytest.fixture(scope="session", autouse=True)
 def _temporary_files() -> Iterator[None]:

@@ -19,6 +19,8 @@ from typer.main import get_command
 from autobalancer.harness import bundled_scenes, load_scene
 from autobalancer.harness.__main__ import program
 
+pytestmark = pytest.mark.slow
+
 ROOT = Path(__file__).parent.parent
 HARNESS = ROOT / "harness"
 PAGES = [ROOT / "README.md", *sorted(HARNESS.glob("tutorial_*.md"))]

@@ -16,6 +16,8 @@ from autobalancer.harness import bundled_scenes, check
 from autobalancer.harness.accuracy.precision.omissions import calls, in_a_process, omissions
 from tests.test_pages import NUMBER, blocks, run
 
+pytestmark = pytest.mark.slow
+
 ROOT = Path(__file__).parent.parent
 README = (ROOT / "README.md").read_text(encoding="utf-8")
 UNITS = (ROOT / "fmus" / "README.md").read_text(encoding="utf-8")

@@ -19,6 +19,8 @@ from autobalancer.fmus.build import build, content_id, contents, identity, optio
 from autobalancer.fmus.catalogue import CATALOGUE
 from autobalancer.fmus.python.package import imports
 
+pytestmark = pytest.mark.slow
+
 
 def test_fmpy_finds_nothing(unit, options, tmp_path, backend):
     assert validate_fmu(str(build(unit, tmp_path, backend=backend, **options))) == []

@@ -13,6 +13,8 @@ import pytest
 from autobalancer.fmus.build import build
 from autobalancer.fmus.catalogue import CATALOGUE
 
+pytestmark = pytest.mark.slow
+
 HOST = """
 import gc, sys
 import fmpy

@@ -24,6 +24,8 @@ from autobalancer.models.monolith import reference
 from autobalancer.models.rotor import LinearRotor
 from autobalancer.models.stability import growth_rates
 
+pytestmark = pytest.mark.slow
+
 NEW_SCENES = ("three_mass_shaft", "drum", "grinder", "two_plane_rodrigues")
 
 BODY = {

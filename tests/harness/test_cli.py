@@ -13,6 +13,8 @@ from typer.main import get_command
 from autobalancer.harness.__main__ import program
 from autobalancer.harness.scene import bundled_scenes, load_scene
 
+pytestmark = pytest.mark.slow
+
 COMMANDS = get_command(program()).commands
 ROW_KEYS = [
     "scene", "check", "quantity", "expected", "measured", "error", "tolerance", "holds", "seconds",

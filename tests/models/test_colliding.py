@@ -13,6 +13,8 @@ from autobalancer.models.reference.coupled import Monolith, Start
 from autobalancer.models.rotor import LinearRotor
 from autobalancer.models.weights import Weights, alignment
 
+pytestmark = pytest.mark.slow
+
 MASS, RADIUS, SPEED, STIFFNESS = 0.05, 0.4, 3.0, 4.0
 ALPHA = 0.3
 

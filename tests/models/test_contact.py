@@ -32,6 +32,8 @@ from autobalancer.models.rotor import LinearRotor
 from autobalancer.models.steps.propagator import generator
 from autobalancer.models.weights import Weights
 
+pytestmark = pytest.mark.slow
+
 STILL = (0j, 0j, 0j, 0j)
 
 

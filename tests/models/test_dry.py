@@ -17,6 +17,8 @@ from autobalancer.models.steps.friction import FrictionStep, held_at_start
 from autobalancer.models.steps.variable_speed import Drive
 from autobalancer.models.weights import Weights
 
+pytestmark = pytest.mark.slow
+
 SPEED = SpeedProfile.constant(30.0)
 
 

@@ -9,6 +9,8 @@ from autobalancer.models.linear.modes import modes
 from autobalancer.models.papers.influence import influence
 from autobalancer.models.rotor import LinearRotor
 
+pytestmark = pytest.mark.slow
+
 TOLERANCE = 1e-3
 LIGHT = 1e-3  # kg/m^3: the shaft of the models has no mass; 1e-6 of the discs' here
 YOUNG, DIAMETER = 2.1e11, 0.03

@@ -15,6 +15,8 @@ from autobalancer.models.steps.first_fall import first_fall
 from autobalancer.models.steps.friction import FrictionStep, held_at_start
 from autobalancer.models.steps.variable_speed import Drive
 
+pytestmark = pytest.mark.slow
+
 MASS, STIFFNESS, LIMIT = 2.0, 8.0e3, 3.0
 NATURAL = math.sqrt(STIFFNESS / MASS)
 NO_FORCE = np.zeros((4, 1), complex)

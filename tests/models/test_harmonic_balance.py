@@ -18,6 +18,8 @@ from autobalancer.models.rotor import LinearRotor, Slider
 from autobalancer.models.steps.friction import FrictionStep, held_at_start
 from autobalancer.models.steps.variable_speed import Drive
 
+pytestmark = pytest.mark.slow
+
 MASS, STIFFNESS, DAMPING, UNBALANCE = 2.0, 8.0e3, 6.0, 1e-2
 LIMIT, SPRING = 12.0, 4.0e3
 SPEEDS = np.array([30.0, 55.0, 62.0, 68.0, 75.0, 200.0])  # rad/s: resonances at 63 to 77

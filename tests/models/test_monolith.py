@@ -19,6 +19,8 @@ from autobalancer.models.rotor import LinearRotor
 from autobalancer.models.steps.propagator import step_matrix
 from autobalancer.models.weights import KAPPA, Weights, advance, reaction
 
+pytestmark = pytest.mark.slow
+
 SPEED = SpeedProfile.constant(3.0)
 RUN_UP = SpeedProfile(0.5, 3.0, 4.0)
 

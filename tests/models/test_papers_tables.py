@@ -9,6 +9,8 @@ from autobalancer.harness.scene.check import TableCheck
 from autobalancer.models.papers.dimensionless import Dimensionless
 from autobalancer.models.papers.tables import TABLE_1, TABLE_2
 
+pytestmark = pytest.mark.slow
+
 TABLES = (TABLE_1, TABLE_2)
 
 

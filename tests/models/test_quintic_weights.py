@@ -18,6 +18,8 @@ from autobalancer.models.quintic_weights import advance, reaction_second, subste
 from autobalancer.models.spin import STEADY
 from autobalancer.models.weights import KAPPA, Weights, reaction
 
+pytestmark = pytest.mark.slow
+
 SIGNAL = (1.0 + 0.5j, -1.0 + 2.0j, 3.0 - 1.0j, 2.0j, -4.0 + 1.0j, 5.0 - 2.0j)
 ANGLES, SPEEDS = (0.3, 1.0), (0.2, -3.0)
 SPEED = 3.0

@@ -27,6 +27,8 @@ from autobalancer.models.stability import growth_map, growth_rates
 from autobalancer.models.weights import Weights, alignment
 from tests.floquet import multipliers
 
+pytestmark = pytest.mark.slow
+
 LIQUID = Liquid(chamber_radius=0.1, float_radius=0.08, height=0.01, density=1000.0)
 
 

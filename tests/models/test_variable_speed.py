@@ -11,6 +11,8 @@ from autobalancer.models.rotor import LinearRotor
 from autobalancer.models.steps.propagator import step_matrix
 from autobalancer.models.steps.variable_speed import Drive, VariableSpeedStep
 
+pytestmark = pytest.mark.slow
+
 FORCE = np.array([[0.3 + 0.1j], [-0.2 + 0.4j], [0.5 - 0.1j], [0.2 + 1.0j]])
 ANGLE, SPEED = 0.7, 2.0
 

@@ -17,6 +17,8 @@ from autobalancer.models.whirl.search import NotCovered, main_whirl, whirl_bound
 from autobalancer.models.whirl.steady import NoWhirl
 from autobalancer.models.whirl.variation import multipliers, neutral_turns
 
+pytestmark = pytest.mark.slow
+
 STIFF = {"isotropic": ((90.0, 90.0), (60.0, 60.0)), "anisotropic": ((90.0, 60.0), (60.0, 45.0))}
 
 

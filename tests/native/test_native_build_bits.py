@@ -79,9 +79,12 @@ MACHINES = {
     ),
 }
 
-pytestmark = pytest.mark.skipif(
-    not sys.platform.startswith("linux"), reason="the other machines are emulated on Linux"
-)
+pytestmark = [
+    pytest.mark.slow,
+    pytest.mark.skipif(
+        not sys.platform.startswith("linux"), reason="the other machines are emulated on Linux"
+    ),
+]
 
 
 @pytest.fixture(scope="module")

@@ -14,6 +14,8 @@ from autobalancer.fmus.native import compile as compiler
 from autobalancer.harness.__main__ import program
 from autobalancer.harness.scene.file import find
 
+pytestmark = pytest.mark.slow
+
 pytest.importorskip("ziglang", reason="no compiler: ziglang is not installed")
 
 

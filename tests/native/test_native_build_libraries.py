@@ -20,6 +20,8 @@ from autobalancer.fmus.native.compile import COMPILER, PLATFORMS, NotCompiled, l
 from autobalancer.fmus.native.macho import settled
 from autobalancer.fmus.native.package import universal
 
+pytestmark = pytest.mark.slow
+
 lief = pytest.importorskip("lief", reason="no reader of libraries: lief is not installed")
 pytest.importorskip("ziglang", reason="no compiler: ziglang is not installed")
 lief.logging.disable()

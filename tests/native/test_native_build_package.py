@@ -34,6 +34,8 @@ from autobalancer.fmus.native.compile import (
 from autobalancer.fmus.native.package import platforms_of, universal
 from autobalancer.fmus.xml.archive import unzipped
 
+pytestmark = pytest.mark.slow
+
 pytest.importorskip("ziglang", reason="no compiler: ziglang is not installed")
 
 ROOT = Path(__file__).parents[2]

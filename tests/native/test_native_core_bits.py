@@ -12,6 +12,8 @@ import pytest
 
 from autobalancer.models.rotor import LinearRotor
 
+pytestmark = pytest.mark.slow
+
 
 def _bits(core):
     """What one of each calculation gives, as bytes."""

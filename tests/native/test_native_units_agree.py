@@ -12,6 +12,8 @@ import pytest
 from fmpy.fmi2 import FMU2Slave
 from fmpy.validation import validate_fmu
 
+pytestmark = pytest.mark.slow
+
 CASES: list[tuple[str, dict[str, Any]]] = [
     ("LiquidBalancer", {}),
     ("Motor", {"points": 4}),

@@ -10,6 +10,8 @@ import pytest
 from fmpy.fmi1 import FMICallException
 from fmpy.fmi3 import FMU3Slave
 
+pytestmark = pytest.mark.slow
+
 RADIUS, SIZE = 0.05, 0.01
 TOUCHING = 2.0 * math.asin(SIZE / RADIUS)
 DISCARD, LAST_SUCCESSFUL_TIME = 2, 2

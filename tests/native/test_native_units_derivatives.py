@@ -7,6 +7,8 @@ import math
 import numpy as np
 import pytest
 
+pytestmark = pytest.mark.slow
+
 CASES = [
     ("LiquidBalancer", {"frame": "rotor"}),
     ("BallBalancer", {"weights": 3}),

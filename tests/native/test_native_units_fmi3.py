@@ -12,6 +12,8 @@ import pytest
 from fmpy.fmi1 import FMICallException
 from fmpy.fmi3 import FMU3Slave
 
+pytestmark = pytest.mark.slow
+
 HEADERS = Path(fmpy.__file__).parent / "c-code"
 BALLS, ROTOR = "BallBalancer", "RotorOnSupports"
 

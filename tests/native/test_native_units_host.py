@@ -7,8 +7,12 @@ import shutil
 import subprocess
 from pathlib import Path
 
+import pytest
+
 from autobalancer.harness import load_scene
 from autobalancer.harness.master.one_file import composition
+
+pytestmark = pytest.mark.slow
 
 HOST = Path(__file__).with_name("host")
 UNITS = [

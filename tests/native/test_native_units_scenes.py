@@ -16,6 +16,8 @@ from autobalancer.harness.errors import SimulationError, UserError
 from autobalancer.harness.master.schedule import at_fixed_steps
 from autobalancer.harness.scene.file import find, read
 
+pytestmark = pytest.mark.slow
+
 # AUTOBALANCER_RANDOM_SCENES=300 draws as many
 RANDOM_SCENES = int(os.environ.get("AUTOBALANCER_RANDOM_SCENES", "20"))
 SENSITIVE = 216  # pendulums that turn over: a rounding grows three thousand times

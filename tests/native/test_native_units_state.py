@@ -10,6 +10,8 @@ import pytest
 
 from autobalancer.harness import load_scene
 
+pytestmark = pytest.mark.slow
+
 CASES = [
     ("LiquidBalancer", {}),
     ("BallBalancer", {"weights": 3}),

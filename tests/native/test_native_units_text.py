@@ -9,6 +9,8 @@ import struct
 import numpy as np
 import pytest
 
+pytestmark = pytest.mark.slow
+
 SPECIAL = [
     0.0, -0.0, 1.0, -1.0, 0.1, 1e15, 1e16, 123456789012345680.0, 1e22, 1e23, 9007199254740993.0,
     5e-324, 2.2250738585072014e-308, 2.225073858507201e-308, 1.7976931348623157e308, 1e-4, 1e-5,

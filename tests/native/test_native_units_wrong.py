@@ -13,6 +13,8 @@ from fmpy.fmi1 import FMICallException
 
 from autobalancer.fmus.build import build
 
+pytestmark = pytest.mark.slow
+
 ERROR = 3
 LIQUID, BALLS, ROTOR = "LiquidBalancer", "BallBalancer", "RotorOnSupports"
 TWO = {"kind": "two_support", "stations": 2, "planes": 1}

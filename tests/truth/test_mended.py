@@ -7,6 +7,8 @@ from autobalancer.harness.master.run import cosimulate
 from autobalancer.harness.scene import Scene
 from tests.truth.judge import RTOLS, deviations, motion, referred
 
+pytestmark = pytest.mark.slow
+
 
 def planar(mass: float, stiffness: object, damping: object = None, unbalance: float = 0.0) -> dict:
     rotor = {"kind": "planar", "mass": mass, "stiffness": stiffness, "unbalance": unbalance}

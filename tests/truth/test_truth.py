@@ -21,6 +21,8 @@ from tests.truth.judge import (
 )
 from tests.truth.study import Study, every, misses, save, table, verdicts
 
+pytestmark = pytest.mark.slow
+
 
 @pytest.mark.parametrize("family", FAMILIES)
 def test_drawn_scenes_are_valid_and_come_again(family):

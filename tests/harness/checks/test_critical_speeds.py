@@ -6,6 +6,8 @@ import pytest
 
 from autobalancer.harness import check, load_scene
 
+pytestmark = pytest.mark.slow
+
 
 @pytest.fixture
 def scene():

@@ -12,6 +12,8 @@ from autobalancer.harness.errors import SceneError
 from autobalancer.harness.scene.file import read
 from autobalancer.models.papers.window import LiquidWindow
 
+pytestmark = pytest.mark.slow
+
 SCENES = [
     name
     for name in bundled_scenes()

@@ -2,8 +2,12 @@
 
 from __future__ import annotations
 
+import pytest
+
 from autobalancer.harness import check, load_scene
 from autobalancer.harness.checks import rig_data, rig_quantities
+
+pytestmark = pytest.mark.slow
 
 
 def test_every_row_holds_but_the_authors_curve_without_balls():

@@ -15,6 +15,8 @@ from autobalancer.harness.checks.sign_change import sign_change
 from autobalancer.harness.errors import SimulationError
 from autobalancer.harness.output.files import write_json
 
+pytestmark = pytest.mark.slow
+
 ROWS = Rows("scene", "check")
 
 

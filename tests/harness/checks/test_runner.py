@@ -15,6 +15,8 @@ from autobalancer.harness.master.left_out import left_out
 from autobalancer.harness.scene.file import read
 from autobalancer.models.papers.tables import TABLE_1
 
+pytestmark = pytest.mark.slow
+
 
 def made_of(*checks: dict) -> Scene:
     """The liquid disc with these checks."""

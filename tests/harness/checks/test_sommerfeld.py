@@ -7,6 +7,8 @@ from autobalancer.harness.checks.sommerfeld import variants_of
 from autobalancer.harness.errors import SceneError
 from autobalancer.harness.scene import load_scene
 
+pytestmark = pytest.mark.slow
+
 
 def test_a_rotor_is_caught_and_passes_within_a_per_cent_of_the_closed_form():
     rows = run_checks(load_scene("sommerfeld"))

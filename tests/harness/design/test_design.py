@@ -39,6 +39,8 @@ from autobalancer.models.contact.spacing import closest
 from autobalancer.models.weights import alignment
 from tests.papers import fan_angles
 
+pytestmark = pytest.mark.slow
+
 
 def rows_of(measure, check, scene, *workers):
     """All rows of a check; `scene` may be the name of a bundled one."""

@@ -15,6 +15,8 @@ from autobalancer.harness.fit.study import fit
 from autobalancer.harness.master.many import cosimulate_many
 from autobalancer.models.harmonic_balance import largest_displacement, unbalance_response
 
+pytestmark = pytest.mark.slow
+
 MASS, STIFFNESS, DAMPING, UNBALANCE = 2.0, 800.0, 6.0, 0.01
 SPEEDS = np.linspace(8.0, 45.0, 24)
 HEADS = "speed,rotor.unbalance,amplitude [mm]\n"

@@ -13,6 +13,8 @@ from autobalancer.harness.scene import Scene
 from autobalancer.models.monolith import reference, simulate
 from tests.truth.judge import deviations, motion
 
+pytestmark = pytest.mark.slow
+
 UNSTABLE = Scene.from_document(  # a disturbance grows 1,900-fold
     {
         "rotor": {

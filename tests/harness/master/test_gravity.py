@@ -11,6 +11,8 @@ from autobalancer.harness import Scene, SceneError, cosimulate, cosimulate_many,
 from autobalancer.harness.checks.runner import check
 from autobalancer.models.monolith import simulate
 
+pytestmark = pytest.mark.slow
+
 G = 9.81
 RUNTIMES = ("native", "python")
 STILL = {"mass": 1e9, "stiffness": 1e13, "damping": 0.0}

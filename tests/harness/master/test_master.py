@@ -14,6 +14,8 @@ from autobalancer.harness.master.fmu import Fmu
 from autobalancer.harness.scene.file import find, read
 from tests.scenes import driven_scenes
 
+pytestmark = pytest.mark.slow
+
 LATERAL = ("rotor.x", "rotor.y")
 
 

@@ -8,6 +8,8 @@ from autobalancer.harness import cosimulate
 from autobalancer.harness.errors import SceneError
 from autobalancer.harness.scene import Scene
 
+pytestmark = pytest.mark.slow
+
 M, INERTIA, P, C, M1, R, B, KAPPA = 1.0, 0.01, 2.0, 8.0, 0.02, 0.05, 0.05, 1.4
 K = np.array([1e4, 1.3e4])
 U = 0.002 * np.exp(0.3j)

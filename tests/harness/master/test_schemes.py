@@ -19,6 +19,8 @@ from autobalancer.harness.master.schemes.jacobi import Jacobi
 from autobalancer.models.monolith import reference
 from tests.scenes import driven_scenes
 
+pytestmark = pytest.mark.slow
+
 ORDERS = {  # of convergence, as the schemes' docstrings state them, by order of the signals
     "jacobi": {0: 1, 1: 2, 3: 3},
     "gauss-seidel": {0: 1, 1: 2, 3: 3},

@@ -15,6 +15,8 @@ from autobalancer.harness.master.cosimulation import CoSimulation
 from autobalancer.harness.master.schedule import end_time
 from autobalancer.models.monolith import simulate
 
+pytestmark = pytest.mark.slow
+
 MU = 5e-3
 BEARING = "rotor.station[1].y"
 SCENE = {

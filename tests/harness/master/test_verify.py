@@ -16,6 +16,8 @@ from autobalancer.harness.scene import Scene
 from autobalancer.models.monolith import reference
 from tests.truth.judge import growth
 
+pytestmark = pytest.mark.slow
+
 AUTO = {"coupling.scheme": "auto", "coupling.corrections": None, "coupling.steps_per_rev": None}
 EXPLICIT = {"coupling.scheme": "gauss-seidel", "coupling.corrections": None}
 MEASURED = {

@@ -14,6 +14,8 @@ from autobalancer.harness.__main__ import program
 from autobalancer.harness.errors import UserError
 from autobalancer.harness.output.costs import limited, seconds_of, within
 
+pytestmark = pytest.mark.slow
+
 
 def test_a_run_of_1e12_revolutions_is_refused_after_its_first_steps(monkeypatch):
     monkeypatch.setattr("autobalancer.harness.master.recorder.free_memory", lambda: math.inf)

@@ -19,6 +19,8 @@ from autobalancer.harness.output.files import write_whole
 from autobalancer.harness.output.plot import save
 from autobalancer.harness.output.table import Sheet
 
+pytestmark = pytest.mark.slow
+
 AUTOBALANCER = [sys.executable, "-m", "autobalancer.harness"]
 SHORT = ["run", "two_balls", "--set", "run.revolutions=1", "--set", 'run.record=["rotor.x"]']
 

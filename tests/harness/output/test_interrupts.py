@@ -11,6 +11,8 @@ import time
 
 import pytest
 
+pytestmark = pytest.mark.slow
+
 LONG = {
     "run": ["run", "two_balls", "--set", "run.revolutions=1e6", "--set", "run.record=[]"],
     "one_file": [

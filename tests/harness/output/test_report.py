@@ -14,6 +14,8 @@ import pytest
 from autobalancer.harness.scene import Scene, load_scene
 from autobalancer.harness.scene.file import tomllib
 
+pytestmark = pytest.mark.slow
+
 
 class Page(HTMLParser):
     """Elements and text of a page."""

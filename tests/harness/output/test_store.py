@@ -21,6 +21,8 @@ from tests.truth.judge import Verdict
 from tests.truth.store import Verdicts
 from tests.truth.study import Study, verdicts
 
+pytestmark = pytest.mark.slow
+
 pytest.importorskip("zarr")
 ITEMS = [0.5, 1.5, -1.0]
 PARTS = {

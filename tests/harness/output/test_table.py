@@ -11,6 +11,8 @@ from rich.console import Console
 
 from autobalancer.harness.output.table import BAD, GOOD, Sheet
 
+pytestmark = pytest.mark.slow
+
 SHEET = Sheet(
     ("case [1/s]", "value", "holds"),
     [("a | b", "1.5", "yes"), ("[red]", "-", "NO")],

@@ -16,6 +16,8 @@ import pytest
 from autobalancer.harness.errors import SimulationError
 from autobalancer.harness.output.workers import PREFIX, Failed, as_they_come, in_order, processes
 
+pytestmark = pytest.mark.slow
+
 
 def square(number: int) -> int:
     if number == 3:

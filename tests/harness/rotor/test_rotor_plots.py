@@ -16,6 +16,8 @@ from autobalancer.harness.rotor import plot_motion as rotor_motion
 from autobalancer.harness.rotor import study as rotor_study
 from autobalancer.harness.scene import Scene
 
+pytestmark = pytest.mark.slow
+
 
 def disc(**changes):
     """A planar rotor whose every answer has a closed form: k/m = 1, zeta = c/(2 m)."""

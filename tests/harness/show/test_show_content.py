@@ -11,6 +11,8 @@ from autobalancer.harness.show.window import window
 from autobalancer.harness.stability.main_motion import MainMotion
 from autobalancer.models.papers.window import LiquidWindow
 
+pytestmark = pytest.mark.slow
+
 
 def test_within_each_part_of_the_strip_the_coupled_units_do_what_it_says():
     scene = load_scene("two_balls")

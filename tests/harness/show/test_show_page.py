@@ -9,6 +9,8 @@ from autobalancer.fmus.composite.batch import BatchRuns
 from autobalancer.harness import bundled_scenes, load_scene
 from autobalancer.harness.master.one_file import composition
 
+pytestmark = pytest.mark.slow
+
 MOST_BYTES = 600_000
 
 

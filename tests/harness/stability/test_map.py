@@ -14,6 +14,8 @@ from autobalancer.harness.stability.axis import Axis
 from autobalancer.harness.stability.map import grid_points, stability_map
 from autobalancer.models.stability import growth_rates
 
+pytestmark = pytest.mark.slow
+
 
 @pytest.fixture
 def one_process(monkeypatch):

@@ -18,6 +18,8 @@ from pathlib import Path
 
 import pytest
 
+pytestmark = pytest.mark.slow
+
 CODE = "from autobalancer.harness.__main__ import main; main()"
 TINY, SMALL, LARGE = (20, 24), (50, 40), (400, 250)
 

@@ -14,6 +14,8 @@ from autobalancer.harness.master.schedule import step_size
 from autobalancer.models.papers.window import LiquidWindow
 from tests.floquet import multipliers
 
+pytestmark = pytest.mark.slow
+
 BALANCED = [2.0 * math.pi / 3.0, 4.0 * math.pi / 3.0]
 
 

@@ -10,6 +10,8 @@ from autobalancer.harness.stability import run_map as module
 from autobalancer.harness.stability.axis import Axis
 from autobalancer.harness.stability.run_map import run_map
 
+pytestmark = pytest.mark.slow
+
 
 @pytest.fixture
 def scene():

@@ -22,6 +22,8 @@ from autobalancer.models.papers.window import LiquidWindow
 from autobalancer.models.stability import growth_rates
 from tests.floquet import multipliers
 
+pytestmark = pytest.mark.slow
+
 MANY = {  # N weights of the same total mass, next to positions that are not on one line
     3: [0.3, 1.9, 4.2],
     4: [0.3, 1.9, 3.5, 5.0],

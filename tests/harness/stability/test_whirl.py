@@ -15,6 +15,8 @@ from autobalancer.harness.stability.whirl import WhirlMotion, whirl_at
 from autobalancer.models.whirl.search import main_whirl
 from autobalancer.models.whirl.variation import multipliers
 
+pytestmark = pytest.mark.slow
+
 RIG = """
 # Rodrigues, Champneys, Friswell, Wilson 2010 with three washers; less drag, so that runs settle
 [rotor]

@@ -11,6 +11,8 @@ from autobalancer.harness import Scene, cosimulate
 from autobalancer.harness.accuracy.precision.libcosim import LibcosimRunner
 from autobalancer.harness.master.cosimulation import CoSimulation
 
+pytestmark = pytest.mark.slow
+
 pytest.importorskip("libcosimpy")
 
 STEP = 1.0 / 64.0  # s: a whole number of nanoseconds, in which libcosim counts time

@@ -41,6 +41,8 @@ from autobalancer.harness.errors import SimulationError
 from autobalancer.harness.master.recorder import recorded
 from autobalancer.models.monolith import simulate
 
+pytestmark = pytest.mark.slow
+
 CUBIC = [Method("iterated", 3, n, 1) for n in (20, 40, 80)]
 HELD = [Method("jacobi", 0, n) for n in (20, 80, 160)]
 LINEAR = [Method("gauss-seidel", 1, n) for n in (40, 80)]

@@ -28,6 +28,8 @@ from autobalancer.models.monolith import reference
 from autobalancer.models.reference.oscillator import forced_motion
 from autobalancer.models.weights import Weights, advance
 
+pytestmark = pytest.mark.slow
+
 QUICK = [
     "stiffness 1e2 and 1e14 N/m in one rotor", "damping ratio 1", "damping ratio 10000",
     "speed 1e5 rad/s, rotor alone", "exactly at a natural frequency, undamped",

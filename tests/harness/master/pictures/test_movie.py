@@ -14,6 +14,8 @@ from autobalancer.harness import UserError, cosimulate, load_scene
 from autobalancer.harness.master.pictures.motion import Motion
 from autobalancer.harness.master.pictures.movie import FRAMES_PER_SECOND, REACH, views
 
+pytestmark = pytest.mark.slow
+
 RADIUS = 0.1  # m, the run-up's track
 
 

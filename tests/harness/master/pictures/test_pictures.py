@@ -20,6 +20,8 @@ from autobalancer.harness.rotor.plot import polar_response
 from autobalancer.harness.rotor.study import response_of
 from autobalancer.harness.scene import Scene
 
+pytestmark = pytest.mark.slow
+
 M, K, C, U, ALPHA = 2.0, 2.0, 1.6, 0.01, 0.5  # disc: natural frequency 1 rad/s, damping ratio 0.4
 
 
