@@ -15,7 +15,7 @@ from ..output.table import Sheet
 from ..output.terminal import progress_bar, say, show
 
 if TYPE_CHECKING:
-    from .choices import Choice, Design
+    from .choices import Design
 
 
 def command(
@@ -39,6 +39,9 @@ def command(
     changes: Annotated[list[str] | None, options.changes("balls.drag=0.1")] = None,
     at_most: Annotated[str, options.AT_MOST] = costs.DEFAULT,
     report: Annotated[Path | None, options.REPORT] = None,
+    details: Annotated[
+        bool, typer.Option("--details", help="Also compare Goncharov's theory with the runs.")
+    ] = False,
 ) -> None:
     """Compare numbers of balls or rollers: capacity, spread, predicted and measured settling."""
     from ..output.report import Report
@@ -67,6 +70,8 @@ def command(
         )
     with page.keeping():
         show(table(data, starts))
+        if details:
+            show(details_table(data))
         for line in words(data):
             say(line)
         if data.separate:
@@ -84,24 +89,36 @@ def command(
 
 def table(data: Design, starts: int) -> Sheet:
     """One line for every number of weights."""
-    names = ("n", "radius mm", "mass kg", "capacity kg m", "p packed", "p largest", "(1-p) m n")
-    times = ("predicted s", "p reached", "predicted there s", "co-simulated s", "95 %", "settled")
-    columns = (*names, *times)
+    names = ("n", "radius mm", "mass kg", "max kg m", "used")
+    columns = (*names, "settle s", "95 % s", "settled")  # 80 columns of a terminal are enough
     rows = []
     for c in data.choices:
-        size = (f"{1e3 * c.radius:.4g}", f"{c.mass:.4g}")
-        capacity = f"{c.capacity:.4g}" + ("" if c.has_capacity else " (too little)")
-        theory = (f"{c.packed:.3f}", f"{c.largest:.3f}", f"{c.measure:.4f}", _time(c.predicted))
-        measured = _measured(c) if c.runs else ("-", "-", "not run", "-", "-")
-        rows.append((str(c.count), *size, capacity, *theory, *measured))
+        size = (str(c.count), f"{1e3 * c.radius:.4g}", f"{c.count * c.mass:.4g}")
+        used = f"{data.unbalance / c.capacity:.0%}"
+        measured = ("not run", "-", "-")
+        if c.runs:
+            settled = f"{c.settled}/{len(c.runs)}"
+            measured = (_time(c.median, "never"), f"{c.low:.2g}-{c.high:.2g}", settled)
+        rows.append((*size, f"{c.capacity:.4g}", used, *measured))
     title = f"{data.kind} for {data.unbalance:.4g} kg m, race {1e3 * data.race:.4g} mm"
-    return Sheet(columns, rows, "r" * len(columns), f"{title}, {starts} random starts each")
+    title += (
+        f", {starts} random starts each\nmass: of all n; max: unbalance they can hold; used: of it"
+    )
+    return Sheet(columns, rows, "r" * len(columns), title)
 
 
-def _measured(c: Choice) -> tuple[str, ...]:
-    reached = (f"{c.median_alignment:.3f}", _time(c.predicted_at_end))
-    settling = (_time(c.median, "not settled"), f"{c.low:.3g} - {c.high:.3g}")
-    return (*reached, *settling, f"{c.settled}/{len(c.runs)}")
+def details_table(data: Design) -> Sheet:
+    """Spread, measure and settling time by Goncharov 2017, and the spread that the runs reach."""
+    spreads = ("n", "p packed", "p largest", "(1-p) m n", "predicted s")
+    columns = (*spreads, "p reached", "predicted there s")
+    rows = []
+    for c in data.choices:
+        theory = (f"{c.packed:.3f}", f"{c.largest:.3f}", f"{c.measure:.4f}", _time(c.predicted))
+        reached = ("-", "not run")
+        if c.runs:
+            reached = (f"{c.median_alignment:.3f}", _time(c.predicted_at_end))
+        rows.append((str(c.count), *theory, *reached))
+    return Sheet(columns, rows, "r" * len(columns), "By Goncharov 2017, and where the runs end")
 
 
 def _time(seconds: float, never: str = "p = 1") -> str:

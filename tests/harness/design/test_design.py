@@ -274,7 +274,7 @@ def test_two_weights_without_unbalance_are_named_not_failed():
 
 
 def test_design_command_shows_a_table_words_and_a_picture(invoke, tmp_path, monkeypatch):
-    monkeypatch.setenv("COLUMNS", "200")
+    monkeypatch.setenv("COLUMNS", "80")
     scene = tmp_path / "short.toml"
     text = load_scene("finite_weights").path.read_text()
     short = text.replace("revolutions = 100", "revolutions = 30")
@@ -283,7 +283,11 @@ def test_design_command_shows_a_table_words_and_a_picture(invoke, tmp_path, monk
     arguments = ["design", str(scene), "--starts", "6", "--most", "3", "-o", str(picture)]
     result = invoke(*arguments)
     assert result.exit_code == 0, result.output
-    assert "p largest" in result.output
+    table = [line for line in result.output.splitlines() if line and line[0] in "┏┃┡│└"]
+    assert len([line for line in table if line[0] == "│"]) == 2  # no cell is broken
+    assert max(map(len, table)) <= 80
+    assert "p largest" not in result.output
+    assert "p largest" in invoke(*arguments, "--details").output
     assert "balls of radius" in result.output
     # two balls have not the capacity and are not run
     assert "All starts ran in C as one composite" in result.output
