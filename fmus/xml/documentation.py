@@ -68,7 +68,7 @@ def html(unit: SizedUnit, name: str, equations: str) -> bytes:
     built = f"{unit.name}, built with {escape(options)}."
     parts = [
         _HEAD.format(name=escape(name)),
-        MarkdownIt("commonmark").render(equations),
+        MarkdownIt("commonmark").enable("table").render(equations),
         f"<h2>Signals</h2>\n<p>{escape(_SIGNALS)}</p>\n" * _has_signals(unit),
         f"<h2>Variables</h2>\n<p>{escape(name)}: {built}</p>\n",
     ]

@@ -11,11 +11,14 @@ from matplotlib.figure import Figure
 from ..output.plot import save
 from .correction import Correction
 
+_PAD = 0.2  # inches: the layout does not see titles that give way to the labels of angles
+
 
 def plot_correction(result: Correction, path: Path) -> Path:
     """One polar diagram a plane, and one of the sensors."""
     measured, count = result.measured, len(result.exact)
-    figure = Figure(figsize=(5.2 * (count + 1), 6.0), layout="constrained")
+    figure = Figure(figsize=(5.2 * (count + 1), 6.4), layout="constrained")
+    figure.get_layout_engine().set(h_pad=_PAD)  # type: ignore[union-attr]
     panels: list[Any] = [
         figure.add_subplot(1, count + 1, i + 1, projection="polar") for i in range(count + 1)
     ]
@@ -30,14 +33,16 @@ def plot_correction(result: Correction, path: Path) -> Path:
         _arrow(panels[-1], before, "tab:red", "measured")
         _arrow(panels[-1], after, "tab:green", "expected")
     for name, before in zip(measured.sensors, result.before.tolist(), strict=True):
-        panels[-1].annotate(name, (np.angle(before), abs(before)), fontsize="small")
+        beside: Any = {"xytext": (6, 6), "textcoords": "offset points", "ha": "center"}
+        beside["bbox"] = {"fc": "white", "ec": "none", "alpha": 0.8, "pad": 1.0}
+        panels[-1].annotate(name, (np.angle(before), abs(before)), fontsize="small", **beside)
     unit = f" [{measured.unit}]" if measured.unit else ""
     panels[-1].set_title(f"vibration{unit}\nrun {result.corrected!r} and with the corrections")
+    once = {}
     for axes in panels:
         axes.grid(alpha=0.4)
-        handles, labels = axes.get_legend_handles_labels()
-        once = dict(zip(labels, handles, strict=True))
-        axes.legend(once.values(), once.keys(), loc="upper center", bbox_to_anchor=(0.5, -0.06))
+        once |= {handle.get_label(): handle for handle in axes.get_legend_handles_labels()[0]}
+    figure.legend(handles=once.values(), loc="outside lower center", ncols=3)
     return save(figure, path)
 
 

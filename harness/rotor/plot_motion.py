@@ -77,7 +77,7 @@ def plot_run_up(data: RunUpMotion, path: Path) -> Path:
         axes.set_ylabel(f"displacement $\\sqrt{{x^2 + y^2}}$, 0-peak [{unit}]")
         axes.grid(alpha=0.3)
         axes.legend(fontsize="small", loc="upper right")
-        axes.set_ylim(bottom=0.0)
+    grid[-1].set_ylim(bottom=0.0)  # of all panels, now that every line is drawn
     grid[-1].set_xlabel(
         f"speed [rad/s], rising from {data.run[0][0]:.3g} to {data.run[0][-1]:.4g} "
         f"within {data.seconds:.4g} s"

@@ -7,8 +7,10 @@ import math
 
 import numpy as np
 import pytest
+from matplotlib.backends.backend_agg import FigureCanvasAgg
 
 from autobalancer.harness import UserError, load_scene
+from autobalancer.harness.balancing import plot_measured
 from autobalancer.harness.balancing.correction import correct, split
 from autobalancer.harness.balancing.machine import Machine
 from autobalancer.harness.balancing.measured import read_measured
@@ -200,6 +202,28 @@ def test_what_readings_do_not_determine_is_refused_with_the_condition_number(tmp
     good = read_measured(written(tmp_path / "good.csv"))
     with pytest.raises(UserError, match="needs the radius of every plane"):
         correct(good, grade="G2.5", mass=1.0, service_speed=100.0)
+
+
+@pytest.mark.parametrize("planes", [("aft",), ("fwd", "aft")])
+def test_no_title_and_no_legend_of_the_picture_is_cut(tmp_path, monkeypatch, planes):
+    figures = []
+    monkeypatch.setattr(plot_measured, "save", lambda figure, path: figures.append(figure))
+    path = written(tmp_path / "runs.csv")
+    if len(planes) == 1:
+        text = path.read_text().replace("mass_g[fwd],angle_deg[fwd],", "")
+        lines = [line.split(",") for line in text.splitlines()]
+        rows = [line[:1] + line[3:] for line in lines[1:] if line[0] != "both"]
+        path.write_text("\n".join(map(",".join, [lines[0], *rows])))
+    found = correct(read_measured(path))
+    assert found.measured.planes == planes
+    plot_measured.plot_correction(found, tmp_path / "p.png")
+    (figure,) = figures
+    renderer = FigureCanvasAgg(figure).get_renderer()
+    figure.draw(renderer)
+    shown = [*(axes.title for axes in figure.axes), *figure.legends]
+    for box in (artist.get_window_extent(renderer) for artist in shown):
+        assert figure.bbox.ymin <= box.ymin < box.ymax <= figure.bbox.ymax
+        assert figure.bbox.xmin <= box.xmin < box.xmax <= figure.bbox.xmax
 
 
 @pytest.mark.parametrize("text", ["0", "1.5", "a", "10,x", ""])

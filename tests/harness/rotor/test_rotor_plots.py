@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -139,6 +140,14 @@ def test_a_run_up_with_and_without_balancers_has_times_of_its_own_each(drawn):
     rotor_motion.plot_run_up(data, None)
     for axes, (speeds, _) in zip(drawn[0].axes, (data.run, data.alone), strict=True):
         np.testing.assert_array_equal(axes.lines[0].get_xdata(), speeds)
+
+
+def test_the_larger_peak_of_a_run_up_is_within_the_picture_wherever_it_is(drawn):
+    data = rotor_study.run_up_of(load_scene("run_up"), 20.0, 60.0)
+    smaller = (data.run[0], 0.1 * data.run[1])
+    rotor_motion.plot_run_up(replace(data, run=smaller), None)
+    top = max(line.get_ydata().max() for line in drawn[0].axes[1].lines[: len(data.stations)])
+    assert all(axes.get_ylim()[1] > top and axes.get_ylim()[0] == 0.0 for axes in drawn[0].axes)
 
 
 def test_polar_picture_ends_where_the_unbalance_is_undone(drawn):
