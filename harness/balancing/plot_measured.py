@@ -7,18 +7,19 @@ from typing import Any
 
 import numpy as np
 from matplotlib.figure import Figure
+from matplotlib.layout_engine import ConstrainedLayoutEngine
 
 from ..output.plot import save
 from .correction import Correction
 
-_PAD = 0.2  # inches: the layout does not see titles that give way to the labels of angles
+# h_pad [inches]: the layout does not see titles that give way to the labels of angles
+_LAYOUT = ConstrainedLayoutEngine(h_pad=0.2)
 
 
 def plot_correction(result: Correction, path: Path) -> Path:
     """One polar diagram a plane, and one of the sensors."""
     measured, count = result.measured, len(result.exact)
-    figure = Figure(figsize=(5.2 * (count + 1), 6.4), layout="constrained")
-    figure.get_layout_engine().set(h_pad=_PAD)  # type: ignore[union-attr]
+    figure = Figure(figsize=(5.2 * (count + 1), 6.4), layout=_LAYOUT)
     panels: list[Any] = [
         figure.add_subplot(1, count + 1, i + 1, projection="polar") for i in range(count + 1)
     ]
@@ -38,11 +39,11 @@ def plot_correction(result: Correction, path: Path) -> Path:
         panels[-1].annotate(name, (np.angle(before), abs(before)), fontsize="small", **beside)
     unit = f" [{measured.unit}]" if measured.unit else ""
     panels[-1].set_title(f"vibration{unit}\nrun {result.corrected!r} and with the corrections")
-    once = {}
+    once: dict[str, Any] = {}
     for axes in panels:
         axes.grid(alpha=0.4)
-        once |= {handle.get_label(): handle for handle in axes.get_legend_handles_labels()[0]}
-    figure.legend(handles=once.values(), loc="outside lower center", ncols=3)
+        once |= {str(handle.get_label()): handle for handle in axes.get_legend_handles_labels()[0]}
+    figure.legend(handles=list(once.values()), loc="outside lower center", ncols=3)
     return save(figure, path)
 
 
