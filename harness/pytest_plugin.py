@@ -31,7 +31,8 @@ def cosim(request: pytest.FixtureRequest) -> Callable[..., Result]:
         record: Iterable[str] | None = None,
         fmus: Path | None = None,
         verify: bool = False,
-        one_file: bool = False,
+        separate: bool = False,
+        one_file: bool | None = None,
         **overrides: Any,
     ) -> Result:
         from .master.run import cosimulate
@@ -44,6 +45,8 @@ def cosim(request: pytest.FixtureRequest) -> Callable[..., Result]:
             scene = load_scene(beside if beside.is_file() else source)
         if overrides:
             scene = scene.replace(overrides)
-        return cosimulate(scene, record=record, fmus=fmus, verify=verify, one_file=one_file)
+        return cosimulate(
+            scene, record=record, fmus=fmus, verify=verify, separate=separate, one_file=one_file
+        )
 
     return run

@@ -11,22 +11,22 @@ from functools import partial
 
 from autobalancer.harness import Scene, cosimulate, load_scene
 
-REVOLUTIONS = {False: 100, True: 2000}  # separate units, one file: about as long
+REVOLUTIONS = {True: 100, False: 2000}  # by `separate`: about as long
 RUNS, THREADS, REPEATS = 16, 8, 3
 
 
-def bits(one_file: bool, scene: Scene) -> bytes:
+def bits(separate: bool, scene: Scene) -> bytes:
     """Everything that a run has recorded."""
-    result = cosimulate(scene, one_file=one_file)
+    result = cosimulate(scene, separate=separate)
     return b"".join(values.tobytes() for values in result.signals.values())
 
 
 def main() -> None:
     """Print a line for separate units, and one for the one file."""
-    for one_file, revolutions in REVOLUTIONS.items():
+    for separate, revolutions in REVOLUTIONS.items():
         scene = load_scene("two_balls").replace({"run.revolutions": revolutions})
         scenes = [scene.replace({"weights.drag": 0.01 + 0.0005 * k}) for k in range(RUNS)]
-        run = partial(bits, one_file)
+        run = partial(bits, separate)
         run(scenes[0])  # loads and compiles
         alone, threaded = [], []
         for _ in range(REPEATS):
@@ -38,7 +38,7 @@ def main() -> None:
                 found = list(executor.map(run, scenes))
             threaded.append(time.perf_counter() - begun)
         print(
-            f"{'one file' if one_file else 'separate units'}: {RUNS} runs of {revolutions} "
+            f"{'separate units' if separate else 'one file'}: {RUNS} runs of {revolutions} "
             f"revolutions in {min(alone):.2f} s, by {THREADS} threads in {min(threaded):.2f} s: "
             f"{min(alone) / min(threaded):.2f} times as fast, "
             f"{'the same bits' if found == expected else 'OTHER BITS'}"

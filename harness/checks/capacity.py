@@ -65,6 +65,7 @@ def check_capacity(scene: Scene, check: CapacityCheck, progress: Progress) -> It
         result = cosimulate(
             scene.replace({"rotor.unbalance": unbalance, "rotor.unbalance_angle": 0.0}),
             record=["rotor.x", "rotor.y", *angles],
+            separate=not scene.has_events,
         )
         shown = _amplitude(result, speed) * speed**2 / abs(response)
         expected = theory.residual_unbalance(weights, balls.weight_radius, unbalance)

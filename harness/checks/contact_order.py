@@ -11,8 +11,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from ..errors import SceneError
-from ..master.cosimulation import CoSimulation
-from ..master.recorder import Recorder
+from ..master.run import cosimulate
 from ..output.workers import Progress
 from ..scene import Scene
 from ..scene.balancer import WeightBalancer
@@ -81,16 +80,11 @@ def _motions(
     fine = scene.replace({"coupling.steps_per_rev": steps})
     every = steps // min(check.steps)
     begin, shift = np.array(balls.angles), np.array(check.shift or [0.0] * balls.count)
-    names = [f"weight[{k}].angle" for k in range(1, balls.count + 1)]
-    signals = ["rotor.x", "rotor.y", *(f"{balls.label}.{name}" for name in names)]
+    angles = [f"{balls.label}.weight[{k}].angle" for k in range(1, balls.count + 1)]
+    signals = ["rotor.x", "rotor.y", *angles]
     runs = []
-    with CoSimulation(fine) as units:
-        for number in range(check.runs):
-            start = begin + shift * (number / check.runs)
-            units.start({balls.label: {f"{n}0": a for n, a in zip(names, start, strict=True)}})
-            recorder = Recorder(units.units, signals)
-            for _ in units.rows(recorder):
-                pass
-            _, motion = recorder.columns()
-            runs.append(np.column_stack([motion[name] for name in signals])[every::every])
+    for number in range(check.runs):
+        start = begin + shift * (number / check.runs)
+        motion = cosimulate(fine.replace({f"{balls.label}.angles": start.tolist()}), record=signals)
+        runs.append(np.column_stack([motion[name] for name in signals])[every::every])
     return np.array(runs)

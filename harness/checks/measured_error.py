@@ -21,7 +21,8 @@ def check_measured_error(
         SimulationError: a run cannot be completed.
     """
     rows = Rows(scene.name, check.kind)
-    found = cosimulate(scene, progress=progress, verify=True).verification
+    separate = not scene.has_events
+    found = cosimulate(scene, progress=progress, verify=True, separate=separate).verification
     assert found is not None
     source = f"the same run with {found.finer}"
     worst = max(found.relative, key=lambda name: found.relative[name])

@@ -31,7 +31,8 @@ def check_runtimes(scene: Scene, check: RuntimesCheck, progress: Progress) -> It
         return
     short = scene.replace({"run.revolutions": check.revolutions})
     native, python = (
-        cosimulate(short.replace({"coupling.units": u})) for u in ("native", "python")
+        cosimulate(short.replace({"coupling.units": u}), separate=True)
+        for u in ("native", "python")
     )
     worst = 0.0
     for name, expected in python.signals.items():

@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import time as clock
+import warnings
 from collections.abc import Callable, Iterable
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -14,6 +16,7 @@ from .cosimulation import CoSimulation, Simulation
 from .facts import result
 from .global_error import Controlled
 from .merged import merged_now
+from .one_file import why_separate
 from .plan import plan
 from .recorder import Recorder, recorded, refuse_unknown
 from .result import Result
@@ -31,9 +34,14 @@ def cosimulate(
     fmus: Path | None = None,
     progress: Progress | None = None,
     verify: bool = False,
-    one_file: bool = False,
+    separate: bool = False,
+    one_file: bool | None = None,
 ) -> Result:
     """Run a scene and return what it recorded.
+
+    The units are coupled in C, as the scene's one file couples them.  Separate FMUs, coupled in
+    Python, run instead if `separate` or `fmus` is given, and for what one file does not have:
+    scheme "jacobi" or "gauss-seidel", order 0 or 1, units in Python.
 
     Args:
         scene: a scene, the path of a scene file, or the name of a bundled scene.
@@ -41,37 +49,50 @@ def cosimulate(
         fmus: directory of ready-made FMUs instead of building them.
         progress: called with the finished fraction now and then.
         verify: run once more, finer, and measure the error of every signal (`Result.error`).
-        one_file: couple the units in C as the scene's one file does, instead of as separate FMUs:
-            the same steps and results many times faster, and threads run side by side.
+        separate: couple separate FMUs in Python.
+        one_file: deprecated, the default; True refuses a scene that one file does not cover.
 
     Raises:
-        UserError: the scene or an FMU is wrong, or one file does not cover the scene.
+        UserError: the scene or an FMU is wrong.
         SimulationError: the run cannot be completed correctly.
     """
     if not isinstance(scene, Scene):
         scene = load_scene(scene)
     names = list(recorded(scene) if record is None else record)
-    loaded = _loader(fmus, one_file)
+    if one_file is not None:
+        warnings.warn(
+            "one_file: one file is the default now; separate=True couples separate FMUs",
+            DeprecationWarning,
+            stacklevel=2,
+        )
+    if one_file:
+        refuse_separate(scene, fmus)
+    separate = separate or fmus is not None or one_file is False
+    loaded = partial(load, fmus=fmus, separate=separate)
     if not verify:
         return run_once(scene, names, loaded, progress)
     if not names:
         raise UserError("verify: nothing is recorded, so there is nothing to compare")
-    told = progress or (lambda _done: None)
-    found = run_once(scene, names, loaded, lambda done: told(FIRST * done))
-    return verified(scene, found, loaded, lambda done: told(FIRST + (1.0 - FIRST) * done))
+    report = progress or (lambda _done: None)
+    found = run_once(scene, names, loaded, lambda done: report(FIRST * done))
+    return verified(scene, found, loaded, lambda done: report(FIRST + (1.0 - FIRST) * done))
 
 
-def _loader(fmus: Path | None, one_file: bool) -> Callable[[Scene], Simulation]:
-    """What steps a scene: separate units, or its one file."""
-    if not one_file:  # FMUs that were built have the order their scene says
-        return lambda scene: CoSimulation(
-            scene, fmus=fmus, order=None if fmus else order_of_run(scene)
-        )
+def refuse_separate(scene: Scene, fmus: Path | None) -> None:
+    """Raise UserError where only separate units can run a scene, and one file is wanted."""
     if fmus is not None:
         raise UserError(f"{fmus}: holds separate FMUs, and one file is to run: give one of them")
+    if why := why_separate(scene):
+        raise UserError(why)
+
+
+def load(scene: Scene, fmus: Path | None = None, separate: bool = False) -> Simulation:
+    """What steps a scene: its one file, or its separate units, see `cosimulate`."""
+    if separate or why_separate(scene):  # FMUs that were built have the order their scene says
+        return CoSimulation(scene, fmus=fmus, order=None if fmus else order_of_run(scene))
     from .one_file_run import OneFileRun  # compiles where it has to
 
-    return lambda scene: OneFileRun(scene, order_of_run(scene))
+    return OneFileRun(scene, order_of_run(scene))
 
 
 def run_once(

@@ -33,9 +33,11 @@ def command(
     ] = False,
     json_file: Annotated[Path | None, options.json("facts, signals and errors")] = None,
     python: Annotated[bool, options.PYTHON] = False,
-    one_file: Annotated[
-        bool, options.one_file("Couple in C, as the scene's one file; as exact, faster.")
+    separate: Annotated[
+        bool,
+        typer.Option("--separate", help="Couple separate FMUs in Python instead of in C; slower."),
     ] = False,
+    one_file: Annotated[bool, typer.Option("--one-file", hidden=True)] = False,
     at_most: Annotated[str, options.AT_MOST] = costs.DEFAULT,
     weights: Annotated[
         Path | None, options.figure("Displacement and angles of all weights against time.")
@@ -70,7 +72,7 @@ def command(
 
     Pictures are png, svg or pdf; all but --plot also html, to turn and to look into.
     """
-    from .run import cosimulate
+    from .run import cosimulate, refuse_separate
 
     wanted = {
         "weights": weights, "weights_over_speed": weights_over_speed, "waterfall": waterfall,
@@ -82,6 +84,9 @@ def command(
         loaded = loaded.replace(ON_PYTHON)
     if fmus is not None and not fmus.is_dir():
         raise UserError(f"{fmus}: is not a directory with FMUs")
+    if one_file:
+        refuse_separate(loaded, fmus)
+        say("NOTE: --one-file is the default now, and deprecated", style="bold yellow", error=True)
     if movie is not None:
         drawings.refuse_movie(loaded, movie_axes, movie_seconds)
     drawings.refuse_pictures(loaded, pictures)
@@ -92,12 +97,12 @@ def command(
         key = f"run.revolutions = {loaded.run.revolutions:g}"
         limited = costs.within(at_most, key, progress)
         result = cosimulate(
-            loaded, record=record, fmus=fmus, progress=limited, verify=verify, one_file=one_file
+            loaded, record=record, fmus=fmus, progress=limited, verify=verify, separate=separate
         )
     show(summary(result))
     if result.verification is not None and result.verification.parting is not None:
         show(statistics(result.verification))
-    ran_as = "In C, as the one file" if one_file else "FMUs loaded"
+    ran_as = "FMUs loaded" if result.calls else "Coupled in C, as one file"
     say_facts(result.units, result.left_out, ran_as)
     say(
         f"{result.steps} steps, {result.passes} passes, {sum(result.calls.values())} FMI calls in "

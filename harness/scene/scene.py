@@ -176,6 +176,11 @@ class Scene(Table):
         """Whether anything is said of how the units are coupled; which units does not count."""
         return bool(set(self._document.get("coupling", {})) - {"units"})
 
+    @property
+    def has_events(self) -> bool:
+        """Whether weights can collide or stick, or supports have dry friction."""
+        return bool(self.rotor.friction) or any(b.can_meet or b.can_stick for b in self.balancer)
+
     def replace(self, changes: Mapping[str, Any]) -> Scene:
         """A validated copy with values replaced, for example {"rotor.unbalance": 0.1}.
 

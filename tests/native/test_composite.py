@@ -46,7 +46,7 @@ def test_a_scene_moves_as_the_harness_couples_it(hosted, name, changes):
     scene = at_fixed_steps(load_scene(name))
     run_up = scene.operation.run_up is not None
     scene = scene.replace(changes if run_up else {"run.revolutions": 5, **changes})
-    expected, run = cosimulate(scene), cosimulate(scene, one_file=True)
+    expected, run = cosimulate(scene, separate=True), cosimulate(scene)
     names = list(expected.signals)
     motions = [np.column_stack(list(run.signals.values()))]
     if not run_up:

@@ -39,8 +39,8 @@ def command(
     verify: Annotated[
         bool, options.verify("Are the errors right that runs measure themselves?")
     ] = False,
-    one_file: Annotated[
-        bool, options.one_file("Judge the coupling in C, not separate FMUs.")
+    separate: Annotated[
+        bool, typer.Option("--separate", help="Judge separate FMUs, not the coupling in C.")
     ] = False,
     save_to: Annotated[
         Path | None, typer.Option("--save", metavar="DIR", help="Keep the scenes that went wrong.")
@@ -56,7 +56,7 @@ def command(
     """Random scenes against an independent integration."""
     changes = () if tolerance is None else (("coupling.tolerance", tolerance),)
     try:
-        study = Study(counts(family, n), seed, changes, verify, one_file)
+        study = Study(counts(family, n), seed, changes, verify, separate)
     except ValueError as error:
         raise UserError(str(error)) from None
     if cost:
@@ -68,8 +68,8 @@ def command(
     for verdict in misses(found):
         say(line(verdict))
     text = table(found).markdown()
-    if one_file:
-        text += "\n\nRun on the one file, coupled in C."
+    if separate:
+        text += "\n\nRun on separate FMUs."
     if tolerance is not None:
         text += f"\n\n{tolerance_kept(found, tolerance)}"
     say(f"\n{text}")

@@ -88,37 +88,37 @@ def judge(
     number: int,
     changes: Mapping[str, Any] | None = None,
     verify: bool = False,
-    one_file: bool = False,
+    separate: bool = False,
 ) -> Verdict:
     """Draw a scene, run it and compare.
 
     Args:
         changes: keys replaced in every scene, such as `coupling.tolerance`.
         verify: also have the run measure its errors, and compare those.
-        one_file: run it on its one file; whether a refusal was needless separate units say.
+        separate: run it on separate FMUs; whether a refusal was needless they say in any case.
     """
     verdict = Verdict(family, number, "crashed")
     try:
         scene = Scene.from_document(draw(family, seed, number)).replace(changes or {})
-        return _compared(scene, verdict, verify, one_file)
+        return _compared(scene, verdict, verify, separate)
     except Exception:
         return replace(verdict, words=traceback.format_exc(limit=-3))
 
 
-def _run(scene: Scene, verify: bool = False, one_file: bool = False) -> Result:
+def _run(scene: Scene, verify: bool = False, separate: bool = False) -> Result:
     begun = clock.process_time()
 
     def limit(_done: float) -> None:
         if clock.process_time() - begun > LONGEST_RUN:
             raise _Endless
 
-    return cosimulate(scene, progress=limit, verify=verify, one_file=one_file)
+    return cosimulate(scene, progress=limit, verify=verify, separate=separate)
 
 
-def _compared(scene: Scene, verdict: Verdict, verify: bool, one_file: bool) -> Verdict:
+def _compared(scene: Scene, verdict: Verdict, verify: bool, separate: bool) -> Verdict:
     begun = clock.process_time()
     try:
-        result = _run(scene, verify, one_file)
+        result = _run(scene, verify, separate)
     except _Endless:
         return replace(verdict, outcome="endless", seconds=LONGEST_RUN)
     except (SimulationError, UserError) as refusal:
@@ -162,7 +162,7 @@ def right_if_let_go_on(scene: Scene) -> bool:
     before = Resolution.strict
     Resolution.strict = False
     try:
-        result = _run(scene)
+        result = _run(scene, separate=True)
         return max(deviations(result, motion(scene, result)).values()) <= RIGHT
     except (_Endless, SimulationError, UserError, ArithmeticError):
         return False

@@ -37,7 +37,7 @@ class Verdicts:
         families, numbers = zip(*self._items, strict=True)
         self._part: StoredItems = open_store(
             path,
-            {"content": f"truth study{', one file' * study.one_file}", "study": repr(study)},
+            {"content": f"truth study{', separate units' * study.separate}", "study": repr(study)},
             {"scene": variables},
             {"family": ("scene", list(families)), "number": ("scene", list(numbers))},
         )["scene"]

@@ -22,14 +22,15 @@ from tests.truth.judge import FACTOR, MISSES, OUTCOMES, SET_ASIDE, Verdict, judg
 class Study:
     """How many scenes of each family, drawn with which seed, with which keys replaced.
 
-    With `verify` every run also measures its own errors; with `one_file` the scenes run on that.
+    With `verify` every run also measures its own errors; with `separate` the scenes
+    run on separate FMUs.
     """
 
     counts: Mapping[str, int]
     seed: int = 1
     changes: tuple[tuple[str, Any], ...] = ()
     verify: bool = False
-    one_file: bool = field(default=False, repr=False)
+    separate: bool = field(default=False, repr=False)
 
     def __post_init__(self) -> None:
         unknown = set(self.counts) - set(FAMILIES)
@@ -55,7 +56,7 @@ def items_of(study: Study) -> list[tuple[str, int]]:
 def _judged(study: Study, item: tuple[str, int]) -> Verdict:
     family, number = item
     changes = dict(study.changes)
-    return judge(family, study.seed, number, changes, study.verify, study.one_file)
+    return judge(family, study.seed, number, changes, study.verify, study.separate)
 
 
 def table(found: Sequence[Verdict]) -> Sheet:

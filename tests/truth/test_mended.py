@@ -203,7 +203,7 @@ TIGHT = {
 @pytest.mark.parametrize("name", TIGHT)
 def test_keeps_a_tolerance_of_a_millionth(name):
     tight = Scene.from_document(TIGHT[name]).replace({"coupling.tolerance": 1e-6})
-    result = cosimulate(tight, one_file=True)
+    result = cosimulate(tight)
     errors = deviations(result, referred(tight, result, RTOLS[1])[0])
     assert max(errors.values()) < 3e-6, errors
 

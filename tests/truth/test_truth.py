@@ -62,28 +62,28 @@ def test_a_disturbance_grows_at_the_rate_of_the_linearised_motion():
     assert math.log(late / early) == pytest.approx(3.0, rel=0.05)  # the mode turns
 
 
-@pytest.mark.parametrize("one_file", [False, True])
-def test_an_altered_motion_is_found_out(monkeypatch, one_file):
+@pytest.mark.parametrize("separate", [True, False])
+def test_an_altered_motion_is_found_out(monkeypatch, separate):
     """A run whose rotor moves twice as far is gross, and nothing else is."""
     from tests.truth import judge as module
 
-    honest = judge("planar", 3, 4, one_file=one_file)
+    honest = judge("planar", 3, 4, separate=separate)
     assert honest.outcome == "right"
     run = module.cosimulate
 
     def altered(scene, **options):
-        assert options["one_file"] is one_file
+        assert options["separate"] is separate
         result = run(scene, **options)
         result.signals["rotor.x"][:] *= 2.0
         return result
 
     monkeypatch.setattr(module, "cosimulate", altered)
-    assert judge("planar", 3, 4, one_file=one_file).outcome == "gross"
+    assert judge("planar", 3, 4, separate=separate).outcome == "gross"
 
 
 def test_a_run_that_is_more_exact_than_the_first_reference_is_right():
     """Undamped supports gather 9e-6 of error at a relative tolerance of 1e-10."""
-    verdict = judge("heavy", 910604, 2, {"coupling.tolerance": 1e-6}, one_file=True)
+    verdict = judge("heavy", 910604, 2, {"coupling.tolerance": 1e-6})
     assert verdict.outcome == "right"
     assert verdict.error < 1e-6
 

@@ -137,7 +137,7 @@ def test_supports_that_turn_round_at_the_end_of_a_step_keep_the_tolerance():
             "run.revolutions": 5.0,
         }
     )
-    result = cosimulate(scene, one_file=True)
+    result = cosimulate(scene)
     assert not result.events
     profile, some = scene.profile(), slice(None, None, 100)
     true = simulate(scene.assembly(), profile, result.time[some], rtol=1e-10)

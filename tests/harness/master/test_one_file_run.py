@@ -10,6 +10,7 @@ import pytest
 from scipy.interpolate import CubicSpline
 
 from autobalancer.harness import SceneError, SimulationError, UserError, cosimulate, load_scene
+from autobalancer.harness.master.run import refuse_separate
 
 TOLERANCES = [
     ("run_up", {}),
@@ -26,7 +27,7 @@ TOLERANCES = [
 def test_a_tolerance_is_kept_of_the_whole_run_as_by_separate_units(name, changes):
     """Rounding may move a step; what both estimate of their error is the same."""
     scene = load_scene(name).replace(changes)
-    expected, found = cosimulate(scene), cosimulate(scene, one_file=True)
+    expected, found = cosimulate(scene, separate=True), cosimulate(scene)
     for name in expected.signals:
         right = CubicSpline(found.time, found[name])(expected.time)
         error = np.abs(right - expected[name]).max()
@@ -40,7 +41,7 @@ def test_a_step_ends_where_weights_collide():
     """With a tolerance: an event and what follows it are one communication step."""
     changes = {"coupling.tolerance": 1e-4, "coupling.corrections": None, "run.revolutions": 2}
     scene = load_scene("finite_weights").replace({"coupling.scheme": "auto", **changes})
-    expected, found = cosimulate(scene), cosimulate(scene, one_file=True)
+    expected, found = cosimulate(scene, separate=True), cosimulate(scene)
     assert len(found.time) == pytest.approx(len(expected.time), rel=0.02)
     for name in ("rotor.x", "rotor.y"):
         right = CubicSpline(found.time, found[name])(expected.time)
@@ -58,9 +59,9 @@ REFUSED = [
 def test_what_separate_units_refuse_is_refused_in_the_same_words(name, changes):
     scene = load_scene(name).replace({**changes, "run.revolutions": 30})
     with pytest.raises(SimulationError) as expected:
-        cosimulate(scene)
+        cosimulate(scene, separate=True)
     with pytest.raises(SimulationError) as found:
-        cosimulate(scene, one_file=True)
+        cosimulate(scene)
     assert str(found.value) == str(expected.value)
     assert found.type is expected.type
 
@@ -72,13 +73,13 @@ def test_a_unit_that_fails_is_named_with_time_step_and_reason():
         r"rotor at t = 0 s: a step of 0\.10472 s failed: plane\[1\]\.a_xi = nan .*loop gain 0\.04"
     )
     with pytest.raises(SimulationError, match=words):
-        cosimulate(scene, one_file=True)
+        cosimulate(scene)
 
 
 @pytest.mark.parametrize("name", ["two_balls", "run_up", "contact_order"])
 def test_errors_are_measured_as_of_separate_units(name):
     scene = load_scene(name).replace({} if name == "run_up" else {"run.revolutions": 3})
-    expected, found = cosimulate(scene, verify=True), cosimulate(scene, verify=True, one_file=True)
+    expected, found = (cosimulate(scene, verify=True, separate=s) for s in (True, False))
     assert found.error
     for signal_name, error in expected.error.items():
         floor = 1e-9 * np.abs(expected[signal_name]).max()
@@ -100,24 +101,39 @@ NOT_COVERED = [
     ({"coupling.units": "python"}, "coupling.units"),
     ({"coupling.order": 1, "coupling.steps_per_rev": 40}, "coupling.order"),
     ({"coupling.scheme": "jacobi", "coupling.corrections": None}, "coupling.scheme"),
-    ({"run.record": ["weights.a_xi"]}, "run.record"),
 ]
 
 
 @pytest.mark.parametrize(("changes", "key"), NOT_COVERED)
 def test_a_scene_that_it_does_not_cover_is_refused_by_the_key(changes, key):
-    with pytest.raises(SceneError, match=key):
-        cosimulate(load_scene("two_balls").replace(changes), one_file=True)
+    scene = load_scene("two_balls").replace({**changes, "run.revolutions": 2})
+    with pytest.raises(UserError, match=key), pytest.warns(DeprecationWarning, match="separate"):
+        cosimulate(scene, one_file=True)
+
+
+@pytest.mark.parametrize(("changes", "key"), NOT_COVERED)
+def test_a_scene_that_it_does_not_cover_runs_on_separate_units(changes, key):
+    scene = load_scene("two_balls").replace({**changes, "run.revolutions": 2})
+    result = cosimulate(scene)
+    assert result.calls
+    assert len(result.units) == 2
+
+
+def test_inputs_of_units_are_recorded_on_separate_units_alone():
+    names = ["weights.a_xi"]
+    with pytest.raises(SceneError, match=r"run\.record"):
+        cosimulate("two_balls", record=names)
+    assert len(cosimulate("two_balls", record=names, separate=True)["weights.a_xi"])
 
 
 def test_ready_made_units_are_none_of_the_one_file(tmp_path):
     with pytest.raises(UserError, match="one of them"):
-        cosimulate("two_balls", one_file=True, fmus=tmp_path)
+        refuse_separate(load_scene("two_balls"), tmp_path)
 
 
 def test_any_variable_but_inputs_is_recorded_with_the_unit_it_has():
     names = ["rotor.mass", "weights.der(F_xi)", "rotor.plane[1].a_xi", "weights.weight[2].speed"]
-    expected, found = (cosimulate("two_balls", record=names, one_file=o) for o in (False, True))
+    expected, found = (cosimulate("two_balls", record=names, separate=s) for s in (True, False))
     assert found.signal_units == expected.signal_units
     for name in names:
         assert found[name] == pytest.approx(expected[name], abs=1e-11 * np.ptp(expected[name]))
@@ -128,13 +144,13 @@ def test_eight_threads_have_the_bits_of_one_after_another():
     scenes = [scene.replace({"weights.drag": 0.01 + 0.002 * k}) for k in range(16)]
 
     def run(one):
-        return [v.tobytes() for v in cosimulate(one, one_file=True).signals.values()]
+        return [v.tobytes() for v in cosimulate(one).signals.values()]
 
     with ThreadPoolExecutor(8) as executor:
         assert list(executor.map(run, scenes)) == [run(one) for one in scenes]
 
 
 def test_the_fixture_runs_it(cosim):
-    result = cosim("two_balls", one_file=True, **{"run.revolutions": 2})
+    result = cosim("two_balls", **{"run.revolutions": 2})
     assert result.units == ("two_balls.fmu",)
     assert not result.calls

@@ -83,25 +83,25 @@ def test_one_pass_that_is_compensated_is_twenty_times_better_for_the_price_of_it
 
 
 @pytest.mark.parametrize("order", [3, 5])
-@pytest.mark.parametrize("one_file", [False, True])
-def test_a_tight_tolerance_is_kept_past_the_end_of_a_run_up(against, one_file, order):
+@pytest.mark.parametrize("separate", [True, False])
+def test_a_tight_tolerance_is_kept_past_the_end_of_a_run_up(against, separate, order):
     runs = against("two_balls", {**RUN_UP, "run.revolutions": 20})
     tight = {"tolerance": 1e-7, "steps_per_rev": None, "corrections": None, "scheme": "auto"}
     keys = {f"coupling.{key}": value for key, value in {**tight, "order": order}.items()}
-    result = cosimulate(runs.scene.replace(keys), record=LATERAL, one_file=one_file)
+    result = cosimulate(runs.scene.replace(keys), record=LATERAL, separate=separate)
     assert result.time[-1] > 8.0
     assert runs.of_amplitude(result) <= 1e-7
 
 
 @pytest.mark.parametrize("corrections", [1, None])
-@pytest.mark.parametrize("one_file", [False, True])
+@pytest.mark.parametrize("separate", [True, False])
 def test_long_steps_go_on_behind_a_run_up_from_second_derivatives_that_are_right(
-    against, one_file, corrections
+    against, separate, corrections
 ):
     runs = against("two_balls", {**RUN_UP, "run.revolutions": 6})
     keys = {"scheme": "iterated", "order": 5, "steps_per_rev": 10, "corrections": corrections}
     scene = runs.scene.replace({f"coupling.{key}": value for key, value in keys.items()})
-    result = cosimulate(scene, record=LATERAL, one_file=one_file)
+    result = cosimulate(scene, record=LATERAL, separate=separate)
     assert runs.of_amplitude(result) <= 3e-5
 
 
@@ -202,7 +202,7 @@ def test_units_built_for_a_scene_that_leaves_the_order_open_run_it_in_cubics(tmp
 @pytest.mark.parametrize("name", ["two_balls", "two_plane_rodrigues", "balls_and_liquid"])
 def test_one_file_takes_the_same_order_and_the_same_steps(name):
     scene = load_scene(name).replace({**OPEN, "coupling.tolerance": 1e-4, "run.revolutions": 5})
-    expected, found = cosimulate(scene), cosimulate(scene, one_file=True)
+    expected, found = cosimulate(scene, separate=True), cosimulate(scene)
     assert order_of_run(scene) == 5
     assert found.steps == expected.steps
     for signal, values in expected.signals.items():
@@ -246,8 +246,8 @@ def test_dry_friction_has_no_unit_with_quintic_signals():
         sized_unit("BallBalancer", order=4)
 
 
-@pytest.mark.parametrize("one_file", [False, True])
-def test_a_run_up_under_heavy_drag_keeps_cubics(one_file):
+@pytest.mark.parametrize("separate", [True, False])
+def test_a_run_up_under_heavy_drag_keeps_cubics(separate):
     """Quintics found no step short enough for what the end of this run-up leaves in a weight."""
     document = {
         "rotor": {
@@ -262,5 +262,5 @@ def test_a_run_up_under_heavy_drag_keeps_cubics(one_file):
         "run": {"revolutions": 0.34},
         "coupling": {"tolerance": 1e-6},
     }  # fmt: skip
-    result = cosimulate(Scene.from_document(document), one_file=one_file)
+    result = cosimulate(Scene.from_document(document), separate=separate)
     assert result.estimated_error < 1e-6

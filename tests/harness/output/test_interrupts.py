@@ -14,11 +14,11 @@ import pytest
 pytestmark = pytest.mark.slow
 
 LONG = {
-    "run": ["run", "two_balls", "--set", "run.revolutions=1e6", "--set", "run.record=[]"],
-    "one_file": [
-        *["run", "two_balls", "--one-file"],
-        *["--set", "run.revolutions=3e6", "--set", "run.record=[]"],
+    "separate": [
+        *["run", "two_balls", "--separate"],
+        *["--set", "run.revolutions=1e6", "--set", "run.record=[]"],
     ],
+    "run": ["run", "two_balls", "--set", "run.revolutions=3e6", "--set", "run.record=[]"],
     "python": [
         *["run", "two_balls", "--set", "run.revolutions=1e6", "--set", "run.record=[]"],
         *["--set", 'coupling.units="python"'],

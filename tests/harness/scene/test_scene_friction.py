@@ -140,13 +140,13 @@ def test_a_jump_within_a_step_costs_orders_but_not_the_result():
     assert 1e-5 < off(slider, scheme="iterated", steps_per_rev=40, units="python") < 1e-3
 
 
-@pytest.mark.parametrize("one_file", [False, True])
-def test_events_draw_communication_points_no_further_apart(one_file):
+@pytest.mark.parametrize("separate", [True, False])
+def test_events_draw_communication_points_no_further_apart(separate):
     """Steps longer than the longest would count as those of a rotor at rest, and hold signals."""
     scene = Scene.from_document(TURNING | {"coupling": {"tolerance": 1e-4}}).replace(
         {"rotor.friction": [{"limit": [4.0, 3.0], "stiffness": 4e4}], "run.revolutions": 10}
     )
-    run = cosimulate(scene, one_file=one_file)
+    run = cosimulate(scene, separate=separate)
     assert np.diff(run.time).max() < 0.501 * step_size(scene, fewest_chosen(scene))
 
 
