@@ -100,12 +100,17 @@ class Against:
         self.name, self.changes = name, changes or {}
         self.scene = load_scene(name).replace(self.changes)
 
-    def run(self, coupling: dict[str, object], signals: Sequence[str] | None = None) -> Result:
+    def run(
+        self,
+        coupling: dict[str, object],
+        signals: Sequence[str] | None = None,
+        separate: bool = False,
+    ) -> Result:
         """Run with keys of [coupling] on top; None for those left at their default."""
         from autobalancer.harness import cosimulate
 
         keys = {f"coupling.{key}": value for key, value in coupling.items()}
-        return cosimulate(self.scene.replace(keys), record=signals)
+        return cosimulate(self.scene.replace(keys), record=signals, separate=separate)
 
     def _reference(self, times: np.ndarray, signals: Sequence[str]) -> dict[str, np.ndarray]:
         # physical changes only: the motion does not depend on how it is coupled

@@ -274,8 +274,8 @@ void resolution_begin(Unit *unit);
 /* Look at the step just finished; 1 with the reason where steps are too long for the signals. */
 int resolution_check(Unit *unit, double step);
 
-/* -- composite_iterated.c, _compensated.c, _adaptive.c, _prescribed.c: twins of
-   harness/master/schemes ------------------------------------------------------------------------ */
+/* -- composite_iterated.c, _compensated.c, _adaptive.c, _prescribed.c: schemes, as
+   harness/master/schemes has them ------------------------------------------------------------------------ */
 
 void iterated_begin(Composite *c);
 /* From the start on, count as converged what leaves so much of the largest force. */
@@ -305,7 +305,7 @@ void compensated_begin(Composite *c, double step);
 /* One step; `jump`: over a jump of an input. */
 int compensated_step(Unit *unit, double step, int jump);
 
-/* -- composite_contacts.c: twin of harness/master/schemes/contacts.py ------------------------- */
+/* -- composite_contacts.c ----------------------------------------------------------------------- */
 
 /* A step that is taken whole [s]: longer ones end at events. */
 double contacts_brief(const Unit *unit);
@@ -319,7 +319,7 @@ int contacts_strike(Unit *unit);
 /* One brief step; its length in course->length. */
 int contacts_step(Unit *unit);
 
-/* -- composite_startup.c: twin of harness/master/schemes/startup.py --------------------------- */
+/* -- composite_startup.c ------------------------------------------------------------------------ */
 
 /* Length of a step of so many in the fastest revolution [s], and of a communication step. */
 double startup_share(const Unit *unit, double steps);

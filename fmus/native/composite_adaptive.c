@@ -1,5 +1,25 @@
-/* Tolerance-driven steps: the iterated scheme with step size and passes set by an error estimate;
-   twin of harness/master/schemes/adaptive.py, which derives the estimate. */
+/* Tolerance-driven steps: the iterated scheme with step size and passes set by an error estimate.
+
+   What limits the accuracy is the cubic that stands for a signal within a step. The cubic of the step
+   before, extrapolated to the end of this one, misses the converged signal by (h + h0)^2 h^2 f''''/24,
+   and the cubic of this step misses it by h^4 f''''/720 on average; so
+
+       error = |converged - predicted| h^2 / (30 (h + h0)^2).
+
+   Quintics (order 5) miss it by (h + h0)^3 h^3 f^(6)/720 and by h^6 f^(6)/100800 on average, and so
+
+       error = |converged - predicted| h^3 / (140 (h + h0)^3).
+
+   Both signals belong to a loop that has converged, so the estimate holds with direct feedthrough, where
+   comparing one step with two halves does not (Schierz, Arnold, Clauss 2012).
+
+   The estimate compares ends alone and cannot see a vibration that turns whole times in a step. So steps
+   are no longer than `longest`, which follows every revolution, until all rests in the rotor: until at the
+   end of a step no acceleration, no slope of one and no change of a force is left that counts. After
+   RESTED such steps of one length the next is twice as long, so that none is longer than a quarter of the
+   time that rest has lasted: what is not stable grows meanwhile. Steps longer than `longest` hold the
+   signals at their end values, order 1: cubics would amplify what they do not resolve. One that ends in
+   motion is taken back, and what follows is at most `longest`. */
 #include "composite.h"
 #include "elementary.h"
 #include "unit_rotor.h"

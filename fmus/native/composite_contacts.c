@@ -1,5 +1,9 @@
-/* Events met: a step ends where a unit says that something jumps, so that it holds no jump; twin of
-   harness/master/schemes/contacts.py. */
+/* Events: a step ends where a unit says that something jumps, so that it holds no jump.
+
+   Weights collide, part, stick or slide; dry supports stick, let go or turn round. The impulse of a
+   collision reaches the rotor as a pulse over the two steps after it (pulse.h). The step before an event
+   ends a moment earlier; the event and a pulse are taken in steps so brief that their error is lost in
+   rounding, and what follows starts without a past. */
 #include <string.h>
 
 #include "composite.h"

@@ -1,6 +1,9 @@
-/* Prescribed: the communication points of an earlier run, with others between them; twin of
-   harness/master/schemes/prescribed.py, which says why signals are held over long ones, and when a step
-   is halved. */
+/* Prescribed: the communication points of an earlier run, with others between them.
+
+   The same step as with a tolerance, solved as far, but of given length: two runs that meet at common
+   points differ by their errors alone. Signals are held over steps longer than the longest, as there: all
+   is at rest. A step whose loop cannot be solved is halved: where a support turns round in it so near its
+   end that the forces decide whether it does, the acceleration jumps with them. */
 #include "composite.h"
 #include "elementary.h"
 

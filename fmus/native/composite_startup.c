@@ -1,4 +1,9 @@
-/* What a communication step is divided into: at the start, and where an input jumps. */
+/* What a communication step is divided into: at the start, and where an input jumps.
+
+   Weights under heavy drag d are pulled into the rotor's motion within 1/d: a cubic over the whole step
+   with the slope of that first instant is wrong by d times the step, while its loop converges. So a step
+   without a past is divided into parts that double. Where the rotor's acceleration jumps, the units'
+   outputs are still those before the jump, so a negligible part of the step is taken on its own. */
 #include "composite.h"
 #include "elementary.h"
 

@@ -1,4 +1,4 @@
-"""The co-simulation master: rotor first, then the balancers, on cubic signals with rollback.
+"""Separate FMUs of a scene, coupled in Python.
 
 Data flow of a step: predicted forces -> rotor -> accelerations -> balancers -> forces; the scheme
 decides whether they are compared with the prediction and the step is taken again.
@@ -6,83 +6,72 @@ decides whether they are compared with the prediction and the step is taken agai
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+import math
+from collections.abc import Iterable, Iterator, Mapping
 from contextlib import ExitStack
-from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING, TypeAlias
+from typing import TYPE_CHECKING
 
-import numpy as np
-
-from ..errors import SimulationError
+from ..errors import SceneError, SimulationError
 from ..scene import Scene
-from .beginning import Beginning
 from .facts import Facts, advice
 from .fmu import Closing, Fmu
 from .loop import consistent_start, value_eigenvalues
 from .plan import plan
-from .recorder import Recorder
+from .recorder import REPORTED, Recorder
 from .resolution import Resolution
 from .runtime import runtime
 from .scales import ROUNDING, largest_force
-from .schedule import (
-    DrivenSpeed,
-    as_run,
-    brief_step,
-    end_time,
-    fewest_chosen,
-    meets_events,
-    milestones,
-    schedule,
-    step_size,
-)
-from .schemes.iterated import Iterated
-from .schemes.prescribed import SLIVER, Prescribed
-from .schemes.protocol import Scheme, choose, refuse_loose_tolerance, response_before
-from .schemes.startup import substeps
+from .schedule import brief_step, end_time, fewest_chosen, milestones, schedule, step_size
+from .schemes import Scheme, choose, response_before
+from .simulation import Repeated, refuse_loose_tolerance
 from .system import System
 from .unit_files import find_or_build
 
 if TYPE_CHECKING:
     from ..output.workers import Progress
-    from .one_file_run import OneFileRun
 
-REPORTED = 256  # steps between two reports of progress: some ten a second
-Simulation: TypeAlias = "CoSimulation | OneFileRun"
+STEEP = 0.2  # of the force: more than this by the slope of its first instant, and a step is divided
+FIRST = 0.05  # of the force: what it may change by that slope over the first part
+MOST_HALVINGS = 60  # a force that rises from exactly zero has no size to compare with
+KINK = 1e-6  # of a step: it errs by less than 1e-7, and rounding does not yet spoil the slopes
+FINER_FIRST = 4  # times as many steps in a first run where fewer were too few
 
 
 class CoSimulation(Closing):
     """The units of a scene, loaded and connected; restarted and stepped as often as wanted.
 
+    With a tolerance a run has `fewest_steps_per_rev`, and the runs after it divide these
+    (`global_error.Controlled`), each watched as one with given steps is (`resolution`).
+
     Args:
         scene: what to simulate.
         fmus: directory of ready-made FMUs; by default exactly those needed are built.
         watch: also step balancers that exchange no force (their clearance is wanted).
-        order: of the coupling signals; by default the scene's.
 
     Attributes:
         coupled: whether there is a loop.
         ends_steps_at_corners: of a motor's characteristic.
+        time: reached so far [s]; may be set to where a step was to end.
 
     Raises:
         UnitError: an FMU is missing, corrupt, or of a different build.
-        SceneError: a tolerance is asked of a scheme or an order that cannot keep it.
+        SceneError: the coupling is one that only one file has.
     """
 
-    ends_steps_at_corners = False
+    chooses_steps = False
+    meets_events = ends_steps_at_corners = False
 
-    def __init__(
-        self,
-        scene: Scene,
-        *,
-        fmus: Path | None = None,
-        watch: bool = True,
-        order: int | None = None,
-    ) -> None:
-        self.scene = scene = as_run(scene)
+    def __init__(self, scene: Scene, *, fmus: Path | None = None, watch: bool = True) -> None:
+        self.scene, self.order = scene, scene.coupling.order
         refuse_loose_tolerance(scene)
+        if self.order == 5:
+            raise SceneError(
+                f"{scene.name}: coupling.order = 5: quintic signals are coupled in C alone, as one "
+                "file; give order 3, or leave separate units out"
+            )
         self.profile = scene.profile()
-        self.plan, order = plan(scene, order=order), order or scene.coupling.order
+        self.plan = plan(scene)
         self.runtime = runtime(scene.coupling.units)
         self.paths = find_or_build(self.plan.units, fmus, self.runtime.backend)
         with ExitStack() as stack:
@@ -90,97 +79,67 @@ class CoSimulation(Closing):
                 one.name: stack.enter_context(Fmu(path, one.name))
                 for path, one in zip(self.paths, self.plan.units, strict=True)
             }
-            brief = brief_step(scene) if meets_events(scene) else 0.0
-            self.system = System(self.plan, self.units, order, watch, brief)
+            self.system = System(self.plan, self.units, self.order, watch)
             stack.callback(self.system.free_states)
-            self._beginning = Beginning(self.system)
-            stack.callback(self._beginning.free)
             self._stack = stack.pop_all()
-        self.order, self.coupled = order, self.system.coupled
-        self.gain = self.amplification = 0.0
-        self._at: Scene | None = None  # kept: a map starts often at one speed
-        self._jacobian: np.ndarray | None = None  # of the loop, at the last start
-        self.time = 0.0
+        self.coupled = self.system.coupled
+        self.gain = self.amplification = self.worst_residual = self.time = 0.0
         self.steps = self.unconverged = 0
-        self.worst_residual = 0.0
+        self.resolution: Resolution | None = None
+        self._rounding = ROUNDING * largest_force(scene)
+        self._at: Scene | None = None  # kept: a map starts often at one speed
 
     def start(
         self,
         changes: Mapping[str, Mapping[str, float | bool]] | None = None,
         step: float | None = None,
-        points: tuple[Sequence[float], float] | None = None,
-        step_share: float = 0.0,
+        attempt: int | None = None,
+        again: Repeated | None = None,
     ) -> None:
         """Restart all units from the scene's start values, `changes` by unit name on top.
 
-        `step` is the communication step to come [s], by default the scene's.  With `points` the run
-        before, which had a tolerance, begins again with the same start values and meets these:
-        times [s], and the residual, of the largest force, that may stay in the loop.  Without
-        points `step_share` of the tolerance, if it is above 0, is what a step may err.
+        Args:
+            step: communication step to come [s]; by default the scene's.
+            attempt: at a first run with a tolerance; each has more steps than the one before.
+            again: the parts of every step of that run, of which this is a repetition.
 
         Raises:
             SimulationError: a unit refuses its parameters, or no consistent start exists.
         """
-        self.time = 0.0
+        self.time = self.worst_residual = 0.0
         self.steps = self.unconverged = 0
-        self.worst_residual = 0.0
-        step = step or step_size(self.scene)
-        if points is None:
-            self._begin(changes or {}, step)
-            if step_share:
-                self.scheme.allow_error(step_share)
-        else:
-            self._begin_again(step, *points)
-        share = self.scheme.miss_per_error if self.system.order >= 3 else 0.0
+        first, self._parts = None, again.parts if again else 1
+        if self.scene.coupling.tolerance is not None and self.coupled:
+            first = fewest_chosen(self.scene) * FINER_FIRST ** (attempt or 0)
+        self._schedule = schedule(self.scene, first)
+        step = step or step_size(self.scene, first) / self._parts
+        self.system.restart(changes or {})
+        self._acceleration = self.profile.acceleration(0.0)
+        self.scheme = self._prepare(step)
+        for unit in self.units.values():
+            unit.start()
         # an exchange that is unstable at any step is no matter of resolution
-        judged = share and self.amplification <= 1.0 and self.coupled
+        judged = self.order == 3 and self.amplification <= 1.0 and self.coupled
         self.resolution = None
         if judged:
-            self.resolution = Resolution(self._driven(changes), self.system, share, self.gain)
+            scene, share = self._driven(changes or {}), self.scheme.miss_per_error
+            self.resolution = Resolution(scene, self.system, share, self.gain)
 
-    @property
-    def chooses_steps(self) -> bool:
-        """Whether a tolerance picks the steps, since the start."""
-        return self.scheme.chooses_steps
-
-    def _driven(self, changes: Mapping[str, Mapping[str, float | bool]] | None) -> Scene:
+    def _driven(self, changes: Mapping[str, Mapping[str, float | bool]]) -> Scene:
         """The scene at the constant speed that a start gives instead of its own."""
-        speeds = [own["speed"] for own in (changes or {}).values() if "speed" in own]
+        speeds = [own["speed"] for own in changes.values() if "speed" in own]
         if not speeds:
             return self.scene
         if self._at is None or self._at.operation.speed != speeds[0]:
             self._at = self.scene.replace({"operation.speed": speeds[0]})
         return self._at
 
-    @cached_property
-    def _rounding(self) -> float:
-        """Of forces that cancel [N]."""
-        return ROUNDING * largest_force(self.scene)
-
-    def _begin(self, changes: Mapping[str, Mapping[str, float | bool]], step: float) -> None:
-        """Start all units anew, for steps of this length [s]."""
-        self.system.restart(changes)
-        self.drive = DrivenSpeed(self.scene, self.system)
-        self.scheme = self._prepare(step)
-        for unit in self.units.values():
-            unit.start()
-        if self.scheme.chooses_steps:
-            self._beginning.keep()
-
-    def _begin_again(self, step: float, points: Sequence[float], residual: float) -> None:
-        """Bring all back to the start of the run before, of whose loop all is known."""
-        assert self._jacobian is not None
-        self._beginning.again()
-        self.drive = DrivenSpeed(self.scene, self.system)
-        iterated = Iterated(self._jacobian, step, self.system.order, rounding=self._rounding)
-        self.scheme = Prescribed(iterated, points, residual)
-
     def _prepare(self, step: float) -> Scheme:
         """Bring the units to a consistent start, and make the scheme for this loop."""
         system, rounding = self.system, self._rounding
         response = response_before(self.scene, system, step)
-        self._jacobian = jacobian = consistent_start(system, step, rounding)
-        eigenvalues = value_eigenvalues(jacobian, system.parts)
+        jacobian = consistent_start(system, step, rounding)
+        eigenvalues = value_eigenvalues(jacobian)
         self.gain = max(map(abs, eigenvalues), default=0.0)
         scheme = choose(self.scene, system, jacobian, response, step, self.gain, rounding)
         self.amplification = scheme.amplification(eigenvalues, system.order)
@@ -189,40 +148,53 @@ class CoSimulation(Closing):
     def step(self, step: float, longest: float | None = None) -> float:
         """One communication step of length `step` [s]; returns its length.
 
-        With a tolerance the step is chosen: at most `longest` and never beyond `step`.
-
         Raises:
             SimulationError: a unit failed, a signal is not finite, or the loop did not converge.
         """
-        begin = self.time
         try:
-            self._cover(step, longest)
-            # an event is no communication point, but only at rest are these further apart
-            step = min(step, longest or step)
-            while self.system.has_no_past and step - (self.time - begin) > SLIVER * step:
-                self._cover(step - (self.time - begin), longest)
+            self._cover(step)
         except SimulationError as error:
             if not self.coupled:
                 raise
             hint = advice(error, self.scene)
             raise SimulationError(f"{error}; loop gain {self.gain:.3g}{hint}") from error
-        return self.time - begin
+        return step
 
-    def _cover(self, step: float, longest: float | None) -> None:
-        """A communication step, or what of it lies before something happens to weights."""
-        for time, part in substeps(self.system, self.scheme, self.drive, self.time, step):
-            self.time = time
-            self._take(part, longest or part)
-            if self.system.has_no_past:
-                return
+    def _cover(self, step: float) -> None:
+        """A communication step: behind a jump of the drive, and divided where it has no past."""
+        started, begin, left = self.system.has_no_past, self.time, step
+        if self._drive_jumps():
+            negligible = min(KINK * step, brief_step(self.scene))
+            self.scheme.cross_jump(self.system, begin, negligible)
+            self.system.drop_past()
+            left -= negligible
+            self.time += negligible
+        halvings = self.scheme.startup_halvings
+        parts = [left]
+        if self.system.has_no_past and (started or halvings):
+            parts = doubling_steps(self.system, left, halvings)
+        for number, part in enumerate(parts):
+            if number:
+                self._drive_jumps()
+            self._take(part)
+        if started and len(parts) > 1:
+            self.scheme.after_start(self.system, self.time, step)
+        self.time = begin + step
 
-    def _take(self, step: float, longest: float) -> None:
+    def _drive_jumps(self) -> bool:
+        """Write a changing speed to the units; whether its rate of change has jumped."""
+        if not self._acceleration:
+            return False
+        before, self._acceleration = self._acceleration, self.profile.acceleration(self.time)
+        self.system.drive(self.profile.speed(self.time), self._acceleration)
+        return self._acceleration != before
+
+    def _take(self, step: float) -> None:
         """A part of a communication step, judged and counted."""
-        step, residual = self.scheme.step(self.system, self.time, step, longest)
+        residual = self.scheme.step(self.system, self.time, step)
         if self.resolution:
             self.resolution.check(self.time, step)
-        if residual > self.worst_residual:
-            self.worst_residual = residual
+        self.worst_residual = max(self.worst_residual, residual)
         if not self.scheme.judge(self.system, self.time, residual):
             self.unconverged += 1
         self.system.follow(self.time, step)
@@ -243,19 +215,13 @@ class CoSimulation(Closing):
                 f'{self.gain:.3g}; use scheme = "iterated" or "auto"'
             )
         end = end_time(self.scene)
-        for (step, count), bound in zip(schedule(self.scene), milestones(self.scene), strict=True):
-            start = self.time
-            if self.scheme.chooses_steps:
-                longest = step_size(self.scene, fewest_chosen(self.scene))
-                while bound - self.time > SLIVER * bound:
-                    self.step(bound - self.time, longest)
-                    yield self.time / end
-            else:
-                for number in range(1, count + 1):
-                    self.step(step)
-                    # a product instead of a sum: rounding must not move the communication points
-                    self.time = start + number * step
-                    yield self.time / end
+        for (whole, count), bound in zip(self._schedule, milestones(self.scene), strict=True):
+            start, step = self.time, whole / self._parts
+            for number in range(1, count * self._parts + 1):
+                self.step(step)
+                # a product instead of a sum: rounding must not move the communication points
+                self.time = start + number * step
+                yield self.time / end
             self.time = bound
 
     def rows(self, recorder: Recorder) -> Iterator[float]:
@@ -279,9 +245,8 @@ class CoSimulation(Closing):
 
     def facts(self) -> Facts:
         """What the run since the last start did."""
-        units = self.units.values()
+        units, resolution = self.units.values(), self.resolution
         kinds = dict.fromkeys(kind for unit in units for kind in unit.calls)
-        resolution = self.resolution
         return Facts(
             scene=self.scene,
             files=tuple(path.name for path in dict.fromkeys(self.paths)),
@@ -304,3 +269,24 @@ class CoSimulation(Closing):
     def close(self) -> None:
         """Free all instances."""
         self._stack.close()
+
+
+def doubling_steps(system: System, step: float, halvings: int = 0) -> list[float]:
+    """Lengths that add up to `step` [s], doubling; just `step` where nothing is steep.
+
+    Weights under heavy drag d are pulled into the rotor's motion within 1/d: a cubic over a whole
+    first step with the slope of that instant is wrong by d times the step, while its loop
+    converges.
+
+    Args:
+        halvings: wanted in any case.
+    """
+    if system.order == 0 or not system.coupled:
+        return [step]
+    largest = max(max(abs(force.now[0]), force.largest) for force in system.forces)
+    change = step * max(abs(force.now[1]) for force in system.forces)
+    if change > STEEP * largest > 0.0:
+        steep = math.ceil(math.log2(change / (FIRST * largest)))
+        halvings = max(halvings, min(MOST_HALVINGS, steep))
+    first = math.ldexp(step, -halvings)
+    return [first, *(math.ldexp(step, -k) for k in range(halvings, 0, -1))]

@@ -13,7 +13,6 @@ from .left_out import left_out
 from .recorder import Recorder
 from .resolution import SAID
 from .result import Result
-from .schedule import force_jumps
 from .schemes.iterated import LOOSE
 
 NO_CALLS = "calls of FMI (the one file's units are coupled in C, from memory to memory)"
@@ -120,7 +119,7 @@ def _looser(error: float) -> str:
     return f"coupling.tolerance = {kept:g}, " if kept <= LOOSEST_TOLERANCE else ""
 
 
-def advice(error: Exception, scene: Scene) -> str:
+def advice(error: Exception, scene: Scene, meets_events: bool = False) -> str:
     """What to do where forces that jump keep a loop from converging; empty where none can.
 
     Where a weight sticks, or collides and no step ends there, no step is short enough for a
@@ -129,7 +128,7 @@ def advice(error: Exception, scene: Scene) -> str:
     coupling = scene.coupling
     names = [b.label for b in scene.balancer if b.can_meet or b.can_stick]
     asked = coupling.corrections is not None
-    if asked or not isinstance(error, LoopError) or not force_jumps(scene):
+    if asked or not isinstance(error, LoopError) or meets_events or not names:
         return ""
     why = "corrector passes need not agree on it"
     if coupling.tolerance is not None:

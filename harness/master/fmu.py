@@ -26,7 +26,6 @@ from .unit_files import described, measured_in
 if TYPE_CHECKING:
     from typing_extensions import Self
 
-LAST_SUCCESSFUL_TIME = 2  # fmi2StatusKind
 SIGNALS_WAIT = True  # no exception may cross a unit: see output/interrupts.py
 _WARNING = fmi2.fmi2Warning
 _STATUS = ("OK", "Warning", "Discard", "Error", "Fatal", "Pending")
@@ -36,18 +35,6 @@ _LOADED = (f"binaries/{fmpy.platform}/", "resources/")
 def _is_loaded(name: str) -> bool:
     """Whether an instance needs this file: a hundred files of C cost more than many a run."""
     return name.startswith(_LOADED)
-
-
-class EndedEarly(SimulationError):
-    """A unit met something within a step and went no further.
-
-    Attributes:
-        length: of the step as far as it came [s].
-    """
-
-    def __init__(self, unit: str, time: float, length: float) -> None:
-        super().__init__(f"{unit}: a step from t = {time:g} s ended after {length:g} s")
-        self.length = length
 
 
 class Variables:
@@ -211,11 +198,6 @@ class Fmu(Closing):
         self.fetch(group)
         return group.buffer[:]
 
-    def get_vectors(self, group: Variables) -> list[complex]:
-        """Values of a group of pairs, x + i y each."""
-        self.fetch(group)
-        return group.vectors.tolist()
-
     def fetch(self, group: Variables) -> None:
         """Read the group's variables into its buffer."""
         self.calls["get"] += 1
@@ -247,7 +229,7 @@ class Fmu(Closing):
         self._length.value = step
         status = self._step(self._component, self._begin, self._length, self._final)
         if status > _WARNING:
-            self._check_step(status, time, step)
+            self._check(status, f"a step of {step:g} s")
 
     def exchange(self, inputs: Variables, outputs: Variables, time: float, step: float) -> None:
         """`send`, `step` and `fetch` in one."""
@@ -262,17 +244,10 @@ class Fmu(Closing):
             self._check(status, f"setting {', '.join(inputs.names[:4])}")
         status = self._step(self._component, self._begin, self._length, self._final)
         if status > _WARNING:
-            self._check_step(status, time, step)
+            self._check(status, f"a step of {step:g} s")
         status = self._get(*outputs.call)
         if status > _WARNING:
             self._check(status, f"reading {', '.join(outputs.names[:4])}")
-
-    def _check_step(self, status: int, time: float, step: float) -> None:
-        if status == fmi2.fmi2Discard and not self.runs_python:  # one that runs Python has failed
-            reached = c_double(time)
-            self.fmu.dll.fmi2GetRealStatus(self._component, LAST_SUCCESSFUL_TIME, byref(reached))
-            raise EndedEarly(self.name, time, reached.value - time)
-        self._check(status, f"a step of {step:g} s")
 
     def save(self, state: c_void_p | None = None) -> c_void_p:
         """A copy of the complete state; give it back with `free`.

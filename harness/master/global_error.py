@@ -1,13 +1,13 @@
 """A tolerance that is kept: the error of a whole run, from runs that meet at common points.
 
 What a step errs says little of the end: lightly damped motion gathers errors, motion that is not
-stable multiplies them.  So the run is done twice.  The first chooses its steps by what each of them
-errs (`schemes.adaptive`); the second takes every one of them in two, and is the result.  Where they
-meet they differ by 15 times the error of the second, for the coupling is of order 4 (with quintic
+stable multiplies them.  So the run is done twice.  The first has few steps, in C chosen by what
+each of them errs; the second divides every one of them in two, and is the result.  At common points
+they differ by 15 times the error of the second, for the coupling is of order 4 (with quintic
 signals of order 6, and by 63 times; taken for 1 where weights can collide, or a jump falls within a
 step, for 2 where weights or supports stick or slide or a motor meets a corner of its characteristic
 at the end of one and two runs are all there are, for 1 from where steps at rest have held their
-signals). If that is more than the tolerance, every step is divided again, into as many parts as it
+signals).  If that is more than the tolerance, every step is divided again, into as many parts as it
 takes.
 
 Hairer, Norsett & Wanner 1993, II.4: Richardson's extrapolation, here of the run as a whole.
@@ -17,21 +17,18 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from itertools import pairwise
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from ..errors import SimulationError
 from ..scene import Scene
-from .cosimulation import Simulation
 from .names import kin, stations
 from .plan import MOTOR
 from .recorder import Recorder, Signal
 from .scales import least_motion
-from .schedule import fewest_chosen, force_jumps, meets_events, step_size
-from .schemes.adaptive import RESIDUAL_SHARE
-from .schemes.prescribed import LONG, SLIVER
+from .schedule import LONG, SLIVER, fewest_chosen, step_size
+from .simulation import Repeated, Simulation
 
 if TYPE_CHECKING:
     from ..output.workers import Progress
@@ -46,8 +43,7 @@ ORDER_OF_EVENTS = 2
 ORDER_HELD = 1  # and all that follows
 LEFT = 2  # power of the parts with which what is left in the loop shrinks at least
 MOTOR_LEFT = 0.01  # of that under a motor, whose acceleration can be far the largest of the forces
-# of the tolerance, what a step of the first run may err; halved, it errs by 1/16 or 1/64
-SHARES = (10.0, 1.0, 0.1)
+ATTEMPTS = 3  # at a first run, each in finer steps
 # of the tolerance: what further parts are to leave, and two runs may say, for they do not tell by
 # which order errors shrink; if by 1.3 already, the tolerance is still kept within a factor of 3
 AIM = 0.3
@@ -75,12 +71,11 @@ class Controlled:
         self.cosim, self.names = cosim, names
         self.tolerance = cosim.scene.coupling.tolerance
         touching = any(balancer.can_meet for balancer in cosim.scene.balancer)
-        dry = bool(cosim.scene.rotor.friction)
         motor = cosim.scene.operation.motor
         bent = motor is not None and len(motor.table or ()) > 2
-        jumping = touching or force_jumps(cosim.scene) or (dry and not meets_events(cosim.scene))
+        jumping = touching or (cosim.scene.has_events and not cosim.meets_events)
         jumping = jumping or (bent and not cosim.ends_steps_at_corners)
-        self._ends_at_events = dry or bent or any(b.can_stick for b in cosim.scene.balancer)
+        self._ends_at_events = cosim.scene.has_events or bent
         self._left = MOTOR_LEFT if motor else 1.0
         self.highest_order = ORDER_OF_JUMPS if jumping else ORDER[cosim.order]
         self._steepest = max(self.highest_order, ORDER_OF_EVENTS) if bent else math.inf
@@ -88,7 +83,7 @@ class Controlled:
         self.parts, self.error = 1, math.inf
         self._apart = self._times = 0.0  # how far the last two runs were, and by how many parts
         self._done = 0  # work, in first runs
-        self._share = SHARES[0]
+        self._attempt = 0
 
     def run(self, progress: Progress | None) -> Recorder:
         """Run as often as it takes; what the last run recorded.
@@ -105,7 +100,7 @@ class Controlled:
         while True:
             parts = max(2 * parts, self._next_parts())
             try:
-                recorder = self._run(parts, _divided(grid, parts), progress)
+                recorder = self._run(parts, grid, progress)
             except SimulationError:  # steps that the tolerance allowed are too long for the loop
                 if parts >= PARTING:
                     raise
@@ -137,16 +132,19 @@ class Controlled:
             shares = apart / (times**order - 1.0), at_rest / (times**ORDER_HELD - 1.0)
             self.error = max(*shares, least)
         self.parts, self._times, self._apart = parts, times, apart
-        return self.error <= enough
+        # two runs that hide a fast vibration between their points can agree by chance
+        watched, kept = self.cosim.facts().estimated_error, self.error <= enough
+        self.error = max(self.error, watched)
+        return kept and watched <= self.tolerance
 
     def _first(self, progress: Progress | None) -> Recorder:
-        """The run that chooses its steps, which shorter ones may bring to its end."""
-        for self._share in SHARES[:-1]:
+        """The first run; where its steps are too long, in shorter ones."""
+        for self._attempt in range(ATTEMPTS - 1):
             try:
                 return self._run(1, None, progress)
             except SimulationError:
                 continue
-        self._share = SHARES[-1]
+        self._attempt = ATTEMPTS - 1
         return self._run(1, None, progress)
 
     def _next_parts(self) -> int:
@@ -159,19 +157,18 @@ class Controlled:
     def _run(
         self,
         parts: int,
-        points: Sequence[float] | None,
+        grid: Signal | None,
         progress: Progress | None,
     ) -> Recorder:
         """One run, of all that is asked for and all that is compared."""
         cosim = self.cosim
         recorder = Recorder(cosim.units, self.names, _motion(cosim.scene))
-        if points is None:
-            cosim.start(step_share=self._share)
+        if grid is None:
+            cosim.start(attempt=self._attempt)
         else:
             # what is left in the loop must shrink with the rest, or no run would show it
-            left = self._left * RESIDUAL_SHARE * self._share * self.tolerance
-            residual = left / parts ** max(self.highest_order, LEFT)
-            cosim.start(points=(points, residual))
+            share = self._left / parts ** max(self.highest_order, LEFT)
+            cosim.start(attempt=self._attempt, again=Repeated(grid, parts, share))
         # of a first run it is certain that another follows
         done, work = self._done, max(3, self._done + parts)
         report = progress and (lambda part: progress((done + part * parts) / work))
@@ -192,13 +189,6 @@ def _first_held(scene: Scene, grid: Signal) -> int:
     """The first point that a step with held signals led to; the number of points if none did."""
     lengths = np.append(np.diff(grid), math.inf)
     return int(np.argmax(lengths > LONG * step_size(scene, fewest_chosen(scene)))) + 1
-
-
-def _divided(grid: Signal, parts: int) -> list[float]:
-    """Points that divide every step between those of a grid."""
-    shares = np.arange(parts) / parts
-    inner = [begin + shares * (end - begin) for begin, end in pairwise(grid.tolist())]
-    return [*np.concatenate(inner).tolist(), float(grid[-1])]
 
 
 def _apart(

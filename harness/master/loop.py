@@ -7,7 +7,6 @@ with; a consistent start and every implicit step solve u = G(u).
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from functools import cache
 
 import numpy as np
 
@@ -15,9 +14,7 @@ from ..errors import SimulationError
 from .signals import Knot, begun
 from .system import System
 
-# of each connection the force, its slope times the step, and with order 5 the second derivative
-# times the step's square, all of one unit
-Vector = list[complex]
+Vector = list[complex]  # of each connection the force, and its slope times the step
 
 _START_TOLERANCE = 1e-12  # of the largest force: start values are as exact as the units
 _ROUNDING = 1e-13  # of the largest force, times the gain: what the loop makes of rounding
@@ -28,26 +25,13 @@ _START_ITERATIONS = 20  # the map is affine in values and in slopes; Newton need
 
 def pack(ends: Sequence[Knot], step: float) -> Vector:
     """Forces and slopes as one vector."""
-    vector: Vector = []
-    if ends and len(ends[0]) == 3:
-        for value, slope, second in ends:
-            vector += (value, step * slope, step * step * second)
-        return vector
-    for value, slope in ends:
-        vector += (value, step * slope)
-    return vector
+    return [part for value, slope in ends for part in (value, step * slope)]
 
 
-def unpack(vector: Sequence[complex], step: float, parts: int = 2) -> list[Knot]:
-    """Inverse of `pack`, of signals whose ends have so many `parts`."""
+def unpack(vector: Sequence[complex], step: float) -> list[Knot]:
+    """Inverse of `pack`."""
     per_step = 1.0 / step
-    if parts == 2:
-        return [(vector[i], per_step * vector[i + 1]) for i in range(0, len(vector), 2)]
-    square = per_step * per_step
-    return [
-        (vector[i], per_step * vector[i + 1], square * vector[i + 2])
-        for i in range(0, len(vector), 3)
-    ]
+    return [(vector[i], per_step * vector[i + 1]) for i in range(0, len(vector), 2)]
 
 
 def size(vector: Sequence[complex]) -> float:
@@ -58,6 +42,11 @@ def size(vector: Sequence[complex]) -> float:
 def difference(a: Sequence[complex], b: Sequence[complex]) -> Vector:
     """a - b."""
     return [x - y for x, y in zip(a, b, strict=True)]
+
+
+def components(vector: Sequence[complex]) -> np.ndarray:
+    """Real and imaginary parts, alternating."""
+    return np.array(vector, complex).view(float)
 
 
 def jacobian(g: Callable[[Vector], Vector], u: Vector, g_u: Vector, change: float) -> np.ndarray:
@@ -81,7 +70,6 @@ class QuasiNewton:
 
     Args:
         jacobian: dG/du in the units of `pack` with `step` [s].
-        parts: of a signal's end.
 
     Attributes:
         gain: of the loop at first.
@@ -90,11 +78,11 @@ class QuasiNewton:
         SimulationError: an eigenvalue is 1, so that u = G(u) has no unique solution.
     """
 
-    def __init__(self, jacobian: np.ndarray, step: float, parts: int = 2) -> None:
-        self.step, self.parts = step, parts
+    def __init__(self, jacobian: np.ndarray, step: float) -> None:
+        self.step = step
         try:
             self.inverse = np.linalg.inv(np.eye(len(jacobian)) - jacobian)
-            eigenvalues = value_eigenvalues(jacobian, parts)
+            eigenvalues = value_eigenvalues(jacobian)
             unique = all(abs(1.0 - j) >= _SINGULAR for j in eigenvalues)
         except np.linalg.LinAlgError:  # values so far from 1 that they leave no digit of it
             unique = False
@@ -107,60 +95,44 @@ class QuasiNewton:
 
     def rescale(self, step: float) -> None:
         """Adapt to another step [s]: slopes enter as slope times step."""
-        ratio = step / self.step
-        if ratio != 1.0:
-            self.inverse, self.step = rescaled(self.inverse, ratio, self.parts), step
+        if step != self.step:
+            self.inverse, self.step = rescaled(self.inverse, step / self.step), step
 
-    def correction(self, residual: np.ndarray) -> np.ndarray:
-        """The step du that would make the residual G(u) - u vanish, both in `components`."""
-        return self.inverse.dot(residual)
+    def correction(self, residual: Vector) -> Vector:
+        """The change of u that would make the residual G(u) - u vanish."""
+        return self.inverse.dot(components(residual)).view(complex).tolist()
 
-    def learn(self, du: np.ndarray, old: np.ndarray, new: np.ndarray) -> None:
-        """Use how the residual really changed over a step du (Broyden 1965, Sherman-Morrison)."""
+    def learn(self, du: Vector, old: Vector, new: Vector) -> None:
+        """Use how the residual changed over a change du (Broyden 1965, Sherman-Morrison)."""
+        moved = components(du)
         with np.errstate(over="ignore", invalid="ignore"):  # motion beyond bounds teaches nothing
-            predicted = self.inverse @ (old - new)
-            weight = du @ predicted
+            expected = self.inverse @ components(difference(old, new))
+            weight = moved @ expected
         if weight != 0.0 and np.isfinite(weight):
-            self.inverse = self.inverse + np.outer((du - predicted) / weight, du @ self.inverse)
+            self.inverse = self.inverse + np.outer(
+                (moved - expected) / weight, moved @ self.inverse
+            )
 
 
-def rescaled(matrix: np.ndarray, ratio: float, parts: int = 2) -> np.ndarray:
+def rescaled(matrix: np.ndarray, ratio: float) -> np.ndarray:
     """A matrix between vectors as `pack` makes them, for steps `ratio` times as long."""
-    return matrix * ratio ** _powers(matrix.shape, parts)
-
-
-@cache
-def _powers(shape: tuple[int, int], parts: int) -> np.ndarray:
-    """By which a matrix's entries grow with the step."""
-    rows, columns = (np.arange(n) // 2 % parts for n in shape)
-    return np.subtract.outer(rows, columns)
-
-
-def components(vector: Sequence[complex]) -> np.ndarray:
-    """Real and imaginary parts, alternating."""
-    return np.array(vector, complex).view(float)
-
-
-def vector(components: np.ndarray) -> Vector:
-    """Inverse of `components`."""
-    return components.view(complex).tolist()
+    rows, columns = (np.arange(n) // 2 % 2 for n in matrix.shape)
+    return matrix * ratio ** np.subtract.outer(rows, columns)
 
 
 def rotor_response(system: System, step: float) -> np.ndarray:
-    """d(acceleration)/d(force) of a rotor in initialisation mode, for p planes and c connections.
+    """d(acceleration)/d(force) of a rotor in initialisation mode, (4 p, 4 c).
 
-    (4 p, 4 c), with order 5 (6 p, 6 c).
-
-    Leaves the rotor without forces.
+    For p planes and c connections; leaves the rotor without forces.
     """
     if not system.exchanges:
         return np.zeros((0, 0))
 
     def respond(u: Vector) -> Vector:
-        system.set_forces([begun(end) for end in unpack(u, step, system.parts)])
+        system.set_forces([begun(end) for end in unpack(u, step)])
         return pack(system.read_accelerations(), step)
 
-    nothing = [0j] * (system.parts * len(system.exchanges))
+    nothing = [0j] * (2 * len(system.exchanges))
     found = jacobian(respond, nothing, respond(nothing), 1.0)
     respond(nothing)
     return found
@@ -174,8 +146,7 @@ def consistent_start(system: System, step: float, rounding: float = 0.0) -> np.n
         rounding: of the forces [N]: where they cancel, nothing larger can be made of them.
 
     Returns:
-        dG/du at the start, (4 c, 4 c) for c connections, with order 5 (6 c, 6 c); its spectral
-        radius is the loop gain.
+        dG/du at the start, (4 c, 4 c) for c connections; its spectral radius is the loop gain.
 
     Raises:
         SimulationError: the iteration did not converge, or the loop has gain 1.
@@ -183,33 +154,28 @@ def consistent_start(system: System, step: float, rounding: float = 0.0) -> np.n
     if not system.coupled:
         return np.zeros((0, 0))
 
-    parts = system.parts
-
     def respond(u: Vector) -> Vector:
-        ends = unpack(u, step, parts)
-        system.set_forces([begun(end) for end in ends])
+        system.set_forces([begun(end) for end in unpack(u, step)])
         for state, knot in zip(system.accelerations, system.read_accelerations(), strict=True):
             state.now = knot
         return pack(system.answer([begun(a.now) for a in system.accelerations]), step)
 
-    # second derivatives take squares of the values, but these converge before them
-    u = [0j] * (parts * len(system.forces))
+    # slopes take squares of the values, but these converge before them
+    u = [0j] * (2 * len(system.forces))
     g_u = respond(u)
     slope_of_g = jacobian(respond, u, g_u, size(g_u) or 1.0)
     if not np.isfinite(slope_of_g).all():
         raise SimulationError("start values: the forces of the balancers are not finite at t = 0 s")
-    newton = QuasiNewton(slope_of_g, step, parts)
+    newton = QuasiNewton(slope_of_g, step)
     residual = difference(g_u, u)
-    missed = components(residual)
     tolerance = max(_START_TOLERANCE, _ROUNDING * newton.gain)
     for _ in range(_START_ITERATIONS):
-        du, before, past = newton.correction(missed), residual, missed
-        u = [a + b for a, b in zip(u, vector(du), strict=True)]
+        du, before = newton.correction(residual), residual
+        u = [a + b for a, b in zip(u, du, strict=True)]
         g_u = respond(u)
         residual = difference(g_u, u)
-        missed = components(residual)
         if size(residual) > SLOW * size(before):  # a weight sticks where the one before has slid
-            newton.learn(du, past, missed)
+            newton.learn(du, before, residual)
         if size(residual) <= max(tolerance * max(size(u), size(g_u)), rounding):
             break
     else:
@@ -218,22 +184,22 @@ def consistent_start(system: System, step: float, rounding: float = 0.0) -> np.n
             f"still change by {size(residual):.3g} N of {size(u):.3g} N; loop gain "
             f"{newton.gain:.3g}"
         )
-    for force, knot in zip(system.forces, unpack(g_u, step, parts), strict=True):
+    for force, knot in zip(system.forces, unpack(g_u, step), strict=True):
         force.now = knot
     system.drop_past()
     return slope_of_g
 
 
-def values_in(jacobian: np.ndarray, parts: int = 2) -> np.ndarray:
+def of_values(jacobian: np.ndarray) -> np.ndarray:
     """Which rows and columns are of values."""
-    return np.arange(len(jacobian)) % (2 * parts) < 2
+    return np.arange(len(jacobian)) % 4 < 2
 
 
-def value_eigenvalues(jacobian: np.ndarray, parts: int = 2) -> list[complex]:
+def value_eigenvalues(jacobian: np.ndarray) -> list[complex]:
     """Eigenvalues of the loop of values, 2 c of them; slopes answer slopes with the same ones.
 
     As double eigenvalues of the whole they would have half the digits.  The largest modulus is the
     loop gain, which explicit schemes need below 1.
     """
-    values = values_in(jacobian, parts)
+    values = of_values(jacobian)
     return np.linalg.eigvals(jacobian[np.ix_(values, values)]).tolist()

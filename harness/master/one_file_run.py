@@ -9,6 +9,7 @@ from __future__ import annotations
 import time as clock
 from collections.abc import Iterator, Sequence
 from functools import lru_cache
+from itertools import pairwise
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -22,14 +23,25 @@ from .facts import Facts, advice, exchanging
 from .fmu import Closing
 from .names import readable
 from .one_file import composition_in_c, model_name
-from .recorder import Recorder
-from .schedule import as_run, end_time, fewest_chosen, milestones, schedule, step_size
-from .schemes.protocol import refuse_loose_tolerance
+from .recorder import Recorder, Signal
+from .schedule import (
+    as_run,
+    end_time,
+    fewest_chosen,
+    meets_events,
+    milestones,
+    schedule,
+    step_size,
+)
+from .simulation import Repeated, refuse_loose_tolerance
 
 if TYPE_CHECKING:
     from ..output.workers import Progress
 
 SLICE = 0.1  # s of a call: interrupts and progress wait for its end
+# of the tolerance, what a step of a first run may err, by attempt; halved, it errs 1/16 or 1/64
+SHARES = (10.0, 1.0, 0.1)
+RESIDUAL_SHARE = 0.2  # of what a step may err: it may stay in the loop
 FIRST_ROWS, MORE = 16, 4  # of the first call, and times as many of the next while it is short
 Group = tuple[NDArray[np.uintc], NDArray[np.float64]]
 
@@ -65,24 +77,25 @@ class OneFileRun(Closing):
                 self.units[owner].add(own, variable, made.layout.index[variable.name])
         self.order, self.coupled = order or scene.coupling.order, exchanging(scene)
         self.chooses_steps = scene.coupling.tolerance is not None and self.coupled
+        self.meets_events = meets_events(scene)
         self.time, self._passes = 0.0, 0.0
 
-    def start(
-        self,
-        points: tuple[Sequence[float], float] | None = None,
-        step_share: float = 0.0,
-    ) -> None:
-        """As `CoSimulation.start`."""
+    def start(self, *, attempt: int | None = None, again: Repeated | None = None) -> None:
+        """As `Simulation.start`; without an attempt steps may err by less, for one run alone."""
         if self.time:
             self._passes += self._run.facts.passes
         self.time = 0.0
         try:
-            self._run.start(points, step_share)
+            share, points = 0.0 if attempt is None else SHARES[attempt], None
+            if again:
+                allowed = RESIDUAL_SHARE * share * (self.scene.coupling.tolerance or 0.0)
+                points = _divided(again.times, again.parts), again.residual * allowed
+            self._run.start(points, share)
         except RunFailed as failure:
             raise SimulationError(f"{self.scene.name}: {failure}") from None
 
     def step(self, step: float, longest: float | None = None) -> float:
-        """As `CoSimulation.step`."""
+        """As `Simulation.step`."""
         begin = self.time
         stretch = Stretch(
             begin, begin + step, 0.0 if self.chooses_steps else step, longest or step, 1
@@ -92,7 +105,7 @@ class OneFileRun(Closing):
         return self.time - begin
 
     def record(self, recorder: Recorder, progress: Progress | None) -> None:
-        """As `CoSimulation.record`."""
+        """As `Simulation.record`."""
         outputs = np.concatenate([np.zeros(0, np.uintc), *(g[0] for _, g in recorder.groups)])
         end, most = end_time(self.scene), FIRST_ROWS
         recorder.take(self.time)
@@ -123,7 +136,7 @@ class OneFileRun(Closing):
         filled = self._run.on(stretch, outputs, rows)
         if self._run.reason:
             kind = LoopError if self._run.facts.loop_failed else SimulationError
-            hint = advice(kind(), self.scene)
+            hint = advice(kind(), self.scene, self.meets_events)
             raise SimulationError(f"{self._run.reason}{hint}")
         return filled
 
@@ -176,6 +189,13 @@ def _adapted(most: int, took: float) -> int:
     if took < SLICE / MORE:
         return most * MORE
     return max(FIRST_ROWS, most // MORE) if took > SLICE else most
+
+
+def _divided(grid: Signal, parts: int) -> list[float]:
+    """Points that divide every step between those of a grid."""
+    shares = np.arange(parts) / parts
+    inner = [begin + shares * (end - begin) for begin, end in pairwise(grid.tolist())]
+    return [*np.concatenate(inner).tolist(), float(grid[-1])]
 
 
 @lru_cache(maxsize=4096)

@@ -15,6 +15,7 @@ from ..scene import Scene
 from .names import by_unit, stations
 
 Signal = NDArray[np.float64]
+REPORTED = 256  # steps between two reports of progress: some ten a second
 _TELLING = 0.01  # of the free memory: so much tells what the whole run needs
 _COPIES = 3  # rows, their table, and the signals made of it
 

@@ -3,7 +3,7 @@
 With steps given by the scene nothing else would notice: the loop converges, and the cubics between
 the communication points miss what happens there.  The cubic of the step before, taken on to the end
 of this one, misses a signal 120 times as far as this step's cubic errs on average
-(`schemes.adaptive` has the estimate), and 4 times as far as it errs itself on average, which is
+((h + h)^2 h^2/24 over h^4/720), and 4 times as far as it errs itself on average, which is
 what an explicit scheme steps on.  What such errors do to the motion is estimated here:
 
 - a force wrong by dF for a time h pushes the rotor by dF h, which within 1/w moves it by
@@ -30,7 +30,7 @@ from ...models.weights import Weights
 from ..errors import SimulationError
 from ..scene import Scene
 from .scales import largest_force
-from .schemes.protocol import WEAK_LOOP
+from .schemes import WEAK_LOOP
 from .signals import MISS_PER_ERROR, SignalState
 from .system import System
 
@@ -39,7 +39,7 @@ REFUSED = 0.3  # of the motion: within the estimate's factor of three, all of it
 UNRESOLVED = 0.05  # of a signal's largest value: error of a cubic that no longer follows it
 PERSISTENT = 20  # such steps in all: a transient that dies sooner is left to the estimate
 NOISE = 1e-9  # of what all weights together can pull: below it a signal is cancellation
-LOST_PREDICTION = MISS_PER_ERROR[3] * UNRESOLVED  # of a signal's largest value: then it is lost
+LOST_PREDICTION = MISS_PER_ERROR * UNRESOLVED  # of a signal's largest value: then it is lost
 BEYOND = 10.0  # times the largest force of the scene: what a resonance makes in three revolutions
 UNFOLLOWED = 0.5  # rad a step of the slowest vibration: what cubics miss of it gathers
 GROWTH = 2.0  # in a step: no resolved motion grows so fast

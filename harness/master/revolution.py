@@ -92,7 +92,9 @@ class Revolution(Closing):
     def __init__(self, scene: Scene, *, steps: int | None = None) -> None:
         scene.refuse_friction("the map of one revolution and the steady response are those")
         # the map is that of a constant speed, and every start must meet the same points
-        self.scene = scene = at_fixed_steps(scene.replace({"operation.speed": scene.profile().end}))
+        order = min(scene.coupling.order, 3)  # of separate units
+        changes = {"operation.speed": scene.profile().end, "coupling.order": order}
+        self.scene = scene = at_fixed_steps(scene.replace(changes))
         self.steps = steps or steps_per_rev(scene)
         self.cosim = CoSimulation(scene, watch=False)
         self.states = states(scene)

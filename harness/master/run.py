@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 
 from ..errors import UserError
 from ..scene import Scene, load_scene
-from .cosimulation import CoSimulation, Simulation
+from .cosimulation import CoSimulation
 from .facts import result
 from .global_error import Controlled
 from .merged import merged_now
@@ -21,6 +21,7 @@ from .plan import plan
 from .recorder import Recorder, recorded, refuse_unknown
 from .result import Result
 from .schedule import order_of_run
+from .simulation import Simulation
 from .verify import FIRST, verified
 
 if TYPE_CHECKING:
@@ -75,7 +76,7 @@ def cosimulate(
         raise UserError("verify: nothing is recorded, so there is nothing to compare")
     report = progress or (lambda _done: None)
     found = run_once(scene, names, loaded, lambda done: report(FIRST * done))
-    return verified(scene, found, loaded, lambda done: report(FIRST + (1.0 - FIRST) * done))
+    return verified(scene, found, load, lambda done: report(FIRST + (1.0 - FIRST) * done))
 
 
 def refuse_separate(scene: Scene, fmus: Path | None) -> None:
@@ -88,8 +89,8 @@ def refuse_separate(scene: Scene, fmus: Path | None) -> None:
 
 def load(scene: Scene, fmus: Path | None = None, separate: bool = False) -> Simulation:
     """What steps a scene: its one file, or its separate units, see `cosimulate`."""
-    if separate or why_separate(scene):  # FMUs that were built have the order their scene says
-        return CoSimulation(scene, fmus=fmus, order=None if fmus else order_of_run(scene))
+    if separate or why_separate(scene):
+        return CoSimulation(scene, fmus=fmus)
     from .one_file_run import OneFileRun  # compiles where it has to
 
     return OneFileRun(scene, order_of_run(scene))

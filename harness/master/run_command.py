@@ -37,7 +37,9 @@ def command(
         bool,
         typer.Option("--separate", help="Couple separate FMUs in Python instead of in C; slower."),
     ] = False,
-    one_file: Annotated[bool, typer.Option("--one-file", hidden=True)] = False,
+    one_file: Annotated[
+        bool, typer.Option("--one-file", hidden=True, help="Deprecated: the default now.")
+    ] = False,
     at_most: Annotated[str, options.AT_MOST] = costs.DEFAULT,
     weights: Annotated[
         Path | None, options.figure("Displacement and angles of all weights against time.")

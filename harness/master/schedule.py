@@ -8,8 +8,9 @@ from ...models.reference.coupled import weights_of
 from ..scene import Scene
 from ..scene.run import DEFAULT_STEPS, FEWEST_CHOSEN, UNCORRECTED
 from .runtime import runtime
-from .system import System
 
+SLIVER = 1e-12  # of a time: rounding, not a step
+LONG = 1.01  # times the longest step where anything moves; at rest they are twice as long or more
 BRIEF = 1e-6  # of a communication step
 # tolerance below which brief steps shrink with it, down to a share of them: a blow, or a jump of
 # the drive, reaches the rotor late by one, which a mode faster than the rotor turns shows
@@ -18,24 +19,6 @@ WIDE, LEAST = 1e-4, 0.1
 # run-up, where the rotor's own step is the larger part
 QUINTIC, QUINTIC_RUN_UP = 1e-4, 1e-5
 HEAVY_DRAG = 1e2  # rate over speed: a second derivative of the force errs by the square of it
-
-
-class DrivenSpeed:
-    """Tells the units the rotor's speed while it changes; costs nothing at constant speed."""
-
-    def __init__(self, scene: Scene, system: System) -> None:
-        self._profile, self._system = scene.profile(), system
-        self.brief = brief_step(scene)
-        self.acceleration = self._profile.acceleration(0.0)
-        system.tell_speed = self.jumps
-
-    def jumps(self, time: float) -> bool:
-        """Tell the units speed and acceleration at a time; whether the acceleration has jumped."""
-        if not self.acceleration:
-            return False
-        before, self.acceleration = self.acceleration, self._profile.acceleration(time)
-        self._system.drive(self._profile.speed(time), self.acceleration)
-        return self.acceleration != before
 
 
 def as_run(scene: Scene) -> Scene:
@@ -131,13 +114,16 @@ def milestones(scene: Scene) -> list[float]:
     return [ramp, end] if 0.0 < ramp < end else [end]
 
 
-def schedule(scene: Scene) -> list[tuple[float, int]]:
-    """Fixed step lengths [s] and how many of each, so that every milestone is met."""
+def schedule(scene: Scene, steps: int | None = None) -> list[tuple[float, int]]:
+    """Fixed step lengths [s] and how many of each, so that every milestone is met.
+
+    `steps` a revolution are by default the scene's.
+    """
     parts = []
     start = 0.0
     for bound in milestones(scene):
         # a remainder of rounding must not become a step of its own
-        count = max(1, math.ceil((bound - start) / step_size(scene) - 1e-9))
+        count = max(1, math.ceil((bound - start) / step_size(scene, steps) - 1e-9))
         parts.append(((bound - start) / count, count))
         start = bound
     return parts

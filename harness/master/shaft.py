@@ -1,4 +1,4 @@
-"""The shaft: a motor of limited power, and the units that it drives and whose torque it feels.
+"""The shaft: a motor of limited power, and the units that it drives and whose torque it takes.
 
 Its angular acceleration is one more thing that is assumed for a step and answered at its end, as
 the balancers' forces are; the torques lie between, as the planes' accelerations do.  It counts as a
@@ -8,7 +8,7 @@ force by `Plan.spin_scale`; the imaginary part of what is complex elsewhere is 0
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 
 from .fmu import Fmu
 from .names import derivatives
@@ -35,49 +35,40 @@ class Shaft:
     def __init__(self, plan: Plan, units: Mapping[str, Fmu], order: int) -> None:
         self.motor, self.order, self._scale = units[MOTOR], order, plan.spin_scale
         self.spin, slopes = SignalState(), min(order, 1)
-        told = [units[c.target.unit] for c in plan.of_kind("spin")]
-        felt = [units[c.source.unit] for c in plan.of_kind("torque")]
-        spun = ["speed", *derivatives("acceleration", order)]
-        self._told = [(unit, unit.group(spun)) for unit in told]
-        meeting = {one.name for one in plan.units if one.meets}
-        self._steady = [unit.name in meeting for unit in told]
-        self._felt = [(unit, unit.group(derivatives("torque", slopes))) for unit in felt]
+        spin = ["speed", *derivatives("acceleration", order)]
+        events = {one.name for one in plan.units if one.meets}
+        driven = [units[c.target.unit] for c in plan.of_kind("spin")]
+        self._driven = [(unit, unit.group(spin), unit.name in events) for unit in driven]
+        sources = [units[c.source.unit] for c in plan.of_kind("torque")]
+        self._sources = [(unit, unit.group(derivatives("torque", slopes))) for unit in sources]
         self._torque = self.motor.group(derivatives("torque", order))
         self._answer = self.motor.group([*derivatives("acceleration", slopes), "speed"])
         self.speed = self._next_speed = 0.0
-        self._now = self._end = self._begun = ZERO  # torque on the shaft
+        self._now = self._end = ZERO  # torque on the shaft
 
     def restart(self) -> None:
         """The speed of a motor that was restarted."""
         self.motor.fetch(self._answer)
         self.speed = self._answer.reals[-1]
 
-    def tell(self, spin: Cubic, step: float = 0.0) -> None:
-        """Tell all units how the rotor turns in the step to come [s].
+    def write(self, spin: Cubic, step: float = 0.0) -> None:
+        """Write to all driven units how the rotor turns in the step to come [s].
 
-        Weights that can touch or stick are told the mean of its acceleration: of order 1, as
-        contacts are.
+        Weights that can touch or stick get the mean of its acceleration: of order 1, as contacts
+        are.
         """
         rates = [k.real / self._scale for k in spin[: self.order + 1]]
-        for (unit, group), steady in zip(self._told, self._steady, strict=True):
-            told = rates
-            if steady:
-                parts = enumerate(rates)
-                mean = sum(rate * step**k / math.factorial(k + 1) for k, rate in parts)
-                told = [mean] + [0.0] * self.order
-            unit.set(group, [self.speed, *told])
+        mean = sum(rate * step**k / math.factorial(k + 1) for k, rate in enumerate(rates))
+        for unit, group, constant in self._driven:
+            used = [mean] + [0.0] * self.order if constant else rates
+            unit.set(group, [self.speed, *used])
 
     def begin(self) -> Knot:
         """The angular acceleration of units in initialisation mode, and its slope."""
-        self._now = self._end = self._begun = self._torques()
+        self._now = self._end = self._torques()
         self.motor.set(self._torque, [k.real for k in (*self._now, 0j, 0j)[: self.order + 1]])
         self.motor.fetch(self._answer)
         return self._knot()
-
-    def again(self) -> None:
-        """As after `begin`, with units that were brought back there."""
-        self.restart()
-        self._now = self._end = self._begun
 
     def step(self, time: float, step: float) -> Knot:
         """Step the motor once all others have done the step; its acceleration at the end."""
@@ -93,8 +84,8 @@ class Shaft:
 
     def _torques(self) -> Knot:
         value = slope = 0.0
-        for unit, group in self._felt:
-            found: Sequence[float] = unit.get(group)
+        for unit, group in self._sources:
+            found = unit.get(group)
             value += found[0]
             slope += found[1] if self.order else 0.0
         return complex(value), complex(slope)

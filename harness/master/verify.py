@@ -23,15 +23,14 @@ from numpy.typing import NDArray
 from ...models.arrays import Array
 from ..errors import SimulationError
 from ..scene import Scene
-from .cosimulation import REPORTED, Simulation
 from .facts import exchanging
 from .names import kin
 from .parting import Statistics, parted
-from .recorder import Recorder
+from .recorder import REPORTED, Recorder
 from .result import Result
 from .scales import largest_force
-from .schedule import force_jumps, milestones, schedule, steps_per_rev
-from .schemes.prescribed import SLIVER
+from .schedule import SLIVER, force_jumps, milestones
+from .simulation import Simulation
 from .verification import Verification
 
 if TYPE_CHECKING:
@@ -54,10 +53,12 @@ class Refinement:
     Attributes:
         share: of the first run's error that is left in it.
         words: for tables.
+        chosen: whether a tolerance chose the steps.
     """
 
     share: float
     words: str
+    chosen: bool
 
 
 def verified(
@@ -78,7 +79,8 @@ def verified(
         verification = compared(scene, result, again, finer)
         worst = max(verification.relative.values())
         # a first run as exact as the second's loop is closed measures nothing but that loop
-        if fine is scene or worst >= CLOSED * tolerance or tolerance <= TIGHTEST:
+        enough = worst >= CLOSED * tolerance or tolerance <= TIGHTEST
+        if fine is scene or not finer.chosen or enough:
             break
         tolerance = max(worst / FINER, TIGHTEST)
     verification = replace(verification, seconds=clock.perf_counter() - begun)
@@ -117,9 +119,9 @@ def refinement(cosim: Simulation) -> Refinement:
     """How a started co-simulation of the second run is stepped."""
     if cosim.chooses_steps:
         words = f"tolerance = {cosim.scene.coupling.tolerance:.3g}, {PARTS} steps or more for each"
-        return Refinement(1.0 / FINER, words)
+        return Refinement(1.0 / FINER, words, True)
     # a collision's pulse comes at the end of its step: order 1, whatever that of the signals
-    return Refinement(1.0 / PARTS, f"{PARTS * steps_per_rev(cosim.scene)} steps a revolution")
+    return Refinement(1.0 / PARTS, f"{PARTS} steps for each", False)
 
 
 def _points(cosim: Simulation, times: Array) -> Iterator[float]:
@@ -130,14 +132,15 @@ def _points(cosim: Simulation, times: Array) -> Iterator[float]:
                 cosim.step(end - cosim.time, (end - begin) / PARTS)
             yield end
         return
-    # from the schedule: differences of rounded times would each be a step of its own to the units
-    for (step, count), bound in zip(schedule(cosim.scene), milestones(cosim.scene), strict=True):
-        start = cosim.time
-        for number in range(1, count + 1):
+    # counted: differences of rounded times would each be a step of its own to the units
+    for bound in milestones(cosim.scene):
+        start, reached = cosim.time, times[times > cosim.time * (1.0 + SLIVER)]
+        points = reached[reached <= bound * (1.0 + SLIVER)].tolist()
+        for time in points:
             for _ in range(PARTS):
-                cosim.step(step / PARTS)
-            cosim.time = start + number * step if number < count else bound
-            yield cosim.time
+                cosim.step((bound - start) / len(points) / PARTS)
+            cosim.time = time
+            yield time
 
 
 def compared(

@@ -30,8 +30,6 @@ COARSE = [
     ("goncharov_balls", 4, 3),
     ("two_plane_rodrigues", 5, 3),
     ("liquid_heavy_force", 8, 3),
-    ("two_balls", 6, 5),
-    ("liquid_heavy_force", 8, 5),
 ]
 
 

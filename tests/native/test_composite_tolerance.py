@@ -1,80 +1,21 @@
-"""Steps that the composite chooses by a tolerance: those of the harness's scheme."""
+"""Steps that the composite chooses by a tolerance."""
 
 from __future__ import annotations
 
 import math
-from itertools import pairwise
 
 import numpy as np
 import pytest
 
 from autobalancer.harness import Scene, load_scene
-from autobalancer.harness.master.cosimulation import CoSimulation
 from autobalancer.harness.master.one_file import composition
-from autobalancer.harness.master.recorder import Recorder, recorded
-
-STICKING = {"weights.rolling_resistance": 5e-3}
-HEAVY = {
-    "weights.rolling_resistance": 0.26,
-    "weights.mass": 2.0,
-    "weights.angles": [6.158, 2.933],
-    "weights.speeds": [1.0, -2.0],
-    "weights.drag": 0.3,
-    "weights.inertia_as_force": True,
-}  # whose loop is another while they stick
-QUINTIC = {"coupling.order": 5}
+from autobalancer.harness.master.schedule import as_run
 
 
 def loose(name: str, tolerance: float, revolutions: float) -> Scene:
     changes = {"coupling.corrections": None, "coupling.scheme": "auto"}
     changes |= {"coupling.tolerance": tolerance, "run.revolutions": revolutions}
     return load_scene(name).replace(changes)
-
-
-@pytest.mark.parametrize(
-    ("name", "tolerance", "revolutions", "changes"),
-    [
-        ("two_balls", 1e-3, 20, {}),
-        ("two_balls", 1e-6, 5, {}),
-        ("liquid_heavy_force", 1e-5, 5, {}),
-        ("two_plane_rodrigues", 1e-5, 4, {}),
-        ("run_up", 1e-5, 20, {}),
-        ("two_balls", 1e-5, 2, STICKING),
-        ("two_balls", 1e-5, 2, HEAVY),
-        ("two_balls", 1e-7, 5, QUINTIC),
-        ("liquid_heavy_force", 1e-6, 5, QUINTIC),
-        ("two_plane_rodrigues", 1e-6, 4, QUINTIC),
-        ("balls_and_liquid", 1e-3, 200, {}),
-        ("balls_and_liquid", 1e-5, 200, QUINTIC),
-    ],
-)
-def test_steps_and_motion_are_those_of_the_harness(instance, name, tolerance, revolutions, changes):
-    """All but the last two steps, which the harness shortens to end with the run."""
-    scene = loose(name, tolerance, revolutions).replace(changes)
-    with CoSimulation(scene) as cosim:
-        recorder = Recorder(cosim.units, recorded(scene))
-        cosim.start()
-        list(cosim.rows(recorder))
-        times, expected = recorder.columns()
-    host = instance(scene).begin()
-    rows = [host.get(*expected)]
-    for begin, end in pairwise(times[:-2]):
-        host.time = begin
-        host.step(end - begin)
-        rows.append(host.get(*expected))
-    found = np.array(rows)
-    # rounding moves the time of an event, and with it all that follows; of HEAVY one rounding of a
-    # start angle changes the number of steps, so that its runs share no more than their tolerance
-    allowed = tolerance if changes is HEAVY else 1e-6 if changes is STICKING else 2e-9
-    for k, signal in enumerate(expected):
-        error = np.abs(found[:, k] - expected[signal][:-2]).max()
-        assert error <= allowed * np.ptp(expected[signal]), signal
-    steps = host.get("coupling.steps")[0]
-    if changes is STICKING:
-        # a step up to an event is one in the composite, and part of one in the harness
-        assert steps > len(times)
-    elif changes is not HEAVY:  # where events follow one another at once
-        assert abs(steps - (len(times) - 3)) <= 1
 
 
 @pytest.mark.parametrize("parts", [5, 20, 1000])
@@ -118,8 +59,7 @@ def test_a_scene_that_asks_for_nothing_gets_what_a_run_of_it_gets(name, resistan
     document["balancer"][0]["rolling_resistance"] = resistance
     scene = Scene.from_document(document)
     start = composition(scene).start
-    with CoSimulation(scene) as cosim:
-        chosen = cosim.scene.coupling
+    chosen = as_run(scene).coupling
     assert start["coupling.steps_per_rev"] == (chosen.steps_per_rev or 0.0) == 0.0
     assert start["coupling.tolerance"] == chosen.tolerance == 1e-4
 

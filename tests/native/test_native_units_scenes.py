@@ -33,7 +33,7 @@ def compared(scene: Scene) -> None:
     scene, results = unmet(scene), []
     for runtime in ("python", "native"):
         try:
-            results.append(cosimulate(scene.replace({"coupling.units": runtime})))
+            results.append(cosimulate(scene.replace({"coupling.units": runtime}), separate=True))
         except SimulationError as error:
             results.append(str(error))
     expected, found = results

@@ -11,11 +11,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from autobalancer.harness.errors import SimulationError, UserError
-from autobalancer.harness.master.cosimulation import CoSimulation, Simulation
 from autobalancer.harness.master.global_error import Controlled
-from autobalancer.harness.master.one_file_run import OneFileRun
 from autobalancer.harness.master.recorder import Recorder, recorded
-from autobalancer.harness.master.schedule import at_fixed_steps, end_time, order_of_run
+from autobalancer.harness.master.run import load
+from autobalancer.harness.master.schedule import at_fixed_steps, end_time
 from autobalancer.harness.output.table import Sheet
 from autobalancer.harness.scene import Scene
 from autobalancer.models.monolith import simulate
@@ -63,17 +62,17 @@ def _costs(family: str, scene: Scene) -> Costs:
 
     return Costs(
         family,
-        _run(CoSimulation, scene),
-        _run(CoSimulation, given),
-        _run(OneFileRun, scene),
-        _run(OneFileRun, given),
+        _run(scene, separate=True),
+        _run(given, separate=True),
+        _run(scene),
+        _run(given),
         _shortest(one_piece),
     )
 
 
-def _run(loaded: Callable[..., Simulation], scene: Scene) -> float:
+def _run(scene: Scene, separate: bool = False) -> float:
     names = list(recorded(scene))
-    with loaded(scene, order=order_of_run(scene)) as cosim:
+    with load(scene, separate=separate) as cosim:
 
         def run() -> None:
             if scene.coupling.tolerance is not None:

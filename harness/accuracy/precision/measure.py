@@ -26,7 +26,7 @@ from .methods import (
     Method,
     coupling_methods,
     monolith_methods,
-    quintic_methods,
+    one_file_methods,
     ready,
 )
 from .reference import refuse_without_reference, right_motion, signal_ranges
@@ -144,7 +144,7 @@ def all_methods(scene: Scene) -> list[Method]:
     exchanges = any(not isinstance(b, LiquidBalancer) or b.inertia_as_force for b in scene.balancer)
     methods = coupling_methods(exchanges)
     if exchanges and scene.takes_quintics:
-        methods += quintic_methods()
+        methods += one_file_methods(5)
     if exchanges:
         methods += [Method(LIBCOSIM, 0, n) for n in LIBCOSIM_STEPS]
     if scene.operation.motor:

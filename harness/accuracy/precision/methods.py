@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 
 from ....models.monolith import equations, integrate, trajectory
 from ...master.cosimulation import CoSimulation
+from ...master.global_error import Controlled
 from ...master.recorder import Recorder
 from ...master.runtime import Backend
 from ...master.schedule import end_time
@@ -19,15 +20,12 @@ from .runner import Runner, TimedRun
 
 EXPLICIT_STEPS = (10, 20, 40, 80, 160)
 ITERATED_STEPS = (8, 10, 14, 20, 28, 40, 80)
-QUINTIC_STEPS = (6, 8, 10, 14, 20, 28, 40)
 COMPENSATED_STEPS = (6, 8, 10, 12, 14, 20, 30, 40, 80)
 PYTHON_STEPS = (20, 40)  # the same digits as native units, at another price
 # of the composite, which takes a thirtieth of the time
 ONE_FILE_STEPS = (*COMPENSATED_STEPS, 60, 110, 160, 220, 320, 450, 640)
 ONE_FILE_TOLERANCES = tuple(10.0 ** (-k / 2) for k in range(2, 21))
 TOLERANCES = (1e-1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7)
-FEWEST_QUINTIC = 4  # steps a revolution: three derivatives at both ends follow a quarter of a turn
-LONG_TOLERANCES = tuple(10.0 ** (-k / 2) for k in range(2, 13))
 SOLVERS: dict[str, tuple[float, ...]] = {
     "RK45": tuple(10.0**-k for k in range(3, 10)),
     "DOP853": tuple(10.0**-k for k in range(3, 11)),
@@ -53,7 +51,6 @@ class Method:
         steps_per_rev: communication steps a revolution.
         corrections: corrector passes; None with `iterated`: until the loop has converged.
         tolerance: of the tolerance-driven step, or SciPy's rtol.
-        fewest: steps a revolution that such a step must not fall below.
         units: "native", or "python" for those that run Python.
         one_file: whether the coupling is in C too: the scene's composite.
     """
@@ -63,7 +60,6 @@ class Method:
     steps_per_rev: int | None = None
     corrections: int | None = None
     tolerance: float | None = None
-    fewest: int | None = None
     units: Backend = "native"
     one_file: bool = False
 
@@ -79,7 +75,7 @@ class Method:
         if self.order is not None:
             words.append({0: "held", 1: "linear", 3: "cubic", 5: "quintic"}[self.order])
         if self.tolerance is not None and not self.in_one_piece:
-            words.append("tolerance" if self.fewest is None else "tolerance, steps of any length")
+            words.append("tolerance")
         elif self.name == "iterated":
             passes = {None: "until converged", 1: "1 pass"}
             words.append(passes.get(self.corrections, f"{self.corrections} passes"))
@@ -107,13 +103,17 @@ class CoSimulationRunner:
     def run(self) -> TimedRun:
         recorder = Recorder(self.cosim.units, self.names)
         begun = clock.process_time()
-        self.cosim.start()
-        for _ in self.cosim.rows(recorder):
-            pass
+        if self.cosim.coupled and self.cosim.scene.coupling.tolerance is not None:
+            recorder = Controlled(self.cosim, self.names).run(None)
+        else:
+            self.cosim.start()
+            self.cosim.record(recorder, None)
         seconds = clock.process_time() - begun
         facts = self.cosim.facts()
         note = f"{facts.unconverged} steps not converged" if facts.unconverged else ""
-        return TimedRun(seconds, *recorder.columns(), facts.steps, note)
+        time, signals = recorder.columns()
+        asked = {name: signals[name] for name in self.names}
+        return TimedRun(seconds, time, asked, facts.steps, note)
 
     def close(self) -> None:
         self.cosim.close()
@@ -159,22 +159,9 @@ def coupling_methods(exchanges_force: bool) -> list[Method]:
     methods += [Method("compensated", 3, n) for n in COMPENSATED_STEPS]
     methods += [Method("iterated", o, n, 1) for o in (0, 1) for n in EXPLICIT_STEPS]
     methods += [Method("iterated", 3, n, passes) for passes in (1, None) for n in ITERATED_STEPS]
-    methods += [
-        Method("iterated", 3, tolerance=t, fewest=fewest)
-        for fewest in (None, 1)
-        for t in TOLERANCES
-    ]
+    methods += [Method("iterated", 3, tolerance=t) for t in TOLERANCES]
     methods += [Method("compensated", 3, n, units="python") for n in PYTHON_STEPS]
     return methods + one_file_methods()
-
-
-def quintic_methods() -> list[Method]:
-    """Every scheme that has quintic signals, for scenes whose units have them."""
-    methods = [Method("compensated", 5, n) for n in COMPENSATED_STEPS]
-    methods += [Method("iterated", 5, n, passes) for passes in (1, None) for n in QUINTIC_STEPS]
-    methods += [Method("iterated", 5, tolerance=t) for t in TOLERANCES]
-    methods += [Method("iterated", 5, tolerance=t, fewest=FEWEST_QUINTIC) for t in LONG_TOLERANCES]
-    return methods + one_file_methods(5)
 
 
 def one_file_methods(order: int = 3) -> list[Method]:
@@ -201,7 +188,6 @@ def coupled_scene(scene: Scene, method: Method) -> Scene:
         "units": method.units,
         "steps_per_rev": method.steps_per_rev,
         "tolerance": method.tolerance,
-        "fewest_steps_per_rev": method.fewest,
     }
     return scene.replace({f"coupling.{key}": value for key, value in keys.items()})
 

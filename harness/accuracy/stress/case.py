@@ -124,10 +124,11 @@ def linear_motion(scene: Scene, times: NDArray[np.float64]) -> Series:
 
 
 def against_closed_form(scene: Scene, allowed: float) -> Outcome:
-    """Run a scene without weights and compare with its closed form."""
-    result = cosimulate(scene, record=["rotor.x", "rotor.y"])
-    error = deviation(result, linear_motion(scene, result.time))
-    return Outcome(f"error {error:.1e} over {result.steps} steps", error <= allowed)
+    """Run a scene without weights by both engines and compare with its closed form."""
+    names = ["rotor.x", "rotor.y"]
+    results = [cosimulate(scene, record=names, separate=separate) for separate in (False, True)]
+    error = max(deviation(result, linear_motion(scene, result.time)) for result in results)
+    return Outcome(f"error {error:.1e} over {results[0].steps} steps", error <= allowed)
 
 
 def stated_error(result: Result) -> float:
@@ -135,22 +136,33 @@ def stated_error(result: Result) -> float:
     return result.estimated_error if result.estimated_error >= SAID else 0.0
 
 
-def _both_ways(error_of: Callable[[Scene, float], tuple[float, Result]], build: Scene) -> Outcome:
-    """A scene left alone, which may be refused or said to be too coarse, and with a tolerance."""
+ErrorOf = Callable[[Scene, float, bool], tuple[float, Result]]  # scene, error allowed, separate
+
+
+def _both_ways(error_of: ErrorOf, build: Scene) -> Outcome:
+    """A scene left alone, by both engines where it has no events, and with a tolerance."""
+    text, holds = _left_alone(error_of, build, False)
+    if not build.has_events:
+        words, right = _left_alone(error_of, build, True)
+        text, holds = f"{text}; separate {words}", holds and right
     try:
-        error, result = error_of(build, LEFT_ALONE)
-        text, holds = f"as it is {error:.1e} in {result.steps} steps", error <= LEFT_ALONE
-        if stated := stated_error(result):
-            text = f"{text} and said to be too coarse ({stated:.1g})"
-            holds = error <= max(LEFT_ALONE, FACTOR * stated)
-    except SimulationError as refusal:
-        text, holds = f"as it is refused ({refusal})", "use" in str(refusal)
-    try:
-        error, result = error_of(build.replace({"coupling.tolerance": TOLERANCE}), PROMISED)
+        error, result = error_of(build.replace({"coupling.tolerance": TOLERANCE}), PROMISED, False)
     except SimulationError as refusal:
         return Outcome(f"{text}; tolerance {TOLERANCE:g} refused ({refusal})", False)
     text += f"; tolerance {TOLERANCE:g}: {error:.1e} in {result.steps} steps"
     return Outcome(text, holds and error <= PROMISED)
+
+
+def _left_alone(error_of: ErrorOf, build: Scene, separate: bool) -> tuple[str, bool]:
+    """A run of a scene as it is, which may be refused, or state that its steps are too long."""
+    try:
+        error, result = error_of(build, LEFT_ALONE, separate)
+    except SimulationError as refusal:
+        return f"as it is refused ({refusal})", "use" in str(refusal)
+    text = f"as it is {error:.1e} in {result.steps} steps"
+    if stated := stated_error(result):
+        text = f"{text} and said to be too coarse ({stated:.1g})"
+    return text, error <= max(LEFT_ALONE, FACTOR * stated)
 
 
 BOTH_WAYS = (
@@ -162,8 +174,8 @@ BOTH_WAYS = (
 def force_against_closed_form(build: Scene) -> Outcome:
     """Run a linear scene whose balancers send forces, and compare with its closed form."""
 
-    def error_of(scene: Scene, _allowed: float) -> tuple[float, Result]:
-        result = cosimulate(scene, record=["rotor.x", "rotor.y"])
+    def error_of(scene: Scene, _allowed: float, separate: bool) -> tuple[float, Result]:
+        result = cosimulate(scene, record=["rotor.x", "rotor.y"], separate=separate)
         return deviation(result, linear_motion(scene, result.time)), result
 
     return _both_ways(error_of, build)
@@ -174,7 +186,7 @@ ROTOR_AND_MOMENT = ("rotor.x", "rotor.y", "weights.moment_xi", "weights.moment_e
 
 
 def error_against_monolith(
-    build: Scene, signals: Sequence[str], allowed: float, **options: Any
+    build: Scene, signals: Sequence[str], allowed: float, separate: bool = False, **options: Any
 ) -> tuple[float, float, Result]:
     """Error of a run in `signals`, the reference's own, and the run.
 
@@ -182,7 +194,7 @@ def error_against_monolith(
         allowed: error that would be right; the reference's own is held below a tenth of it.
         options: of `models.monolith.reference`.
     """
-    result = cosimulate(build, record=signals)
+    result = cosimulate(build, record=signals, separate=separate)
     error, own = against_reference(build, result, bound=REFERENCE_SHARE * allowed, **options)
     return error, own, result
 
@@ -213,9 +225,9 @@ def against_monolith(
     """Run a scene with weights and compare `signals` with the monolith's reference."""
     worst = 0.0
 
-    def error_of(scene: Scene, allowed: float) -> tuple[float, Result]:
+    def error_of(scene: Scene, allowed: float, separate: bool) -> tuple[float, Result]:
         nonlocal worst
-        error, own, result = error_against_monolith(scene, signals, allowed, **options)
+        error, own, result = error_against_monolith(scene, signals, allowed, separate, **options)
         worst = max(worst, own)
         return error, result
 

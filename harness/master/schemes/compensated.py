@@ -1,13 +1,13 @@
 """Compensated: one pass and no rollback; what a step missed is made good in the next one.
 
 The rotor steps on extrapolated forces and the balancers on its answer, as with Gauss-Seidel.  Their
-forces differ from those assumed; the loop's Jacobian, measured at the start, tells from this which
-forces and accelerations would have agreed.  These go on as the signals' ends, and what each unit
-was not told is added to its signal of the next step (Benedikt et al. 2013, NEPCE, with the
-interface Jacobian of Sicklinger et al. 2014): a cubic, or quintic, that leaves the end of that step
-alone and gives a free mass the velocity and the way it missed.
+forces differ from those assumed; the loop's Jacobian, measured at the start, gives the forces and
+accelerations that would have agreed.  These go on as the signals' ends, and what a unit's signal
+lacked is added to its signal of the next step (Benedikt et al. 2013, NEPCE, with the interface
+Jacobian of Sicklinger et al. 2014): a cubic that leaves the end of that step alone and gives a free
+mass the velocity and the way it missed.
 
-Order: 4 with cubic signals, 6 with quintic ones.
+Order: 4.
 Stability: any loop gain but 1 in short steps, since the Jacobian takes the loop out of the error.
 What is made good is right for a free mass: a mode that turns by more than about a radian a step, or
 drag that changes the loop, leaves part of the error, and a gain above 1 multiplies what is left.
@@ -16,19 +16,22 @@ drag that changes the loop, leaves part of the error, and a gain above 1 multipl
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from functools import lru_cache
 
 import numpy as np
 
-from ..loop import QuasiNewton, rescaled
-from ..signals import EXACT
+from ..loop import QuasiNewton, components, difference, pack, rescaled, unpack
+from ..signals import Cubic, Knot, end_of, hermite, interpolations, predicted
 from ..system import System
-from .compensated_maps import CompensatedMaps, kept_of
 from .explicit import Explicit
 
-_MOST_MAPS = 64  # a run has a handful of step lengths
-_QUINTIC_HALVINGS = 4
-# of the quintic that `compensated_maps` continues: 0.0245 h^6 over 0.00484 h^6, times f^(6)
-_QUINTIC_MISS_PER_ERROR = 5.06
+# integrals over a step, exact to degree 23, so for turns of radians
+_POINTS, _WEIGHTS = np.polynomial.legendre.leggauss(12)
+_NODES, _WEIGHTS = 0.5 + 0.5 * _POINTS, 0.5 * _WEIGHTS
+# cubics over a step of 1 that rise from nothing to a value or a slope, and that fall from them
+_RISING = np.array([hermite((0.0, 0.0), tuple(end), 1.0) for end in np.eye(2)]).T
+_FALLING = np.array([hermite(tuple(start), (0.0, 0.0), 1.0) for start in np.eye(2)]).T
+_POWERS = _NODES ** np.arange(4)[:, None] / np.array([1.0, 1.0, 2.0, 6.0])[:, None]
 
 
 class Compensated(Explicit):
@@ -38,7 +41,6 @@ class Compensated(Explicit):
         jacobian: of the loop at the start, from `loop.consistent_start` with `step` [s].
         response: of the rotor's accelerations to forces, from `loop.rotor_response` with `step`.
         speed: of the rotor [rad/s] at a time [s]; the signals' axes turn with it.
-        order: of the exchanged signals.
     """
 
     name = "compensated"
@@ -50,28 +52,12 @@ class Compensated(Explicit):
         response: np.ndarray,
         step: float,
         speed: Callable[[float], float],
-        order: int = 3,
     ) -> None:
         super().__init__()
-        self._parts = parts = EXACT[order] + 1
-        if order == 5:
-            self.miss_per_error = _QUINTIC_MISS_PER_ERROR
-            self.startup_halvings = _QUINTIC_HALVINGS
-        inverse = QuasiNewton(jacobian, step, parts).inverse
+        inverse = QuasiNewton(jacobian, step).inverse
         self._solution, self._solved_step = np.vstack([inverse, response @ inverse]), step
         self._speed = speed
-        self._maps: dict[tuple[float, float], CompensatedMaps] = {}
-        self._past = 0.0  # s, length of the step before; 0 where nothing of it can be used
-        forces, every = len(inverse) // (2 * parts), len(self._solution) // (2 * parts)
-        self._keeps = keeps = kept_of(parts)
-        sizes = np.cumsum([every * keeps, parts * (every - forces), parts * forces])
-        self._numbers = np.zeros(sizes[-1], complex)
-        self._kept, *answered = np.split(self._numbers, sizes[:-1])
-        self._reals, self._felt, self._answers = (
-            part.view(float) for part in (self._numbers, *answered)
-        )
-        self._found = np.zeros(every * keeps + 2 * forces, complex)
-        self._found_reals = self._found.view(float)
+        self._missed: list[Knot] = []  # value, and slope times the step, of the step before
 
     @classmethod
     def amplification(cls, eigenvalues: Sequence[complex], order: int) -> float:
@@ -80,48 +66,67 @@ class Compensated(Explicit):
 
     def advance(self, system: System, time: float, step: float, jump: bool = False) -> None:
         """One step; what was missed before a jump of the drive says nothing after it."""
-        if jump or system.has_no_past:
-            self._forget(system)
-        past, reals = self._past, self._reals
-        maps = self._maps.get((past, step)) or self._new_maps(system, past, step, jump)
-        maps.turn(self._speed(time) * past)
-        maps.pushed.dot(reals, system.pushed)
-        system.step_rotor(time, step)
-        self._felt[:] = system.felt
-        maps.told.dot(reals, system.told)
-        system.step_balancers(time, step)
-        self._answers[:] = system.answers
-        maps.found.dot(reals, self._found_reals)
+        count, past = len(system.forces), system.forces[0].last_step
+        assumed, missed = predicted(system.forces, 3), self._missed
+        if jump or not past:
+            missed = []
+        turn = self._speed(time) * past
+        given = _added(assumed, missed[:count], turn, past, step)
+        motion = system.rotor_pass(given, time, step)
+        accelerations = interpolations(system.accelerations, motion, step)
+        given = _added(accelerations, missed[count:], 0.0, past, step)
+        answers = system.balancer_pass(given, time, step)
+        self.detect_divergence(system, assumed, answers, time, step)
 
-        numbers = self._found.tolist()
-        count, first = len(system.forces), 0
-        self.detect_divergence(system, numbers[-count:], numbers[-2 * count : -count], time, step)
-        for state in (*system.forces, *system.accelerations):
-            own = numbers[first : first + self._keeps]
-            first += self._keeps
-            cubic = (*state.now, *own[self._parts : 2 * self._parts])
-            missed = abs(own[-1]) if step == past else 0.0
-            state.arrive(cubic, tuple(own[: self._parts]), step, missed)
-        self._kept[:] = self._found[:first]
-        self._past = step
-        system.accepted(time + step)
-
-    def _forget(self, system: System) -> None:
-        """Start anew from the present values and slopes."""
-        self._past, self._kept[:] = 0.0, 0.0
-        for kept, state in zip(
-            self._kept.reshape(-1, self._keeps),
-            (*system.forces, *system.accelerations),
-            strict=True,
-        ):
-            kept[: self._parts] = state.now
-
-    def _new_maps(self, system: System, past: float, step: float, jump: bool) -> CompensatedMaps:
-        if len(self._maps) >= _MOST_MAPS:
-            self._maps.clear()
-        solution = rescaled(self._solution, step / self._solved_step, self._parts)
-        planes = [exchange.plane for exchange in system.exchanges]
-        self._maps[past, step] = maps = CompensatedMaps(
-            self._parts, planes, solution, past, step, jump
+        gaps = pack(answers, step), pack([end_of(cubic, step) for cubic in assumed], step)
+        if step != self._solved_step:
+            self._solution = rescaled(self._solution, step / self._solved_step)
+            self._solved_step = step
+        found = self._solution.dot(components(difference(*gaps))).view(complex).tolist()
+        self._missed = list(zip(found[::2], found[1::2], strict=True))
+        ends = [end_of(cubic, step) for cubic in assumed] + motion
+        ends = [
+            (value + more, slope + steeper)
+            for (value, slope), (more, steeper) in zip(ends, unpack(found, step), strict=True)
+        ]
+        forces, motion = ends[:count], ends[count:]
+        system.accept(
+            (interpolations(system.accelerations, motion, step), motion),
+            (interpolations(system.forces, forces, step), forces),
+            time,
+            step,
         )
-        return maps
+
+
+def _added(
+    cubics: Sequence[Cubic], missed: Sequence[Knot], turn: float, past: float, step: float
+) -> list[Cubic]:
+    """Signals with what they missed in the past step, which `carried` makes good."""
+    if not missed:
+        return list(cubics)
+    more = np.array(missed) @ carried(turn, past, step).T
+    return [tuple(cubic) for cubic in (np.array(cubics) + more).tolist()]
+
+
+@lru_cache(maxsize=64)
+def carried(turn: float, past: float, step: float) -> np.ndarray:
+    """Cubic over a step that gives a free mass what it missed in the step before.
+
+    Missed was the cubic that starts from nothing and ends with value and slope; the one found ends
+    in nothing.  Both leave the mass with the same velocity in the same place.
+
+    Args:
+        turn: of the signals' axes in the past step [rad].
+        past, step: lengths of the past step and of this one [s].
+
+    Returns:
+        (4, 2): value and derivatives at the start of the step, per missed value and per missed
+        slope times `past`.
+    """
+    ratio, moments = step / past, np.arange(2)[:, None]
+    # impulse and its moment about the end of this step, in axes of the start of the past one
+    before = _WEIGHTS * np.exp(1j * turn * _NODES) * (1.0 - _NODES + ratio) ** moments
+    after = _WEIGHTS * ratio * np.exp(1j * turn * (1.0 + ratio * _NODES))
+    after = after * (ratio * (1.0 - _NODES)) ** moments
+    missed, given = before @ (_RISING.T @ _POWERS).T, after @ (_FALLING.T @ _POWERS).T
+    return _FALLING @ np.linalg.solve(given, missed) / step ** np.arange(4)[:, None]

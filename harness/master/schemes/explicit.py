@@ -13,6 +13,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from ...errors import SimulationError
+from ..signals import Cubic, Knot, end_of
 from ..system import System
 
 # value and slope at t = 2 of the cubic through values and slopes at t = 0 (BEFORE) and 1 (NOW)
@@ -29,7 +30,6 @@ class Explicit:
     """No rollback; forces are assumed for a step and answered at its end."""
 
     name = "explicit"
-    chooses_steps = False
     startup_halvings = 0
     miss_per_error = 4.0  # the prediction itself is stepped on: its miss over its mean error
     extrapolations = 1  # that a force passes through on its way round the loop
@@ -42,13 +42,10 @@ class Explicit:
         """Take one step; `jump`: over a jump of the drive."""
         raise NotImplementedError
 
-    def step(self, system: System, time: float, step: float, longest: float) -> tuple[float, float]:
+    def step(self, system: System, time: float, step: float) -> float:
         """One step; without a second pass there is no residual."""
         self.advance(system, time, step)
-        return step, 0.0
-
-    def allow_error(self, share: float) -> None:
-        """Nothing: it keeps no tolerance."""
+        return 0.0
 
     def cross_jump(self, system: System, time: float, step: float) -> None:
         """A negligible step at a jump of the drive, in parts that settle force and acceleration.
@@ -79,23 +76,22 @@ class Explicit:
     def detect_divergence(
         self,
         system: System,
-        gaps: Sequence[complex],
-        answers: Sequence[complex],
+        forces: Sequence[Cubic],
+        answers: Sequence[Knot],
         time: float,
         step: float,
     ) -> None:
-        """Judge the forces at the end of a step, and how far they are from those assumed for it.
+        """Compare forces at the end of a step with those assumed for it.
 
         Raises:
             SimulationError: the coupling diverges.
         """
         worst, name = 0.0, ""
-        for gap, answer, force in zip(gaps, answers, system.force_names, strict=True):
-            missed, modulus = abs(gap), abs(answer)
+        for cubic, (answer, _), force in zip(forces, answers, system.force_names, strict=True):
+            missed = abs(answer - end_of(cubic, step)[0])
             if not missed <= worst:
                 worst, name = missed, force
-            if modulus > self.largest:
-                self.largest = modulus
+            self.largest = max(self.largest, abs(answer))
         if worst <= MISSED * self.largest:
             self._calm += 1
             if self._calm >= CALM:

@@ -13,7 +13,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from ..signals import end_of, interpolated, joined, predicted
+from ..signals import begun, interpolations, predicted
 from ..system import System
 from .explicit import Explicit
 
@@ -35,19 +35,12 @@ class GaussSeidel(Explicit):
     def advance(self, system: System, time: float, step: float, jump: bool = False) -> None:
         """One step; over a jump of the drive a line from before it to after it says nothing."""
         forces = predicted(system.forces, system.order)
-        felt = system.rotor_pass(forces, time, step)
-        accelerations = [
-            (*end, 0j, 0j) if jump else interpolated(state.now, end, step, system.order)
-            for state, end in zip(system.accelerations, felt, strict=True)
-        ]
+        motion = system.rotor_pass(forces, time, step)
+        accelerations = [begun(end) for end in motion]
+        if not jump:
+            accelerations = interpolations(system.accelerations, motion, step, system.order)
         answers = system.balancer_pass(accelerations, time, step)
-        ends = [value for value, _ in answers]
-        gaps = [end - end_of(cubic, step)[0] for end, cubic in zip(ends, forces, strict=True)]
-        self.detect_divergence(system, gaps, ends, time, step)
+        self.detect_divergence(system, forces, answers, time, step)
         # the next extrapolation starts from what the balancers really did
-        system.accept(
-            list(zip(accelerations, felt, strict=True)),
-            joined(system.forces, answers, step),
-            time,
-            step,
-        )
+        forces = interpolations(system.forces, answers, step)
+        system.accept((accelerations, motion), (forces, answers), time, step)

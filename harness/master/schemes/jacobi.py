@@ -7,7 +7,7 @@ cubic signals below 1/169 = (1/13)^2, since force and acceleration are both extr
 
 from __future__ import annotations
 
-from ..signals import end_of, joined, predicted
+from ..signals import interpolations, predicted
 from ..system import System
 from .explicit import Explicit
 
@@ -22,14 +22,12 @@ class Jacobi(Explicit):
         """One step, at a jump of the drive as anywhere."""
         forces = predicted(system.forces, system.order)
         accelerations = predicted(system.accelerations, system.order)
-        felt = system.rotor_pass(forces, time, step)
+        motion = system.rotor_pass(forces, time, step)
         answers = system.balancer_pass(accelerations, time, step)
-        ends = [value for value, _ in answers]
-        gaps = [end - end_of(cubic, step)[0] for end, cubic in zip(ends, forces, strict=True)]
-        self.detect_divergence(system, gaps, ends, time, step)
+        self.detect_divergence(system, forces, answers, time, step)
         system.accept(
-            joined(system.accelerations, felt, step),
-            joined(system.forces, answers, step),
+            (interpolations(system.accelerations, motion, step), motion),
+            (interpolations(system.forces, answers, step), answers),
             time,
             step,
         )

@@ -224,7 +224,7 @@ def calls_per_step(scene, **options) -> dict[str, float]:
     counts = []
     for revolutions in (2, 4):
         longer = scene.replace({"run.revolutions": revolutions})
-        result = cosimulate(longer, **options)
+        result = cosimulate(longer, separate=True, **options)
         counts.append((result.steps, result.calls))
     (few, short), (many, long) = counts
     return {kind: (long[kind] - short[kind]) / (many - few) for kind in long}
@@ -295,7 +295,8 @@ def test_held_and_linear_signals_set_no_derivatives_they_do_not_use(
 
 
 def test_only_the_units_of_the_scene_are_loaded():
-    result = cosimulate(load_scene("two_balls").replace({"run.revolutions": 1}), record=[])
+    scene = load_scene("two_balls").replace({"run.revolutions": 1})
+    result = cosimulate(scene, record=[], separate=True)
     assert sorted(name.split("-")[0].removesuffix(".fmu") for name in result.units) == [
         "BallBalancer",
         "RotorOnSupports",

@@ -38,7 +38,7 @@ def described(change):
 
 
 def test_ready_made_fmus_give_what_built_ones_give(scene, fmus):
-    ours, theirs = cosimulate(scene), cosimulate(scene, fmus=fmus)
+    ours, theirs = cosimulate(scene, separate=True), cosimulate(scene, fmus=fmus)
     assert (ours["rotor.x"] == theirs["rotor.x"]).all()
 
 
@@ -177,7 +177,7 @@ def test_a_unit_that_fails_in_mid_run_is_named_with_time_and_reason(
     files = [fmus / "RotorOnSupports.fmu", rewritten(whole, tmp_path / "late.fmu", failing_late)]
     monkeypatch.setattr(cosimulation, "find_or_build", lambda *_arguments: files)
     with pytest.raises(SimulationError) as error:
-        cosimulate(scene)
+        cosimulate(scene, separate=True)
     message = str(error.value)
     time = float(re.search(r"weights at t = ([\d.]+) s", message)[1])
     assert 0.5 < time <= 0.5 + 2 * 0.105  # steps of 0.105 s
@@ -202,7 +202,6 @@ def test_a_parameter_the_unit_refuses_is_named(scene):
 
 def test_sticking_is_named_where_a_loop_that_must_converge_does_not():
     changes = {"coupling.corrections": None, "coupling.steps_per_rev": 40, "run.revolutions": 20}
-    changes |= {"coupling.units": "python"}  # whose steps do not end where a ball sticks
     scene = load_scene("finite_weights").replace({**changes, "balls.rolling_resistance": 0.01})
     with CoSimulation(scene) as cosim:
         cosim.start()
@@ -211,7 +210,7 @@ def test_sticking_is_named_where_a_loop_that_must_converge_does_not():
             cosim.record(Recorder(cosim.units, []), None)
     # what it says to do helps: such steps are counted and said, and the run goes on
     fixed = {"coupling.tolerance": None, "coupling.steps_per_rev": 40, "coupling.corrections": 4}
-    done = cosimulate(scene.replace(fixed), record=[])
+    done = cosimulate(scene.replace(fixed), record=[], separate=True)
     assert done.steps == 800
     assert bool(done.unconverged) == any("left a residual" in event for event in done.events)
 
@@ -248,17 +247,15 @@ def test_the_memory_of_saved_states_serves_every_step_and_is_given_back(held, co
     with CoSimulation(load_scene("liquid_heavy_force").replace(coupling)) as cosim:
         for _ in range(2):
             cosim.start()
-            # a tolerance begins again from where it began
-            begun = len(cosim.units) if cosim.chooses_steps else 0
-            assert len(held) == begun
+            assert not held
         for _ in range(3):
             cosim.step(1e-3, 1e-3)
         assert cosim.units["rotor"].calls["save"] >= 3
-        assert len(held) == begun + len(cosim.system.members)
+        assert len(held) == len(cosim.system.members)
         cosim.system.forces[0].now = (complex("nan"), 0j)
         with pytest.raises(SimulationError, match="F_xi"):
             cosim.step(1e-3, 1e-3)
-        assert len(held) == begun + len(cosim.system.members)
+        assert len(held) == len(cosim.system.members)
     assert held == []
 
 
@@ -266,15 +263,15 @@ def test_a_loop_that_cannot_be_measured_leaves_no_saved_state(held, monkeypatch)
     scene = load_scene("two_balls").replace({"weights.drag": 1e3, "coupling.corrections": None})
     with CoSimulation(scene) as cosim:
         cosim.start()
-        steep = cosim.system.step_rotor
+        steep = cosim.system.rotor_pass
 
-        def refusing(time, step):
+        def refusing(forces, time, step):
             if step == 0.1:  # only the Jacobian is taken over the whole of a divided step
                 assert held
                 raise SimulationError("refused")
-            return steep(time, step)
+            return steep(forces, time, step)
 
-        monkeypatch.setattr(cosim.system, "step_rotor", refusing)
+        monkeypatch.setattr(cosim.system, "rotor_pass", refusing)
         with pytest.raises(SimulationError, match="refused"):
             cosim.step(0.1)
     assert held == []

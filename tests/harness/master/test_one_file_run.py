@@ -7,45 +7,28 @@ from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
 import pytest
-from scipy.interpolate import CubicSpline
 
 from autobalancer.harness import SceneError, SimulationError, UserError, cosimulate, load_scene
 from autobalancer.harness.master.run import refuse_separate
+from tests.truth.judge import deviations, motion
 
 TOLERANCES = [
     ("run_up", {}),
     ("two_balls", {"coupling.tolerance": 1e-6}),
-    ("two_balls", {"coupling.tolerance": 1e-7, "coupling.order": 5, "coupling.scheme": "auto"}),
     ("two_balls", {"coupling.tolerance": 1e-4, "run.revolutions": 400}),  # comes to rest
     ("two_plane_rodrigues", {"coupling.tolerance": 1e-5, "run.revolutions": 5}),
     ("sommerfeld", {"coupling.tolerance": 1e-4, "run.revolutions": 30}),
-    ("bristol_friction", {"coupling.tolerance": 1e-4, "run.revolutions": 3}),
 ]
 
 
 @pytest.mark.parametrize(("name", "changes"), TOLERANCES)
-def test_a_tolerance_is_kept_of_the_whole_run_as_by_separate_units(name, changes):
-    """Rounding may move a step; what both estimate of their error is the same."""
+def test_both_engines_keep_a_tolerance_of_the_whole_run(name, changes):
     scene = load_scene(name).replace(changes)
-    expected, found = cosimulate(scene, separate=True), cosimulate(scene)
-    for name in expected.signals:
-        right = CubicSpline(found.time, found[name])(expected.time)
-        error = np.abs(right - expected[name]).max()
-        assert error <= scene.coupling.tolerance * np.abs(expected[name]).max(), name
-    assert found.estimated_error <= scene.coupling.tolerance
-    assert found.estimated_error == pytest.approx(expected.estimated_error, rel=0.1)
-    assert found.steps == pytest.approx(expected.steps, rel=0.01)
-
-
-def test_a_step_ends_where_weights_collide():
-    """With a tolerance: an event and what follows it are one communication step."""
-    changes = {"coupling.tolerance": 1e-4, "coupling.corrections": None, "run.revolutions": 2}
-    scene = load_scene("finite_weights").replace({"coupling.scheme": "auto", **changes})
-    expected, found = cosimulate(scene, separate=True), cosimulate(scene)
-    assert len(found.time) == pytest.approx(len(expected.time), rel=0.02)
-    for name in ("rotor.x", "rotor.y"):
-        right = CubicSpline(found.time, found[name])(expected.time)
-        assert np.abs(right - expected[name]).max() <= 1e-3 * np.ptp(expected[name])
+    for separate in (True, False):
+        result = cosimulate(scene, separate=separate)
+        error = max(deviations(result, motion(scene, result)).values())
+        assert error <= scene.coupling.tolerance
+        assert result.estimated_error <= scene.coupling.tolerance
 
 
 REFUSED = [
@@ -76,9 +59,9 @@ def test_a_unit_that_fails_is_named_with_time_step_and_reason():
         cosimulate(scene)
 
 
-@pytest.mark.parametrize("name", ["two_balls", "run_up", "contact_order"])
+@pytest.mark.parametrize("name", ["two_balls", "three_mass_shaft"])
 def test_errors_are_measured_as_of_separate_units(name):
-    scene = load_scene(name).replace({} if name == "run_up" else {"run.revolutions": 3})
+    scene = load_scene(name).replace({"run.revolutions": 3})
     expected, found = (cosimulate(scene, verify=True, separate=s) for s in (True, False))
     assert found.error
     for signal_name, error in expected.error.items():
@@ -100,7 +83,7 @@ def _parted(result):
 NOT_COVERED = [
     ({"coupling.units": "python"}, "coupling.units"),
     ({"coupling.order": 1, "coupling.steps_per_rev": 40}, "coupling.order"),
-    ({"coupling.scheme": "jacobi", "coupling.corrections": None}, "coupling.scheme"),
+    ({"coupling.scheme": "gauss-seidel", "coupling.corrections": None}, "coupling.scheme"),
 ]
 
 

@@ -21,9 +21,8 @@ from autobalancer.harness.accuracy.stress.run import as_json, run_case, stress
 from autobalancer.harness.accuracy.stress.verdicts import VerdictSample, judge, spinning, table
 from autobalancer.harness.errors import SimulationError
 from autobalancer.harness.master import resolution
-from autobalancer.harness.master.cosimulation import CoSimulation
+from autobalancer.harness.master.cosimulation import CoSimulation, doubling_steps
 from autobalancer.harness.master.run import cosimulate
-from autobalancer.harness.master.schemes.startup import doubling_steps
 from autobalancer.models.monolith import reference
 from autobalancer.models.reference.oscillator import forced_motion
 from autobalancer.models.weights import Weights, advance
