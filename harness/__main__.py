@@ -59,7 +59,7 @@ def program() -> Typer:
         help="Simulate rotors with automatic balancers, and build them as FMUs.",
         add_completion=False,
         pretty_exceptions_enable=False,
-        rich_markup_mode="markdown",  # "rich" takes a unit in brackets for a style and drops it
+        rich_markup_mode=None,  # "rich" drops units in brackets, and cuts words that are long
     )
     app.callback(invoke_without_command=True)(without_command)
     features = {"check": check, "build": build, "run": run, "speeds": speeds, "map": map_command}

@@ -46,7 +46,7 @@ def command(
     ] = None,
     report: Annotated[Path | None, options.REPORT] = None,
 ) -> None:
-    """Balance a scene's rotor on a virtual machine, or find corrections from measured runs.
+    """Find correction masses, on a virtual machine or from runs.
 
     Exit code 1 if the grade is not met.
     """

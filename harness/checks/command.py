@@ -43,7 +43,10 @@ def command(
     changes: Annotated[list[str] | None, options.changes("coupling.steps_per_rev=80")] = None,
     at_most: Annotated[str, options.AT_MOST] = costs.DEFAULT,
 ) -> None:
-    """Check scenes against theory and measurement; exit code 1 if a row does not hold."""
+    """Check scenes against theory and measurement.
+
+    Exit code 1 if a row does not hold.
+    """
     from ..master.run_command import ON_PYTHON
     from ..scene.changes import changed_scene
     from .report import as_json, tables, verdict

@@ -43,7 +43,7 @@ def command(
         bool, typer.Option("--details", help="Also compare Goncharov's theory with the runs.")
     ] = False,
 ) -> None:
-    """Compare numbers of balls or rollers: capacity, spread, predicted and measured settling."""
+    """Compare numbers of balls or rollers: capacity and settling."""
     from ..output.report import Report
     from ..scene.changes import changed_scene
     from .choices import design

@@ -68,7 +68,7 @@ def command(
     at_most: Annotated[str, options.AT_MOST] = costs.DEFAULT,
     report: Annotated[Path | None, options.REPORT] = None,
 ) -> None:
-    """Find values of a scene from measured amplitudes, and say how well they are known."""
+    """Fit values of a scene to measured amplitudes."""
     from ..output.files import write_json
     from ..output.report import Report
     from ..scene.changes import changed_scene

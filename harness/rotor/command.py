@@ -44,7 +44,7 @@ def command(
     json_file: Annotated[Path | None, options.json("the modes")] = None,
     at_most: Annotated[str, options.AT_MOST] = costs.DEFAULT,
 ) -> None:
-    """Modes and critical speeds of a scene's rotor, and pictures of its motion."""
+    """Find modes and critical speeds of the rotor, draw its motion."""
     from ...models.linear.modes import speeds_of_interest
     from ..scene.quantities import LARGEST
     from .study import modes_at

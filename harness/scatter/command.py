@@ -34,7 +34,7 @@ def command(
     at_most: Annotated[str, options.AT_MOST] = costs.DEFAULT,
     report: Annotated[Path | None, options.REPORT] = None,
 ) -> None:
-    """Machines with scattering values: residual vibration, ISO grades met, what matters most."""
+    """Simulate machines whose values scatter within tolerances."""
     from ..output.cluster import who_works
     from ..output.files import write_json
     from ..output.report import Report

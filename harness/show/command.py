@@ -18,7 +18,7 @@ def command(
     changes: Annotated[list[str] | None, options.changes("rotor.mass=3.0")] = None,
     at_most: Annotated[str, options.AT_MOST] = costs.DEFAULT,
 ) -> None:
-    """Write a page that runs a scene: one file, for any browser, without a network."""
+    """Write a web page, one file, that runs a scene."""
     from ...fmus.native.compile import NotCompiled
     from .page import page
 

@@ -44,7 +44,7 @@ def command(
     at_most: Annotated[str, options.AT_MOST] = costs.DEFAULT,
     report: Annotated[Path | None, options.REPORT] = None,
 ) -> None:
-    """Draw over two parameters where balancing is stable, or how far it has come after a run."""
+    """Draw over two parameters where balancing is stable."""
     from ..output.cluster import who_works
     from ..output.report import Report
     from ..scene.changes import changed_scene

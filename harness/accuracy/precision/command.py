@@ -39,7 +39,7 @@ def command(
     changes: Annotated[list[str] | None, options.changes("run.revolutions=20")] = None,
     at_most: Annotated[str, options.AT_MOST] = costs.DEFAULT,
 ) -> None:
-    """Measure what each digit costs: every scheme, order and step, and SciPy's methods."""
+    """Measure error against run time of every scheme."""
     from ...scene.changes import changed_scene
     from . import report
     from .measure import precision

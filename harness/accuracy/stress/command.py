@@ -21,7 +21,10 @@ def command(
     markdown_file: Annotated[Path | None, options.markdown("the table")] = None,
     at_most: Annotated[str, options.AT_MOST] = costs.DEFAULT,
 ) -> None:
-    """Run stiff and extreme cases: each must be right or clearly refused; exit code 1 if not."""
+    """Run stiff and extreme cases.
+
+    Each must be right or clearly refused; exit code 1 if not.
+    """
     from .run import all_cases, as_json, markdown, stress, table
 
     names = [name for name in all_cases() if only is None or only.lower() in name.lower()]
