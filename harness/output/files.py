@@ -97,7 +97,7 @@ def refuse_unwritable(path: Path) -> None:
             raise IsADirectoryError(errno.EISDIR, "it is a directory")
         if not path.parent.is_dir():
             raise FileNotFoundError(errno.ENOENT, f"there is no directory {path.parent}")
-        if (path.exists() and not path.is_file()) or _DESCRIPTOR.match(str(path)):
+        if is_stream(path):
             return  # to open a pipe would have its reader begin
         target = Path(os.path.realpath(path))
         _refuse_protected(target)
@@ -108,6 +108,11 @@ def refuse_unwritable(path: Path) -> None:
     except (OSError, ValueError) as error:
         reason = getattr(error, "strerror", None) or error
         raise UserError(f"{path}: cannot be written: {reason}") from error
+
+
+def is_stream(path: Path) -> bool:
+    """Whether a path is a device, a pipe or an open file, which have no ending."""
+    return bool(_DESCRIPTOR.match(str(path))) or (path.exists() and not path.is_file())
 
 
 def _refuse_protected(target: Path) -> None:

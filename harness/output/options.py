@@ -10,7 +10,7 @@ from typing import Any, TypeGuard
 import typer
 
 from ..errors import UserError
-from .files import PAGE, PICTURES, picture_format
+from .files import PAGE, PICTURES, is_stream, picture_format
 from .terminal import ready_to_write
 
 typed: ContextVar[tuple[str, ...]] = ContextVar("typed", default=())  # after the program's name
@@ -51,8 +51,7 @@ def output(kind: str, help: str, *names: str) -> Any:
 
     def ready(path: Path | None) -> Path | None:
         _no_store(path)
-        is_file = path is not None and (path.is_file() or not path.exists())  # no device, no pipe
-        if path is not None and is_file and path.suffix.lower() != kind and kind:
+        if path is not None and kind and path.suffix.lower() != kind and not is_stream(path):
             raise UserError(f"{path}: must end in {kind}")
         return path
 
