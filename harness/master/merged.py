@@ -12,7 +12,6 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ...models.whirl.together import difference_growth
 from ..scene import Scene
 from ..scene.balancer import WeightBalancer
 from .names import weight
@@ -74,6 +73,8 @@ def merged(scene: Scene, values: Mapping[str, float]) -> list[Merged]:
     if not np.concatenate(twins).any():
         return []
     speed = values.get("motor.speed", scene.profile().speed(end_time(scene)))
+    from ...models.whirl.together import difference_growth  # loads SciPy
+
     try:
         growth = difference_growth(scene.assembly(), speed, np.concatenate([s[0] for s in states]))
     except ValueError:
