@@ -1,5 +1,15 @@
 """What can go wrong, by whose hand: wrong input by the user, or a run that cannot be right."""
 
+from pathlib import Path
+
+_PACKAGES = [Path(__file__).resolve().parents[1] / name for name in ("models", "fmus", "harness")]
+
+
+def is_own_file(error: OSError) -> bool:
+    """Whether the file that an error names is one of this program, not one of the user."""
+    path = Path(str(error.filename)).resolve()
+    return error.filename is not None and any(path.is_relative_to(own) for own in _PACKAGES)
+
 
 class UserError(Exception):
     """Wrong input: the message names file, key, value, unit and what is allowed.

@@ -14,6 +14,8 @@ import numpy as np
 import pytest
 from hypothesis import settings
 
+from tests.wheel import checkout, installed, wheel  # noqa: F401
+
 if TYPE_CHECKING:  # loaded where it is used: tests of the models alone need no harness
     from autobalancer.harness import Scene
     from autobalancer.harness.master.result import Result

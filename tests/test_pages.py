@@ -2,14 +2,14 @@
 
 In a page a fenced block with a file name (```python settle.py) is that file; a script runs, a test
 passes.  A ```sh block with a name is run, and a ```text block of a script's or command's name is
-what it prints; `...` stands for lines left out.
+what it prints; `...` stands for lines left out.  Commands in a line of text run after the blocks.
+All run from a wheel of this checkout in an environment of its own (`tests.wheel`).
 """
 
 import os
 import re
 import shlex
 import subprocess
-import sys
 from pathlib import Path
 
 import numpy as np
@@ -38,15 +38,15 @@ def blocks(page: Path) -> list[tuple[str, str, str]]:
     return re.findall(r"^```(\w+) (\S+)\n(.*?)^```$", text, re.MULTILINE | re.DOTALL)
 
 
-def run(folder: Path, *arguments: str) -> str:
+def run(python: Path, folder: Path, *arguments: str) -> str:
     """What Python with these arguments prints, in a folder away from this checkout."""
     done = subprocess.run(
-        [sys.executable, *arguments],
+        [str(python), *arguments],
         cwd=folder,
-        env={**os.environ, "PYTHONIOENCODING": "utf-8"},
+        env={**os.environ, "PYTHONIOENCODING": "utf-8", "PYTHONPATH": ""},
         capture_output=True,
         encoding="utf-8",
-        timeout=120,
+        timeout=300,
     )
     assert done.returncode == 0, done.stdout + done.stderr
     return done.stdout
@@ -66,18 +66,20 @@ def assert_printed(shown: str, printed: str, relative: float) -> None:
 
 
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: page.stem)
-def test_page_does_what_it_shows(page, tmp_path):
+def test_page_does_what_it_shows(page, installed, tmp_path):
     if page.stem == "tutorial_pytest":  # its scene is another page's
         files = {name: text for _, name, text in blocks(HARNESS / "tutorial_tool.md")}
         (tmp_path / "washer.toml").write_text(files["washer.toml"], encoding="utf-8")
     printed, relative = {}, {}
-    commands = " ".join(text for kind, _, text in blocks(page) if kind == "sh")
+    commands = "".join(text for kind, _, text in blocks(page) if kind == "sh")
     for kind, name, text in blocks(page):
         if kind == "text":
             assert_printed(text, printed.pop(name), relative[name])
         elif kind == "sh":
             calls = [shlex.split(line) for line in text.splitlines()]
-            printed[name] = "".join(run(tmp_path, *COMMANDS[c[0]], *c[1:]) for c in calls)
+            printed[name] = "".join(
+                run(installed, tmp_path, *COMMANDS[c[0]], *c[1:]) for c in calls
+            )
             relative[name] = 0.05  # medians of few random starts, with weights that collide
         else:
             (tmp_path / name).write_text(text, encoding="utf-8")
@@ -86,10 +88,73 @@ def test_page_does_what_it_shows(page, tmp_path):
                 assert name.removesuffix(".toml") not in bundled_scenes()
             elif name.startswith("test_"):
                 if name not in commands:  # else the page runs it by itself
-                    run(tmp_path, *COMMANDS["pytest"], "-q", name)
+                    run(installed, tmp_path, *COMMANDS["pytest"], "-q", name)
             else:
-                printed[name], relative[name] = run(tmp_path, name), 1e-3
+                printed[name], relative[name] = run(installed, tmp_path, name), 1e-3
     assert not [name for name in printed if name.endswith(".py")], "a script without its output"
+    for line in commands_in(page):
+        if line not in commands:
+            run(installed, tmp_path, *COMMANDS["autobalancer"], *shlex.split(line)[1:])
+
+
+def test_pages_run_on_the_wheel_and_on_what_it_requires_alone(installed, tmp_path):
+    code = "import autobalancer.harness as h, importlib.util as u; print(h.__file__)\n"
+    code += "print([name for name in ('hypothesis', 'plotly', 'ziglang') if u.find_spec(name)])"
+    home, besides = run(installed, tmp_path, "-c", code).splitlines()
+    assert Path(home).is_relative_to(installed.parents[1])
+    assert besides == "[]"
+
+
+RUNS = """run,speed_rpm,sensor,amplitude_um,phase_lead_deg,mass_g[a],angle_deg[a],radius_mm[a]
+found,1200,A,10,0,,,200
+trial,1200,A,8,60,5,90,200
+"""
+AMPLITUDES = "speed [rad/s],amplitude [mm]\n10,40\n12,35\n14,32\n"
+README_COMMANDS = {  # of the table, with the options shown there
+    "check": ["liquid_touch --json rows.json --report checked --verify"],
+    "build": [
+        "-o units --fmi 3 --platform x86_64-linux",
+        "two_balls -o units --python",
+        "two_balls --one-file -o units --fmi 3 --platform x86_64-linux",
+        "two_balls --ssp --one-file -o one.ssp --platform x86_64-linux",
+        "two_balls --ssp -o two.ssp --python",
+    ],
+    "run": [
+        "two_balls -o run.csv --plot run.png --movie run.gif --set run.revolutions=2 --verify",
+        "two_balls --separate",
+    ],
+    "show": ["two_balls -o page.html --set weights.drag=0.1"],
+    "speeds": ["two_balls --range 1 4 --method criterion,floquet,cosim"],
+    "map": ["two_balls --x speed=1:4:3 --y weights.drag=0.01:0.1:3:log -o map.png"],
+    "rotor": ["drum --campbell campbell.png --response response.png"],
+    "balance": [
+        "balancing_machine -o corrections.png",
+        "runs.csv --angles 12 --grade G2.5 --mass 8 -o corrections.png",
+    ],
+    "design": ["finite_weights --starts 6 --most 2 -o design.png"],
+    "scatter": ["two_balls --vary weights.drag=normal(0.2,0.02) -n 10 -o scatter.csv"],
+    "fit": ["two_balls --without-balancers --measured fit.csv --free rotor.unbalance -o fit.png"],
+    "precision": ["two_balls --seconds 1 --set run.revolutions=1 -o precision.png"],
+    "stress": ["'rotor at rest'"],
+}
+
+
+@pytest.mark.parametrize(
+    "line", [f"{name} {line}" for name, lines in README_COMMANDS.items() for line in lines]
+)
+def test_every_command_runs_as_installed(line, installed, tmp_path):
+    (tmp_path / "runs.csv").write_text(RUNS)
+    (tmp_path / "fit.csv").write_text(AMPLITUDES)
+    run(installed, tmp_path, *COMMANDS["autobalancer"], *shlex.split(line))
+
+
+def test_the_commands_that_run_are_those_of_the_table():
+    table = (ROOT / "README.md").read_text(encoding="utf-8").split("## Commands")[1]
+    shown = re.findall(r"^\| `autobalancer (\w+)(.*?)` \|", table, re.MULTILINE)
+    assert {name for name, _ in shown} == set(README_COMMANDS)
+    for name, usage in shown:
+        tried = " ".join(README_COMMANDS[name]).split()
+        assert set(re.findall(r"(?<!\S)\[?(--?[\w-]+)", usage)) <= set(tried)
 
 
 def test_gallery_shows_every_bundled_scene_by_its_title():

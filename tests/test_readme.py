@@ -32,14 +32,14 @@ def cells(text: str) -> list[list[str]]:
     return [row for i, row in enumerate(split) if not any(h - 1 <= i <= h for h in heads)]
 
 
-def test_pytest_check_of_the_readme_fails_with_the_message_shown(tmp_path):
+def test_pytest_check_of_the_readme_fails_with_the_message_shown(installed, tmp_path):
     files = {name: text for _, name, text in blocks(ROOT / "README.md")}
     strict = files["test_drum.py"].replace("below=1e-5", "below=1e-9")
     assert strict != files["test_drum.py"]
     (tmp_path / "my_drum.toml").write_text(files["my_drum.toml"], encoding="utf-8")
     (tmp_path / "test_drum.py").write_text(strict, encoding="utf-8")
     with pytest.raises(AssertionError) as failure:
-        run(tmp_path, "-m", "pytest", "-q", "-p", "no:cacheprovider", "test_drum.py")
+        run(installed, tmp_path, "-m", "pytest", "-q", "-p", "no:cacheprovider", "test_drum.py")
     said = " ".join(README.partition("it says: `")[2].split("`")[0].split())
     assert NUMBER.sub("#", said) in NUMBER.sub("#", str(failure.value))
 

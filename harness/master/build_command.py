@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from ...fmus.catalogue import CATALOGUE
-from ..errors import UserError
+from ..errors import UserError, is_own_file
 from ..output import options
 from ..output.table import Sheet
 from ..output.terminal import progress_bars, ready_to_write, say, show
@@ -132,6 +132,8 @@ def _written(path: Path, make: Callable[[Path], Path]) -> Path:
     try:
         return make(path)
     except OSError as error:
+        if is_own_file(error):
+            raise
         raise UserError(f"{path}: cannot be written: {error.strerror or error}") from error
     except ValueError as error:
         raise UserError(f"{path}: {error}") from error

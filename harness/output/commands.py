@@ -17,7 +17,7 @@ from typing import Annotated, Any
 import typer
 from typer.core import TyperGroup
 
-from ..errors import SimulationError, UserError
+from ..errors import SimulationError, UserError, is_own_file
 from . import options
 from .interrupts import Interrupted, interruptible, temporary_files
 from .machine import program_version
@@ -54,6 +54,14 @@ class Commands(TyperGroup):
         except OSError as error:
             if error.errno == errno.EPIPE:  # nobody reads on: typer ends without a word
                 raise
+            if is_own_file(error):
+                say(
+                    f"internal error: {error.filename}: {error.strerror}: a file of autobalancer "
+                    "itself cannot be read; install it again, and if that does not help report "
+                    "this message, the command and `autobalancer --version` to its maintainers",
+                    error=True,
+                )
+                raise typer.Exit(1) from error
             place = f"{error.filename}: " if error.filename else ""
             say(f"{place}{error.strerror or error}", error=True)
             raise typer.Exit(2) from error

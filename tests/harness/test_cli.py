@@ -5,11 +5,13 @@ import json
 import subprocess
 import sys
 from importlib.metadata import version
+from pathlib import Path
 
 import pytest
 from fmpy import read_model_description
 from typer.main import get_command
 
+from autobalancer.fmus import catalogue
 from autobalancer.harness.__main__ import program
 from autobalancer.harness.scene import bundled_scenes, load_scene
 
@@ -226,6 +228,18 @@ def test_a_place_that_takes_no_fmu_is_refused_before_anything_is_built(invoke, m
     outcome = invoke("build", "two_balls", "-o", "/proc/made", *form)
     assert outcome.exit_code == 2, outcome.output
     assert "/proc/two_balls" in outcome.stderr or "/proc/RotorOnSupports.fmu" in outcome.stderr
+
+
+def test_a_missing_file_of_the_program_is_an_internal_error_to_report(
+    invoke, monkeypatch, tmp_path
+):
+    missing = Path(catalogue.__file__).with_name("missing")
+    monkeypatch.setattr(catalogue, "__file__", str(missing / "catalogue.py"))
+    outcome = invoke("build", "-o", tmp_path / "units")
+    assert outcome.exit_code == 1, outcome.output
+    assert outcome.stderr.startswith(f"internal error: {missing}")
+    assert "report this message" in outcome.stderr
+    assert "cannot be written" not in outcome.stderr
 
 
 @pytest.mark.parametrize(

@@ -11,7 +11,6 @@ import subprocess
 import sys
 import tarfile
 import zipfile
-from importlib.metadata import version
 from pathlib import Path
 from xml.etree import ElementTree
 
@@ -33,12 +32,12 @@ from autobalancer.fmus.native.compile import (
 )
 from autobalancer.fmus.native.package import platforms_of, universal
 from autobalancer.fmus.xml.archive import unzipped
+from tests.wheel import build_backend
 
 pytestmark = pytest.mark.slow
 
 pytest.importorskip("ziglang", reason="no compiler: ziglang is not installed")
 
-ROOT = Path(__file__).parents[2]
 SHAPES = [
     ("RotorOnSupports", {}),
     ("RotorOnSupports", {"kind": "two_support", "stations": 2, "planes": 2}),
@@ -218,33 +217,8 @@ def test_a_unit_that_a_tool_compiles_from_its_sources_gives_the_same_bits(fmi, o
 # --- wheel ------------------------------------------------------------------------------------
 
 
-@pytest.fixture(scope="module")
-def checkout(tmp_path_factory):
-    """A checkout with its libraries: packaging writes into the folder."""
-    if int(version("setuptools").split(".")[0]) < 77:
-        pytest.skip("the backend needs setuptools 77 or newer")
-    libraries()
-    root = tmp_path_factory.mktemp("checkout")
-    for name in ("fmus", "models", "harness"):
-        shutil.copytree(ROOT / name, root / name, ignore=shutil.ignore_patterns("__pycache__"))
-    for name in ("pyproject.toml", "README.md", "LICENSE"):
-        shutil.copy(ROOT / name, root)
-    return root
-
-
-def _backend(checkout: Path, call: str) -> str:
-    """Last word of a call of the build backend, as pip makes it."""
-    code = f"import sys; sys.path.insert(0, 'fmus/native'); import backend; print(backend.{call})"
-    done = subprocess.run(
-        [sys.executable, "-c", code], cwd=checkout, check=True, capture_output=True, text=True
-    )
-    return done.stdout.splitlines()[-1]
-
-
-def test_the_wheel_carries_libraries_and_sources_in_at_most_1_5_million_bytes(checkout, tmp_path):
-    name = _backend(checkout, f"build_wheel({str(tmp_path)!r})")
-    assert name.endswith("-py3-none-any.whl")
-    wheel = tmp_path / name
+def test_the_wheel_carries_libraries_and_sources_in_at_most_1_5_million_bytes(wheel):
+    assert wheel.name.endswith("-py3-none-any.whl")
     assert wheel.stat().st_size <= 1_500_000
     home = "autobalancer/fmus/native"
     with zipfile.ZipFile(wheel) as archive:
@@ -257,13 +231,13 @@ def test_the_wheel_carries_libraries_and_sources_in_at_most_1_5_million_bytes(ch
     assert not [name for name in everything if name.endswith((".c", ".def"))]
     # of units the documentation, not the recorded runs that tests compare with
     pages = [name for name in everything if name.endswith(".md") and "/fmus/" in name]
-    folders = {unit.folder for unit in CATALOGUE.values()}
+    folders = {"composite", *(unit.folder for unit in CATALOGUE.values())}
     assert sorted(pages) == [f"autobalancer/fmus/{name}/README.md" for name in sorted(folders)]
     assert not [name for name in everything if name.endswith(("_in.csv", "_ref.csv"))]
 
 
 def test_the_source_distribution_has_the_sources_and_no_library(checkout, tmp_path):
-    name = _backend(checkout, f"build_sdist({str(tmp_path)!r})")
+    name = build_backend(checkout, f"build_sdist({str(tmp_path)!r})")
     with tarfile.open(tmp_path / name) as archive:
         names = {n.split("/", 1)[-1] for n in archive.getnames()}
     assert {f"fmus/native/{name}" for name in texts()} <= names
@@ -273,20 +247,19 @@ def test_the_source_distribution_has_the_sources_and_no_library(checkout, tmp_pa
 def test_the_compiler_is_asked_for_only_when_the_libraries_are_stale(checkout):
     for kind in ("wheel", "editable"):
         call = f"get_requires_for_build_{kind}()"
-        assert _backend(checkout, call) == "[]"
+        assert build_backend(checkout, call) == "[]"
         stamp = checkout / "fmus/native/bin/x86_64-windows/stamp"
         kept = stamp.read_text()
         stamp.write_text("0" * 16)
-        wanted = _backend(checkout, call)
+        wanted = build_backend(checkout, call)
         stamp.write_text(kept)
         assert "ziglang==" in wanted
         assert "numpy" not in wanted
 
 
-def test_an_installed_package_builds_native_units_without_compiler_or_checkout(checkout, tmp_path):
-    wheel = _backend(checkout, f"build_wheel({str(tmp_path)!r})")
+def test_an_installed_package_builds_native_units_without_compiler_or_checkout(wheel, tmp_path):
     site = tmp_path / "site"
-    with zipfile.ZipFile(tmp_path / wheel) as archive:
+    with zipfile.ZipFile(wheel) as archive:
         archive.extractall(site)
     before = _digest(site)
     code = (
