@@ -1,5 +1,4 @@
-/* The rotor's angle as whole turns and a remainder, so that sums over any time add no error; twin of
-   fmus/rotor/angle.py. */
+/* The rotor's angle as whole turns and a remainder, so that sums over any time add no error. */
 #ifndef AUTOBALANCER_ANGLE_H
 #define AUTOBALANCER_ANGLE_H
 

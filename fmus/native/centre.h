@@ -1,5 +1,4 @@
-/* Motion of the track's centre and of the rotor within a communication step; twin of
-   models/contact/centre.py. */
+/* Motion of the track's centre and of the rotor within a communication step. */
 #ifndef AUTOBALANCER_CENTRE_H
 #define AUTOBALANCER_CENTRE_H
 

@@ -73,6 +73,7 @@ static int allocate(Unit *unit)
     size_t k;
     int missing = 0;
     composite_memory(c, unit->memory);
+    missing |= impacts_allocate(unit);
     for (k = 0; k < sizeof vectors / sizeof *vectors; k++) {
         *vectors[k] = unit_allocate(unit, n, sizeof(double));
         missing |= !*vectors[k];
@@ -171,6 +172,9 @@ static int begin_parts(Unit *unit)
     Composite *c = unit->own;
     Unit *rotor = c->parts->unit;
     int k;
+    if (impacts_prepare(unit)) {
+        return 1;
+    }
     for (k = 0; k < c->part_count; k++) {
         Unit *part = c->parts[k].unit;
         const Range inputs = part->layout.inputs;

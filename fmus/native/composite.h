@@ -27,8 +27,7 @@ typedef struct {
     Complex last[QUINTIC_ORDERS];
     double last_step;        /* [s] */
     double prediction_error; /* how far the last step ended from where the one before led */
-    double largest;          /* modulus so far, */
-    double largest_before;   /* and before the event that is being met */
+    double largest;          /* modulus so far */
 } Signal;
 
 /* A unit of the composite; the first is the rotor, the last a motor of limited power if there is one. */
@@ -75,8 +74,8 @@ typedef struct {
     double ahead;              /* time to an event in the pass that failed for it, else below 0 [s] */
     double striking, strikes;  /* brief steps still to take behind an event, and taken */
     double met;                /* when the step that met it began [s] */
-    double pulse, worst;       /* force of those, and residual of the step before them */
-    double unpulsed, learned_step; /* `largest` and `solved_step` before them */
+    double worst;              /* residual of the step before them */
+    double learned_step;       /* `solved_step` before them */
     double steps, passes, unconverged, worst_left, error; /* worst_left: residual of those */
     double allowed, rung, largest_motion; /* tolerance, 0 for fixed steps; step as 2^(-rung/4) */
     double rested;             /* steps of this length in which nothing has moved */
@@ -147,6 +146,7 @@ typedef struct {
     double *square, *wide, *work;  /* (o e, o e), (o p, o e), 2 (o e, o e) */
     double *masses;                /* (rotor's planes,) */
     double *decay;                 /* 2 (4 n, 4 n) for n stations */
+    struct Impacts *impacts;       /* of composite_impacts.c; NULL where no weights can meet */
     Carried carried[2];            /* of forces, and of accelerations */
 } Composite;
 
@@ -305,7 +305,17 @@ void compensated_begin(Composite *c, double step);
 /* One step; `jump`: over a jump of an input. */
 int compensated_step(Unit *unit, double step, int jump);
 
-/* -- composite_contacts.c ----------------------------------------------------------------------- */
+/* -- composite_impacts.c ---------------------------------------------------------------------- */
+
+/* Memory for the impacts of weights; 1 when there is none. */
+int impacts_allocate(Unit *unit);
+/* Mobility of the planes, once the parameters are known; 1 with the reason. */
+int impacts_prepare(Unit *unit);
+/* Let all weights that touch, or will within `soon` [s], and the rotor collide, where any approach:
+   1 in `struck`.  1 with the reason where that fails. */
+int impacts_strike(Unit *unit, double soon, int *struck);
+
+/* -- composite_contacts.c --------------------------------------------------------------------- */
 
 /* A step that is taken whole [s]: longer ones end at events. */
 double contacts_brief(const Unit *unit);

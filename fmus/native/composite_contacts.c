@@ -1,16 +1,16 @@
 /* Events: a step ends where a unit says that something jumps, so that it holds no jump.
 
-   Weights collide, part, stick or slide; dry supports stick, let go or turn round. The impulse of a
-   collision reaches the rotor as a pulse over the two steps after it (pulse.h). The step before an event
-   ends a moment earlier; the event and a pulse are taken in steps so brief that their error is lost in
-   rounding, and what follows starts without a past. */
+   Weights collide, part, stick or slide; dry supports stick, let go or turn round.  The step before an
+   event ends a moment earlier.  Steps so brief that their error is lost in rounding lead up to an impact,
+   which lies between two of them (composite_impacts.c), or over any other event; what follows starts
+   without a past. */
 #include <string.h>
 
 #include "composite.h"
 #include "elementary.h"
 
-static const double BRIEF = 1e-6, WIDE = 1e-4, LEAST = 0.1, ROUNDING = 1e-5, JUMP = 1e-6, GROWTH = 10.0, KINK = 1e-10,
-                    AGREED = 1e-6;
+static const double SLIVER = 1e-3; /* of a brief step: weights that meet so soon collide now */
+static const double BRIEF = 1e-6, WIDE = 1e-4, LEAST = 0.1, JUMP = 1e-6, GROWTH = 10.0, KINK = 1e-10, AGREED = 1e-6;
 enum { QUIET = 3, AWAITED = 20, MOST = 1000, TRIES = 3 };
 static const double SHORTER[TRIES] = {1.0, 0.6, 0.36};
 
@@ -43,38 +43,23 @@ void contacts_begin(Unit *unit)
 {
     Composite *c = unit->own;
     Course *course = c->course;
-    int k;
-    for (k = 0; k < c->unknowns; k++) {
-        c->forces[k].largest_before = c->forces[k].largest;
-    }
-    for (k = 0; k < c->planes; k++) {
-        c->accelerations[k].largest_before = c->accelerations[k].largest;
-    }
     memcpy(c->learned, c->solution, loop_bytes(c));
     course->learned_step = course->solved_step;
-    course->unpulsed = course->largest;
     course->striking = AWAITED;
-    course->strikes = course->worst = course->pulse = 0.0;
+    course->strikes = course->worst = 0.0;
     course->met = course->time;
 }
 
-static void calm(Signal *signal)
-{
-    signal->largest = larger(signal->largest_before, magnitude(signal->now.value));
-    signal->prediction_error = 0.0;
-}
-
-/* Behind the event: nothing of a pulse is to be remembered. */
+/* Behind the event: the jump is no error of a prediction. */
 static void end(Composite *c)
 {
     int k;
     for (k = 0; k < c->unknowns; k++) {
-        calm(c->forces + k);
+        c->forces[k].prediction_error = 0.0;
     }
     for (k = 0; k < c->planes; k++) {
-        calm(c->accelerations + k);
+        c->accelerations[k].prediction_error = 0.0;
     }
-    c->course->largest = c->course->unpulsed;
     composite_drop_past(c);
 }
 
@@ -88,18 +73,24 @@ static void relearn(Composite *c)
 static double brief(Unit *unit, double *step)
 {
     Composite *c = unit->own;
-    int k;
-    for (k = 0;; k++) {
-        double residual;
-        *step = SHORTER[k] * contacts_brief(unit);
-        residual = iterated_attempt(unit, *step);
+    int k = 0;
+    *step = contacts_brief(unit);
+    for (;;) {
+        const double residual = iterated_attempt(unit, *step);
+        if (residual < 0.0 && c->course->ahead >= SLIVER * *step) { /* weights meet within it */
+            *step = c->course->ahead;
+            composite_restore(c);
+            continue;
+        }
         if ((residual >= 0.0 && residual <= AGREED) || k == TRIES - 1) {
             return residual;
         }
         composite_restore(c);
         relearn(c);
+        k++;
+        *step = SHORTER[k] * contacts_brief(unit);
         /* weights that stick answer otherwise than those that slide */
-        if (k == TRIES - 2 && iterated_after_start(unit, SHORTER[TRIES - 1] * contacts_brief(unit))) {
+        if (k == TRIES - 1 && iterated_after_start(unit, *step)) {
             return -1.0;
         }
     }
@@ -132,24 +123,21 @@ int contacts_step(Unit *unit)
 {
     Composite *c = unit->own;
     Course *course = c->course;
-    double step, residual = brief(unit, &step), motion = 0.0;
+    double step, residual, motion = 0.0;
     int k, jumped = 0, turned = 0;
-    for (k = 0; k < c->planes; k++) {
-        motion = larger(motion, c->accelerations[k].largest_before);
+    if (impacts_strike(unit, SLIVER * contacts_brief(unit), &jumped)) {
+        return 1;
     }
-    judge(c->forces, c->answers, c->unknowns, step, course->unpulsed, &jumped, &turned);
+    residual = brief(unit, &step);
+    for (k = 0; k < c->planes; k++) {
+        motion = larger(motion, c->accelerations[k].largest);
+    }
+    judge(c->forces, c->answers, c->unknowns, step, course->largest, &jumped, &turned);
     judge(c->accelerations, c->ends, c->planes, step, motion, &jumped, &turned);
     if (residual < 0.0 || iterated_accept(unit, step)) {
         return 1;
     }
-    course->pulse = 0.0;
-    for (k = 0; k < c->unknowns; k++) {
-        course->pulse = larger(course->pulse, magnitude(c->forces[k].now.value));
-    }
-    /* a pulse is no measure of what forces may err by, but for its own rounding, nor of how the
-       loop answers them */
-    course->largest = larger(course->unpulsed, ROUNDING * course->pulse);
-    relearn(c);
+    relearn(c); /* what a brief step has made of the loop's inverse serves no longer one */
     course->length = step;
     course->strikes += 1.0;
     /* passes that do not agree disagree on whether the step holds an event; it is soon over */

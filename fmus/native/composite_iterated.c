@@ -223,7 +223,15 @@ double iterated_attempt(Unit *unit, double step)
 
 int iterated_cross(Unit *unit, double step)
 {
-    return attempt(unit, step, MAX_PASSES) < 0.0 || iterated_accept(unit, step);
+    Composite *c = unit->own;
+    while (attempt(unit, step, MAX_PASSES) < 0.0) {
+        int struck;
+        composite_restore(c);
+        if (c->course->ahead < 0.0 || impacts_strike(unit, 2.0 * step, &struck) || !struck) {
+            return 1;
+        }
+    }
+    return iterated_accept(unit, step);
 }
 
 static int respond(Unit *unit, const double *u, double step, double *answer)

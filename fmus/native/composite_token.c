@@ -286,6 +286,7 @@ static void stop_at_contacts(Composite *c)
     int part, k;
     for (part = 0; part < c->part_count; part++) {
         Unit *unit = c->parts[part].unit;
+        unit->leaves_impacts = stops;
         if (!stops) {
             c->parts[part].brief = -1;
             continue;

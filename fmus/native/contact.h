@@ -1,5 +1,4 @@
-/* Weights of finite size on one track: packed groups, forces between them, collisions; twin of
-   models/contact/contact.py, where the theory stands. */
+/* Weights of finite size on one track: packed groups and forces between them. */
 #ifndef AUTOBALANCER_CONTACT_H
 #define AUTOBALANCER_CONTACT_H
 
@@ -28,15 +27,5 @@ void pool(Pools *pools, const double *drives, const double *limits, int length, 
 
 /* Give every weight of a chain the value of its pool. */
 void expand(const Pools *pools, double *values);
-
-/* Collisions among a chain of touching weights: rates (length,) along increasing angle do not
-   decrease afterwards, have the same sum, and no larger sum of squares. */
-void collide(double *rates, int length, double restitution, Pools *pools);
-
-/* Collisions without restitution: the nearest rates that do not approach; as `collide`. */
-void unite(double *rates, int length, Pools *pools);
-
-/* Impulse on the rotor when rates change at once, rotor frame [N s]; moment: m R of a weight. */
-Complex strike(double moment, int count, const double *angles, const double *changes);
 
 #endif

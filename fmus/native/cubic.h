@@ -1,5 +1,4 @@
-/* Cubics over a step, told by value and derivatives 1 to 3 at its start; twin of
-   models/cubic.py. */
+/* Cubics over a step, told by value and derivatives 1 to 3 at its start. */
 #ifndef AUTOBALANCER_CUBIC_H
 #define AUTOBALANCER_CUBIC_H
 

@@ -1,5 +1,4 @@
-/* What may happen to the weights of a track within a stretch of time; twin of
-   models/contact/event_functions.py.
+/* What may happen to the weights of a track within a stretch of time.
 
    A gap may close, the pressure in a group turn into tension, a sliding group come to rest, a
    resting one break away: each is a function of time, not negative at the start, whose fall below 0

@@ -9,12 +9,12 @@
 #define LOCATED 1e-12     /* of the substep */
 #define MOST_PARTS 100000 /* substeps and events within a communication step */
 
-EventStepper event_stepper(WeightsInOrder *weights, const CentreMotion *motion, int stop_at_contact)
+EventStepper event_stepper(WeightsInOrder *weights, const CentreMotion *motion, int stops)
 {
     EventStepper stepper;
     stepper.weights = weights;
     stepper.motion = motion;
-    stepper.stop_at_contact = stop_at_contact;
+    stepper.stops = stops;
     stepper.time = 0.0;
     stepper.impulse = complex_of(0.0, 0.0);
     stepper.events = 0;
@@ -103,6 +103,9 @@ static void happen(EventStepper *stepper, const EventFunction *event)
     const Runs *groups = &weights->groups.runs;
     int k;
     if (event->kind == GAP_CLOSES) {
+        if (stepper->stops & STOPS_AT_IMPACTS) {
+            return; /* the rotor takes part, and the host lets both collide */
+        }
         settle_now(stepper, event->where);
     } else if (event->kind == PULLED_OPEN) {
         weights->joined[event->where] = 0;
@@ -166,8 +169,8 @@ int run(EventStepper *stepper, double step)
 {
     const Failure *failure = stepper->weights->failure;
     int k;
-    if (approaching(stepper->weights)) {
-        if (stepper->stop_at_contact == STOP_BEFORE) {
+    if (approaching(stepper->weights, 0.0)) {
+        if (stepper->stops & STOPS_AT_IMPACTS) {
             return failure->code;
         }
         settle_now(stepper, -1);
@@ -177,7 +180,9 @@ int run(EventStepper *stepper, double step)
         const int count = substeps_of(stepper, left, step);
         if (count) {
             const int kind = part(stepper, count == 1 ? step : stepper->time + left / count);
-            if (failure->code || stepper->time >= step || (stepper->stop_at_contact && kind >= 0)) {
+            const int stopped = (stepper->stops & STOPS_AT_EVENTS && kind >= 0) ||
+                                (stepper->stops & STOPS_AT_IMPACTS && kind == GAP_CLOSES);
+            if (failure->code || stepper->time >= step || stopped) {
                 return failure->code;
             }
         }

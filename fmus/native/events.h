@@ -1,5 +1,4 @@
-/* Weights that collide, pack and stick, moved from event to event within a communication step; twin
-   of models/contact/events.py.
+/* Weights that collide, pack and stick, moved from event to event within a communication step.
 
    The earliest event of a substep is located by stepping again from the same point, to 1e-12 of the
    substep, so that smooth parts keep order 4. */
@@ -13,16 +12,15 @@
 typedef struct {
     WeightsInOrder *weights;
     const CentreMotion *motion;
-    int stop_at_contact; /* STOP_BEHIND the first event, STOP_BEFORE a collision at the start, or 0 */
+    int stops; /* STOPS_AT_EVENTS, STOPS_AT_IMPACTS, both or none */
     double time; /* since the start of the step [s] */
     Complex impulse; /* of all collisions on the rotor, rotor frame at the step's start [N s] */
     int events; /* collisions, contacts opened, weights stuck or broken away: their number */
 } EventStepper;
 
-EventStepper event_stepper(WeightsInOrder *weights, const CentreMotion *motion,
-                           int stop_at_contact);
+EventStepper event_stepper(WeightsInOrder *weights, const CentreMotion *motion, int stops);
 
-/* Move to the end of the step; 0, or the code of what went wrong. */
+/* Move to the end of the step, or to an event that stops it; 0, or the code of what went wrong. */
 int run(EventStepper *stepper, double step);
 
 #endif

@@ -25,6 +25,7 @@ enum {
     FAILURE_ADDED_MASS,        /* added_mass: must be at least 0 kg */
     FAILURE_WEIGHT_RADIUS,     /* weight_radius; value[1]: track radius; value[2]: largest */
     FAILURE_RESTITUTION,       /* restitution: must be within 0 to 1 */
+    FAILURE_MOBILITY,          /* track_mobility; value[1]: 1/(N m), which it must stay below */
     FAILURE_RIGID_SLIDERS,     /* two rigid sliders at one support and axis */
     FAILURE_SPIN,              /* der(acceleration): must be 0 */
     FAILURE_QUINTIC_WEIGHTS,   /* order: must be 3 for weights that meet or stick */
@@ -41,6 +42,7 @@ enum {
     FAILURE_SUBSTEPS,          /* value: substeps, step, acceleration, largest rate */
     FAILURE_NOT_CONVERGED,     /* value: step, angle, rate, acceleration */
     FAILURE_SLIDE,             /* the same for a sliding group */
+    FAILURE_IMPACT,            /* where: pairs that touch; value: largest opening speed */
     FAILURE_EVENTS,            /* value: step, time reached; where: largest number */
     /* ArithmeticError of the motor */
     FAILURE_MOTOR,             /* value: speed [rad/s]; it or the torque is not finite */
@@ -58,7 +60,7 @@ typedef struct {
 int fail(Failure *failure, int code, const char *name, int where, double first, double second,
          double third, double fourth);
 
-/* FINE, or what is wrong with a value that has to be so; twins of models/ranges.py. */
+/* FINE, or what is wrong with a value that has to be so. */
 int demand_positive(const char *name, double value, Failure *failure);
 int demand_not_negative(const char *name, double value, Failure *failure);
 int demand_finite(const char *name, double value, Failure *failure);

@@ -26,6 +26,8 @@ static const char *const WORDS[FAILURE_CROSSINGS + 1] = {
     [FAILURE_WEIGHT_RADIUS] = "weight_radius = {0} m: {w} weights do not fit on a track of radius "
                               "{1} m, the largest that fit have {2.6} m",
     [FAILURE_RESTITUTION] = "restitution = {0}: must be within 0 to 1",
+    [FAILURE_MOBILITY] = "track_mobility = {0} 1/kg: must be 0 or more and less than {1.6} 1/kg, "
+                         "one over the mass of all weights",
     [FAILURE_RIGID_SLIDERS] = "sliders: two rigid ones at one support and axis are one with the "
                               "sum of their limits; give that, or a stiffness",
     [FAILURE_SPIN] = "der(acceleration) = {0} rad/s3: must be 0 for weights that touch or stick, "
@@ -49,6 +51,8 @@ static const char *const WORDS[FAILURE_CROSSINGS + 1] = {
                               "communication steps",
     [FAILURE_SLIDE] = "the sliding weights' step of {0.6} s did not converge (angle {1.6} rad, "
                       "rate {2.6} rad/s, acceleration {3.6} m/s^2): use smaller steps",
+    [FAILURE_IMPACT] = "no solution was found for an impact of {w} pairs of weights, which close at "
+                       "{0.6} rad/s",
     [FAILURE_EVENTS] = "more than {w} substeps and events of the weights in {0.6} s, {1.6} s "
                        "reached: use smaller communication steps",
     [FAILURE_MOTOR] = "the motor's speed {0} rad/s or the torque is not finite",

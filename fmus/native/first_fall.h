@@ -1,5 +1,4 @@
-/* First fall of a polynomial below 0, found to rounding, none missed; twin of
-   models/steps/first_fall.py. */
+/* First fall of a polynomial below 0, found to rounding, none missed. */
 #ifndef AUTOBALANCER_FIRST_FALL_H
 #define AUTOBALANCER_FIRST_FALL_H
 

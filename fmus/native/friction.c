@@ -152,6 +152,19 @@ void friction_at_start(const Slider *sliders, int count, const double *rates, do
     }
 }
 
+void friction_at_jump(const Slider *sliders, int count, const double *rates, double *held)
+{
+    int j;
+    for (j = 0; j < count; j++, held += 2) {
+        if (is_rigid(sliders + j)) {
+            friction_at_start(sliders + j, 1, rates, held);
+        } else if (sliders[j].limit != 0.0 &&
+                   held[SLIPS] * rates[2 * sliders[j].station + sliders[j].axis] < 0.0) {
+            held[SLIPS] = 0.0;
+        }
+    }
+}
+
 /* Length of a stretch from time t on [s]. */
 static double stretch_of(const FrictionStep *method, const Drive *drive, double t)
 {

@@ -1,5 +1,14 @@
-/* Step of the linear rotor with dry friction in its supports, at constant or changing speed;
-   twin of models/steps/friction.py, which explains it. */
+/* Step of the linear rotor with dry friction in its supports, at constant or changing speed.
+
+   Between events (a slider sticks, lets go or turns round) the system is linear: displacements,
+   velocities and friction forces are Taylor series in time, whose recurrence takes the cubic forces,
+   unbalance, gravity and a cubic angular acceleration as they are (Jorba & Zou 2005).  A stretch is
+   half of what the fastest rate allows, so that the terms left out are below rounding, and every event
+   function is a polynomial on it: its first fall below 0 is isolated by bounds of the polynomial and
+   its slope, so that none is missed, and found to rounding.  Nothing is regularised: a rigid slider
+   that sticks is a constraint, whose force follows from the acceleration being 0.  Which of several
+   at rest let go is the least-squares solution within the limits (Moreau 1988: Gauss' principle), by
+   projected Gauss-Seidel sweeps, which converge for any mass matrix. */
 #ifndef AUTOBALANCER_FRICTION_H
 #define AUTOBALANCER_FRICTION_H
 
@@ -51,6 +60,9 @@ int friction_step(const LinearRotor *rotor, const VariableSpeedStep *smooth, con
 
    rates: velocities of the stations, x and y alternating. */
 void friction_at_start(const Slider *sliders, int count, const double *rates, double *held);
+
+/* The same behind a jump of the velocities: springs keep their force. */
+void friction_at_jump(const Slider *sliders, int count, const double *rates, double *held);
 
 /* State (q, v), x before y, and sliders one `step` [s] later, in place; with `stops` behind the first
    event at most, such that *reached [s] is 0 for one at the start. */

@@ -85,7 +85,7 @@ void find_groups(WeightsInOrder *weights, const Instant *now, double angular_acc
                                  absolute(angular_acceleration));
     int i;
     weights->groups.runs.count = 0;
-    find_chains(weights, weights->joined);
+    find_chains(weights);
     for (i = 0; i < chains->count; i++) {
         if (chains->size[i] == 1 && track->grip == 0.0) {
             append_group(weights, chains->first[i], 1, 0.0);

@@ -1,4 +1,14 @@
-/* Which weights move together, how, and with what force; twin of models/contact/groups.py. */
+/* Which weights move together, how, and with what force.
+
+   n weights that touch share one rate.  The mean of their drives (angles 2 alpha apart about the
+   middle t) is that of one weight at t times sin(n alpha)/(n sin alpha), so a group moves like one
+   weight with a smaller gain.  Which contacts last follows from Gauss's principle of least constraint:
+   the accelerations y of a chain are
+
+       min sum (y_k - g_k)^2/2 + f_k |y_k|,     y_1 <= y_2 <= ... <= y_n,
+
+   with free accelerations g_k and, for weights at rest, limits f_k of rolling resistance.  It has one
+   solution, pooling of adjacent violators finds it exactly, and a contact between two pools opens. */
 #ifndef AUTOBALANCER_GROUPS_H
 #define AUTOBALANCER_GROUPS_H
 

@@ -2,130 +2,125 @@
 
 #include "elementary.h"
 #include "groups.h"
-#include "matrix.h"
 
 #define LOWEST_BOUNCE 1e-9 /* rad: less than what the surfaces of real weights yield in contact */
+#define EQUAL_RATES 1e-12  /* of the largest rate: rounding of the impact law */
 
-int approaching(const WeightsInOrder *weights)
+static int closes(const WeightsInOrder *weights, int k, double soon)
 {
-    const int n = weights->count;
-    const double *rate = weights->angle_rate;
+    const double closing =
+        weights->angle_rate[k] - weights->angle_rate[(k + 1) % weights->count];
+    return closing > 0.0 && gap(weights, k) <= TOUCH + soon * closing;
+}
+
+int approaching(const WeightsInOrder *weights, double soon)
+{
     int k;
     if (!weights->track->solid || weights->track->full) {
         return 0;
     }
-    for (k = 0; k < n; k++) {
-        if (rate[k] > rate[(k + 1) % n] && !weights->joined[k] && gap(weights, k) <= TOUCH) {
+    for (k = 0; k < weights->count; k++) {
+        if (!weights->joined[k] && closes(weights, k, soon)) {
             return 1;
         }
     }
     return 0;
 }
 
-/* Set `accelerations` of a chain's weights with the contacts that are set. */
-static void fill_accelerations(WeightsInOrder *weights, int first, int size, const Instant *now,
-                               double angular_acceleration)
+void impact_add(Impact *impact, const WeightsInOrder *weights, int plane, int closed, double soon)
 {
-    const int n = weights->count;
-    int begin = 0, j;
-    for (j = 0; j < size; j++) {
-        if (j == size - 1 || !weights->joined[(first + j) % n]) {
-            const int length = j + 1 - begin;
-            fill_drives(weights, (first + begin) % n, length, now, angular_acceleration);
-            pool(&weights->pools, weights->drives, weights->limits, length, 0.0);
-            expand(&weights->pools, weights->accelerations + begin);
-            begin = j + 1;
+    const Track *track = weights->track;
+    const int n = weights->count, first = impact->count;
+    int k;
+    for (k = 0; k < n; k++) {
+        const int i = first + k;
+        impact->plane[i] = plane;
+        impact->moment[i] = track->moment;
+        impact->inertia[i] = track->weights.kappa * track->moment * track->weights.track_radius;
+        impact->direction[i] = rect(1.0, weights->angle[k]);
+        impact->rate[i] = impact->before[i] = weights->angle_rate[k];
+    }
+    impact->count += n;
+    for (k = 0; k < n && track->solid; k++) {
+        const int pair = impact->contacts;
+        /* the last contact of a full track follows from the others */
+        const int lasts = track->full && k < n - 1;
+        if (lasts || (!track->full && (k == closed || weights->joined[k] ||
+                                       gap(weights, k) <= TOUCH || closes(weights, k, soon)))) {
+            impact->behind[pair] = first + k;
+            impact->ahead[pair] = first + (k + 1) % n;
+            impact->restitution[pair] = track->restitution;
+            impact->lasting[pair] = lasts;
+            impact->contacts++;
         }
     }
 }
 
-/* The first weight of a chain that bounces off the next too low; -1: none. */
-static int lowest_bounce(int size, const double *rates, const double *accelerations)
+/* Accelerations of all weights with the contacts that are set, in weights->sides. */
+static const double *accelerations_of(WeightsInOrder *weights, const Instant *now,
+                                      double angular_acceleration)
 {
-    int j;
-    for (j = 0; j < size - 1; j++) {
-        const double opening = rates[j + 1] - rates[j];
-        const double closing = accelerations[j] - accelerations[j + 1];
-        if (opening > 0.0 && opening * opening <= 2.0 * closing * LOWEST_BOUNCE) {
-            return j;
-        }
-    }
-    return -1;
-}
-
-/* Unite the weights `low` and `low` + 1 of a chain, with all that move alike. */
-static void merge(int size, double *rates, int low, Pools *pools)
-{
-    int first = low, last = low + 1, j;
-    double mean = 0.0;
-    while (first > 0 && rates[first - 1] == rates[low]) {
-        first--;
-    }
-    while (last < size - 1 && rates[last + 1] == rates[low + 1]) {
-        last++;
-    }
-    for (j = first; j <= last; j++) {
-        mean += rates[j];
-    }
-    mean /= last + 1 - first;
-    for (j = first; j <= last; j++) {
-        rates[j] = mean;
-    }
-    unite(rates, size, pools);
-}
-
-/* Set the rates and contacts of a chain; too low bounces are taken for contact. */
-static void capture(WeightsInOrder *weights, int first, int size, const Instant *now,
-                    double angular_acceleration)
-{
-    const int n = weights->count;
-    double *rates = weights->rates;
-    int round, j, low;
-    for (round = 0; round < size; round++) {
+    const Runs *chains = &weights->chains;
+    int i, j;
+    find_chains(weights);
+    for (i = 0; i < chains->count; i++) {
+        const int first = chains->first[i], size = chains->size[i];
+        fill_drives(weights, first, size, now, angular_acceleration);
+        pool(&weights->pools, weights->drives, weights->limits, size, 0.0);
+        expand(&weights->pools, weights->drives);
         for (j = 0; j < size; j++) {
-            weights->angle_rate[(first + j) % n] = rates[j];
+            weights->sides[(first + j) % weights->count] = weights->drives[j];
         }
-        for (j = 0; j < size - 1; j++) {
-            weights->joined[(first + j) % n] = rates[j + 1] == rates[j];
-        }
-        fill_accelerations(weights, first, size, now, angular_acceleration);
-        low = lowest_bounce(size, rates, weights->accelerations);
-        if (low < 0) {
-            return;
-        }
-        merge(size, rates, low, &weights->pools);
     }
+    return weights->sides;
+}
+
+/* Whether a pair that opens would come back after less than is followed. */
+static int bounces_low(const WeightsInOrder *weights, int k, const double *accelerations,
+                       double opening)
+{
+    const double closing = accelerations[k] - accelerations[(k + 1) % weights->count];
+    return opening > 0.0 && opening * opening <= 2.0 * closing * LOWEST_BOUNCE;
+}
+
+int impact_take(Impact *impact, int first, WeightsInOrder *weights, const Instant *now,
+                double angular_acceleration)
+{
+    const int n = weights->count;
+    const double rounding = EQUAL_RATES * largest_of(n, impact->rate + first);
+    const double *accelerations;
+    int pair, k, low = 0;
+    for (k = 0; k < n; k++) {
+        weights->angle_rate[k] = impact->rate[first + k];
+        weights->joined[k] = weights->track->full;
+    }
+    for (pair = 0; pair < impact->contacts; pair++) {
+        k = impact->behind[pair] - first;
+        if (k >= 0 && k < n && absolute(impact_opening(impact, pair)) <= rounding) {
+            weights->joined[k] = 1;
+        }
+    }
+    accelerations = accelerations_of(weights, now, angular_acceleration);
+    for (pair = 0; pair < impact->contacts; pair++) {
+        k = impact->behind[pair] - first;
+        if (k >= 0 && k < n && !weights->joined[k] &&
+            bounces_low(weights, k, accelerations, impact_opening(impact, pair))) {
+            impact->lasting[pair] = 1;
+            low++;
+        }
+    }
+    return low;
 }
 
 Complex settle(WeightsInOrder *weights, const Instant *now, double angular_acceleration, int closed)
 {
-    const int n = weights->count;
-    const Runs *chains = &weights->chains;
-    double *before = weights->before;
-    Complex blow = {0.0, 0.0};
-    int i, j, k, any = 0;
-    for (k = 0; k < n; k++) {
-        weights->linked[k] = k == closed || weights->joined[k] || gap(weights, k) <= TOUCH;
-    }
-    copy_doubles((size_t)n, weights->angle_rate, before);
-    find_chains(weights, weights->linked);
-    for (i = 0; i < chains->count; i++) {
-        const int first = chains->first[i], size = chains->size[i];
-        if (size > 1) {
-            for (j = 0; j < size; j++) {
-                weights->rates[j] = weights->angle_rate[(first + j) % n];
-            }
-            collide(weights->rates, size, weights->track->restitution, &weights->pools);
-            capture(weights, first, size, now, angular_acceleration);
+    Impact impact = impact_begin(&weights->track->mobility, 1, weights->count, weights->impact);
+    impact_add(&impact, weights, 0, closed, 0.0);
+    do {
+        if (impact_solve(&impact, weights->failure)) {
+            return complex_of(0.0, 0.0);
         }
-    }
-    for (k = 0; k < n; k++) {
-        before[k] = weights->angle_rate[k] - before[k]; /* the change */
-        any |= before[k] != 0.0;
-    }
-    if (any) {
-        blow = strike(weights->track->moment, n, weights->angle, before);
-    }
+    } while (impact_take(&impact, 0, weights, now, angular_acceleration));
     align(weights);
-    return blow;
+    return impact_on_plane(&impact, 0);
 }

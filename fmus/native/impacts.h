@@ -1,18 +1,27 @@
-/* Collisions of the weights of a track, and which contacts last after them; twin of
-   models/contact/impacts.py. */
+/* Impacts of the weights of a track: who takes part, and who stays in contact behind it. */
 #ifndef AUTOBALANCER_IMPACTS_H
 #define AUTOBALANCER_IMPACTS_H
 
 #include "centre.h"
+#include "impact_law.h"
 #include "ring.h"
 
-/* True when weights that touch have rates towards each other. */
-int approaching(const WeightsInOrder *weights);
+/* True when weights that touch, or do so within `soon` [s], have rates towards each other. */
+int approaching(const WeightsInOrder *weights, double soon);
 
-/* Let all weights that touch collide, and set who stays in contact; returns the impulse on the
-   rotor in the rotor frame [N s].
+/* Add the weights of a track on a plane, and the pairs that take part in the impact.
 
-   closed: weight whose gap to the next has just closed, whatever rounding says of it; -1: none. */
+   closed: weight whose gap to the next has just closed, whatever rounding makes of it; -1: none. */
+void impact_add(Impact *impact, const WeightsInOrder *weights, int plane, int closed, double soon);
+
+/* Take over the rates of weights that were added as the `first` and those behind it, and contacts.
+   Returns the number of pairs that would bounce less than is followed: from then on they last, and
+   the impact is to be solved again. */
+int impact_take(Impact *impact, int first, WeightsInOrder *weights, const Instant *now,
+                double angular_acceleration);
+
+/* Let the weights of one track on a rotor with the track's mobility collide; returns the impulse on
+   the rotor in its axes [N s]. */
 Complex settle(WeightsInOrder *weights, const Instant *now, double angular_acceleration,
                int closed);
 

@@ -1,4 +1,4 @@
-/* A rotor on viscous-elastic supports as one linear system; twin of models/rotor.py.
+/* A rotor on viscous-elastic supports as one linear system.
 
        M q'' + (C + C_i - w G J) q' + (K - w C_i J) q = u (w^2 - i w') e^{i beta} + S^T F */
 #ifndef AUTOBALANCER_LINEAR_ROTOR_H

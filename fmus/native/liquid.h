@@ -1,4 +1,4 @@
-/* The liquid auto-balancer of Dubovik 2006; twin of models/liquid.py. */
+/* The liquid auto-balancer of Dubovik 2006. */
 #ifndef AUTOBALANCER_LIQUID_H
 #define AUTOBALANCER_LIQUID_H
 

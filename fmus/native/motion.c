@@ -45,7 +45,7 @@ int track_first_contacts(const Track *track, const double *angles, const double 
 
 int track_advance(const Track *track, const double *angles, const double *speeds,
                   const double *contacts, const Complex *signal, double rotor_speed,
-                  const double *spin_up, double step, int stop_at_contact, Moved *moved,
+                  const double *spin_up, double step, int stops, Moved *moved,
                   double *scratch, Failure *failure)
 {
     CentreMotion motion;
@@ -76,7 +76,7 @@ int track_advance(const Track *track, const double *angles, const double *speeds
     if (code) {
         return code;
     }
-    stepper = event_stepper(&weights, &motion, stop_at_contact);
+    stepper = event_stepper(&weights, &motion, stops);
     code = run(&stepper, step);
     if (code) {
         return code;

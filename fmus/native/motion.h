@@ -36,11 +36,10 @@ int track_first_contacts(const Track *track, const double *angles, const double 
    angles, speeds, contacts: state, contacts all 0 for a fresh start; the arrays of `moved` may be
    the same, and have no meaning after a failure.  signal: (4,) acceleration of the plane's centre
    in the rotor frame at the start of the step and its derivatives.  spin_up: (4,) angular
-   acceleration of the rotor likewise, constant where weights can touch or stick.  stop_at_contact: end behind
-   the first event. */
+   acceleration of the rotor likewise, constant where weights can touch or stick.  stops: as in track.h. */
 int track_advance(const Track *track, const double *angles, const double *speeds,
                   const double *contacts, const Complex *signal, double rotor_speed,
-                  const double *spin_up, double step, int stop_at_contact, Moved *moved,
+                  const double *spin_up, double step, int stops, Moved *moved,
                   double *scratch, Failure *failure);
 
 /* Residual force on the rotor in the rotor frame and its slope, without impulses. */

@@ -1,5 +1,6 @@
-/* A motor of limited power: its torque depends on the speed, and what is left over turns the rotor;
-   twin of models/motor.py. */
+/* A motor of limited power: its torque depends on the speed, and what is left over turns the rotor,
+   I w' = L(w) + tau.  L runs in straight lines between points; between two the equation is linear and
+   is solved exactly for a cubic tau. */
 #ifndef AUTOBALANCER_MOTOR_H
 #define AUTOBALANCER_MOTOR_H
 

@@ -1,5 +1,4 @@
-/* Exact step of the linear rotor at constant speed; twin of
-   models/steps/propagator.py.
+/* Exact step of the linear rotor at constant speed.
 
    Axes and parts: an isotropic rotor has one axis of complex elements (parts 2), any other two axes
    of real ones (parts 1). */

@@ -21,24 +21,21 @@ Complex hat_half(double turn)
     return sum;
 }
 
-void discharge(Complex *owed, Complex *pulse, Complex impulse, double turn, double step)
+Complex pulse_ahead(Complex pulse, double turn, double step, Complex *owed)
 {
     Complex half, left, given;
     double whole;
-    if (owed->re == 0.0 && owed->im == 0.0 && pulse->re == 0.0 && pulse->im == 0.0) {
-        *owed = impulse;
-        *pulse = complex_of(0.0, 0.0);
-        return;
+    if (owed->re == 0.0 && owed->im == 0.0 && pulse.re == 0.0 && pulse.im == 0.0) {
+        return pulse;
     }
     half = hat_half(turn);
-    left = complex_product(complex_scaled(step, *pulse), complex_conjugate(half));
+    left = complex_product(complex_scaled(step, pulse), complex_conjugate(half));
     left = complex_product(complex_difference(*owed, left), rect(1.0, -turn));
     whole = 2.0 * step * half.re;
     given = complex_of(left.re / whole, left.im / whole);
     if (magnitude(left) < 1e-14 * magnitude(*owed)) { /* equal steps leave rounding only */
         left = given = complex_of(0.0, 0.0);
     }
-    left = complex_difference(left, complex_product(complex_scaled(step, given), half));
-    *owed = complex_sum(left, impulse);
-    *pulse = given;
+    *owed = complex_difference(left, complex_product(complex_scaled(step, given), half));
+    return given;
 }

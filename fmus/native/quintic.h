@@ -1,5 +1,4 @@
-/* Quintics over a step, told by value and derivatives 1 to 5 at its start; twin of
-   models/quintic.py. */
+/* Quintics over a step, told by value and derivatives 1 to 5 at its start. */
 #ifndef AUTOBALANCER_QUINTIC_H
 #define AUTOBALANCER_QUINTIC_H
 

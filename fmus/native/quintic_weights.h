@@ -1,4 +1,6 @@
-/* Point weights under a quintic signal; twin of models/quintic_weights.py. */
+/* Point weights under a quintic signal: drag is integrated exactly, the drive as a quintic with the
+   exact values, slopes and second derivatives of both ends (a three-derivative exponential collocation
+   of order 6). */
 #ifndef AUTOBALANCER_QUINTIC_WEIGHTS_H
 #define AUTOBALANCER_QUINTIC_WEIGHTS_H
 

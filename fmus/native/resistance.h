@@ -1,5 +1,17 @@
-/* Rolling resistance with true sticking; twin of models/contact/resistance.py, where the theory
-   stands. */
+/* Rolling resistance with true sticking, and a track whose centre is off the rotor's.
+
+   The two causes of residual unbalance named by Goncharov 2017 (section 2, after Nesterenko 1985 and
+   Yang 2005).  A weight at e + R e^{i theta} in the rotor (e: offset of the track's centre) moves by
+
+       theta'' + d theta' = g - sign(theta') c |n|,        theta' = 0 while |g| <= c |n|,
+       g = -Im(a_c e^{-i theta})/(kappa R) - s w',         n = R (w + theta')^2 - Re(a_c e^{-i theta}),
+       a_c = a + (i w' - w^2) e,                           c = mu/(kappa R),
+
+   with a_c the acceleration of the track's centre, m |n| the force between weight and race (either
+   wall of the race may carry it), and mu the coefficient of rolling resistance: lever arm of the
+   resistance over the weight's radius for balls and rollers, friction times journal radius over R for
+   pendulums.  The load is that in the plane.  With resistance every position with
+   |Im(a_c e^{-i theta})| <= mu |R w^2 - Re(a_c e^{-i theta})| is an equilibrium: the dead zone. */
 #ifndef AUTOBALANCER_RESISTANCE_H
 #define AUTOBALANCER_RESISTANCE_H
 
@@ -27,7 +39,7 @@ void sliding_drive(const SlidingGroup *group, Complex acceleration, Complex slop
                    double angle_rate, double rotor_speed, double angular_acceleration,
                    const double *sides, int side_count, double *drive, double *drive_slope);
 
-/* Angle and rate after `step`, in place; order 4 as weights_substep, of which it is the twin.
+/* Angle and rate after `step`, in place; order 4 as weights_substep.
 
    ends: acceleration of the track's centre and its slope at the start, and at the end; response:
    of `quadrature`; sides: (count,) scratch. */

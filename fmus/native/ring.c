@@ -1,18 +1,20 @@
 #include "ring.h"
 
 #include "elementary.h"
+#include "impact_law.h"
 #include "matrix.h"
 
 #define OVERLAP 1e-7  /* rad: of a start; rounding of angles after a million turns stays below */
 #define ALIGNED 1e-12 /* rad: contacts this exact are left alone, so that weights never creep */
 
-#define DOUBLES 20 /* arrays of N doubles, and of N ints */
-#define INTS 10
+#define DOUBLES 17 /* arrays of N doubles, and of N ints */
+#define INTS 9
 
 size_t ring_scratch(int count)
 {
     const size_t n = (size_t)count;
-    return DOUBLES * n + (INTS * n * sizeof(int) + sizeof(double) - 1) / sizeof(double);
+    return DOUBLES * n + impact_doubles(count) +
+           (INTS * n * sizeof(int) + sizeof(double) - 1) / sizeof(double);
 }
 
 static double *next_doubles(double **free, int count)
@@ -33,7 +35,7 @@ static int *next_ints(int **free, int count)
 static void lay_out(int n, double *scratch, WeightsInOrder *w)
 {
     double *d = scratch;
-    int *i = (int *)(void *)(scratch + DOUBLES * n);
+    int *i = (int *)(void *)(scratch + DOUBLES * n + impact_doubles(n));
     w->given = next_doubles(&d, n);
     w->begin = next_doubles(&d, n);
     w->angle = next_doubles(&d, n);
@@ -49,13 +51,10 @@ static void lay_out(int n, double *scratch, WeightsInOrder *w)
     w->drives = next_doubles(&d, n);
     w->limits = next_doubles(&d, n);
     w->sides = next_doubles(&d, n);
-    w->before = next_doubles(&d, n);
-    w->rates = next_doubles(&d, n);
-    w->accelerations = next_doubles(&d, n);
     w->factors = (Complex *)(void *)next_doubles(&d, 2 * n);
+    w->impact = d;
     w->order = next_ints(&i, n);
     w->joined = next_ints(&i, n);
-    w->linked = next_ints(&i, n);
     w->chains.first = next_ints(&i, n);
     w->chains.size = next_ints(&i, n);
     w->groups.runs.first = next_ints(&i, n);
@@ -128,9 +127,9 @@ double gap(const WeightsInOrder *weights, int k)
     return ahead - angle[k] - 2.0 * weights->track->alpha;
 }
 
-void find_chains(WeightsInOrder *weights, const int *linked)
+void find_chains(WeightsInOrder *weights)
 {
-    const int n = weights->count;
+    const int n = weights->count, *linked = weights->joined;
     Runs *chains = &weights->chains;
     int start = 0, first, count = 0, k;
     if (weights->track->solid) { /* behind the first link that is missing */
@@ -195,7 +194,7 @@ int align(WeightsInOrder *weights)
     if (!any) {
         return FINE;
     }
-    find_chains(weights, weights->joined);
+    find_chains(weights);
     for (k = 0; k < chains->count; k++) {
         if (chains->size[k] > 1 && !is_aligned(weights, chains->first[k], chains->size[k])) {
             place_about_mean(weights, chains->first[k], chains->size[k]);

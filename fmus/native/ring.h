@@ -1,5 +1,4 @@
-/* The weights of a track in the order in which they stand on it, and who touches whom; twin of
-   models/contact/ring.py.
+/* The weights of a track in the order in which they stand on it, and who touches whom.
 
    Weights that are linked are a run of neighbours, told by its first weight and its size; it may
    pass the last weight and go on with the first. */
@@ -39,9 +38,8 @@ typedef struct {
     Runs chains;                 /* found last */
     Groups groups;               /* found last */
     Pools pools;
-    double *drives, *limits, *sides;        /* (N,) scratch */
-    double *before, *rates, *accelerations; /* (N,) scratch of collisions */
-    int *linked;                            /* (N,) scratch */
+    double *drives, *limits, *sides; /* (N,) scratch */
+    double *impact; /* of impact_law.h, for N weights */
     Complex *factors;                       /* (N,) pressure factors of a group of this size: */
     int factor_count;
     Quadrature quadrature;
@@ -63,8 +61,8 @@ void as_given(const WeightsInOrder *weights, double *angles, double *speeds, dou
 /* Free angle between weight k and the next [rad]. */
 double gap(const WeightsInOrder *weights, int k);
 
-/* Set `chains`, the runs of weights each of which is linked to the next. */
-void find_chains(WeightsInOrder *weights, const int *linked);
+/* Set `chains`, the runs of weights each of which lastingly touches the next. */
+void find_chains(WeightsInOrder *weights);
 
 /* Exact distances and one rate in every chain of lasting contacts; refuse overlaps. */
 int align(WeightsInOrder *weights);

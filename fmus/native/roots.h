@@ -1,5 +1,4 @@
-/* Where a function that was positive becomes negative, and where a cubic is least; twin of
-   models/contact/roots.py. */
+/* Where a function that was positive becomes negative, and where a cubic is least. */
 #ifndef AUTOBALANCER_ROOTS_H
 #define AUTOBALANCER_ROOTS_H
 

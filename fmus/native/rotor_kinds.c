@@ -1,5 +1,4 @@
-/* Matrices of the rigid rotor on two supports and of the flexible shaft with n discs; twin of
-   models/rotor_kinds.py. */
+/* Matrices of the rigid rotor on two supports and of the flexible shaft with n discs. */
 #include "elementary.h"
 #include "linear_rotor.h"
 #include "matrix.h"

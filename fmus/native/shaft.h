@@ -1,4 +1,4 @@
-/* Compliance and stiffness of a massless elastic shaft on two supports; twin of models/shaft.py. */
+/* Compliance and stiffness of a massless elastic shaft on two supports. */
 #ifndef AUTOBALANCER_SHAFT_H
 #define AUTOBALANCER_SHAFT_H
 

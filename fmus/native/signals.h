@@ -1,5 +1,4 @@
-/* Cubic signals, and their change between fixed and rotating axes; twin of
-   fmus/python/signals.py. */
+/* Cubic signals, and their change between fixed and rotating axes. */
 #ifndef AUTOBALANCER_SIGNALS_H
 #define AUTOBALANCER_SIGNALS_H
 

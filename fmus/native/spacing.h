@@ -1,5 +1,4 @@
-/* Weights of radius r whose centres share a circle of radius R: how close, and how many; twin of
-   models/contact/spacing.py. */
+/* Weights of radius r whose centres share a circle of radius R: how close, and how many. */
 #ifndef AUTOBALANCER_SPACING_H
 #define AUTOBALANCER_SPACING_H
 

@@ -1,5 +1,4 @@
-/* What a changing angular acceleration adds to what a constant one would have led to; twin of
-   models/spin.py. */
+/* What a changing angular acceleration adds to what a constant one would have led to. */
 #ifndef AUTOBALANCER_SPIN_H
 #define AUTOBALANCER_SPIN_H
 

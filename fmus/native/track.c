@@ -17,6 +17,10 @@ static int check_options(const Track *track, Failure *failure)
         return fail(failure, FAILURE_RESTITUTION, "restitution", 0, track->restitution, 0.0, 0.0,
                     0.0);
     }
+    if (!(track->mobility >= 0.0 && track->mobility * weights_added_mass(&track->weights) < 1.0)) {
+        return fail(failure, FAILURE_MOBILITY, "track_mobility", 0, track->mobility,
+                    1.0 / weights_added_mass(&track->weights), 0.0, 0.0);
+    }
     if (!(is_finite(track->offset.re) && is_finite(track->offset.im))) {
         return fail(failure, FAILURE_NOT_FINITE, "offset", 0, track->offset.re, track->offset.im,
                     0.0, 0.0);

@@ -1,5 +1,4 @@
-/* A track and the weights on it: the parameters, and what follows from them alone; twin of
-   models/contact/track.py. */
+/* A track and the weights on it: the parameters, and what follows from them alone. */
 #ifndef AUTOBALANCER_TRACK_H
 #define AUTOBALANCER_TRACK_H
 
@@ -9,14 +8,15 @@
 
 #define TOUCH 1e-11 /* rad: neighbours this close collide together */
 
-/* Where a step ends: behind the first event, or also before a collision at its start. */
-enum { STOP_BEHIND = 1, STOP_BEFORE = 2 };
+/* What ends a step: the first event, behind it; the first impact, before it. */
+enum { STOPS_AT_EVENTS = 1, STOPS_AT_IMPACTS = 2 };
 
 /* Weights on a track, with the options that a scene may switch on. */
 typedef struct {
     Weights weights;           /* as point weights */
     double weight_radius;      /* r [m]; 0: they pass through each other */
-    double restitution;        /* of a collision of two weights with the rotor held, 0 to 1 */
+    double restitution;        /* of a collision of two weights, 0 to 1 */
+    double mobility;           /* of the plane with all that it carries [1/kg]; 0: it is held */
     double rolling_resistance; /* mu, resistance over load; 0: none */
     Complex offset;            /* of the track's centre from the plane's, rotor frame [m] */
     /* set by track_prepare */

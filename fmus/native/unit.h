@@ -1,5 +1,4 @@
-/* A co-simulation slave whose Reals are one array, indexed by value reference; twin of
-   fmus/slave.py.
+/* A co-simulation slave whose Reals are one array, indexed by value reference.
 
    A unit adds its equations in `Equations`, in the order parameters, begin, step, outputs (and
    observe for what is computed only when read).  Everything else is here; FMI's functions are
@@ -85,7 +84,8 @@ struct Unit {
     double stop;    /* infinite when not defined [s] */
     size_t first_boolean; /* value reference, as the version of FMI has it */
     int own_steps; /* whether a composite's step ends with the first of its own */
-    int may_end_early; /* whether the host takes a step that ends early */
+    int may_end_early; /* whether the host takes a step that ends early, */
+    int leaves_impacts; /* and lets weights collide itself: a composite, which knows the whole machine */
     int phase, stale;
     int warned; /* warnings given, a bit each */
     void *own;

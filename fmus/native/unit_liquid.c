@@ -1,4 +1,4 @@
-/* The liquid balancer of Dubovik 2006 as a unit; twin of fmus/liquid/slave.py. */
+/* The liquid balancer of Dubovik 2006 as a unit. */
 #include "elementary.h"
 #include "liquid.h"
 #include "signals.h"

@@ -1,4 +1,4 @@
-/* The motor of limited power as a unit; twin of fmus/motor/slave.py. */
+/* The motor of limited power as a unit. */
 #include "angle.h"
 #include "elementary.h"
 #include "motor.h"

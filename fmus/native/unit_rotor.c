@@ -1,5 +1,4 @@
-/* The rotor on its supports as a unit: forces on its planes in, accelerations of the planes out;
-   twin of fmus/rotor/slave.py. */
+/* The rotor on its supports as a unit: forces on its planes in, accelerations of the planes out. */
 #include <string.h>
 
 #include "elementary.h"

@@ -1,5 +1,4 @@
-/* The kinds of rotor: their start values, and how their parameters make a `LinearRotor`; twin of
-   fmus/rotor/kinds.py and fmus/rotor/parameters.py. */
+/* The kinds of rotor: their start values, and how their parameters make a `LinearRotor` and fmus/rotor/parameters.py. */
 #include <string.h>
 
 #include "elementary.h"

@@ -1,5 +1,4 @@
-/* The balancer with balls, rollers or pendulums, Filimonikhina 2017 (4), as a unit; twin of
-   fmus/weights/slave.py. */
+/* The balancer with balls, rollers or pendulums, Filimonikhina 2017 (4), as a unit. */
 #include <string.h>
 
 #include "centre.h"
@@ -72,6 +71,7 @@ static int parameters(Unit *unit)
     track->weights.drag = real[DRAG];
     track->weight_radius = real[WEIGHT_RADIUS];
     track->restitution = real[RESTITUTION];
+    track->mobility = real[MOBILITY];
     track->rolling_resistance = real[ROLLING];
     track->offset = complex_of(real[OFFSET_XI], real[OFFSET_ETA]);
     own->quadrature = quadrature_empty();
@@ -111,6 +111,17 @@ static int begin(Unit *unit)
     return 0;
 }
 
+/* What collisions have left owed, and the pulse at the end of the last step, in the unit's memory. */
+static double *impulses(const Unit *unit)
+{
+    return unit->memory + 3 * ((const Balls *)unit->own)->count;
+}
+
+static Complex weights_pulse(const Unit *unit)
+{
+    return complex_of(impulses(unit)[2], impulses(unit)[3]);
+}
+
 /* The second derivative of a vector in the axes of weights_rotating, from the fixed axes' vector. */
 static Complex rotating_second(double angle, double speed, double spin_up, Complex value,
                                Complex slope, Complex second)
@@ -133,6 +144,7 @@ void weights_rotating(double angle, double speed, Complex *value, Complex *slope
 
 RotorMotion weights_motion_now(const Unit *unit)
 {
+    const Balls *own = unit->own;
     const double *in = weights_drive(unit), *spin_up = in + ACCELERATION;
     const double ago = unit->memory[unit->memory_count - 1];
     const Drift more = drift(spin_up, ago);
@@ -159,6 +171,8 @@ RotorMotion weights_motion_now(const Unit *unit)
                                      now.second);
         weights_rotating(now.angle, now.speed, &now.acceleration, &now.slope);
     }
+    now.answered = complex_scaled(own->track.mobility, weights_pulse(unit));
+    now.acceleration = complex_difference(now.acceleration, now.answered);
     return now;
 }
 
@@ -200,18 +214,16 @@ static void put_second(Unit *unit, const RotorMotion *now, const Complex *force,
 static int put(Unit *unit)
 {
     const Balls *own = unit->own;
-    const double *pulse = unit->memory + 3 * own->count + 2;
     const RotorMotion now = weights_motion_now(unit);
     double *out = unit->real + unit->layout.computed.first;
     Complex force[3];
     if (force_now(unit, &now, force)) {
         return 1;
     }
-    if (!own->plain) {
-        force[0] = complex_sum(force[0], complex_of(pulse[0], pulse[1]));
-    }
+    force[0] = complex_sum(force[0], weights_pulse(unit));
     if (own->sent != 0.0) {
-        force[0] = complex_difference(force[0], complex_scaled(own->sent, now.acceleration));
+        const Complex whole = complex_sum(now.acceleration, now.answered);
+        force[0] = complex_difference(force[0], complex_scaled(own->sent, whole));
         force[1] = complex_difference(force[1], complex_scaled(own->sent, now.slope));
     }
     if (own->orders == QUINTIC_ORDERS) {
@@ -230,37 +242,65 @@ static int put(Unit *unit)
     return 0;
 }
 
+/* Take what the plane answers the pulse with off the acceleration over a step of this length, at whose
+   end the pulse is `given`. */
+static void take_off_answer(double mobility, Complex pulse, Complex given, double length,
+                            Complex *cubic)
+{
+    const Complex none = {0.0, 0.0};
+    Complex answer[SIGNAL_ORDERS];
+    int k;
+    signal_hermite(complex_scaled(mobility, pulse), none, complex_scaled(mobility, given), none,
+                   length, answer);
+    for (k = 0; k < SIGNAL_ORDERS; k++) {
+        cubic[k] = complex_difference(cubic[k], answer[k]);
+    }
+}
+
+/* What ends a step of this length. */
+static int stops_of(const Unit *unit, double length)
+{
+    const Balls *own = unit->own;
+    if (!own->stop_at_contact) {
+        return 0;
+    }
+    return (length >= unit->real[SHORTEST_STOPPED] ? STOPS_AT_EVENTS : 0) |
+           (unit->leaves_impacts ? STOPS_AT_IMPACTS : 0);
+}
+
 /* One step of weights that may touch, stick or run off centre. */
-static int meet(Unit *unit, const Complex *cubic, double speed, const double *spin_up,
-                double length)
+static int meet(Unit *unit, Complex *cubic, double speed, const double *spin_up, double length)
 {
     Balls *own = unit->own;
     const size_t count = (size_t)own->count;
-    double *angles = unit->memory, *impulses = unit->memory + 3 * count;
-    Complex owed = complex_of(impulses[0], impulses[1]);
-    Complex pulse = complex_of(impulses[2], impulses[3]);
-    const double shortest = unit->real[SHORTEST_STOPPED];
-    const int stops = own->stop_at_contact && length >= shortest;
-    /* a host that takes brief steps can be told of a collision that it must take one for */
-    const int stop = !stops ? 0 : shortest > 0.0 ? STOP_BEFORE : STOP_BEHIND;
+    double *angles = unit->memory, *owes = impulses(unit);
+    const Complex pulse = weights_pulse(unit);
+    Complex owed = complex_of(owes[0], owes[1]), left = owed, given;
     Moved moved;
     Failure failure;
     moved.angles = angles;
     moved.speeds = angles + count;
     moved.contacts = angles + 2 * count;
+    given = pulse_ahead(pulse, length * (speed + 0.5 * spin_up[0] * length), length, &left);
+    take_off_answer(own->track.mobility, pulse, given, length, cubic);
     if (track_advance(&own->track, moved.angles, moved.speeds, moved.contacts, cubic, speed,
-                      spin_up, length, stop, &moved, own->scratch, &failure)) {
+                      spin_up, length, stops_of(unit, length), &moved, own->scratch, &failure)) {
         return unit_failed(unit, &failure, unit->before, count);
     }
-    unit->made = length = moved.reached;
-    if (length == 0.0) {
+    unit->made = moved.reached;
+    if (moved.reached == 0.0) {
         return 0;
     }
-    discharge(&owed, &pulse, moved.impulse, length * (speed + 0.5 * spin_up[0] * length), length);
-    impulses[0] = owed.re;
-    impulses[1] = owed.im;
-    impulses[2] = pulse.re;
-    impulses[3] = pulse.im;
+    if (moved.reached < length) {
+        length = moved.reached;
+        left = owed;
+        given = pulse_ahead(pulse, length * (speed + 0.5 * spin_up[0] * length), length, &left);
+    }
+    owed = complex_sum(left, moved.impulse);
+    owes[0] = owed.re;
+    owes[1] = owed.im;
+    owes[2] = given.re;
+    owes[3] = given.im;
     return 0;
 }
 

@@ -10,9 +10,9 @@
 enum { SIGNALS = 2 };
 
 /* Parameters, and inputs from the first of them on. */
-enum { MASS, TRACK_RADIUS, KAPPA, DRAG, WEIGHT_RADIUS, RESTITUTION, ROLLING };
-enum { OFFSET_XI = 7, OFFSET_ETA = 8 };
-enum { SHORTEST_STOPPED = 9, FIRST_ANGLE = 10 };
+enum { MASS, TRACK_RADIUS, KAPPA, DRAG, WEIGHT_RADIUS, RESTITUTION, MOBILITY, ROLLING };
+enum { OFFSET_XI = 8, OFFSET_ETA = 9 };
+enum { SHORTEST_STOPPED = 10, FIRST_ANGLE = 11 };
 /* with quintic signals two derivatives more stand before these */
 enum { ANGLE = 8, SPEED = 9, ACCELERATION = 10 };
 enum { INPUTS = 14 }; /* the last of them derivatives of the acceleration */
@@ -41,13 +41,15 @@ static inline const double *weights_drive(const Unit *unit)
 void weights_rotating(double angle, double speed, Complex *value, Complex *slope);
 /* The rotor's motion at the present time. */
 typedef struct {
-    Complex acceleration, slope; /* of the plane's centre, rotor frame */
+    Complex acceleration, slope; /* of the plane's centre, rotor frame, without */
+    Complex answered;            /* what the plane answers a pulse with */
     Complex second;              /* its second derivative, with quintic signals */
     double angle, speed, spin_up, change, curvature; /* each the next one's integral; the last three
                                                         side by side, derivatives of the speed */
 } RotorMotion;
 
-/* At the end of the last step, or where inputs are set since. */
+/* At the end of the last step, or where inputs are set since.  The weights' jump at a collision has the
+   rotor's part in it: they do not feel how the plane answers the pulse. */
 RotorMotion weights_motion_now(const Unit *unit);
 
 /* -- unit_weights_derivatives.c: as in `Equations` -------------------------------------------- */

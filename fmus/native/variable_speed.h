@@ -1,5 +1,4 @@
-/* Step of the linear rotor while its speed changes; twin of
-   models/steps/variable_speed.py. */
+/* Step of the linear rotor while its speed changes. */
 #ifndef AUTOBALANCER_VARIABLE_SPEED_H
 #define AUTOBALANCER_VARIABLE_SPEED_H
 

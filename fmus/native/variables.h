@@ -1,4 +1,4 @@
-/* A unit's variables: names, start values and limits by value reference; twin of fmus/variables.py.
+/* A unit's variables: names, start values and limits by value reference.
 
    What varies with a unit's sizes is worked out from `layout.h`, which layout.py writes from the
    declarations in Python. */

@@ -1,5 +1,4 @@
-/* Balls, rollers and pendulums of an auto-balancer in the frame of the rotor; twin of
-   models/weights.py. */
+/* Balls, rollers and pendulums of an auto-balancer in the frame of the rotor. */
 #ifndef AUTOBALANCER_WEIGHTS_H
 #define AUTOBALANCER_WEIGHTS_H
 

@@ -22,8 +22,8 @@ from ..variables import (
 
 _CARRIED = ("mass", "inertia_as_force")
 _FORCE = (
-    "mass", "track_radius", "kappa", "drag", "weight_radius", "restitution", "rolling_resistance",
-    "track_offset_xi", "track_offset_eta", "inertia_as_force",
+    "mass", "track_radius", "kappa", "drag", "weight_radius", "restitution", "track_mobility",
+    "rolling_resistance", "track_offset_xi", "track_offset_eta", "inertia_as_force",
 )  # fmt: skip
 _TORQUE = "On the rotor about the plane's centre, without that of rolling resistance"
 _START = "in the rotor at the start"
@@ -86,19 +86,48 @@ def _parameters() -> list[Variable]:
         parameter("track_radius", 0.05, "m", "Of the weights' centres R", minimum=0.0, above=True),
         parameter("kappa", 1.4, "1", "7/5 ball, 3/2 roller, 1 pendulum", minimum=1.0),
         parameter("drag", 0.05, "N.s/m", "Viscous, of each weight, b", minimum=0.0),
-        parameter("weight_radius", 0.0, "m", "Of each weight; 0: point weights", minimum=0.0),
         parameter(
-            "restitution", 0.0, "1", "Of two weights, rotor held: 0 to 1", minimum=0.0, maximum=1.0
+            "weight_radius", 0.0, "m", "Of each weight; 0: point weights", minimum=0.0, native=True
         ),
-        parameter("rolling_resistance", 0.0, "1", "Resistance over load; 0: none", minimum=0.0),
-        parameter("track_offset_xi", 0.0, "m", "Of the track's centre, in the rotor"),
-        parameter("track_offset_eta", 0.0, "m", "Of the track's centre, in the rotor"),
+        parameter(
+            "restitution",
+            0.0,
+            "1",
+            "Of a collision of two weights: 0 to 1",
+            minimum=0.0,
+            maximum=1.0,
+            native=True,
+        ),
+        parameter(
+            "track_mobility",
+            0.0,
+            "1/kg",
+            "Velocity of the plane for a unit impulse on it, with all masses that it carries; 0: a"
+            " track that is held while weights collide",
+            minimum=0.0,
+            native=True,
+        ),
+        parameter(
+            "rolling_resistance",
+            0.0,
+            "1",
+            "Resistance over load; 0: none",
+            minimum=0.0,
+            native=True,
+        ),
+        *(
+            parameter(
+                f"track_offset_{axis}", 0.0, "m", "Of the track's centre, in the rotor", native=True
+            )
+            for axis in ("xi", "eta")
+        ),
         parameter(
             "shortest_stopped_step",
             0.0,
             "s",
             "With stop_at_contact: a shorter step is whole",
             minimum=0.0,
+            native=True,
         ),
         parameter("inertia_as_force", False, "", "True: N m acts in F and added_mass is zero"),
         parameter(
@@ -106,6 +135,7 @@ def _parameters() -> list[Variable]:
             False,
             "",
             "True: a step ends where weights meet, part, stick or slide",
+            native=True,
         ),
     ]
 

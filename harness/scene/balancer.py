@@ -9,10 +9,9 @@ import numpy as np
 from pydantic import Field, model_validator
 
 from ...models.assembly import Mounted
-from ...models.contact.contact import restitution_on
-from ...models.contact.spacing import closest, fits, half_angle, largest_radius
 from ...models.liquid import Liquid
 from ...models.rotor import LinearRotor
+from ...models.spacing import closest, fits, half_angle, largest_radius
 from ...models.weights import KAPPA, Weights
 from .feeds import Feeds, Start, fed
 from .quantities import (
@@ -100,7 +99,7 @@ class WeightBalancer(Balancer):
     """Of each, on its speed along the track."""
     weight_radius: Annotated[Positive | None, SI("m"), Feeds()] = None
     """Weights of this size collide and pack, and must fit; default: points that pass."""
-    restitution: Annotated[NotNegative, Field(le=1.0)] = 0.0
+    restitution: Annotated[NotNegative, Field(le=1.0), Feeds()] = 0.0
     """Of two weights that collide on the free rotor; needs `weight_radius`."""
     rolling_resistance: Annotated[NotNegative, Feeds()] = 0.0
     """Resistance over load: Coulomb's, with true sticking."""
@@ -191,15 +190,13 @@ class WeightBalancer(Balancer):
     def start(self, loaded_rotor: LinearRotor) -> Start:
         """Parameters and start values of the unit.
 
-        Its restitution is that of a rotor which is held: the unit knows no rotor.
+        Weights that can meet get the mobility of their plane [1/kg]: the rotor gives way to a
+        collision.
         """
         values: Start = {**fed(self), "kappa": self.kappa}
-        if self.restitution and self.weight_radius:
+        if self.can_meet:
             row = loaded_rotor.planes[self.at - 1]
-            carrier = 1.0 / float(row @ np.linalg.solve(loaded_rotor.mass, row))
-            values["restitution"] = restitution_on(
-                self.restitution, self.mass, carrier, self.half_angle, self.kappa
-            )
+            values["track_mobility"] = float(row @ np.linalg.solve(loaded_rotor.mass, row))
         return values
 
     @property

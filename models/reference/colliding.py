@@ -1,11 +1,12 @@
 """Weights of finite size in the coupled equations: integrated from contact to contact.
 
-Apart from the units' contacts, which know no rotor while they collide: here a contact is a
-constraint phi_j'' = phi_i'' on the whole system, kept by a pair of equal and opposite pushes along
-the track, which are solved for with the rotor's acceleration at every evaluation; it opens when its
-push turns into a pull.  A collision changes rates by Newton's restitution of the weights with the
-rotor held (rows of approaching weights at once, Moreau's law); that blow then moves rotor and
-weights by the mass of the whole system.
+Formulated apart from the units: a contact is a constraint phi_j'' = phi_i'' on the whole system,
+kept by a pair of equal and opposite pushes along the track, which are solved for with the rotor's
+acceleration at every evaluation; it opens when its push turns into a pull.
+
+An impact gives such pushes at once: v+ = v- + D L with the response D of the whole system, which
+follows from the accelerations that unit pushes make.  L >= 0, v+ + e v- >= 0, and one of the two is
+0 for each pair: the conditions for the least |C L + C^-T (1 + e) v-|^2, L >= 0, with D = C^T C.
 """
 
 from __future__ import annotations
@@ -15,15 +16,17 @@ from collections.abc import Sequence
 
 import numpy as np
 from scipy.integrate import solve_ivp
+from scipy.linalg import solve_triangular
+from scipy.optimize import nnls
 
 from ..arrays import Array
-from ..contact.contact import restitution_on
-from .coupled import REST, Monolith, Start
+from .coupled import REST, Monolith, Start, weights_of
 
 Pair = tuple[int, int, float, float]  # two neighbours, distance of touching, turns between them
 MARGIN = 1e-10  # rad: a gap this far below zero is closed, so that rounding closes none
 SHIFTS = 8  # each halves what gaps of a chain of weights are off
 LOWEST = 1e-9  # rad: a bounce that would rise less ends in contact
+MOST_IMPACTS = 100  # at one time, each of which ends or turns round what approaches
 MOST_EVENTS = 2000  # collisions and contacts that open in a run
 LONGEST = 0.3  # rad of the fastest turning in a step: no gap may close and open within one
 
@@ -36,24 +39,24 @@ class Colliding:
         self.system = system
         self.first = 4 * system.stations
         self.count = system.weights
-        self.tracks: list[tuple[list[Pair], float]] = []
-        begin, loaded = 0, system.assembly.loaded_rotor
+        self.pairs: list[Pair] = []
+        # of a pair: restitution, and inertia kappa m R^2 of either weight
+        self.restitution: dict[Pair, float] = {}
+        self.inertia: dict[Pair, float] = {}
+        begin = 0
         for m in system.assembly.weights:
             n = len(m.angles)
             if m.half_angle and n > 1:
                 order = sorted(range(n), key=lambda k, m=m: m.angles[k] % math.tau)  # type: ignore[misc]
-                pairs = []
+                device = weights_of(m)
                 for a, b in zip(order, [*order[1:], order[0]], strict=True):
                     apart = (m.angles[b] - m.angles[a]) % math.tau
                     turns = apart - (m.angles[b] - m.angles[a])
-                    pairs.append((begin + a, begin + b, 2.0 * m.half_angle, turns))
-                row = loaded.planes[m.plane]
-                carrier = 1.0 / float(row @ np.linalg.solve(loaded.mass, row))
-                mass, kappa = m.device.mass, m.device.kappa  # type: ignore[union-attr]
-                held = restitution_on(m.restitution, mass, carrier, m.half_angle, kappa)
-                self.tracks.append((pairs, held))
+                    pair = (begin + a, begin + b, 2.0 * m.half_angle, turns)
+                    self.pairs.append(pair)
+                    self.restitution[pair] = m.restitution
+                    self.inertia[pair] = device.kappa * device.moment * device.track_radius
             begin += n
-        self.pairs = [pair for pairs, _ in self.tracks for pair in pairs]
 
     def gap(self, pair: Pair, y: Array) -> float:
         """Angle between the surfaces of two neighbours [rad]."""
@@ -77,17 +80,23 @@ class Colliding:
         free = self.system.accelerations(t, y)[1]
         return self._against(t, y, joined, free, free)
 
+    def responses(
+        self, t: float, y: Array, pairs: Sequence[Pair], free: Array
+    ) -> tuple[Array, Array]:
+        """Rows of opening speeds in the rates (J, N), and the speeds' response to pushes (J, J)."""
+        rows = np.zeros((len(pairs), self.count))
+        for row, (a, b, *_) in zip(rows, pairs, strict=True):
+            row[a], row[b] = -1.0, 1.0
+        answers = [self.system.accelerations(t, y, row)[1] - free for row in rows]
+        return rows, rows @ np.array(answers).T
+
     def _against(
         self, t: float, y: Array, joined: Sequence[Pair], motion: Array, free: Array
     ) -> tuple[Array, Array]:
         """Pushes, as of `pushes`, by which joined neighbours lose their differences in `motion`."""
-        units = np.zeros((len(joined), self.count))
-        for unit, (a, b, *_) in zip(units, joined, strict=True):
-            unit[a], unit[b] = -1.0, 1.0
-        answers = [self.system.accelerations(t, y, unit)[1] - free for unit in units]
-        matrix = units @ np.array(answers).T
-        sizes = np.linalg.lstsq(matrix, -units @ motion, rcond=None)[0]
-        return sizes, sizes @ units
+        rows, response = self.responses(t, y, joined, free)
+        sizes = np.asarray(np.linalg.lstsq(response, -rows @ motion, rcond=None)[0], float)
+        return sizes, sizes @ rows
 
     def struck(self, t: float, y: Array, held: Array) -> Array:
         """The state after a blow that changes rates by `held` (N,) on a rotor that is held."""
@@ -105,18 +114,25 @@ class Colliding:
         return np.concatenate([y[2 * n : 4 * n], a.ravel(), y[self.first + self.count :], phi2])
 
     def collide(self, t: float, y: Array, touching: Sequence[Pair]) -> Array:
-        """The state after all blows between neighbours that touch."""
-        rates = y[self.first + self.count :].copy()
-        for pairs, restitution in self.tracks:
-            chain = [pair for pair in pairs if pair in touching]
-            for _ in range(100 * len(pairs)):
-                runs = _runs([p for p in chain if rates[p[0]] - rates[p[1]] > 1e-13])
-                if not runs:
-                    break
-                for run in runs:
-                    mean = rates[run].mean()
-                    rates[run] = (1.0 + restitution) * mean - restitution * rates[run]
-        return self.struck(t, y, rates - y[self.first + self.count :])
+        """The state after all impacts between neighbours that touch.
+
+        Raises:
+            ArithmeticError: they do not come to an end.
+        """
+        free = self.system.accelerations(t, y)[1]
+        rows, response = self.responses(t, y, touching, free)
+        inertia = np.array([self.inertia[pair] for pair in touching])
+        factor = np.linalg.cholesky(response / inertia).T  # pushes are per inertia of a weight
+        e = np.array([self.restitution[pair] for pair in touching])
+        for _ in range(MOST_IMPACTS):
+            rates = y[self.first + self.count :]
+            opening = rows @ rates
+            if opening.min() >= -1e-13 * np.abs(rates).max():
+                return y
+            right = solve_triangular(factor, (1.0 + e) * opening, trans="T")
+            impulses = nnls(factor, -right)[0]
+            y = self.struck(t, y, impulses / inertia @ rows)
+        raise ArithmeticError(f"impacts at {t:g} s do not come to an end")
 
     def settle(self, t: float, y: Array, touching: Sequence[Pair]) -> tuple[Array, list[Pair]]:
         """After a collision: bounces too low are ended, and contacts that would pull left out."""

@@ -1,0 +1,13 @@
+/* Lets the weights of a composite collide where they stand, for tests. */
+#include "composite.h"
+#include "export.h"
+#include "unit_front.h"
+
+EXPORT int collide_now(void *instance)
+{
+    Unit *unit = front_unit(instance);
+    int struck;
+    const int wrong = impacts_strike(unit, 0.0, &struck);
+    unit->stale = OBSERVED; /* speeds are read anew from the memories of the parts */
+    return wrong ? -1 : struck;
+}
