@@ -48,7 +48,10 @@ def costs(counts: dict[str, int], seed: int) -> Iterator[Costs]:
     for family, count in counts.items():
         for number in range(count):
             scene = Scene.from_document(draw(family, seed, number))
-            if any(b.exchanges_force for b in scene.balancer) and family != "finite":
+            if any(b.exchanges_force for b in scene.balancer) and family not in (
+                "finite",
+                "impacts",
+            ):
                 yield _costs(family, scene)
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import random
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 
 from tests.truth.sketch import (
     TURN,
@@ -44,8 +44,8 @@ def run_up(generator: random.Random) -> Document:
     )
 
 
-def two_support(generator: random.Random) -> Document:
-    """A rigid rotor on two supports with weights in one or two planes."""
+def _on_two_supports(generator: random.Random) -> tuple[Sketch, Document]:
+    """A rigid rotor on two supports with one or two planes."""
     sketch = Sketch(generator)
     span = sized(generator, 0.05, 2.0)
     inertia = sketch.mass * span**2 * sized(generator, 0.02, 0.5)
@@ -64,9 +64,15 @@ def two_support(generator: random.Random) -> Document:
         "planes": [float(f"{place:.4g}") for place in planes],
         "unbalances": [unbalance(generator, sketch, generator.uniform(0.0, span))],
     }
+    return sketch, rotor
+
+
+def two_support(generator: random.Random) -> Document:
+    """The same with weights in its planes."""
+    sketch, rotor = _on_two_supports(generator)
     balancers = [
         weights_of(generator, sketch, 1e-5, 0.1) | {"name": f"plane{i}", "at": i}
-        for i in range(1, len(planes) + 1)
+        for i in range(1, len(rotor["planes"]) + 1)
     ]
     document = at_constant_speed(generator, sketch, rotor, balancers)
     return in_run_up(generator, sketch, document) if generator.random() < 0.25 else document
@@ -119,25 +125,55 @@ def finite(generator: random.Random) -> Document:
     """Balls or rollers that collide and pack, as a rule light, at constant speed."""
     sketch = Sketch(generator)
     balancer = weights_of(generator, sketch, 1e-4, 0.3)
-    count = generator.choice((2, 2, 3, 4))
+    restitution = sometimes(generator, 0.6, even(generator, 0.0, 1.0))
+    balancer = _sized(generator, sketch, balancer, (2, 2, 3, 4), restitution)
+    return at_constant_speed(generator, sketch, disc(generator, sketch), [balancer])
+
+
+def impacts(generator: random.Random) -> Document:
+    """Weights without restitution that the rotor feels: 0.02 to 0.4 of its mass on each plane."""
+    if generator.random() < 0.7:
+        sketch = Sketch(generator)
+        rotor = disc(generator, sketch)
+        planes = 1
+    else:
+        sketch, rotor = _on_two_supports(generator)
+        planes = len(rotor["planes"])
+    balancers = []
+    for plane in range(1, planes + 1):
+        balancer = weights_of(generator, sketch, 0.02, 0.4)
+        sized_ones = _sized(generator, sketch, balancer, (2, 3, 4, 5, 6), 0.0)
+        balancers.append(sized_ones | {"name": f"plane{plane}", "at": plane})
+    return at_constant_speed(generator, sketch, rotor, balancers)
+
+
+def _sized(
+    generator: random.Random,
+    sketch: Sketch,
+    balancer: Document,
+    counts: Sequence[int],
+    restitution: float,
+) -> Document:
+    """The same weights as balls or rollers of a size that fits, some of them moving."""
+    count = generator.choice(counts)
     alpha = even(generator, 0.1, 0.8) * math.pi / count  # half the angle that each takes up
     slack = math.pi / count - alpha
     turned = even(generator, 0.0, TURN)
-    balancer |= {
+    made = balancer | {
         "kind": generator.choice(("balls", "rollers")),
         "mass": float(f"{balancer['mass'] * balancer['count'] / count:.4g}"),
         "count": count,
         "weight_radius": float(f"{sketch.radius * math.sin(alpha):.4g}"),
-        "restitution": sometimes(generator, 0.6, even(generator, 0.0, 1.0)),
+        "restitution": restitution,
         "angles": [
             float(f"{turned + math.tau * k / count + generator.uniform(-0.9, 0.9) * slack:.4g}")
             for k in range(count)
         ],
     }
-    balancer.pop("speeds", None)
+    made.pop("speeds", None)
     if generator.random() < 0.5:
-        balancer["speeds"] = [even(generator, -1.0, 1.0) * sketch.speed for _ in range(count)]
-    return at_constant_speed(generator, sketch, disc(generator, sketch), [balancer])
+        made["speeds"] = [even(generator, -1.0, 1.0) * sketch.speed for _ in range(count)]
+    return made
 
 
 def offset(generator: random.Random) -> Document:
@@ -220,6 +256,7 @@ FAMILIES: dict[str, Callable[[random.Random], Document]] = {
     "liquid": liquid,
     "heavy": heavy,
     "finite": finite,
+    "impacts": impacts,
     "offset": offset,
     "sticking": sticking,
     "friction": friction,

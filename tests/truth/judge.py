@@ -64,6 +64,9 @@ class Verdict:
         seconds: processor time of the run.
         measured: with `verify`, whether the measured errors of all signals are right within
             `FACTOR`; None where that is not known.
+        estimate: the result's own estimate of its error, however small.
+        within: whether the error is at most `FACTOR` times the estimate, as far as the reference
+            tells; None where there is no reference.
     """
 
     family: str
@@ -76,6 +79,8 @@ class Verdict:
     steps: int = 0
     seconds: float = 0.0
     measured: bool | None = None
+    estimate: float = 0.0
+    within: bool | None = None
 
 
 class _Endless(Exception):
@@ -147,11 +152,14 @@ def _against(
     errors = deviations(result, right)
     where = max(errors, key=lambda name: errors[name])
     said = scene.coupling.tolerance or SAID
+    estimate = result.estimated_error
     return replace(
         verdict,
         error=errors[where],
         where=where,
-        stated=result.estimated_error if result.estimated_error >= said else 0.0,
+        estimate=estimate,
+        within=errors[where] <= FACTOR * estimate + max(own, RESOLVED),
+        stated=estimate if estimate >= said else 0.0,
         words="; ".join(result.events),
         measured=rightly_measured(result, right, own),
     )

@@ -17,6 +17,8 @@ _KINDS = {
     "words": "str",
     "steps": "i8",
     "measured": "i8",
+    "estimate": "f8",
+    "within": "i8",
 }  # not the seconds, which are others every time
 _NONE = -1  # in the place of None: neither an error nor a truth value
 
@@ -50,11 +52,11 @@ class Verdicts:
 
     def __getitem__(self, item: int) -> Verdict:
         found: dict[str, Any] = dict(zip(_KINDS, self._part[item], strict=True))
-        for name in ("error", "measured"):
+        for name in ("error", "measured", "within"):
             if found[name] == _NONE:
                 found[name] = None
-        if found["measured"] is not None:
-            found["measured"] = bool(found["measured"])
+            elif name != "error":
+                found[name] = bool(found[name])
         return Verdict(*self._items[item], **found)
 
     def __setitem__(self, item: int, verdict: Verdict) -> None:

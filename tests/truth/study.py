@@ -62,10 +62,11 @@ def _judged(study: Study, item: tuple[str, int]) -> Verdict:
 def table(found: Sequence[Verdict]) -> Sheet:
     """Per cent of each outcome by family; scenes set aside are not counted.
 
-    With `verify` also how many of the runs whose true errors are known measure them rightly.
+    Also how many err by at most `FACTOR` times their own estimate, and with `verify` how many of
+    those whose true errors are known measure them rightly.
     """
     columns = [outcome for outcome in OUTCOMES if outcome not in SET_ASIDE]
-    heads = ["family", "scenes", *columns, "set aside"]
+    heads = ["family", "scenes", *columns, "set aside", "estimated rightly"]
     measured = any(v.measured is not None for v in found)
     rows = []
     for name in [*dict.fromkeys(verdict.family for verdict in found), "all"]:
@@ -74,6 +75,8 @@ def table(found: Sequence[Verdict]) -> Sheet:
         outcomes = Counter(v.outcome for v in counted)
         shares = [_per_cent(outcomes[c], len(counted)) for c in columns]
         row = [name, str(len(counted)), *shares, str(len(mine) - len(counted))]
+        estimated = [v.within for v in counted if v.within is not None]
+        row.append(_per_cent(sum(estimated), len(estimated)))
         if measured:
             known = [v.measured for v in counted if v.measured is not None]
             row.append(_per_cent(sum(known), len(known)))

@@ -223,8 +223,8 @@ def test_heavy_liquid_as_a_force_on_a_lightly_damped_rotor_is_not_wrong_in_silen
     assert_only_more_steps_are_right(document, 400, "use more coupling.steps_per_rev")
 
 
-@pytest.mark.parametrize("one_file", [False, True])
-def test_a_loop_that_repeats_its_own_error_is_refused(one_file):
+@pytest.mark.parametrize("separate", [True, False])
+def test_a_loop_that_repeats_its_own_error_is_refused(separate):
     """The estimate is relative to the motion, and that was all error, 1e24 times too large."""
     document = scene(
         planar(61.98, [4.779e9, 2.547e10], [76160.0, 0.0], 0.1154),
@@ -234,17 +234,17 @@ def test_a_loop_that_repeats_its_own_error_is_refused(one_file):
         steps_per_rev=40,
     )
     words = r"has grown 2-fold .* use more coupling.steps_per_rev"
-    assert_only_more_steps_are_right(document, 1000, words, one_file)
+    assert_only_more_steps_are_right(document, 1000, words, separate)
 
 
 def assert_only_more_steps_are_right(
-    document: dict, steps: int, words: str, one_file: bool = False
+    document: dict, steps: int, words: str, separate: bool = False
 ) -> None:
     coarse = Scene.from_document(document)
     with pytest.raises(SimulationError, match=words):
-        cosimulate(coarse, one_file=one_file)
+        cosimulate(coarse, separate=separate)
     fine = coarse.replace({"coupling.steps_per_rev": steps})
-    result = cosimulate(fine, one_file=one_file)
+    result = cosimulate(fine, separate=separate)
     assert max(deviations(result, motion(fine, result)).values()) < 0.01
 
 

@@ -39,9 +39,9 @@ def amplitude(result) -> float:
     return float(np.hypot(result["rotor.x"], result["rotor.y"])[-40:].max())
 
 
-@pytest.mark.parametrize("one_file", [True, False])
-def test_weights_that_cannot_part_though_they_would_are_said_with_what_to_do(one_file):
-    result = cosimulate(drum(), one_file=one_file)
+@pytest.mark.parametrize("separate", [True, False])
+def test_weights_that_cannot_part_though_they_would_are_said_with_what_to_do(separate):
+    result = cosimulate(drum(), separate=separate)
     assert amplitude(result) > 1e-3, "not balanced"
     (note,) = result.events
     assert "balls: 3 of 3 identical weights end at one angle" in note
@@ -60,21 +60,19 @@ def test_weights_that_part_balance_and_need_no_note():
          "drag": 2.0 * (1.0 + 1e-9 * k)}
         for k in range(3)
     ]  # fmt: skip
-    result = cosimulate(
-        Scene.from_document({**base.document, "balancer": apart}, label="drum"), one_file=True
-    )
+    result = cosimulate(Scene.from_document({**base.document, "balancer": apart}, label="drum"))
     assert not result.events
     assert amplitude(result) < 1e-6
 
 
 def test_weights_together_where_that_is_stable_need_no_note():
     """Below the critical speeds all weights go to the heavy side."""
-    assert not cosimulate(drum(**{"operation.speed": 30.0}), one_file=True).events
+    assert not cosimulate(drum(**{"operation.speed": 30.0})).events
 
 
 def test_growth_of_a_difference_is_that_of_weights_set_apart_a_little():
     scene = drum([0.1, 0.1 + 1e-8, 0.1 - 1e-8], **{"run.revolutions": 60.0})
-    result = cosimulate(scene, one_file=True)
+    result = cosimulate(scene)
     apart = np.abs(result["balls.weight[2].angle"] - result["balls.weight[3].angle"])
     late = result.time > 0.5 * result.time[-1]
     slope = np.polyfit(result.time[late], np.log(apart[late]), 1)[0]
