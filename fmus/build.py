@@ -40,7 +40,8 @@ def build(
     Args:
         unit: RotorOnSupports | LiquidBalancer | BallBalancer.
         destination: folder (made when missing), or a file that ends in .fmu.
-        backend: "native" (libraries in C), or "python" (slaves under pythonfmu).
+        backend: "native" (libraries in C), or "python" (slaves under pythonfmu: the papers'
+            equations, without what `Variable.native` and `Unit.native` mark).
         fmi: 2 or 3; Python units are of FMI 2.0 only.
         platforms: of native units, default: all.
         name: model name and file name, default: that of the unit.
@@ -102,7 +103,7 @@ def contents(
         raise ValueError(f"fmi = {fmi!r}: Python units are of FMI 2.0 only; build native ones")
     if platforms is not None:
         raise ValueError("platforms: only native units have them to choose from")
-    return _python(sized, identifier)
+    return _python(sized.in_python, identifier)
 
 
 def _refuse_wrong(identifier: str, fmi: int) -> None:

@@ -20,17 +20,18 @@ def one_of(*words: str, of: tuple[str, ...] = ()) -> Any:
 
 
 def order_of_signals() -> Any:
-    """3 or 5; the usual 3 is not written down."""
-    return field(default=3, metadata={"words": (3, 5), "of": (), "silent": 3})
+    """3 or 5; the usual 3 is not written down, and the only one of Python units."""
+    return field(default=3, metadata={"words": (3, 5), "of": (), "silent": 3, "native": True})
 
 
 def count(default: int, of: tuple[str, ...] = ()) -> Any:
     """A whole number, at least 1; when `of` is given, of these kinds of the unit only.
 
-    With 0 for a default it may be 0: the unit has none, and the option is not written down.
+    With 0 for a default it may be 0: the unit has none, the option is not written down, and Python
+    units take no other value.
     """
     known: dict[str, Any] = {"words": (), "of": of, "least": min(1, default)}
-    return field(default=default, metadata=known | ({} if default else {"silent": 0}))
+    return field(default=default, metadata=known | ({} if default else {"silent": 0, "native": 1}))
 
 
 @dataclass(frozen=True)
@@ -98,6 +99,7 @@ class Unit:
             outputs, observed outputs; raises ValueError where there is no unit of these sizes.
         stop, step: of the run that a tool proposes [s]; by default 40 steps a revolution at the
             start value of the speed, 300 rad/s.
+        native: whether it exists in C alone, without a slave in Python.
     """
 
     name: str
@@ -106,6 +108,7 @@ class Unit:
     variables: Callable[[Any], list[Variable]]
     stop: float = 1.0
     step: float = 0.0005
+    native: bool = False
 
     @property
     def folder(self) -> str:
@@ -141,6 +144,25 @@ class SizedUnit:
     def returns_early(self) -> bool:
         """Whether a native step may end before the communication point asked for."""
         return "shortest_stopped_step" in self.layout.index
+
+    @property
+    def in_python(self) -> SizedUnit:
+        """The same as a Python unit: without the outputs that native units alone compute.
+
+        Raises:
+            ValueError: the unit, or one of its options, exists in C alone.
+        """
+        if self.unit.native:
+            raise ValueError(f"{self.name}: exists as a native unit only; build it without Python")
+        for option in fields(self.sizes):
+            value = getattr(self.sizes, option.name)
+            if option.metadata.get("native") and value != option.default:
+                raise ValueError(
+                    f"{option.name} = {value!r}: must be {option.default!r} in a Python unit; "
+                    "use the native unit"
+                )
+        kept = [v for v in self.layout.variables if not (v.native and v.causality == "output")]
+        return SizedUnit(self.unit, self.sizes, Layout(self.name, kept))
 
     @property
     def options(self) -> dict[str, Any]:

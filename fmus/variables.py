@@ -40,6 +40,8 @@ class Variable:
         derivative_of: output, or input signal, this one is the time derivative of.
         observed: an output computed only when somebody reads it.
         quantity: what is measured, where the unit alone does not say it.
+        native: what only the native units compute: a Python unit keeps a parameter or input at its
+            start value, and has no such output.
     """
 
     name: str
@@ -57,6 +59,7 @@ class Variable:
     observed: bool = False
     maximum: float | None = None
     quantity: str = ""
+    native: bool = False
 
     @property
     def boolean(self) -> bool:
@@ -80,9 +83,18 @@ class Variable:
             return ""
         return f"{self.shown(value)}: must be {self.allowed}"
 
+    def python_problem(self, value: float) -> str:
+        """Why `value` is not allowed in a Python unit, or an empty string."""
+        if not self.native or value == self.start:
+            return ""
+        unit = f" {self.unit}" if self.unit not in ("", "1") else ""
+        return (
+            f"{self.shown(value)}: must be {self.start}{unit} in a Python unit; use the native unit"
+        )
+
     def shown(self, value: float) -> str:
         """Name, value and unit in words."""
-        return f"{self.name} = {value!r}{'' if self.unit == '1' else ' ' + self.unit}"
+        return f"{self.name} = {value!r}{'' if self.unit in ('', '1') else ' ' + self.unit}"
 
 
 def parameter(name: str, start: float | bool, unit: str, description: str, **more) -> Variable:
@@ -127,7 +139,8 @@ SPIN = tuple(derivative("acceleration", k) for k in range(3))  # what outputs an
 def spin_inputs() -> list[Variable]:
     """How the rotor turns: its speed, and its angular acceleration as a cubic."""
     speed = plain_input("speed", 300.0, "rad/s", "Of the rotor, at the start of the step")
-    return [speed, *signal_inputs(["acceleration"], "angular acceleration", "Of the rotor")]
+    first, *changes = signal_inputs(["acceleration"], "angular acceleration", "Of the rotor")
+    return [speed, first, *(replace(change, native=True) for change in changes)]
 
 
 def output(name: str, unit: str, description: str, **more) -> Variable:
@@ -175,7 +188,7 @@ def torque_outputs(
 ) -> list[Variable]:
     """Torque on the shaft and its slope, which a motor that is not ideal feels."""
     pair = signal_outputs(["torque"], "torque", what, [depends], [slope_depends], begins=begins)
-    return [replace(variable, observed=True) for variable in pair]
+    return [replace(variable, observed=True, native=True) for variable in pair]
 
 
 class Layout:

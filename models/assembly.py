@@ -40,6 +40,12 @@ class Mounted:
     rolling_resistance: float = 0.0
 
 
+def weights_of(mounted: Mounted) -> Weights:
+    """What is mounted, where it is known to be weights."""
+    assert isinstance(mounted.device, Weights)
+    return mounted.device
+
+
 @dataclass(frozen=True)
 class Assembly:
     """A rotor and the balancers mounted on it, in order."""

@@ -6,7 +6,7 @@ import os
 import tempfile
 import zipfile
 from collections.abc import Callable, Iterator, Sequence
-from functools import cache
+from functools import cache, partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -19,6 +19,8 @@ from tests.wheel import checkout, installed, wheel  # noqa: F401
 if TYPE_CHECKING:  # loaded where it is used: tests of the models alone need no harness
     from autobalancer.harness import Scene
     from autobalancer.harness.master.result import Result
+    from tests.native.core import Core
+    from tests.native.equations import Friction, Track
 
 settings.register_profile("untimed", deadline=None)  # a busy machine is no failure
 settings.load_profile("untimed")
@@ -204,3 +206,27 @@ def rewritten() -> Callable[..., Path]:
         return target
 
     return rewrite
+
+
+@pytest.fixture(scope="session")
+def core(tmp_path_factory: pytest.TempPathFactory) -> Core:
+    """The equations in C, compiled by the C compiler of this machine."""
+    from tests.native.core import Core, compile_library
+
+    return Core(compile_library(tmp_path_factory.mktemp("native") / "core.so"))
+
+
+@pytest.fixture(scope="session")
+def track_of(core: Core) -> Callable[..., Track]:
+    """Weights on a track, moved by the units' C functions."""
+    from tests.native.equations import Track
+
+    return partial(Track, core)
+
+
+@pytest.fixture(scope="session")
+def friction_of(core: Core) -> Callable[..., Friction]:
+    """A rotor with dry friction in its supports, moved by the unit's C functions."""
+    from tests.native.equations import Friction
+
+    return partial(Friction, core)

@@ -10,11 +10,11 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import brentq
 
-from autobalancer.models.contact.spacing import SLACK, closest, half_angle
 from autobalancer.models.criteria import Criterion
 from autobalancer.models.papers.capacity import capacity, demand_fit, packed_sine, weight_mass
 from autobalancer.models.papers.influence import Complex, unbalance_from_response
 from autobalancer.models.rotor import LinearRotor
+from autobalancer.models.spacing import SLACK, closest, half_angle
 from autobalancer.models.weights import Weights
 
 # -- Goncharov 2017 -------------------------------------------------------------------------------

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+from ...models import cubic
 from ...models.liquid import Liquid
-from ..python.signals import derivatives_at, orders
+from ..python.signals import cubic_of
 from ..python.slave import Slave
 from .variables import LIQUID
 
@@ -31,7 +32,7 @@ class LiquidBalancer(Slave):
         """Outputs with the input signals taken t after the start of the step."""
         layout, real = self.layout, self.real
         *signal, x, y = real[layout.inputs]
-        motion = derivatives_at(orders(signal), t)
+        motion = cubic.at(cubic_of(signal), t)
         force = [-self.sent * a if self.sent else 0j for a in motion]
         clearance = self.liquid.clearance(complex(x, y))
         if clearance < 0.0:

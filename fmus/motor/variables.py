@@ -62,4 +62,5 @@ MOTOR = Unit(
     summary="Motor of limited power: the torque on its shaft in, speed and acceleration out.",
     sizes=MotorSizes,
     variables=variables,
+    native=True,
 )

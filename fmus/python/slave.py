@@ -78,9 +78,11 @@ class Slave(Fmi2Slave):
         super().__init__(**kwargs)
         if options is None:
             options = _options_in(self.resources) if self.resources else {}
-        sized = self.unit.sized(options)
+        sized = self.unit.sized(options).in_python
         self.sizes = sized.sizes
         self.layout, self._readers, self._writers = _shared(sized)
+        first, end = self.layout.inputs.start, self.layout.inputs.stop
+        self._native_inputs = [vr for vr in range(first, end) if self.layout.reals[vr].native]
         self.real: list[float] = self.layout.starts[:]
         self.boolean: list[bool] = self.layout.boolean_starts[:]
         self.memory: list[float] = []
@@ -116,7 +118,7 @@ class Slave(Fmi2Slave):
             self._running = True
             if not 0.0 < step_size < math.inf:
                 raise ValueError(f"communication step size = {step_size!r} s: must be above 0 s")
-            self._demand_finite(self.layout.inputs)
+            self._demand_allowed_inputs()
             self.step(step_size)
             self._demand_finite(self.layout.computed)
         except Exception as error:
@@ -253,7 +255,7 @@ class Slave(Fmi2Slave):
             self.begin()
             self._stale = COMPUTED
         if self._stale == COMPUTED and level < COMPUTED:
-            self._demand_finite(self.layout.inputs)
+            self._demand_allowed_inputs()
             self.outputs()
             self._demand_finite(self.layout.computed)
             self._stale = OBSERVED
@@ -263,10 +265,19 @@ class Slave(Fmi2Slave):
 
     def _check_values(self) -> None:
         end = self.layout.inputs.stop
-        known = zip(self.layout.reals[:end], self.real[:end], strict=True)
-        problems = [text for variable, value in known if (text := variable.problem(value))]
+        reals = list(zip(self.layout.reals[:end], self.real[:end], strict=True))
+        flags = zip(self.layout.booleans, self.boolean, strict=True)
+        problems = [text for variable, value in reals if (text := variable.problem(value))]
+        problems += [text for v, value in (*reals, *flags) if (text := v.python_problem(value))]
         if problems:
             raise ValueError("; ".join(problems))
+
+    def _demand_allowed_inputs(self) -> None:
+        """Inputs are finite, and a Python unit computes them."""
+        self._demand_finite(self.layout.inputs)
+        for vr in self._native_inputs:
+            if text := self.layout.reals[vr].python_problem(self.real[vr]):
+                raise ValueError(text)
 
     def _demand_finite(self, group: slice) -> None:
         total = sum(self.real[group])

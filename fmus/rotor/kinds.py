@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from ...models.rotor import LinearRotor, Slider
+from ...models.rotor import LinearRotor
 from .parameters import RotorSizes
 
 Values = Mapping[str, float]
@@ -65,35 +65,6 @@ def flexible(values: Values, sizes: RotorSizes) -> LinearRotor:
 
 
 ROTORS = {"planar": planar, "two_support": two_support, "flexible": flexible}
-
-
-def rotor_of(values: Values, sizes: RotorSizes) -> LinearRotor:
-    """The rotor of any kind, with the sliders in its supports.
-
-    Raises:
-        ValueError: a value is not allowed, or does not fit the others.
-    """
-    rotor = ROTORS[sizes.kind](values, sizes)
-    stands = [0] if sizes.kind == "planar" else [0, 1]
-    if sizes.kind == "flexible" and sizes.sliders:
-        z = [values[f"station[{j}].z"] for j in range(1, sizes.stations + 1)]
-        stands = [_station_at(z, f"support[{s}].position", values) for s in (1, 2)]
-    sliders = [
-        Slider(_stand(values, k, stands), axis, values[f"slider[{k}].limit_{name}"],
-               values[f"slider[{k}].stiffness_{name}"])
-        for k in range(1, sizes.sliders + 1)
-        for axis, name in enumerate("xy")
-    ]  # fmt: skip
-    return replace(rotor, sliders=tuple(sliders))
-
-
-def _stand(values: Values, k: int, stands: list[int]) -> int:
-    """Station of the support that a slider is in."""
-    support = values[f"slider[{k}].support"]
-    if support not in range(1, len(stands) + 1):
-        allowed = " or ".join(str(s + 1) for s in range(len(stands)))
-        raise ValueError(f"slider[{k}].support = {support!r}: must be {allowed}")
-    return stands[int(support) - 1]
 
 
 def _supports(values: Values, what: str) -> list[list[float]]:

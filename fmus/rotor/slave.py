@@ -10,13 +10,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...models.rotor import LinearRotor
-from ...models.spin import Drift, drift
-from ...models.steps.friction import FrictionStep, Held, held_at_start
 from ...models.steps.propagator import step_matrix
 from ...models.steps.variable_speed import Drive, VariableSpeedStep
 from ..python.slave import Slave
 from .angle import total, turned
-from .kinds import rotor_of
+from .kinds import ROTORS
 from .parameters import RotorSizes
 from .variables import ROTOR
 
@@ -25,8 +23,7 @@ class RotorOnSupports(Slave):
     """Linear rotor with n stations and p planes; exact step at constant speed.
 
     Its `memory` is the angle (whole turns, remainder, rounding carried along), then displacements
-    and velocities of the stations, x and y alternating, then of every slider along x and y its
-    direction of slip (0: it sticks) and its force, and how long ago the inputs were set.
+    and velocities of the stations, x and y alternating.
     """
 
     unit = ROTOR
@@ -34,69 +31,35 @@ class RotorOnSupports(Slave):
 
     def parameters(self) -> None:
         values = self.parameter_values()
-        if shortest := values.get("shortest_stopped_step"):
-            raise ValueError(
-                f"shortest_stopped_step = {shortest!r} s: must be 0 s, a step of a Python unit "
-                "cannot end early"
-            )
         self.gravity = complex(values["gravity_x"], values["gravity_y"])
-        self.rotor = replace(rotor_of(values, self.sizes), gravity=self.gravity)
+        self.rotor = replace(ROTORS[self.sizes.kind](values, self.sizes), gravity=self.gravity)
         if self.gravity:
             self.rotor.sag(0.0)  # refuses supports that carry nothing
         self.turning = self.sizes.frame == "rotor"
-        if self.sizes.sliders:
-            self._friction()
-            return
-        size = 4 * self.sizes.stations + 2 * (self.sizes.order + 1) * self.sizes.planes + 2
-        self._vector = np.empty(size)
+        self._vector = np.empty(4 * self.sizes.stations + 8 * self.sizes.planes + 2)
         # an isotropic rotor computes with complex numbers over the same memory
         self._operand = self._vector.view(complex) if self.rotor.isotropic else self._vector
 
     def begin(self) -> None:
         first = self.layout.parameters.stop - 4 * self.sizes.stations - 1
         angle, *motion = self.real[first : self.layout.parameters.stop]
-        if self.sizes.sliders:
-            rates = _to_axes(np.array(motion), 2)[len(motion) // 2 :]
-            motion += _pairs(held_at_start(self.rotor, rates))
-        self.memory = turned([0.0, 0.0, 0.0], angle) + motion + [0.0]
+        self.memory = [*turned([0.0, 0.0, 0.0], angle), *motion]
 
     def step(self, step: float) -> None:
         speed, spin_up = self._drive()
-        gone, faster, more, _ = self._drift(step)
         motion, planes = self._propagate(step)
-        angle = turned(self.memory[:3], step * (speed + 0.5 * spin_up * step) + gone)
-        self.memory = [*angle, *motion, step]
-        self._put(planes, angle[1], speed + spin_up * step + faster, spin_up + more)
+        angle = turned(self.memory[:3], step * (speed + 0.5 * spin_up * step))
+        self.memory = [*angle, *motion]
+        self._put(planes, angle[1], speed + spin_up * step)
 
     def outputs(self) -> None:
-        self.memory = [*self.memory[:-1], 0.0]
         _, planes = self._propagate(0.0)
-        self._put(planes, self.memory[1], *self._drive())
+        self._put(planes, self.memory[1], self._drive()[0])
 
     def observe(self) -> None:
-        angle, motion = total(self.memory[:3]), self._motion()
+        angle, *motion = total(self.memory[:3]), *self.memory[3:]
         places, bending = self._shape(motion[: 2 * self.sizes.stations])
-        forces = self.memory[4 + len(motion) : -1 : 2]
-        self.real[self.layout.observed] = [
-            angle, *motion, *places, bending, *forces, *self._torque()
-        ]  # fmt: skip
-
-    def _motion(self) -> list[float]:
-        """Displacements and velocities of the stations, x and y alternating."""
-        return self.memory[3 : 3 + 4 * self.sizes.stations]
-
-    def _torque(self) -> tuple[float, float]:
-        """Torque on the shaft and its slope, of inputs that were set `memory[-1]` ago."""
-        inputs, t = self.real[self.layout.inputs], self.memory[-1]
-        speed, spin_up = self._drive()
-        more = self._drift(t)
-        angle = turned(self.memory[:3], -t * (speed + 0.5 * spin_up * t) - more.angle)[1]
-        drive = self._drive_of(inputs, angle)
-        if self.sizes.sliders:
-            state, held = self._held()
-            return self._friction().torque(state, held, drive, t)
-        method = self._changing(inputs)
-        return method.torque(_to_axes(np.array(self._motion()), method.axes), drive, t)
+        self.real[self.layout.observed] = [angle, *motion, *places, bending]
 
     def _shape(self, stations: list[float]) -> tuple[list[float], float]:
         """Displacements of the planes and largest bending, from those of the stations."""
@@ -112,46 +75,36 @@ class RotorOnSupports(Slave):
         first = self.layout.inputs.start + self.sizes.planes
         return self.real[first : first + 2]
 
-    def _drift(self, time: float) -> Drift:
-        """What the change of the angular acceleration has done `time` after the inputs were set."""
-        first = self.layout.inputs.start + self.sizes.planes + 2
-        one, two, three = self.real[first : first + 3]
-        return drift((one, two, three), time)
-
     def _propagate(self, step: float) -> tuple[list[float], list[float]]:
-        """Motion of the stations (and sliders), acceleration and jerk of the planes, after `step`.
+        """Motion of the stations, acceleration and jerk of the planes, after `step`.
 
-        With signals of order 5 the jerk's derivative follows.  All in fixed axes, x and y
-        alternating; the acceleration is less gravity's, which every body on the rotor feels: what
-        an accelerometer would read.
+        All in fixed axes, x and y alternating; the acceleration is less gravity's, which every body
+        on the rotor feels: what an accelerometer would read.
         """
-        motion, planes = self._propagate_all(step)
+        inputs, p = self.real[self.layout.inputs], self.sizes.planes
+        changing = self._propagate_variable if inputs[p + 1] else self._propagate_steady
+        motion, planes = changing(step, inputs)
         if self.gravity:
-            for k in range(0, 2 * self.sizes.planes, 2):
+            for k in range(0, 2 * p, 2):
                 planes[k] -= self.gravity.real
                 planes[k + 1] -= self.gravity.imag
         return motion, planes
 
-    def _propagate_all(self, step: float) -> tuple[list[float], list[float]]:
-        """As `_propagate`, the acceleration with gravity's."""
-        inputs = self.real[self.layout.inputs]
-        p = self.sizes.planes
-        speed = inputs[p]
-        if self.sizes.sliders:
-            return self._propagate_friction(step, inputs)
-        if any(inputs[p + 1 : p + 5]):
-            return self._propagate_variable(step, inputs)
-        rest = self.memory[1]
+    def _propagate_steady(
+        self, step: float, inputs: list[float]
+    ) -> tuple[list[float], list[float]]:
+        """At constant speed: exact, by one matrix."""
+        p, rest = self.sizes.planes, self.memory[1]
+        speed, forces = inputs[p], inputs[p + 5 :]
         c, s = math.cos(rest), math.sin(rest)
-        forces = inputs[p + 5 :]
         if self.turning:
             forces = _rotated(forces, c, s)
-        self._vector[:] = [*self.memory[3:-1], *forces, c, s]
+        self._vector[:] = [*self.memory[3:], *forces, c, s]
         n = 4 * self.sizes.stations
         if self.gravity:  # the rotor moves about its sag as it would about zero without gravity
             sag = _sag(self.rotor, tuple(inputs[:p]), speed)
             self._vector[: n // 2] -= sag
-        matrix = _matrix(self.rotor, tuple(inputs[:p]), speed, step, self.turning, self.sizes.order)
+        matrix = _matrix(self.rotor, tuple(inputs[:p]), speed, step, self.turning)
         result = matrix.dot(self._operand).view(float)
         if self.gravity:
             result[: n // 2] += sag
@@ -161,65 +114,27 @@ class RotorOnSupports(Slave):
     def _propagate_variable(
         self, step: float, inputs: list[float]
     ) -> tuple[list[float], list[float]]:
-        method, drive = self._changing(inputs), self._drive_of(inputs, self.memory[1])
-        state = _to_axes(np.array(self._motion()), method.axes)
+        """In a run-up."""
+        p = self.sizes.planes
+        method = _variable(self.rotor, tuple(inputs[:p]), self.turning)
+        forces = np.array(inputs[p + 5 :]).view(complex).reshape(-1, p)
+        drive = Drive(forces, self.memory[1], *inputs[p : p + 2])
+        state = _to_axes(np.array(self.memory[3:]), method.axes)
         if step:
             state = method.advance(state, drive, step)
-        acceleration, jerk = method.plane_motion(state, drive, step)
-        blocks = [acceleration, jerk]
-        if self.sizes.order == 5:
-            blocks.append(method.plane_second(state, drive, step))
-        planes = _from_axes(np.concatenate(blocks), method.axes, len(blocks))
-        return _from_axes(state, method.axes), planes
+        planes = np.concatenate(method.plane_motion(state, drive, step))
+        return _from_axes(state, method.axes), _from_axes(planes, method.axes)
 
-    def _propagate_friction(
-        self, step: float, inputs: list[float]
-    ) -> tuple[list[float], list[float]]:
-        method, drive = self._friction(), self._drive_of(inputs, self.memory[1])
-        state, held = self._held()
-        if step:
-            state, held = method.advance(state, held, drive, step)
-        else:
-            held = method.resolved(state, held, drive, 0.0)
-        acceleration, jerk, held = method.plane_motion(state, held, drive, step)
-        planes = np.concatenate([acceleration, jerk])
-        return _from_axes(state, 2) + _pairs(held), _from_axes(planes, 2)
-
-    def _friction(self) -> FrictionStep:
-        first = self.layout.inputs.start
-        added = tuple(self.real[first : first + self.sizes.planes])
-        return _frictional(self.rotor, added, self.turning)
-
-    def _held(self) -> tuple[NDArray, Held]:
-        """State (q, v), x before y, and sliders."""
-        motion = self._motion()
-        pairs = np.array(self.memory[3 + len(motion) : -1])
-        return _to_axes(np.array(motion), 2), Held(pairs[::2], pairs[1::2])
-
-    def _changing(self, inputs: list[float]) -> VariableSpeedStep:
-        return _variable(self.rotor, tuple(inputs[: self.sizes.planes]), self.turning)
-
-    def _drive_of(self, inputs: list[float], angle: float) -> Drive:
-        """What moves the rotor from this angle on."""
-        p = self.sizes.planes
-        speed, spin_up, *rates = inputs[p : p + 5]
-        forces = np.array(inputs[p + 5 :]).view(complex).reshape(-1, p)
-        return Drive(forces, angle, speed, spin_up, (rates[0], rates[1], rates[2]))
-
-    def _put(self, planes: list[float], angle: float, speed: float, spin_up: float) -> None:
+    def _put(self, planes: list[float], angle: float, speed: float) -> None:
         """Computed outputs from what the planes do in fixed axes, see `_propagate`."""
-        n = 2 * self.sizes.planes
-        a, j, s = planes[:n], planes[n : 2 * n], planes[2 * n :]
         if self.turning:
-            # (a e^{-i beta})'' = (s - 2 i w j - (w^2 + i w') a) e^{-i beta}
-            for k in range(0, len(s), 2):
-                s[k] += speed * (2.0 * j[k + 1] - speed * a[k]) + spin_up * a[k + 1]
-                s[k + 1] -= speed * (2.0 * j[k] + speed * a[k + 1]) + spin_up * a[k]
+            n = 2 * self.sizes.planes
+            a, j = planes[:n], planes[n:]
             # (a e^{-i beta})' = (j - i w a) e^{-i beta}
             for k in range(0, n, 2):
                 j[k] += speed * a[k + 1]
                 j[k + 1] -= speed * a[k]
-            planes = _rotated(a + j + s, math.cos(angle), -math.sin(angle))
+            planes = _rotated(a + j, math.cos(angle), -math.sin(angle))
         self.real[self.layout.computed] = planes
 
 
@@ -248,14 +163,13 @@ def _matrix(
     speed: float,
     step: float,
     turning: bool,
-    order: int,
 ) -> NDArray:
     """Step matrix with x and y alternating in rows and columns."""
-    matrix = step_matrix(_loaded(rotor, added_mass), speed, step, turning, order)
+    matrix = step_matrix(_loaded(rotor, added_mass), speed, step, turning)
     if not rotor.isotropic:
         n, p = rotor.stations, rotor.plane_count
-        rows = _alternating([n, n, *[p] * (order // 2 + 1)])
-        columns = _alternating([n, n, *[p] * (order + 1), 1])
+        rows = _alternating([n, n, p, p])
+        columns = _alternating([n, n, p, p, p, p, 1])
         matrix = matrix[np.ix_(rows, columns)]
     return np.ascontiguousarray(matrix)
 
@@ -273,16 +187,6 @@ def _variable(
     rotor: LinearRotor, added_mass: tuple[float, ...], turning: bool
 ) -> VariableSpeedStep:
     return VariableSpeedStep(_loaded(rotor, added_mass), turning)
-
-
-@lru_cache(maxsize=64)
-def _frictional(rotor: LinearRotor, added_mass: tuple[float, ...], turning: bool) -> FrictionStep:
-    return FrictionStep(_loaded(rotor, added_mass), turning)
-
-
-def _pairs(held: Held) -> list[float]:
-    """Direction of slip and force of every slider."""
-    return np.stack(held, axis=1).ravel().tolist()
 
 
 def _alternating(blocks: list[int]) -> list[int]:

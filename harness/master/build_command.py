@@ -68,7 +68,7 @@ def command(
             raise UserError("--one-file: has no Python units; leave out --python")
         _build_one_file(loaded, output, fmi, platform)
         return
-    wanted, left_out = _wanted(loaded)
+    wanted, left_out = _wanted(loaded, python)
     rows = []
     with progress_bars() as bars:
         for name, (unit, sizes) in bars.track(wanted.items(), description="building"):
@@ -79,10 +79,15 @@ def command(
     say(f"Left out: {', '.join(left_out) or 'nothing'}")
 
 
-def _wanted(scene: Scene | None) -> tuple[dict[str, tuple[str, dict[str, Any]]], list[str]]:
+def _wanted(
+    scene: Scene | None, python: bool
+) -> tuple[dict[str, tuple[str, dict[str, Any]]], list[str]]:
     """File name -> unit and options; and the units that the scene does without."""
     if scene is None:
-        return {f"{unit}.fmu": (unit, {}) for unit in CATALOGUE}, []
+        kinds = [unit for unit in CATALOGUE if not (python and CATALOGUE[unit].native)]
+        return {f"{unit}.fmu": (unit, {}) for unit in kinds}, [
+            f"{unit} (native only)" for unit in CATALOGUE if unit not in kinds
+        ]
     from .plan import plan
 
     units = plan(scene).units

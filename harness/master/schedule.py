@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from ...models.reference.coupled import weights_of
+from ...models.assembly import weights_of
 from ..scene import Scene
 from ..scene.run import DEFAULT_STEPS, FEWEST_CHOSEN, UNCORRECTED
 from .runtime import runtime
@@ -40,8 +40,9 @@ def order_of_run(scene: Scene) -> int:
         return coupling.order
     exchanges = any(balancer.exchanges_force for balancer in scene.balancer)
     left_open = "order" not in coupling.model_fields_set
+    native = runtime(scene.coupling.units).backend == "native"
     takes = left_open and exchanges and scene.takes_quintics and not _heavy_drag(scene)
-    return 5 if takes else coupling.order
+    return 5 if takes and native else coupling.order
 
 
 def _heavy_drag(scene: Scene) -> bool:

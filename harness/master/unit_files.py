@@ -49,7 +49,10 @@ def find_or_build(
         paths = [(unit, _built(backend) / unit.file_name) for unit in units]
         for unit, path in paths:
             if not path.exists():
-                build(unit.model, path, backend=backend, platforms=platforms, **unit.sizes)
+                try:
+                    build(unit.model, path, backend=backend, platforms=platforms, **unit.sizes)
+                except ValueError as error:  # without a library: what Python units do not compute
+                    raise UnitError(f"{unit.name}: {error}") from None
     return [path for _, path in paths]
 
 

@@ -39,6 +39,29 @@ def without_second_derivatives(
     }
 
 
+def native_alone(
+    rotor: Rotor, operation: Operation, balancers: Sequence[AnyBalancer], order: int
+) -> list[str]:
+    """Keys of what native units compute and Python units do not."""
+    keys = ["operation.motor"] if operation.motor else []
+    keys += ["rotor.friction"] if rotor.friction else []
+    keys += ["coupling.order"] if order == 5 else []
+    for i, balancer in enumerate(balancers, start=1):
+        own = [key for key in ("weight_radius", "rolling_resistance") if getattr(balancer, key, 0)]
+        own += ["track_offset"] if getattr(balancer, "offset", 0) else []
+        keys += [f"balancer[{i}].{key}" for key in own]
+    return keys
+
+
+def in_python(keys: Sequence[str]) -> list[str]:
+    """What Python units do not compute, in a scene that asks for them."""
+    return [
+        f'{key}: not with coupling.units = "python": only native units have it; leave one of the '
+        "two out"
+        for key in keys
+    ]
+
+
 def with_quintics(without: Mapping[str, str]) -> list[str]:
     """What of a scene has no second derivatives, coupled by signals of order 5."""
     return [

@@ -154,7 +154,8 @@ class Coupling(Table):
     """Corrector passes of `iterated` with given steps; default: until the loop has converged, with
     `auto` as few as the loop gain asks for."""
     units: Literal["native", "python"] = "native"
-    """Compiled units, or those that run Python: the reference, several times slower."""
+    """Compiled units, or those that run Python: point weights on a track in the centre, supports
+    without dry friction, a prescribed speed, order 3; several times slower."""
 
     @model_validator(mode="before")
     @classmethod

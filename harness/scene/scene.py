@@ -25,7 +25,9 @@ from .check import AnyCheck
 from .file import bundled_scenes, find, read, refuse_deep
 from .messages import problems
 from .model_rules import (
+    in_python,
     liquid_windows,
+    native_alone,
     under_a_motor,
     with_quintics,
     without_second_derivatives,
@@ -250,9 +252,15 @@ class Scene(Table):
         except ValueError as error:
             return [f"rotor: {error}"]
         lines = under_a_motor(self.operation.motor, rotor, self.coupling.scheme)
+        lines += in_python(self.native_alone) if self.coupling.units == "python" else []
         lines += with_quintics(self._without_second_derivatives) if self.coupling.order == 5 else []
         lines += self.balancing.problems(self.rotor) if self.balancing else []
         return lines + liquid_windows(self.check, self.rotor, rotor, self.balancer)
+
+    @property
+    def native_alone(self) -> list[str]:
+        """Keys of what native units compute and Python units do not."""
+        return native_alone(self.rotor, self.operation, self.balancer, self.coupling.order)
 
     @property
     def takes_quintics(self) -> bool:

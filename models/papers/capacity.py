@@ -20,7 +20,7 @@ from collections.abc import Iterable
 
 from scipy.optimize import brentq
 
-from ..contact.spacing import SLACK, half_angle
+from ..spacing import SLACK, half_angle
 from ..weights import Weights
 
 _KINDS = ("balls", "rollers")

@@ -20,7 +20,7 @@ from dataclasses import replace
 from typing import NamedTuple
 
 from ..assembly import Assembly, Mounted
-from ..contact.contact import group_factor
+from ..spacing import group_factor
 from ..weights import Weights
 from .capacity import capacity, packed_alignment
 

@@ -20,8 +20,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..arrays import Array
-from ..assembly import Assembly, Mounted, SpeedProfile
-from ..weights import Weights
+from ..assembly import Assembly, SpeedProfile, weights_of
 
 Turning = tuple[Array, Array, Array]  # angle, speed and angular acceleration of the rotor
 RightHandSide = Callable[[float, Array], "Array | list[float]"]
@@ -61,10 +60,12 @@ class Monolith:
         devices = [weights_of(m) for m in mounted]
         self._plane = np.array([m.plane for m in mounted], int)
         self._of_plane = (self._plane[:, None] == np.arange(rotor.plane_count)).astype(float)
-        self._pull = np.array([d.moment for d in devices])
+        self._pull = np.array([d.mass * d.track_radius for d in devices])
         self._share = np.array([d.mass / d.kappa for d in devices])
-        self._drag = np.array([d.damping_rate for d in devices])
-        self._follow = np.array([1.0 - d.spin_share for d in devices])
+        self._drag = np.array([d.drag / (d.kappa * d.mass) for d in devices])
+        self._follow = np.array(
+            [(1.0 - 1.0 / d.kappa) * (1.0 + d.radius / d.track_radius) for d in devices]
+        )
         self._lever = np.array([1.0 / (d.kappa * d.track_radius) for d in devices])
         self._mass = np.array([d.mass for d in devices])
         self._offset = np.array([m.offset for m in mounted], complex)
@@ -293,9 +294,3 @@ class Monolith:
         slope = profile.acceleration(begin)
         ramp = SpeedProfile(profile.start, profile.start + 2.0 * slope * stop, 2.0 * stop)
         return Monolith(self.assembly, ramp, self.angle)
-
-
-def weights_of(mounted: Mounted) -> Weights:
-    """What is mounted, where it is known to be weights."""
-    assert isinstance(mounted.device, Weights)
-    return mounted.device

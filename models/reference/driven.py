@@ -12,10 +12,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ..arrays import Array
-from ..assembly import Assembly, SpeedProfile
+from ..assembly import Assembly, SpeedProfile, weights_of
 from ..liquid import Liquid
 from ..motor import Drive
-from .coupled import REST, Monolith, Start, Turning, weights_of
+from .coupled import REST, Monolith, Start, Turning
 
 
 @dataclass(frozen=True)
@@ -111,7 +111,7 @@ class Driven:
         push = w * w * u - sheared + 1j * w * (rotor.gyroscopic @ v)
         right[:n] = push.real - rotor.stiffness_x @ x - rotor.damping_x @ v_x
         right[n:shaft] = push.imag - rotor.stiffness_y @ yy - rotor.damping_y @ v_y
-        right[shaft] = motor.torque(w) + (z.conj() @ sheared).imag
+        right[shaft] = torque_of(motor, w) + (z.conj() @ sheared).imag
         for k, (mounted, device) in enumerate(self._each):
             phi, path = y[4 * n + k], np.zeros(len(speeds), complex)
             row, centre = rotor.planes[mounted.plane], mounted.offset * np.exp(1j * angle)
@@ -136,3 +136,11 @@ class Driven:
         # gravity acts as if all were accelerated against it
         found[:shaft] += np.repeat([rotor.gravity.real, rotor.gravity.imag], n)
         return found
+
+
+def torque_of(motor: Drive, speed: float) -> float:
+    """The motor's torque [N m]: lines through the points, the outer ones continued."""
+    speeds, torques = motor.speeds, motor.torques
+    steep = np.diff(torques) / np.diff(speeds)
+    below, above = min(0.0, speed - speeds[0]), max(0.0, speed - speeds[-1])
+    return float(np.interp(speed, speeds, torques) + steep[0] * below + steep[-1] * above)

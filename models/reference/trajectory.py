@@ -59,7 +59,7 @@ class Trajectory:
         device = mounted.device
         assert isinstance(device, Weights)
         arms = np.exp(1j * self.theta[balancer]).sum(axis=1)
-        return device.moment * arms + device.added_mass * mounted.offset
+        return device.mass * (device.track_radius * arms + device.count * mounted.offset)
 
     def plane_acceleration(self, plane: int) -> NDArray[np.complex128]:
         """Acceleration of a plane (from 0), less gravity, in the rotor frame, (T,) [m/s^2]."""
@@ -80,7 +80,8 @@ class Trajectory:
         phi2 = self.angle_acceleration[balancer] + self.angular_acceleration[:, None]
         arms = ((phi1**2 - 1j * phi2) * np.exp(1j * self.theta[balancer])).sum(axis=1)
         whirl = self.speed**2 - 1j * self.angular_acceleration
-        return device.moment * arms + device.added_mass * mounted.offset * whirl
+        mass, radius = device.mass, device.track_radius
+        return mass * (radius * arms + device.count * mounted.offset * whirl)
 
     def signal(self, name: str) -> Array:
         """A signal over time, (T,), by the name the units give it.

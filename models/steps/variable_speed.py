@@ -1,4 +1,4 @@
-"""Step of the linear rotor while its speed changes: w' is a cubic of time, mostly a constant.
+"""Step of the linear rotor while its speed changes at a constant rate w'.
 
 The system is then linear with time-varying matrices (internal damping and gyroscopic coupling grow
 with the speed, Dubovik 2006 (5) has the w' terms of the unbalance).  Radau IIA with three stages is
@@ -21,9 +21,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from .. import cubic, quintic
+from .. import cubic
 from ..rotor import LinearRotor
-from ..spin import STEADY, Rates, drift, spin_at
 from .radau import radau
 
 STAGES = 3  # order 5: as good as the cubic forces
@@ -33,7 +32,7 @@ HALVINGS = 12  # 4096 parts resolve a mode 4000 times as fast as a rotor of 40 s
 _HALVED = 2.0**5 - 1.0  # halved parts differ from whole ones by so many of their own errors
 
 
-Turning = tuple[complex, float, Rates]  # turn as a unit vector, w, derivatives of order 1 to 3
+Turning = tuple[complex, float, float]  # turn as a unit vector, w, w'
 
 
 class Drive(NamedTuple):
@@ -41,17 +40,15 @@ class Drive(NamedTuple):
 
     Attributes:
         forces: (4, p) complex forces on the planes in the rotor frame at the start and their
-            derivatives, of quintics (6, p); in fixed axes when `turning_force` is False.
+            derivatives; in fixed axes when `turning_force` is False.
         angle, speed: of the rotor at the start [rad, rad/s].
-        angular_acceleration: at the start of the step [rad/s^2].
-        rates: its derivatives of order 1 to 3 there [rad/s^3, ...].
+        angular_acceleration: w' [rad/s^2].
     """
 
     forces: NDArray
     angle: float
     speed: float
     angular_acceleration: float
-    rates: Rates = STEADY
 
 
 class VariableSpeedStep:
@@ -75,7 +72,6 @@ class VariableSpeedStep:
         # of a part's stages: what does not depend on the time
         self._matrices = np.zeros((STAGES, 2 * self.dof, 2 * self.dof), self.still.dtype)
         self._matrices[:, : self.dof, self.dof :] = np.eye(self.dof)
-        self._torque_of = rotor.unbalance, rotor.internal_damping, rotor.gravity
 
     def _axes_of(self, value: NDArray) -> NDArray:
         return value if self.axes == 1 else np.concatenate([value.real, value.imag])
@@ -86,27 +82,17 @@ class VariableSpeedStep:
 
     def _drive(self, turning: Turning, force: NDArray) -> NDArray:
         """Acceleration by unbalance, forces on the planes (p,) and gravity."""
-        turn, w, (w1, _, _) = turning
+        turn, w, w1 = turning
         pull = np.array([w * w - 1j * w1]) * turn
         push = self._sum_drive(force * turn if self.turning_force else force, pull)
         return push if self.falling is None else push + self.falling
 
     def _drive_slope(self, turning: Turning, force: NDArray, slope: NDArray) -> NDArray:
         """Derivative of that acceleration."""
-        turn, w, (w1, w2, _) = turning
+        turn, w, w1 = turning
         if self.turning_force:
             slope = (slope + 1j * w * force) * turn
-        return self._sum_drive(slope, np.array([3.0 * w * w1 + 1j * (w**3 - w2)]) * turn)
-
-    def _drive_second(
-        self, turning: Turning, force: NDArray, slope: NDArray, second: NDArray
-    ) -> NDArray:
-        """Its second derivative, of quintics."""
-        turn, w, (w1, w2, w3) = turning
-        if self.turning_force:
-            second = (second + 2j * w * slope + (1j * w1 - w * w) * force) * turn
-        pull = 3.0 * w1 * w1 + 4.0 * w * w2 - w**4 + 1j * (6.0 * w * w * w1 - w3)
-        return self._sum_drive(second, np.array([pull * turn]))
+        return self._sum_drive(slope, np.array([3.0 * w * w1 + 1j * w**3]) * turn)
 
     def advance(self, state: NDArray, drive: Drive, step: float) -> NDArray:
         """State (q, v) one `step` [s] later, displacements to `ACCURACY`.
@@ -162,73 +148,22 @@ class VariableSpeedStep:
 
         `state` belongs to that time.
         """
-        acceleration, jerk = self.motion(state, drive, t)
-        return self.planes @ acceleration, self.planes @ jerk
-
-    def motion(self, state: NDArray, drive: Drive, t: float = 0.0) -> tuple[NDArray, NDArray]:
-        """As `plane_motion`, of the stations."""
-        return self._motion(state, *_at(drive, t))
-
-    def _motion(self, state: NDArray, turning: Turning, forces: NDArray) -> tuple[NDArray, NDArray]:
-        _, w, (w1, _, _) = turning
+        turning, forces = _at(drive, t)
+        _, w, w1 = turning
         matrix = self.still + w * self.per_speed
         acceleration = matrix @ state + self._drive(turning, forces[0])
         jerk = matrix @ np.concatenate([state[self.dof :], acceleration])
-        slope = self._drive_slope(turning, *forces[:2])
-        return acceleration, jerk + w1 * (self.per_speed @ state) + slope
-
-    def plane_second(self, state: NDArray, drive: Drive, t: float = 0.0) -> NDArray:
-        """Second derivative of the planes' acceleration under quintic forces; as `plane_motion`."""
-        turning, forces = _at(drive, t)
-        acceleration, jerk = self._motion(state, turning, forces)
-        _, w, (w1, w2, _) = turning
-        velocity = state[self.dof :]
-        second = (self.still + w * self.per_speed) @ np.concatenate([acceleration, jerk])
-        second += 2.0 * w1 * (self.per_speed @ np.concatenate([velocity, acceleration]))
-        second += w2 * (self.per_speed @ state)
-        return self.planes @ (second + self._drive_second(turning, *forces))
-
-    def torque(
-        self, state: NDArray, drive: Drive, t: float, motion: tuple[NDArray, NDArray] | None = None
-    ) -> tuple[float, float]:
-        """Torque of unbalance and internal damping on the shaft, and its slope [N m, N m/s].
-
-        -Im(u* e^{-i beta} (q'' - g)) + Im(q* C_i (q' - i w q)), which with the work of the lateral
-        forces makes the energy balance of the rotor; gyroscopic moments do no work.  State and time
-        as of `plane_motion`; motion: of the stations, where more than this step knows moves them.
-        """
-        motion = motion or self.motion(state, drive, t)
-        q, v, a, j = (self._vectors(x) for x in (*np.split(state, 2), *motion))
-        gone, faster, more, _ = drift(drive.rates, t)
-        spin_up = drive.angular_acceleration + more
-        w = drive.speed + drive.angular_acceleration * t + faster
-        turned = drive.angle + t * (drive.speed + 0.5 * drive.angular_acceleration * t) + gone
-        unbalance, internal, gravity = self._torque_of
-        pull = unbalance.conj() * np.exp(-1j * turned)
-        sheared, shearing = v - 1j * w * q, a - 1j * (w * v + spin_up * q)
-        value = np.vdot(q, internal @ sheared) - pull @ (a - gravity)
-        slope = np.vdot(v, internal @ sheared) + np.vdot(q, internal @ shearing)
-        return float(value.imag), float((slope - pull @ (j - 1j * w * (a - gravity))).imag)
-
-    def _vectors(self, values: NDArray) -> NDArray:
-        """x + i y of the stations."""
-        return values if self.axes == 1 else values[: self.dof // 2] + 1j * values[self.dof // 2 :]
+        jerk += w1 * (self.per_speed @ state) + self._drive_slope(turning, *forces)
+        return self.planes @ acceleration, self.planes @ jerk
 
 
 def _at(drive: Drive, t: float) -> tuple[Turning, NDArray]:
-    """How the rotor turns at t, and the forces with their derivatives."""
-    forces, angle, speed, spin_up, rates = drive
-    gone, faster, _, _ = drift(rates, t)
-    turn = np.exp(1j * (angle + speed * t + 0.5 * spin_up * t * t + gone))
-    turning = turn, speed + spin_up * t + faster, spin_at(spin_up, rates, t)
-    return turning, _derivatives(forces, t)
-
-
-def _derivatives(forces: NDArray, time: float) -> NDArray:
-    """Cubic or quintic forces at a time: value and slope, of quintics the second derivative too."""
-    at = quintic.at if len(forces) == 6 else cubic.at
+    """How the rotor turns at t, and the forces with their slopes, (2, p)."""
+    forces, angle, speed, spin_up = drive
+    turn = np.exp(1j * (angle + speed * t + 0.5 * spin_up * t * t))
     # in plain numbers: for a few planes arrays take two to four times as long
-    return np.array(list(zip(*(at(plane, time) for plane in forces.T.tolist()), strict=True)))
+    values = list(zip(*(cubic.at(plane, t) for plane in forces.T.tolist()), strict=True))
+    return (turn, speed + spin_up * t, spin_up), np.array(values)
 
 
 def _largest(values: NDArray) -> float:

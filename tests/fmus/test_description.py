@@ -15,6 +15,14 @@ from autobalancer.fmus.catalogue import CATALOGUE
 from autobalancer.fmus.xml import fmi2, fmi3
 from autobalancer.fmus.xml.description import Capabilities, options_in
 from autobalancer.fmus.xml.types import SI_UNITS
+from tests.fmus.conftest import NATIVE_SHAPES, SHAPES
+
+
+@pytest.fixture(
+    params=[*SHAPES, *NATIVE_SHAPES], ids=lambda s: "-".join([s[0], *map(str, s[1].values())])
+)
+def shape(request):
+    return request.param
 
 
 @pytest.fixture
@@ -159,7 +167,7 @@ def test_types_say_quantity_display_unit_and_nominal(description):
             assert float(element.get("factor")) == pytest.approx(display[1], rel=1e-15)
 
 
-def test_bounds_are_values_that_the_unit_takes(unit, options, description, probe):
+def test_bounds_are_values_that_the_unit_takes(unit, options, description, native_probe):
     """`min` and `max` are allowed, what lies beyond is not; an excluded bound is in the words."""
     for variable in variables_of(description):
         if variable[0].tag == "Boolean":
@@ -177,7 +185,7 @@ def test_bounds_are_values_that_the_unit_takes(unit, options, description, probe
         high = variable[0].get("max")
         if high is not None:
             for value, allowed in ((float(high), True), (math.nextafter(float(high), 9.9), False)):
-                instance = probe(unit, begin=False, **options)
+                instance = native_probe(unit, **options)
                 instance.put(variable.get("name"), value)
                 if allowed:
                     instance.exit_initialization_mode()
@@ -235,7 +243,7 @@ def test_capabilities_and_sources_stand_in_the_description():
     assert [file.get("name") for file in element.iter("File")] == ["liquid.c", "unit.c"]
 
 
-def test_declared_dependencies_are_the_real_ones(unit, options, probe):
+def test_declared_dependencies_are_the_real_ones(unit, options, native_probe):
     """Change each input and parameter in turn and see which outputs answer."""
     layout = CATALOGUE[unit].sized(options).layout
     known = [v for v in layout.reals if v.causality != "output"]
@@ -250,7 +258,7 @@ def test_declared_dependencies_are_the_real_ones(unit, options, probe):
 
     placed = _station if options.get("kind") == "flexible" else lambda name: False
     for as_force in (False, True):
-        instance = probe(unit, begin=False, **options)
+        instance = native_probe(unit, **options)
         # nowhere a zero that could hide a dependency
         for k, variable in enumerate(known):
             (value,) = instance.look(variable.name)

@@ -21,12 +21,12 @@ ASIDE = {"track_offset_xi": 1e-3, "track_offset_eta": -5e-4}
 ANISOTROPIC = {"stiffness_y": 5e4, "damping_y": 90.0, "gravity_y": -9.81, "vx0": 0.1, "y0": 1e-3}
 
 
-def moving(probe, unit: str, options: dict, spin: tuple[float, ...] = ()):
+def moving(native_probe, unit: str, options: dict, spin: tuple[float, ...] = ()):
     """A unit whose inputs are quintics of about a revolution, and its layout.
 
     `spin`: the rotor's angular acceleration and its derivatives.
     """
-    made = probe(unit, begin=False, order=5, **options)
+    made = native_probe(unit, order=5, **options)
     random = np.random.default_rng(7)
     for name, value in {**ANISOTROPIC, **ASIDE}.items():
         if name in made.layout.index:
@@ -50,8 +50,10 @@ def moving(probe, unit: str, options: dict, spin: tuple[float, ...] = ()):
 
 @pytest.mark.parametrize("spin", [(), (3e4,), (3e4, -2e7, 3e10, 1e13)])
 @pytest.mark.parametrize(("unit", "options"), UNITS)
-def test_second_derivatives_are_those_of_the_slopes_along_the_motion(probe, unit, options, spin):
-    begun = moving(probe, unit, options, spin)
+def test_second_derivatives_are_those_of_the_slopes_along_the_motion(
+    native_probe, unit, options, spin
+):
+    begun = moving(native_probe, unit, options, spin)
     state, outputs = begun.saved(), begun.layout.reals[begun.layout.computed]
     names = [v.derivative_of for v in outputs if v.name.endswith(",2)")]
     signals = [name.removeprefix("der(").removesuffix(")") for name in names]
@@ -72,8 +74,8 @@ def test_second_derivatives_are_those_of_the_slopes_along_the_motion(probe, unit
 
 
 @pytest.mark.parametrize("given", [{"weight_radius": 0.01}, {"rolling_resistance": 0.01}])
-def test_weights_that_meet_or_stick_are_refused(fmu, host_of, backend, given):
-    host = host_of(fmu("BallBalancer", order=5, backend=backend))
+def test_weights_that_meet_or_stick_are_refused(fmu, host_of, given):
+    host = host_of(fmu("BallBalancer", order=5))
     with pytest.raises(Exception, match="fmi2ExitInitializationMode"):
         host.start(**given)
 

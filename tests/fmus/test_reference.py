@@ -21,6 +21,8 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
+from autobalancer.fmus.catalogue import CATALOGUE, sized_unit
+
 FMUS = Path(__file__).resolve().parents[2] / "fmus"
 STEP, COUNT = 5e-4, 60
 SPEED, RAMP = 300.0, 400.0  # rad/s; rad/s2 in the second half
@@ -335,12 +337,16 @@ def read(path: Path) -> dict[str, np.ndarray]:
 @pytest.mark.parametrize("name", CASES)
 def test_unit_follows_its_reference(name, fmu, host_of, backend):
     unit, folder, options, _, steady, whole = CASES[name]
+    if backend == "python" and CATALOGUE[unit].native:
+        pytest.skip("exists as a native unit only")
     given = read(FMUS / folder / f"{name}_in.csv")
     expected = read(FMUS / folder / f"{name}_ref.csv")
     host = host_of(fmu(unit, backend=backend, **options))
     outputs = [v.name for v in host.description.modelVariables if v.causality == "output"]
     inputs = [v.name for v in host.description.modelVariables if v.causality == "input"]
-    assert set(outputs) == expected.keys() - {"time"}
+    declared = {v.name: v for v in sized_unit(unit, **options).layout.variables}
+    left = {name for name, v in declared.items() if v.native and backend == "python"}
+    assert set(outputs) == expected.keys() - {"time"} - left
     assert set(inputs) == given.keys() - {"time"}
     assert len(given["time"]) == COUNT
     host.start(**{name: given[name][0] for name in inputs})

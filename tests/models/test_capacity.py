@@ -8,7 +8,6 @@ import math
 import numpy as np
 import pytest
 
-from autobalancer.models.contact.spacing import closest
 from autobalancer.models.papers.capacity import (
     best_ratio,
     capacity,
@@ -31,6 +30,7 @@ from autobalancer.models.papers.settling import (
     slow_root,
 )
 from autobalancer.models.rotor import LinearRotor
+from autobalancer.models.spacing import closest
 from autobalancer.models.weights import Weights, alignment
 from tests.papers import (
     best_count,

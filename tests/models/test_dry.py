@@ -13,9 +13,8 @@ from autobalancer.models.assembly import Assembly, Mounted, SpeedProfile
 from autobalancer.models.monolith import simulate
 from autobalancer.models.reference.coupled import Start
 from autobalancer.models.rotor import LinearRotor, Slider
-from autobalancer.models.steps.friction import FrictionStep, held_at_start
-from autobalancer.models.steps.variable_speed import Drive
 from autobalancer.models.weights import Weights
+from tests.native.equations import Drive
 
 pytestmark = pytest.mark.slow
 
@@ -36,7 +35,7 @@ SLIDERS = (Slider(0, 0, 1.0), Slider(0, 1, 0.7, 2e4), Slider(1, 0, 0.5, 4e4), Sl
 
 
 @pytest.mark.parametrize("gravity", [0.0, 4.0 - 9.81j])
-def test_sliders_are_those_of_the_units_step(gravity):
+def test_sliders_are_those_of_the_units_step(friction_of, gravity):
     body = LinearRotor.two_support(
         mass=1.28, inertia=0.0138, polar_inertia=0.00124, span=0.26, com=0.11, planes=[0.1],
         stiffness=[(2e4, 3e4), (1.5e4, 2e4)], damping=[(4.0, 6.0), (3.0, 5.0)],
@@ -46,11 +45,11 @@ def test_sliders_are_those_of_the_units_step(gravity):
     start = Start((2e-4, -1e-4), (1e-4, 2e-4), (0.05, -0.02), (0.01, 0.04), 0.3)
     times = np.linspace(0.0, 0.1, 41)
     run = simulate(Assembly(body), SpeedProfile.constant(150.0), times, initial=start, rtol=1e-11)
-    method = FrictionStep(body)
+    method = friction_of(body)
     state = np.array([*start.x, *start.y, *start.vx, *start.vy])
-    held, found = held_at_start(body, state[4:]), [state]
+    held, found = method.at_start(state), [state]
     for begin, end in pairwise(times):
-        drive = Drive(np.zeros((4, 1), complex), 0.3 + 150.0 * begin, 150.0, 0.0)
+        drive = Drive(np.zeros((4, 1), complex), 0.3 + 150.0 * begin, 150.0)
         state, held = method.advance(state, held, drive, end - begin)
         found.append(state)
     right = np.array(found)

@@ -15,8 +15,7 @@ from autobalancer.models.harmonic_balance import (
 )
 from autobalancer.models.papers.influence import influence
 from autobalancer.models.rotor import LinearRotor, Slider
-from autobalancer.models.steps.friction import FrictionStep, held_at_start
-from autobalancer.models.steps.variable_speed import Drive
+from tests.native.equations import Drive
 
 pytestmark = pytest.mark.slow
 
@@ -62,13 +61,13 @@ def test_what_the_unbalance_feeds_in_damping_and_friction_take(rubbed):
 
 
 @pytest.mark.parametrize("speed", SPEEDS[1::2])
-def test_long_runs_with_sticking_and_slipping_end_there(rubbed, speed):
+def test_long_runs_with_sticking_and_slipping_end_there(friction_of, rubbed, speed):
     """To 2 %: the first harmonic alone is balanced."""
-    method = FrictionStep(rubbed, turning_force=False)
+    method = friction_of(rubbed, turning_force=False)
     state, steps = np.zeros(4), 40
-    held, largest = held_at_start(rubbed, state[2:]), 0.0
+    held, largest = method.at_start(state), 0.0
     for k in range(60 * steps):
-        drive = Drive(np.zeros((4, 1), complex), math.tau * k / steps, speed, 0.0)
+        drive = Drive(np.zeros((4, 1), complex), math.tau * k / steps, speed)
         state, held = method.advance(state, held, drive, math.tau / speed / steps)
         if k >= 59 * steps:
             largest = max(largest, math.hypot(state[0], state[1]))

@@ -17,7 +17,8 @@ from autobalancer.models.reference.coupled import Monolith, Start
 from autobalancer.models.reference.trajectory import differences
 from autobalancer.models.rotor import LinearRotor
 from autobalancer.models.steps.propagator import step_matrix
-from autobalancer.models.weights import KAPPA, Weights, advance, reaction
+from autobalancer.models.steps.weights import advance, reaction
+from autobalancer.models.weights import KAPPA, Weights
 
 pytestmark = pytest.mark.slow
 

@@ -10,8 +10,6 @@ import pytest
 
 from autobalancer.harness import cosimulate, load_scene
 from autobalancer.models.assembly import Assembly, Mounted, SpeedProfile
-from autobalancer.models.contact.motion import advance, first_contacts, reaction
-from autobalancer.models.contact.track import Track
 from autobalancer.models.linear.floquet import exponents
 from autobalancer.models.linear.linearised import linearise
 from autobalancer.models.monolith import simulate
@@ -19,9 +17,9 @@ from autobalancer.models.papers.capacity import largest_alignment
 from autobalancer.models.papers.settling import critical_drag_factor, slow_root
 from autobalancer.models.papers.touching import Packed, joint_alignment, merged, packed_groups
 from autobalancer.models.rotor import LinearRotor
+from autobalancer.models.steps.weights import advance as point_advance
+from autobalancer.models.steps.weights import reaction as point_reaction
 from autobalancer.models.weights import Weights, alignment
-from autobalancer.models.weights import advance as point_advance
-from autobalancer.models.weights import reaction as point_reaction
 from tests.papers import completed_angles
 
 ALPHA = 0.25
@@ -39,13 +37,13 @@ def test_groups_are_found_across_the_turn_and_in_any_order():
     assert [g.size for g in packed_groups(full, math.pi / 6)] == [6]
 
 
-def test_a_packed_group_moves_and_pulls_like_the_single_weight():
-    """Against `Track`, which finds group and pressure by itself."""
+def test_a_packed_group_moves_and_pulls_like_the_single_weight(track_of):
+    """Against the unit's contacts, which find group and pressure by themselves."""
     weights = Weights(3, 0.02, 0.1, 0.01, 1.4)
-    track = Track(weights, 0.1 * math.sin(ALPHA))
+    track = track_of(weights, 0.1 * math.sin(ALPHA))
     middle, h = math.pi - 0.3, 2e-3
     angles = [middle - 2 * ALPHA, middle, middle + 2 * ALPHA]
-    contacts = first_contacts(track, angles, [1.0] * 3)
+    contacts = track.first_contacts(angles, [1.0] * 3)
     assert contacts == [1.0, 1.0, 0.0]
     rotor = LinearRotor.planar(1.0, 100.0)
     whole = merged(Assembly(rotor, (Mounted("b", weights),)), ALPHA, [Packed(3, middle)])
@@ -54,10 +52,10 @@ def test_a_packed_group_moves_and_pulls_like_the_single_weight():
     signal = (20.0 + 1j, 3j, 0j, 0j)  # drives the group to pi: pressed together
     state, point = (angles, [1.0] * 3, contacts), ([middle], [1.0])
     for _ in range(50):
-        state = advance(track, *state, signal, SPEED, 0.0, h)[:3]
+        state = track.advance(*state, signal, SPEED, 0.0, h)[:3]
         point = point_advance(single, *point, signal, 0.0, h)
     assert state[0][1] == pytest.approx(point[0][0], abs=1e-9)
-    found = reaction(track, *state, *signal[:2], SPEED, 0.0)
+    found = track.reaction(*state, *signal[:2], SPEED, 0.0)
     expected = point_reaction(single, *point, *signal[:2], SPEED, 0.0)
     assert found == pytest.approx(expected, rel=1e-8)
 

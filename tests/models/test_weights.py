@@ -10,15 +10,8 @@ from numpy.testing import assert_allclose
 from scipy.integrate import solve_ivp
 from scipy.linalg import expm
 
-from autobalancer.models.weights import (
-    KAPPA,
-    Weights,
-    advance,
-    alignment,
-    phi_functions,
-    reaction,
-    static_moment,
-)
+from autobalancer.models.steps.weights import advance, phi_functions, reaction
+from autobalancer.models.weights import KAPPA, Weights, alignment, static_moment
 
 SIGNAL = (1.0 + 0.5j, -1.0 + 2.0j, 3.0 - 1.0j, 2.0j)
 ANGLES, SPEEDS = (0.3, 1.0), (0.2, -3.0)
@@ -237,7 +230,7 @@ def test_what_is_not_finite_or_endless_is_an_error(monkeypatch) -> None:
         with pytest.raises(ArithmeticError):
             advance(weights, [0.0, 1.0], [0.0, 0.0], (1.0, 0j, 0j, 0j), bad, 0.1)
     # refused before the first of them is computed
-    monkeypatch.setattr("autobalancer.models.weights.substep", None)
+    monkeypatch.setattr("autobalancer.models.steps.weights.substep", None)
     with pytest.raises(ArithmeticError, match="substeps"):
         advance(weights, [0.0, 1.0], [0.0, 1e12], (1.0, 0j, 0j, 0j), 0.0, 0.1)
 

@@ -34,12 +34,12 @@ def generate(folder: Path) -> None:
     (folder / "stamp.h").write_text(f'#define STAMP "{STAMP}"\n')
 
 
-def compile_units(folder: Path, *flags: str) -> Path:
-    """Compile all C sources with the compiler of this machine."""
+def compile_units(folder: Path, *flags: str | Path) -> Path:
+    """Compile all C sources with the compiler of this machine, and others among `flags`."""
     folder.mkdir(parents=True, exist_ok=True)
     generate(folder)
     sources = sorted(str(path) for path in SOURCES.glob("*.c"))
-    options = ("-fvisibility=hidden", f"-I{folder}", *flags)
+    options = ("-fvisibility=hidden", f"-I{folder}", f"-I{SOURCES}", *map(str, flags))
     return shared_library(sources, folder / "autobalancer.so", *options)
 
 

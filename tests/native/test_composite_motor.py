@@ -95,12 +95,12 @@ def test_a_motor_that_comes_to_rest_on_a_corner_ends_no_step_there(hosted):
     assert host.get("coupling.steps")[0] < 1.1 * 40 * 400
 
 
-@pytest.mark.parametrize(("tolerance", "one_file"), [(1e-6, True), (1e-4, True), (1e-4, False)])
-def test_a_run_over_corners_states_its_error(tolerance, one_file):
+@pytest.mark.parametrize(("tolerance", "separate"), [(1e-6, False), (1e-4, False), (1e-4, True)])
+def test_a_run_over_corners_states_its_error(tolerance, separate):
     scene = Scene.from_document(DOCUMENT).replace(
         {**CORNERS, "coupling.steps_per_rev": None, "coupling.tolerance": tolerance}
     )
-    result = cosimulate(scene, one_file=one_file)
+    result = cosimulate(scene, separate=separate)
     error = max(deviations(result, motion(scene, result)).values())
     assert error < 3.0 * result.estimated_error
     assert error < tolerance

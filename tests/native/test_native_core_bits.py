@@ -40,7 +40,7 @@ def _contact(core):
     """Where weights are, how fast, and who touches whom, after steps with collisions."""
     points = core.structures.Weights(4, 0.01, 0.05, 0.05, 1.4)
     offset = core.structures.Complex(1e-5, 0.0)
-    track = core.structures.Track(points, 0.01, 0.4, 1e-3, offset)
+    track = core.structures.Track(points, 0.01, 0.4, 2.0, 1e-3, offset)
     core.demand("track_prepare", byref(track))
     scratch = np.empty(core("track_scratch", 4))
     state = [np.array([0.0, 1.0, 2.0, 4.0]), np.array([9.0, -3.0, 0.0, -8.0]), np.zeros(4)]

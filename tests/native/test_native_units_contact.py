@@ -122,12 +122,6 @@ def test_without_the_parameter_a_step_is_whole(fmus, packaging):
     host.free()
 
 
-def test_the_python_unit_says_that_it_cannot(fmus, packaging):
-    host = packaging.Host(fmus.python("BallBalancer"))
-    text = host.refused(lambda: host.begin({"stop_at_contact": True}))
-    assert "stop_at_contact = True: must be False" in text
-
-
 SLIDING = {
     "mass": 2.0, "stiffness_x": 50.0, "damping_x": 0.0, "unbalance": 0.0,
     "slider[1].limit_x": 0.03, "shortest_stopped_step": 1e-6, "speed": 7.0,
@@ -158,12 +152,6 @@ def test_a_step_of_the_rotor_ends_at_an_event_of_a_slider(fmus, packaging, value
     host.step(1.0)
     assert last_successful_time(host) == 1.0
     host.free()
-
-
-def test_the_rotor_in_python_says_that_it_cannot(fmus, packaging):
-    host = packaging.Host(fmus.python("RotorOnSupports", sliders=1))
-    text = host.refused(lambda: host.begin({"shortest_stopped_step": 1e-6}))
-    assert "shortest_stopped_step = 1e-06 s: must be 0 s" in text
 
 
 @pytest.mark.parametrize("allowed", [True, False])

@@ -110,7 +110,7 @@ def test_passes_and_rollback_are_said_to_be_left_out_where_no_state_is_saved(nam
         {**coupling, "coupling.tolerance": None, "coupling.order": order}
     )
     said = any("rollback" in note for note in left_out(scene, ["all"]))
-    run = cosimulate(scene)
+    run = cosimulate(scene, separate=True)
     assert said is (run.calls.get("save", 0) == 0)
     assert list(run.left_out) == left_out(scene, ["all"])
 
@@ -118,4 +118,4 @@ def test_passes_and_rollback_are_said_to_be_left_out_where_no_state_is_saved(nam
 def test_units_of_a_report_are_those_a_run_loads():
     scene = made_of({"kind": "goncharov_table"}).replace({"run.revolutions": 1})
     (report,) = check_all([scene], workers=1)
-    assert report.units == cosimulate(scene).units
+    assert report.units == cosimulate(scene, separate=True).units

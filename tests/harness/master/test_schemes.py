@@ -287,7 +287,7 @@ def test_compensated_stands_a_jacobian_that_is_wrong_by_a_thirteenth():
         units, sizes = Echo(share), []
         scheme = Compensated(np.zeros((4, 4)), np.zeros((4, 4)), 1.0, lambda _: 0.0)
         scheme.detect_divergence = lambda *_: None
-        for step in range(400):
+        for step in range(800):
             scheme.step(units, float(step), 1.0)
             sizes.append(abs(units.forces[0].now[0]))
         return max(sizes[-50:])

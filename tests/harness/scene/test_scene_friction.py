@@ -134,12 +134,6 @@ def test_the_error_falls_with_the_fourth_power_of_given_steps(more):
     assert fine < coarse / 12.0
 
 
-def test_a_jump_within_a_step_costs_orders_but_not_the_result():
-    """Steps of Python units end at no event: one with a jump errs by first order in the step."""
-    slider = {"limit": [4.0, 3.0]}
-    assert 1e-5 < off(slider, scheme="iterated", steps_per_rev=40, units="python") < 1e-3
-
-
 @pytest.mark.parametrize("separate", [True, False])
 def test_events_draw_communication_points_no_further_apart(separate):
     """Steps longer than the longest would count as those of a rotor at rest, and hold signals."""

@@ -14,11 +14,11 @@ from autobalancer.harness.stability.crossings import crossings, nodes_around
 from autobalancer.harness.stability.in_time import growth_in_run, needed_revolutions, run_from_rest
 from autobalancer.harness.stability.main_motion import MainMotion, NoMainMotion
 from autobalancer.harness.stability.speeds import Speeds
-from autobalancer.models.contact.spacing import closest
 from autobalancer.models.linear.balanced import WeightTable, balanced_angles, residual_unbalance
 from autobalancer.models.linear.boundaries import Crossing
 from autobalancer.models.linear.linearised import linearise
 from autobalancer.models.papers.window import LiquidWindow
+from autobalancer.models.spacing import closest
 from autobalancer.models.stability import growth_rates
 from tests.floquet import multipliers
 

@@ -25,7 +25,8 @@ from autobalancer.harness.master.cosimulation import CoSimulation, doubling_step
 from autobalancer.harness.master.run import cosimulate
 from autobalancer.models.monolith import reference
 from autobalancer.models.reference.oscillator import forced_motion
-from autobalancer.models.weights import Weights, advance
+from autobalancer.models.steps.weights import advance
+from autobalancer.models.weights import Weights
 
 pytestmark = pytest.mark.slow
 

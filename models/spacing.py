@@ -43,3 +43,10 @@ def closest(angles: Sequence[float]) -> tuple[float, int, int]:
     gaps = [(within[j] - within[i], i, j) for i, j in pairwise(order)]
     first, last = order[0], order[-1]
     return min([*gaps, (within[first] + math.tau - within[last], last, first)])
+
+
+def group_factor(count: int, alpha: float) -> float:
+    """sin(n alpha)/(n sin alpha): mean drive of a packed group in units of one weight's."""
+    if count == 1 or alpha == 0.0:
+        return 1.0
+    return math.sin(count * alpha) / (count * math.sin(alpha))

@@ -10,21 +10,37 @@ import pytest
 from hypothesis import assume, example, given
 from hypothesis import strategies as st
 
-from autobalancer.models.contact.contact import Pools, collide, expand, pool, strike
-from autobalancer.models.contact.motion import advance
-from autobalancer.models.contact.track import Track
 from autobalancer.models.weights import Weights
+from tests.native.equations import pooled
 
 RATES = st.lists(
     st.floats(-100.0, 100.0).filter(lambda v: v == 0.0 or abs(v) > 1e-6), min_size=2, max_size=12
 )
+STILL, MOMENT = (0j, 0j, 0j, 0j), 1e-9  # s: nothing else happens in it
 RESTITUTION = st.one_of(st.sampled_from([0.0, 1.0]), st.floats(0.0, 1.0))
 
 
-def collided(rates, restitution):
-    after = list(rates)
-    collide(after, len(after), restitution, Pools(len(after)))
-    return after
+ALPHA = 0.15  # half the angle between weights that touch [rad]
+MASS, RADIUS = 0.3, 1.0
+
+
+@pytest.fixture(scope="session")
+def struck(track_of):
+    """A row of touching weights on a rotor that is held, just behind its collisions."""
+
+    def move(rates, restitution, first=0.0):
+        n = len(rates)
+        track = track_of(Weights(n, MASS, RADIUS), RADIUS * math.sin(ALPHA), restitution)
+        angles = [first + 2.0 * ALPHA * k for k in range(n)]
+        return track.advance(angles, rates, [0.0] * n, STILL, 0.0, 0.0, MOMENT)
+
+    return move
+
+
+@pytest.fixture(scope="session")
+def collided(struck):
+    """Rates of that row."""
+    return lambda rates, restitution: struck(rates, restitution).speeds
 
 
 def size_of(rates):
@@ -32,72 +48,81 @@ def size_of(rates):
 
 
 @given(RATES, RESTITUTION)
-def test_the_sum_of_rates_is_kept(rates, restitution):
+def test_the_sum_of_rates_is_kept(collided, rates, restitution):
     after = collided(rates, restitution)
     assert math.fsum(after) == pytest.approx(math.fsum(rates), abs=1e-11 * size_of(rates))
 
 
 @given(RATES, RESTITUTION)
-def test_energy_does_not_grow(rates, restitution):
+def test_energy_does_not_grow(collided, rates, restitution):
     before, after = (math.fsum(v * v for v in r) for r in (rates, collided(rates, restitution)))
     assert after <= before * (1.0 + 1e-12)
 
 
 @given(RATES)
-def test_elastic_collisions_keep_the_energy(rates):
+def test_elastic_collisions_keep_the_energy(collided, rates):
     before, after = (math.fsum(v * v for v in r) for r in (rates, collided(rates, 1.0)))
     assert after == pytest.approx(before, rel=1e-9)
 
 
 @given(RATES, RESTITUTION)
-def test_nobody_runs_into_the_next_one_afterwards(rates, restitution):
+def test_nobody_runs_into_the_next_one_afterwards(collided, rates, restitution):
     after = collided(rates, restitution)
     slack = 1e-11 * size_of(rates)
     assert all(second >= first - slack for first, second in pairwise(after))
 
 
 @given(RATES, RESTITUTION)
-def test_weights_that_do_not_approach_are_left_alone(rates, restitution):
+def test_weights_that_do_not_approach_are_left_alone(collided, rates, restitution):
     assert collided(sorted(rates), restitution) == sorted(rates)
 
 
 @given(st.floats(-10.0, 10.0), st.floats(-10.0, 10.0), RESTITUTION)
-def test_a_pair_leaves_with_newtons_restitution(first, second, restitution):
+def test_a_pair_leaves_with_newtons_restitution(collided, first, second, restitution):
     assume(first - second > 1e-3)
     after = collided([first, second], restitution)
     assert after[1] - after[0] == pytest.approx(restitution * (first - second), abs=1e-12)
 
 
 @given(RATES, RESTITUTION)
-def test_the_mirror_image_of_a_collision_is_the_collision_of_the_mirror_image(rates, restitution):
+def test_the_mirror_image_of_a_collision_is_the_collision_of_the_mirror_image(
+    collided, rates, restitution
+):
     mirrored = [-v for v in reversed(rates)]
     expected = [-v for v in reversed(collided(rates, restitution))]
     assert collided(mirrored, restitution) == pytest.approx(expected, abs=1e-9 * size_of(rates))
 
 
+@pytest.mark.parametrize("restitution", [0.0, 0.5, 1.0])
+def test_blows_from_both_sides_at_once_are_answered_symmetrically(collided, restitution):
+    found = collided([1.0, 0.0, -1.0], restitution)
+    assert found == pytest.approx([-restitution, 0.0, restitution], abs=1e-12)
+
+
+def test_a_row_of_elastic_weights_takes_the_blow_as_one(collided):
+    """All pairs that touch take part at once: no Newton's cradle, whose balls do not touch."""
+    found = collided([1.0, 0.0, 0.0, 0.0], 1.0)
+    assert found == pytest.approx([-0.5, 0.5, 0.5, 0.5])
+
+
 @given(RATES, st.floats(0.0, 3.0))
-def test_the_rotor_is_struck_by_what_the_weights_lose(rates, angle):
+def test_the_rotor_is_struck_by_what_the_weights_lose(struck, rates, angle):
     """m R sum i v e^{i theta} is the momentum of the weights in the rotor."""
-    angles = [angle + 0.1 * k for k in range(len(rates))]
-    after = collided(rates, 0.5)
-    changes = [b - a for a, b in zip(rates, after, strict=True)]
+    moved = struck(rates, 0.5, angle)
     before, end = (
-        sum(0.3j * v * cmath.exp(1j * x) for x, v in zip(angles, r, strict=True))
-        for r in (rates, after)
-    )
-    assert strike(0.3, angles, changes) == pytest.approx(before - end, abs=1e-10 * size_of(rates))
+        sum(1j * MASS * RADIUS * v * cmath.exp(1j * (angle + 2.0 * ALPHA * k))
+            for k, v in enumerate(r))
+        for r in (rates, moved.speeds)
+    )  # fmt: skip
+    assert moved.impulse == pytest.approx(before - end, abs=1e-6 * size_of(rates))
 
 
 @given(RATES, st.data())
-def test_pooled_accelerations_ascend_and_keep_the_sum_of_the_drives(drives, data):
+def test_pooled_accelerations_ascend_and_keep_the_sum_of_the_drives(core, drives, data):
     n = len(drives)
     limits = data.draw(st.lists(st.floats(0.0, 50.0), min_size=n, max_size=n))
-    pools, free, held = Pools(n), [0.0] * n, [0.0] * n
-    pool(pools, drives, None, n, 0.0)
-    expand(pools, free)
+    free, held = pooled(core, drives, None), pooled(core, drives, limits)
     assert math.fsum(free) == pytest.approx(math.fsum(drives), abs=1e-11 * size_of(drives))
-    pool(pools, drives, limits, n, 0.0)
-    expand(pools, held)
     for values in (free, held):
         assert values == sorted(values)
     # resistance never drives
@@ -112,12 +137,12 @@ def test_pooled_accelerations_ascend_and_keep_the_sum_of_the_drives(drives, data
 )
 # weights meet after a time whose cube is not told from 0
 @example([0.0, 4.39906940434022e-08, 0.0], [0.0, 2.027278654931918e-287, 0.0] + [0.0] * 3, 0.0, 1.0)
-def test_the_order_on_the_track_is_kept(gaps, rates, restitution, pull):
+def test_the_order_on_the_track_is_kept(track_of, gaps, rates, restitution, pull):
     n = len(gaps)
-    track = Track(Weights(n, 0.1, 1.0, 0.05, 1.4), 0.15, restitution)
+    track = track_of(Weights(n, 0.1, 1.0, 0.05, 1.4), 0.15, restitution)
     room = math.tau / n - 2.0 * track.alpha
     angles = [2.0 * track.alpha * k + room * math.fsum(gaps[:k]) for k in range(n)]
-    moved = advance(track, angles, rates[:n], [0.0] * n, (complex(pull), 0j, 0j, 0j), 3.0, 0.0, 0.2)
+    moved = track.advance(angles, rates[:n], [0.0] * n, (complex(pull), 0j, 0j, 0j), 3.0, 0.0, 0.2)
     following = [*moved.angles[1:], moved.angles[0] + math.tau]
     for here, after in zip(moved.angles, following, strict=True):
         assert after - here >= 2.0 * track.alpha - 1e-12

@@ -3,25 +3,26 @@
 from __future__ import annotations
 
 import cmath
+import ctypes
 import math
+from ctypes import byref, c_double
 
 import numpy as np
 import pytest
+from numpy.polynomial import Polynomial
 from scipy.integrate import solve_ivp
 
-from autobalancer.models.contact.centre import Instant, shifted
-from autobalancer.models.contact.contact import group_factor
-from autobalancer.models.contact.motion import advance, reaction, static_moment
-from autobalancer.models.contact.resistance import SlidingGroup, find_sides, sliding_drive
-from autobalancer.models.contact.track import Track
 from autobalancer.models.weights import Weights
+from tests.native.equations import STEADY
+
+CHANGING = (3.0, -8.0, 5.0)  # derivatives of w' of order 1 to 3
 
 
 def run(track, angles, speeds, signal, speed, seconds, steps, contacts=None, spin_up=0.0):
     state = list(angles), list(speeds), list(contacts or [0.0] * len(angles))
     h, events = seconds / steps, 0
     for k in range(steps):
-        moved = advance(track, *state, signal(k * h), speed + spin_up * k * h, spin_up, h)
+        moved = track.advance(*state, signal(k * h), speed + spin_up * k * h, spin_up, h)
         state = moved.angles, moved.speeds, moved.contacts
         events += moved.events
     return (*state, events)
@@ -84,10 +85,10 @@ def by_scipy(track, angle, rate, signal, speed, seconds):
     return y[0], y[1], changes
 
 
-def test_constant_resistance_stops_a_weight_where_the_closed_form_says():
+def test_constant_resistance_stops_a_weight_where_the_closed_form_says(track_of):
     """No drive, no drag: v' = -(mu/kappa)(w + v)^2, so 1/(w + v) grows linearly until v = 0."""
     mu, kappa, w, v0 = 0.05, 1.4, 3.0, 0.4
-    track = Track(Weights(1, 0.1, 1.0, 0.0, kappa), rolling_resistance=mu)
+    track = track_of(Weights(1, 0.1, 1.0, 0.0, kappa), rolling_resistance=mu)
     c = mu / kappa
     stop = (1 / w - 1 / (w + v0)) / c
     way = math.log((w + v0) / w) / c - w * stop
@@ -100,8 +101,8 @@ def test_constant_resistance_stops_a_weight_where_the_closed_form_says():
 
 
 @pytest.mark.parametrize("drag", [0.0, 0.05])
-def test_stick_and_slip_fall_where_an_independent_event_integration_finds_them(drag):
-    track = Track(Weights(1, 0.1, 1.0, drag, 1.4), rolling_resistance=0.03)
+def test_stick_and_slip_fall_where_an_independent_event_integration_finds_them(track_of, drag):
+    track = track_of(Weights(1, 0.1, 1.0, drag, 1.4), rolling_resistance=0.03)
     signal = whirling(0.8, 1.1)
     x, v, changes = by_scipy(track, 0.4, 0.3, signal, 3.0, 9.0)
     found = run(track, [0.4], [0.3], signal, 3.0, 9.0, 900)
@@ -111,9 +112,9 @@ def test_stick_and_slip_fall_where_an_independent_event_integration_finds_them(d
     assert found[1][0] == pytest.approx(v, abs=3e-7)
 
 
-def test_a_weight_in_the_dead_zone_does_not_creep_at_all():
+def test_a_weight_in_the_dead_zone_does_not_creep_at_all(track_of):
     w, mu = 3.0, 0.01
-    track = Track(Weights(3, 0.1, 1.0, 0.05, 1.4), rolling_resistance=mu)
+    track = track_of(Weights(3, 0.1, 1.0, 0.05, 1.4), rolling_resistance=mu)
     pull = (0.4 + 0j, 0j, 0j, 0j)
     # edge of the dead zone about x = 0: 0.4 sin(x) + mu 0.4 cos(x) = mu w^2
     edge = math.asin(mu * w**2 / (0.4 * math.hypot(1.0, mu))) - math.atan(mu)
@@ -125,10 +126,10 @@ def test_a_weight_in_the_dead_zone_does_not_creep_at_all():
     assert outside[1][0] != 0.0
 
 
-def test_resting_weights_break_away_at_the_edge_of_the_dead_zone():
+def test_resting_weights_break_away_at_the_edge_of_the_dead_zone(track_of):
     """A drive that grows linearly: the time of breaking away is a root of a linear equation."""
     w, mu = 3.0, 0.02
-    track = Track(Weights(1, 0.1, 1.0, 0.0, 1.0), rolling_resistance=mu)
+    track = track_of(Weights(1, 0.1, 1.0, 0.0, 1.0), rolling_resistance=mu)
     when = mu * w**2  # at x = pi/2 the signal a = t drives by t and does not load
 
     def grow(t):
@@ -141,10 +142,10 @@ def test_resting_weights_break_away_at_the_edge_of_the_dead_zone():
     assert found[1][0] == pytest.approx(late**2 / 2, rel=5e-3)
 
 
-def test_a_row_of_resting_weights_holds_until_one_end_can_move():
+def test_a_row_of_resting_weights_holds_until_one_end_can_move(track_of):
     w, mu, alpha = 3.0, 0.02, 0.2
     weights = Weights(3, 0.1, 1.0, 0.0, 1.4)
-    track = Track(weights, math.sin(alpha), 0.0, mu)
+    track = track_of(weights, math.sin(alpha), 0.0, mu)
     middle = 0.02  # near the angle from which an acceleration along 0 drives away
     angles = [middle - 2 * alpha, middle, middle + 2 * alpha]
 
@@ -165,71 +166,82 @@ def test_a_row_of_resting_weights_holds_until_one_end_can_move():
     assert not held(1.0)
 
 
-def drive_of(group, a, slope, angle, rate, speed, spin_up):
-    """Drive of a sliding group with the sides of the race that carry it then."""
-    sides = [0.0] * group.size
-    now = Instant(a, slope, speed, spin_up)
-    side_count = find_sides(group, now, angle, rate, sides)
-    return sliding_drive(group, now, angle, rate, sides, side_count)
+class Group(ctypes.Structure):
+    """A packed group that slides one way."""
+
+    _fields_ = (
+        *((name, c_double) for name in ("radius", "lever", "grip", "damping_rate")),
+        ("count", ctypes.c_int),
+        *((name, c_double) for name in ("alpha", "spin_share")),
+    )
 
 
-def test_a_sliding_group_feels_the_mean_of_its_weights_also_when_loads_change_sides():
+def drive_of(core, group, a, slope, angle, rate, speed, spin_up):
+    """Drive of a sliding group and its slope, with the sides of the race that carry it then."""
+    sides, found = np.zeros(group.count), (c_double(), c_double())
+    count = core("find_sides", byref(group), a, angle, rate, speed, sides)
+    core(
+        "sliding_drive", byref(group), a, slope, angle, rate, speed, spin_up, sides, count,
+        *map(byref, found),
+    )  # fmt: skip
+    return found[0].value, found[1].value
+
+
+def test_a_sliding_group_feels_the_mean_of_its_weights_also_when_loads_change_sides(core):
     alpha, n, angle, rate, w, grip = 0.2, 4, 0.7, 0.4, 1.0, 0.05
     for a in (0.5 + 0.3j, 1.9 - 0.8j):  # below and above the centrifugal acceleration
-        group = SlidingGroup(1.0, -1 / 1.4, grip, 0.2, n, alpha, 0.6)
-        found, _ = drive_of(group, a, 0j, angle, rate, w, 0.1)
+        group = Group(1.0, -1 / 1.4, grip, 0.2, n, alpha, 0.6)
+        found, _ = drive_of(core, group, a, 0j, angle, rate, w, 0.1)
         total = 0.0
         for k in range(n):
             z = a * cmath.exp(-1j * (angle + (2 * k - n + 1) * alpha))
             total += -z.imag / 1.4 - grip * abs((w + rate) ** 2 - z.real) - 0.6 * 0.1
         assert found == pytest.approx(total / n, rel=1e-13)
-    assert group_factor(n, alpha) < 1.0
 
 
-def test_slope_of_the_sliding_drive_is_its_derivative():
-    group, h = SlidingGroup(1.0, -1 / 1.4, -0.04, 0.3, 2, 0.2, 0.6), 1e-4
+def test_slope_of_the_sliding_drive_is_its_derivative(core):
+    group, h = Group(1.0, -1 / 1.4, -0.04, 0.3, 2, 0.2, 0.6), 1e-4
     for a0, da in ((0.5 + 0.3j, 0.2 - 0.1j), (9.0 + 1.0j, -1.0 + 2.0j)):
         x, v, w, spin = 0.7, -0.4, 2.0, 0.3
-        g0, slope = drive_of(group, a0, da, x, v, w, spin)
+        g0, slope = drive_of(core, group, a0, da, x, v, w, spin)
         bend = g0 - 0.3 * v
-        ends = [
-            drive_of(
-                group,
-                a0 + s * da,
-                da,
-                x + s * v + s * s * bend / 2,
-                v + s * bend,
-                w + s * spin,
-                spin,
-            )[0]
-            for s in (-h, h)
-        ]
+        ends = []
+        for s in (-h, h):
+            later = x + s * v + s * s * bend / 2, v + s * bend, w + s * spin, spin
+            ends.append(drive_of(core, group, a0 + s * da, da, *later)[0])
         assert slope == pytest.approx((ends[1] - ends[0]) / (2 * h), rel=1e-6)
 
 
-def test_force_of_sliding_and_resting_weights_is_that_of_their_moment():
-    track = Track(Weights(2, 0.1, 1.0, 0.02, 1.4), rolling_resistance=0.08, offset=0.03 - 0.02j)
+@pytest.mark.parametrize(("offset", "resistance", "rates"), [
+    (0.03 - 0.02j, 0.08, STEADY), (0.03 - 0.02j, 0.0, CHANGING), (0j, 0.0, CHANGING),
+])  # fmt: skip
+def test_force_of_weights_is_that_of_their_moment(track_of, offset, resistance, rates):
+    """Sliding, resting, off centre, at changing acceleration: F = -(d/dt)^2 of the moment."""
+    weights = Weights(2, 0.1, 1.0, 0.02, 1.4)
+    track = track_of(weights, rolling_resistance=resistance, offset=offset)
     w, spin, h, signal = 3.0, 0.2, 2e-3, whirling(0.3, 0.9)
+    turning = Polynomial([w, spin, *np.array(rates) / [2, 6, 24]])  # the speed, by time
     state, moments, forces = ([0.1, 2.0], [0.0, 0.5], [0.0, 0.0]), [], []
     for k in range(7):
         t = k * h
-        speed = w + spin * t
-        turn = cmath.exp(1j * (w * t + spin * t * t / 2))
-        moments.append(static_moment(track, state[0]) * turn)
-        force, slope = reaction(track, *state, *signal(t)[:2], speed, spin)
+        speed, spin_up, change = (float(turning.deriv(j)(t)) for j in range(3))
+        turn = cmath.exp(1j * turning.integ()(t))
+        moments.append(track.static_moment(state[0]) * turn)
+        force, slope = track.reaction(*state, *signal(t)[:2], speed, spin_up, change)
         forces.append((force * turn, (slope + 1j * speed * force) * turn))
-        moved = advance(track, *state, signal(t), speed, spin, h)
-        state = moved.angles, moved.speeds, moved.contacts
-    assert state[1][0] == 0.0
-    assert state[1][1] > 0.1
+        now = [float(turning.deriv(j)(t)) for j in (2, 3, 4)]
+        state = track.advance(*state, signal(t), speed, spin_up, h, now)[:3]
+    if resistance:
+        assert state[1][0] == 0.0
+        assert state[1][1] > 0.1
     second = (-moments[5] + 16 * moments[4] - 30 * moments[3] + 16 * moments[2] - moments[1]) / 12
     assert forces[3][0] == pytest.approx(-second / h**2, rel=1e-7)
     slope = (forces[1][0] - 8 * forces[2][0] + 8 * forces[4][0] - forces[5][0]) / (12 * h)
     assert forces[3][1] == pytest.approx(slope, rel=1e-6)
 
 
-def test_sliding_keeps_order_four_between_events():
-    track = Track(Weights(1, 0.1, 1.0, 0.05, 1.4), rolling_resistance=0.03)
+def test_sliding_keeps_order_four_between_events(track_of):
+    track = track_of(Weights(1, 0.1, 1.0, 0.05, 1.4), rolling_resistance=0.03)
     signal = whirling(0.8, 1.1)
     exact = by_scipy(track, 0.4, 0.3, signal, 3.0, 9.0)
     errors = [
@@ -239,38 +251,39 @@ def test_sliding_keeps_order_four_between_events():
     assert errors[1] / errors[2] > 8.0
 
 
-def test_an_offset_is_the_acceleration_of_the_shifted_centre():
-    offset, w, spin, t = 0.3 - 0.1j, 2.0, 0.7, 0.37
-    cubic = shifted((1 + 1j, 2j, -1 + 0j, 0.5 + 0j), offset, w, spin)
+def test_an_offset_is_the_acceleration_of_the_shifted_centre(core):
+    offset, w, spin, t, cubic = 0.3 - 0.1j, 2.0, 0.7, 0.37, np.empty(4, complex)
+    given = np.array([1 + 1j, 2j, -1, 0.5])
+    core("shifted", given, offset, w, np.array([spin, 0.0, 0.0, 0.0]), cubic)
     plane = 1 + 1j + 2j * t - t * t / 2 + t**3 / 12
     found = cubic[0] + t * (cubic[1] + t * (cubic[2] / 2 + t * cubic[3] / 6))
     assert found == pytest.approx(plane + (1j * spin - (w + spin * t) ** 2) * offset, rel=1e-14)
 
 
-def test_an_offset_track_leaves_its_centre_on_the_axis_of_rotation():
+def test_an_offset_track_leaves_its_centre_on_the_axis_of_rotation(track_of):
     """Planar rotor above its critical speed: at rest in the rotor frame where z = -offset."""
     mass, stiffness, damping, w = 0.9, 1.0, 0.3, 3.0
     weights, offset, unbalance = Weights(2, 0.05, 1.0, 0.05, 1.4), 0.004 + 0.003j, 0.03
-    track, z = Track(weights, offset=offset), -offset
+    track, z = track_of(weights, offset=offset), -offset
     # force on the rotor: unbalance + weights' moment - spring - damper - inertia = 0
     dynamic = stiffness - w**2 * (mass + weights.added_mass) + 1j * w * damping
     moment = dynamic * z / w**2 - unbalance - weights.added_mass * offset
     half, middle = math.acos(abs(moment) / 0.1), cmath.phase(moment)
     angles = [middle - half, middle + half]
     acceleration = -(w**2) * z
-    force, slope = reaction(track, angles, [0, 0], [0, 0], acceleration, 0j, w, 0.0)
+    force, slope = track.reaction(angles, [0, 0], [0, 0], acceleration, 0j, w, 0.0)
     assert force + unbalance * w**2 == pytest.approx(dynamic * z, abs=1e-14)
     assert abs(slope) < 1e-14
-    moved = advance(track, angles, [0, 0], [0, 0], (acceleration, 0j, 0j, 0j), w, 0.0, 1.0)
+    moved = track.advance(angles, [0, 0], [0, 0], (acceleration, 0j, 0j, 0j), w, 0.0, 1.0)
     assert moved.angles == pytest.approx(angles, abs=1e-14)
-    plain = Track(weights)
-    moved = advance(plain, angles, [0, 0], [0, 0], (acceleration, 0j, 0j, 0j), w, 0.0, 1.0)
+    plain = track_of(weights)
+    moved = plain.advance(angles, [0, 0], [0, 0], (acceleration, 0j, 0j, 0j), w, 0.0, 1.0)
     assert abs(moved.angles[0] - angles[0]) > 1e-3
 
 
-def test_very_large_drag_needs_no_smaller_steps():
+def test_very_large_drag_needs_no_smaller_steps(track_of):
     """Drag 1e6: the weight creeps with (g - sign c n)/d while the drive exceeds the resistance."""
-    track = Track(Weights(1, 0.1, 1.0, 1.4e5, 1.4), rolling_resistance=0.02)
+    track = track_of(Weights(1, 0.1, 1.0, 1.4e5, 1.4), rolling_resistance=0.02)
     pull = (1.0 + 0j, 0j, 0j, 0j)
     found = run(track, [1.0], [0.0], lambda t: pull, 3.0, 10.0, 50)
     creep = (math.sin(1.0) - 0.02 * (9.0 - math.cos(1.0))) / 1.4 / 1e6

@@ -4,19 +4,15 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from itertools import pairwise
 
 import numpy as np
 import pytest
 from numpy.polynomial import Polynomial
 from numpy.testing import assert_allclose
 from scipy.integrate import solve_ivp
-from scipy.interpolate import BPoly
 
-from autobalancer.models import quintic
-from autobalancer.models.quintic_weights import advance, reaction_second, substep
-from autobalancer.models.spin import STEADY
-from autobalancer.models.weights import KAPPA, Weights, reaction
+from autobalancer.models.weights import KAPPA, Weights
+from tests.native.equations import STEADY, quintic_advance, quintic_reaction_second
 
 pytestmark = pytest.mark.slow
 
@@ -24,6 +20,7 @@ SIGNAL = (1.0 + 0.5j, -1.0 + 2.0j, 3.0 - 1.0j, 2.0j, -4.0 + 1.0j, 5.0 - 2.0j)
 ANGLES, SPEEDS = (0.3, 1.0), (0.2, -3.0)
 SPEED = 3.0
 SPIN_UP, RATES = 2.0, (-3.0, 4.0, 5.0)  # w' [rad/s^2] and its derivatives
+STILL = (0.0, *STEADY)
 
 
 def derivatives(values: Sequence[complex]) -> list[Polynomial]:
@@ -61,59 +58,52 @@ def integrate(weights: Weights, t: float, method: str = "DOP853", still: bool = 
     return solve_ivp(slope, (0.0, t), y0, method, rtol=1e-12, atol=1e-14).y[:, -1]
 
 
-def in_substeps(weights: Weights, t: float, count: int) -> np.ndarray:
-    state, h = list(zip(ANGLES, SPEEDS, strict=True)), t / count
-    motions = [tuple(derivative(k, j * h) for k in range(3)) for j in range(count + 1)]
-    for ends in pairwise(motions):
-        drive = ends, (STEADY, STEADY), weights.lever, weights.damping_rate, h
-        state = [substep(angle, rate, *drive) for angle, rate in state]
-    return np.array(state).T.ravel()
-
-
-def test_quintic_is_that_of_scipy_through_the_same_ends() -> None:
-    step, start, end = 0.7, (1.0, -2.0, 3.0), (0.5, 4.0, -1.0)
-    expected = BPoly.from_derivatives([0.0, step], [start, end])
-    found = (*start, *quintic.hermite(start, end, step))
-    for t in (0.0, 0.1, 0.5, step):
-        values = [float(expected.derivative(k)(t)) if k else float(expected(t)) for k in range(3)]
-        assert_allclose(quintic.at(found, t), values, rtol=1e-12, atol=1e-12)
+def in_steps(core, weights: Weights, t: float, count: int) -> np.ndarray:
+    """The same by steps in each of which a weight moves so little that it is not divided."""
+    state, h = (ANGLES, SPEEDS), t / count
+    for j in range(count):
+        signal = [derivative(k, j * h) for k in range(6)]
+        state = quintic_advance(core, weights, *state, signal, STILL, h)
+    return np.array(state).ravel()
 
 
 @pytest.mark.parametrize("drag", [0.0, 0.3, 0.8])
-def test_substep_has_order_6(drag: float) -> None:
+def test_step_has_order_6(core, drag: float) -> None:
     weights, t = Weights(2, 0.1, 0.5, drag, KAPPA["balls"]), 1.2
-    expected = integrate(weights, t)
-    errors = [np.abs(in_substeps(weights, t, n) - expected).max() for n in (8, 12, 18)]
-    orders = np.log(np.divide(errors[:-1], errors[1:])) / np.log(1.5)
-    assert_allclose(orders, 6.0, atol=0.4)
+    fine = in_steps(core, weights, t, 400)
+    assert_allclose(fine, integrate(weights, t), atol=3e-12)
+    errors = [np.abs(in_steps(core, weights, t, n) - fine).max() for n in (54, 81)]
+    assert np.log(errors[0] / errors[1]) / np.log(1.5) == pytest.approx(6.0, abs=0.3)
 
 
 @pytest.mark.parametrize("drag", [0.0, 1e-2, 1.0, 1e2, 1e4, 1e6])
-def test_any_drag_is_integrated_in_one_step(drag: float) -> None:
+def test_any_drag_is_integrated_in_one_step(core, drag: float) -> None:
     weights = Weights(2, 0.1, 1.0, drag, KAPPA["rollers"])
     expected = integrate(weights, 0.1, "Radau" if weights.damping_rate > 1e3 else "DOP853")
-    angles, speeds = advance(weights, ANGLES, SPEEDS, SIGNAL, 0.0, 0.1)
+    angles, speeds = quintic_advance(core, weights, ANGLES, SPEEDS, SIGNAL, STILL, 0.1)
     # the first instants of weights that heavy drag stops are no quintic
     within = 1e-9 if weights.damping_rate * 0.1 < 1.0 else 2e-6
     assert_allclose([*angles, *speeds], expected, rtol=0, atol=within)
 
 
-def test_turns_behind_a_weight_change_nothing() -> None:
+def test_turns_behind_a_weight_change_nothing(core) -> None:
     weights = Weights(1, 0.1, 1.0, 0.1)
     turned = 2.0 * np.pi * 1e6
-    near = advance(weights, [0.3], [0.2], SIGNAL, 0.0, 0.1)
-    far = advance(weights, [0.3 + turned], [0.2], SIGNAL, 0.0, 0.1)
+    near = quintic_advance(core, weights, [0.3], [0.2], SIGNAL, STILL, 0.1)
+    far = quintic_advance(core, weights, [0.3 + turned], [0.2], SIGNAL, STILL, 0.1)
     assert far[0][0] - turned == pytest.approx(near[0][0], abs=1e-8)
 
 
-def test_a_changing_speed_leaves_weights_behind_as_they_are_integrated() -> None:
+def test_a_changing_speed_leaves_weights_behind_as_they_are_integrated(core) -> None:
     weights = Weights(2, 0.1, 0.5, 0.3, KAPPA["rollers"])
-    angles, speeds = advance(weights, ANGLES, SPEEDS, SIGNAL, SPIN_UP, 0.1, RATES)
+    angles, speeds = quintic_advance(core, weights, ANGLES, SPEEDS, SIGNAL, (SPIN_UP, *RATES), 0.1)
     assert_allclose([*angles, *speeds], integrate(weights, 0.1, still=False), atol=1e-9)
 
 
 @pytest.mark.parametrize("still", [True, False])
-def test_second_derivative_is_that_of_the_reaction_along_the_motion(still: bool) -> None:
+def test_second_derivative_is_that_of_the_reaction_along_the_motion(
+    core, track_of, still: bool
+) -> None:
     weights = Weights(2, 0.1, 0.5, 0.3, KAPPA["balls"])
 
     def driven(t: float) -> tuple[float, float, float, float]:
@@ -121,9 +111,8 @@ def test_second_derivative_is_that_of_the_reaction_along_the_motion(still: bool)
 
     def slope_at(t: float) -> complex:
         angles, speeds = np.split(integrate(weights, t, still=still), 2)
-        return reaction(
-            weights, angles, speeds, derivative(0, t), derivative(1, t), *driven(t)[:3]
-        )[1]
+        motion, none = (derivative(0, t), derivative(1, t)), [0.0, 0.0]
+        return track_of(weights).reaction(angles, speeds, none, *motion, *driven(t)[:3])[1]
 
     h = 2e-3  # four points: order 4 from one side would do less
     around = [slope_at(0.1 + k * h) for k in (-2, -1, 1, 2)]
@@ -131,13 +120,15 @@ def test_second_derivative_is_that_of_the_reaction_along_the_motion(still: bool)
     angles, speeds = np.split(integrate(weights, 0.1, still=still), 2)
     motion = derivative(0, 0.1), derivative(1, 0.1), derivative(2, 0.1)
     w, *spin_up = driven(0.1)
-    found = reaction_second(weights, angles, speeds, motion, w, tuple(spin_up))
+    found = quintic_reaction_second(core, weights, angles, speeds, motion, w, spin_up)
     assert found == pytest.approx(expected, rel=1e-7)
 
 
-def test_input_that_is_not_finite_is_refused() -> None:
+def test_input_that_is_not_finite_is_refused(core) -> None:
     weights = Weights(1, 0.1, 0.5)
-    with pytest.raises(ArithmeticError, match="not finite"):
-        advance(weights, [float("nan")], [0.0], SIGNAL, 0.0, 0.1)
-    with pytest.raises(ArithmeticError, match="substeps"):
-        advance(weights, [0.0], [1e9], SIGNAL, 0.0, 0.1)
+    for angle, speed, code in (
+        (float("nan"), 0.0, "FAILURE_ANGLES"),
+        (0.0, 1e9, "FAILURE_SUBSTEPS"),
+    ):
+        given = core, weights, [angle], [speed], SIGNAL, STILL, 0.1
+        assert core.refusal(quintic_advance, *given)[0] == code

@@ -1,1 +1,0 @@
-"""Weights of finite size: contact, impacts, sticking, offset track."""

@@ -1,0 +1,309 @@
+"""The C sources as a library for the tests, and the equations' functions by ctypes."""
+
+from __future__ import annotations
+
+import ctypes
+import math
+import re
+from collections.abc import Callable, Sequence
+from ctypes import POINTER, byref, c_char_p, c_double, c_int, c_size_t
+from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from tests.native.compiler import shared_library
+
+SOURCES = Path(__file__).parents[2] / "fmus" / "native"
+CORE = [
+    "elementary",
+    "failure",
+    "matrix",
+    "shaft",
+    "rotor_kinds",
+    "linear_rotor",
+    "propagator",
+    "quintic",
+    "signals",
+    "variable_speed",
+    "weights",
+    "quintic_weights",
+    "liquid",
+    "spacing",
+    "track",
+    "centre",
+    "roots",
+    "contact",
+    "resistance",
+    "ring",
+    "groups",
+    "event_functions",
+    "impact_law",
+    "impacts",
+    "events",
+    "motion",
+    "pulse",
+    "reaction_change",
+    "first_fall",
+    "friction",
+    "motor",
+]
+
+
+def compile_library(
+    destination: Path,
+    compiler: Sequence[str] = ("cc",),
+    sources: Sequence[str] = CORE,
+    flags: Sequence[str] = (),
+) -> Path:
+    """Compile C sources (names without ending) into the shared library `destination`.
+
+    `flags` are added to `compiler.FLAGS`, and win over them.
+    """
+    files = [str(SOURCES / f"{name}.c") for name in sources]
+    return shared_library(files, destination, *flags, compiler=compiler)
+
+
+class Complex(ctypes.Structure):
+    _fields_ = (("re", c_double), ("im", c_double))
+
+
+class Failure(ctypes.Structure):
+    _fields_ = (("code", c_int), ("where", c_int), ("name", c_char_p), ("value", c_double * 4))
+
+
+def _struct(name: str, doubles: str = "", **fields: Any) -> type[ctypes.Structure]:
+    listed = [(key, c_double) for key in doubles.split()] or list(fields.items())
+    return type(name, (ctypes.Structure,), {"_fields_": listed})
+
+
+_D = POINTER(c_double)
+LinearRotor = _struct(
+    "LinearRotor",
+    stations=c_int,
+    plane_count=c_int,
+    deflections=c_int,
+    **dict.fromkeys(
+        [
+            "mass",
+            "damping_x",
+            "damping_y",
+            "stiffness_x",
+            "stiffness_y",
+            "internal_damping",
+            "gyroscopic",
+            "planes",
+            "unbalance",
+            "deflection",
+        ],
+        _D,
+    ),
+    gravity=c_double * 2,
+    sliders=c_int,
+)
+Planar = _struct(
+    "Planar",
+    mass=c_double,
+    stiffness=c_double * 2,
+    damping=c_double * 2,
+    internal_damping=c_double,
+    unbalance=c_double,
+    unbalance_angle=c_double,
+)
+TwoSupport = _struct(
+    "TwoSupport",
+    **dict.fromkeys(["mass", "inertia", "polar_inertia", "span", "com"], c_double),
+    stiffness=c_double * 4,
+    damping=c_double * 4,
+    planes=_D,
+    unbalance_count=c_int,
+    unbalances=_D,
+)
+Flexible = _struct(
+    "Flexible",
+    stations=_D,
+    masses=_D,
+    supports=c_int * 2,
+    support_stiffness=c_double * 4,
+    support_damping=c_double * 4,
+    bending_stiffness=c_double,
+    compliance=_D,
+    internal_damping=c_double,
+    unbalance_count=c_int,
+    unbalances=_D,
+    ports=POINTER(c_int),
+)
+VariableSpeedStep = _struct(
+    "VariableSpeedStep",
+    **dict.fromkeys(["turning_force", "axes", "parts", "dof", "plane_count"], c_int),
+    **dict.fromkeys(["still", "per_speed", "planes", "force", "unbalance", "falling"], _D),
+    orders=c_int,
+)
+Doubled = _struct("Doubled", used=c_int, times=c_int, **dict.fromkeys(["scaled", "grown"], _D))
+Doublings = _struct("Doublings", next=c_int, doubled=Doubled * 4)
+Weights = _struct(
+    "Weights",
+    count=c_int,
+    **dict.fromkeys(["mass", "track_radius", "drag", "kappa", "radius"], c_double),
+)
+Quadrature = _struct("Quadrature", damping_rate=c_double, step=c_double, response=c_double * 10)
+Liquid = _struct("Liquid", "chamber_radius float_radius height density")
+Track = _struct(
+    "Track",
+    weights=Weights,
+    **dict.fromkeys(["weight_radius", "restitution", "mobility", "rolling_resistance"], c_double),
+    offset=Complex,
+    **dict.fromkeys(["alpha", "lever", "grip", "damping_rate", "moment", "spin_share"], c_double),
+    **dict.fromkeys(["solid", "full", "eventful"], c_int),
+)
+Moved = _struct(
+    "Moved",
+    **dict.fromkeys(["angles", "speeds", "contacts"], _D),
+    impulse=Complex,
+    events=c_int,
+    reached=c_double,
+)
+Instant = _struct("Instant", acceleration=Complex, slope=Complex, rotor_speed=c_double)
+
+STRUCTURES = (
+    Complex, Failure, LinearRotor, Planar, TwoSupport, Flexible, VariableSpeedStep, Doublings,
+    Weights, Quadrature, Liquid, Track, Moved, Instant,
+)  # fmt: skip
+
+_RETURNS = {
+    c_double: (
+        "square_root copy_sign nearest scaled_by_power sine cosine natural_exp arc_sine hypotenuse"
+        " modulo ieee_remainder weights_alignment weights_added_mass weights_damping_rate"
+        " fastest_rate liquid_gap liquid_mass liquid_added_mass liquid_clearance group_factor"
+        " lowest first_fall"
+    ),
+    Complex: "rect weights_static_moment track_static_moment hat_half pulse_ahead impact_on_plane"
+    " quintic_weights_reaction_second",
+    c_size_t: (
+        "linear_rotor_size linear_rotor_flexible_scratch step_matrix_scratch variable_speed_size"
+        " variable_speed_scratch track_scratch friction_size"
+    ),
+    Quadrature: "quadrature_empty",
+    _D: "quadrature",
+    LinearRotor: "linear_rotor_in linear_rotor_with_added_mass",
+    None: "phi_functions weights_reaction variable_speed_plane_motion along_track"
+    " variable_speed_torque pool expand sliding_drive friction_at_start pressure_factors shifted",
+}
+
+
+class Refused(Exception):
+    """A function returned a failure: its code's number and what it holds."""
+
+    def __init__(self, failure: Any) -> None:
+        super().__init__(failure.code, failure.name, list(failure.value))
+        self.code, self.where, self.name = failure.code, failure.where, failure.name
+        self.value = tuple(failure.value)
+
+
+class Core:
+    """The equations in C, with arrays for what C takes as pointers.
+
+    Attributes:
+        structures: the C structures, by name.
+        codes: numbers of the failures, by name, from failure.h.
+    """
+
+    Refused = Refused
+    compile_library = staticmethod(compile_library)
+
+    def __init__(self, path: Path) -> None:
+        self.structures = SimpleNamespace(**{t.__name__: t for t in STRUCTURES})
+        listed = re.search(r"enum \{(.*?)\};", (SOURCES / "failure.h").read_text(), re.S)
+        names = re.findall(r"^\s*([A-Z_]+)\b", listed[1], re.M)  # type: ignore[index]
+        self.codes = {name: number for number, name in enumerate(names)}
+        self.library = ctypes.CDLL(str(path))
+        for type_, names in _RETURNS.items():
+            for name in names.split():
+                if hasattr(self.library, name):
+                    getattr(self.library, name).restype = type_
+
+    def __call__(self, name: str, *arguments: Any) -> Any:
+        """Call a function: floats go as doubles, arrays as pointers."""
+        return getattr(self.library, name)(*map(_argument, arguments))
+
+    def demand(self, name: str, *arguments: Any) -> None:
+        """Call a function that may fail, and raise `Refused` when it does."""
+        failure = Failure()
+        if self(name, *arguments, byref(failure)):
+            raise Refused(failure)
+
+    def refusal(self, call: Callable[..., object], *arguments: Any) -> tuple[str, Refused]:
+        """Name of the failure of a call that must fail, and the failure."""
+        with pytest.raises(Refused) as refused:
+            call(*arguments)
+        return list(self.codes)[refused.value.code], refused.value
+
+    def real(self, name: str, x: NDArray, *others: NDArray) -> NDArray:
+        """A function of numbers for each of the arrays' elements."""
+        call = getattr(self.library, name)
+        call.argtypes = [c_double] * (1 + len(others))
+        return np.array([call(*values) for values in zip(x, *others, strict=True)])
+
+    def rotor(self, kind: str, n: int, p: int, values: Any) -> Any:
+        """A rotor of a kind from its parameters (a structure)."""
+        memory = np.zeros(self("linear_rotor_size", n, p))
+        rotor = self("linear_rotor_in", memory, n, p)
+        rotor.memory = memory  # type: ignore[attr-defined]
+        scratch = [np.zeros(self("linear_rotor_flexible_scratch", n))] * (kind == "flexible")
+        self.demand(f"linear_rotor_{kind}", byref(values), byref(rotor), *scratch)
+        return rotor
+
+    def rotor_of(self, rotor: Any) -> Any:
+        """The rotor of a `models.rotor.LinearRotor`, whatever its kind."""
+        n, p = rotor.stations, rotor.plane_count
+        memory = np.zeros(self("linear_rotor_size", n, p))
+        made = self("linear_rotor_in", memory, n, p)
+        made.memory = memory
+        made.gravity[:] = rotor.gravity.real, rotor.gravity.imag
+        for name, _ in LinearRotor._fields_[3:-1]:
+            if name != "deflection":
+                values = np.ascontiguousarray(getattr(rotor, name)).view(float).ravel()
+                ctypes.memmove(getattr(made, name), values.ctypes.data, values.nbytes)
+        return made
+
+    def doublings(self, count: int) -> Any:
+        """Room to keep what matrices of so many doubles are doubled from."""
+        kept = Doublings()
+        kept.memory = np.full((4, 2, count), math.nan)
+        for one, (scaled, grown) in zip(kept.doubled, kept.memory, strict=True):
+            one.scaled, one.grown = (a.ctypes.data_as(_D) for a in (scaled, grown))
+        return kept
+
+    def step_matrix(
+        self,
+        rotor: Any,
+        speed: float,
+        step: float,
+        turning: bool,
+        order: int = 3,
+        kept: Any = None,
+    ) -> NDArray:
+        """As `models.propagator.step_matrix`, of a rotor made by `rotor` or `rotor_of`."""
+        axes = 1 if self("linear_rotor_isotropic", byref(rotor)) else 2
+        orders = order + 1
+        sizes = rotor.stations, rotor.plane_count, orders, axes
+        shape = self("step_matrix_rows", *sizes), self("step_matrix_columns", *sizes)
+        matrix = np.empty(shape, complex if axes == 1 else float)
+        scratch = np.full(self("step_matrix_scratch", *sizes), math.nan)
+        how = int(turning), orders
+        kept = self.doublings(len(scratch) // 5) if kept is None else kept
+        self.demand("step_matrix", byref(rotor), speed, step, *how, matrix, scratch, byref(kept))
+        return matrix
+
+
+def _argument(value: Any) -> Any:
+    if isinstance(value, float):
+        return c_double(value)
+    if isinstance(value, complex):
+        return Complex(value.real, value.imag)
+    if isinstance(value, np.ndarray):
+        return value.ctypes.data_as(_D)
+    return value

@@ -1,0 +1,330 @@
+"""Contact, dry friction, motor and quintic weights as the units compute them: the C functions."""
+
+from __future__ import annotations
+
+import ctypes
+import math
+from collections.abc import Sequence
+from ctypes import POINTER, byref, c_double, c_int
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from autobalancer.models.motor import Drive as Motor
+from autobalancer.models.rotor import LinearRotor
+from autobalancer.models.weights import Weights
+from tests.native.core import Complex, Core
+
+STEADY = (0.0, 0.0, 0.0)
+
+
+class Moved(NamedTuple):
+    """State of the weights at the end of a step.
+
+    Attributes:
+        angles, speeds: in the rotor [rad, rad/s].
+        contacts: 1.0 where a weight lastingly touches the next one along increasing angle.
+        impulse: of the collisions on the rotor, in the rotor frame at the step's end [N s].
+        events: collisions, contacts that opened, weights that stuck or broke away.
+        reached: time since the start of the step [s].
+    """
+
+    angles: list[float]
+    speeds: list[float]
+    contacts: list[float]
+    impulse: complex
+    events: int
+    reached: float
+
+
+class Track:
+    """Weights on one track.
+
+    Args:
+        weights: as points.
+        weight_radius, restitution, rolling_resistance, offset, mobility: as in `BallBalancer`.
+
+    Attributes:
+        alpha: half the angle between weights that touch [rad].
+    """
+
+    def __init__(
+        self,
+        core: Core,
+        weights: Weights,
+        weight_radius: float = 0.0,
+        restitution: float = 0.0,
+        rolling_resistance: float = 0.0,
+        offset: complex = 0j,
+        mobility: float = 0.0,
+    ) -> None:
+        self.core, self.weights = core, weights
+        self.restitution, self.rolling_resistance = restitution, rolling_resistance
+        w = weights
+        points = core.structures.Weights(w.count, w.mass, w.track_radius, w.drag, w.kappa)
+        self.native = core.structures.Track(
+            points, weight_radius, restitution, mobility, rolling_resistance,
+            Complex(offset.real, offset.imag),
+        )  # fmt: skip
+        core.demand("track_prepare", byref(self.native))
+        self.alpha = float(self.native.alpha)
+        self._scratch = np.full(core("track_scratch", w.count), np.nan)
+
+    def advance(
+        self,
+        angles: Sequence[float],
+        speeds: Sequence[float],
+        contacts: Sequence[float],
+        signal: Sequence[complex],
+        rotor_speed: float,
+        angular_acceleration: float,
+        step: float,
+        rates: Sequence[float] = STEADY,
+        stop: int = 0,
+    ) -> Moved:
+        """Motion over a step; `signal` (4,) of the plane's centre, `rates` (3,) of w'."""
+        ends = [np.empty(self.weights.count) for _ in range(3)]
+        moved = self.core.structures.Moved(*(_pointer(values) for values in ends))
+        self.core.demand(
+            "track_advance", byref(self.native), *_arrays(angles, speeds, contacts),
+            np.array(signal, complex), float(rotor_speed),
+            np.array([angular_acceleration, *rates], float), float(step), stop, byref(moved),
+            self._scratch,
+        )  # fmt: skip
+        impulse = complex(moved.impulse.re, moved.impulse.im)
+        return Moved(*(e.tolist() for e in ends), impulse, moved.events, moved.reached)
+
+    def reaction(
+        self,
+        angles: Sequence[float],
+        speeds: Sequence[float],
+        contacts: Sequence[float],
+        acceleration: complex,
+        slope: complex,
+        rotor_speed: float,
+        angular_acceleration: float,
+        change: float = 0.0,
+    ) -> tuple[complex, complex]:
+        """Force on the rotor and its slope, rotor frame, without N m a and without impulses."""
+        found = Complex(), Complex()
+        self.core.demand(
+            "track_reaction", byref(self.native), *_arrays(angles, speeds, contacts),
+            complex(acceleration), complex(slope), float(rotor_speed), float(angular_acceleration),
+            float(change), *map(byref, found), self._scratch,
+        )  # fmt: skip
+        return complex(found[0].re, found[0].im), complex(found[1].re, found[1].im)
+
+    def reaction_change(
+        self, state: Sequence[Sequence[float]], drive: Sequence[Any], by: Sequence[Any]
+    ) -> tuple[complex, complex]:
+        """Change of force and slope by a change of acceleration, slope, speed and w'."""
+        found, seen = (Complex(), Complex()), [Complex(z.real, z.imag) for z in by[:2]]
+        changed = byref(self.core.structures.Instant(*seen, by[2]))
+        self.core.demand(
+            "track_reaction_change", byref(self.native), *_arrays(*state), *drive, changed, by[3],
+            0.0, *map(byref, found), self._scratch,
+        )  # fmt: skip
+        return complex(found[0].re, found[0].im), complex(found[1].re, found[1].im)
+
+    def first_contacts(self, angles: Sequence[float], speeds: Sequence[float]) -> list[float]:
+        """Contacts of weights that touch and move alike."""
+        contacts = np.empty(self.weights.count)
+        self.core.demand(
+            "track_first_contacts", byref(self.native), *_arrays(angles, speeds), contacts,
+            self._scratch,
+        )  # fmt: skip
+        return contacts.tolist()
+
+    def static_moment(self, angles: Sequence[float]) -> complex:
+        """Sum of m (e + R e^{i theta}) [kg m]."""
+        found = self.core("track_static_moment", byref(self.native), *_arrays(angles), None)
+        return complex(found.re, found.im)
+
+
+def discharge(
+    core: Core, owed: complex, pulse: complex, impulse: complex, turn: float, step: float
+) -> tuple[complex, complex]:
+    """Impulse owed after a step, and the pulse of force at its end."""
+    left = Complex(owed.real, owed.imag)
+    given = core("pulse_ahead", complex(pulse), float(turn), float(step), byref(left))
+    return complex(left.re, left.im) + impulse, complex(given.re, given.im)
+
+
+class Pools(ctypes.Structure):
+    """Runs of neighbours of a chain of n weights that share one value."""
+
+    _fields_ = (
+        ("count", c_int),
+        *((name, POINTER(c_int)) for name in ("first", "size")),
+        *((name, POINTER(c_double)) for name in ("drive", "limit", "value")),
+    )
+
+
+def pooled(core: Core, drives: Sequence[float], limits: Sequence[float] | None) -> list[float]:
+    """Accelerations of a chain of touching weights, by the principle of least constraint."""
+    n = len(drives)
+    pools = Pools(0, *((c_int * n)() for _ in range(2)), *((c_double * n)() for _ in range(3)))
+    values = np.empty(n)
+    held = None if limits is None else np.array(limits, float)
+    core("pool", byref(pools), np.array(drives, float), held, n, 0.0)
+    core("expand", byref(pools), values)
+    return values.tolist()
+
+
+class Drive(NamedTuple):
+    """What moves a rotor over a step.
+
+    Attributes:
+        forces: (4, p) complex, of the planes, and their derivatives.
+        angle, speed: of the rotor.
+        spin_up: its angular acceleration and the derivatives of that of order 1 to 3.
+    """
+
+    forces: NDArray[np.complex128]
+    angle: float
+    speed: float
+    spin_up: tuple[float, float, float, float] = (0.0, 0.0, 0.0, 0.0)
+
+
+class _Drive(ctypes.Structure):
+    _fields_ = (
+        ("forces", POINTER(c_double)),
+        ("angle", c_double),
+        ("speed", c_double),
+        ("spin_up", POINTER(c_double)),
+    )
+
+
+class _Slider(ctypes.Structure):
+    _fields_ = (("station", c_int), ("axis", c_int), ("limit", c_double), ("stiffness", c_double))
+
+
+class Friction:
+    """Step of a rotor with dry friction in its supports.
+
+    States are (q, v), x before y; `held` (m, 2) is the direction of slip and the force of every
+    slider.
+    """
+
+    def __init__(self, core: Core, rotor: LinearRotor, turning_force: bool = True) -> None:
+        self.core, self.dof = core, 2 * rotor.stations
+        sizes = rotor.stations, rotor.plane_count
+        count, native = len(rotor.sliders), core.rotor_of(rotor)
+        native.sliders = count
+        smooth = core.structures.VariableSpeedStep()
+        memory = np.empty(core("variable_speed_size", *sizes, 2))
+        scratch = np.empty(core("variable_speed_scratch", *sizes, 2))
+        core.demand(
+            "variable_speed_step", byref(native), int(turning_force), memory, scratch, byref(smooth)
+        )
+        self._sliders = (_Slider * count)(
+            *((s.station, s.axis, s.limit, s.stiffness) for s in rotor.sliders)
+        )
+        own = np.empty(core("friction_size", *sizes, count))
+        self._native = (c_double * 64)()  # longer than the structure
+        core.demand(
+            "friction_step", byref(native), byref(smooth), self._sliders, count, own,
+            byref(self._native),
+        )  # fmt: skip
+        self._kept = native, smooth, memory, own
+
+    def at_start(self, state: NDArray) -> NDArray:
+        """Sliders with slack springs; rigid ones slip with the rotor."""
+        held, count = np.zeros((len(self._sliders), 2)), len(self._sliders)
+        rates = np.array(state, float)[self.dof :].reshape(2, -1).T.ravel()
+        self.core("friction_at_start", self._sliders, count, rates, held)
+        return held
+
+    def advance(
+        self, state: NDArray, held: NDArray, drive: Drive, step: float
+    ) -> tuple[NDArray, NDArray]:
+        """State and sliders one step later."""
+        state, held, forces = state.copy(), held.copy(), np.ascontiguousarray(drive.forces)
+        spin_up = np.array(drive.spin_up, float)
+        given = _Drive(_pointer(forces), drive.angle, drive.speed, _pointer(spin_up))
+        reached = c_double(step)
+        self.core.demand(
+            "friction_advance", byref(self._native), state, held, byref(given), float(step), 0,
+            byref(reached),
+        )  # fmt: skip
+        return state, held
+
+
+class _Motor(ctypes.Structure):
+    _fields_ = (
+        ("inertia", c_double),
+        ("count", c_int),
+        ("points", POINTER(c_double)),
+        ("negligible", c_double),
+        ("reached", c_double),
+        ("quadrature", c_double * 12),
+    )
+
+
+def motor_advance(
+    core: Core, motor: Motor, speed: float, torque: Sequence[float], step: float
+) -> tuple[float, float]:
+    """Speed after a step, and the angle turned in it."""
+    points = np.array([motor.speeds, motor.torques]).T.copy()
+    native = _Motor(motor.inertia, len(points), _pointer(points), math.inf)
+    native.quadrature[:2] = [-1.0, -1.0]  # remembers nothing
+    ends = c_double(speed), c_double(0.0)
+    core.demand(
+        "motor_advance",
+        byref(native),
+        *map(byref, ends),
+        np.array(torque, float),
+        float(step),
+    )
+    return ends[0].value, ends[1].value
+
+
+def quintic_advance(
+    core: Core,
+    weights: Weights,
+    angles: Sequence[float],
+    speeds: Sequence[float],
+    signal: Sequence[complex],
+    spin_up: Sequence[float],
+    step: float,
+) -> tuple[list[float], list[float]]:
+    """Angles and speeds of point weights after a step under a quintic signal (6,)."""
+    ends = np.empty(weights.count), np.empty(weights.count)
+    memory = np.full(16, -1.0)  # of the response to a step: remembers nothing
+    core.demand(
+        "quintic_weights_advance", byref(_points(core, weights)), *_arrays(angles, speeds),
+        np.array(signal, complex), np.array(spin_up, float), float(step), *ends, memory,
+        np.full((weights.count, 6), np.nan),
+    )  # fmt: skip
+    return ends[0].tolist(), ends[1].tolist()
+
+
+def quintic_reaction_second(
+    core: Core,
+    weights: Weights,
+    angles: Sequence[float],
+    speeds: Sequence[float],
+    motion: Sequence[complex],
+    rotor_speed: float,
+    spin_up: Sequence[float],
+) -> complex:
+    """Second derivative of the force of point weights."""
+    found = core(
+        "quintic_weights_reaction_second", byref(_points(core, weights)), *_arrays(angles, speeds),
+        np.array(motion, complex), float(rotor_speed), np.array(spin_up, float),
+        np.full((weights.count, 6), np.nan),
+    )  # fmt: skip
+    return complex(found.re, found.im)
+
+
+def _points(core: Core, w: Weights) -> Any:
+    return core.structures.Weights(w.count, w.mass, w.track_radius, w.drag, w.kappa)
+
+
+def _arrays(*values: Sequence[float]) -> list[NDArray]:
+    return [np.array(v, float) for v in values]
+
+
+def _pointer(values: NDArray) -> Any:
+    return values.ctypes.data_as(POINTER(c_double))
