@@ -15,6 +15,7 @@ from pathlib import Path
 
 # what zipfile raises besides BadZipFile: unknown compression, encryption, a stream that breaks off
 _DAMAGE = (RuntimeError, EOFError, ValueError, zlib.error, lzma.LZMAError, struct.error)
+LARGEST_UNPACKED = 256_000_000  # bytes; an FMU of all platforms has fewer than 10 million
 _EPOCH = (1980, 1, 1, 0, 0, 0)
 
 
@@ -43,15 +44,29 @@ def unzipped(path: Path | str) -> dict[str, bytes]:
     """Files of an archive by name.
 
     Raises:
-        zipfile.BadZipFile: it is none, or damaged.
+        zipfile.BadZipFile: it is none, damaged, or larger than `LARGEST_UNPACKED`.
         OSError: it cannot be read.
     """
+    refuse_large(path)
     try:
         with zipfile.ZipFile(path) as archive:
             names = [name for name in archive.namelist() if not name.endswith("/")]
             return {name: archive.read(name) for name in names}
     except _DAMAGE as error:
         raise zipfile.BadZipFile(str(error)) from error
+
+
+def refuse_large(path: Path | str) -> None:
+    """Refuse an archive by the sizes in its directory, beyond which `zipfile` unpacks nothing.
+
+    Raises:
+        zipfile.BadZipFile: it is no archive, or larger than `LARGEST_UNPACKED`.
+        OSError: it cannot be read.
+    """
+    with zipfile.ZipFile(path) as archive:
+        size = sum(entry.file_size for entry in archive.infolist())
+    if size > LARGEST_UNPACKED:
+        raise zipfile.BadZipFile(f"unpacks to {size} bytes; at most {LARGEST_UNPACKED} are allowed")
 
 
 def source(path: Path) -> str:

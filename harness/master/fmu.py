@@ -19,6 +19,7 @@ import fmpy
 import numpy as np
 from fmpy import fmi2
 
+from ...fmus.xml.archive import refuse_large
 from ..errors import SimulationError, UnitError
 from .library import Library
 from .unit_files import described, measured_in
@@ -106,6 +107,7 @@ class Fmu(Closing):
         if not self.path.is_file():
             raise UnitError(f"{self.path}: no such FMU file")
         try:
+            refuse_large(self.path)
             self.description = described(self.path)
             fmpy.extract(str(self.path), unzipdir=self._directory, include=_is_loaded)
         except (zipfile.BadZipFile, OSError, KeyError) as error:

@@ -19,6 +19,7 @@ else:
 
 BUNDLED = Path(__file__).parent.with_name("scenes")
 MOST_LEVELS = 20  # of tables and lists within one another; a scene has five
+LARGEST_FILE = 10_000_000  # bytes; the longest bundled scene has three thousand
 _POSITION = re.compile(r"^(?P<what>.*) \(at (?P<where>.*)\)$", re.DOTALL)
 _REPAIRS: tuple[tuple[str, str | Callable[[re.Match[str]], str]], ...] = (
     # of a line that is not TOML, each on top of those before
@@ -86,8 +87,10 @@ def read(path: Path) -> dict[str, Any]:
     """The document in a file.
 
     Raises:
-        SceneError: it cannot be read, is not UTF-8, or is not TOML.
+        SceneError: it cannot be read, is too large, is not UTF-8, or is not TOML.
     """
+    if path.is_file() and (size := path.stat().st_size) > LARGEST_FILE:
+        raise SceneError(f"{path}: has {size} bytes; a scene has at most {LARGEST_FILE}")
     text = read_text(path, SceneError)
     try:
         return tomllib.loads(text)

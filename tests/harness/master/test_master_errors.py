@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import re
+import zipfile
 
 import pytest
 
+from autobalancer.fmus.build import content_id
 from autobalancer.harness import SimulationError, UnitError, build, cosimulate, load_scene
 from autobalancer.harness.master import cosimulation
 from autobalancer.harness.master.cosimulation import CoSimulation
@@ -291,3 +293,17 @@ def test_states_saved_before_one_that_cannot_be_are_freed(held, monkeypatch):
         with pytest.raises(SimulationError, match="no memory"):
             cosim.step(0.1)
         assert held == []
+
+
+def test_an_archive_that_unpacks_to_more_than_any_fmu_is_refused_unread(tmp_path):
+    path = tmp_path / "large.fmu"
+    deflated = zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED, compresslevel=1)
+    with deflated as archive, archive.open("resources/zeros", "w") as stream:
+        for _ in range(257):
+            stream.write(bytes(1_000_000))
+    assert path.stat().st_size < 5_000_000
+    refused = r"large\.fmu: not .*unpacks to 257000000 bytes; at most 256000000"
+    with pytest.raises(ValueError, match=refused):
+        content_id(path)
+    with pytest.raises(UnitError, match=refused):
+        Fmu(path, "large")

@@ -47,3 +47,11 @@ def test_an_assignment_that_is_not_one_value_is_refused_on_one_line(text):
         parse_change(text)
     assert "\n" not in str(caught.value)
     assert len(str(caught.value)) < 400
+
+
+def test_a_file_larger_than_any_scene_is_refused_unread(tmp_path):
+    path = tmp_path / "large.toml"
+    with path.open("wb") as stream:
+        stream.truncate(10_000_001)
+    with pytest.raises(SceneError, match=r"large\.toml: has 10000001 bytes; .* at most 10000000"):
+        load_scene(path)
