@@ -15,7 +15,7 @@ from pathlib import Path
 
 # what zipfile raises besides BadZipFile: unknown compression, encryption, a stream that breaks off
 _DAMAGE = (RuntimeError, EOFError, ValueError, zlib.error, lzma.LZMAError, struct.error)
-LARGEST_UNPACKED = 256_000_000  # bytes; an FMU of all platforms has fewer than 10 million
+LARGEST_UNPACKED = 256_000_000  # bytes, far above any unit of `build`
 _EPOCH = (1980, 1, 1, 0, 0, 0)
 
 
@@ -47,8 +47,8 @@ def unzipped(path: Path | str) -> dict[str, bytes]:
         zipfile.BadZipFile: it is none, damaged, or larger than `LARGEST_UNPACKED`.
         OSError: it cannot be read.
     """
-    refuse_large(path)
     try:
+        refuse_large(path)
         with zipfile.ZipFile(path) as archive:
             names = [name for name in archive.namelist() if not name.endswith("/")]
             return {name: archive.read(name) for name in names}
