@@ -36,6 +36,9 @@ def command(
     seconds: Annotated[
         float, typer.Option(min=1.0, help="About how long the measuring may take.")
     ] = 75.0,
+    all_curves: Annotated[
+        bool, typer.Option("--all-curves", help="Draw all methods, not the best of each group.")
+    ] = False,
     changes: Annotated[list[str] | None, options.changes("run.revolutions=20")] = None,
     at_most: Annotated[str, options.AT_MOST] = costs.DEFAULT,
 ) -> None:
@@ -64,7 +67,7 @@ def command(
     if output is not None:
         from .plot import plot_precision
 
-        say(f"Picture: {plot_precision(study, output)}")
+        say(f"Picture: {plot_precision(study, output, all_curves)}")
     for words in (report.comparison_words(study), report.one_file_words(study)):
         if words:
             say(words, style="bold")

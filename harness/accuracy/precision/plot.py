@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import math
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -10,8 +11,8 @@ from matplotlib.figure import Figure
 
 from ...output.machine import machine
 from ...output.plot import save
-from .measure import TWO_DECADES, Point, Precision
-from .methods import ALONG_FIXED_AXES
+from .measure import TARGETS, TWO_DECADES, Point, Precision
+from .methods import ALONG_FIXED_AXES, LIBCOSIM, Method
 
 _COLOURS = {
     "jacobi": "tab:red",
@@ -31,15 +32,16 @@ _MARKERS: dict[int | None, str] = {0: "v", 1: "s", 3: "o", 5: "*", None: "."}
 _TOLERANCE = "tab:green"
 
 
-def plot_precision(study: Precision, path: Path) -> Path:
-    """Draw a measured scene."""
+def plot_precision(study: Precision, path: Path, all_curves: bool = False) -> Path:
+    """Draw a measured scene: the best method of each group, or all of them."""
     figure = Figure(figsize=(10.5, 6.4), layout="constrained")
     axes = figure.subplots()
     families: dict[str, list[Point]] = {}
     for point in study.points:
         if point.error and point.seconds and point.error < 1.0:
             families.setdefault(point.method.family, []).append(point)
-    for family, points in families.items():
+    drawn = families if all_curves else best_of_groups(families)
+    for family, points in drawn.items():
         _draw(axes, study, family, points)
     limit = TWO_DECADES * study.reference_error
     axes.axvspan(axes.get_xlim()[0] * 0.1, limit, color="0.92", zorder=0)
@@ -49,10 +51,48 @@ def plot_precision(study: Precision, path: Path) -> Path:
     axes.set_ylabel("run time [s]")
     axes.grid(which="major", alpha=0.35)
     axes.grid(which="minor", alpha=0.1)
-    figure.legend(loc="outside right upper", fontsize="small", frameon=False)
+    if all_curves:
+        figure.legend(loc="outside right upper", fontsize="small", frameon=False)
+    else:
+        axes.legend(loc="upper right", fontsize="small")
     axes.set_title(study.scene.heading, fontsize="medium")
     figure.supxlabel(_footer(study), fontsize="x-small", color="0.35")
     return save(figure, path)
+
+
+def best_of_groups(families: Mapping[str, list[Point]]) -> dict[str, list[Point]]:
+    """The family of each group that is the cheapest at most of the errors in `TARGETS`."""
+    groups: dict[str, dict[str, list[Point]]] = {}
+    for family, points in families.items():
+        groups.setdefault(_group(points[0].method), {})[family] = points
+    best = {}
+    for group in groups.values():
+        costs = {family: [_cost(points, t) for t in TARGETS] for family, points in group.items()}
+        least = [min(column) for column in zip(*costs.values(), strict=True)]
+        wins = {
+            family: sum(own <= lowest < math.inf for own, lowest in zip(row, least, strict=True))
+            for family, row in costs.items()
+        }
+        winner = max(wins, key=lambda family: wins[family])
+        best[winner] = group[winner]
+    return best
+
+
+def _group(method: Method) -> str:
+    """Methods that a reader chooses between."""
+    if method.in_one_piece:
+        return "one piece"
+    if method.one_file:
+        return "one file"
+    held = method.name in ("jacobi", ALONG_FIXED_AXES, LIBCOSIM)
+    return "held signals" if held else "separate FMUs"
+
+
+def _cost(points: Sequence[Point], error: float) -> float:
+    """Time of the cheapest point that errs by no more [s]; infinite: there is none."""
+    return min(
+        (p.seconds for p in points if p.seconds and p.error and p.error <= error), default=math.inf
+    )
 
 
 def _draw(axes: Any, study: Precision, family: str, points: Sequence[Point]) -> None:

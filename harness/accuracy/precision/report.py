@@ -109,7 +109,7 @@ def comparison_words(study: Precision) -> str:
     for point in study.points:
         method, steps = point.method, point.method.steps_per_rev
         one_pass = method.name == "iterated" and (method.order, method.corrections) == (3, 1)
-        if one_pass and point.rotor and steps in held:
+        if one_pass and not method.one_file and point.rotor and steps in held:
             ratio = float(f"{held[steps] / point.rotor:.2g}")
             ways.append(f"{ratio:,.0f} at {steps} ({point.rotor:.1e} against {held[steps]:.2g})")
     if not ways:

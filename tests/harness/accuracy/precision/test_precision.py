@@ -25,7 +25,7 @@ from autobalancer.harness.accuracy.precision.methods import (
     coupling_methods,
     ready,
 )
-from autobalancer.harness.accuracy.precision.plot import plot_precision
+from autobalancer.harness.accuracy.precision.plot import best_of_groups, plot_precision
 from autobalancer.harness.accuracy.precision.report import (
     KEYS,
     as_json,
@@ -278,9 +278,21 @@ def test_libcosim_cannot_run_up_and_says_so():
 
 
 def test_picture_and_table_are_made_of_what_was_measured(measured, tmp_path):
-    picture = plot_precision(measured, tmp_path / "wp.png")
-    assert picture.read_bytes().startswith(b"\x89PNG")
+    for all_curves in (False, True):
+        picture = plot_precision(measured, tmp_path / f"wp{all_curves}.png", all_curves)
+        assert picture.read_bytes().startswith(b"\x89PNG")
     assert len(table(measured).rows) == len(measured.points)
+
+
+def test_a_picture_shows_of_each_group_the_method_that_is_cheapest_most_often():
+    def points(method, *pairs):
+        return [Point("two_balls", method, e, e, seconds, 1, "ok") for e, seconds in pairs]
+
+    cheap = points(Method("monolith LSODA", tolerance=1e-4), (1e-4, 1.0), (1e-8, 2.0))
+    dear = points(Method("monolith RK45", tolerance=1e-4), (1e-4, 0.9), (1e-8, 9.0))
+    ours = points(Method("iterated", 3, 20, 1), (1e-2, 5.0))
+    found = best_of_groups({"cheap": cheap, "dear": dear, "ours": ours})
+    assert list(found) == ["cheap", "ours"]
 
 
 def test_command_writes_what_is_asked_and_ends_with_the_cheapest_way(invoke, tmp_path, monkeypatch):
