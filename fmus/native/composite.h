@@ -171,13 +171,13 @@ void composite_level_off(Unit *unit);
 void composite_put_time(Text *reason, double time);
 void composite_put_gain(const Unit *unit, Text *reason);
 
-/* -- composite_run.c: twin of harness/master/cosimulation.py ---------------------------------- */
+/* -- composite_run.c ---------------------------------- */
 
 /* The communication step to come, which may take several of the coupling; with a tolerance one that
    is chosen, at most that long [s]; 1 with the reason. */
 int composite_run_step(Unit *unit, double step);
 
-/* -- composite_system.c: twin of harness/master/system.py ------------------------------------ */
+/* -- composite_system.c ------------------------------------ */
 
 /* Step the rotor under force signals (e, o); accelerations of the planes in c->ends. */
 int composite_rotor_pass(Unit *unit, const Complex *forces, double step);
@@ -208,7 +208,7 @@ void composite_name_forces(const Composite *c, Text *text);
 /* One step of a part. */
 int composite_advance(Unit *unit, Part *part, double step);
 
-/* -- composite_shaft.c: twin of harness/master/shaft.py -------------------------------------- */
+/* -- composite_shaft.c -------------------------------------- */
 
 /* Take the motor's speed over, and tell it to all units. */
 int shaft_begin(Unit *unit);
@@ -225,7 +225,7 @@ Knot shaft_stand(Composite *c);
 /* Of the rotor where the units stand [rad/s]. */
 double shaft_speed(const Composite *c);
 
-/* -- composite_signals.c: twin of harness/master/signals.py ---------------------------------- */
+/* -- composite_signals.c ---------------------------------- */
 
 /* A signal of which the start alone is known. */
 void knot_begun(const Knot *start, int orders, Complex *signal);
@@ -239,7 +239,7 @@ Knot knot_end(const Complex *signal, int orders, double step);
 void signal_predicted(const Signal *signal, int orders, Complex *ahead);
 void signal_move(Signal *signal, const Knot *end, int orders, double step);
 
-/* -- composite_loop.c: twin of harness/master/loop.py ---------------------------------------- */
+/* -- composite_loop.c ---------------------------------------- */
 
 /* What the loop, or a part of it, makes of u; vectors have of every unknown the value, the slope times
    step, and of quintics the second derivative times its square. */
@@ -262,13 +262,13 @@ int loop_rotor_response(Unit *unit, double step);
 /* Largest modulus of the eigenvalues of a (n, n) matrix, which is overwritten; work: (n, n). */
 double spectral_radius(int n, double *matrix, double *work);
 
-/* -- composite_scales.c: twin of harness/master/scales.py ------------------------------------ */
+/* -- composite_scales.c ------------------------------------ */
 
 double composite_largest_force(const Composite *c);
 /* On every plane of the rotor (p,), by the port or in the force [kg]. */
 void composite_added_masses(const Composite *c, double *masses);
 
-/* -- composite_resolution.c: twin of harness/master/resolution.py ---------------------------- */
+/* -- composite_resolution.c ---------------------------- */
 
 void resolution_begin(Unit *unit);
 /* Look at the step just finished; 1 with the reason where steps are too long for the signals. */

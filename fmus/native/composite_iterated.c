@@ -1,5 +1,4 @@
-/* Iterated: step, compare the forces with those assumed, roll back and step again; twin of
-   harness/master/schemes/iterated.py. */
+/* Iterated: step, compare the forces with those assumed, roll back and step again. */
 #include <string.h>
 
 #include "composite.h"

@@ -1,5 +1,4 @@
-/* Signals that vary faster than the steps: said loudly instead of computed wrongly; twin of
-   harness/master/resolution.py, which explains the estimate. */
+/* Signals that vary faster than the steps: said loudly instead of computed wrongly. */
 #include <string.h>
 
 #include "composite.h"

@@ -1,4 +1,4 @@
-/* A communication step as a run takes it; twin of harness/master/cosimulation.py. */
+/* A communication step as a run takes it. */
 #include "composite.h"
 #include "elementary.h"
 

@@ -1,5 +1,4 @@
-/* The shaft: a motor of limited power, and the units that it drives and whose torque it feels; twin of
-   harness/master/shaft.py. */
+/* The shaft: a motor of limited power, and the units that it drives and whose torque it feels. */
 #include <string.h>
 
 #include "composite.h"

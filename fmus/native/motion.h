@@ -1,5 +1,4 @@
-/* What a unit calls: motion of a track's weights over a step, and their force on the rotor; twin of
-   models/contact/motion.py.
+/* What a unit calls: motion of a track's weights over a step, and their force on the rotor.
 
    Without contact, resistance and offset these are the functions of weights.h. */
 #ifndef AUTOBALANCER_MOTION_H

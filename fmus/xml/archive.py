@@ -74,6 +74,15 @@ def source(path: Path) -> str:
     return path.read_text(encoding="utf-8").replace("\r\n", "\n")
 
 
+def permissions(target: Path) -> int:
+    """Those of the file to be replaced, or of a new one: temporary files are private."""
+    if target.exists():
+        return target.stat().st_mode & 0o7777
+    umask = os.umask(0)
+    os.umask(umask)
+    return 0o666 & ~umask
+
+
 def write(target: Path, data: bytes) -> None:
     """Write a file whole or not at all."""
     target.parent.mkdir(parents=True, exist_ok=True)
@@ -81,7 +90,7 @@ def write(target: Path, data: bytes) -> None:
     try:
         with os.fdopen(handle, "wb") as file:
             file.write(data)
-        os.chmod(draft, 0o644)
+        os.chmod(draft, permissions(target))
         os.replace(draft, target)
     except BaseException:
         os.unlink(draft)

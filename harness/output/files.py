@@ -14,6 +14,7 @@ from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import IO, Any
 
+from ...fmus.xml.archive import permissions
 from ..errors import UserError
 
 _DESCRIPTOR = re.compile(r"/dev/(?P<name>stdout|stderr)$|(?:/dev|/proc/self)/fd/(?P<number>\d+)$")
@@ -76,7 +77,7 @@ def write_whole(path: str | Path, mode: str = "w") -> Iterator[IO[Any]]:
                 yield stream
                 stream.flush()
                 os.fsync(stream.fileno())
-            os.chmod(temporary, _permissions(target))
+            os.chmod(temporary, permissions(target))
             os.replace(temporary, target)
         except BaseException:
             with contextlib.suppress(OSError):
@@ -134,15 +135,6 @@ def _straight(path: str | Path) -> str | int | None:
                 stream.flush()
         return os.dup(number)
     return str(path) if os.path.exists(path) and not os.path.isfile(path) else None
-
-
-def _permissions(target: Path) -> int:
-    """Those of the file to be replaced, or of a new one (mkstemp makes its own private)."""
-    if target.exists():
-        return target.stat().st_mode & 0o7777
-    umask = os.umask(0)
-    os.umask(umask)
-    return 0o666 & ~umask
 
 
 def plain(value: Any) -> Any:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ast
+import os
 import re
 import shutil
 import subprocess
@@ -302,3 +303,12 @@ def test_an_archive_of_unknown_compression_is_not_an_fmu(tmp_path):
     path.write_bytes(bytes(data))
     with pytest.raises(ValueError, match="not an FMU"):
         content_id(path)
+
+
+def test_a_written_fmu_has_the_permissions_that_the_umask_leaves(tmp_path):
+    before = os.umask(0o027)
+    try:
+        path = build("LiquidBalancer", tmp_path)
+    finally:
+        os.umask(before)
+    assert path.stat().st_mode & 0o777 == 0o640
