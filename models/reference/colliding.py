@@ -23,7 +23,9 @@ from ..arrays import Array
 from .coupled import REST, Monolith, Start, weights_of
 
 Pair = tuple[int, int, float, float]  # two neighbours, distance of touching, turns between them
-MARGIN = 1e-10  # rad: a gap this far below zero is closed, so that rounding closes none
+MARGIN = 1e-12  # rad: a gap this far below zero is closed, so that rounding closes none; a slow
+# closing is late by MARGIN over its speed
+OVERLAP = 2e-10  # rad: what the integration may leave of a contact that lasts
 SHIFTS = 8  # each halves what gaps of a chain of weights are off
 LOWEST = 1e-9  # rad: a bounce that would rise less ends in contact
 MOST_IMPACTS = 100  # at one time, each of which ends or turns round what approaches
@@ -208,7 +210,7 @@ def integrate_contacts(
         if wanted.any():
             states[wanted] = solved.sol(time[wanted]).T
         t, y = float(solved.t[-1]), solved.y[:, -1]
-        if any(bodies.gap(pair, y) < -2.0 * MARGIN for pair in bodies.pairs):
+        if any(bodies.gap(pair, y) < -OVERLAP for pair in bodies.pairs):
             raise ArithmeticError(f"weights pass through each other before {t:g} s")
         if solved.status == 0:
             return states

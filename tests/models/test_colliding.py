@@ -8,7 +8,7 @@ import pytest
 from autobalancer.models.assembly import Assembly, Mounted, SpeedProfile
 from autobalancer.models.monolith import simulate
 from autobalancer.models.papers.capacity import packed_alignment, residual_unbalance
-from autobalancer.models.reference.colliding import LOWEST, MARGIN, Colliding
+from autobalancer.models.reference.colliding import LOWEST, OVERLAP, Colliding
 from autobalancer.models.reference.coupled import Monolith, Start
 from autobalancer.models.rotor import LinearRotor
 from autobalancer.models.weights import Weights, alignment
@@ -96,7 +96,7 @@ def test_an_overloaded_group_packs_and_leaves_what_goncharov_says(count, restitu
         np.linspace(0.0, 15.0, 60),
         rtol=1e-9,
     )
-    assert gaps(run).min() > -10.0 * MARGIN
+    assert gaps(run).min() > -5.0 * OVERLAP
     left = abs(run.moment("weights")[-1] + unbalance)
     radius = RADIUS * math.sin(ALPHA)
     assert left == pytest.approx(residual_unbalance(device, radius, unbalance), rel=0.02)
@@ -136,7 +136,7 @@ def test_weights_that_collide_ever_faster_do_not_pass_through_each_other(
     """Those in a row lose what they approach by to less than any bounce that is followed."""
     row = assembly(len(angles), restitution, angles=angles, speeds=speeds)
     run = simulate(row, SpeedProfile.constant(SPEED), np.linspace(0.0, 0.3, 3001))
-    assert gaps(run).min() > -10.0 * MARGIN
+    assert gaps(run).min() > -5.0 * OVERLAP
 
 
 def test_a_track_off_centre_is_an_unbalance_to_weights_that_cannot_move():
