@@ -1,7 +1,7 @@
 """Identical point weights that end at one angle and one speed, equal to the last bit.
 
 From there on every operation on them gives the same bits: the run cannot part them again.  Real
-weights part where that state is unstable, so a run that ends there says so.
+weights part where that state is unstable, so the result of such a run states it.
 """
 
 from __future__ import annotations
@@ -69,8 +69,8 @@ def merged(scene: Scene, values: Mapping[str, float]) -> list[Merged]:
         return []
     holders = [b for b in scene.balancer if isinstance(b, WeightBalancer)]
     states = [np.reshape([values[f"{b.label}.{n}"] for n in _states(b)], (2, -1)) for b in holders]
-    twins = [_twins(s) & _can_merge(b) for b, s in zip(holders, states, strict=True)]
-    if not np.concatenate(twins).any():
+    equal = [_have_equals(s) & _can_merge(b) for b, s in zip(holders, states, strict=True)]
+    if not np.concatenate(equal).any():
         return []
     speed = values.get("motor.speed", scene.profile().speed(end_time(scene)))
     from ...models.whirl.together import difference_growth  # loads SciPy
@@ -81,8 +81,8 @@ def merged(scene: Scene, values: Mapping[str, float]) -> list[Merged]:
         return []
     parts = np.split(growth, np.cumsum([b.count for b in holders])[:-1])
     found = []
-    for one, twin, rates in zip(holders, twins, parts, strict=True):
-        grows = twin & (rates > _GROWS * abs(speed))
+    for one, alike, rates in zip(holders, equal, parts, strict=True):
+        grows = alike & (rates > _GROWS * abs(speed))
         if grows.any():
             found.append(Merged(one, int(grows.sum()), float(rates[grows].max())))
     return found
@@ -105,7 +105,7 @@ def merged_runs(scene: Scene, ends: Mapping[str, NDArray[np.float64]]) -> NDArra
     for one in scene.balancer:
         if isinstance(one, WeightBalancer) and _can_merge(one):
             states = np.array([ends[f"{one.label}.{name}"] for name in _states(one)])
-            found |= _twins(states.reshape(2, one.count, -1)).any(axis=0)
+            found |= _have_equals(states.reshape(2, one.count, -1)).any(axis=0)
     return found
 
 
@@ -118,6 +118,6 @@ def _states(balancer: WeightBalancer) -> list[str]:
     return [weight(k, what) for what in ("angle", "speed") for k in numbers]
 
 
-def _twins(states: NDArray[np.float64]) -> NDArray[np.bool_]:
+def _have_equals(states: NDArray[np.float64]) -> NDArray[np.bool_]:
     """Which weights (K, ...) have an equal one, from their angles and speeds (2, K, ...)."""
     return np.asarray((states[:, :, None] == states[:, None, :]).all(axis=0).sum(axis=0) > 1)
