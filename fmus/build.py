@@ -13,8 +13,8 @@ from typing import Any
 from xml.etree import ElementTree
 
 from .catalogue import equations, sized_unit
-from .native.layout import token
-from .native.package import native_files, platforms_of
+from .native.build.layout import token
+from .native.build.package import native_files, platforms_of
 from .unit import SizedUnit, alternatives
 from .xml import fmi2, fmi3
 from .xml.archive import digest, unzipped, write, zipped

@@ -19,7 +19,7 @@ ROOT = Path(__file__).parents[1]
 @pytest.fixture(scope="session")
 def checkout(tmp_path_factory) -> Path:
     """A checkout with its libraries: packaging writes into the folder."""
-    from autobalancer.fmus.native.compile import libraries
+    from autobalancer.fmus.native.build.compile import libraries
 
     pytest.importorskip("ziglang", reason="no compiler: ziglang is not installed")
     if int(version("setuptools").split(".")[0]) < 77:
@@ -35,7 +35,8 @@ def checkout(tmp_path_factory) -> Path:
 
 def build_backend(checkout: Path, call: str) -> str:
     """Last word of a call of the build backend, as pip makes it."""
-    code = f"import sys; sys.path.insert(0, 'fmus/native'); import backend; print(backend.{call})"
+    folder = "fmus/native/build"
+    code = f"import sys; sys.path.insert(0, {folder!r}); import backend; print(backend.{call})"
     return _run(sys.executable, "-c", code, cwd=checkout).splitlines()[-1]
 
 

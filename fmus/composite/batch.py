@@ -11,10 +11,10 @@ import numpy as np
 from fmpy import platform_tuple
 from numpy.typing import NDArray
 
-from ..native.compile import libraries, stamp
+from ..native.build.compile import libraries, stamp
 from .composition import Composition
 
-_REASON = 512  # BATCH_REASON of batch.h
+_REASON = 512  # BATCH_REASON of fmi/batch.h
 _D, _U = POINTER(c_double), POINTER(c_uint)
 
 

@@ -6,11 +6,11 @@ from collections.abc import Iterable
 from pathlib import Path
 
 from ..build import native_contents, written
-from ..native.compile import stamp
+from ..native.build.compile import stamp
 from ..xml.description import Capabilities
 from .composition import Composition
 
-COMPOSITION = "resources/composition.txt"  # as unit_front.h has it
+COMPOSITION = "resources/composition.txt"  # as fmi/front.c reads it
 
 
 def build_composite(

@@ -8,7 +8,7 @@ from functools import cached_property
 from typing import Any
 
 from ..catalogue import sized_unit
-from ..native.layout import bits, digest, hashed, token
+from ..native.build.layout import bits, digest, hashed, token
 from ..unit import SizedUnit, Unit, alternatives
 from ..variables import Layout
 from .variables import CompositeSizes, variables
@@ -128,7 +128,7 @@ class Composition:
         return SizedUnit(unit, self.sizes, Layout(name, declared))
 
     def token(self, stamp: str) -> str:
-        """Text from which the library makes the composite: composite_token.c has the form.
+        """Text from which the library makes the composite: coupling/token.c has the form.
 
         Args:
             stamp: of the C sources.

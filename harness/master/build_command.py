@@ -130,7 +130,7 @@ def _build(unit: str, path: Path, form: dict[str, Any]) -> Path:
 
 def _written(path: Path, make: Callable[[Path], Path]) -> Path:
     """An FMU made at a path; what prevents it is a UserError."""
-    from ...fmus.native.compile import NotCompiled
+    from ...fmus.native.build.compile import NotCompiled
 
     there = next(folder for folder in path.parents if folder.exists())  # the others are made
     ready_to_write(there / path.name)  # compiling can take minutes

@@ -7,7 +7,7 @@ from typing import Literal, NamedTuple
 
 from fmpy import platform_tuple
 
-from ...fmus.native.compile import NotCompiled, libraries
+from ...fmus.native.build.compile import NotCompiled, libraries
 
 Backend = Literal["native", "python"]
 

@@ -19,7 +19,7 @@ def command(
     at_most: Annotated[str, options.AT_MOST] = costs.DEFAULT,
 ) -> None:
     """Write a web page, one file, that runs a scene."""
-    from ...fmus.native.compile import NotCompiled
+    from ...fmus.native.build.compile import NotCompiled
     from .page import page
 
     loaded = changed_scene(scene, changes)

@@ -10,7 +10,7 @@ from itertools import product
 from typing import Any
 
 from ...fmus.composite.composition import Composition
-from ...fmus.native.compile import page_library, stamp
+from ...fmus.native.build.compile import page_library, stamp
 from ..errors import SceneError
 from ..master.one_file import composition
 from ..master.plan import plan

@@ -7,7 +7,7 @@ import html
 import json
 from pathlib import Path
 
-from ...fmus.native.compile import page_library
+from ...fmus.native.build.compile import page_library
 from ..output.files import plain
 from ..scene import Scene
 from .content import content

@@ -18,53 +18,18 @@ from numpy.typing import NDArray
 from tests.native.compiler import shared_library
 
 SOURCES = Path(__file__).parents[2] / "fmus" / "native"
-CORE = [
-    "elementary",
-    "failure",
-    "matrix",
-    "shaft",
-    "rotor_kinds",
-    "linear_rotor",
-    "propagator",
-    "quintic",
-    "signals",
-    "variable_speed",
-    "weights",
-    "quintic_weights",
-    "liquid",
-    "spacing",
-    "track",
-    "centre",
-    "roots",
-    "contact",
-    "resistance",
-    "ring",
-    "groups",
-    "event_functions",
-    "impact_law",
-    "impacts",
-    "events",
-    "motion",
-    "pulse",
-    "reaction_change",
-    "first_fall",
-    "friction",
-    "motor",
-]
+FOLDERS = ("base", "rotor", "weights", "contact")  # the equations
 
 
 def compile_library(
-    destination: Path,
-    compiler: Sequence[str] = ("cc",),
-    sources: Sequence[str] = CORE,
-    flags: Sequence[str] = (),
+    destination: Path, compiler: Sequence[str] = ("cc",), flags: Sequence[str] = ()
 ) -> Path:
-    """Compile C sources (names without ending) into the shared library `destination`.
+    """Compile the equations into the shared library `destination`.
 
     `flags` are added to `compiler.FLAGS`, and win over them.
     """
-    files = [str(SOURCES / f"{name}.c") for name in sources]
-    return shared_library(files, destination, *flags, compiler=compiler)
+    files = [str(path) for folder in FOLDERS for path in (SOURCES / folder).glob("*.c")]
+    return shared_library(files, destination, f"-I{SOURCES}", *flags, compiler=compiler)
 
 
 class Complex(ctypes.Structure):
@@ -216,7 +181,7 @@ class Core:
 
     def __init__(self, path: Path) -> None:
         self.structures = SimpleNamespace(**{t.__name__: t for t in STRUCTURES})
-        listed = re.search(r"enum \{(.*?)\};", (SOURCES / "failure.h").read_text(), re.S)
+        listed = re.search(r"enum \{(.*?)\};", (SOURCES / "base" / "failure.h").read_text(), re.S)
         names = re.findall(r"^\s*([A-Z_]+)\b", listed[1], re.M)  # type: ignore[index]
         self.codes = {name: number for number, name in enumerate(names)}
         self.library = ctypes.CDLL(str(path))

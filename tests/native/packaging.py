@@ -18,12 +18,10 @@ from numpy.typing import NDArray
 
 from autobalancer.fmus.build import build, contents
 from autobalancer.fmus.catalogue import sized_unit
-from autobalancer.fmus.native import layout
-from autobalancer.fmus.native.compile import libraries, stamp
-from autobalancer.fmus.native.layout import header, token
+from autobalancer.fmus.native.build.compile import SOURCES, libraries, sources, stamp
+from autobalancer.fmus.native.build.layout import header, token
 from tests.native.compiler import shared_library
 
-SOURCES = Path(layout.__file__).parent
 LIBRARY = libraries([platform_tuple])[platform_tuple]  # what `build` packs
 STAMP = stamp()
 
@@ -38,9 +36,9 @@ def compile_units(folder: Path, *flags: str | Path) -> Path:
     """Compile all C sources with the compiler of this machine, and others among `flags`."""
     folder.mkdir(parents=True, exist_ok=True)
     generate(folder)
-    sources = sorted(str(path) for path in SOURCES.glob("*.c"))
+    files = [str(SOURCES / name) for name in sources() if name.endswith(".c")]
     options = ("-fvisibility=hidden", f"-I{folder}", f"-I{SOURCES}", *map(str, flags))
-    return shared_library(sources, folder / "autobalancer.so", *options)
+    return shared_library(files, folder / "autobalancer.so", *options)
 
 
 class Packager:

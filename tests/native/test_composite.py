@@ -13,8 +13,8 @@ from fmpy.validation import validate_fmu
 from scipy.interpolate import CubicSpline
 
 from autobalancer.fmus.composite.build import COMPOSITION
-from autobalancer.fmus.native.compile import stamp
-from autobalancer.fmus.native.layout import hashed
+from autobalancer.fmus.native.build.compile import stamp
+from autobalancer.fmus.native.build.layout import hashed
 from autobalancer.fmus.xml.archive import unzipped, zipped
 from autobalancer.harness import Scene, bundled_scenes, cosimulate, load_scene
 from autobalancer.harness.master.cosimulation import CoSimulation

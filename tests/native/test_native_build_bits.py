@@ -19,8 +19,8 @@ from pathlib import Path
 import pytest
 
 from autobalancer.fmus.catalogue import sized_unit
-from autobalancer.fmus.native.compile import SOURCES, libraries, stamp
-from autobalancer.fmus.native.layout import token
+from autobalancer.fmus.native.build.compile import SOURCES, libraries, stamp
+from autobalancer.fmus.native.build.layout import token
 from autobalancer.harness import load_scene
 from autobalancer.harness.master.one_file import composition
 

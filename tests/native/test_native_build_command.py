@@ -10,7 +10,7 @@ import pytest
 from fmpy import read_model_description
 from typer.testing import CliRunner
 
-from autobalancer.fmus.native import compile as compiler
+from autobalancer.fmus.native.build import compile as compiler
 from autobalancer.harness.__main__ import program
 from autobalancer.harness.scene.file import find
 

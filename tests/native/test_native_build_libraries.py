@@ -15,10 +15,10 @@ from pathlib import Path
 import fmpy
 import pytest
 
-from autobalancer.fmus.native import compile as compiler
-from autobalancer.fmus.native.compile import COMPILER, PLATFORMS, NotCompiled, libraries
-from autobalancer.fmus.native.macho import settled
-from autobalancer.fmus.native.package import universal
+from autobalancer.fmus.native.build import compile as compiler
+from autobalancer.fmus.native.build.compile import COMPILER, PLATFORMS, NotCompiled, libraries
+from autobalancer.fmus.native.build.macho import settled
+from autobalancer.fmus.native.build.package import universal
 
 pytestmark = pytest.mark.slow
 
@@ -243,7 +243,7 @@ def checkout(tmp_path):
     return copy
 
 
-_MAKE = "from autobalancer.fmus.native.compile import libraries; libraries({})"
+_MAKE = "from autobalancer.fmus.native.build.compile import libraries; libraries({})"
 
 
 def _bytes(native: Path) -> dict[str, str]:
@@ -268,10 +268,10 @@ def test_an_edit_makes_the_libraries_stale_and_the_next_call_makes_them_anew(che
     """Byte for byte as elsewhere, in place of what was made while a file was another."""
     libraries(["x86_64-linux"])
     native, run = checkout("one", without=("__pycache__",))
-    made, source = native / "bin" / "x86_64-linux", native / "liquid.c"
+    made, source = native / "bin" / "x86_64-linux", native / "weights" / "liquid.c"
     first, text = _bytes(native), source.read_bytes()
     stale = (
-        "from autobalancer.fmus.native.compile import stale, stamp; "
+        "from autobalancer.fmus.native.build.compile import stale, stamp; "
         "print(stale(['x86_64-linux']), stamp())"
     )
     fresh, stamp = run(stale).split()
@@ -306,7 +306,7 @@ def test_without_a_compiler_the_error_names_the_command(checkout):
     _, run = checkout("one")
     code = (
         "import sys; sys.modules['ziglang'] = None\n"
-        "from autobalancer.fmus.native.compile import NotCompiled, libraries\n"
+        "from autobalancer.fmus.native.build.compile import NotCompiled, libraries\n"
         "try: libraries()\n"
         "except NotCompiled as error: print(error)"
     )

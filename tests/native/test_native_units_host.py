@@ -9,6 +9,7 @@ from pathlib import Path
 
 import pytest
 
+from autobalancer.fmus.native.build.compile import SOURCES
 from autobalancer.harness import load_scene
 from autobalancer.harness.master.one_file import composition
 
@@ -28,9 +29,9 @@ COMPOSITES = ["two_balls", "balls_and_liquid", "goncharov_balls", "finite_weight
 def compiled(folder: Path, *flags: str, counting: str = "counting.c") -> Path:
     host = folder / "host"
     sources = [str(HOST / "host.c"), str(HOST / counting)]
-    base = ["cc", "-D_GNU_SOURCE", "-std=c99", "-O1", "-g", "-Wall", "-Wextra", "-rdynamic"]
+    base = ["cc", "-D_GNU_SOURCE", "-std=c99", "-O1", "-g", "-Wall", "-Wextra"]
     libraries = ["-o", str(host), "-ldl", "-lpthread", "-lm"]
-    subprocess.run([*base, *flags, *sources, *libraries], check=True)
+    subprocess.run([*base, f"-I{SOURCES}", "-rdynamic", *flags, *sources, *libraries], check=True)
     return host
 
 

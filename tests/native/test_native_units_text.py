@@ -24,16 +24,13 @@ class Text(ctypes.Structure):
 
 
 @pytest.fixture(scope="module")
-def text(core, tmp_path_factory):
+def text(core):
     """Calls a function of text.c and returns what it wrote into a buffer of some size."""
-    path = tmp_path_factory.mktemp("text") / "text.so"
-    core.compile_library(path, sources=("text", "decimal", "elementary"))
-    library = ctypes.CDLL(str(path))
 
     def write(function: str, *arguments: object, size: int = 200) -> str:
         buffer = ctypes.create_string_buffer(size + 8)
         words = Text(ctypes.cast(buffer, ctypes.c_char_p), size, 0)
-        getattr(library, function)(ctypes.byref(words), *arguments)
+        getattr(core.library, function)(ctypes.byref(words), *arguments)
         assert buffer.raw[size:] == b"\0" * 8
         return buffer.value.decode()
 

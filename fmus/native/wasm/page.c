@@ -2,8 +2,8 @@
    status is unit.h's; `words` then says what was wrong. */
 #include <stdlib.h>
 
-#include "../elementary.h"
-#include "../unit.h"
+#include "base/elementary.h"
+#include "fmi/unit.h"
 
 #define EXPORTED(name) __attribute__((export_name(name)))
 

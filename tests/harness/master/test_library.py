@@ -10,7 +10,7 @@ from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
 
-from autobalancer.fmus.native.compile import NotCompiled
+from autobalancer.fmus.native.build.compile import NotCompiled
 from autobalancer.harness import cosimulate, load_scene
 from autobalancer.harness.master import runtime
 

@@ -15,8 +15,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "../../../fmus/native/fmi2.h"
-#include "../../../fmus/native/fmi3.h"
+#include "fmi/fmi2.h"
+#include "fmi/fmi3.h"
 
 enum { MOST = 512, TOKEN = 8192, STEPS = 20, THREADS = 4, INSTANCES = 50, REPEATED = 1000 };
 enum { RANDOM_CALLS = 4000, DAMAGED = 10000, VALUES = 9 };

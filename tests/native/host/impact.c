@@ -1,7 +1,7 @@
 /* Lets the weights of a composite collide where they stand, for tests. */
-#include "composite.h"
-#include "export.h"
-#include "unit_front.h"
+#include "coupling/composite.h"
+#include "fmi/export.h"
+#include "fmi/front.h"
 
 EXPORT int collide_now(void *instance)
 {

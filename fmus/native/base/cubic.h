@@ -1,0 +1,31 @@
+/* Cubics over a step, told by value and derivatives 1 to 3 at its start. */
+#ifndef AUTOBALANCER_CUBIC_H
+#define AUTOBALANCER_CUBIC_H
+
+#include "base/complex_number.h"
+
+/* Second and third derivative at the start of the cubic with these values and slopes. */
+static inline void hermite(double start, double slope, double end, double end_slope, double step,
+                           double *second, double *third)
+{
+    const double per_step = 1.0 / step, rise = (end - start) * per_step;
+    *second = (6.0 * rise - 4.0 * slope - 2.0 * end_slope) * per_step;
+    *third = (6.0 * (slope + end_slope) - 12.0 * rise) * (per_step * per_step);
+}
+
+/* Value of a complex cubic `time` after its start. */
+static inline Complex cubic_value(const Complex *cubic, double time)
+{
+    Complex sum = complex_sum(cubic[2], complex_scaled(time / 3.0, cubic[3]));
+    sum = complex_sum(cubic[1], complex_scaled(0.5 * time, sum));
+    return complex_sum(cubic[0], complex_scaled(time, sum));
+}
+
+/* Its slope there. */
+static inline Complex cubic_slope(const Complex *cubic, double time)
+{
+    const Complex sum = complex_sum(cubic[2], complex_scaled(0.5 * time, cubic[3]));
+    return complex_sum(cubic[1], complex_scaled(time, sum));
+}
+
+#endif

@@ -1,0 +1,169 @@
+#include "base/text.h"
+
+#include <string.h>
+
+#include "base/decimal.h"
+#include "base/elementary.h"
+
+Text text_in(char *buffer, size_t size)
+{
+    Text text;
+    text.at = buffer;
+    text.size = size;
+    text.length = 0;
+    buffer[0] = 0;
+    return text;
+}
+
+void text_put_part(Text *text, const char *words, size_t length)
+{
+    const size_t room = text->size - 1 - text->length;
+    const size_t fits = length < room ? length : room;
+    memcpy(text->at + text->length, words, fits);
+    text->length += fits;
+    text->at[text->length] = 0;
+    if (fits < length) {
+        memcpy(text->at + text->size - 4, "...", 4);
+    }
+}
+
+void text_put(Text *text, const char *words)
+{
+    text_put_part(text, words, text_length(words));
+}
+
+void text_integer(Text *text, unsigned long value)
+{
+    char digits[DECIMAL_DIGITS];
+    int at = DECIMAL_DIGITS;
+    do {
+        digits[--at] = (char)('0' + value % 10);
+        value /= 10;
+    } while (value);
+    text_put_part(text, digits + at, (size_t)(DECIMAL_DIGITS - at));
+}
+
+void text_hexadecimal(Text *text, uint64_t value)
+{
+    int shift;
+    for (shift = 60; shift >= 0; shift -= 4) {
+        text_put_part(text, &"0123456789abcdef"[value >> shift & 15], 1);
+    }
+}
+
+size_t text_length(const char *words)
+{
+    size_t length = 0;
+    while (words[length]) {
+        length++;
+    }
+    return length;
+}
+
+int text_equal(const char *a, const char *b)
+{
+    while (*a && *a == *b) {
+        a++;
+        b++;
+    }
+    return *a == *b;
+}
+
+/* Digits with point or exponent, which begins at 10^`widest`. */
+static void put_decimal(Text *text, const char *digits, int count, int exponent, int widest,
+                        const char *whole_end)
+{
+    int k;
+    if (exponent < -4 || exponent >= widest) {
+        text_put_part(text, digits, 1);
+        if (count > 1) {
+            text_put(text, ".");
+            text_put_part(text, digits + 1, (size_t)(count - 1));
+        }
+        text_put(text, exponent < 0 ? "e-" : "e+");
+        exponent = exponent < 0 ? -exponent : exponent;
+        text_put(text, exponent < 10 ? "0" : "");
+        text_integer(text, (unsigned long)exponent);
+        return;
+    }
+    if (exponent < 0) {
+        text_put(text, "0.");
+        for (k = -1; k > exponent; k--) {
+            text_put(text, "0");
+        }
+        text_put_part(text, digits, (size_t)count);
+        return;
+    }
+    for (k = 0; k <= exponent; k++) {
+        text_put_part(text, k < count ? digits + k : "0", 1);
+    }
+    if (count > exponent + 1) {
+        text_put(text, ".");
+        text_put_part(text, digits + exponent + 1, (size_t)(count - exponent - 1));
+    } else {
+        text_put(text, whole_end);
+    }
+}
+
+/* True when the words are written already: not a number, infinite, or zero after its sign. */
+static int put_special(Text *text, double value, const char *zero)
+{
+    if (value != value) {
+        text_put(text, "nan");
+        return 1;
+    }
+    if (copy_sign(1.0, value) < 0.0) {
+        text_put(text, "-");
+    }
+    if (!is_finite(value)) {
+        text_put(text, "inf");
+        return 1;
+    }
+    if (value == 0.0) {
+        text_put(text, zero);
+        return 1;
+    }
+    return 0;
+}
+
+void text_number(Text *text, double value)
+{
+    char digits[DECIMAL_DIGITS];
+    int exponent, count;
+    if (put_special(text, value, "0.0")) {
+        return;
+    }
+    count = decimal(absolute(value), 0, digits, &exponent);
+    put_decimal(text, digits, count, exponent, 16, ".0");
+}
+
+void text_rounded(Text *text, double value, int asked)
+{
+    char digits[DECIMAL_DIGITS];
+    int exponent, count;
+    if (put_special(text, value, "0")) {
+        return;
+    }
+    count = decimal(absolute(value), asked, digits, &exponent);
+    while (count > 1 && digits[count - 1] == '0') {
+        count--;
+    }
+    put_decimal(text, digits, count, exponent, asked, "");
+}
+
+void text_put_rounded(Text *text, const char *words, double value, int digits)
+{
+    text_put(text, words);
+    text_rounded(text, value, digits);
+}
+
+void text_list(Text *text, const double *values, size_t count)
+{
+    size_t k;
+    text_put(text, "[");
+    for (k = 0; k < count; k++) {
+        text_put(text, k ? ", " : "");
+        text_number(text, values[k]);
+    }
+    text_put(text, "]");
+}

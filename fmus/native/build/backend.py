@@ -1,0 +1,83 @@
+"""Build backend (PEP 517, 660): setuptools, with the native libraries compiled before a wheel.
+
+The compiler is asked for only when the libraries were not made from the present sources.  Every
+other call is setuptools' own.
+"""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+from types import ModuleType
+from zipfile import ZIP_DEFLATED, ZipFile
+
+from setuptools import build_meta
+from setuptools.build_meta import *  # noqa: F403
+from setuptools.command.build_py import build_py
+from setuptools.command.sdist import sdist
+
+_ROOT = Path(__file__).resolve().parents[3]
+
+# the checkout's folders import as autobalancer.*, as they do once installed
+_package = ModuleType("autobalancer")
+_package.__path__ = [str(_ROOT)]
+sys.modules["autobalancer"] = _package
+
+from autobalancer.fmus.native.build import compile as native  # noqa: E402
+from autobalancer.fmus.xml.archive import write  # noqa: E402
+
+_HOME = native.SOURCES.relative_to(_ROOT).as_posix()
+
+
+def get_requires_for_build_wheel(config_settings=None) -> list[str]:
+    return build_meta.get_requires_for_build_wheel(config_settings) + _needed()
+
+
+def get_requires_for_build_editable(config_settings=None) -> list[str]:
+    return build_meta.get_requires_for_build_editable(config_settings) + _needed()
+
+
+def build_wheel(wheel_directory, config_settings=None, metadata_directory=None) -> str:
+    native.libraries()
+    native.page_library()
+    name = build_meta.build_wheel(wheel_directory, config_settings, metadata_directory)
+    _pack(Path(wheel_directory, name))
+    return name
+
+
+def build_editable(wheel_directory, config_settings=None, metadata_directory=None) -> str:
+    native.libraries()
+    native.page_library()
+    return build_meta.build_editable(wheel_directory, config_settings, metadata_directory)
+
+
+def _pack(wheel: Path) -> None:
+    """Compress what setuptools has written as well as a zip can."""
+    with ZipFile(wheel) as archive:
+        files = [(entry, archive.read(entry)) for entry in archive.infolist()]
+    with ZipFile(wheel, "w", ZIP_DEFLATED) as archive:
+        for entry, data in files:
+            archive.writestr(entry, data, compresslevel=9)
+
+
+def _needed() -> list[str]:
+    return [f"ziglang=={native.COMPILER}"] if native.stale() else []
+
+
+class WheelFiles(build_py):
+    """What a wheel holds: the C sources as one archive."""
+
+    def run(self) -> None:
+        super().run()
+        if not self.editable_mode:
+            home = Path(self.build_lib, "autobalancer", _HOME)
+            write(home / native.PACKED.name, native.packed())
+
+
+class Sources(sdist):
+    """A source distribution without the libraries: a wheel made from it compiles its own."""
+
+    def make_distribution(self) -> None:
+        self.filelist.extend(f"{_HOME}/{name}" for name in native.texts())
+        self.filelist.prune(f"{_HOME}/{native.BINARIES.name}")
+        super().make_distribution()

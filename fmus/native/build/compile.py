@@ -1,0 +1,274 @@
+"""Compiler of the native units: one library a platform, from any machine, always the same bytes.
+
+A further one is for web pages, in WebAssembly, with a front of its own.
+
+`zig cc` (the wheel `ziglang`) compiles for all platforms.  No library is linked with a C run-time
+library: the C has its own elementary functions, so that results have the same bits everywhere,
+and the few names it needs (calloc, memcpy, strlen) are in every process.  A stamp, the hash of the
+sources, says what a library was made from.
+
+    python -m autobalancer.fmus.native.build.compile [platform ...]
+"""
+
+from __future__ import annotations
+
+import hashlib
+import importlib.util
+import json
+import lzma
+import os
+import subprocess
+import sys
+import tempfile
+from collections.abc import Iterable, Iterator
+from concurrent.futures import ThreadPoolExecutor
+from contextlib import contextmanager
+from functools import cache
+from importlib.metadata import version
+from pathlib import Path
+
+from ...unit import alternatives
+from ...xml.archive import source, write
+from .layout import header
+from .macho import settled
+from .targets import (
+    FAST,
+    FLAGS,
+    HOT,
+    LINK,
+    OBJECT,
+    PAGE,
+    PLATFORMS,
+    SMALL,
+    SMALLEST,
+    TARGETS,
+    WARM,
+    WARNINGS,
+    Platform,
+)
+
+COMPILER = "0.17.1"  # version of ziglang: part of the stamp, another writes other bytes
+
+SOURCES = Path(__file__).resolve().parents[1]
+BINARIES = SOURCES / "bin"
+PACKED = SOURCES / "sources.json.xz"  # once installed, in place of the C files
+
+_STAMP = '#ifndef STAMP_H\n#define STAMP_H\n\n#define STAMP "{}"\n\n#endif\n'
+
+
+class NotCompiled(RuntimeError):
+    """A library is missing or made from other sources, and the compiler is not installed."""
+
+
+def libraries(platforms: Iterable[str] = PLATFORMS) -> dict[str, Path]:
+    """Libraries made from the present sources; what is stale is compiled first.
+
+    Args:
+        platforms: names out of PLATFORMS.
+
+    Returns:
+        platform -> file.
+
+    Raises:
+        ValueError: a name is not in PLATFORMS.
+        NotCompiled: one is stale and ziglang is not installed.
+        subprocess.CalledProcessError: the compiler refuses the sources; its words are on stderr.
+    """
+    return _made(_known(platforms))
+
+
+def page_library() -> bytes:
+    """The library for web pages; raises as `libraries`."""
+    return lzma.decompress(_made([PAGE])[PAGE].read_bytes())
+
+
+def _made(names: list[str]) -> dict[str, Path]:
+    current = stamp()
+    _compile([name for name in names if _made_from(name) != current])
+    return {name: _library(name) for name in names}
+
+
+def stale(platforms: Iterable[str] = TARGETS) -> bool:
+    """Whether `libraries` would have to compile."""
+    current = stamp()
+    return any(_made_from(name) != current for name in _known(platforms, TARGETS))
+
+
+def stamp() -> str:
+    """Sixteen hexadecimal digits that name the sources of the libraries."""
+    return _complete()[1]
+
+
+def sources() -> dict[str, str]:
+    """Text of what a tool compiles, by its path: all but what is for one platform alone."""
+    return {name: text for name, text in _complete()[0].items() if not _is_special(name)}
+
+
+def packed() -> bytes:
+    """The C sources as one file, for a wheel: half of what they take one by one."""
+    # for text, whose bytes know no alignment
+    text = {"lc": 4, "pb": 0, "nice_len": 273}
+    filters = [{"id": lzma.FILTER_LZMA2, "preset": 9, **text}]
+    return lzma.compress(json.dumps(texts()).encode(), filters=filters)
+
+
+def texts() -> dict[str, str]:
+    """Text of every C source by its path, those for one platform in a folder of their own."""
+    if PACKED.exists():
+        return _unpacked()
+    paths = [path for kind in ("[ch]", "def") for path in sorted(SOURCES.glob(f"*/*.{kind}"))]
+    return {path.relative_to(SOURCES).as_posix(): source(path) for path in paths}
+
+
+def _is_special(name: str, platform: Platform | None = None) -> bool:
+    """Whether a source is for one platform alone, and for another one than this."""
+    folders = {p.folder for p in TARGETS.values() if p.folder and p != platform}
+    return name.split("/")[0] in folders
+
+
+@cache
+def _unpacked() -> dict[str, str]:
+    return json.loads(lzma.decompress(PACKED.read_bytes()))
+
+
+def _complete() -> tuple[dict[str, str], str]:
+    """Sources with what is generated, the variables of the units and the stamp; and the stamp."""
+    written = {**texts(), "layout.h": header()}
+    total = hashlib.sha256()
+    options = (*FLAGS, *FAST, *SMALL, *SMALLEST, *HOT, *WARM, *OBJECT, *LINK)
+    for text in (COMPILER, *options, *map(repr, TARGETS.values())):
+        total.update(text.encode() + b"\0")
+    for name, text in written.items():
+        total.update(f"{name}\0{len(text)}\0{text}".encode())
+    current = total.hexdigest()[:16]
+    return {**written, "stamp.h": _STAMP.format(current)}, current
+
+
+def compile(platforms: Iterable[str] = PLATFORMS) -> None:
+    """Compile the libraries of these platforms.
+
+    Raises:
+        As `libraries`.
+    """
+    _compile(_known(platforms))
+
+
+def _compile(names: list[str]) -> None:
+    if not names:
+        return
+    _installed()
+    written, current = _complete()
+    with _caches() as environment:
+        for name in names:
+            library = _compiled(TARGETS[name], written, environment)
+            # a page holds it as text, whatever the form in which it is kept
+            packed = name == PAGE
+            _write(_library(name), lzma.compress(library, preset=9) if packed else library)
+            _write(BINARIES / name / "stamp", current.encode())
+
+
+def _compiled(platform: Platform, sources: dict[str, str], environment: dict[str, str]) -> bytes:
+    """Bytes of a library; the compiler runs in the folder of the sources, so no path is in them."""
+    windows = platform.library.endswith(".dll")
+    files = [n for n in sources if n.endswith(".c") and not _is_special(n, platform)]
+    target = ("cc", "-target", platform.target, "-g0")
+
+    with tempfile.TemporaryDirectory() as folder:
+        for name, text in sources.items():
+            write(Path(folder) / name, text.encode())
+
+        def compiled(file: str) -> str:
+            stem = file.removesuffix(".c")
+            output = str(Path(folder) / f"{stem}.o")
+            level = FAST if stem in HOT else SMALL if stem in WARM else SMALLEST
+            options = (*FLAGS, *level, *WARNINGS, *OBJECT, *platform.compiler, "-I", ".")
+            _zig([*target, *options, "-c", file, "-o", output], folder, environment)
+            return output
+
+        with ThreadPoolExecutor(os.cpu_count()) as pool:
+            objects = list(pool.map(compiled, files))
+        if windows:
+            objects.append(_import_library(folder, environment))
+        output = Path(folder) / platform.library
+        _zig([*target, *LINK, *platform.link, *objects, "-o", str(output)], folder, environment)
+        library = output.read_bytes()
+    if windows:
+        return _without_time(library)
+    return settled(library) if platform.library.endswith(".dylib") else library
+
+
+def _import_library(folder: str, environment: dict[str, str]) -> str:
+    """What names msvcrt.dll has: zig's own import libraries take a minute to make."""
+    output = str(Path(folder) / "msvcrt.lib")
+    definition = ["-d", "windows/msvcrt.def", "-l", output]
+    _zig(["dlltool", "-m", "i386:x86-64", *definition], folder, environment)
+    return output
+
+
+def _without_time(library: bytes) -> bytes:
+    """A PE file with its time of linking zeroed: eight bytes after the header's `PE`."""
+    position = int.from_bytes(library[0x3C:0x40], "little") + 8
+    return library[:position] + bytes(4) + library[position + 4 :]
+
+
+def _compiler() -> Path:
+    package = importlib.util.find_spec("ziglang")
+    assert package is not None  # `_installed`
+    assert package.origin is not None
+    return Path(package.origin).with_name("zig")
+
+
+def _zig(arguments: list[str], folder: str, environment: dict[str, str]) -> None:
+    # not `python -m ziglang`: while that loads it answers Ctrl-C with a traceback
+    command = [str(_compiler()), *arguments]
+    subprocess.run(command, cwd=folder, env=environment, check=True, stdin=subprocess.DEVNULL)
+
+
+@contextmanager
+def _caches() -> Iterator[dict[str, str]]:
+    """Environment with folders for zig's caches: those the caller named, else temporary ones."""
+    with tempfile.TemporaryDirectory(prefix="autobalancer-zig-") as folder:
+        places = {"ZIG_GLOBAL_CACHE_DIR": folder, "ZIG_LOCAL_CACHE_DIR": folder}
+        yield {**places, **os.environ}
+
+
+def _installed() -> None:
+    if importlib.util.find_spec("ziglang") is None:
+        found = "it is not installed"
+    elif (present := version("ziglang")) != COMPILER:
+        found = f"{present} is installed"
+    else:
+        return
+    raise NotCompiled(
+        f"the native libraries were not made from the present sources, and to compile them needs "
+        f"ziglang {COMPILER}: {found}. Run: {sys.executable} -m pip install ziglang=={COMPILER}"
+    )
+
+
+def _known(platforms: Iterable[str], known: Iterable[str] = PLATFORMS) -> list[str]:
+    names = list(dict.fromkeys(platforms))
+    for name in names:
+        if name not in known:
+            raise ValueError(f"platform = {name!r}: must be one of {alternatives(known)}")
+    return names
+
+
+def _library(platform: str) -> Path:
+    return BINARIES / platform / TARGETS[platform].library
+
+
+def _made_from(platform: str) -> str | None:
+    """Stamp of the library that is there."""
+    path = BINARIES / platform / "stamp"
+    return path.read_text() if path.exists() and _library(platform).exists() else None
+
+
+def _write(path: Path, data: bytes) -> None:
+    """Write a file whole, unless it says the same already."""
+    if not path.exists() or path.read_bytes() != data:
+        write(path, data)
+
+
+if __name__ == "__main__":
+    for platform_, path_ in _made(_known(sys.argv[1:] or TARGETS, TARGETS)).items():
+        print(f"{platform_:15} {path_.stat().st_size:7} bytes  {path_}")

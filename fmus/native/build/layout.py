@@ -1,0 +1,264 @@
+"""The units' declarations for the C units: `layout.h`, and the token that names a unit's layout.
+
+The variables of a unit of any size follow from those of a few sizes: names that differ in their
+index alone make a block, which C repeats.  The sizes that are looked at are different primes, so
+that how often a block stands there says what repeats it.  What a start value depends on is left to
+C (`starts` of each unit); the digest in the token compares the outcome with the declarations here.
+"""
+
+from __future__ import annotations
+
+import re
+import struct
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from functools import cache
+from typing import Any
+
+from ...catalogue import sized_unit
+from ...composite.variables import COMPOSITE
+from ...unit import SizedUnit
+from ...variables import Layout, Variable
+
+_STATIONS, _PLANES, _UNBALANCES, _WEIGHTS, _SLIDERS, _POINTS = 5, 3, 7, 11, 13, 17
+_REPEATS = {
+    _STATIONS: "SIZE_STATIONS",
+    _PLANES: "SIZE_PLANES",
+    _UNBALANCES: "SIZE_UNBALANCES",
+    _WEIGHTS: "SIZE_WEIGHTS",
+    _SLIDERS: "SIZE_SLIDERS",
+    _POINTS: "SIZE_POINTS",
+    2: "SIZE_TWO",
+}
+_PLANAR = {"planes": _PLANES, "sliders": _SLIDERS, "stations": 1}
+_ROTOR = {**_PLANAR, "stations": _STATIONS, "unbalances": _UNBALANCES}
+
+_CUBIC: tuple[tuple[str, dict[str, Any]], ...] = (
+    ("RotorOnSupports", {**_PLANAR, "kind": "planar"}),
+    ("RotorOnSupports", {**_ROTOR, "kind": "two_support", "stations": 2}),
+    ("RotorOnSupports", {**_ROTOR, "kind": "flexible", "shaft": "uniform"}),
+    ("RotorOnSupports", {**_ROTOR, "kind": "flexible", "shaft": "compliance"}),
+    ("LiquidBalancer", {}),
+    ("BallBalancer", {"weights": _WEIGHTS}),
+)
+# what the C library holds: unit, and options of the sizes looked at
+TABLES = (
+    *_CUBIC,
+    *((unit, {**options, "order": 5, "sliders": 0}) for unit, options in _CUBIC),
+    ("Motor", {"points": _POINTS}),
+    ("Composite", {"planes": _PLANES}),
+    ("Composite", {"planes": _PLANES, "kind": "motor"}),
+)
+
+_INDEX = re.compile(r"(?<=[\[,])\d+(?=[\],])")
+# starts computed from others, whose last digit depends on the machine's linear algebra
+_COMPUTED = "compliance["
+# starts that depend on index or size: C computes them
+_STARTS_IN_C = (
+    "station[#].z",
+    "support[#].position",
+    "plane[#].position",
+    "unbalance[#].position",
+    "unbalance[#].amount",
+    "compliance[#,#]",
+    "weight[#].angle0",
+    "point[#].speed",
+    "point[#].torque",
+)
+_UNIT_LENGTH = 7
+_FNV_START, _FNV_PRIME = 0xCBF29CE484222325, 0x100000001B3
+
+
+@dataclass
+class _Block:
+    """Variables that stand once for each of what repeats them."""
+
+    repeat: str
+    patterns: list[str]
+    variables: list[list[Any]]  # of each pattern, those that show it
+
+
+@cache
+def header() -> str:
+    """Text of `layout.h`.
+
+    Raises:
+        ValueError: the declarations are not of a form that C can repeat.
+    """
+    parts = [
+        "/* Variables of every unit; written by layout.py from the declarations: do not edit.\n\n"
+        "   In a name # stands for an index and @1, @2 for the axes of the coupling signals. */"
+    ]
+    records = []
+    for unit, options in TABLES:
+        kind, shaft = options.get("kind", ""), options.get("shaft", "")
+        order = options.get("order", 3)
+        title = "_".join(filter(None, (unit.lower(), kind, shaft, "quintic" * (order == 5))))
+        blocks = _blocks(unit, options)
+        rows = [_row(*row) for b in blocks for row in zip(b.patterns, b.variables, strict=True)]
+        parts.append(f"static const Declared {title}[] = {{\n    " + ",\n    ".join(rows) + "};")
+        counts = ", ".join(f"{{{b.repeat}, {len(b.patterns)}}}" for b in blocks)
+        parts.append(f"static const Block {title}_blocks[] = {{{counts}}};")
+        flags = _layout(unit, frame="rotor", **options).booleans
+        booleans = [f'{{"{v.name}", {int(bool(v.start))}}}' for v in flags]
+        where = "0"
+        if booleans:
+            where = f"{title}_booleans"
+            parts.append(f"static const Flag {where}[] = {{{', '.join(booleans)}}};")
+        records.append(
+            f'{{"{unit}", "{kind}", "{shaft}", {order}, {title}, {title}_blocks, {len(blocks)}, '
+            f"{where}, {len(booleans)}}}"
+        )
+    parts.append("static const Table TABLES[] = {\n    " + ",\n    ".join(records) + "};")
+    parts.append(f"enum {{ TABLE_COUNT = {len(records)} }};")
+    return "\n\n".join(parts) + "\n"
+
+
+@cache
+def token(unit: SizedUnit, stamp: str) -> str:
+    """Identity of a native unit: GUID in FMI 2.0, instantiation token in FMI 3.0.
+
+    Args:
+        unit: with its sizes.
+        stamp: of the C sources.
+    """
+    words = [unit.name, *(f"{key}={value}" for key, value in unit.options.items())]
+    return "/".join([*words, f"{digest(unit.layout)}-{stamp}"])
+
+
+def digest(layout: Layout, text: str = "") -> str:
+    """FNV-1a of all names, units, start values and limits, and of a text: 16 hexadecimal digits."""
+    return hashed("".join([*_described(layout), text]))
+
+
+def hashed(text: str) -> str:
+    """FNV-1a of a text: 16 hexadecimal digits."""
+    total = _FNV_START
+    for byte in text.encode("ascii"):
+        total = (total ^ byte) * _FNV_PRIME & 0xFFFFFFFFFFFFFFFF
+    return f"{total:016x}"
+
+
+def _described(layout: Layout) -> Iterator[str]:
+    """A line a variable, as variables.c writes it."""
+    for v in layout.reals:
+        start = "~" if _COMPUTED in v.name else bits(0.0 if v.start is None else v.start)
+        low = "-" if v.minimum is None else bits(v.minimum) + "+" * v.above
+        yield f"{_group(v)} {v.name} {v.unit} {start} {low}\n"
+    for v in layout.booleans:
+        yield f"b {v.name} {int(bool(v.start))}\n"
+
+
+def bits(value: float) -> str:
+    """The sixteen hexadecimal digits of a double."""
+    return struct.pack(">d", value).hex()
+
+
+def _group(variable: Variable) -> str:
+    return {"parameter": "p", "input": "i", "output": "vo"[not variable.observed]}[
+        variable.causality
+    ]
+
+
+def _layout(unit: str, **options: Any) -> Layout:
+    return (
+        COMPOSITE.sized(options) if unit == COMPOSITE.name else sized_unit(unit, **options)
+    ).layout
+
+
+def _blocks(unit: str, options: dict[str, Any]) -> list[_Block]:
+    """Variables of a unit in order, those that repeat together in one block."""
+    turning, fixed = (_layout(unit, frame=frame, **options).reals for frame in ("rotor", "fixed"))
+    patterns = [_without_axis(a.name, b.name) for a, b in zip(turning, fixed, strict=True)]
+    smooth = _layout(unit, frame="rotor", **{k: v for k, v in options.items() if k != "sliders"})
+    blocks: list[_Block] = []
+    i = 0
+    while i < len(patterns):
+        length, repeats = _repetition(patterns, i)
+        size = length * repeats
+        found = turning[i : i + size]
+        if len(_INDEX.findall(patterns[i])) == 2:
+            block = _Block("SIZE_TRIANGLE", [_shared(patterns[i])], [list(found)])
+        elif repeats > 1:
+            shown = [_shared(pattern) for pattern in patterns[i : i + length]]
+            block = _Block(
+                _REPEATS[repeats], shown, [list(found[k::length]) for k in range(length)]
+            )
+        else:
+            repeat = "SIZE_ONE" if found[0].name in smooth.index else "SIZE_SLIDING"
+            block = _Block(repeat, patterns[i : i + size], [[v] for v in found])
+            if blocks and blocks[-1].repeat == repeat:
+                blocks[-1].patterns += block.patterns
+                blocks[-1].variables += block.variables
+                block = blocks.pop()
+        blocks.append(block)
+        i += size
+    return blocks
+
+
+def _repetition(patterns: Sequence[str], i: int) -> tuple[int, int]:
+    """Length of the block that begins at i, and how often it stands there."""
+    first = _INDEX.findall(patterns[i])
+    if not first:
+        return 1, 1
+    shape = _shared(patterns[i])
+    if len(first) == 2:
+        run = i
+        while run < len(patterns) and _shared(patterns[run]) == shape:
+            run += 1
+        return 1, run - i
+    length = 1
+    while i + length < len(patterns) and _shared(patterns[i + length]) != shape:
+        length += 1
+    block = [_shared(pattern) for pattern in patterns[i : i + length]]
+    repeats = 0
+    while True:
+        at = i + repeats * length
+        numbers = {n for p in patterns[at : at + length] for n in _INDEX.findall(p)}
+        same = [_shared(pattern) for pattern in patterns[at : at + length]] == block
+        if not same or numbers != {str(repeats + 1)}:
+            break
+        repeats += 1
+    if repeats != 1 and repeats not in _REPEATS:
+        raise ValueError(f"{patterns[i]}: C cannot repeat a block of {repeats}")
+    return length, repeats
+
+
+def _shared(pattern: str) -> str:
+    """A name with # for its indices."""
+    return _INDEX.sub("#", pattern)
+
+
+def _without_axis(turning: str, fixed: str) -> str:
+    """A name with @1 or @2 where it depends on the frame of the signals."""
+    if turning == fixed:
+        return turning
+    for axis, (rotating, still) in {"@1": ("_xi", "_x"), "@2": ("_eta", "_y")}.items():
+        if turning.replace(rotating, still) == fixed:
+            return turning.replace(rotating, f"_{axis}")
+    raise ValueError(f"{turning} and {fixed}: C knows the axes xi, eta and x, y")
+
+
+def _row(pattern: str, variables: Sequence[Any]) -> str:
+    """Initialiser of a `Declared`."""
+    one = variables[0]
+    if any((v.unit, v.minimum, v.above) != (one.unit, one.minimum, one.above) for v in variables):
+        raise ValueError(f"{one.name}: every one of it must have the same unit and limits")
+    if len(one.unit) > _UNIT_LENGTH or not float(one.minimum or 0.0).is_integer():
+        raise ValueError(
+            f"{one.name}: C takes units of at most {_UNIT_LENGTH} letters, and whole least values"
+        )
+    varies = pattern in _STARTS_IN_C
+    if not varies and any(v.start != one.start for v in variables):
+        raise ValueError(f"{one.name}: C has one start value for all of them")
+    flags = [
+        *(["HAS_MINIMUM"] if one.minimum is not None else []),
+        *(["ABOVE_MINIMUM"] if one.above else []),
+        *(["START_VARIES"] if varies else []),
+    ]
+    start = 0.0 if varies or one.start is None else float(one.start)
+    low = 0.0 if one.minimum is None else float(one.minimum)
+    return (
+        f'{{"{pattern}", "{one.unit}", \'{_group(one)}\', {" | ".join(flags) or 0}, '
+        f"{low!r}, {start!r}}}"
+    )

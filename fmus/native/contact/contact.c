@@ -1,0 +1,69 @@
+#include "contact/contact.h"
+
+#include <stddef.h>
+
+#include "base/elementary.h"
+
+double group_factor(int count, double alpha)
+{
+    if (count == 1 || alpha == 0.0) {
+        return 1.0;
+    }
+    return sine(count * alpha) / (count * sine(alpha));
+}
+
+void pressure_factors(int count, double alpha, Complex *factors)
+{
+    Complex total = {0.0, 0.0}, mean = total;
+    int k;
+    for (k = 0; k < count; k++) {
+        mean = complex_sum(mean, rect(1.0, -(2 * k - count + 1) * alpha));
+    }
+    mean = complex_of(mean.re / count, mean.im / count);
+    for (k = 0; k < count - 1; k++) {
+        const Complex unit = rect(1.0, -(2 * k - count + 1) * alpha);
+        total = complex_sum(total, complex_difference(unit, mean));
+        factors[k] = total;
+    }
+}
+
+/* Least of (y - g)^2/2 + f |y|. */
+static double shrunk(double drive, double limit)
+{
+    return larger(drive - limit, 0.0) + smaller(drive + limit, 0.0);
+}
+
+void pool(Pools *pools, const double *drives, const double *limits, int length, double slack)
+{
+    int count = 0, k;
+    for (k = 0; k < length; k++) {
+        int first = k, size = 1;
+        double drive = drives[k], limit = limits ? limits[k] : 0.0;
+        double value = shrunk(drive, limit);
+        while (count && pools->value[count - 1] >= value - slack) {
+            count--;
+            first = pools->first[count];
+            size += pools->size[count];
+            drive = pools->drive[count] + drive;
+            limit = pools->limit[count] + limit;
+            value = shrunk(drive, limit) / size;
+        }
+        pools->first[count] = first;
+        pools->size[count] = size;
+        pools->drive[count] = drive;
+        pools->limit[count] = limit;
+        pools->value[count] = value;
+        count++;
+    }
+    pools->count = count;
+}
+
+void expand(const Pools *pools, double *values)
+{
+    int i, k;
+    for (i = 0; i < pools->count; i++) {
+        for (k = pools->first[i]; k < pools->first[i] + pools->size[i]; k++) {
+            values[k] = pools->value[i];
+        }
+    }
+}

@@ -1,0 +1,31 @@
+/* Weights of finite size on one track: packed groups and forces between them. */
+#ifndef AUTOBALANCER_CONTACT_H
+#define AUTOBALANCER_CONTACT_H
+
+#include "base/complex_number.h"
+
+/* Runs of neighbours of a chain of at most N weights that share one value. */
+typedef struct {
+    int count;              /* of pools; the entries beyond it mean nothing */
+    int *first, *size;      /* (N,) first weight of the chain in a pool, and how many it has */
+    double *drive, *limit;  /* (N,) sums over its weights */
+    double *value;          /* (N,) what its weights share */
+} Pools;
+
+/* sin(n alpha)/(n sin alpha): mean drive of a packed group in units of one weight's. */
+double group_factor(int count, double alpha);
+
+/* Factors q_1..q_{n-1} of a packed group about its middle angle t: the contact after weight j
+   carries Im(G a e^{-i t} q_j) kappa m R [N] of pressure. */
+void pressure_factors(int count, double alpha, Complex *factors);
+
+/* Set `pools` to the accelerations of a chain of touching weights: Gauss's principle.
+
+   drives: (length,) free accelerations along increasing angle; limits: (length,) resistance of
+   weights at rest, or NULL; slack: tension that is taken for rounding. */
+void pool(Pools *pools, const double *drives, const double *limits, int length, double slack);
+
+/* Give every weight of a chain the value of its pool. */
+void expand(const Pools *pools, double *values);
+
+#endif

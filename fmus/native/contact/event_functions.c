@@ -1,0 +1,268 @@
+#include "contact/event_functions.h"
+
+#include "base/elementary.h"
+#include "base/roots.h"
+#include "contact/groups.h"
+
+#define ROUNDING 1e-14 /* rad: a gap closes when it is less than 0 by more than this */
+#define DIP 1e-12      /* rad: more than rounding */
+
+/* Rounding of drives; never less than what find_groups leaves together. */
+static double slack_of(const WeightsInOrder *weights, int i, const Instant *now,
+                       double angular_acceleration)
+{
+    const Complex drive = complex_scaled(weights->track->lever, now->acceleration);
+    return PULL * weights->groups.runs.size[i] *
+           (magnitude(drive) + absolute(angular_acceleration));
+}
+
+/* Least of the sums of `count` values one after the other, and after which of them. */
+static double least_sum(int count, const double *values, double less, int *where)
+{
+    double least = infinity(), sum = 0.0;
+    int j;
+    *where = 0;
+    for (j = 0; j < count; j++) {
+        sum += values[j] - less;
+        if (sum < least) {
+            least = sum;
+            *where = j;
+        }
+    }
+    return least;
+}
+
+/* Least pressure in a group all of whose weights press on the same wall. */
+static double common_pressure(WeightsInOrder *weights, int i, double middle, Complex acceleration,
+                              int *where)
+{
+    const Track *track = weights->track;
+    const int size = weights->groups.runs.size[i];
+    const Complex lever = {track->lever, weights->groups.sign[i] * track->grip};
+    const Complex pull = complex_product(complex_product(lever, acceleration), rect(1.0, -middle));
+    double least = infinity();
+    int j;
+    if (weights->factor_count != size) {
+        pressure_factors(size, track->alpha, weights->factors);
+        weights->factor_count = size;
+    }
+    *where = 0;
+    for (j = 0; j < size - 1; j++) {
+        const double pressure = complex_product(pull, weights->factors[j]).im;
+        if (pressure < least) {
+            least = pressure;
+            *where = j;
+        }
+    }
+    return least;
+}
+
+/* Set `drives` to those of a sliding group's weights without contact, but for common parts. */
+static void fill_sliding_drives(WeightsInOrder *weights, int i, double middle, double centrifugal,
+                                Complex acceleration)
+{
+    const Track *track = weights->track;
+    const int size = weights->groups.runs.size[i];
+    const double grip = weights->groups.sign[i] * track->grip;
+    int k;
+    for (k = 0; k < size; k++) {
+        const double angle = -middle - (2 * k - size + 1) * track->alpha;
+        const Complex z = complex_product(acceleration, rect(1.0, angle));
+        weights->drives[k] = track->lever * z.im - grip * absolute(centrifugal - z.re);
+    }
+}
+
+/* Least pressure in a group, as an acceleration and above rounding, and after whom. */
+static double pressure_of(const EventFunctions *functions, int i, double middle, double angle_rate,
+                          const Instant *now, int *where)
+{
+    WeightsInOrder *weights = functions->weights;
+    const Groups *groups = &weights->groups;
+    const int size = groups->runs.size[i];
+    const double turning = now->rotor_speed + angle_rate;
+    const double centrifugal = weights->track->weights.track_radius * (turning * turning);
+    double least, mean = 0.0;
+    int k;
+    *where = 0;
+    if (groups->resting[i]) {
+        return 1.0;
+    }
+    if (groups->sign[i] == 0.0 || magnitude(now->acceleration) < centrifugal) {
+        least = common_pressure(weights, i, middle, now->acceleration, where);
+    } else {
+        fill_sliding_drives(weights, i, middle, centrifugal, now->acceleration);
+        for (k = 0; k < size; k++) {
+            mean += weights->drives[k];
+        }
+        least = least_sum(size - 1, weights->drives, mean / size, where);
+    }
+    return least + slack_of(weights, i, now, functions->motion->angular_acceleration);
+}
+
+/* What resistance has left to hold a resting group or a part of it; negative: it moves.
+
+   A part moves when it can push all that is before it, so the ends of the group decide. */
+static double hold_of(WeightsInOrder *weights, int i, const Instant *now,
+                      double angular_acceleration)
+{
+    const double *drives = weights->drives, *limits = weights->limits;
+    const int size = weights->groups.runs.size[i];
+    const double slack = slack_of(weights, i, now, angular_acceleration);
+    double least = infinity(), forward = 0.0, backward = 0.0, drive = 0.0, limit = 0.0;
+    int k;
+    fill_drives(weights, weights->groups.runs.first[i], size, now, angular_acceleration);
+    for (k = 0; k < size; k++) {
+        limit += limits[k];
+        drive += drives[k];
+        forward += limits[k] + drives[k];
+        backward += limits[size - 1 - k] - drives[size - 1 - k];
+        least = smaller(smaller(least, forward), backward);
+    }
+    return (weights->track->full ? limit - absolute(drive) : least) + slack;
+}
+
+static void after(const EventFunctions *functions, int i, const Instant *later, double time,
+                  double *middle, double *rate)
+{
+    moved(functions->weights, i, &functions->now, later, functions->motion->angular_acceleration,
+          time, middle, rate);
+}
+
+double event_value(const EventFunction *event, double time)
+{
+    const EventFunctions *functions = event->functions;
+    WeightsInOrder *weights = functions->weights;
+    const Groups *groups = &weights->groups;
+    const Instant later = instant(functions->motion, functions->begin + time);
+    const int i = event->group, j = (i + 1) % groups->runs.count;
+    double middle, rate, following, following_rate, value;
+    int where;
+    if (event->kind == BREAKS_AWAY) {
+        return hold_of(weights, i, &later, functions->motion->angular_acceleration);
+    }
+    after(functions, i, &later, time, &middle, &rate);
+    if (event->kind == COMES_TO_REST) {
+        value = groups->sign[i] * rate;
+    } else if (event->kind == PULLED_OPEN) {
+        value = pressure_of(functions, i, middle, rate, &later, &where);
+    } else {
+        after(functions, j, &later, time, &following, &following_rate);
+        value = event->start + (following - middle - (groups->middle[j] - groups->middle[i]));
+    }
+    return weights->failure->code ? not_a_number() : value;
+}
+
+/* 1 if the event has happened at the time of a least value, which is then its `upper`. */
+static int dips(EventFunction *event, double time)
+{
+    if (time != 0.0 && event_value(event, time) < 0.0) {
+        event->upper = time;
+        return 1;
+    }
+    return 0;
+}
+
+static int gap_closes(EventFunction *event, double length)
+{
+    const WeightsInOrder *weights = event->functions->weights;
+    const Groups *groups = &weights->groups;
+    const int i = event->group, j = (i + 1) % groups->runs.count;
+    const double base = groups->middle[j] - groups->middle[i];
+    const double opening = groups->angle_rate[j] - groups->angle_rate[i];
+    const double final_opening = groups->end_rate[j] - groups->end_rate[i];
+    double final;
+    event->where = (groups->runs.first[i] + groups->runs.size[i] - 1) % weights->count;
+    event->start = larger(0.0, gap(weights, event->where)) + ROUNDING;
+    final = event->start + (groups->end_middle[j] - groups->end_middle[i] - base);
+    /* rounding must not close a gap that opens; one that dips and opens again has to */
+    if (final < (smaller(opening, final_opening) < 0.0 ? 0.0 : -DIP)) {
+        return 1;
+    }
+    return opening < 0.0 && 0.0 < final_opening &&
+           dips(event, lowest(event->start, opening, final, final_opening, length));
+}
+
+static int pulled_open(EventFunction *event, const Instant *later)
+{
+    const EventFunctions *functions = event->functions;
+    const WeightsInOrder *weights = functions->weights;
+    const Groups *groups = &weights->groups;
+    const int i = event->group;
+    int behind, unused;
+    if (!(pressure_of(functions, i, groups->end_middle[i], groups->end_rate[i], later, &behind) <
+          0.0)) {
+        return 0;
+    }
+    event->where = (groups->runs.first[i] + behind) % weights->count;
+    event->start = pressure_of(functions, i, groups->middle[i], groups->angle_rate[i],
+                               &functions->now, &unused);
+    return 1;
+}
+
+static int comes_to_rest(EventFunction *event, const Instant *later, double length)
+{
+    const EventFunctions *functions = event->functions;
+    WeightsInOrder *weights = functions->weights;
+    const Groups *groups = &weights->groups;
+    const double acceleration = functions->motion->angular_acceleration;
+    const int i = event->group;
+    const double sign = groups->sign[i], rate = groups->angle_rate[i];
+    const double end_rate = groups->end_rate[i];
+    double start, final, unused;
+    event->start = sign * rate;
+    if (sign * end_rate < 0.0) {
+        return 1;
+    }
+    group_acceleration(weights, i, groups->middle[i], rate, &functions->now, acceleration, &start,
+                       &unused);
+    group_acceleration(weights, i, groups->end_middle[i], end_rate, later, acceleration, &final,
+                       &unused);
+    return sign * start < 0.0 && 0.0 < sign * final &&
+           dips(event, lowest(sign * rate, sign * start, sign * end_rate, sign * final, length));
+}
+
+static int breaks_away(EventFunction *event, const Instant *later)
+{
+    const EventFunctions *functions = event->functions;
+    const double acceleration = functions->motion->angular_acceleration;
+    if (!(hold_of(functions->weights, event->group, later, acceleration) < 0.0)) {
+        return 0;
+    }
+    event->start = hold_of(functions->weights, event->group, &functions->now, acceleration);
+    return 1;
+}
+
+int may_happen(const EventFunctions *functions, int kind)
+{
+    const WeightsInOrder *weights = functions->weights;
+    const int groups = weights->groups.runs.count;
+    if (kind == GAP_CLOSES) {
+        return weights->track->solid && groups > 1;
+    }
+    if (kind == PULLED_OPEN) {
+        return groups < weights->count && !weights->track->full;
+    }
+    return weights->track->grip > 0.0;
+}
+
+int find_event_function(EventFunctions *functions, int kind, int i, const Instant *later,
+                        double length, EventFunction *event)
+{
+    const Groups *groups = &functions->weights->groups;
+    event->functions = functions;
+    event->kind = kind;
+    event->group = i;
+    event->where = -1;
+    event->start = 0.0;
+    event->upper = length;
+    switch (kind) {
+    case GAP_CLOSES:
+        return gap_closes(event, length);
+    case PULLED_OPEN:
+        return groups->runs.size[i] > 1 && pulled_open(event, later);
+    case COMES_TO_REST:
+        return groups->sign[i] != 0.0 && comes_to_rest(event, later, length);
+    default:
+        return groups->resting[i] && breaks_away(event, later);
+    }
+}

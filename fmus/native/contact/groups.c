@@ -1,0 +1,223 @@
+#include "contact/groups.h"
+
+#include "base/elementary.h"
+
+#define INSTANT 1e-90 /* s: nothing moves, and cubes of shorter times are not told from 0 */
+
+void fill_drives(WeightsInOrder *weights, int first, int size, const Instant *now,
+                 double angular_acceleration)
+{
+    const Track *track = weights->track;
+    const double lag = track->spin_share * angular_acceleration;
+    int j;
+    for (j = 0; j < size; j++) {
+        const int k = (first + j) % weights->count;
+        const Complex z = complex_product(now->acceleration, rect(1.0, -weights->angle[k]));
+        const double rate = weights->angle_rate[k], turning = now->rotor_speed + rate;
+        double g = track->lever * z.im - lag - track->damping_rate * rate;
+        double f = 0.0;
+        if (track->grip != 0.0) {
+            const double centrifugal = track->weights.track_radius * (turning * turning);
+            f = track->grip * absolute(centrifugal - z.re);
+            if (rate != 0.0) {
+                g -= copy_sign(f, rate);
+                f = 0.0;
+            }
+        }
+        weights->drives[j] = g;
+        weights->limits[j] = f;
+    }
+}
+
+/* One group more; `angle_acceleration` tells one that does not move yet where to. */
+static void append_group(WeightsInOrder *weights, int first, int size, double angle_acceleration)
+{
+    Groups *groups = &weights->groups;
+    const int i = groups->runs.count;
+    const double rate = weights->angle_rate[first];
+    groups->runs.first[i] = first;
+    groups->runs.size[i] = size;
+    groups->middle[i] = weights->angle[first] + (size - 1) * weights->track->alpha;
+    groups->angle_rate[i] = rate;
+    groups->sign[i] = 0.0;
+    groups->resting[i] = 0;
+    if (weights->track->grip != 0.0) {
+        const double way = rate != 0.0 ? rate : angle_acceleration;
+        groups->resting[i] = way == 0.0;
+        if (way != 0.0) {
+            groups->sign[i] = copy_sign(1.0, way);
+        }
+    }
+    groups->runs.count = i + 1;
+}
+
+/* Split a chain of touching weights into the groups in which it moves. */
+static void append_groups(WeightsInOrder *weights, int first, int size, const Instant *now,
+                          double angular_acceleration, double slack)
+{
+    const Track *track = weights->track;
+    Pools *pools = &weights->pools;
+    int length = size, j;
+    fill_drives(weights, first, size, now, angular_acceleration);
+    if (track->full) { /* a closed ring cannot open */
+        for (j = 1; j < size; j++) {
+            weights->drives[0] += weights->drives[j];
+            weights->limits[0] += weights->limits[j];
+        }
+        length = 1;
+    }
+    pool(pools, weights->drives, weights->limits, length, slack);
+    for (j = 0; j < pools->count; j++) {
+        const int begin = pools->first[j];
+        if (begin) {
+            weights->joined[(first + begin - 1) % weights->count] = 0;
+        }
+        append_group(weights, (first + begin) % weights->count, track->full ? size : pools->size[j],
+                     pools->value[j]);
+    }
+}
+
+void find_groups(WeightsInOrder *weights, const Instant *now, double angular_acceleration)
+{
+    const Track *track = weights->track;
+    const Runs *chains = &weights->chains;
+    const double slack = PULL * (magnitude(complex_scaled(track->lever, now->acceleration)) +
+                                 absolute(angular_acceleration));
+    int i;
+    weights->groups.runs.count = 0;
+    find_chains(weights);
+    for (i = 0; i < chains->count; i++) {
+        if (chains->size[i] == 1 && track->grip == 0.0) {
+            append_group(weights, chains->first[i], 1, 0.0);
+        } else {
+            append_groups(weights, chains->first[i], chains->size[i], now, angular_acceleration,
+                          slack);
+        }
+    }
+}
+
+SlidingGroup sliding_group(const WeightsInOrder *weights, int i)
+{
+    const Track *track = weights->track;
+    SlidingGroup group;
+    group.radius = track->weights.track_radius;
+    group.lever = track->lever;
+    group.grip = weights->groups.sign[i] * track->grip;
+    group.damping_rate = track->damping_rate;
+    group.count = weights->groups.runs.size[i];
+    group.alpha = track->alpha;
+    group.spin_share = track->spin_share;
+    return group;
+}
+
+/* -1/(kappa R) times the factor of group i [1/m]. */
+static double group_lever(const WeightsInOrder *weights, int i)
+{
+    return weights->track->lever *
+           group_factor(weights->groups.runs.size[i], weights->track->alpha);
+}
+
+void moved(WeightsInOrder *weights, int i, const Instant *now, const Instant *later,
+           double angular_acceleration, double step, double *middle, double *rate)
+{
+    const Groups *groups = &weights->groups;
+    const double lag[4] = {weights->track->spin_share * angular_acceleration, 0.0, 0.0, 0.0};
+    const double *response;
+    Complex ends[4];
+    *middle = groups->middle[i];
+    *rate = groups->angle_rate[i];
+    if (groups->resting[i]) {
+        *rate = 0.0;
+        return;
+    }
+    if (step < INSTANT) {
+        return;
+    }
+    ends[0] = now->acceleration;
+    ends[1] = now->slope;
+    ends[2] = later->acceleration;
+    ends[3] = later->slope;
+    response = quadrature(&weights->quadrature, weights->track->damping_rate, step);
+    if (groups->sign[i] != 0.0) {
+        const SlidingGroup group = sliding_group(weights, i);
+        sliding_substep(&group, middle, rate, ends, now->rotor_speed, angular_acceleration,
+                        response, step, weights->sides, weights->failure);
+    } else {
+        weights_substep(middle, rate, ends, group_lever(weights, i), rect(1.0, *middle), lag,
+                        response, step, weights->failure);
+    }
+}
+
+void group_acceleration(WeightsInOrder *weights, int i, double middle, double angle_rate,
+                        const Instant *now, double angular_acceleration, double *acceleration,
+                        double *slope)
+{
+    const double damping_rate = weights->track->damping_rate;
+    double drive, drive_slope;
+    if (weights->groups.resting[i]) {
+        *acceleration = *slope = 0.0;
+        return;
+    }
+    if (weights->groups.sign[i] != 0.0) {
+        const SlidingGroup group = sliding_group(weights, i);
+        const int side_count = find_sides(&group, now->acceleration, middle, angle_rate,
+                                          now->rotor_speed, weights->sides);
+        sliding_drive(&group, now->acceleration, now->slope, middle, angle_rate, now->rotor_speed,
+                      angular_acceleration, weights->sides, side_count, &drive, &drive_slope);
+    } else {
+        along_track(now->acceleration, now->slope, middle, angle_rate, group_lever(weights, i),
+                    &drive, &drive_slope);
+        drive -= weights->track->spin_share * angular_acceleration;
+    }
+    *acceleration = drive - damping_rate * angle_rate;
+    *slope = drive_slope - damping_rate * *acceleration;
+}
+
+void ring_turning(WeightsInOrder *weights, const Instant *now, double angular_acceleration,
+                  double *turned)
+{
+    const Groups *groups = &weights->groups;
+    int i;
+    turned[0] = turned[1] = 0.0;
+    find_groups(weights, now, angular_acceleration);
+    for (i = 0; i < groups->runs.count; i++) {
+        double acceleration, slope;
+        group_acceleration(weights, i, groups->middle[i], groups->angle_rate[i], now,
+                           angular_acceleration, &acceleration, &slope);
+        turned[0] += groups->runs.size[i] * acceleration;
+        turned[1] += groups->runs.size[i] * slope;
+    }
+}
+
+void ring_reaction(WeightsInOrder *weights, const Instant *now, double angular_acceleration,
+                   Complex *force, Complex *force_slope)
+{
+    const Groups *groups = &weights->groups;
+    const double speed = now->rotor_speed, alpha = weights->track->alpha;
+    const double scale = -weights->track->moment;
+    const Complex turn = {0.0, 2.0 * speed}, pull = {-speed * speed, angular_acceleration};
+    const Complex pull_slope = {pull.re, 3.0 * angular_acceleration};
+    Complex moment = {0.0, 0.0}, first = moment, second = moment, third = moment, sum;
+    int i;
+    find_groups(weights, now, angular_acceleration);
+    for (i = 0; i < groups->runs.count; i++) {
+        const double nu = groups->angle_rate[i];
+        const int size = groups->runs.size[i];
+        const Complex unit = rect(size * group_factor(size, alpha), groups->middle[i]);
+        double theta_2, theta_3;
+        group_acceleration(weights, i, groups->middle[i], nu, now, angular_acceleration, &theta_2,
+                           &theta_3);
+        moment = complex_sum(moment, unit);
+        first = complex_sum(first, complex_product(complex_of(0.0, nu), unit));
+        second = complex_sum(second, complex_product(complex_of(-nu * nu, theta_2), unit));
+        third = complex_sum(
+            third, complex_product(complex_of(-3.0 * nu * theta_2, theta_3 - nu * nu * nu), unit));
+    }
+    sum = complex_sum(second, complex_product(turn, first));
+    sum = complex_sum(sum, complex_product(pull, moment));
+    *force = complex_scaled(scale, sum);
+    sum = complex_sum(third, complex_product(turn, second));
+    sum = complex_sum(sum, complex_product(pull_slope, first));
+    sum = complex_difference(sum, complex_scaled(2.0 * speed * angular_acceleration, moment));
+    *force_slope = complex_scaled(scale, sum);
+}

@@ -1,0 +1,68 @@
+/* What a unit calls: motion of a track's weights over a step, and their force on the rotor.
+
+   Without contact, resistance and offset these are the functions of weights.h. */
+#ifndef AUTOBALANCER_MOTION_H
+#define AUTOBALANCER_MOTION_H
+
+#include <stddef.h>
+
+#include "base/complex_number.h"
+#include "base/failure.h"
+#include "contact/track.h"
+
+/* State at the end of a communication step. */
+typedef struct {
+    double *angles, *speeds; /* (N,) in the rotor [rad, rad/s] */
+    double *contacts; /* (N,) 1 where a weight lastingly touches the next along the track */
+    Complex impulse; /* of the collisions in this step on the rotor, rotor frame at its end
+                        [N s]; what is not in the force of track_reaction */
+    int events; /* collisions, contacts opened, weights stuck or broken away */
+    double reached; /* time since the start of the step [s]: `step`, or the first event */
+} Moved;
+
+/* Doubles of scratch for the functions below. */
+size_t track_scratch(int count);
+
+/* Static moment about the plane's centre, sum m (e + R e^{i theta}), rotor frame [kg m]. */
+Complex track_static_moment(const Track *track, const double *angles, Turned *turned);
+
+/* `contacts` (N,) of a fresh start: weights that touch and move alike, whatever drives them. */
+int track_first_contacts(const Track *track, const double *angles, const double *speeds,
+                         double *contacts, double *scratch, Failure *failure);
+
+/* Move every weight over one communication step.
+
+   angles, speeds, contacts: state, contacts all 0 for a fresh start; the arrays of `moved` may be
+   the same, and have no meaning after a failure.  signal: (4,) acceleration of the plane's centre
+   in the rotor frame at the start of the step and its derivatives.  spin_up: (4,) angular
+   acceleration of the rotor likewise, constant where weights can touch or stick.  stops: as in track.h. */
+int track_advance(const Track *track, const double *angles, const double *speeds,
+                  const double *contacts, const Complex *signal, double rotor_speed,
+                  const double *spin_up, double step, int stops, Moved *moved,
+                  double *scratch, Failure *failure);
+
+/* Residual force on the rotor in the rotor frame and its slope, without impulses. */
+int track_reaction(const Track *track, const double *angles, const double *speeds,
+                   const double *contacts, Complex acceleration, Complex slope, double rotor_speed,
+                   double angular_acceleration, double change, Complex *force,
+                   Complex *force_slope, double *scratch, Failure *failure);
+
+/* Second derivative of that force, of point weights; arguments as of quintic_weights_reaction_second,
+   `motion` of the plane's centre. */
+Complex track_reaction_second(const Track *track, const double *angles, const double *speeds,
+                              const Complex *motion, double rotor_speed, const double *spin_up,
+                              Turned *turned);
+
+/* Torque on the rotor by what resistance takes of a weight's theta'' [N m s^2]: kappa m R^2, less what
+   the body's own turning gives back. */
+double track_arm(const Track *track);
+
+/* Torque of the weights on the rotor about the plane's centre and its slope, without impulses.
+
+   motion, force: acceleration of the plane's centre, force of track_reaction, and their slopes. */
+int track_torque(const Track *track, const double *angles, const double *speeds,
+                 const double *contacts, const Complex *motion, const Complex *force,
+                 double rotor_speed, double angular_acceleration, double change, double *torque,
+                 double *scratch, Failure *failure);
+
+#endif

@@ -1,0 +1,219 @@
+#include "contact/ring.h"
+
+#include "base/elementary.h"
+#include "base/matrix.h"
+#include "contact/impact_law.h"
+
+#define OVERLAP 1e-7  /* rad: of a start; rounding of angles after a million turns stays below */
+#define ALIGNED 1e-12 /* rad: contacts this exact are left alone, so that weights never creep */
+
+#define DOUBLES 17 /* arrays of N doubles, and of N ints */
+#define INTS 9
+
+size_t ring_scratch(int count)
+{
+    const size_t n = (size_t)count;
+    return DOUBLES * n + impact_doubles(count) +
+           (INTS * n * sizeof(int) + sizeof(double) - 1) / sizeof(double);
+}
+
+static double *next_doubles(double **free, int count)
+{
+    double *const taken = *free;
+    *free += count;
+    return taken;
+}
+
+static int *next_ints(int **free, int count)
+{
+    int *const taken = *free;
+    *free += count;
+    return taken;
+}
+
+/* Hand out the arrays of `scratch`. */
+static void lay_out(int n, double *scratch, WeightsInOrder *w)
+{
+    double *d = scratch;
+    int *i = (int *)(void *)(scratch + DOUBLES * n + impact_doubles(n));
+    w->given = next_doubles(&d, n);
+    w->begin = next_doubles(&d, n);
+    w->angle = next_doubles(&d, n);
+    w->angle_rate = next_doubles(&d, n);
+    w->groups.middle = next_doubles(&d, n);
+    w->groups.angle_rate = next_doubles(&d, n);
+    w->groups.sign = next_doubles(&d, n);
+    w->groups.end_middle = next_doubles(&d, n);
+    w->groups.end_rate = next_doubles(&d, n);
+    w->pools.drive = next_doubles(&d, n);
+    w->pools.limit = next_doubles(&d, n);
+    w->pools.value = next_doubles(&d, n);
+    w->drives = next_doubles(&d, n);
+    w->limits = next_doubles(&d, n);
+    w->sides = next_doubles(&d, n);
+    w->factors = (Complex *)(void *)next_doubles(&d, 2 * n);
+    w->impact = d;
+    w->order = next_ints(&i, n);
+    w->joined = next_ints(&i, n);
+    w->chains.first = next_ints(&i, n);
+    w->chains.size = next_ints(&i, n);
+    w->groups.runs.first = next_ints(&i, n);
+    w->groups.runs.size = next_ints(&i, n);
+    w->groups.resting = next_ints(&i, n);
+    w->pools.first = next_ints(&i, n);
+    w->pools.size = next_ints(&i, n);
+}
+
+/* Weights by their angle within a turn, those at one place as they were given. */
+static void sort(int n, const double *within, int *order)
+{
+    int j, k;
+    for (k = 1; k < n; k++) {
+        const int weight = order[k];
+        for (j = k; j > 0 && within[order[j - 1]] > within[weight]; j--) {
+            order[j] = order[j - 1];
+        }
+        order[j] = weight;
+    }
+}
+
+int put_in_order(const Track *track, const double *angles, const double *speeds,
+                 const double *contacts, double *scratch, WeightsInOrder *weights, Failure *failure)
+{
+    const int n = track->weights.count;
+    int j;
+    lay_out(n, scratch, weights);
+    failure->code = FINE;
+    weights->failure = failure;
+    weights->track = track;
+    weights->count = n;
+    weights->chains.count = weights->groups.runs.count = weights->pools.count = 0;
+    weights->factor_count = 0;
+    weights->quadrature = quadrature_empty();
+    for (j = 0; j < n; j++) {
+        weights->given[j] = angles[j];
+        weights->angle[j] = modulo(angles[j], TAU);
+        weights->order[j] = j;
+    }
+    if (track->solid) {
+        sort(n, weights->angle, weights->order);
+    }
+    for (j = 0; j < n; j++) {
+        const int k = weights->order[j];
+        weights->begin[j] = weights->angle[k];
+        weights->angle_rate[j] = speeds[k];
+        weights->joined[j] = track->full || (track->solid && contacts[k] != 0.0);
+    }
+    copy_doubles((size_t)n, weights->begin, weights->angle);
+    return track->solid ? align(weights) : FINE;
+}
+
+void as_given(const WeightsInOrder *weights, double *angles, double *speeds, double *contacts)
+{
+    int j;
+    for (j = 0; j < weights->count; j++) {
+        const int k = weights->order[j];
+        /* turns are kept, and a weight that has not moved keeps its angle to the last digit */
+        angles[k] = weights->given[k] + (weights->angle[j] - weights->begin[j]);
+        speeds[k] = weights->angle_rate[j];
+        contacts[k] = weights->joined[j] ? 1.0 : 0.0;
+    }
+}
+
+double gap(const WeightsInOrder *weights, int k)
+{
+    const double *angle = weights->angle;
+    const double ahead = k + 1 < weights->count ? angle[k + 1] : angle[0] + TAU;
+    return ahead - angle[k] - 2.0 * weights->track->alpha;
+}
+
+void find_chains(WeightsInOrder *weights)
+{
+    const int n = weights->count, *linked = weights->joined;
+    Runs *chains = &weights->chains;
+    int start = 0, first, count = 0, k;
+    if (weights->track->solid) { /* behind the first link that is missing */
+        while (start < n && linked[start]) {
+            start++;
+        }
+        start = start == n ? 0 : start + 1;
+    }
+    first = start;
+    for (k = start; k < start + n; k++) {
+        if (k == start + n - 1 || !linked[k % n]) {
+            chains->first[count] = first % n;
+            chains->size[count] = k + 1 - first;
+            first = k + 1;
+            count++;
+        }
+    }
+    chains->count = count;
+}
+
+static int is_aligned(const WeightsInOrder *weights, int first, int size)
+{
+    const int n = weights->count;
+    const double *rate = weights->angle_rate;
+    int j;
+    for (j = first; j < first + size - 1; j++) {
+        if (absolute(gap(weights, j % n)) > ALIGNED || rate[(j + 1) % n] != rate[first]) {
+            return 0;
+        }
+    }
+    return 1;
+}
+
+/* Put the weights of a chain about the mean of their angles, with the mean of their rates. */
+static void place_about_mean(WeightsInOrder *weights, int first, int size)
+{
+    double middle = 0.0, rate = 0.0;
+    int j;
+    for (j = first; j < first + size; j++) {
+        const int k = j % weights->count;
+        middle += weights->angle[k] + (k < first ? TAU : 0.0);
+        rate += weights->angle_rate[k];
+    }
+    place(weights, first, size, middle / size, rate / size);
+}
+
+int align(WeightsInOrder *weights)
+{
+    const Runs *chains = &weights->chains;
+    int k, any = 0;
+    for (k = 0; k < weights->count; k++) {
+        const double apart = gap(weights, k);
+        if (apart < -OVERLAP) {
+            return fail(weights->failure, FAILURE_OVERLAP, "weights", 0, -apart,
+                        2.0 * weights->track->alpha, 0.0, 0.0);
+        }
+        if (weights->joined[k] && apart > OVERLAP) {
+            weights->joined[k] = 0;
+        }
+        any |= weights->joined[k];
+    }
+    if (!any) {
+        return FINE;
+    }
+    find_chains(weights);
+    for (k = 0; k < chains->count; k++) {
+        if (chains->size[k] > 1 && !is_aligned(weights, chains->first[k], chains->size[k])) {
+            place_about_mean(weights, chains->first[k], chains->size[k]);
+        }
+    }
+    return FINE;
+}
+
+void place(WeightsInOrder *weights, int first, int size, double middle, double rate)
+{
+    int j;
+    for (j = 0; j < size; j++) {
+        int k = first + j;
+        double angle = middle + (2 * j - size + 1) * weights->track->alpha;
+        if (k >= weights->count) {
+            k -= weights->count;
+            angle -= TAU;
+        }
+        weights->angle[k] = angle;
+        weights->angle_rate[k] = rate;
+    }
+}

@@ -1,0 +1,73 @@
+/* The weights of a track in the order in which they stand on it, and who touches whom.
+
+   Weights that are linked are a run of neighbours, told by its first weight and its size; it may
+   pass the last weight and go on with the first. */
+#ifndef AUTOBALANCER_RING_H
+#define AUTOBALANCER_RING_H
+
+#include <stddef.h>
+
+#include "base/failure.h"
+#include "contact/contact.h"
+#include "contact/track.h"
+
+/* Runs of neighbours among N weights. */
+typedef struct {
+    int count;         /* of runs; the entries beyond it mean nothing */
+    int *first, *size; /* (N,) first weight of each, and how many it has */
+} Runs;
+
+/* Runs of weights that move as one. */
+typedef struct {
+    Runs runs;
+    double *middle, *angle_rate;   /* (N,) [rad, rad/s] */
+    double *sign;                  /* (N,) way it slides; 0 without resistance or at rest */
+    int *resting;                  /* (N,) held by resistance */
+    double *end_middle, *end_rate; /* (N,) after the stretch of time that is looked at */
+} Groups;
+
+/* State of the weights, and the arrays that are needed to move them. */
+typedef struct {
+    const Track *track;
+    int count;                   /* N */
+    int *order;                  /* (N,) which of the weights, as given, stands here */
+    double *given;               /* (N,) angles as they were given [rad] */
+    double *begin;               /* (N,) the same in order and within a turn */
+    double *angle, *angle_rate;  /* (N,) in order, ascending and within a turn [rad, rad/s] */
+    int *joined;                 /* (N,) true where a weight lastingly touches the next */
+    Runs chains;                 /* found last */
+    Groups groups;               /* found last */
+    Pools pools;
+    double *drives, *limits, *sides; /* (N,) scratch */
+    double *impact; /* of impact_law.h, for N weights */
+    Complex *factors;                       /* (N,) pressure factors of a group of this size: */
+    int factor_count;
+    Quadrature quadrature;
+    Failure *failure; /* first thing that went wrong; its code is FINE while nothing has */
+} WeightsInOrder;
+
+/* Doubles of the arrays of N weights. */
+size_t ring_scratch(int count);
+
+/* Weights as they stand on the track; `contacts` not 0 where a weight lastingly touches the next
+   along increasing angle. */
+int put_in_order(const Track *track, const double *angles, const double *speeds,
+                 const double *contacts, double *scratch, WeightsInOrder *weights,
+                 Failure *failure);
+
+/* Angles, rates and contacts in the order in which they were given. */
+void as_given(const WeightsInOrder *weights, double *angles, double *speeds, double *contacts);
+
+/* Free angle between weight k and the next [rad]. */
+double gap(const WeightsInOrder *weights, int k);
+
+/* Set `chains`, the runs of weights each of which lastingly touches the next. */
+void find_chains(WeightsInOrder *weights);
+
+/* Exact distances and one rate in every chain of lasting contacts; refuse overlaps. */
+int align(WeightsInOrder *weights);
+
+/* Put a run of weights that touch about the angle `middle`. */
+void place(WeightsInOrder *weights, int first, int size, double middle, double rate);
+
+#endif

@@ -1,0 +1,37 @@
+/* A track and the weights on it: the parameters, and what follows from them alone. */
+#ifndef AUTOBALANCER_TRACK_H
+#define AUTOBALANCER_TRACK_H
+
+#include "base/complex_number.h"
+#include "base/failure.h"
+#include "weights/weights.h"
+
+#define TOUCH 1e-11 /* rad: neighbours this close collide together */
+
+/* What ends a step: the first event, behind it; the first impact, before it. */
+enum { STOPS_AT_EVENTS = 1, STOPS_AT_IMPACTS = 2 };
+
+/* Weights on a track, with the options that a scene may switch on. */
+typedef struct {
+    Weights weights;           /* as point weights */
+    double weight_radius;      /* r [m]; 0: they pass through each other */
+    double restitution;        /* of a collision of two weights, 0 to 1 */
+    double mobility;           /* of the plane with all that it carries [1/kg]; 0: it is held */
+    double rolling_resistance; /* mu, resistance over load; 0: none */
+    Complex offset;            /* of the track's centre from the plane's, rotor frame [m] */
+    /* set by track_prepare */
+    double alpha;        /* half the angle between weights that touch [rad] */
+    double lever;        /* -1/(kappa R) [1/m] */
+    double grip;         /* mu/(kappa R): resistance over load, per angle [1/m] */
+    double damping_rate; /* d = b/(kappa m) [1/s] */
+    double moment;       /* m R [kg m] */
+    double spin_share;   /* s: part of w' by which a free weight falls behind */
+    int solid;           /* there are weights that can meet */
+    int full;            /* they fill the track: each touches both neighbours for ever */
+    int eventful;        /* weights can collide or stick */
+} Track;
+
+/* Check the parameters and set what follows from them; 0, or what is not allowed. */
+int track_prepare(Track *track, Failure *failure);
+
+#endif

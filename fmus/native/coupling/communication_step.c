@@ -1,0 +1,45 @@
+/* A communication step as a run takes it. */
+#include "base/elementary.h"
+#include "coupling/composite.h"
+
+static const double SLIVER = 1e-12; /* of a step */
+
+/* Whether the communication step that ends so is still to be gone on with. */
+static int unfinished(const Composite *c, double ends, double step)
+{
+    const Course *course = c->course;
+    if (course->crossing > 0.0 || course->striking > 0.0) {
+        return 1;
+    }
+    if (course->allowed == 0.0) {
+        return course->whole > 0.0;
+    }
+    return course->no_past > 0.0 && ends - course->time > SLIVER * step;
+}
+
+int composite_run_step(Unit *unit, double step)
+{
+    Composite *c = unit->own;
+    Course *course = c->course;
+    const double begin = course->time;
+    double ends = begin + step;
+    c->loop_failed = 0;
+    if (course->acceleration != 0.0 && course->rises_until > 0.0 &&
+        course->time >= course->rises_until) {
+        composite_level_off(unit);
+    }
+    do {
+        c->pacing.step = course->allowed > 0.0 ? ends - course->time : step;
+        if (composite_go_on(unit)) {
+            if (c->unknowns) {
+                composite_put_gain(unit, &unit->reason);
+            }
+            return 1;
+        }
+        /* an event is no communication point, but only at rest are these further apart */
+        if (course->allowed > 0.0) {
+            ends = smaller(ends, begin + c->pacing.longest);
+        }
+    } while (unfinished(c, ends, ends - begin));
+    return 0;
+}

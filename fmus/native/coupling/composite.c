@@ -1,0 +1,632 @@
+/* The composite's own equations: parameters, begin, step, outputs, observe. */
+#include "coupling/composite.h"
+
+#include <string.h>
+
+#include "base/elementary.h"
+#include "units/rotor.h"
+
+/* Parts of a step and of a time: within them a point of the host is the end of a step; and of the
+   speed: what differs less is no jump. */
+static const double POINT_OF_STEP = 1e-10, POINT_OF_TIME = 4e-16, SAME_SPEED = 1e-9;
+static const double MOST_STEPS = 1e8, MOST_MOVES = 1e7; /* within a step of the host: of the coupling, and of parts */
+static const double LOOSEST = 0.1; /* tolerance */
+static const double FEWEST_STEPS = 4.0; /* fewer do not resolve one revolution */
+static const double WEAK_LOOP = 0.1; /* one corrector pass then leaves 1 % of the prediction's error */
+static const double ROUNDING = 1e-14; /* of the largest force there can be */
+
+/* -- memory ---------------------------------------------------------------------------------- */
+
+static size_t signal_doubles(size_t count)
+{
+    return count * sizeof(Signal) / sizeof(double);
+}
+
+size_t composite_memory(Composite *c, double *memory)
+{
+    enum { BLOCKS = 11 };
+    const size_t e = (size_t)c->unknowns, p = (size_t)c->planes;
+    const size_t outer = 2 * (size_t)c->parts->unit->layout.sizes.planes, o = (size_t)c->orders;
+    const size_t counts[BLOCKS] = {
+        sizeof(Course) / sizeof(double), outer, signal_doubles(e), signal_doubles(p),
+        o * o * e * e, o * o * e * (e + p), o * (e + p), p * sizeof(Swung) / sizeof(double), c->state_count,
+        c->state_count, c->state_count};
+    size_t at[BLOCKS], total = 0, state;
+    int k;
+    for (k = 0; k < BLOCKS; k++) {
+        at[k] = total;
+        total += counts[k];
+    }
+    state = at[BLOCKS - 1];
+    for (k = 0; k < c->part_count; k++) {
+        Unit *part = c->parts[k].unit;
+        if (memory) {
+            part->memory = memory + state;
+            part->real = memory + total;
+        }
+        state += part->memory_count;
+        total += part->layout.real_count;
+    }
+    if (memory) {
+        c->course = (Course *)memory;
+        c->outer_forces = memory + at[1];
+        c->forces = (Signal *)(memory + at[2]);
+        c->accelerations = (Signal *)(memory + at[3]);
+        c->learned = memory + at[4];
+        c->solution = memory + at[5];
+        c->missed = (Complex *)(memory + at[6]);
+        c->swung = (Swung *)(memory + at[7]);
+        c->at_begin = memory + at[8];
+        c->at_end = memory + at[9];
+        c->states = memory + at[10];
+    }
+    return total;
+}
+
+static int allocate(Unit *unit)
+{
+    Composite *c = unit->own;
+    const size_t e = (size_t)c->unknowns, p = (size_t)c->planes, o = (size_t)c->orders;
+    const size_t n = o * (e + p), square = o * o * e * e;
+    const size_t stations = (size_t)c->parts->unit->layout.sizes.stations;
+    double **vectors[] = {&c->u, &c->g_u, &c->moved, &c->answered, &c->residual, &c->du, &c->old};
+    size_t k;
+    int missing = 0;
+    composite_memory(c, unit->memory);
+    missing |= impacts_allocate(unit);
+    for (k = 0; k < sizeof vectors / sizeof *vectors; k++) {
+        *vectors[k] = unit_allocate(unit, n, sizeof(double));
+        missing |= !*vectors[k];
+    }
+    c->assumed = unit_allocate(unit, o * e, sizeof(Complex));
+    c->sent = unit_allocate(unit, o * e, sizeof(Complex));
+    c->felt = unit_allocate(unit, o * p, sizeof(Complex));
+    c->ends = unit_allocate(unit, p, sizeof(Knot));
+    c->answers = unit_allocate(unit, e, sizeof(Knot));
+    c->square = unit_allocate(unit, square, sizeof(double));
+    c->wide = unit_allocate(unit, o * o * e * p, sizeof(double));
+    c->work = unit_allocate(unit, 2 * square, sizeof(double));
+    c->masses = unit_allocate(unit, 2 * (size_t)c->parts->unit->layout.sizes.planes, sizeof(double));
+    c->decay = unit_allocate(unit, 32 * stations * stations, sizeof(double));
+    for (k = 0; k < (size_t)c->part_count; k++) {
+        c->real_count += c->parts[k].unit->layout.real_count;
+    }
+    c->kept = unit_allocate(unit, c->real_count, sizeof(double));
+    return missing || !c->assumed || !c->sent || !c->felt || !c->ends || !c->answers ||
+           !c->square || !c->wide || !c->work || !c->decay || !c->kept || !c->masses;
+}
+
+/* -- the start ------------------------------------------------------------------------------- */
+
+static int refuse(Unit *unit, const char *why)
+{
+    text_put(unit_reason(unit), why);
+    return 1;
+}
+
+static int parameters(Unit *unit)
+{
+    Composite *c = unit->own;
+    const double steps = unit->real[c->steps_per_rev];
+    int k;
+    if ((unit->real[c->tolerance] > 0.0) == (steps > 0.0)) {
+        return refuse(unit, "coupling.tolerance, coupling.steps_per_rev: one must be above 0, and "
+                            "the other 0 (not used)");
+    }
+    if (steps > 0.0 && !(steps >= FEWEST_STEPS && steps == nearest(steps))) {
+        return refuse(unit, "coupling.steps_per_rev: must be 0 (not used) or a whole number, at "
+                            "least 4");
+    }
+    if (unit->real[c->tolerance] > LOOSEST) {
+        return refuse(unit, "coupling.tolerance: must be at most 0.1");
+    }
+    if (unit->real[c->tolerance] > 0.0 && c->scheme == SCHEME_COMPENSATED) {
+        return refuse(unit, "coupling.tolerance: the file was built with scheme = \"compensated\", "
+                            "which keeps none; set coupling.steps_per_rev");
+    }
+    for (k = 0; k < c->part_count; k++) {
+        Part *part = c->parts + k;
+        Unit *own = part->unit;
+        memcpy(own->real, unit->real + part->first, own->layout.parameters.count * sizeof(double));
+        if (own->equations->parameters(own)) {
+            return composite_part_failed(unit, part);
+        }
+    }
+    return 0;
+}
+
+/* A host's times may be off by rounding, never by a step. */
+static int stands_at(const double *memory, double time)
+{
+    const Course *course = (const Course *)memory;
+    return course->started > 0.0 && time >= course->begin - course->length &&
+           time <= course->time + course->length;
+}
+
+static int begin(Unit *unit)
+{
+    ((Composite *)unit->own)->course->started = 0.0;
+    return 0;
+}
+
+/* Take over speed and forces as the host has set them. */
+static void take_inputs(Unit *unit)
+{
+    Composite *c = unit->own;
+    Course *course = c->course;
+    if (!c->motor && !(unit->real[c->rise] > 0.0)) {
+        course->told = unit->time;
+        course->speed = unit->real[c->drive];
+        course->acceleration = unit->real[c->drive + 1];
+    }
+    if (!c->motor) {
+        course->fastest = larger(course->fastest, absolute(course->speed));
+    }
+    memcpy(c->outer_forces, unit->real + c->outer,
+           2 * (size_t)c->parts->unit->layout.sizes.planes * sizeof(double));
+}
+
+/* All parts at their start, and the balancers' masses on the rotor. */
+static int begin_parts(Unit *unit)
+{
+    Composite *c = unit->own;
+    Unit *rotor = c->parts->unit;
+    int k;
+    if (impacts_prepare(unit)) {
+        return 1;
+    }
+    for (k = 0; k < c->part_count; k++) {
+        Unit *part = c->parts[k].unit;
+        const Range inputs = part->layout.inputs;
+        if (c->parts[k].brief >= 0) {
+            part->real[c->parts[k].brief] = 1.5 * contacts_brief(unit);
+        }
+        memcpy(part->real + inputs.first, part->starts + inputs.first,
+               inputs.count * sizeof(double));
+        if (part->equations->begin(part)) {
+            return composite_part_failed(unit, c->parts + k);
+        }
+    }
+    composite_drive(unit, unit->time);
+    if (c->motor && shaft_begin(unit)) {
+        return 1;
+    }
+    for (k = 1; k < c->mounted; k++) {
+        Unit *part = c->parts[k].unit;
+        double *carried = rotor->real + rotor->layout.inputs.first + c->parts[k].plane;
+        composite_place(c, c->parts + k);
+        if (part->equations->outputs(part)) {
+            return composite_part_failed(unit, c->parts + k);
+        }
+        *carried += part->real[layout_index(&part->layout, "added_mass", 1)];
+    }
+    return 0;
+}
+
+/* The scheme for this loop, its Jacobian in c->square. */
+static void begin_scheme(Unit *unit, double step)
+{
+    Composite *c = unit->own;
+    Course *course = c->course;
+    course->corrections = c->corrections;
+    if (c->corrections < 0 && c->scheme == SCHEME_AUTO && course->gain <= WEAK_LOOP) {
+        course->corrections = 1.0;
+    }
+    if (c->scheme == SCHEME_COMPENSATED) {
+        compensated_begin(c, step);
+    } else {
+        iterated_begin(c);
+    }
+}
+
+/* The speed that is prescribed. */
+static void begin_drive(Unit *unit)
+{
+    Composite *c = unit->own;
+    Course *course = c->course;
+    course->speed = course->first_speed = unit->real[c->drive];
+    course->acceleration = course->first_acceleration = unit->real[c->drive + 1];
+    if (unit->real[c->rise] > 0.0) {
+        course->rises_until = unit->time + unit->real[c->rise];
+        course->fastest = larger(course->fastest, absolute(course->speed +
+                                 unit->real[c->rise] * course->acceleration));
+    }
+}
+
+static int start(Unit *unit)
+{
+    Composite *c = unit->own;
+    Course *course = c->course;
+    double step;
+    memset(course, 0, sizeof *course);
+    memset(c->forces, 0, (size_t)c->unknowns * sizeof(Signal));
+    memset(c->accelerations, 0, (size_t)c->planes * sizeof(Signal));
+    course->fastest = unit->real[c->top_speed];
+    course->begin = course->time = course->told = unit->time;
+    if (!c->motor) {
+        begin_drive(unit);
+    }
+    take_inputs(unit);
+    if (!(course->fastest > 0.0)) {
+        return refuse(unit, "coupling.top_speed: must be above 0 rad/s for a rotor that starts at rest");
+    }
+    step = startup_size(unit);
+    if (begin_parts(unit)) {
+        return 1;
+    }
+    course->rounding = ROUNDING * composite_largest_force(c);
+    if ((c->scheme == SCHEME_COMPENSATED && loop_rotor_response(unit, step)) ||
+        loop_consistent_start(unit, step)) {
+        return 1;
+    }
+    begin_scheme(unit, step);
+    resolution_begin(unit);
+    course->allowed = c->unknowns ? unit->real[c->tolerance] : 0.0;
+    if (course->allowed > 0.0) {
+        adaptive_begin(unit);
+    }
+    course->started = 1.0;
+    return 0;
+}
+
+static int outputs(Unit *unit)
+{
+    return ((Composite *)unit->own)->course->started > 0.0 ? 0 : start(unit);
+}
+
+/* -- steps ----------------------------------------------------------------------------------- */
+
+/* Begin a step at a time where the units are, and where something has jumped. */
+static void begin_anew(Unit *unit, double time)
+{
+    Composite *c = unit->own;
+    Course *course = c->course;
+    int k;
+    if (course->within > 0.0) {
+        composite_read_accelerations(c, c->ends);
+        composite_read_forces(c, c->answers);
+        for (k = 0; k < c->planes; k++) {
+            c->accelerations[k].now = c->ends[k];
+        }
+        for (k = 0; k < c->exchanges; k++) {
+            c->forces[k].now = c->answers[k];
+        }
+        if (c->motor) {
+            c->forces[c->exchanges].now = shaft_stand(c);
+        }
+        course->within = 0.0;
+    }
+    course->time = time;
+    course->crossing = course->whole = course->striking = 0.0;
+    course->changed = 1.0;
+    composite_drop_past(c);
+}
+
+/* Whether the forces from outside have changed. */
+static int pushed_anew(const Unit *unit)
+{
+    const Composite *c = unit->own;
+    const size_t outer = 2 * (size_t)c->parts->unit->layout.sizes.planes;
+    return memcmp(c->outer_forces, unit->real + c->outer, outer * sizeof(double)) != 0;
+}
+
+/* Look at what the host has set; 1 with the reason where it may not. */
+static int meet_inputs(Unit *unit)
+{
+    const Composite *c = unit->own;
+    const Course *course = c->course;
+    const double *drive = unit->real + c->drive;
+    const double led = course->speed + (unit->time - course->told) * course->acceleration;
+    const int rises = unit->real[c->rise] > 0.0;
+    const int same = rises || (drive[1] == course->acceleration &&
+                               absolute(drive[0] - led) <= SAME_SPEED * course->fastest);
+    const int jumps = !same || pushed_anew(unit);
+    if (rises && (drive[0] != course->first_speed || drive[1] != course->first_acceleration)) {
+        return refuse(unit, "speed, acceleration: the rotor speeds up by itself, as rise_time is "
+                            "above 0 s");
+    }
+    if (jumps || (!rises && drive[1] != 0.0)) {
+        take_inputs(unit);
+    }
+    if (jumps) {
+        begin_anew(unit, unit->time);
+    }
+    return 0;
+}
+
+/* With a tolerance nothing is left to be estimated. */
+static int judge(Unit *unit, double step)
+{
+    const Course *course = ((Composite *)unit->own)->course;
+    return (course->allowed == 0.0 && resolution_check(unit, step)) || iterated_judge(unit);
+}
+
+/* One step of given length; `jump`: over a jump of an input. */
+static int couple(Unit *unit, double step, int jump)
+{
+    const Composite *c = unit->own;
+    if (c->scheme == SCHEME_COMPENSATED && c->exchanges) {
+        return compensated_step(unit, step, jump) || (!jump && resolution_check(unit, step));
+    }
+    if (jump) {
+        return iterated_cross(unit, step);
+    }
+    if (iterated_step(unit, step)) {
+        return 1;
+    }
+    return c->unknowns && c->course->striking == 0.0 && judge(unit, c->course->length);
+}
+
+/* One step of the length that a tolerance allows, or that a run prescribes. */
+static int adapt(Unit *unit)
+{
+    const Composite *c = unit->own;
+    const double longest = c->pacing.longest;
+    if (!c->pacing.points) {
+        return adaptive_step(unit, longest > 0.0 ? longest
+                                                 : startup_share(unit, unit->real[c->fewest]));
+    }
+    return prescribed_step(unit) || (c->course->striking == 0.0 && iterated_judge(unit));
+}
+
+/* A step that an event has cut into several is judged behind it. */
+static int strike(Unit *unit)
+{
+    const Composite *c = unit->own;
+    Course *course = c->course;
+    if (contacts_step(unit)) {
+        return 1;
+    }
+    if (course->striking > 0.0) {
+        return 0;
+    }
+    course->residual = course->worst;
+    return (course->allowed == 0.0 || c->pacing.points) &&
+           judge(unit, course->time + course->length - course->met);
+}
+
+int composite_go_on(Unit *unit)
+{
+    Composite *c = unit->own;
+    Course *course = c->course;
+    const size_t size = c->state_count * sizeof(double);
+    const int crosses = course->changed > 0.0 || course->crossing > 0.0;
+    const int strikes = course->striking > 0.0 && !crosses;
+    const int adapts = course->allowed > 0.0 && !crosses && !strikes;
+    const double step = adapts || strikes ? 0.0 : startup_length(unit);
+    if (course->within > 0.0) {
+        memcpy(c->states, c->at_end, size);
+        course->within = 0.0;
+    }
+    memcpy(c->at_begin, c->states, size);
+    course->begin = course->time;
+    course->length = step;
+    course->held = 0.0;
+    composite_drive(unit, course->begin);
+    if (strikes  ? strike(unit)
+        : adapts ? adapt(unit)
+                 : couple(unit, step, crosses)) {
+        return 1;
+    }
+    if (composite_follow(unit, course->length)) {
+        return 1;
+    }
+    course->time += course->length;
+    course->steps += crosses || strikes ? 0.0 : 1.0;
+    return adapts ? 0 : startup_taken(unit, strikes);
+}
+
+/* Move the units to a time within the last step, or to its end, under its signals. */
+static int show(Unit *unit, double time, int end)
+{
+    Composite *c = unit->own;
+    Course *course = c->course;
+    Rotor *rotor = c->parts->unit->own;
+    const size_t size = c->state_count * sizeof(double);
+    /* under signals that do not change they can go on from where they stand */
+    const int goes_on = course->within > 0.0 && course->held > 0.0 && !end &&
+                        course->acceleration == 0.0 && !c->motor && time >= course->shown;
+    double from = course->begin;
+    int wrong;
+    if (end && course->within == 0.0) {
+        return 0;
+    }
+    if (course->within == 0.0) {
+        memcpy(c->at_end, c->states, size);
+    }
+    if (goes_on) {
+        from = course->shown;
+    } else {
+        memcpy(c->states, c->at_begin, size);
+    }
+    course->within = end ? 0.0 : 1.0;
+    course->shown = time;
+    rotor->whole = end ? 0.0 : course->held > 0.0 ? time - from : course->length;
+    wrong = composite_move(unit, end ? course->length : time - from);
+    rotor->whole = 0.0;
+    return wrong;
+}
+
+static int refuse_length(Unit *unit, double own)
+{
+    Text *reason = unit_reason(unit);
+    text_put_rounded(reason, "the coupling's steps of ", own, 3);
+    text_put(reason, " s are too short for it: speed, coupling.top_speed and coupling.steps_per_rev "
+                     "must leave at most 1e8 of them");
+    return 1;
+}
+
+static int refuse_work(Unit *unit, double step)
+{
+    Text *reason = unit_reason(unit);
+    text_put_rounded(reason, "a step of ", step, 6);
+    text_put(reason, " s takes too many steps of the coupling: one call may move all parts together "
+                     "1e7 times; use shorter communication steps");
+    return 1;
+}
+
+void composite_put_time(Text *reason, double time)
+{
+    text_put_rounded(reason, " at t = ", time, 6);
+    text_put(reason, " s");
+}
+
+void composite_put_gain(const Unit *unit, Text *reason)
+{
+    text_put_rounded(reason, "; loop gain ", ((const Composite *)unit->own)->course->gain, 3);
+}
+
+void composite_level_off(Unit *unit)
+{
+    Course *course = ((Composite *)unit->own)->course;
+    const double top = course->rises_until;
+    course->speed += (top - course->told) * course->acceleration;
+    course->acceleration = 0.0;
+    course->told = top;
+    course->fastest = larger(course->fastest, absolute(course->speed));
+    begin_anew(unit, top);
+}
+
+/* Step and move the units to a time. */
+static int reach(Unit *unit, double end)
+{
+    const Composite *c = unit->own;
+    const Course *course = c->course;
+    const double begin = unit->time, most = course->passes + MOST_MOVES / c->part_count;
+    for (;;) {
+        const double point = POINT_OF_STEP * course->length + POINT_OF_TIME * absolute(end);
+        if (!(course->time < end - point)) {
+            return show(unit, end, course->time <= end + point);
+        }
+        if (unit->own_steps && course->time > begin) {
+            unit->made = course->time - begin;
+            return show(unit, course->time, 1);
+        }
+        if (course->passes > most) {
+            return refuse_work(unit, end - begin);
+        }
+        if (composite_go_on(unit)) {
+            composite_put_gain(unit, &unit->reason);
+            return 1;
+        }
+    }
+}
+
+static int step(Unit *unit, double length)
+{
+    const Composite *c = unit->own;
+    Course *course = c->course;
+    const double end = unit->time + length, top = course->rises_until;
+    int wrong;
+    if (c->motor && pushed_anew(unit)) {
+        take_inputs(unit);
+        begin_anew(unit, unit->time);
+    } else if (!c->motor && meet_inputs(unit)) {
+        return 1;
+    }
+    if (!(length < MOST_STEPS * startup_size(unit))) {
+        return refuse_length(unit, startup_size(unit));
+    }
+    if (course->acceleration != 0.0 && unit->time < top && top <= end) {
+        const unsigned *asked = unit->asked;
+        unit->asked = NULL; /* steps begin there: all units must be */
+        wrong = reach(unit, top);
+        unit->asked = asked;
+        if (wrong) {
+            return 1;
+        }
+        if (unit->own_steps) {
+            if (unit->made < top - unit->time) { /* of the run-up one step, and not its last */
+                return 0;
+            }
+            unit->made = top - unit->time;
+        }
+        composite_level_off(unit);
+        if (top == end || unit->own_steps) {
+            return 0;
+        }
+    }
+    return reach(unit, end);
+}
+
+static void show_outputs(Unit *unit, const Part *part)
+{
+    const size_t first = part->unit->layout.computed.first;
+    memcpy(unit->real + part->observed, part->unit->real + first,
+           (part->unit->layout.real_count - first) * sizeof(double));
+}
+
+static void observe(Unit *unit)
+{
+    Composite *c = unit->own;
+    double *results = unit->real + c->results;
+    int k;
+    for (k = 0; k < c->part_count; k++) {
+        if (composite_asked(unit, c->parts + k)) {
+            c->parts[k].unit->equations->observe(c->parts[k].unit);
+            show_outputs(unit, c->parts + k);
+        }
+    }
+    results[0] = c->motor ? shaft_speed(c)
+                          : c->course->speed + (unit->time - c->course->told) * c->course->acceleration;
+    results[1] = c->course->gain;
+    results[2] = c->course->steps;
+    results[3] = c->course->error;
+    results[4] = c->course->unconverged;
+}
+
+static void observe_torques(Unit *unit)
+{
+    const Composite *c = unit->own;
+    int k;
+    for (k = 0; k < c->part_count; k++) {
+        Unit *part = c->parts[k].unit;
+        if (part->equations->observe_torques && composite_asked(unit, c->parts + k)) {
+            part->equations->observe_torques(part);
+            show_outputs(unit, c->parts + k);
+        }
+    }
+}
+
+static int is_torque(const Unit *unit, size_t reference)
+{
+    const Composite *c = unit->own;
+    int k;
+    for (k = 0; k < c->part_count; k++) {
+        const Unit *part = c->parts[k].unit;
+        const size_t output = reference - c->parts[k].observed + part->layout.computed.first;
+        if (reference >= c->parts[k].observed && output < part->layout.real_count) {
+            return part->equations->is_torque && part->equations->is_torque(part, output);
+        }
+    }
+    return 0;
+}
+
+/* -- what a composite does not offer ---------------------------------------------------------- */
+
+static size_t signals(const Layout *layout, size_t *first)
+{
+    (void)layout;
+    *first = 0;
+    return 0;
+}
+
+static int directional(Unit *unit, const double *seed, double *change)
+{
+    (void)seed;
+    (void)change;
+    return refuse(unit, "a composite has no directional derivatives");
+}
+
+static int slope(Unit *unit, size_t reference, double *value)
+{
+    (void)unit;
+    (void)reference;
+    (void)value;
+    return 1;
+}
+
+const Equations COMPOSITE_EQUATIONS = {
+    .name = "Composite", .allocate = allocate, .stands_at = stands_at, .parameters = parameters, .begin = begin,
+    .step = step, .outputs = outputs, .observe = observe, .observe_torques = observe_torques,
+    .is_torque = is_torque, .signals = signals, .directional = directional, .slope = slope};

@@ -1,0 +1,342 @@
+/* The coupled units of a scene as one unit: rotor, balancers and motor under their own coupling.
+
+   Inside, steps follow the scene's coupling, whatever the steps of the host; between their ends the
+   units are moved under the signals of the step, so that outputs can be had at any time.  Signals are
+   cubics, of 4 numbers, or quintics, of 6 (`orders`), as the units were built for.  All that changes
+   while stepping lies in the unit's `memory`: the units' values and states, the signals, and what the
+   scheme remembers. */
+#ifndef AUTOBALANCER_COMPOSITE_H
+#define AUTOBALANCER_COMPOSITE_H
+
+#include "base/complex_number.h"
+#include "base/signals.h"
+#include "fmi/unit.h"
+
+typedef enum { SCHEME_AUTO, SCHEME_ITERATED, SCHEME_COMPENSATED } Scheme;
+
+enum { UNTIL_CONVERGED = -1 }; /* corrections */
+
+/* Value and slope of a signal at one point, and of a quintic its second derivative, else 0. */
+typedef struct {
+    Complex value, slope, second;
+} Knot;
+
+/* A coupling signal: its end now, and how it went over the step before. */
+typedef struct {
+    Knot now;
+    Complex last[QUINTIC_ORDERS];
+    double last_step;        /* [s] */
+    double prediction_error; /* how far the last step ended from where the one before led */
+    double largest;          /* modulus so far */
+} Signal;
+
+/* A unit of the composite; the first is the rotor, the last a motor of limited power if there is one. */
+typedef struct {
+    Unit *unit;
+    int plane;       /* of the rotor, from 0 */
+    int exchange;    /* number of its force, from 0; -1: its whole effect is its added mass */
+    int drive;       /* value reference of `speed`, -1 for one that is not told */
+    int brief;       /* value reference of `shortest_stopped_step`, -1 for one that never stops */
+    int place;       /* value reference of `x`, -1 for one that is not told its plane's place */
+    int torque;      /* value reference of `torque` as output, -1 for one that has none */
+    size_t first;    /* value reference of its first parameter in the composite, */
+    size_t observed; /* and of its first output */
+} Part;
+
+/* What changes while stepping, apart from signals and units; doubles alone, as the state is. */
+typedef struct {
+    double started;            /* whether forces and accelerations agree yet */
+    double begin, time, length; /* ends of the last step, and its length [s] */
+    double within;             /* whether the units stand within it, and not at its end */
+    double told, speed, acceleration; /* time of the drive [s], and what it was then */
+    double fastest;            /* speed so far, and that of the parameter [rad/s] */
+    double spin_scale;         /* what makes a force of a motor's acceleration [kg m] */
+    double speed_reached;      /* by the motor in the step that is being tried [rad/s] */
+    double torque[2], torque_reached[2]; /* on its shaft and their slopes, now and there */
+    double first_speed, first_acceleration, rises_until; /* of a rotor that speeds up by itself */
+    double changed;            /* whether an input has jumped since the last step */
+    double crossing;           /* negligible steps still to be taken over it, */
+    double negligible;         /* and their length [s] */
+    double whole, halvings, piece; /* communication step, its division, pieces taken */
+    double ends;               /* when the communication step is over [s] */
+    double first_step;         /* whether it is the one at the start */
+    double no_past;            /* no step has been taken since the start or a jump */
+    double gain;               /* of the loop */
+    double corrections;        /* corrector passes, or UNTIL_CONVERGED */
+    double rounding;           /* of forces that cancel [N] */
+    double tolerance;          /* residual that counts as converged */
+    double largest;            /* force so far, as the scheme knows it */
+    double reached;            /* the same with the step that is being tried */
+    double residual;           /* of the forces in the last step, relative to it */
+    double solved_step;        /* the step that the loop's inverse is for [s] */
+    double missed_step;        /* length of the step before [s], 0 when it missed nothing */
+    double largest_before, lost, calm; /* of a diverging loop */
+    double ahead;              /* time to an event in the pass that failed for it, else below 0 [s] */
+    double striking, strikes;  /* brief steps still to take behind an event, and taken */
+    double met;                /* when the step that met it began [s] */
+    double worst;              /* residual of the step before them */
+    double learned_step;       /* `solved_step` before them */
+    double steps, passes, unconverged, worst_left, error; /* worst_left: residual of those */
+    double allowed, rung, largest_motion; /* tolerance, 0 for fixed steps; step as 2^(-rung/4) */
+    double rested;             /* steps of this length in which nothing has moved */
+    double held;               /* whether the step holds its signals at the values they end with */
+    double shown;              /* when the units stand, within it [s] */
+    double slowest;            /* rate of the rotor's slowest motion [1/s] */
+    /* what the resolution is judged by; see resolution.py for what these are */
+    double top, mass, pace, reach, most, pushed, judged_step, blind, kept, kept_turning, renewed;
+    double moved, grown, unresolved;
+} Course;
+
+/* What the acceleration of a plane moves: speed, place and errors of the last revolution. */
+typedef struct {
+    Complex speed, place;
+    double turned, swung;
+} Swung;
+
+/* Signal over a step per part of its end that was missed in the one before, and what it was worked out
+   for: turn of the axes [rad], past step, and step [s]. */
+typedef struct {
+    double turn, past, step;
+    Complex rows[QUINTIC_ORDERS][QUINTIC_ORDERS / 2];
+} Carried;
+
+/* How a run goes on in place of a host, which leaves all of it 0. */
+typedef struct {
+    double step;          /* communication step to come, with a tolerance the time to a point to meet [s] */
+    double longest;       /* that a tolerance may choose [s] */
+    double share;         /* of the tolerance that a step may err */
+    const double *points; /* that steps lead to, ascending [s]; NULL: steps are chosen */
+    size_t count, next;   /* of the points, and the first of them that is ahead */
+} Pacing;
+
+typedef struct {
+    Part *parts;
+    int part_count, mounted; /* mounted: without the motor, */
+    Part *motor;             /* NULL where the speed is prescribed */
+    int exchanges, planes; /* numbers of forces, and of planes of the rotor that exchange force */
+    int unknowns;          /* what a step assumes: the forces, and a motor's acceleration as one */
+    int orders;            /* numbers that tell a signal, and reals of an unknown in the loop's vectors */
+    int *members;          /* (exchanges,) parts that exchange force */
+    int *member_planes;    /* (exchanges,) their planes among those that exchange */
+    int *rotor_planes;     /* (planes,) which they are of the rotor's */
+    Scheme scheme;
+    int corrections; /* as given */
+    size_t tolerance, steps_per_rev, fewest, top_speed, rise; /* value references of the coupling's parameters, */
+    size_t drive, outer;                        /* of speed (no motor) and forces from outside, */
+    size_t results;                             /* and of the coupling's outputs */
+    Pacing pacing;
+    int loop_failed;                            /* whether the last failure was that of the loop */
+    /* in the unit's memory */
+    Course *course;
+    double *outer_forces; /* (rotor's planes, 2) as told last [N] */
+    Signal *forces, *accelerations; /* (unknowns,), (planes,) */
+    double *learned;  /* (o e, o e) for e unknowns and o orders: `solution` before an event */
+    double *solution; /* (o e, o e): inverse of 1 - dG/du; compensated: (o e + o p, o e) */
+    Complex *missed;  /* (e + p, o / 2): of a signal's end by a step, each part times its power of the step */
+    Swung *swung;     /* (p,) */
+    double *states;   /* memories of all parts, one after the other, */
+    double *at_begin, *at_end; /* and those at the ends of the last step */
+    size_t state_count;
+    size_t real_count; /* of all parts' variables, the rotor's first */
+    /* scratch */
+    double *kept;      /* (real_count,) */
+    Complex *assumed, *sent, *felt; /* (e, o), (e, o), (p, o) signals over a step */
+    Knot *ends, *answers;           /* (p,), (e,) */
+    double *u, *g_u, *moved, *answered, *residual, *du, *old; /* (o e,) as `pack` makes them */
+    double *square, *wide, *work;  /* (o e, o e), (o p, o e), 2 (o e, o e) */
+    double *masses;                /* (rotor's planes,) */
+    double *decay;                 /* 2 (4 n, 4 n) for n stations */
+    struct Impacts *impacts;       /* of impacts.c; NULL where no weights can meet */
+    Carried carried[2];            /* of forces, and of accelerations */
+} Composite;
+
+/* -- token.c ----------------------------------------------------------------------- */
+
+int composite_named(const char *token);
+/* Whether a token is the identity alone, and the identity of a composite whose text this is. */
+int composite_abbreviated(const char *token);
+void composite_identity(const char *text, Text *identity);
+/* Parts, layout and start values of a composite; 1 with the reason. */
+int composite_build(Unit *unit, const char *token);
+
+/* -- composite.c ----------------------------------------------------------------------------- */
+
+/* Doubles of the unit's memory; where there is one already, pointers are set into it. */
+size_t composite_memory(Composite *c, double *memory);
+/* One step of the coupling, from its end to the next; 1 with the reason. */
+int composite_go_on(Unit *unit);
+/* Begin a step where a rotor that speeds up by itself has reached its speed. */
+void composite_level_off(Unit *unit);
+/* Say in the reason when it went wrong, and the loop gain. */
+void composite_put_time(Text *reason, double time);
+void composite_put_gain(const Unit *unit, Text *reason);
+
+/* -- communication_step.c ---------------------------------- */
+
+/* The communication step to come, which may take several of the coupling; with a tolerance one that
+   is chosen, at most that long [s]; 1 with the reason. */
+int composite_run_step(Unit *unit, double step);
+
+/* -- system.c ------------------------------------ */
+
+/* Step the rotor under force signals (e, o); accelerations of the planes in c->ends. */
+int composite_rotor_pass(Unit *unit, const Complex *forces, double step);
+/* Step the balancers that exchange force under signals (p, o); their forces in c->answers. */
+int composite_balancer_pass(Unit *unit, const Complex *accelerations, double step);
+/* Step the balancers that exchange none, once the others have finished. */
+int composite_follow(Unit *unit, double step);
+/* Whether an output of a part may be read. */
+int composite_asked(const Unit *unit, const Part *part);
+/* Step all units of which that is so from the begin of the last step under the signals they have; for
+   a time in it. */
+int composite_move(Unit *unit, double step);
+/* Tell a balancer where its plane is, if it follows that. */
+void composite_place(const Composite *c, const Part *part);
+/* Write the sum of the forces, and those from outside, on the rotor's planes. */
+void composite_set_forces(Unit *unit, const Complex *forces, double step);
+void composite_read_accelerations(const Composite *c, Knot *ends);
+void composite_read_forces(const Composite *c, Knot *answers);
+/* Tell the units speed and acceleration at a time [s]. */
+void composite_drive(Unit *unit, double time);
+/* Take over the signals of a finished step; 1 with the reason when one is not finite. */
+int composite_accept(Unit *unit, const Knot *accelerations, const Knot *forces, double step);
+void composite_drop_past(Composite *c);
+/* 1, with a part's reason under its name. */
+int composite_part_failed(Unit *unit, const Part *part);
+/* Names of all that a step assumes. */
+void composite_name_forces(const Composite *c, Text *text);
+/* One step of a part. */
+int composite_advance(Unit *unit, Part *part, double step);
+
+/* -- shaft.c -------------------------------------- */
+
+/* Take the motor's speed over, and tell it to all units. */
+int shaft_begin(Unit *unit);
+/* Tell all units how the rotor turns in the step to come: cubic of the acceleration, as a force. */
+void shaft_tell(Unit *unit, const Complex *spin, double step);
+/* The acceleration that the motor answers with, as a force: without a step; with one, once all
+   others have done it. */
+int shaft_answer(Unit *unit, Knot *spin);
+int shaft_pass(Unit *unit, double step, Knot *spin);
+/* Go on from the end of the step last taken. */
+void shaft_accept(Composite *c);
+/* Begin a step where the units stand; the acceleration there, as a force. */
+Knot shaft_stand(Composite *c);
+/* Of the rotor where the units stand [rad/s]. */
+double shaft_speed(const Composite *c);
+
+/* -- signals.c ---------------------------------- */
+
+/* A signal of which the start alone is known. */
+void knot_begun(const Knot *start, int orders, Complex *signal);
+/* A signal held at a value. */
+void knot_held(const Knot *knot, int orders, Complex *signal);
+void knot_hermite(const Knot *start, const Knot *end, int orders, double step, Complex *signal);
+/* The quintic that is a parabola and ends a step so: over a negligible one, of which the derivatives of
+   knot_hermite would be rounding. */
+void knot_leading(const Knot *end, double step, Complex *signal);
+Knot knot_end(const Complex *signal, int orders, double step);
+void signal_predicted(const Signal *signal, int orders, Complex *ahead);
+void signal_move(Signal *signal, const Knot *end, int orders, double step);
+
+/* -- loop.c ---------------------------------------- */
+
+/* What the loop, or a part of it, makes of u; vectors have of every unknown the value, the slope times
+   step, and of quintics the second derivative times its square. */
+typedef int (*Response)(Unit *unit, const double *u, double step, double *answer);
+void loop_pack(const Composite *c, const Knot *ends, int count, double step, double *u);
+void loop_unpack(const Composite *c, const double *u, int count, double step, Knot *ends);
+double loop_size(const double *u, int count); /* largest modulus of `count` complex numbers */
+/* dG/du (rows, o e) by differences of size `change`. */
+int loop_jacobian(Unit *unit, Response response, const double *u, const double *g_u, double change,
+                  int rows, double step, double *matrix);
+/* The inverse of 1 - dG/du; 1 with the reason when the loop has gain 1. */
+int loop_invert(Unit *unit, const double *jacobian, double step);
+void loop_rescale(Composite *c, int rows, double step);
+void loop_learn(Composite *c, const double *du, const double *old, const double *now);
+double loop_gain(Composite *c, const double *jacobian);
+/* Bring forces and accelerations into agreement; dG/du in c->square. */
+int loop_consistent_start(Unit *unit, double step);
+/* d(acceleration)/d(force) of the rotor, (o p, o e), in c->wide. */
+int loop_rotor_response(Unit *unit, double step);
+/* Largest modulus of the eigenvalues of a (n, n) matrix, which is overwritten; work: (n, n). */
+double spectral_radius(int n, double *matrix, double *work);
+
+/* -- scales.c ------------------------------------ */
+
+double composite_largest_force(const Composite *c);
+/* On every plane of the rotor (p,), by the port or in the force [kg]. */
+void composite_added_masses(const Composite *c, double *masses);
+
+/* -- resolution.c ---------------------------- */
+
+void resolution_begin(Unit *unit);
+/* Look at the step just finished; 1 with the reason where steps are too long for the signals. */
+int resolution_check(Unit *unit, double step);
+
+/* -- iterated.c, compensated.c, adaptive.c, prescribed.c: schemes, as
+   harness/master/schemes has them ------------------------------------------------------------------------ */
+
+void iterated_begin(Composite *c);
+/* From the start on, count as converged what leaves so much of the largest force. */
+void iterated_allow(Composite *c, double residual);
+int iterated_step(Unit *unit, double step);
+/* 1 with the reason where what the step left of the forces cannot be tolerated. */
+int iterated_judge(Unit *unit);
+int iterated_cross(Unit *unit, double step);
+/* Take a step with as many passes as it takes; its residual, below 0 where it failed. */
+double iterated_attempt(Unit *unit, double step);
+/* Go on from the end of what was attempted. */
+int iterated_accept(Unit *unit, double step);
+/* The same, with its length in course->length; `met`: an event is there. */
+int iterated_go_on(Unit *unit, double step, int met);
+/* Back to the begin of the step. */
+void composite_restore(Composite *c);
+void adaptive_begin(Unit *unit);
+/* From the start on, let a step err by this share of the tolerance, its loop by less. */
+void adaptive_allow(Composite *c, double share);
+/* One accepted step of at most `longest` [s]; its length in course->length. */
+int adaptive_step(Unit *unit, double longest);
+/* One step to the next of the points that a run prescribes. */
+int prescribed_step(Unit *unit);
+/* Take the loop's Jacobian from steps of this length, all of them taken back. */
+int iterated_after_start(Unit *unit, double step);
+void compensated_begin(Composite *c, double step);
+/* One step; `jump`: over a jump of an input. */
+int compensated_step(Unit *unit, double step, int jump);
+
+/* -- impacts.c ---------------------------------------------------------------------- */
+
+/* Memory for the impacts of weights; 1 when there is none. */
+int impacts_allocate(Unit *unit);
+/* Mobility of the planes, once the parameters are known; 1 with the reason. */
+int impacts_prepare(Unit *unit);
+/* Let all weights that touch, or will within `soon` [s], and the rotor collide, where any approach:
+   1 in `struck`.  1 with the reason where that fails. */
+int impacts_strike(Unit *unit, double soon, int *struck);
+
+/* -- contacts.c --------------------------------------------------------------------- */
+
+/* A step that is taken whole [s]: longer ones end at events. */
+double contacts_brief(const Unit *unit);
+/* After an attempt that failed: 1 unless an event ended it; else the units as before and the
+   step [s] that ends before the event, 0: it is here. */
+int contacts_ahead(Unit *unit, double *step);
+/* The units stand before an event: brief steps follow. */
+void contacts_begin(Unit *unit);
+/* `contacts_begin` and the first brief step. */
+int contacts_strike(Unit *unit);
+/* One brief step; its length in course->length. */
+int contacts_step(Unit *unit);
+
+/* -- startup.c ------------------------------------------------------------------------ */
+
+/* Length of a step of so many in the fastest revolution [s], and of a communication step. */
+double startup_share(const Unit *unit, double steps);
+double startup_size(const Unit *unit);
+/* Length of the step to come [s], of the communication step it is part of. */
+double startup_length(Unit *unit);
+/* What follows the step that was taken; `struck`: behind an event. */
+int startup_taken(Unit *unit, int struck);
+
+#endif

@@ -1,0 +1,160 @@
+/* Events: a step ends where a unit says that something jumps, so that it holds no jump.
+
+   Weights collide, part, stick or slide; dry supports stick, let go or turn round.  The step before an
+   event ends a moment earlier.  Steps so brief that their error is lost in rounding lead up to an impact,
+   which lies between two of them (impacts.c), or over any other event; what follows starts
+   without a past. */
+#include <string.h>
+
+#include "base/elementary.h"
+#include "coupling/composite.h"
+
+static const double SLIVER = 1e-3; /* of a brief step: weights that meet so soon collide now */
+static const double BRIEF = 1e-6, WIDE = 1e-4, LEAST = 0.1, JUMP = 1e-6, GROWTH = 10.0, KINK = 1e-10, AGREED = 1e-6;
+enum { QUIET = 3, AWAITED = 20, MOST = 1000, TRIES = 3 };
+static const double SHORTER[TRIES] = {1.0, 0.6, 0.36};
+
+double contacts_brief(const Unit *unit)
+{
+    const double tolerance = unit->real[((const Composite *)unit->own)->tolerance];
+    const double share = tolerance > 0.0 ? larger(LEAST, smaller(1.0, tolerance / WIDE)) : 1.0;
+    return share * BRIEF * startup_size(unit);
+}
+
+int contacts_ahead(Unit *unit, double *step)
+{
+    Composite *c = unit->own;
+    const double ahead = c->course->ahead, least = contacts_brief(unit);
+    if (ahead < 0.0) {
+        return 1;
+    }
+    composite_restore(c);
+    *step = ahead > 2.0 * least ? ahead - 0.5 * least : 0.0;
+    return 0;
+}
+
+static size_t loop_bytes(const Composite *c)
+{
+    const size_t count = (size_t)(c->orders * c->unknowns);
+    return count * count * sizeof(double);
+}
+
+void contacts_begin(Unit *unit)
+{
+    Composite *c = unit->own;
+    Course *course = c->course;
+    memcpy(c->learned, c->solution, loop_bytes(c));
+    course->learned_step = course->solved_step;
+    course->striking = AWAITED;
+    course->strikes = course->worst = 0.0;
+    course->met = course->time;
+}
+
+/* Behind the event: the jump is no error of a prediction. */
+static void end(Composite *c)
+{
+    int k;
+    for (k = 0; k < c->unknowns; k++) {
+        c->forces[k].prediction_error = 0.0;
+    }
+    for (k = 0; k < c->planes; k++) {
+        c->accelerations[k].prediction_error = 0.0;
+    }
+    composite_drop_past(c);
+}
+
+static void relearn(Composite *c)
+{
+    c->course->solved_step = c->course->learned_step;
+    memcpy(c->solution, c->learned, loop_bytes(c));
+}
+
+/* A brief step, not yet accepted: its residual, below 0 where it failed, and its length [s]. */
+static double brief(Unit *unit, double *step)
+{
+    Composite *c = unit->own;
+    int k = 0;
+    *step = contacts_brief(unit);
+    for (;;) {
+        const double residual = iterated_attempt(unit, *step);
+        if (residual < 0.0 && c->course->ahead >= SLIVER * *step) { /* weights meet within it */
+            *step = c->course->ahead;
+            composite_restore(c);
+            continue;
+        }
+        if ((residual >= 0.0 && residual <= AGREED) || k == TRIES - 1) {
+            return residual;
+        }
+        composite_restore(c);
+        relearn(c);
+        k++;
+        *step = SHORTER[k] * contacts_brief(unit);
+        /* weights that stick answer otherwise than those that slide */
+        if (k == TRIES - 1 && iterated_after_start(unit, *step)) {
+            return -1.0;
+        }
+    }
+}
+
+int contacts_strike(Unit *unit)
+{
+    contacts_begin(unit);
+    return contacts_step(unit);
+}
+
+/* Whether any of like signals jumps in a brief step, and whether its slope does. */
+static void judge(const Signal *signals, const Knot *ends, int count, double step, double largest,
+                  int *jumped, int *turned)
+{
+    double left = 0.0, turn = 0.0, grown = 0.0;
+    int k;
+    for (k = 0; k < count; k++) {
+        const Knot now = signals[k].now, end = ends[k];
+        const Complex led = complex_sum(now.value, complex_scaled(step, now.slope));
+        left = larger(left, magnitude(complex_difference(end.value, led)));
+        turn = larger(turn, step * magnitude(complex_difference(end.slope, now.slope)));
+        grown = larger(grown, step * magnitude(end.slope));
+    }
+    *jumped |= left > JUMP * larger(largest, GROWTH * grown);
+    *turned |= turn > KINK * largest;
+}
+
+int contacts_step(Unit *unit)
+{
+    Composite *c = unit->own;
+    Course *course = c->course;
+    double step, residual, motion = 0.0;
+    int k, jumped = 0, turned = 0;
+    if (impacts_strike(unit, SLIVER * contacts_brief(unit), &jumped)) {
+        return 1;
+    }
+    residual = brief(unit, &step);
+    for (k = 0; k < c->planes; k++) {
+        motion = larger(motion, c->accelerations[k].largest);
+    }
+    judge(c->forces, c->answers, c->unknowns, step, course->largest, &jumped, &turned);
+    judge(c->accelerations, c->ends, c->planes, step, motion, &jumped, &turned);
+    if (residual < 0.0 || iterated_accept(unit, step)) {
+        return 1;
+    }
+    relearn(c); /* what a brief step has made of the loop's inverse serves no longer one */
+    course->length = step;
+    course->strikes += 1.0;
+    /* passes that do not agree disagree on whether the step holds an event; it is soon over */
+    if (jumped || residual > AGREED) {
+        course->striking = QUIET;
+    } else {
+        course->striking -= 1.0;
+    }
+    if (turned) {
+        course->striking = smaller(course->striking, QUIET);
+    }
+    if (course->striking == 0.0) {
+        end(c);
+    } else if (course->strikes > MOST) {
+        text_put(unit_reason(unit), "weights collide or stick without end");
+        composite_put_time(&unit->reason, course->met);
+        return 1;
+    }
+    return 0;
+}

@@ -1,0 +1,198 @@
+/* Impacts of weights as events of the whole machine: the weights of all tracks and the rotor. */
+#include <string.h>
+
+#include "base/elementary.h"
+#include "base/matrix.h"
+#include "contact/impacts.h"
+#include "coupling/composite.h"
+#include "units/rotor.h"
+#include "units/weights.h"
+
+struct Impacts {
+    int count;         /* weights of all tracks */
+    double *mass;      /* (n, n) scratch: the loaded rotor's */
+    double *give;      /* (n, p) M^-1 S^T: velocities of the stations for unit impulses [1/kg] */
+    double *mobility;  /* (p, p) S M^-1 S^T [1/kg] */
+    double *memory;    /* of an Impact */
+    WeightsInOrder *tracks; /* (parts,) */
+    Failure failure;
+};
+
+static int is_weights(const Part *part)
+{
+    return part->unit->equations == &WEIGHTS_EQUATIONS;
+}
+
+static const Rotor *rotor_of(const Composite *c)
+{
+    return c->parts->unit->own;
+}
+
+int impacts_allocate(Unit *unit)
+{
+    Composite *c = unit->own;
+    struct Impacts *own = unit_allocate(unit, 1, sizeof *own);
+    const size_t n = (size_t)rotor_of(c)->stations, p = (size_t)rotor_of(c)->planes;
+    int k;
+    c->impacts = own;
+    if (!own) {
+        return 1;
+    }
+    for (k = 1; k < c->mounted; k++) {
+        own->count += is_weights(c->parts + k) ? c->parts[k].unit->layout.sizes.weights : 0;
+    }
+    own->mass = unit_allocate(unit, n * n, sizeof(double));
+    own->give = unit_allocate(unit, n * p, sizeof(double));
+    own->mobility = unit_allocate(unit, p * p, sizeof(double));
+    own->memory = unit_allocate(unit, impact_doubles(own->count) + 1, sizeof(double));
+    own->tracks = unit_allocate(unit, (size_t)c->part_count, sizeof *own->tracks);
+    return !own->mass || !own->give || !own->mobility || !own->memory || !own->tracks;
+}
+
+int impacts_prepare(Unit *unit)
+{
+    Composite *c = unit->own;
+    const LinearRotor *rotor = &rotor_of(c)->rotor;
+    const int n = rotor->stations, p = rotor->plane_count;
+    struct Impacts *own = c->impacts;
+    int k;
+    composite_added_masses(c, c->masses);
+    linear_rotor_with_added_mass(rotor, c->masses, own->mass);
+    matrix_transposed(1, p, n, rotor->planes, own->give);
+    if (matrix_solve(1, n, p, own->mass, own->give)) {
+        text_put(unit_reason(unit), "the rotor's mass matrix is singular");
+        return 1;
+    }
+    matrix_product(1, p, n, p, rotor->planes, own->give, own->mobility);
+    /* where steps do not end at impacts, a track knows the mobility of its own plane alone */
+    for (k = 1; k < c->mounted; k++) {
+        if (is_weights(c->parts + k)) {
+            Balls *balls = c->parts[k].unit->own;
+            balls->track.mobility = own->mobility[c->parts[k].plane * (p + 1)];
+        }
+    }
+    return 0;
+}
+
+/* Put the weights of a part in order as they stand; 1 with the reason. */
+static int read_track(Unit *unit, const Part *part, WeightsInOrder *weights)
+{
+    Failure *failure = &((Composite *)unit->own)->impacts->failure;
+    const Balls *balls = part->unit->own;
+    const double *angles = part->unit->memory, *speeds = angles + balls->count;
+    if (put_in_order(&balls->track, angles, speeds, speeds + balls->count, balls->scratch, weights,
+                     failure)) {
+        unit_failed(part->unit, failure, angles, (size_t)balls->count);
+        return composite_part_failed(unit, part);
+    }
+    return 0;
+}
+
+/* What drives the weights of a part before the impact. */
+static Instant drive_of(const Composite *c, const Part *part)
+{
+    const Course *course = c->course;
+    const Balls *balls = part->unit->own;
+    Instant now;
+    now.rotor_speed = course->speed + (course->time - course->told) * course->acceleration;
+    now.acceleration = complex_product(
+        complex_of(-now.rotor_speed * now.rotor_speed, course->acceleration), balls->track.offset);
+    if (part->exchange >= 0) {
+        const Knot *plane = &c->accelerations[c->member_planes[part->exchange]].now;
+        now.acceleration = complex_sum(now.acceleration, plane->value);
+    }
+    now.slope = complex_of(0.0, 0.0);
+    return now;
+}
+
+/* Let the rotor's stations jump by the impulses on its planes. */
+static void push_rotor(Composite *c, const Impact *impact)
+{
+    Rotor *rotor = c->parts->unit->own;
+    double *memory = c->parts->unit->memory, *velocity = memory + MOTION + 2 * rotor->stations;
+    const Complex turn = rect(1.0, memory[REST]);
+    int i, plane;
+    for (plane = 0; plane < rotor->planes; plane++) {
+        const Complex impulse = complex_product(impact_on_plane(impact, plane), turn);
+        for (i = 0; i < rotor->stations; i++) {
+            const double give = c->impacts->give[i * rotor->planes + plane];
+            velocity[2 * i] += give * impulse.re;
+            velocity[2 * i + 1] += give * impulse.im;
+        }
+    }
+    if (rotor->slider_count) { /* no friction holds against an impact */
+        friction_at_jump(rotor->sliders, rotor->slider_count, velocity,
+                         rotor_held(c->parts->unit));
+    }
+}
+
+/* Take over rates and contacts; whether pairs that bounce too low are left to be solved again. */
+static int take(Composite *c, Impact *impact)
+{
+    int k, first = 0, low = 0;
+    for (k = 1; k < c->mounted; k++) {
+        const Part *part = c->parts + k;
+        if (is_weights(part)) {
+            const Instant now = drive_of(c, part);
+            WeightsInOrder *weights = c->impacts->tracks + k;
+            low += impact_take(impact, first, weights, &now, c->course->acceleration);
+            first += weights->count;
+        }
+    }
+    return low;
+}
+
+/* Write the weights' speeds and contacts into the memories of their units. */
+static int write_tracks(Unit *unit)
+{
+    Composite *c = unit->own;
+    int k;
+    for (k = 1; k < c->mounted; k++) {
+        Unit *part = c->parts[k].unit;
+        WeightsInOrder *weights = c->impacts->tracks + k;
+        if (is_weights(c->parts + k)) {
+            double *angles = part->memory, *speeds = angles + weights->count;
+            if (weights->track->solid && align(weights)) {
+                unit_failed(part, weights->failure, angles, (size_t)weights->count);
+                return composite_part_failed(unit, c->parts + k);
+            }
+            as_given(weights, angles, speeds, speeds + weights->count);
+        }
+    }
+    return 0;
+}
+
+int impacts_strike(Unit *unit, double soon, int *struck)
+{
+    Composite *c = unit->own;
+    Impact impact = impact_begin(c->impacts->mobility, rotor_of(c)->planes, c->impacts->count,
+                                 c->impacts->memory);
+    int k;
+    *struck = 0;
+    for (k = 1; k < c->mounted; k++) {
+        WeightsInOrder *weights = c->impacts->tracks + k;
+        if (is_weights(c->parts + k)) {
+            if (read_track(unit, c->parts + k, weights)) {
+                return 1;
+            }
+            *struck |= approaching(weights, soon);
+            impact_add(&impact, weights, c->parts[k].plane, -1, soon);
+        }
+    }
+    if (!*struck) {
+        return 0;
+    }
+    do {
+        if (impact_solve(&impact, &c->impacts->failure)) {
+            return unit_failed(unit, &c->impacts->failure, NULL, 0);
+        }
+    } while (take(c, &impact));
+    push_rotor(c, &impact);
+    if (write_tracks(unit)) {
+        return 1;
+    }
+    /* the step to come begins behind the impact, and what was before it predicts nothing */
+    memcpy(c->at_begin, c->states, c->state_count * sizeof(double));
+    composite_drop_past(c);
+    return 0;
+}

@@ -1,0 +1,287 @@
+/* Iterated: step, compare the forces with those assumed, roll back and step again. */
+#include <string.h>
+
+#include "base/elementary.h"
+#include "base/matrix.h"
+#include "coupling/composite.h"
+
+static const double HELD = 0.01; /* of the residual allowed */
+static const double CONVERGED_FORCES = 1e-10, ROUNDING = 1e-12, CHANGE = 1e-3, LOOSE = 1e-3, SLOW = 0.1;
+enum { MAX_PASSES = 30, UNCONVERGED = 1 };
+
+/* Residual of a loop that is solved. */
+static double closed(const Course *course)
+{
+    return larger(CONVERGED_FORCES, ROUNDING * course->gain);
+}
+
+void iterated_allow(Composite *c, double residual)
+{
+    c->course->tolerance = larger(residual, ROUNDING * c->course->gain);
+    c->course->largest = c->course->rounding / c->course->tolerance;
+}
+
+void iterated_begin(Composite *c)
+{
+    Course *course = c->course;
+    course->tolerance = closed(course);
+    course->largest = course->rounding / (course->corrections < 0.0 ? course->tolerance : LOOSE);
+}
+
+static int leads(const Composite *c)
+{
+    return c->course->crossing > 0.0 && c->orders == QUINTIC_ORDERS;
+}
+
+/* The step that unknowns count by [s]: in a negligible one second derivatives would count for nothing. */
+static double measure(const Composite *c, double step)
+{
+    return leads(c) ? c->course->solved_step : step;
+}
+
+/* A signal over a step that ends so. */
+static void led_to(const Composite *c, const Knot *start, const Knot *end, double step, Complex *signal)
+{
+    if (c->course->held > 0.0) {
+        knot_held(end, c->orders, signal);
+    } else if (leads(c)) {
+        knot_leading(end, step, signal);
+    } else {
+        knot_hermite(start, end, c->orders, step, signal);
+    }
+}
+
+/* Step all units once with forces that end at u. */
+static int pass(Unit *unit, const double *u, double step)
+{
+    Composite *c = unit->own;
+    const int o = c->orders;
+    int k;
+    for (k = 0; k < c->unknowns; k++) {
+        Knot end;
+        loop_unpack(c, u + o * k, 1, measure(c, step), &end);
+        led_to(c, &c->forces[k].now, &end, step, c->sent + o * k);
+    }
+    if (composite_rotor_pass(unit, c->sent, step)) {
+        return 1;
+    }
+    for (k = 0; k < c->planes; k++) {
+        led_to(c, &c->accelerations[k].now, c->ends + k, step, c->felt + o * k);
+    }
+    return composite_balancer_pass(unit, c->felt, step);
+}
+
+/* Where signals are held only their values count. */
+static void drop_slopes(const Composite *c, double *u)
+{
+    const int o = c->orders, count = o * c->unknowns;
+    int i;
+    for (i = 0; i < count && c->course->held > 0.0; i++) {
+        u[i] = i % o < 2 ? u[i] : 0.0;
+    }
+}
+
+void composite_restore(Composite *c)
+{
+    memcpy(c->states, c->at_begin, c->state_count * sizeof(double));
+}
+
+/* Take a step with at most so many passes; the residual left, or below 0 where it failed. */
+static double attempt(Unit *unit, double step, int passes)
+{
+    Composite *c = unit->own;
+    Course *course = c->course;
+    const int o = c->orders, count = o * c->unknowns, half = count / 2;
+    /* what is left of a force makes a steep slope in a brief step */
+    const double tolerance = course->striking > 0.0 ? smaller(course->tolerance, closed(course))
+                             : course->held > 0.0   ? larger(ROUNDING * course->gain, HELD * course->tolerance)
+                                                    : course->tolerance;
+    const double counted = measure(c, step);
+    double error = 0.0, error_before = 0.0;
+    int number, i;
+    course->ahead = -1.0;
+    loop_rescale(c, count, counted);
+    for (i = 0; i < c->unknowns; i++) {
+        Knot ahead;
+        if (course->held > 0.0) {
+            knot_held(&c->forces[i].now, o, c->assumed + o * i);
+        } else {
+            signal_predicted(c->forces + i, o, c->assumed + o * i);
+        }
+        ahead = knot_end(c->assumed + o * i, o, step);
+        loop_pack(c, &ahead, 1, counted, c->u + o * i);
+    }
+    for (number = 1;; number++) {
+        if (pass(unit, c->u, step)) {
+            return -1.0;
+        }
+        loop_pack(c, c->answers, c->unknowns, counted, c->g_u);
+        drop_slopes(c, c->g_u);
+        memcpy(c->old, c->residual, (size_t)count * sizeof(double));
+        for (i = 0; i < count; i++) {
+            c->residual[i] = c->g_u[i] - c->u[i];
+        }
+        /* of passes and steps that are taken back none counts: they can be far too large */
+        course->reached = larger(course->largest, loop_size(c->g_u, half));
+        error = course->reached > 0.0 ? loop_size(c->residual, half) / course->reached : 0.0;
+        if (number > 1 && error > larger(tolerance, SLOW * error_before)) {
+            loop_learn(c, c->du, c->old, c->residual);
+        }
+        if (number >= passes || !(error > tolerance)) {
+            return error;
+        }
+        matrix_product(1, count, count, 1, c->solution, c->residual, c->du);
+        error_before = error;
+        for (i = 0; i < count; i++) {
+            c->u[i] += c->du[i];
+        }
+        drop_slopes(c, c->u);
+        composite_restore(c);
+    }
+}
+
+/* 0, or 1 with the reason where what is left of the forces cannot be tolerated. */
+int iterated_judge(Unit *unit)
+{
+    const Composite *c = unit->own;
+    Course *course = c->course;
+    const double residual = course->residual;
+    const int converges = course->corrections < 0.0;
+    Text *reason;
+    if (!(residual > (converges ? course->tolerance : LOOSE))) {
+        return 0;
+    }
+    if (residual < 1.0 && !converges) {
+        course->unconverged += 1.0;
+        course->worst_left = larger(course->worst_left, residual);
+        unit_warn_once(unit, UNCONVERGED, course->time,
+                       "a step left a residual above 1e-3 of the force: use smaller steps or more "
+                       "corrections");
+        return 0;
+    }
+    reason = unit_reason(unit);
+    ((Composite *)unit->own)->loop_failed = 1;
+    text_put(reason, "the loop did not converge");
+    composite_put_time(reason, course->time);
+    text_put(reason, ": ");
+    composite_name_forces(c, reason);
+    text_put_rounded(reason, " still changes by ", residual, 2);
+    text_put(reason, " of the largest force; use smaller steps or more corrections");
+    return 1;
+}
+
+int iterated_step(Unit *unit, double step)
+{
+    Composite *c = unit->own;
+    Course *course = c->course;
+    /* a first step has no past to be predicted from and would cost an order */
+    const int all = course->corrections < 0.0 || (course->no_past > 0.0 && course->corrections > 0.0);
+    const int passes = all ? MAX_PASSES : (int)course->corrections + 1;
+    int met = 0;
+    for (;;) {
+        course->residual = attempt(unit, step, passes);
+        if (course->residual >= 0.0) {
+            break;
+        }
+        if (contacts_ahead(unit, &step)) {
+            return 1;
+        }
+        if (step == 0.0) {
+            return contacts_strike(unit);
+        }
+        met = 1;
+    }
+    return iterated_go_on(unit, step, met);
+}
+
+int iterated_go_on(Unit *unit, double step, int met)
+{
+    Course *course = ((Composite *)unit->own)->course;
+    course->length = step;
+    if (iterated_accept(unit, step)) {
+        return 1;
+    }
+    if (met) {
+        contacts_begin(unit);
+        course->worst = course->residual;
+    }
+    return 0;
+}
+
+int iterated_accept(Unit *unit, double step)
+{
+    Composite *c = unit->own;
+    c->course->largest = c->course->reached;
+    return composite_accept(unit, c->ends, c->answers, step);
+}
+
+double iterated_attempt(Unit *unit, double step)
+{
+    return attempt(unit, step, MAX_PASSES);
+}
+
+int iterated_cross(Unit *unit, double step)
+{
+    Composite *c = unit->own;
+    while (attempt(unit, step, MAX_PASSES) < 0.0) {
+        int struck;
+        composite_restore(c);
+        if (c->course->ahead < 0.0 || impacts_strike(unit, 2.0 * step, &struck) || !struck) {
+            return 1;
+        }
+    }
+    return iterated_accept(unit, step);
+}
+
+static int respond(Unit *unit, const double *u, double step, double *answer)
+{
+    Composite *c = unit->own;
+    if (pass(unit, u, step)) {
+        return 1;
+    }
+    composite_restore(c);
+    loop_pack(c, c->answers, c->unknowns, step, answer);
+    return 0;
+}
+
+/* The inverse for steps of this length, all of them taken back; an event within one: that of the
+   start serves on. */
+static int learn_anew(Unit *unit, double step)
+{
+    Composite *c = unit->own;
+    const int count = c->orders * c->unknowns, half = count / 2;
+    double change;
+    int wrong = respond(unit, c->u, step, c->g_u);
+    if (!wrong) {
+        change = larger(larger(loop_size(c->u, half), loop_size(c->g_u, half)), c->course->largest);
+        wrong = loop_jacobian(unit, respond, c->u, c->g_u, CHANGE * change, count, step, c->square);
+    }
+    if (wrong) {
+        composite_restore(c);
+        return c->course->ahead < 0.0;
+    }
+    return loop_invert(unit, c->square, step);
+}
+
+int iterated_after_start(Unit *unit, double step)
+{
+    Composite *c = unit->own;
+    const size_t states = c->state_count * sizeof(double), reals = c->real_count * sizeof(double);
+    int k, wrong;
+    for (k = 0; k < c->unknowns; k++) {
+        Complex begun[QUINTIC_ORDERS];
+        Knot end;
+        knot_begun(&c->forces[k].now, c->orders, begun);
+        end = knot_end(begun, c->orders, step);
+        loop_pack(c, &end, 1, step, c->u + c->orders * k);
+    }
+    /* the host may still ask for a time within the last step, or for outputs at its end */
+    memcpy(c->at_end, c->at_begin, states);
+    memcpy(c->kept, c->parts->unit->real, reals);
+    memcpy(c->at_begin, c->states, states);
+    c->course->ahead = -1.0;
+    wrong = learn_anew(unit, step);
+    memcpy(c->at_begin, c->at_end, states);
+    memcpy(c->parts->unit->real, c->kept, reals);
+    return wrong;
+}

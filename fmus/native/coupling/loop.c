@@ -1,0 +1,349 @@
+#include <string.h>
+
+#include "base/elementary.h"
+#include "base/matrix.h"
+#include "coupling/composite.h"
+
+static const double START_TOLERANCE = 1e-12; /* of the largest force */
+static const double ROUNDING = 1e-13;        /* of it, times the gain: what the loop makes of rounding */
+static const double SINGULAR = 1e-12; /* |1 - eigenvalue| below which a loop counts as one of gain 1 */
+static const double SLOW = 0.1; /* reduction of a residual per pass above which the Jacobian is refined */
+enum { START_ITERATIONS = 20, SQUARINGS = 50 };
+
+/* -- vectors --------------------------------------------------------------------------------- */
+
+void loop_pack(const Composite *c, const Knot *ends, int count, double step, double *u)
+{
+    int k;
+    for (k = 0; k < count; k++, u += c->orders) {
+        u[0] = ends[k].value.re;
+        u[1] = ends[k].value.im;
+        u[2] = step * ends[k].slope.re;
+        u[3] = step * ends[k].slope.im;
+        if (c->orders == QUINTIC_ORDERS) {
+            u[4] = step * step * ends[k].second.re;
+            u[5] = step * step * ends[k].second.im;
+        }
+    }
+}
+
+void loop_unpack(const Composite *c, const double *u, int count, double step, Knot *ends)
+{
+    const double per_step = 1.0 / step, square = per_step * per_step;
+    int k;
+    for (k = 0; k < count; k++, u += c->orders) {
+        ends[k].value = complex_of(u[0], u[1]);
+        ends[k].slope = complex_of(per_step * u[2], per_step * u[3]);
+        ends[k].second = complex_of(0.0, 0.0);
+        if (c->orders == QUINTIC_ORDERS) {
+            ends[k].second = complex_of(square * u[4], square * u[5]);
+        }
+    }
+}
+
+double loop_size(const double *u, int count)
+{
+    double largest = 0.0;
+    int k, at = 0;
+    for (k = 0; k < count; k++) {
+        const double square = u[2 * k] * u[2 * k] + u[2 * k + 1] * u[2 * k + 1];
+        if (square > largest) {
+            largest = square;
+            at = k;
+        }
+    }
+    return count ? magnitude(complex_of(u[2 * at], u[2 * at + 1])) : 0.0;
+}
+
+/* -- matrices -------------------------------------------------------------------------------- */
+
+/* Gelfand: the n-th root of the size of the n-th power, n = 2^50, by squaring. */
+double spectral_radius(int n, double *matrix, double *work)
+{
+    const size_t count = (size_t)n * (size_t)n;
+    double sizes[SQUARINGS + 1], radius = 1.0;
+    int turn;
+    if (n == 1) {
+        return absolute(matrix[0]);
+    }
+    for (turn = 0; turn <= SQUARINGS; turn++) {
+        double size = 0.0;
+        size_t k;
+        for (k = 0; k < count; k++) {
+            size = larger(size, absolute(matrix[k]));
+        }
+        if (!(size > 0.0)) {
+            return 0.0;
+        }
+        sizes[turn] = size;
+        for (k = 0; k < count; k++) {
+            work[k] = matrix[k] / size;
+        }
+        matrix_product(1, n, n, n, work, work, matrix);
+    }
+    while (turn--) { /* what the t-th was divided by counts by its 2^t-th root */
+        radius = sizes[turn] * square_root(radius);
+    }
+    return radius;
+}
+
+/* The part of a matrix between values, (2 e, 2 e). */
+static void values_of(const Composite *c, const double *matrix, double *values)
+{
+    const int count = 2 * c->unknowns, o = c->orders;
+    int i, j;
+    for (i = 0; i < count; i++) {
+        for (j = 0; j < count; j++) {
+            const int row = o * (i / 2) + i % 2, column = o * (j / 2) + j % 2;
+            *values++ = matrix[row * o * c->unknowns + column];
+        }
+    }
+}
+
+double loop_gain(Composite *c, const double *jacobian)
+{
+    const int count = 2 * c->unknowns;
+    values_of(c, jacobian, c->work);
+    return count ? spectral_radius(count, c->work, c->work + count * count) : 0.0;
+}
+
+int loop_jacobian(Unit *unit, Response response, const double *u, const double *g_u, double change,
+                  int rows, double step, double *matrix)
+{
+    Composite *c = unit->own;
+    const int count = c->orders * c->unknowns;
+    int i, j;
+    for (j = 0; j < count; j++) {
+        memcpy(c->moved, u, (size_t)count * sizeof(double));
+        c->moved[j] += change;
+        if (response(unit, c->moved, step, c->answered)) {
+            return 1;
+        }
+        for (i = 0; i < rows; i++) {
+            matrix[i * count + j] = (c->answered[i] - g_u[i]) / change;
+        }
+    }
+    return 0;
+}
+
+int loop_invert(Unit *unit, const double *jacobian, double step)
+{
+    Composite *c = unit->own;
+    const int n = c->orders * c->unknowns, values = 2 * c->unknowns;
+    int i, singular;
+    c->course->solved_step = step;
+    memset(c->solution, 0, (size_t)(n * n) * sizeof(double));
+    for (i = 0; i < n * n; i++) {
+        c->work[i] = -jacobian[i];
+    }
+    for (i = 0; i < n; i++) {
+        c->work[i * n + i] += 1.0;
+        c->solution[i * n + i] = 1.0;
+    }
+    singular = n && matrix_solve(1, n, n, c->work, c->solution);
+    if (n && !singular) {
+        /* the largest eigenvalue of the inverse is one over the smallest of 1 - dG/du */
+        values_of(c, c->solution, c->work);
+        singular = !(spectral_radius(values, c->work, c->work + values * values) < 1.0 / SINGULAR);
+    }
+    if (singular) {
+        text_put(unit_reason(unit), "the loop between force and acceleration has gain 1: every "
+                                    "force answers itself, and there is no unique solution");
+    }
+    return singular;
+}
+
+void loop_rescale(Composite *c, int rows, double step)
+{
+    const double ratio = step / c->course->solved_step;
+    const double powers[QUINTIC_ORDERS] = {1.0, 1.0, ratio, ratio, ratio * ratio, ratio * ratio};
+    const int count = c->orders * c->unknowns;
+    double *element = c->solution;
+    int i, j, k;
+    if (ratio == 1.0) {
+        return;
+    }
+    for (i = 0; i < rows; i++) {
+        const double power = powers[i % c->orders];
+        for (j = 0; j < count; j += c->orders) {
+            for (k = 0; k < c->orders; k++) {
+                *element *= power;
+                *element++ /= powers[k];
+            }
+        }
+    }
+    c->course->solved_step = step;
+}
+
+/* Broyden's good update (1965) of the inverse, by Sherman and Morrison. */
+void loop_learn(Composite *c, const double *du, const double *old, const double *now)
+{
+    const int n = c->orders * c->unknowns;
+    double *change = c->work, *predicted = c->work + n, *row = c->work + 2 * n, weight = 0.0;
+    int i, j;
+    for (i = 0; i < n; i++) {
+        change[i] = old[i] - now[i];
+    }
+    matrix_product(1, n, n, 1, c->solution, change, predicted);
+    matrix_product(1, 1, n, n, du, c->solution, row);
+    for (i = 0; i < n; i++) {
+        weight += du[i] * predicted[i];
+    }
+    for (i = 0; i < n && weight != 0.0; i++) {
+        for (j = 0; j < n; j++) {
+            c->solution[i * n + j] += (du[i] - predicted[i]) / weight * row[j];
+        }
+    }
+}
+
+/* -- the start ------------------------------------------------------------------------------- */
+
+/* Accelerations of the planes under forces without a step. */
+static int rotor_answer(Unit *unit, const double *u, double step)
+{
+    Composite *c = unit->own;
+    Part *rotor = c->parts;
+    Knot ends[1];
+    int k;
+    for (k = 0; k < c->unknowns; k++) {
+        loop_unpack(c, u + c->orders * k, 1, step, ends);
+        knot_begun(ends, c->orders, c->sent + c->orders * k);
+    }
+    if (c->motor) {
+        shaft_tell(unit, c->sent + c->orders * c->exchanges, 0.0);
+    }
+    composite_set_forces(unit, c->sent, 0.0);
+    if (rotor->unit->equations->outputs(rotor->unit)) {
+        return composite_part_failed(unit, rotor);
+    }
+    composite_read_accelerations(c, c->ends);
+    return 0;
+}
+
+static int respond_rotor(Unit *unit, const double *u, double step, double *answer)
+{
+    const Composite *c = unit->own;
+    if (rotor_answer(unit, u, step)) {
+        return 1;
+    }
+    loop_pack(c, c->ends, c->planes, step, answer);
+    return 0;
+}
+
+/* Forces that the balancers answer with, without a step. */
+static int respond(Unit *unit, const double *u, double step, double *answer)
+{
+    Composite *c = unit->own;
+    int k;
+    if (rotor_answer(unit, u, step)) {
+        return 1;
+    }
+    for (k = 0; k < c->planes; k++) {
+        c->accelerations[k].now = c->ends[k];
+    }
+    for (k = 0; k < c->exchanges; k++) {
+        Part *part = c->parts + c->members[k];
+        double *input = part->unit->real + part->unit->layout.inputs.first;
+        memset(input, 0, (size_t)c->orders * sizeof(Complex));
+        memcpy(input, c->ends + c->member_planes[k], (size_t)c->orders / 2 * sizeof(Complex));
+        if (part->unit->equations->outputs(part->unit)) {
+            return composite_part_failed(unit, part);
+        }
+    }
+    composite_read_forces(c, c->answers);
+    if (c->motor && shaft_answer(unit, c->answers + c->exchanges)) {
+        return 1;
+    }
+    loop_pack(c, c->answers, c->unknowns, step, answer);
+    return 0;
+}
+
+int loop_rotor_response(Unit *unit, double step)
+{
+    Composite *c = unit->own;
+    const int count = c->orders * c->unknowns;
+    memset(c->u, 0, (size_t)count * sizeof(double));
+    if (respond_rotor(unit, c->u, step, c->g_u)) {
+        return 1;
+    }
+    return loop_jacobian(unit, respond_rotor, c->u, c->g_u, 1.0, c->orders * c->planes, step,
+                         c->wide);
+}
+
+static int refuse_start(Unit *unit, double residual, double size, double gain)
+{
+    Text *reason = unit_reason(unit);
+    text_put(reason, "consistent start values were not found in ");
+    text_integer(reason, START_ITERATIONS);
+    text_put_rounded(reason, " iterations: forces still change by ", residual, 3);
+    text_put_rounded(reason, " N of ", size, 3);
+    text_put_rounded(reason, " N; loop gain ", gain, 3);
+    return 1;
+}
+
+/* Solve u = G(u) from the Jacobian in c->square. */
+static int solve_start(Unit *unit, double step)
+{
+    Composite *c = unit->own;
+    Course *course = c->course;
+    const int count = c->orders * c->unknowns, half = count / 2;
+    const double tolerance = larger(START_TOLERANCE, ROUNDING * course->gain);
+    double size = 0.0, left = 0.0, before;
+    int turn, i;
+    for (turn = 0; turn <= START_ITERATIONS; turn++) {
+        memcpy(c->old, c->residual, (size_t)count * sizeof(double));
+        for (i = 0; i < count; i++) {
+            c->residual[i] = c->g_u[i] - c->u[i];
+        }
+        before = left;
+        left = loop_size(c->residual, half);
+        if (turn && left > SLOW * before) { /* a weight sticks where the one before has slid */
+            loop_learn(c, c->du, c->old, c->residual);
+        }
+        size = larger(loop_size(c->u, half), loop_size(c->g_u, half));
+        if (turn && left <= larger(tolerance * size, course->rounding)) {
+            loop_unpack(c, c->g_u, c->unknowns, step, c->answers);
+            for (i = 0; i < c->unknowns; i++) {
+                c->forces[i].now = c->answers[i];
+            }
+            return 0;
+        }
+        matrix_product(1, count, count, 1, c->solution, c->residual, c->du);
+        for (i = 0; i < count; i++) {
+            c->u[i] += c->du[i];
+        }
+        if (respond(unit, c->u, step, c->g_u)) {
+            return 1;
+        }
+    }
+    return refuse_start(unit, left, size, course->gain);
+}
+
+int loop_consistent_start(Unit *unit, double step)
+{
+    Composite *c = unit->own;
+    const int count = c->orders * c->unknowns;
+    double change;
+    int i;
+    memset(c->u, 0, (size_t)count * sizeof(double));
+    if (respond(unit, c->u, step, c->g_u)) {
+        return 1;
+    }
+    change = loop_size(c->g_u, count / 2);
+    if (loop_jacobian(unit, respond, c->u, c->g_u, change > 0.0 ? change : 1.0, count, step,
+                      c->square)) {
+        return 1;
+    }
+    for (i = 0; i < count * count; i++) {
+        if (!is_finite(c->square[i])) {
+            text_put(unit_reason(unit), "start values: the forces of the balancers are not finite");
+            return 1;
+        }
+    }
+    c->course->gain = loop_gain(c, c->square);
+    if (loop_invert(unit, c->square, step) || (count && solve_start(unit, step))) {
+        return 1;
+    }
+    composite_drop_past(c);
+    return 0;
+}

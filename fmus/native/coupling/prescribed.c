@@ -1,0 +1,60 @@
+/* Prescribed: the communication points of an earlier run, with others between them.
+
+   The same step as with a tolerance, solved as far, but of given length: two runs that meet at common
+   points differ by their errors alone. Signals are held over steps longer than the longest, as there: all
+   is at rest. A step whose loop cannot be solved is halved: where a support turns round in it so near its
+   end that the forces decide whether it does, the acceleration jumps with them. */
+#include "base/elementary.h"
+#include "coupling/composite.h"
+
+static const double LONG = 1.01, SLIVER = 1e-12; /* of a time: rounding, not a step */
+enum { HALVINGS = 20 };
+
+int prescribed_step(Unit *unit)
+{
+    Composite *c = unit->own;
+    Course *course = c->course;
+    Pacing *pacing = &c->pacing;
+    double step = pacing->step;
+    int measured = 0, met = 0, halved = 0, held;
+    while (pacing->next < pacing->count &&
+           pacing->points[pacing->next] <= course->time * (1.0 + SLIVER)) {
+        pacing->next++;
+    }
+    if (pacing->next < pacing->count) {
+        step = smaller(step, pacing->points[pacing->next] - course->time);
+    }
+    held = step > LONG * pacing->longest;
+    for (;;) {
+        double residual;
+        course->held = held;
+        residual = iterated_attempt(unit, step);
+        course->held = 0.0;
+        if (residual < 0.0) {
+            if (contacts_ahead(unit, &step)) {
+                return 1;
+            }
+            if (step == 0.0) {
+                return contacts_strike(unit);
+            }
+            met = 1;
+            continue;
+        }
+        if (halved == HALVINGS || residual <= course->tolerance) {
+            course->residual = residual;
+            course->held = held;
+            return iterated_go_on(unit, step, met);
+        }
+        composite_restore(c);
+        if (measured) {
+            step *= 0.5;
+            halved++;
+            met = 0;
+        }
+        /* what passes have made of the loop's Jacobian leads nowhere */
+        if (iterated_after_start(unit, step)) {
+            return 1;
+        }
+        measured = 1;
+    }
+}

@@ -1,0 +1,338 @@
+/* Signals that vary faster than the steps: said loudly instead of computed wrongly. */
+#include <string.h>
+
+#include "base/elementary.h"
+#include "base/matrix.h"
+#include "coupling/composite.h"
+#include "units/rotor.h"
+#include "units/weights.h"
+
+static const double SAID = 0.01, REFUSED = 0.3, UNRESOLVED = 0.05, NOISE = 1e-9, BEYOND = 10.0;
+static const double UNFOLLOWED = 0.5, GROWTH = 2.0, WEAK_LOOP = 0.1, MISS_PER_ERROR = 120.0;
+static const double QUINTIC_MISS_PER_ERROR = 1120.0;
+static const double EXPLICIT_MISS_PER_ERROR = 4.0, QUINTIC_EXPLICIT_MISS_PER_ERROR = 5.06;
+enum { PERSISTENT = 20, RUNAWAY = 4, TOO_LONG = 2 };
+
+/* Lowest natural frequency along an axis [rad/s]. */
+static double slowest(Composite *c, const LinearRotor *rotor, const double *stiffness)
+{
+    const int n = rotor->stations;
+    const size_t size = (size_t)(n * n) * sizeof(double);
+    double *square = c->decay, *work = c->decay + n * n, radius;
+    memcpy(work, stiffness, size);
+    memcpy(square, rotor->mass, size);
+    if (matrix_solve(1, n, n, work, square)) {
+        return 0.0;
+    }
+    radius = spectral_radius(n, square, work);
+    return radius > 0.0 ? 1.0 / square_root(radius) : 0.0;
+}
+
+/* What is left after `step` [s] of the rotor's longest-lived vibration, at most 1. */
+static double left_of_vibration(Composite *c, double step)
+{
+    Unit *unit = c->parts->unit;
+    const Rotor *own = unit->own;
+    const int n = 4 * own->stations;
+    const size_t planes = (size_t)own->planes;
+    double *carried = unit->real + unit->layout.inputs.first, *kept = c->masses + planes;
+    const double *matrix;
+    int i, j;
+    composite_added_masses(c, c->masses);
+    memcpy(kept, carried, planes * sizeof(double));
+    memcpy(carried, c->masses, planes * sizeof(double));
+    matrix = rotor_matrix(unit, c->course->top, step);
+    memcpy(carried, kept, planes * sizeof(double));
+    for (i = 0; i < n && matrix; i++) {
+        for (j = 0; j < n; j++) {
+            /* a complex element is [re, -im; im, re] */
+            const double *z = matrix + 2 * ((j / 2) * own->rows + i / 2);
+            c->decay[i * n + j] = own->axes == 2   ? matrix[j * own->rows + i]
+                                  : i % 2 == j % 2 ? z[0]
+                                  : i % 2          ? z[1]
+                                                   : -z[1];
+        }
+    }
+    return matrix ? smaller(1.0, spectral_radius(n, c->decay, c->decay + n * n)) : 1.0;
+}
+
+/* Smallest modulus of an eigenvalue of the rotor's free motion [1/s]; 0 for one without. */
+static double slowest_rate(Composite *c)
+{
+    Unit *unit = c->parts->unit;
+    const Rotor *own = unit->own;
+    const Rates *rates = &own->rates;
+    const int n = 4 * own->stations;
+    double *carried = unit->real + unit->layout.inputs.first, *inverse = c->decay + n * n;
+    const size_t size = (size_t)own->planes * sizeof(double);
+    double *kept = c->masses + own->planes, radius;
+    int i, k, wrong;
+    memcpy(kept, carried, size);
+    memcpy(carried, c->masses, size);
+    wrong = rotor_rates(unit);
+    memcpy(carried, kept, size);
+    if (wrong) {
+        return 0.0;
+    }
+    memset(c->decay, 0, 2 * (size_t)(n * n) * sizeof(double));
+    for (i = 0; i < n; i++) {
+        for (k = rates->first[i]; k < rates->first[i + 1]; k++) {
+            if (rates->column[k] < n) {
+                c->decay[i * n + rates->column[k]] = rates->value[k];
+            }
+        }
+        inverse[i * n + i] = 1.0;
+    }
+    if (matrix_solve(1, n, n, c->decay, inverse)) {
+        return 0.0;
+    }
+    radius = spectral_radius(n, inverse, c->decay);
+    return radius > 0.0 ? 1.0 / radius : 0.0;
+}
+
+/* Angle [rad] by which a push of 1 m/s turns a weight of a part until it is forgotten. */
+static double turned(const Unit *unit, double speed)
+{
+    if (unit->equations == &WEIGHTS_EQUATIONS) {
+        const Weights *weights = &((const Balls *)unit->own)->track.weights;
+        const double slowing = weights_damping_rate(weights);
+        return 1.0 / (weights->kappa * weights->track_radius * larger(speed, slowing));
+    }
+    return 0.0;
+}
+
+/* Unbalance that the weights can balance [kg m]. */
+static double capacity(const Composite *c)
+{
+    double sum = 0.0;
+    int k;
+    for (k = 1; k < c->mounted; k++) {
+        const Unit *unit = c->parts[k].unit;
+        if (unit->equations == &WEIGHTS_EQUATIONS) {
+            const Weights *weights = &((const Balls *)unit->own)->track.weights;
+            sum += weights->count * weights->mass * weights->track_radius;
+        }
+    }
+    return sum;
+}
+
+/* How far the rotor moves [m]. */
+static double reach(const Composite *c, double pull, double pace)
+{
+    const Unit *unit = c->parts->unit;
+    const int n = ((const Rotor *)unit->own)->stations;
+    const double *start = unit->real + unit->layout.parameters.count - 4 * n;
+    double out = 0.0;
+    int k;
+    for (k = 0; k < 2 * n; k += 2) {
+        const double *rate = start + 2 * n;
+        out = larger(out, hypotenuse(start[k], start[k + 1]) +
+                              hypotenuse(rate[k], rate[k + 1]) / pace);
+    }
+    return pull / (c->course->mass * pace * pace) + out;
+}
+
+void resolution_begin(Unit *unit)
+{
+    Composite *c = unit->own;
+    Course *course = c->course;
+    Unit *rotor = c->parts->unit;
+    Rotor *own = rotor->own;
+    const int n = own->stations;
+    LinearRotor loaded;
+    const double weights = capacity(c), top = course->fastest;
+    double least = NOISE * weights * top * top, unbalance = 0.0;
+    int k;
+    composite_added_masses(c, c->masses);
+    loaded = linear_rotor_with_added_mass(&own->rotor, c->masses, own->loaded_mass);
+    for (k = 0; k < n; k++) {
+        unbalance += hypotenuse(loaded.unbalance[2 * k], loaded.unbalance[2 * k + 1]);
+    }
+    course->top = top;
+    course->mass = sum_of(loaded.mass, n * n);
+    course->pace = larger(top, smaller(slowest(c, &loaded, loaded.stiffness_x),
+                                       slowest(c, &loaded, loaded.stiffness_y)));
+    course->reach = reach(c, (weights + unbalance) * top * top, course->pace);
+    course->most = BEYOND * composite_largest_force(c);
+    for (k = 0; k < c->exchanges; k++) {
+        c->forces[k].largest = larger(least, magnitude(c->forces[k].now.value));
+    }
+    least /= course->mass;
+    for (k = 0; k < c->planes; k++) {
+        c->accelerations[k].largest = larger(least, magnitude(c->accelerations[k].now.value));
+        memset(c->swung + k, 0, sizeof *c->swung);
+    }
+    for (k = 0; k < c->exchanges; k++) {
+        Swung *plane = c->swung + c->member_planes[k];
+        plane->turned = larger(plane->turned, turned(c->parts[c->members[k]].unit, top));
+    }
+    course->slowest = slowest_rate(c);
+    course->judged_step = course->pushed = course->grown = course->unresolved = 0.0;
+    course->error = 0.0;
+}
+
+/* Take over another length of the steps [s]. */
+static void change(Composite *c, double step)
+{
+    Course *course = c->course;
+    course->judged_step = step;
+    course->blind = 1.0;
+    course->kept = natural_exp(-step * course->pace / TAU);
+    if (course->gain > WEAK_LOOP ||
+        (course->pace > course->top && step * course->pace > UNFOLLOWED)) {
+        course->kept = larger(course->kept, left_of_vibration(c, step));
+    }
+    course->kept_turning = natural_exp(-step * course->top / TAU);
+    course->renewed = 1.0 - natural_exp(-step * course->pace);
+    course->moved = (1.0 + course->gain) * smaller(step, 1.0 / course->pace) /
+                    (course->mass * course->pace);
+}
+
+static Text *refuse(Unit *unit)
+{
+    const Composite *c = unit->own;
+    Text *reason = unit_reason(unit);
+    text_put_rounded(reason, "coupling steps of ", c->course->judged_step, 3);
+    text_put(reason, " s are too long");
+    composite_put_time(reason, c->course->time);
+    text_put(reason, ": ");
+    return reason;
+}
+
+static int refused(Text *reason)
+{
+    text_put(reason, "; use more coupling.steps_per_rev, or a tolerance");
+    return 1;
+}
+
+/* What is `number`-th of forces and then accelerations. */
+static void put_name(const Composite *c, int number, Text *text)
+{
+    if (number < c->exchanges) {
+        text_put(text, c->parts[c->members[number]].unit->name);
+        text_put(text, ".F");
+    } else {
+        text_put(text, "rotor.plane[");
+        text_integer(text, (unsigned long)c->rotor_planes[number - c->exchanges] + 1);
+        text_put(text, "].a");
+    }
+}
+
+static int runs_away(Unit *unit)
+{
+    Composite *c = unit->own;
+    Course *course = c->course;
+    int grows = 0, beyond = 0, k;
+    for (k = 0; k < c->exchanges; k++) {
+        beyond |= c->forces[k].largest > course->most;
+    }
+    for (k = 0; k < c->exchanges && beyond; k++) {
+        const Signal *force = c->forces + k;
+        grows |= magnitude(force->now.value) >
+                 larger(course->most, GROWTH * magnitude(force->last[0]));
+    }
+    course->grown = grows ? course->grown + 1.0 : 0.0;
+    if (course->grown >= RUNAWAY) {
+        Text *reason = refuse(unit);
+        put_name(c, 0, reason);
+        text_put(reason, " is beyond all that the scene can make of it and has grown 2-fold or more "
+                         "in each of the last 4 steps");
+        return refused(reason);
+    }
+    return 0;
+}
+
+/* Count a step that has ended far from where the one before led. */
+static int count_lost(Unit *unit, int number, const Signal *signal)
+{
+    Course *course = ((Composite *)unit->own)->course;
+    course->unresolved += 1.0;
+    if (course->unresolved >= PERSISTENT) {
+        Text *reason = refuse(unit);
+        put_name(unit->own, number, reason);
+        text_put_rounded(reason, " has ended 20 steps far from where the one before led, now by ",
+                         signal->prediction_error / signal->largest, 2);
+        text_put(reason, " of its largest value");
+        return refused(reason);
+    }
+    return 0;
+}
+
+/* Estimate of the error by the planes' motion and the forces' pushes; the signal it is of. */
+static double estimate(Composite *c, double step, double times, double missed, int *cause)
+{
+    Course *course = c->course;
+    double worst = 0.0;
+    int k;
+    course->pushed = course->kept * course->pushed + times * missed;
+    for (k = 0; k < c->planes; k++) {
+        Swung *plane = c->swung + k;
+        const Signal *signal = c->accelerations + k;
+        const Complex now = complex_scaled(1.0 / course->pace, signal->now.value);
+        Complex place;
+        plane->speed = complex_sum(
+            plane->speed, complex_scaled(course->renewed, complex_difference(now, plane->speed)));
+        place = complex_scaled(1.0 / course->pace, plane->speed);
+        plane->place = complex_sum(
+            plane->place, complex_scaled(course->renewed, complex_difference(place, plane->place)));
+        course->reach = larger(course->reach, magnitude(plane->place));
+        plane->swung = course->kept_turning * plane->swung + times * signal->prediction_error;
+        if (plane->swung * plane->turned * step > worst) {
+            worst = plane->swung * plane->turned * step;
+            *cause = c->exchanges + k;
+        }
+    }
+    if (course->pushed * course->moved > worst * course->reach) {
+        worst = course->pushed * course->moved / course->reach;
+        *cause = 0;
+    }
+    return worst;
+}
+
+int resolution_check(Unit *unit, double step)
+{
+    Composite *c = unit->own;
+    Course *course = c->course;
+    const double cubic = c->scheme == SCHEME_COMPENSATED ? EXPLICIT_MISS_PER_ERROR : MISS_PER_ERROR;
+    const double quintic = c->scheme == SCHEME_COMPENSATED ? QUINTIC_EXPLICIT_MISS_PER_ERROR
+                                                           : QUINTIC_MISS_PER_ERROR;
+    const double share = c->orders == QUINTIC_ORDERS ? quintic : cubic;
+    double missed = 0.0, times, worst;
+    int k, cause = 0, lost = -1;
+    if (step != course->judged_step) {
+        change(c, step);
+    }
+    for (k = 0; k < c->exchanges + c->planes; k++) {
+        const Signal *signal =
+            k < c->exchanges ? c->forces + k : c->accelerations + (k - c->exchanges);
+        missed += k < c->exchanges ? signal->prediction_error : 0.0;
+        if (signal->prediction_error > MISS_PER_ERROR * UNRESOLVED * signal->largest) {
+            lost = k;
+        }
+    }
+    /* a first step has no past to be judged by: the second one's miss is its miss too */
+    times = (course->blind > 0.0 ? 2.0 : 1.0) / share;
+    course->blind = missed == 0.0;
+    worst = estimate(c, step, times, missed, &cause);
+    if (worst > course->error) {
+        course->error = worst;
+        if (worst >= REFUSED) {
+            Text *reason = refuse(unit);
+            text_put(reason, "what the cubics miss of ");
+            put_name(c, cause, reason);
+            text_put_rounded(reason, " moves the units ", worst, 2);
+            text_put(reason, " times as far as they move at all");
+            return refused(reason);
+        }
+        if (worst >= SAID) {
+            unit_warn_once(unit, TOO_LONG, course->time,
+                           "steps too long for signals that vary faster: coupling.error says by how "
+                           "much of itself the motion errs; use more coupling.steps_per_rev, or a "
+                           "tolerance");
+        }
+    }
+    return (lost >= 0 && count_lost(unit, lost, lost < c->exchanges
+                                                    ? c->forces + lost
+                                                    : c->accelerations + (lost - c->exchanges))) ||
+           runs_away(unit);
+}

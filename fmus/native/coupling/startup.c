@@ -1,0 +1,127 @@
+/* What a communication step is divided into: at the start, and where an input jumps.
+
+   Weights under heavy drag d are pulled into the rotor's motion within 1/d: a cubic over the whole step
+   with the slope of that first instant is wrong by d times the step, while its loop converges. So a step
+   without a past is divided into parts that double. Where the rotor's acceleration jumps, the units'
+   outputs are still those before the jump, so a negligible part of the step is taken on its own. */
+#include "base/elementary.h"
+#include "coupling/composite.h"
+
+static const double STEEP = 0.2, FIRST = 0.05, KINK = 1e-6, SLIVER = 1e-12;
+enum { MOST_HALVINGS = 60, JUMP_PARTS = 8, STARTUP_HALVINGS = 2, QUINTIC_HALVINGS = 4 };
+enum { DEFAULT_STEPS = 40 }; /* a revolution */
+
+double startup_share(const Unit *unit, double steps)
+{
+    return TAU / (((const Composite *)unit->own)->course->fastest * steps);
+}
+
+double startup_size(const Unit *unit)
+{
+    const double steps = unit->real[((const Composite *)unit->own)->steps_per_rev];
+    return startup_share(unit, steps > 0.0 ? steps : DEFAULT_STEPS);
+}
+
+/* The communication step to come [s]: a run says it, else the parameters do. */
+static double communication(const Unit *unit)
+{
+    const double step = ((const Composite *)unit->own)->pacing.step;
+    return step > 0.0 ? step : startup_size(unit);
+}
+
+/* How often a step without a past is halved, so that nothing is steep in its first part. */
+static int halvings(const Composite *c, double step, int least)
+{
+    double largest = 0.0, change = 0.0, allowed;
+    int k, steep = 0;
+    for (k = 0; k < c->unknowns; k++) {
+        const Signal *force = c->forces + k;
+        largest = larger(largest, larger(magnitude(force->now.value), force->largest));
+        change = larger(change, step * magnitude(force->now.slope));
+    }
+    if (change > STEEP * largest && largest > 0.0) {
+        for (allowed = FIRST * largest; allowed < change && steep < MOST_HALVINGS; steep++) {
+            allowed *= 2.0;
+        }
+    }
+    return steep > least ? steep : least;
+}
+
+static int compensates(const Composite *c)
+{
+    return c->scheme == SCHEME_COMPENSATED && c->exchanges;
+}
+
+static int fewest_halvings(const Composite *c)
+{
+    return c->orders == QUINTIC_ORDERS ? QUINTIC_HALVINGS : STARTUP_HALVINGS;
+}
+
+static void divide(const Composite *c, Course *course)
+{
+    course->piece = course->halvings = 0.0;
+    if (course->no_past > 0.0 && c->unknowns) {
+        course->halvings = halvings(c, course->whole, compensates(c) ? fewest_halvings(c) : 0);
+    }
+}
+
+double startup_length(Unit *unit)
+{
+    const Composite *c = unit->own;
+    Course *course = c->course;
+    int parts;
+    if (course->changed > 0.0) {
+        const double step = communication(unit);
+        course->changed = 0.0;
+        course->crossing = compensates(c) ? JUMP_PARTS : 1;
+        course->negligible = smaller(KINK * step, contacts_brief(unit)) / course->crossing;
+        course->whole = step - course->crossing * course->negligible;
+        course->ends = course->time + step;
+    }
+    if (course->crossing > 0.0) {
+        return course->negligible;
+    }
+    if (course->whole == 0.0) {
+        course->whole = communication(unit);
+        course->ends = course->time + course->whole;
+        course->first_step = course->no_past;
+        divide(c, course);
+    }
+    parts = (int)course->halvings - (course->piece > 0.0 ? (int)course->piece - 1 : 0);
+    return scaled_by_power(course->whole, -parts);
+}
+
+int startup_taken(Unit *unit, int struck)
+{
+    Composite *c = unit->own;
+    Course *course = c->course;
+    const double whole = course->whole;
+    if (course->striking > 0.0) {
+        return 0;
+    }
+    if (struck && course->allowed == 0.0) { /* what is left of the communication step */
+        const double left = course->ends - course->time;
+        course->whole = left > SLIVER * startup_size(unit) ? left : 0.0;
+        course->first_step = 1.0;
+        divide(c, course);
+    }
+    if (struck) {
+        return 0;
+    }
+    if (course->crossing > 0.0) {
+        course->crossing -= 1.0;
+        composite_drop_past(c);
+        course->piece = course->halvings = course->first_step = 0.0;
+        if (course->crossing == 0.0 && compensates(c)) {
+            course->halvings = halvings(c, whole, fewest_halvings(c));
+        }
+        return 0;
+    }
+    course->piece += 1.0;
+    if (course->piece <= course->halvings) {
+        return 0;
+    }
+    course->whole = 0.0;
+    return course->first_step > 0.0 && course->halvings > 0.0 && !compensates(c) &&
+           iterated_after_start(unit, whole);
+}

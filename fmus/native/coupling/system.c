@@ -1,0 +1,310 @@
+#include <string.h>
+
+#include "base/elementary.h"
+#include "base/matrix.h"
+#include "base/spin.h"
+#include "coupling/composite.h"
+#include "units/rotor.h"
+
+static int part_failed(Unit *unit, const Part *part, double step)
+{
+    Text *reason = unit_reason(unit);
+    text_put(reason, part->unit->name);
+    if (step > 0.0) {
+        composite_put_time(reason, part->unit->time);
+        text_put_rounded(reason, ": a step of ", step, 6);
+        text_put(reason, " s failed");
+    }
+    text_put(reason, ": ");
+    text_put(reason, part->unit->reason.at);
+    return 1;
+}
+
+int composite_part_failed(Unit *unit, const Part *part)
+{
+    return part_failed(unit, part, 0.0);
+}
+
+static void name_force(const Composite *c, int k, Text *text)
+{
+    const Part *part = k < c->exchanges ? c->parts + c->members[k] : c->motor;
+    text_put(text, part->unit->name);
+    text_put(text, k < c->exchanges ? ".F" : ".acceleration");
+}
+
+void composite_name_forces(const Composite *c, Text *text)
+{
+    int k;
+    for (k = 0; k < c->unknowns; k++) {
+        text_put(text, k ? ", " : "");
+        name_force(c, k, text);
+    }
+}
+
+int composite_advance(Unit *unit, Part *part, double step)
+{
+    part->unit->time = ((Composite *)unit->own)->course->begin;
+    return unit_advance(part->unit, step) ? part_failed(unit, part, step) : 0;
+}
+
+/* -- forces and accelerations ---------------------------------------------------------------- */
+
+/* Force from outside on a plane of the rotor over a step, in axes that turn with it. */
+static void outer_signal(const Composite *c, int plane, double step, Complex *signal)
+{
+    const Unit *rotor = c->parts->unit;
+    const double *drive = rotor->real + c->parts->drive;
+    const Drift more = drift(drive + SPIN_UP, step);
+    const Complex force = complex_of(c->outer_forces[2 * plane], c->outer_forces[2 * plane + 1]);
+    const double speeds[2] = {drive[0], drive[0] + step * drive[1] + more.speed};
+    const double angle = rotor->memory[1];
+    const double angles[2] = {angle, angle + step * (drive[0] + 0.5 * drive[1] * step) +
+                                         more.angle};
+    Knot ends[2];
+    int k;
+    for (k = 0; k < 2; k++) {
+        const Complex seen = complex_product(force, rect(1.0, -angles[k]));
+        ends[k].value = seen;
+        ends[k].slope = complex_of(speeds[k] * seen.im, -speeds[k] * seen.re);
+        ends[k].second = complex_of(0.0, 0.0);
+        if (c->orders == QUINTIC_ORDERS) {
+            const double spin_up = drive[1] + (k ? more.acceleration : 0.0);
+            ends[k].second =
+                complex_product(complex_of(-speeds[k] * speeds[k], -spin_up), seen);
+        }
+    }
+    if (step > 0.0) {
+        knot_hermite(ends, ends + 1, c->orders, step, signal);
+    } else {
+        knot_begun(ends, c->orders, signal);
+    }
+}
+
+static void add_signal(const Composite *c, size_t first, int plane, const Complex *signal)
+{
+    Unit *rotor = c->parts->unit;
+    const size_t planes = (size_t)rotor->layout.sizes.planes;
+    int k;
+    for (k = 0; k < c->orders; k++) {
+        double *force = rotor->real + first + 2 * (planes * (size_t)k + (size_t)plane);
+        force[0] += signal[k].re;
+        force[1] += signal[k].im;
+    }
+}
+
+void composite_set_forces(Unit *unit, const Complex *forces, double step)
+{
+    const Composite *c = unit->own;
+    Unit *rotor = c->parts->unit;
+    const int planes = rotor->layout.sizes.planes;
+    size_t first;
+    const size_t count = rotor->equations->signals(&rotor->layout, &first);
+    int k;
+    memset(rotor->real + first, 0, (size_t)c->orders * count * sizeof(double));
+    for (k = 0; k < c->exchanges; k++) {
+        add_signal(c, first, c->parts[c->members[k]].plane, forces + c->orders * k);
+    }
+    for (k = 0; k < planes; k++) {
+        Complex signal[QUINTIC_ORDERS];
+        if (c->outer_forces[2 * k] != 0.0 || c->outer_forces[2 * k + 1] != 0.0) {
+            outer_signal(c, k, step, signal);
+            add_signal(c, first, k, signal);
+        }
+    }
+}
+
+/* The end of the `index`-th of `count` vectors, all values standing before all slopes. */
+static Knot knot_of(const Unit *unit, int index, int count)
+{
+    const double *values = unit->real + unit->layout.computed.first;
+    const double *value = values + 2 * index, *slope = values + 2 * (count + index);
+    Knot knot;
+    knot.value = complex_of(value[0], value[1]);
+    knot.slope = complex_of(slope[0], slope[1]);
+    knot.second = complex_of(0.0, 0.0);
+    if (unit->layout.sizes.order == 5) {
+        knot.second = complex_of(slope[2 * count], slope[2 * count + 1]);
+    }
+    return knot;
+}
+
+void composite_read_accelerations(const Composite *c, Knot *ends)
+{
+    const Unit *rotor = c->parts->unit;
+    int k;
+    for (k = 0; k < c->planes; k++) {
+        ends[k] = knot_of(rotor, c->rotor_planes[k], rotor->layout.sizes.planes);
+    }
+}
+
+void composite_read_forces(const Composite *c, Knot *answers)
+{
+    int k;
+    for (k = 0; k < c->exchanges; k++) {
+        answers[k] = knot_of(c->parts[c->members[k]].unit, 0, 1);
+    }
+}
+
+/* -- steps ----------------------------------------------------------------------------------- */
+
+/* Whether a part met an event in the step and went no further. */
+static int ended_early(Composite *c, const Part *part, double step)
+{
+    if (part->unit->made < step) {
+        c->course->ahead = part->unit->made;
+        return 1;
+    }
+    return 0;
+}
+
+int composite_rotor_pass(Unit *unit, const Complex *forces, double step)
+{
+    Composite *c = unit->own;
+    c->course->passes += 1.0;
+    if (c->motor) {
+        shaft_tell(unit, forces + c->orders * c->exchanges, step);
+    }
+    composite_set_forces(unit, forces, step);
+    if (composite_advance(unit, c->parts, step) || ended_early(c, c->parts, step)) {
+        return 1;
+    }
+    composite_read_accelerations(c, c->ends);
+    return 0;
+}
+
+void composite_place(const Composite *c, const Part *part)
+{
+    Unit *rotor = c->parts->unit;
+    const double *planes;
+    if (part->place >= 0) {
+        rotor->equations->observe(rotor);
+        planes = rotor->real + rotor->layout.observed.first + 1 + 4 * rotor->layout.sizes.stations;
+        memcpy(part->unit->real + part->place, planes + 2 * part->plane, 2 * sizeof(double));
+    }
+}
+
+int composite_balancer_pass(Unit *unit, const Complex *accelerations, double step)
+{
+    Composite *c = unit->own;
+    const size_t size = 2 * (size_t)c->orders;
+    int k;
+    for (k = 0; k < c->exchanges; k++) {
+        Part *part = c->parts + c->members[k];
+        copy_doubles(size, &accelerations[c->orders * c->member_planes[k]].re,
+                     part->unit->real + part->unit->layout.inputs.first);
+        composite_place(c, part);
+        if (composite_advance(unit, part, step) || ended_early(c, part, step)) {
+            return 1;
+        }
+    }
+    composite_read_forces(c, c->answers);
+    return c->motor && (shaft_pass(unit, step, c->answers + c->exchanges) ||
+                        ended_early(c, c->motor, step));
+}
+
+int composite_follow(Unit *unit, double step)
+{
+    Composite *c = unit->own;
+    int k;
+    for (k = 1; k < c->mounted; k++) {
+        Part *part = c->parts + k;
+        if (part->exchange < 0) {
+            composite_place(c, part);
+            if (composite_advance(unit, part, step)) {
+                return 1;
+            }
+        }
+    }
+    return 0;
+}
+
+int composite_asked(const Unit *unit, const Part *part)
+{
+    const Layout *layout = &part->unit->layout;
+    const size_t count = layout->real_count - layout->computed.first;
+    size_t k;
+    for (k = 0; k < unit->asked_count && unit->asked; k++) {
+        if (unit->asked[k] - part->observed < count) {
+            return 1;
+        }
+    }
+    return !unit->asked;
+}
+
+int composite_move(Unit *unit, double step)
+{
+    Composite *c = unit->own;
+    int k;
+    for (k = 0; k < c->part_count; k++) {
+        Part *part = c->parts + k;
+        if (k && part != c->motor && !composite_asked(unit, part)) {
+            continue; /* the rotor's place and speed may be asked for by others */
+        }
+        composite_place(c, part);
+        if (composite_advance(unit, part, step)) {
+            return 1;
+        }
+    }
+    return 0;
+}
+
+void composite_drive(Unit *unit, double time)
+{
+    const Composite *c = unit->own;
+    const Course *course = c->course;
+    int k;
+    for (k = 0; k < c->part_count && !c->motor; k++) { /* which has a shaft of its own */
+        const Part *part = c->parts + k;
+        if (part->drive >= 0) {
+            double *drive = part->unit->real + part->drive;
+            drive[0] = course->speed + (time - course->told) * course->acceleration;
+            drive[1] = course->acceleration;
+        }
+    }
+}
+
+/* -- the present signals --------------------------------------------------------------------- */
+
+int composite_accept(Unit *unit, const Knot *accelerations, const Knot *forces, double step)
+{
+    Composite *c = unit->own;
+    int k;
+    for (k = 0; k < c->planes; k++) {
+        signal_move(c->accelerations + k, accelerations + k, c->orders, step);
+    }
+    for (k = 0; k < c->unknowns; k++) {
+        const Complex value = forces[k].value;
+        if (!is_finite(value.re) || !is_finite(value.im)) {
+            Text *reason = unit_reason(unit);
+            name_force(c, k, reason);
+            text_put(reason, " is not finite");
+            composite_put_time(reason, c->course->time + step);
+            text_put(reason, ": the coupling diverged; use smaller steps");
+            return 1;
+        }
+        signal_move(c->forces + k, forces + k, c->orders, step);
+    }
+    if (c->motor) {
+        shaft_accept(c);
+    }
+    c->course->no_past = 0.0;
+    return 0;
+}
+
+static void forget(Signal *signal)
+{
+    knot_begun(&signal->now, QUINTIC_ORDERS, signal->last);
+    signal->last_step = 0.0;
+}
+
+void composite_drop_past(Composite *c)
+{
+    int k;
+    for (k = 0; k < c->planes; k++) {
+        forget(c->accelerations + k);
+    }
+    for (k = 0; k < c->unknowns; k++) {
+        forget(c->forces + k);
+    }
+    c->course->no_past = 1.0;
+}

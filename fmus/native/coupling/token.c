@@ -1,0 +1,458 @@
+/* What a composite is made of: its coupling, its parts with the tokens of their own, where they are and
+   what they start from.  An FMU keeps the text among its resources; its GUID or instantiation token
+   is the identity alone, Composite/<hash of the text>, which tools use as a name of files.
+
+       Composite;scheme=auto;corrections=-;part=rotor,0,-,RotorOnSupports/...;start=0:4028000000000000;
+       part=balls,1,s,BallBalancer/...;own=1:4044000000000000;id=<digest>-<stamp>
+
+   A part: name, plane of the rotor from 1, s where it exchanges force and v where it is told its plane's
+   place, token.  The rotor is the first part and a motor the last; both have plane 0 and no letters.  `start` and `flags` are of the part before them: value
+   references and the bits of what they start from; Booleans that are true.  `own` are the start
+   values of the composite's own variables; the digest is of the layout and all before it. */
+#include <string.h>
+
+#include "coupling/composite.h"
+#include "stamp.h"
+
+enum { NAME_SIZE = 128, MOST_PARTS = 1000 };
+
+static const char STOP[] = "stop_at_contact"; /* flag of a unit */
+
+/* Where a text goes on behind what it begins with, or NULL. */
+static const char *after(const char *text, const char *begin)
+{
+    const size_t length = text_length(begin);
+    return strncmp(text, begin, length) ? NULL : text + length;
+}
+
+/* Where the next entry begins, or NULL. */
+static const char *next(const char *at)
+{
+    while (*at && *at != ';') {
+        at++;
+    }
+    return *at ? at + 1 : NULL;
+}
+
+static int has(const char *word, char letter)
+{
+    while (*word && *word != letter) {
+        word++;
+    }
+    return *word == letter;
+}
+
+int composite_named(const char *token)
+{
+    return token && after(token, "Composite;");
+}
+
+int composite_abbreviated(const char *token)
+{
+    return token && after(token, "Composite/");
+}
+
+void composite_identity(const char *text, Text *identity)
+{
+    text_put(identity, "Composite/");
+    text_hexadecimal(identity, hash_bytes(hash_start(), text, text_length(text)));
+}
+
+static int refuse(Unit *unit, const char *why)
+{
+    text_put(unit_reason(unit), "identity of a composite: ");
+    text_put(&unit->reason, why);
+    return 1;
+}
+
+/* Copy up to one of two ends; where the text goes on behind it, NULL when it is too long. */
+static const char *word(const char *at, char end, char other, char *copy, size_t size)
+{
+    size_t length = 0;
+    while (at[length] && at[length] != end && at[length] != other) {
+        if (length + 1 == size) {
+            return NULL;
+        }
+        copy[length] = at[length];
+        length++;
+    }
+    copy[length] = 0;
+    return at + length + (at[length] == end);
+}
+
+static int digit(char c)
+{
+    return c >= '0' && c <= '9' ? c - '0' : c >= 'a' && c <= 'f' ? c - 'a' + 10 : 16;
+}
+
+/* A whole number in digits of a base, and where the text goes on. */
+static const char *number(const char *at, int base, uint64_t *value)
+{
+    *value = 0;
+    for (; digit(*at) < base; at++) {
+        *value = *value * (uint64_t)base + (uint64_t)digit(*at);
+    }
+    return at;
+}
+
+/* Start values "3:<bits>,5:<bits>" into an array; 1 where they are none. */
+static int read_starts(const char *at, double *starts, size_t count)
+{
+    for (;;) {
+        uint64_t reference, bits;
+        at = number(at, 10, &reference);
+        if (*at != ':' || reference >= count) {
+            return 1;
+        }
+        at = number(at + 1, 16, &bits);
+        memcpy(starts + reference, &bits, sizeof bits);
+        if (*at != ',') {
+            return *at != ';';
+        }
+        at++;
+    }
+}
+
+static int read_flags(const char *at, Unit *part)
+{
+    for (;;) {
+        uint64_t flag;
+        at = number(at, 10, &flag);
+        if (flag >= part->layout.boolean_count) {
+            return 1;
+        }
+        part->boolean[flag] = 1;
+        if (*at != ',') {
+            return *at != ';';
+        }
+        at++;
+    }
+}
+
+/* A part's own message under the composite's name. */
+static void forward(void *host, const char *name, Status status, const char *message)
+{
+    Unit *unit = host;
+    Text text = text_in(unit->message_buffer, sizeof unit->message_buffer);
+    (void)name;
+    text_put(&text, unit->name);
+    text_put(&text, ": ");
+    text_put(&text, message);
+    unit->log(unit->host, unit->name, status, text.at);
+}
+
+/* Value reference of a part's variable, or -1. */
+static int reference(const Unit *part, const char *name)
+{
+    const size_t found = layout_index(&part->layout, name, 1);
+    return found < part->layout.real_count ? (int)found : -1;
+}
+
+/* Make the unit of a part; 1 with the reason. */
+static int make_part(Unit *unit, Part *part, const char *name, const char *token)
+{
+    Unit *made = unit_allocate(unit, 1, sizeof *made);
+    int k, wrong;
+    if (!made) {
+        return refuse(unit, "there is not enough memory");
+    }
+    if (composite_named(token)) {
+        return refuse(unit, "a part must not be a composite");
+    }
+    part->unit = made;
+    made->log = forward;
+    made->host = unit;
+    made->may_end_early = 1;
+    made->allocated = unit->allocated;
+    wrong = unit_build(made, name, token);
+    unit->allocated = made->allocated; /* what it needs goes with the composite */
+    if (wrong) {
+        return refuse(unit, made->reason.at);
+    }
+    for (k = 0; k < made->layout.table->flag_count; k++) {
+        made->boolean[k] = (unsigned char)made->layout.table->flags[k].start;
+    }
+    return 0;
+}
+
+/* "name,plane,connections,token" */
+static int read_part(Unit *unit, Part *part, const char *at)
+{
+    Composite *c = unit->own;
+    char name[NAME_SIZE], connections[4], token[TOKEN_SIZE];
+    const int first = part == c->parts;
+    uint64_t plane;
+    at = word(at, ',', ';', name, sizeof name);
+    at = at ? number(at, 10, &plane) : NULL;
+    at = at && *at == ',' ? word(at + 1, ',', ';', connections, sizeof connections) : NULL;
+    at = at ? word(at, ';', ';', token, sizeof token) : NULL;
+    if (!at) {
+        return refuse(unit, "a part must be name, plane, connections, token");
+    }
+    if (make_part(unit, part, name, token)) {
+        return 1;
+    }
+    if (first != (part->unit->equations == &ROTOR_EQUATIONS) ||
+        part->unit->layout.sizes.fixed_frame) {
+        return refuse(unit, "the rotor must be its first part, and the only one, and signals must "
+                            "turn with it");
+    }
+    c->orders = c->parts->unit->layout.sizes.order + 1;
+    if (part->unit->layout.sizes.order + 1 != c->orders) {
+        return refuse(unit, "the signals of its parts must be of one order");
+    }
+    if (c->motor) {
+        return refuse(unit, "the motor must be its last part, and the only one");
+    }
+    if (part->unit->equations == &MOTOR_EQUATIONS) {
+        c->motor = part;
+    } else {
+        c->mounted++;
+    }
+    if (first || c->motor) {
+        if (plane || !text_equal(connections, "-")) {
+            return refuse(unit, "the rotor and the motor must have plane 0 and connections -");
+        }
+    } else if (plane - 1 >= (uint64_t)c->parts->unit->layout.sizes.planes) {
+        return refuse(unit, "a part must be on a plane of the rotor");
+    }
+    part->plane = (int)plane - 1;
+    part->drive = c->motor ? -1 : reference(part->unit, "speed");
+    part->brief = reference(part->unit, "shortest_stopped_step");
+    part->place = has(connections, 'v') ? reference(part->unit, "x") : -1;
+    part->torque = c->motor ? -1 : reference(part->unit, "torque");
+    part->exchange = has(connections, 's') ? c->exchanges++ : -1;
+    c->state_count += part->unit->memory_count;
+    return 0;
+}
+
+static int read_scheme(Composite *c, const char *at)
+{
+    static const char *const names[] = {"auto;", "iterated;", "compensated;"};
+    int k;
+    for (k = 0; k < 3; k++) {
+        if (after(at, names[k])) {
+            c->scheme = (Scheme)k;
+            return 0;
+        }
+    }
+    return 1;
+}
+
+/* Read coupling and parts; 1 with the reason.  `own` and `id` begin what is left. */
+static int read_parts(Unit *unit, const char *at, const char **own, const char **id)
+{
+    Composite *c = unit->own;
+    uint64_t passes;
+    for (; at; at = next(at)) {
+        Part *part = c->part_count ? c->parts + c->part_count - 1 : NULL;
+        int wrong = 0;
+        const char *value;
+        if ((value = after(at, "scheme="))) {
+            wrong = read_scheme(c, value);
+        } else if ((value = after(at, "corrections="))) {
+            c->corrections = UNTIL_CONVERGED;
+            if (*value != '-') {
+                number(value, 10, &passes);
+                c->corrections = (int)(passes & 127);
+            }
+        } else if ((value = after(at, "part="))) {
+            if (read_part(unit, c->parts + c->part_count++, value)) {
+                return 1;
+            }
+        } else if ((value = after(at, "start=")) && part) {
+            wrong = read_starts(value, part->unit->starts, part->unit->layout.parameters.count);
+        } else if ((value = after(at, "flags=")) && part) {
+            wrong = read_flags(value, part->unit);
+        } else if ((value = after(at, "own="))) {
+            *own = value;
+        } else if ((value = after(at, "id="))) {
+            *id = value;
+        } else {
+            wrong = 1;
+        }
+        if (wrong) {
+            return refuse(unit, "it has an entry this library does not know");
+        }
+    }
+    return c->part_count && *own && *id ? 0 : refuse(unit, "it ends too early");
+}
+
+/* Have steps end at events, where there are any to be taken back and no motor drives: weights are told
+   the mean of its acceleration over a step, not what it is at a time in it. */
+static void stop_at_contacts(Composite *c)
+{
+    const int stops = c->exchanges && !c->motor && c->scheme != SCHEME_COMPENSATED;
+    int part, k;
+    for (part = 0; part < c->part_count; part++) {
+        Unit *unit = c->parts[part].unit;
+        unit->leaves_impacts = stops;
+        if (!stops) {
+            c->parts[part].brief = -1;
+            continue;
+        }
+        for (k = 0; k < unit->layout.table->flag_count; k++) {
+            if (!strncmp(unit->layout.table->flags[k].name, STOP, sizeof STOP)) {
+                unit->boolean[k] = 1;
+            }
+        }
+    }
+}
+
+/* -- layout ---------------------------------------------------------------------------------- */
+
+/* Take over variables of a unit, those of a part under its name. */
+static size_t take(Unit *unit, size_t at, const Unit *part, const Layout *layout,
+                   const double *starts, size_t first, size_t count)
+{
+    size_t k;
+    for (k = 0; k < count; k++) {
+        unit->layout.reals[at + k] = layout->reals[first + k];
+        unit->layout.reals[at + k].owner = part ? part->name : NULL;
+        unit->starts[at + k] = starts[first + k];
+    }
+    return at + count;
+}
+
+/* Parameters of all parts and the coupling's, its inputs, outputs of all parts and its own. */
+static void lay_out(Unit *unit, const Layout *own, const double *starts)
+{
+    Composite *c = unit->own;
+    Layout *layout = &unit->layout;
+    size_t at = 0;
+    int k;
+    for (k = 0; k < c->part_count; k++) {
+        const Unit *part = c->parts[k].unit;
+        c->parts[k].first = at;
+        at = take(unit, at, part, &part->layout, part->starts, 0, part->layout.parameters.count);
+    }
+    c->tolerance = at;
+    c->steps_per_rev = at + 1;
+    c->fewest = at + 2;
+    c->top_speed = at + 3;
+    c->rise = c->motor ? 0 : at + 4;
+    at = take(unit, at, NULL, own, starts, 0, own->parameters.count);
+    layout->parameters.count = layout->inputs.first = c->drive = at;
+    c->outer = at + (c->motor ? 0 : 2);
+    at = take(unit, at, NULL, own, starts, own->inputs.first, own->inputs.count);
+    layout->inputs.count = own->inputs.count;
+    layout->computed.first = layout->observed.first = at;
+    for (k = 0; k < c->part_count; k++) {
+        const Unit *part = c->parts[k].unit;
+        const size_t first = part->layout.computed.first;
+        c->parts[k].observed = at;
+        at = take(unit, at, part, &part->layout, part->starts, first,
+                  part->layout.real_count - first);
+    }
+    c->results = at;
+    at = take(unit, at, NULL, own, starts, own->observed.first, own->observed.count);
+    layout->observed.count = at - layout->observed.first;
+    layout->real_count = at;
+    layout->table = own->table;
+    layout->sizes = own->sizes;
+}
+
+/* Which parts and planes exchange force. */
+static int connect(Unit *unit)
+{
+    Composite *c = unit->own;
+    const int planes = c->parts->unit->layout.sizes.planes;
+    int plane, k;
+    c->unknowns = c->exchanges + (c->motor != NULL);
+    c->members = unit_allocate(unit, (size_t)c->exchanges, sizeof(int));
+    c->member_planes = unit_allocate(unit, (size_t)c->exchanges, sizeof(int));
+    c->rotor_planes = unit_allocate(unit, (size_t)planes, sizeof(int));
+    if (!c->members || !c->member_planes || !c->rotor_planes) {
+        return refuse(unit, "there is not enough memory");
+    }
+    for (plane = 0; plane < planes; plane++) {
+        int found = 0;
+        for (k = 1; k < c->mounted; k++) {
+            const Part *part = c->parts + k;
+            if (part->exchange >= 0 && part->plane == plane) {
+                c->members[part->exchange] = k;
+                c->member_planes[part->exchange] = c->planes;
+                found = 1;
+            }
+        }
+        if (found) {
+            c->rotor_planes[c->planes++] = plane;
+        }
+    }
+    return 0;
+}
+
+/* Layout and start values of the whole; 1 with the reason. */
+static int describe(Unit *unit, const char *own_starts)
+{
+    const Composite *c = unit->own;
+    const Table *table = table_of("Composite", c->motor ? "motor" : "", "", 3);
+    Sizes sizes = {1, 1, 1, 1, 0, 2, 0, 3};
+    Layout own;
+    Variable *reals;
+    double *starts;
+    size_t count, total;
+    int k;
+    sizes.planes = c->parts->unit->layout.sizes.planes;
+    count = total = layout_count(table, &sizes, MOST_REALS);
+    for (k = 0; k < c->part_count; k++) {
+        const Layout *layout = &c->parts[k].unit->layout;
+        total += layout->real_count - layout->inputs.count;
+    }
+    reals = unit_allocate(unit, count, sizeof *reals);
+    starts = unit_allocate(unit, count, sizeof *starts);
+    unit->layout.reals = unit_allocate(unit, total, sizeof *reals);
+    unit->starts = unit_allocate(unit, total, sizeof(double));
+    if (!reals || !starts || !unit->layout.reals || !unit->starts) {
+        return refuse(unit, "there is not enough memory");
+    }
+    own = layout_in(reals, table, &sizes);
+    layout_starts(&own, starts);
+    if (read_starts(own_starts, starts, own.computed.first)) {
+        return refuse(unit, "it has start values of variables that are not its own");
+    }
+    lay_out(unit, &own, starts);
+    return 0;
+}
+
+int composite_build(Unit *unit, const char *token)
+{
+    const char *at, *own = NULL, *id = NULL;
+    char expected[TOKEN_SIZE];
+    Text text = text_in(expected, sizeof expected);
+    uint64_t hash;
+    Composite *c;
+    size_t count = 0;
+    for (at = token; at; at = next(at)) {
+        count += after(at, "part=") != NULL;
+    }
+    unit->equations = &COMPOSITE_EQUATIONS;
+    unit->own = c = unit_allocate(unit, 1, sizeof *c);
+    if (!c || !count || count > MOST_PARTS || !(c->parts = unit_allocate(unit, count, sizeof *c->parts))) {
+        return refuse(unit, "it has no parts, or too many for the memory");
+    }
+    if (read_parts(unit, after(token, "Composite;"), &own, &id)) {
+        return 1;
+    }
+    if (c->scheme == SCHEME_COMPENSATED && c->motor) {
+        return refuse(unit, "the scheme must not be compensated under a motor");
+    }
+    stop_at_contacts(c);
+    if (connect(unit) || describe(unit, own)) {
+        return 1;
+    }
+    hash = layout_digest(&unit->layout, unit->starts);
+    text_hexadecimal(&text, hash_bytes(hash, token, (size_t)(id - token)));
+    text_put(&text, "-");
+    text_put(&text, STAMP);
+    if (!text_equal(id, expected)) {
+        refuse(unit, "its variables, or the sources it was built from, are not those of this "
+                     "library; expected ");
+        text_put(&unit->reason, expected);
+        return 1;
+    }
+    text = text_in(unit->token, sizeof unit->token);
+    composite_identity(token, &text);
+    unit->memory_count = composite_memory(c, NULL);
+    return 0;
+}

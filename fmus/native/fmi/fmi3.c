@@ -1,0 +1,282 @@
+/* FMI 3.0 for co-simulation: a thin front over unit.h.
+
+   Value references are unique over all types: the Reals as in FMI 2.0, then the Booleans, then the
+   independent variable, time.  */
+#include "fmi/fmi3.h"
+
+#include "base/elementary.h"
+#include "fmi/front.h"
+#include "fmi/state.h"
+#include "fmi/unit.h"
+
+/* An instance: what the host gave, and the unit. */
+typedef struct {
+    Unit *unit;
+    fmi3InstanceEnvironment environment;
+    fmi3LogMessageCallback log;
+} Front;
+
+/* -- life cycle ----------------------------------------------------------------------------- */
+
+/* Warnings and errors are told whether or not debug messages are asked for. */
+static void tell(void *host, const char *instance, Status status, const char *message)
+{
+    const Front *front = host;
+    (void)instance;
+    if (front->log) {
+        front->log(front->environment, (fmi3Status)status, front_category(status), message);
+    }
+}
+
+EXPORT const char *fmi3GetVersion(void)
+{
+    return "3.0";
+}
+
+EXPORT fmi3Status fmi3SetDebugLogging(fmi3Instance instance, fmi3Boolean on, size_t count,
+                                      const fmi3String categories[])
+{
+    (void)on, (void)count, (void)categories;
+    return instance ? fmi3OK : fmi3Error;
+}
+
+EXPORT fmi3Instance fmi3InstantiateCoSimulation(
+    fmi3String name, fmi3String token, fmi3String resources, fmi3Boolean visible,
+    fmi3Boolean logging, fmi3Boolean event_mode, fmi3Boolean early_return,
+    const fmi3ValueReference intermediate[], size_t intermediates,
+    fmi3InstanceEnvironment environment, fmi3LogMessageCallback log,
+    fmi3IntermediateUpdateCallback update)
+{
+    Front host = {NULL, environment, log}, *front;
+    (void)visible, (void)logging, (void)intermediate, (void)update;
+    if (event_mode || intermediates) {
+        tell(&host, name, STATUS_ERROR,
+             "instantiation failed: the unit has neither event mode nor intermediate variables");
+        return NULL;
+    }
+    front = front_instantiate(name, token, resources, tell, &host, sizeof host);
+    if (front) {
+        front->unit->may_end_early = early_return;
+        front->unit->first_boolean = front->unit->layout.real_count;
+    }
+    return front;
+}
+
+EXPORT void fmi3FreeInstance(fmi3Instance instance)
+{
+    front_free(instance);
+}
+
+EXPORT fmi3Status fmi3EnterInitializationMode(fmi3Instance instance, fmi3Boolean tolerance_defined,
+                                              fmi3Float64 tolerance, fmi3Float64 start,
+                                              fmi3Boolean stop_defined, fmi3Float64 stop)
+{
+    const char *function = "fmi3EnterInitializationMode";
+    Status status = front_allowed(instance, function, INSTANTIATED, 0, NULL, NULL);
+    (void)tolerance_defined, (void)tolerance;
+    if (!status) {
+        status = unit_setup(front_unit(instance), start, stop_defined ? stop : infinity());
+    }
+    return (fmi3Status)(status ? status : unit_enter_initialisation(front_unit(instance)));
+}
+
+EXPORT fmi3Status fmi3ExitInitializationMode(fmi3Instance instance)
+{
+    const char *function = "fmi3ExitInitializationMode";
+    const Status status = front_allowed(instance, function, INITIALISING, 0, NULL, NULL);
+    return (fmi3Status)(status ? status : unit_exit_initialisation(front_unit(instance)));
+}
+
+EXPORT fmi3Status fmi3Terminate(fmi3Instance instance)
+{
+    const Status status = front_allowed(instance, "fmi3Terminate", RUNNING, 0, NULL, NULL);
+    return (fmi3Status)(status ? status : unit_terminate(front_unit(instance)));
+}
+
+EXPORT fmi3Status fmi3Reset(fmi3Instance instance)
+{
+    const Status status = front_allowed(instance, "fmi3Reset", ANY_PHASE, 0, NULL, NULL);
+    if (!status) {
+        unit_reset(front_unit(instance));
+    }
+    return (fmi3Status)status;
+}
+
+/* -- values --------------------------------------------------------------------------------- */
+
+static size_t time_reference(const Unit *unit)
+{
+    return unit->layout.real_count + unit->layout.boolean_count;
+}
+
+/* As front_allowed, for as many values as value references. */
+static Status values_allowed(fmi3Instance instance, const char *function, int phases,
+                             const fmi3ValueReference vr[], size_t count, const void *values,
+                             size_t value_count)
+{
+    const Status status = front_allowed(instance, function, phases, count, vr, values);
+    if (!status && value_count != count) {
+        return unit_refuse(front_unit(instance), function,
+                           "there must be as many values as value references");
+    }
+    return status;
+}
+
+EXPORT fmi3Status fmi3GetFloat64(fmi3Instance instance, const fmi3ValueReference vr[],
+                                 size_t count, fmi3Float64 values[], size_t value_count)
+{
+    Status status =
+        values_allowed(instance, "fmi3GetFloat64", ANY_PHASE, vr, count, values, value_count);
+    Unit *unit;
+    size_t from = 0, k;
+    if (status) {
+        return (fmi3Status)status;
+    }
+    unit = front_unit(instance);
+    /* hosts read time together with others: what stands between is read at once */
+    for (k = 0; k <= count && !status; k++) {
+        if (k == count || vr[k] == time_reference(unit)) {
+            status = unit_get_reals(unit, vr + from, k - from, values + from);
+            if (k < count) {
+                values[k] = unit->time;
+            }
+            from = k + 1;
+        }
+    }
+    return (fmi3Status)status;
+}
+
+EXPORT fmi3Status fmi3SetFloat64(fmi3Instance instance, const fmi3ValueReference vr[],
+                                 size_t count, const fmi3Float64 values[], size_t value_count)
+{
+    const Status status = values_allowed(instance, "fmi3SetFloat64", SETTABLE_PHASES, vr, count,
+                                         values, value_count);
+    return (fmi3Status)(status ? status
+                               : unit_set_reals(front_unit(instance), vr, count, values));
+}
+
+EXPORT fmi3Status fmi3GetBoolean(fmi3Instance instance, const fmi3ValueReference vr[],
+                                 size_t count, fmi3Boolean values[], size_t value_count)
+{
+    Status status =
+        values_allowed(instance, "fmi3GetBoolean", ANY_PHASE, vr, count, values, value_count);
+    size_t k;
+    for (k = 0; k < count && !status; k++) {
+        int value = 0;
+        status = unit_get_boolean(front_unit(instance), vr[k], &value);
+        values[k] = value != 0;
+    }
+    return (fmi3Status)status;
+}
+
+EXPORT fmi3Status fmi3SetBoolean(fmi3Instance instance, const fmi3ValueReference vr[],
+                                 size_t count, const fmi3Boolean values[], size_t value_count)
+{
+    Status status = values_allowed(instance, "fmi3SetBoolean", SETTABLE_PHASES, vr, count, values,
+                                   value_count);
+    size_t k;
+    for (k = 0; k < count && !status; k++) {
+        status = unit_set_boolean(front_unit(instance), vr[k], values[k]);
+    }
+    return (fmi3Status)status;
+}
+
+/* -- state ---------------------------------------------------------------------------------- */
+
+EXPORT fmi3Status fmi3GetFMUState(fmi3Instance instance, fmi3FMUState *state)
+{
+    return (fmi3Status)front_save(instance, "fmi3GetFMUState", state);
+}
+
+EXPORT fmi3Status fmi3SetFMUState(fmi3Instance instance, fmi3FMUState state)
+{
+    return (fmi3Status)front_restore(instance, "fmi3SetFMUState", state);
+}
+
+EXPORT fmi3Status fmi3FreeFMUState(fmi3Instance instance, fmi3FMUState *state)
+{
+    return (fmi3Status)front_forget(instance, state);
+}
+
+EXPORT fmi3Status fmi3SerializedFMUStateSize(fmi3Instance instance, fmi3FMUState state,
+                                             size_t *size)
+{
+    return (fmi3Status)front_state_size(instance, "fmi3SerializedFMUStateSize", state, size);
+}
+
+EXPORT fmi3Status fmi3SerializeFMUState(fmi3Instance instance, fmi3FMUState state,
+                                        fmi3Byte bytes[], size_t size)
+{
+    return (fmi3Status)front_serialise(instance, "fmi3SerializeFMUState", state, bytes, size);
+}
+
+EXPORT fmi3Status fmi3DeserializeFMUState(fmi3Instance instance, const fmi3Byte bytes[],
+                                          size_t size, fmi3FMUState *state)
+{
+    return (fmi3Status)front_deserialise(instance, "fmi3DeserializeFMUState", bytes, size, state);
+}
+
+/* -- derivatives and the step --------------------------------------------------------------- */
+
+EXPORT fmi3Status fmi3GetDirectionalDerivative(fmi3Instance instance,
+                                               const fmi3ValueReference unknowns[],
+                                               size_t unknown_count,
+                                               const fmi3ValueReference knowns[],
+                                               size_t known_count, const fmi3Float64 seed[],
+                                               size_t seed_count, fmi3Float64 change[],
+                                               size_t change_count)
+{
+    const char *function = "fmi3GetDirectionalDerivative";
+    const int phases = INITIALISING | RUNNING;
+    Status status = values_allowed(instance, function, phases, unknowns, unknown_count, change,
+                                   change_count);
+    if (!status) {
+        status = values_allowed(instance, function, phases, knowns, known_count, seed, seed_count);
+    }
+    return (fmi3Status)(status ? status
+                               : unit_directional(front_unit(instance), unknowns, unknown_count,
+                                                  knowns, known_count, seed, change));
+}
+
+EXPORT fmi3Status fmi3GetOutputDerivatives(fmi3Instance instance, const fmi3ValueReference vr[],
+                                           size_t count, const fmi3Int32 orders[],
+                                           fmi3Float64 values[], size_t value_count)
+{
+    const char *function = "fmi3GetOutputDerivatives";
+    Status status = values_allowed(instance, function, AFTER_INSTANTIATION, vr, count, values,
+                                   value_count);
+    if (!status) {
+        status = front_allowed(instance, function, AFTER_INSTANTIATION, count, vr, orders);
+    }
+    return (fmi3Status)(status ? status
+                               : unit_get_derivatives(front_unit(instance), vr, count, orders,
+                                                      values));
+}
+
+EXPORT fmi3Status fmi3DoStep(fmi3Instance instance, fmi3Float64 time, fmi3Float64 step,
+                             fmi3Boolean no_set_state_before, fmi3Boolean *event_needed,
+                             fmi3Boolean *terminate, fmi3Boolean *early_return,
+                             fmi3Float64 *last_successful_time)
+{
+    Status status = front_allowed(instance, "fmi3DoStep", RUNNING, 0, NULL, NULL);
+    Unit *unit;
+    (void)no_set_state_before;
+    if (status) {
+        return (fmi3Status)status;
+    }
+    unit = front_unit(instance);
+    status = unit_step(unit, time, step);
+    if (event_needed) {
+        *event_needed = 0;
+    }
+    if (terminate) {
+        *terminate = 0;
+    }
+    if (early_return) {
+        *early_return = !status && unit->made < step;
+    }
+    if (last_successful_time) {
+        *last_successful_time = unit->time;
+    }
+    return (fmi3Status)status;
+}

@@ -1,0 +1,184 @@
+/* The functions of FMI 3.0 for what the units do not have: model exchange, clocks, events, adjoint derivatives.
+   Each is refused with a reason. */
+#include "fmi/fmi3.h"
+#include "fmi/front.h"
+
+static fmi3Status absent(fmi3Instance instance, const char *function)
+{
+    return (fmi3Status)front_refuse(instance, function, "the unit does not have this");
+}
+
+static fmi3Instance wrong_interface(fmi3InstanceEnvironment environment,
+                                    fmi3LogMessageCallback log)
+{
+    if (log) {
+        log(environment, fmi3Error, front_category(STATUS_ERROR),
+            "instantiation failed: the unit is for co-simulation only");
+    }
+    return NULL;
+}
+
+EXPORT fmi3Instance fmi3InstantiateModelExchange(fmi3String name, fmi3String token,
+                                                 fmi3String resources, fmi3Boolean visible,
+                                                 fmi3Boolean logging,
+                                                 fmi3InstanceEnvironment environment,
+                                                 fmi3LogMessageCallback log)
+{
+    (void)name, (void)token, (void)resources, (void)visible, (void)logging;
+    return wrong_interface(environment, log);
+}
+
+EXPORT fmi3Instance fmi3InstantiateScheduledExecution(
+    fmi3String name, fmi3String token, fmi3String resources, fmi3Boolean visible,
+    fmi3Boolean logging, fmi3InstanceEnvironment environment, fmi3LogMessageCallback log,
+    fmi3ClockUpdateCallback update, fmi3LockPreemptionCallback lock,
+    fmi3UnlockPreemptionCallback unlock)
+{
+    (void)name, (void)token, (void)resources, (void)visible, (void)logging, (void)update,
+        (void)lock, (void)unlock;
+    return wrong_interface(environment, log);
+}
+
+/* -- those that differ by their names -------------------------------------------------------- */
+
+#define REFUSE(name)                                                                              \
+    EXPORT fmi3Status fmi3##name(fmi3Instance instance)                                           \
+    {                                                                                             \
+        return absent(instance, "fmi3" #name);                                                    \
+    }
+
+REFUSE(EnterConfigurationMode)
+REFUSE(ExitConfigurationMode)
+REFUSE(EnterEventMode)
+REFUSE(EnterContinuousTimeMode)
+REFUSE(EnterStepMode)
+REFUSE(EvaluateDiscreteStates)
+
+#define REFUSE_COUNT(name)                                                                        \
+    EXPORT fmi3Status fmi3##name(fmi3Instance instance, size_t *count)                            \
+    {                                                                                             \
+        (void)count;                                                                              \
+        return absent(instance, "fmi3" #name);                                                    \
+    }
+
+REFUSE_COUNT(GetNumberOfContinuousStates)
+REFUSE_COUNT(GetNumberOfEventIndicators)
+
+#define REFUSE_VALUES(name, type)                                                                 \
+    EXPORT fmi3Status fmi3##name(fmi3Instance instance, type values[], size_t count)              \
+    {                                                                                             \
+        (void)values, (void)count;                                                                \
+        return absent(instance, "fmi3" #name);                                                    \
+    }
+
+REFUSE_VALUES(GetContinuousStates, fmi3Float64)
+REFUSE_VALUES(GetContinuousStateDerivatives, fmi3Float64)
+REFUSE_VALUES(GetNominalsOfContinuousStates, fmi3Float64)
+REFUSE_VALUES(GetEventIndicators, fmi3Float64)
+REFUSE_VALUES(SetContinuousStates, const fmi3Float64)
+
+/* of clocks, in seconds or as fractions of them */
+#define REFUSE_DECIMALS(name, type)                                                               \
+    EXPORT fmi3Status fmi3##name(fmi3Instance instance, const fmi3ValueReference vr[],            \
+                                 size_t count, type values[])                                     \
+    {                                                                                             \
+        (void)vr, (void)count, (void)values;                                                      \
+        return absent(instance, "fmi3" #name);                                                    \
+    }
+
+REFUSE_DECIMALS(GetShiftDecimal, fmi3Float64)
+REFUSE_DECIMALS(SetShiftDecimal, const fmi3Float64)
+REFUSE_DECIMALS(SetIntervalDecimal, const fmi3Float64)
+
+#define REFUSE_FRACTIONS(name, type)                                                              \
+    EXPORT fmi3Status fmi3##name(fmi3Instance instance, const fmi3ValueReference vr[],            \
+                                 size_t count, type counters[], type resolutions[])               \
+    {                                                                                             \
+        (void)vr, (void)count, (void)counters, (void)resolutions;                                 \
+        return absent(instance, "fmi3" #name);                                                    \
+    }
+
+REFUSE_FRACTIONS(GetShiftFraction, fmi3UInt64)
+REFUSE_FRACTIONS(SetShiftFraction, const fmi3UInt64)
+REFUSE_FRACTIONS(SetIntervalFraction, const fmi3UInt64)
+
+/* -- all others ------------------------------------------------------------------------------ */
+
+EXPORT fmi3Status fmi3GetNumberOfVariableDependencies(
+    fmi3Instance instance, fmi3ValueReference reference, size_t *count)
+{
+    (void)reference, (void)count;
+    return absent(instance, "fmi3GetNumberOfVariableDependencies");
+}
+
+EXPORT fmi3Status fmi3GetVariableDependencies(fmi3Instance instance, fmi3ValueReference dependent,
+                                              size_t elements[],
+                                              fmi3ValueReference independents[],
+                                              size_t independent_elements[],
+                                              fmi3DependencyKind kinds[], size_t count)
+{
+    (void)dependent, (void)elements, (void)independents, (void)independent_elements,
+        (void)kinds, (void)count;
+    return absent(instance, "fmi3GetVariableDependencies");
+}
+
+EXPORT fmi3Status fmi3GetIntervalDecimal(fmi3Instance instance, const fmi3ValueReference vr[],
+                                         size_t count, fmi3Float64 intervals[],
+                                         fmi3IntervalQualifier qualifiers[])
+{
+    (void)vr, (void)count, (void)intervals, (void)qualifiers;
+    return absent(instance, "fmi3GetIntervalDecimal");
+}
+
+EXPORT fmi3Status fmi3GetIntervalFraction(fmi3Instance instance, const fmi3ValueReference vr[],
+                                          size_t count, fmi3UInt64 counters[],
+                                          fmi3UInt64 resolutions[],
+                                          fmi3IntervalQualifier qualifiers[])
+{
+    (void)vr, (void)count, (void)counters, (void)resolutions, (void)qualifiers;
+    return absent(instance, "fmi3GetIntervalFraction");
+}
+
+EXPORT fmi3Status fmi3UpdateDiscreteStates(fmi3Instance instance, fmi3Boolean *update_needed,
+                                           fmi3Boolean *terminate, fmi3Boolean *nominals_changed,
+                                           fmi3Boolean *values_changed, fmi3Boolean *next_defined,
+                                           fmi3Float64 *next_time)
+{
+    (void)update_needed, (void)terminate, (void)nominals_changed, (void)values_changed,
+        (void)next_defined, (void)next_time;
+    return absent(instance, "fmi3UpdateDiscreteStates");
+}
+
+EXPORT fmi3Status fmi3CompletedIntegratorStep(fmi3Instance instance,
+                                              fmi3Boolean no_set_state_before,
+                                              fmi3Boolean *enter_event_mode,
+                                              fmi3Boolean *terminate)
+{
+    (void)no_set_state_before, (void)enter_event_mode, (void)terminate;
+    return absent(instance, "fmi3CompletedIntegratorStep");
+}
+
+EXPORT fmi3Status fmi3SetTime(fmi3Instance instance, fmi3Float64 time)
+{
+    (void)time;
+    return absent(instance, "fmi3SetTime");
+}
+
+EXPORT fmi3Status fmi3ActivateModelPartition(fmi3Instance instance, fmi3ValueReference clock,
+                                             fmi3Float64 time)
+{
+    (void)clock, (void)time;
+    return absent(instance, "fmi3ActivateModelPartition");
+}
+
+EXPORT fmi3Status fmi3GetAdjointDerivative(fmi3Instance instance,
+                                           const fmi3ValueReference unknowns[],
+                                           size_t unknown_count,
+                                           const fmi3ValueReference knowns[], size_t known_count,
+                                           const fmi3Float64 seed[], size_t seed_count,
+                                           fmi3Float64 change[], size_t change_count)
+{
+    (void)unknowns, (void)unknown_count, (void)knowns, (void)known_count, (void)seed,
+        (void)seed_count, (void)change, (void)change_count;
+    return absent(instance, "fmi3GetAdjointDerivative");
+}

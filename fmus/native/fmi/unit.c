@@ -1,0 +1,344 @@
+#include "fmi/unit.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/elementary.h"
+#include "coupling/composite.h"
+
+/* A host's own sums of times are off by their rounding; more is another point in time. */
+static const double POINT_OF_STEP = 1e-6, POINT_OF_TIME = 1e-10;
+static const char NO_MEMORY[] = "not enough memory for a unit of this size";
+
+/* -- memory ---------------------------------------------------------------------------------- */
+
+void *unit_allocate(Unit *unit, size_t count, size_t size)
+{
+    /* the first double of a block is the link to the block before */
+    const size_t most = ((size_t)-1 - sizeof(double)) / (size ? size : 1);
+    void **block = count <= most ? calloc(1, sizeof(double) + count * size) : NULL;
+    if (!block) {
+        return NULL;
+    }
+    *block = unit->allocated;
+    unit->allocated = block;
+    return (char *)block + sizeof(double);
+}
+
+void unit_free(Unit *unit)
+{
+    void **block = unit->allocated;
+    while (block) {
+        void **before = *block;
+        free(block);
+        block = before;
+    }
+    free(unit);
+}
+
+/* -- life cycle ------------------------------------------------------------------------------ */
+
+static const Equations *equations_of(const char *name)
+{
+    const Equations *const all[] = {&ROTOR_EQUATIONS, &LIQUID_EQUATIONS, &WEIGHTS_EQUATIONS,
+                                     &MOTOR_EQUATIONS};
+    size_t k;
+    for (k = 0; k < sizeof all / sizeof *all; k++) {
+        if (text_equal(all[k]->name, name)) {
+            return all[k];
+        }
+    }
+    return NULL;
+}
+
+/* Equations, layout and start values of a unit's token; 1 with the reason. */
+static int build_single(Unit *unit, const char *token)
+{
+    const Table *table;
+    Sizes sizes;
+    Variable *reals;
+    size_t count;
+    if (token_read(token, &table, &sizes, unit_reason(unit))) {
+        return 1;
+    }
+    unit->equations = equations_of(table->unit);
+    if (!unit->equations) {
+        text_put(unit_reason(unit), "the identity names no unit of this library");
+        return 1;
+    }
+    count = layout_count(table, &sizes, MOST_REALS);
+    reals = unit_allocate(unit, count, sizeof *reals);
+    unit->starts = unit_allocate(unit, count, sizeof(double));
+    unit->own = unit_allocate(unit, 1, unit->equations->own_size);
+    if (!reals || !unit->starts || !unit->own) {
+        text_put(unit_reason(unit), NO_MEMORY);
+        return 1;
+    }
+    unit->layout = layout_in(reals, table, &sizes);
+    layout_starts(&unit->layout, unit->starts);
+    if (unit->equations->starts) {
+        unit->equations->starts(&unit->layout, unit->starts);
+    }
+    if (token_check(token, &unit->layout, layout_digest(&unit->layout, unit->starts),
+                    &unit->reason)) {
+        return 1;
+    }
+    memcpy(unit->token, token, text_length(token) + 1);
+    unit->memory_count =
+        unit->equations->memory_size ? unit->equations->memory_size(&unit->layout) : 0;
+    return 0;
+}
+
+/* Arrays of a unit whose layout is known, and what its equations need; 1 when there is no memory. */
+static int build_arrays(Unit *unit, const char *name)
+{
+    const size_t count = unit->layout.real_count;
+    const size_t outputs = unit->layout.computed.count + unit->layout.observed.count;
+    unit->real = unit_allocate(unit, count, sizeof(double));
+    unit->name = unit_allocate(unit, text_length(name) + 1, 1);
+    unit->boolean = unit_allocate(unit, unit->layout.boolean_count, 1);
+    unit->memory = unit_allocate(unit, unit->memory_count, sizeof(double));
+    unit->before = unit_allocate(unit, unit->memory_count, sizeof(double));
+    unit->seed = unit_allocate(unit, unit->layout.inputs.count, sizeof(double));
+    unit->change = unit_allocate(unit, outputs, sizeof(double));
+    unit->kept = unit_allocate(unit, unit->layout.computed.count, sizeof(double));
+    if (!unit->real || !unit->name || !unit->boolean || !unit->memory || !unit->before ||
+        !unit->seed || !unit->change || !unit->kept ||
+        (unit->equations->allocate && unit->equations->allocate(unit))) {
+        return 1;
+    }
+    memcpy(unit->name, name, text_length(name) + 1);
+    return 0;
+}
+
+int unit_build(Unit *unit, const char *name, const char *token)
+{
+    if (composite_named(token) ? composite_build(unit, token) : build_single(unit, token)) {
+        return 1;
+    }
+    if (build_arrays(unit, name)) {
+        text_put(unit_reason(unit), NO_MEMORY);
+        return 1;
+    }
+    return 0;
+}
+
+Unit *unit_instantiate(const char *name, const char *token, Log log, void *host)
+{
+    Unit *unit = calloc(1, sizeof *unit);
+    const char *shown = name ? name : "";
+    if (!unit) {
+        log(host, shown, STATUS_ERROR, "instantiation failed: not enough memory");
+        return NULL;
+    }
+    unit->log = log;
+    unit->host = host;
+    if (unit_build(unit, shown, token)) {
+        Text text = text_in(unit->message_buffer, sizeof unit->message_buffer);
+        text_put(&text, shown);
+        text_put(&text, ": instantiation failed: ");
+        text_put(&text, unit->reason.at);
+        log(host, shown, STATUS_ERROR, text.at);
+        unit_free(unit);
+        return NULL;
+    }
+    unit_reset(unit);
+    return unit;
+}
+
+void unit_reset(Unit *unit)
+{
+    size_t k;
+    memcpy(unit->real, unit->starts, unit->layout.real_count * sizeof(double));
+    for (k = 0; k < unit->layout.boolean_count; k++) {
+        unit->boolean[k] = (unsigned char)unit->layout.table->flags[k].start;
+    }
+    memset(unit->memory, 0, unit->memory_count * sizeof(double));
+    unit->time = 0.0;
+    unit->stop = infinity();
+    unit->phase = INSTANTIATED;
+    unit->stale = BEGINNING;
+    unit->warned = 0;
+}
+
+Status unit_setup(Unit *unit, double start, double stop)
+{
+    if (!is_finite(start) || !(stop >= start)) {
+        Text *reason = unit_reason(unit);
+        text_put(reason, "start time = ");
+        text_number(reason, start);
+        text_put(reason, " s, stop time = ");
+        text_number(reason, stop);
+        text_put(reason, " s: must be finite numbers, the stop time not before the start time");
+        return unit_report(unit, STATUS_ERROR, "set-up failed");
+    }
+    unit->time = start;
+    unit->stop = stop;
+    return STATUS_OK;
+}
+
+Status unit_enter_initialisation(Unit *unit)
+{
+    unit->phase = INITIALISING;
+    return STATUS_OK;
+}
+
+Status unit_exit_initialisation(Unit *unit)
+{
+    if (unit_refresh(unit, WITHOUT_TORQUES)) {
+        return unit_report(unit, STATUS_ERROR, "initialisation failed");
+    }
+    unit->phase = RUNNING;
+    return STATUS_OK;
+}
+
+Status unit_terminate(Unit *unit)
+{
+    unit->phase = TERMINATED;
+    return STATUS_OK;
+}
+
+/* 0, or 1 and why a step may not be made from here or as far as that. */
+static int out_of_place(Unit *unit, double time, double step)
+{
+    const double rounding = POINT_OF_STEP * step + POINT_OF_TIME * absolute(unit->time);
+    if (!(absolute(time - unit->time) <= rounding)) {
+        Text *reason = unit_reason(unit);
+        text_put(reason, "communication point = ");
+        text_number(reason, time);
+        text_put(reason, " s: must be where the unit is, ");
+        text_number(reason, unit->time);
+        text_put(reason, " s");
+        return 1;
+    }
+    if (time + step > unit->stop + rounding) {
+        Text *reason = unit_reason(unit);
+        text_put(reason, "end of the step = ");
+        text_number(reason, time + step);
+        text_put(reason, " s: must not be beyond the stop time, ");
+        text_number(reason, unit->stop);
+        text_put(reason, " s");
+        return 1;
+    }
+    return 0;
+}
+
+/* 0, or 1 with the reason when one of these is not finite. */
+static int demand_finite_values(Unit *unit, Range range)
+{
+    const double *values = unit->real + range.first;
+    double even = 0.0, odd = 0.0; /* sums, not finite where one of them is not, or where they are huge */
+    size_t k;
+    for (k = 0; k + 1 < range.count; k += 2) {
+        even += values[k];
+        odd += values[k + 1];
+    }
+    if (is_finite(even + odd + (k < range.count ? values[k] : 0.0))) {
+        return 0;
+    }
+    for (k = range.first; k < range.first + range.count; k++) {
+        if (!is_finite(unit->real[k])) {
+            layout_shown(&unit->layout, k, unit->real[k], unit_reason(unit));
+            text_put(&unit->reason, ": must be a finite number");
+            return 1;
+        }
+    }
+    return 0;
+}
+
+int unit_advance(Unit *unit, double step)
+{
+    const size_t size = unit->memory_count * sizeof(double);
+    memcpy(unit->before, unit->memory, size);
+    unit->made = step;
+    if (demand_finite_values(unit, unit->layout.inputs) || unit->equations->step(unit, step) ||
+        demand_finite_values(unit, unit->layout.computed)) {
+        memcpy(unit->memory, unit->before, size);
+        unit->stale = unit->stale > COMPUTED ? unit->stale : COMPUTED;
+        return 1;
+    }
+    return 0;
+}
+
+Status unit_step(Unit *unit, double time, double step)
+{
+    int failed = 0;
+    if (!(step > 0.0 && is_finite(step))) {
+        Text *reason = unit_reason(unit);
+        text_put(reason, "communication step size = ");
+        text_number(reason, step);
+        text_put(reason, " s: must be above 0 s");
+        failed = 1;
+    } else if (out_of_place(unit, time, step)) {
+        failed = 1;
+    } else {
+        failed = unit_refresh(unit, COMPUTED) || unit_advance(unit, step);
+    }
+    if (failed) {
+        char words[64];
+        Text what = text_in(words, sizeof words);
+        text_put(&what, "step of ");
+        text_number(&what, step);
+        text_put(&what, " s failed");
+        return unit_report(unit, STATUS_ERROR, words);
+    }
+    unit->time = time + unit->made;
+    unit->stale = OBSERVED;
+    return STATUS_OK;
+}
+
+/* -- inside ---------------------------------------------------------------------------------- */
+
+/* 0, or 1 and everything that is not allowed. */
+static int check_values(Unit *unit)
+{
+    const Layout *layout = &unit->layout;
+    const size_t end = layout->inputs.first + layout->inputs.count;
+    int wrong = 0;
+    size_t k;
+    for (k = 0; k < end; k++) {
+        char words[256];
+        Text problem = text_in(words, sizeof words);
+        if (layout_problem(layout, k, unit->real[k], &problem)) {
+            Text *reason = wrong ? &unit->reason : unit_reason(unit);
+            text_put(reason, wrong ? "; " : "");
+            text_put(reason, words);
+            wrong = 1;
+        }
+    }
+    return wrong;
+}
+
+int unit_refresh(Unit *unit, int level)
+{
+    const Equations *equations = unit->equations;
+    if (unit->stale == BEGINNING && level < BEGINNING) {
+        if (check_values(unit) || equations->parameters(unit) || equations->begin(unit)) {
+            return 1;
+        }
+        unit->stale = COMPUTED;
+    }
+    if (unit->stale == COMPUTED && level < COMPUTED) {
+        if (demand_finite_values(unit, unit->layout.inputs) || equations->outputs(unit) ||
+            demand_finite_values(unit, unit->layout.computed)) {
+            return 1;
+        }
+        unit->stale = OBSERVED;
+    }
+    if (unit->stale == OBSERVED && level < OBSERVED) {
+        equations->observe(unit);
+        unit->stale = WITHOUT_TORQUES;
+    }
+    if (unit->stale == WITHOUT_TORQUES && level < WITHOUT_TORQUES) {
+        if (equations->observe_torques) {
+            equations->observe_torques(unit);
+        }
+        unit->stale = FRESH;
+    }
+    return 0;
+}
+
+int unit_ends_with(const Unit *unit, size_t reference)
+{
+    return reference + 2 >= unit->layout.real_count;
+}

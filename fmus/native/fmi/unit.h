@@ -1,0 +1,166 @@
+/* A co-simulation slave whose Reals are one array, indexed by value reference.
+
+   A unit adds its equations in `Equations`, in the order parameters, begin, step, outputs (and
+   observe for what is computed only when read).  Everything else is here; FMI's functions are
+   thin fronts over it.  Instances share nothing, so that each may have a thread of its own. */
+#ifndef AUTOBALANCER_UNIT_H
+#define AUTOBALANCER_UNIT_H
+
+#include <stddef.h>
+#include <stdint.h>
+
+#include "base/failure_words.h"
+#include "fmi/token.h"
+#include "fmi/variables.h"
+
+/* As both versions of FMI number them. */
+typedef enum { STATUS_OK, STATUS_WARNING, STATUS_DISCARD, STATUS_ERROR, STATUS_FATAL } Status;
+
+/* How stale the outputs are, ascending: torques, which few read and are dear, and what else is
+   observed, and what is computed. */
+enum { FRESH, WITHOUT_TORQUES, OBSERVED, COMPUTED, BEGINNING };
+
+/* Where in its life an instance is. */
+enum { INSTANTIATED = 1, INITIALISING = 2, RUNNING = 4, TERMINATED = 8 };
+
+typedef struct Unit Unit;
+
+/* What a unit supplies.  Functions that return int return 0, or 1 with unit->reason written. */
+typedef struct {
+    const char *name;
+    /* Bytes of what the equations need (`own`) besides `memory`; its doubles, NULL: none. */
+    size_t own_size;
+    size_t (*memory_size)(const Layout *layout);
+    /* Start values that depend on index and size; then what the equations allocate; or NULL. */
+    void (*starts)(const Layout *layout, double *real);
+    int (*allocate)(Unit *unit);
+    /* Whether a state's memory is that of its time [s]; NULL: it holds no time. */
+    int (*stands_at)(const double *memory, double time);
+    /* Make the physical model from the parameters. */
+    int (*parameters)(Unit *unit);
+    /* Set `memory` to the initial state. */
+    int (*begin)(Unit *unit);
+    /* Move `memory` and the computed outputs to the end of the step [s]; one that ends early says
+       so in unit->made. */
+    int (*step)(Unit *unit, double step);
+    /* Compute the outputs from `memory` and the inputs as they are now. */
+    int (*outputs)(Unit *unit);
+    /* Compute the outputs declared as observed, without torques, */
+    void (*observe)(Unit *unit);
+    /* and these; NULL where there are none; whether an observed output is one. */
+    void (*observe_torques)(Unit *unit);
+    int (*is_torque)(const Unit *unit, size_t reference);
+    /* Signals come as value and derivatives: their number, and their first value reference. */
+    size_t (*signals)(const Layout *layout, size_t *first);
+    /* How all outputs change, by value reference, when the inputs change by `seed`. */
+    int (*directional)(Unit *unit, const double *seed, double *change);
+    /* Time derivative of an output that is no signal; 1 when it has none. */
+    int (*slope)(Unit *unit, size_t reference, double *value);
+} Equations;
+
+/* Writes a message for people; `host` is what the front keeps. */
+typedef void (*Log)(void *host, const char *instance_name, Status status, const char *message);
+
+enum { REASON_SIZE = 2048, MESSAGE_SIZE = 2560 };
+
+struct Unit {
+    const Equations *equations;
+    Layout layout;
+    char token[TOKEN_SIZE];
+    char *name;
+    double *real; /* values of all variables, */
+    double *starts; /* and what they start from */
+    unsigned char *boolean;
+    double *memory; /* state of the equations */
+    size_t memory_count;
+    double *before; /* `memory` before a step, for one that fails */
+    double *seed;   /* direction of the inputs, */
+    double *change; /* change of the outputs, */
+    double *kept;   /* and the computed outputs while it is found */
+    const unsigned *asked; /* outputs that are read, where others need not be computed; else NULL */
+    size_t asked_count;
+    double time;    /* communication point reached [s] */
+    double made;    /* length of the last step, less than asked where it ended early [s] */
+    double stop;    /* infinite when not defined [s] */
+    size_t first_boolean; /* value reference, as the version of FMI has it */
+    int own_steps; /* whether a composite's step ends with the first of its own */
+    int may_end_early; /* whether the host takes a step that ends early, */
+    int leaves_impacts; /* and lets weights collide itself: a composite, which knows the whole machine */
+    int phase, stale;
+    int warned; /* warnings given, a bit each */
+    void *own;
+    void *allocated; /* list of all memory */
+    Text reason;
+    char reason_buffer[REASON_SIZE];
+    char message_buffer[MESSAGE_SIZE];
+    Log log;
+    void *host;
+};
+
+extern const Equations COMPOSITE_EQUATIONS;
+extern const Equations ROTOR_EQUATIONS, LIQUID_EQUATIONS, WEIGHTS_EQUATIONS, MOTOR_EQUATIONS;
+
+/* Zeroed memory that goes with the instance, or NULL. */
+void *unit_allocate(Unit *unit, size_t count, size_t size);
+
+/* -- life cycle; NULL is returned, and an error given, after a reason is logged -------------- */
+
+Unit *unit_instantiate(const char *name, const char *token, Log log, void *host);
+/* Give a zeroed unit all that it needs while it lives, in `allocated`; 1 with the reason when
+   something is wrong. */
+int unit_build(Unit *unit, const char *name, const char *token);
+void unit_free(Unit *unit);
+/* As new: start values, no state, all of the above kept. */
+void unit_reset(Unit *unit);
+Status unit_setup(Unit *unit, double start, double stop);
+Status unit_enter_initialisation(Unit *unit);
+/* Check every parameter and start the equations. */
+Status unit_exit_initialisation(Unit *unit);
+Status unit_terminate(Unit *unit);
+/* One communication step; STATUS_ERROR with the reason logged when it fails: hosts repeat what is
+   discarded, some for ever.  After a failure the state is that of before the step. */
+Status unit_step(Unit *unit, double time, double step);
+/* STATUS_OK when `function` may be called in one of these phases. */
+Status unit_allowed(Unit *unit, const char *function, int phases);
+/* The error of a call that is wrong by itself. */
+Status unit_refuse(Unit *unit, const char *function, const char *why);
+
+/* -- values ---------------------------------------------------------------------------------- */
+
+Status unit_get_reals(Unit *unit, const unsigned *references, size_t count, double *values);
+/* The same of references that are known, whose outputs may be as stale as `unit_level` says: for who
+   reads them again and again. */
+int unit_level(const Unit *unit, const unsigned *references, size_t count);
+Status unit_read(Unit *unit, int level, const unsigned *references, size_t count, double *values);
+Status unit_set_reals(Unit *unit, const unsigned *references, size_t count, const double *values);
+/* One Boolean, 0 or 1. */
+Status unit_get_boolean(Unit *unit, unsigned reference, int *value);
+Status unit_set_boolean(Unit *unit, unsigned reference, int value);
+/* FMI's own way to an input's and an output's derivatives. */
+Status unit_set_derivatives(Unit *unit, const unsigned *references, size_t count,
+                            const int *orders, const double *values);
+Status unit_get_derivatives(Unit *unit, const unsigned *references, size_t count,
+                            const int *orders, double *values);
+/* Exact change of `unknowns` (outputs) for a change `seed` of `knowns` (inputs). */
+Status unit_directional(Unit *unit, const unsigned *unknowns, size_t unknown_count,
+                        const unsigned *knowns, size_t known_count, const double *seed,
+                        double *change);
+
+/* -- for the equations ----------------------------------------------------------------------- */
+
+/* Whether an output is the torque or its slope, where a unit ends with them. */
+int unit_ends_with(const Unit *unit, size_t reference);
+/* Bring the outputs up to date so far that `stale` is at most `level`; 0, or 1 with the reason. */
+int unit_refresh(Unit *unit, int level);
+/* Move the equations by a step [s]; 1 with the reason, and as it was, where they fail. */
+int unit_advance(Unit *unit, double step);
+/* Begin the reason anew and return it. */
+Text *unit_reason(Unit *unit);
+/* The reason for a failure of the core, with the values it names as a list; returns 1. */
+int unit_failed(Unit *unit, const Failure *failure, const double *values, size_t count);
+/* Log a warning the first time it applies in this instance: `bit` says which. */
+void unit_warn_once(Unit *unit, int bit, double time, const char *words);
+/* Log an error with what was attempted and the reason, and return the status. */
+Status unit_report(Unit *unit, Status status, const char *what);
+
+#endif

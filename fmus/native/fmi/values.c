@@ -1,0 +1,175 @@
+/* A unit's values: read and set, and refused with name, value and what is allowed. */
+#include "base/elementary.h"
+#include "fmi/unit.h"
+
+/* 0, or 1 and which of the value references are not within the known ones. */
+static int unknown(Unit *unit, const unsigned *references, size_t count, size_t first,
+                   size_t known)
+{
+    Text *reason = NULL;
+    size_t k;
+    for (k = 0; k < count; k++) {
+        if (references[k] - first >= known) {
+            if (reason) {
+                text_put(reason, ", ");
+            } else {
+                reason = unit_reason(unit);
+                text_put(reason, "value references [");
+            }
+            text_integer(reason, references[k]);
+        }
+    }
+    if (reason && known) {
+        text_put(reason, "]: unknown, there are ");
+        text_integer(reason, (unsigned long)first);
+        text_put(reason, " to ");
+        text_integer(reason, (unsigned long)(first + known - 1));
+    } else if (reason) {
+        text_put(reason, "]: unknown, there are none");
+    }
+    return reason != NULL;
+}
+
+/* 1 and the names of these variables, each once, followed by why they are refused. */
+static int refused(Unit *unit, const unsigned *references, size_t count, Range range,
+                   const char *why)
+{
+    Text *reason = NULL;
+    size_t k;
+    for (k = 0; k < count; k++) {
+        if (references[k] - range.first < range.count) {
+            if (reason) {
+                text_put(reason, ", ");
+            } else {
+                reason = unit_reason(unit);
+            }
+            layout_name(&unit->layout, references[k], reason);
+        }
+    }
+    if (reason) {
+        text_put(reason, why);
+    }
+    return reason != NULL;
+}
+
+/* How stale the outputs may be for a value to be read. */
+static int level_of(const Unit *unit, size_t reference)
+{
+    const Equations *equations = unit->equations;
+    return reference < unit->layout.computed.first   ? BEGINNING
+           : reference < unit->layout.observed.first ? OBSERVED
+           : equations->is_torque && equations->is_torque(unit, reference) ? FRESH
+                                                                           : WITHOUT_TORQUES;
+}
+
+int unit_level(const Unit *unit, const unsigned *references, size_t count)
+{
+    int level = BEGINNING;
+    size_t k;
+    for (k = 0; k < count; k++) {
+        const int needed = level_of(unit, references[k]);
+        level = needed < level ? needed : level;
+    }
+    return level;
+}
+
+Status unit_read(Unit *unit, int level, const unsigned *references, size_t count, double *values)
+{
+    size_t k;
+    if (unit->stale > level && unit_refresh(unit, level)) {
+        return unit_report(unit, STATUS_ERROR, "reading failed");
+    }
+    for (k = 0; k < count; k++) {
+        values[k] = unit->real[references[k]];
+        if (!is_finite(values[k])) { /* of a finite state: speed times torque overflows */
+            layout_shown(&unit->layout, references[k], values[k], unit_reason(unit));
+            text_put(&unit->reason, ": is not finite; the motion is too fast or too large");
+            return unit_report(unit, STATUS_ERROR, "reading failed");
+        }
+    }
+    return STATUS_OK;
+}
+
+Status unit_get_reals(Unit *unit, const unsigned *references, size_t count, double *values)
+{
+    if (unknown(unit, references, count, 0, unit->layout.real_count)) {
+        return unit_report(unit, STATUS_ERROR, "reading failed");
+    }
+    return unit_read(unit, unit_level(unit, references, count), references, count, values);
+}
+
+/* 0, or 1 with the reason when these values may not be set now. */
+static int not_settable(Unit *unit, const unsigned *references, size_t count,
+                        const double *values)
+{
+    const Layout *layout = &unit->layout;
+    Range outputs;
+    Text *reason = NULL;
+    size_t k;
+    outputs.first = layout->computed.first;
+    outputs.count = layout->computed.count + layout->observed.count;
+    if (unknown(unit, references, count, 0, layout->real_count) ||
+        refused(unit, references, count, outputs, ": outputs cannot be set") ||
+        (unit->phase == RUNNING && refused(unit, references, count, layout->parameters,
+                                           ": fixed once initialisation has ended"))) {
+        return 1;
+    }
+    for (k = 0; k < count; k++) {
+        const Declared *declared = layout->reals[references[k]].declared;
+        if (!is_finite(values[k]) || declared->flags & HAS_MINIMUM) {
+            char words[256];
+            Text problem = text_in(words, sizeof words);
+            if (layout_problem(layout, references[k], values[k], &problem)) {
+                if (reason) {
+                    text_put(reason, "; ");
+                } else {
+                    reason = unit_reason(unit);
+                }
+                text_put(reason, words);
+            }
+        }
+    }
+    return reason != NULL;
+}
+
+Status unit_set_reals(Unit *unit, const unsigned *references, size_t count, const double *values)
+{
+    size_t k;
+    if (not_settable(unit, references, count, values)) {
+        return unit_report(unit, STATUS_ERROR, "setting failed");
+    }
+    for (k = 0; k < count; k++) {
+        if (references[k] < unit->layout.inputs.first) {
+            unit->stale = BEGINNING;
+        } else if (unit->stale < COMPUTED) {
+            unit->stale = COMPUTED;
+        }
+        unit->real[references[k]] = values[k];
+    }
+    return STATUS_OK;
+}
+
+Status unit_get_boolean(Unit *unit, unsigned reference, int *value)
+{
+    if (unknown(unit, &reference, 1, unit->first_boolean, unit->layout.boolean_count)) {
+        return unit_report(unit, STATUS_ERROR, "reading failed");
+    }
+    *value = unit->boolean[reference - unit->first_boolean];
+    return STATUS_OK;
+}
+
+Status unit_set_boolean(Unit *unit, unsigned reference, int value)
+{
+    if (unknown(unit, &reference, 1, unit->first_boolean, unit->layout.boolean_count)) {
+        return unit_report(unit, STATUS_ERROR, "setting failed");
+    }
+    if (unit->phase == RUNNING) {
+        const Flag *flags = unit->layout.table->flags;
+        text_put(unit_reason(unit), flags[reference - unit->first_boolean].name);
+        text_put(&unit->reason, ": fixed once initialisation has ended");
+        return unit_report(unit, STATUS_ERROR, "setting failed");
+    }
+    unit->boolean[reference - unit->first_boolean] = value != 0;
+    unit->stale = BEGINNING;
+    return STATUS_OK;
+}

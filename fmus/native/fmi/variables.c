@@ -1,0 +1,272 @@
+#include "fmi/variables.h"
+
+#include <string.h>
+
+#include "base/elementary.h"
+#include "layout.h"
+
+const Table *table_of(const char *unit, const char *kind, const char *shaft, int order)
+{
+    int k;
+    for (k = 0; k < TABLE_COUNT; k++) {
+        const Table *table = TABLES + k;
+        if (text_equal(table->unit, unit) && text_equal(table->kind, kind) &&
+            text_equal(table->shaft, shaft) && table->order == order) {
+            return table;
+        }
+    }
+    return NULL;
+}
+
+static size_t repeats(int repeat, const Sizes *sizes)
+{
+    const size_t free = (size_t)(sizes->stations - 2);
+    switch (repeat) {
+    case SIZE_TWO:
+        return 2;
+    case SIZE_STATIONS:
+        return (size_t)sizes->stations;
+    case SIZE_PLANES:
+        return (size_t)sizes->planes;
+    case SIZE_UNBALANCES:
+        return (size_t)sizes->unbalances;
+    case SIZE_WEIGHTS:
+        return (size_t)sizes->weights;
+    case SIZE_SLIDERS:
+        return (size_t)sizes->sliders;
+    case SIZE_SLIDING: /* once, where there are sliders */
+        return sizes->sliders > 0;
+    case SIZE_POINTS:
+        return (size_t)sizes->points;
+    case SIZE_TRIANGLE:
+        return free * (free + 1) / 2;
+    default:
+        return 1;
+    }
+}
+
+size_t layout_count(const Table *table, const Sizes *sizes, size_t most)
+{
+    size_t total = 0;
+    int b;
+    for (b = 0; b < table->block_count; b++) {
+        const size_t times = repeats(table->blocks[b].repeat, sizes);
+        if (times > most) {
+            return most + 1;
+        }
+        total += times * (size_t)table->blocks[b].count;
+        if (total > most) {
+            return most + 1;
+        }
+    }
+    return total;
+}
+
+static Range group_of(const Layout *layout, char group, size_t first)
+{
+    Range range;
+    range.first = first;
+    range.count = 0;
+    while (first + range.count < layout->real_count &&
+           layout->reals[first + range.count].declared->group == group) {
+        range.count++;
+    }
+    return range;
+}
+
+Layout layout_in(Variable *reals, const Table *table, const Sizes *sizes)
+{
+    Layout layout;
+    const Declared *declared = table->declared;
+    size_t at = 0;
+    int b, k;
+    layout.table = table;
+    layout.sizes = *sizes;
+    layout.reals = reals;
+    layout.boolean_count = (size_t)table->flag_count;
+    for (b = 0; b < table->block_count; b++) {
+        const Block *block = table->blocks + b;
+        const int triangle = block->repeat == SIZE_TRIANGLE;
+        const size_t times = repeats(block->repeat, sizes);
+        int index = 1, second = 1;
+        size_t turn;
+        for (turn = 0; turn < times; turn++) {
+            for (k = 0; k < block->count; k++) {
+                reals[at].declared = declared + k;
+                reals[at].index = index;
+                reals[at].second = second;
+                reals[at].owner = NULL;
+                at++;
+            }
+            /* the upper triangle of the stations that are no supports, row by row */
+            if (triangle && second < sizes->stations - 2) {
+                second++;
+            } else {
+                second = ++index;
+            }
+        }
+        declared += block->count;
+    }
+    layout.real_count = at;
+    layout.parameters = group_of(&layout, 'p', 0);
+    layout.inputs = group_of(&layout, 'i', layout.parameters.count);
+    layout.computed = group_of(&layout, 'o', layout.inputs.first + layout.inputs.count);
+    layout.observed = group_of(&layout, 'v', layout.computed.first + layout.computed.count);
+    return layout;
+}
+
+size_t layout_index(const Layout *layout, const char *pattern, int index)
+{
+    size_t k;
+    for (k = 0; k < layout->real_count; k++) {
+        const Variable *variable = layout->reals + k;
+        if (variable->index == index && text_equal(variable->declared->name, pattern)) {
+            return k;
+        }
+    }
+    return layout->real_count;
+}
+
+void layout_starts(const Layout *layout, double *real)
+{
+    size_t k;
+    for (k = 0; k < layout->real_count; k++) {
+        if (!(layout->reals[k].declared->flags & START_VARIES)) {
+            real[k] = layout->reals[k].declared->start;
+        }
+    }
+}
+
+void layout_name(const Layout *layout, size_t reference, Text *text)
+{
+    const Variable *variable = layout->reals + reference;
+    const char *name = variable->declared->name;
+    int indices = 0;
+    if (variable->owner) {
+        if (!strncmp(name, "der(", 4)) {
+            text_put_part(text, name, 4);
+            name += 4;
+        }
+        text_put(text, variable->owner);
+        text_put(text, ".");
+    }
+    for (; *name; name++) {
+        if (*name == '#') {
+            text_integer(text, (unsigned long)(indices ? variable->second : variable->index));
+            indices++;
+        } else if (*name == '@') {
+            name++;
+            if (layout->sizes.fixed_frame) {
+                text_put(text, *name == '1' ? "x" : "y");
+            } else {
+                text_put(text, *name == '1' ? "xi" : "eta");
+            }
+        } else {
+            text_put_part(text, name, 1);
+        }
+    }
+}
+
+void layout_shown(const Layout *layout, size_t reference, double value, Text *text)
+{
+    const char *unit = layout->reals[reference].declared->unit;
+    layout_name(layout, reference, text);
+    text_put(text, " = ");
+    text_number(text, value);
+    if (!text_equal(unit, "1")) {
+        text_put(text, " ");
+        text_put(text, unit);
+    }
+}
+
+int layout_problem(const Layout *layout, size_t reference, double value, Text *text)
+{
+    const Declared *declared = layout->reals[reference].declared;
+    const int limited = declared->flags & HAS_MINIMUM, above = declared->flags & ABOVE_MINIMUM;
+    if (is_finite(value) && (!limited || value > declared->minimum ||
+                             (value == declared->minimum && !above))) {
+        return 0;
+    }
+    layout_shown(layout, reference, value, text);
+    text_put(text, ": must be a finite number");
+    if (limited) {
+        text_put_rounded(text, above ? " above " : ", at least ", declared->minimum, 6);
+        if (!text_equal(declared->unit, "1")) {
+            text_put(text, " ");
+            text_put(text, declared->unit);
+        }
+    }
+    return 1;
+}
+
+uint64_t hash_start(void)
+{
+    return 0xCBF29CE484222325u;
+}
+
+uint64_t hash_bytes(uint64_t hash, const void *bytes, size_t count)
+{
+    const unsigned char *byte = bytes;
+    size_t k;
+    for (k = 0; k < count; k++) {
+        hash = (hash ^ byte[k]) * 0x100000001B3u;
+    }
+    return hash;
+}
+
+static char group_at(const Layout *layout, size_t reference)
+{
+    return reference < layout->inputs.first     ? 'p'
+           : reference < layout->computed.first ? 'i'
+           : reference < layout->observed.first ? 'o'
+                                                : 'v';
+}
+
+static void put_bits(Text *text, double value)
+{
+    uint64_t bits;
+    memcpy(&bits, &value, sizeof bits);
+    text_hexadecimal(text, bits);
+}
+
+uint64_t layout_digest(const Layout *layout, const double *starts)
+{
+    uint64_t hash = hash_start();
+    char line[256];
+    size_t k;
+    int b;
+    for (k = 0; k < layout->real_count; k++) {
+        const Declared *declared = layout->reals[k].declared;
+        const char group = group_at(layout, k);
+        Text text = text_in(line, sizeof line);
+        text_put_part(&text, &group, 1);
+        text_put(&text, " ");
+        layout_name(layout, k, &text);
+        text_put(&text, " ");
+        text_put(&text, declared->unit);
+        text_put(&text, " ");
+        /* the compliance is computed: its last digit may differ from the description's */
+        if (text_equal(declared->name, "compliance[#,#]")) {
+            text_put(&text, "~");
+        } else {
+            put_bits(&text, starts[k]);
+        }
+        text_put(&text, " ");
+        if (declared->flags & HAS_MINIMUM) {
+            put_bits(&text, declared->minimum);
+            text_put(&text, declared->flags & ABOVE_MINIMUM ? "+" : "");
+        } else {
+            text_put(&text, "-");
+        }
+        text_put(&text, "\n");
+        hash = hash_bytes(hash, line, text.length);
+    }
+    for (b = 0; b < layout->table->flag_count; b++) {
+        Text text = text_in(line, sizeof line);
+        text_put(&text, "b ");
+        text_put(&text, layout->table->flags[b].name);
+        text_put(&text, layout->table->flags[b].start ? " 1\n" : " 0\n");
+        hash = hash_bytes(hash, line, text.length);
+    }
+    return hash;
+}

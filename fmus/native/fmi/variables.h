@@ -1,0 +1,106 @@
+/* A unit's variables: names, start values and limits by value reference.
+
+   What varies with a unit's sizes is worked out from `layout.h`, which layout.py writes from the
+   declarations in Python. */
+#ifndef AUTOBALANCER_VARIABLES_H
+#define AUTOBALANCER_VARIABLES_H
+
+#include <stddef.h>
+#include <stdint.h>
+
+#include "base/text.h"
+
+/* How often a block of variables stands there. */
+enum { SIZE_ONE, SIZE_TWO, SIZE_STATIONS, SIZE_PLANES, SIZE_UNBALANCES, SIZE_WEIGHTS, SIZE_SLIDERS,
+       SIZE_SLIDING, SIZE_POINTS, SIZE_TRIANGLE };
+
+enum { HAS_MINIMUM = 1, ABOVE_MINIMUM = 2, START_VARIES = 4 };
+
+/* A Real, or a row of them that differ in their index: `group` is p (parameter), i (input),
+   o (computed output) or v (observed output). */
+typedef struct {
+    const char *name;
+    char unit[8]; /* in place: a pointer would take three times the room, with its relocation */
+    char group;
+    unsigned char flags;
+    float minimum; /* small whole numbers */
+    double start;
+} Declared;
+
+/* So many of a table's Reals, repeated together. */
+typedef struct {
+    int repeat;
+    int count;
+} Block;
+
+/* A Boolean, always a parameter. */
+typedef struct {
+    const char *name;
+    int start;
+} Flag;
+
+/* The variables of a kind of unit. */
+typedef struct {
+    const char *unit, *kind, *shaft;
+    int order;
+    const Declared *declared;
+    const Block *blocks;
+    int block_count;
+    const Flag *flags;
+    int flag_count;
+} Table;
+
+/* What is fixed when a unit is built. */
+typedef struct {
+    int stations, planes, unbalances, weights, sliders, points;
+    int fixed_frame; /* signals along fixed axes */
+    int order;       /* of the signals: 3, or 5 */
+} Sizes;
+
+/* A Real's declaration, and its indices, from 1. */
+typedef struct {
+    const Declared *declared;
+    int index, second;
+    const char *owner; /* the part of a composite it belongs to, or NULL */
+} Variable;
+
+/* Value references first..first + count - 1. */
+typedef struct {
+    size_t first, count;
+} Range;
+
+/* Value references of a unit's variables. */
+typedef struct {
+    const Table *table;
+    Sizes sizes;
+    Variable *reals;
+    size_t real_count, boolean_count;
+    Range parameters, inputs, computed, observed;
+} Layout;
+
+/* The table of this unit, kind, shaft and order of the signals (parts of `kind` and `shaft` not had
+   are ""), or NULL. */
+const Table *table_of(const char *unit, const char *kind, const char *shaft, int order);
+
+/* Number of Reals; above `most` for any larger number. */
+size_t layout_count(const Table *table, const Sizes *sizes, size_t most);
+/* A layout in an array of layout_count variables. */
+Layout layout_in(Variable *reals, const Table *table, const Sizes *sizes);
+/* Value reference of the Real with this pattern and index; the layout must have it. */
+size_t layout_index(const Layout *layout, const char *pattern, int index);
+/* Start values that are the same for every index and size; the others are left. */
+void layout_starts(const Layout *layout, double *real);
+/* The digest of layout.py, FNV-1a over all names, units, start values and limits. */
+uint64_t layout_digest(const Layout *layout, const double *starts);
+
+void layout_name(const Layout *layout, size_t reference, Text *text);
+/* Name, value and unit in words. */
+void layout_shown(const Layout *layout, size_t reference, double value, Text *text);
+/* 0, or 1 and why a value is not allowed added to the text. */
+int layout_problem(const Layout *layout, size_t reference, double value, Text *text);
+
+/* FNV-1a of some bytes, from `hash` on. */
+uint64_t hash_bytes(uint64_t hash, const void *bytes, size_t count);
+uint64_t hash_start(void);
+
+#endif

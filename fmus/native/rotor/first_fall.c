@@ -1,0 +1,85 @@
+#include "rotor/first_fall.h"
+
+#include "base/elementary.h"
+#include "base/matrix.h"
+#include "base/roots.h"
+
+static const double TOUCH = 1e-13; /* a polynomial that is negative on less only touches 0 */
+static const double TO_ROUNDING = 1e-15; /* of an interval; brackets cannot be much shorter */
+
+typedef struct {
+    const double *coefficients;
+    int count;
+} Polynomial;
+
+static double value_of(void *context, double s)
+{
+    const Polynomial *polynomial = context;
+    double total = 0.0;
+    int k;
+    for (k = polynomial->count - 1; k >= 0; k--) {
+        total = total * s + polynomial->coefficients[k];
+    }
+    return total;
+}
+
+/* Coefficients about s: Horner's scheme, repeated. */
+static void shift(const double *coefficients, int count, double s, double *shifted)
+{
+    int first, k;
+    copy_doubles((size_t)count, coefficients, shifted);
+    for (first = 0; first < count - 1 && s != 0.0; first++) {
+        for (k = count - 2; k >= first; k--) {
+            shifted[k] += s * shifted[k + 1];
+        }
+    }
+}
+
+/* As first_fall in an interval, halved until the polynomial or its slope has one sign. */
+static double fall_within(const double *coefficients, int count, double begin, double end)
+{
+    const double width = end - begin, middle = 0.5 * (begin + end);
+    double here[MOST_COEFFICIENTS], power = width, moved = 0.0, bent = 0.0, slope = 0.0, found;
+    Polynomial polynomial;
+    int k;
+    shift(coefficients, count, begin, here);
+    for (k = 1; k < count; k++, power *= width) {
+        const double size = absolute(here[k]) * power;
+        moved += size;
+        slope = k == 1 ? size : slope;
+        bent += k == 1 ? 0.0 : k * size;
+    }
+    if (here[0] > moved) {
+        return infinity();
+    }
+    if (slope > bent || count == 1 || width < TOUCH) {
+        polynomial.coefficients = here;
+        polynomial.count = count;
+        if (value_of(&polynomial, width) >= 0.0) {
+            return infinity();
+        }
+        return begin + crossing(value_of, &polynomial, larger(here[0], 0.0), width,
+                                TO_ROUNDING * width);
+    }
+    found = fall_within(coefficients, count, begin, middle);
+    return is_finite(found) ? found : fall_within(coefficients, count, middle, end);
+}
+
+double first_fall(const double *coefficients, int count, double until, const double *rounding)
+{
+    double others = 0.0;
+    int first = 0, k;
+    while (first < count &&
+           !(absolute(coefficients[first]) > (first < 3 ? rounding[first] : 0.0))) {
+        first++;
+    }
+    for (k = first + 1; k < count; k++) {
+        others += absolute(coefficients[k]);
+    }
+    if (first == count || coefficients[first] > others) {
+        return infinity();
+    }
+    return coefficients[first] < 0.0
+               ? 0.0
+               : fall_within(coefficients + first, count - first, 0.0, until);
+}

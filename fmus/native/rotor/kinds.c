@@ -1,0 +1,223 @@
+/* Matrices of the rigid rotor on two supports and of the flexible shaft with n discs. */
+#include "base/elementary.h"
+#include "base/matrix.h"
+#include "rotor/linear_rotor.h"
+#include "rotor/shaft.h"
+
+#define SAME_PLACE 1e-9 /* of the shaft's length: an unbalance this near to a disc sits on it */
+
+static int per_support(const char *stiffness_name, const double *stiffness,
+                       const char *damping_name, const double *damping, Failure *failure)
+{
+    int k, code = FINE;
+    for (k = 0; k < 4 && !code; k++) {
+        code = demand_positive(stiffness_name, stiffness[k], failure);
+    }
+    for (k = 0; k < 4 && !code; k++) {
+        code = demand_not_negative(damping_name, damping[k], failure);
+    }
+    return code;
+}
+
+static int check_unbalances(int count, const double *unbalances, Failure *failure)
+{
+    int k, code = FINE;
+    for (k = 0; k < count && !code; k++) {
+        const double *u = unbalances + 3 * k;
+        code = demand_not_negative("unbalances: amount", u[1], failure);
+        code = code ? code : demand_finite("unbalances: angle", u[2], failure);
+    }
+    for (k = 0; k < count && !code; k++) {
+        code = demand_finite("unbalances: position", unbalances[3 * k], failure);
+    }
+    return code;
+}
+
+static void add_unbalance(Complex moment, double share, double *to)
+{
+    to[0] += share * moment.re;
+    to[1] += share * moment.im;
+}
+
+/* Row (2,) that gives the displacement at a position [m from support 1] from the supports'. */
+static void line_row(double position, double span, double *row)
+{
+    const double share = position / span;
+    row[0] = 1.0 - share;
+    row[1] = share;
+}
+
+static int check_two_support(const TwoSupport *v, int plane_count, Failure *failure)
+{
+    int k, code = demand_positive("mass", v->mass, failure);
+    code = code ? code : demand_positive("inertia", v->inertia, failure);
+    code = code ? code : demand_positive("span", v->span, failure);
+    code = code ? code : demand_finite("com", v->com, failure);
+    code = code ? code : demand_finite("polar_inertia", v->polar_inertia, failure);
+    if (!code && !(v->polar_inertia >= 0.0 && v->polar_inertia <= 2.0 * v->inertia)) {
+        code = fail(failure, FAILURE_POLAR_INERTIA, "polar_inertia", 0, v->polar_inertia,
+                    2.0 * v->inertia, 0.0, 0.0);
+    }
+    code = code ? code
+                : per_support("stiffness", v->stiffness, "damping", v->damping, failure);
+    for (k = 0; k < plane_count && !code; k++) {
+        code = demand_finite("planes", v->planes[k], failure);
+    }
+    return code ? code : check_unbalances(v->unbalance_count, v->unbalances, failure);
+}
+
+int linear_rotor_two_support(const TwoSupport *values, LinearRotor *rotor, Failure *failure)
+{
+    const double tilt[2] = {-1.0 / values->span, 1.0 / values->span};
+    double at_centre[2], row[2];
+    int i, j, k;
+    const int code = check_two_support(values, rotor->plane_count, failure);
+    if (code) {
+        return code;
+    }
+    line_row(values->com, values->span, at_centre);
+    for (i = 0; i < 2; i++) {
+        for (j = 0; j < 2; j++) {
+            rotor->mass[2 * i + j] =
+                values->mass * at_centre[i] * at_centre[j] + values->inertia * tilt[i] * tilt[j];
+            rotor->gyroscopic[2 * i + j] = values->polar_inertia * tilt[i] * tilt[j];
+        }
+        rotor->damping_x[3 * i] = values->damping[2 * i];
+        rotor->damping_y[3 * i] = values->damping[2 * i + 1];
+        rotor->stiffness_x[3 * i] = values->stiffness[2 * i];
+        rotor->stiffness_y[3 * i] = values->stiffness[2 * i + 1];
+    }
+    for (k = 0; k < rotor->plane_count; k++) {
+        line_row(values->planes[k], values->span, rotor->planes + 2 * k);
+    }
+    for (k = 0; k < values->unbalance_count; k++) {
+        const double *u = values->unbalances + 3 * k;
+        const Complex moment = rect(u[1], u[2]);
+        line_row(u[0], values->span, row);
+        add_unbalance(moment, row[0], rotor->unbalance);
+        add_unbalance(moment, row[1], rotor->unbalance + 2);
+    }
+    return FINE;
+}
+
+static int check_discs(int n, const Flexible *v, Failure *failure)
+{
+    const int p = v->supports[0], q = v->supports[1];
+    int k, code = FINE;
+    for (k = 0; k < n && !code; k++) {
+        code = demand_finite("stations", v->stations[k], failure);
+    }
+    if (code) {
+        return code;
+    }
+    for (k = 1; k < n; k++) {
+        if (v->stations[k] - v->stations[k - 1] <= 0.0) {
+            return fail(failure, FAILURE_STATIONS, "stations", k + 1, v->stations[k], 0.0, 0.0,
+                        0.0);
+        }
+    }
+    for (k = 0; k < n; k++) {
+        if (!(is_finite(v->masses[k]) && v->masses[k] > 0.0)) {
+            return fail(failure, FAILURE_STATION_MASS, "masses", k + 1, v->masses[k], 0.0, 0.0,
+                        0.0);
+        }
+    }
+    if (p == q || p < 1 || p > n || q < 1 || q > n) {
+        return fail(failure, FAILURE_SUPPORTS, "supports", n, p, q, 0.0, 0.0);
+    }
+    code = demand_not_negative("internal_damping", v->internal_damping, failure);
+    return code ? code
+                : per_support("support_stiffness", v->support_stiffness, "support_damping",
+                              v->support_damping, failure);
+}
+
+static int set_shaft_unbalance(const Flexible *v, LinearRotor *rotor, double *scratch,
+                               Failure *failure)
+{
+    const int n = rotor->stations;
+    const double *z = v->stations;
+    int k, j;
+    const int code = check_unbalances(v->unbalance_count, v->unbalances, failure);
+    if (code) {
+        return code;
+    }
+    for (k = 0; k < v->unbalance_count; k++) {
+        const double *u = v->unbalances + 3 * k;
+        int station = 0;
+        for (j = 1; j < n; j++) {
+            if (absolute(z[j] - u[0]) < absolute(z[station] - u[0])) {
+                station = j;
+            }
+        }
+        if (absolute(z[station] - u[0]) <= SAME_PLACE * (z[n - 1] - z[0])) {
+            add_unbalance(rect(u[1], u[2]), 1.0, rotor->unbalance + 2 * station);
+            continue;
+        }
+        if (v->compliance || u[0] < z[0] || u[0] > z[n - 1]) {
+            return fail(failure, FAILURE_UNBALANCE_PLACE, "unbalances: position", k + 1, u[0], 0.0,
+                        0.0, 0.0);
+        }
+        beam_shares(n, z, u[0], scratch, scratch + n);
+        for (j = 0; j < n; j++) {
+            add_unbalance(rect(u[1], u[2]), scratch[j], rotor->unbalance + 2 * j);
+        }
+    }
+    return FINE;
+}
+
+size_t linear_rotor_flexible_scratch(int stations)
+{
+    const size_t n = (size_t)stations, size = n - 2;
+    return size * size + size * (2 * n - 1) + 3 * n;
+}
+
+int linear_rotor_flexible(const Flexible *values, LinearRotor *rotor, double *scratch,
+                          Failure *failure)
+{
+    const int n = rotor->stations, size = n - 2;
+    const int ends[2] = {values->supports[0] - 1, values->supports[1] - 1};
+    double *delta = scratch, *work = scratch + size * size, softest = 0.0;
+    double *const rows = rotor->deflection; /* all zero where every disc sits at a support */
+    int k, code = check_discs(n, values, failure);
+    if (code) {
+        return code;
+    }
+    if (size > 0) {
+        bending_rows(n, values->stations, ends[0], ends[1], rows);
+    }
+    code = values->compliance ? given_compliance(size, values->compliance, delta, failure)
+                              : beam_compliance(n, values->stations, rows,
+                                                values->bending_stiffness, delta, work, failure);
+    if (!code) {
+        code = shaft_stiffness(n, delta, rows, rotor->stiffness_x, work, failure);
+    }
+    if (code) {
+        return code;
+    }
+    if (values->internal_damping != 0.0 && size == 0) {
+        return fail(failure, FAILURE_CANNOT_BEND, "internal_damping", 0, values->internal_damping,
+                    0.0, 0.0, 0.0);
+    }
+    /* Dubovik's p belongs to the stiffness 1/delta that a disc feels where the shaft is softest */
+    for (k = 0; k < size; k++) {
+        softest = k ? larger(softest, delta[k * size + k]) : delta[0];
+    }
+    for (k = 0; k < n * n; k++) {
+        rotor->internal_damping[k] = values->internal_damping * softest * rotor->stiffness_x[k];
+        rotor->stiffness_y[k] = rotor->stiffness_x[k];
+    }
+    for (k = 0; k < n; k++) {
+        rotor->mass[k * n + k] = values->masses[k];
+    }
+    for (k = 0; k < 2; k++) {
+        const int at = ends[k] * n + ends[k];
+        rotor->stiffness_x[at] += values->support_stiffness[2 * k];
+        rotor->stiffness_y[at] += values->support_stiffness[2 * k + 1];
+        rotor->damping_x[at] = values->support_damping[2 * k];
+        rotor->damping_y[at] = values->support_damping[2 * k + 1];
+    }
+    for (k = 0; k < rotor->plane_count; k++) {
+        rotor->planes[k * n + values->ports[k]] = 1.0;
+    }
+    return set_shaft_unbalance(values, rotor, scratch, failure);
+}

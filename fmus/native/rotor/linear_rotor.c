@@ -1,0 +1,155 @@
+#include "rotor/linear_rotor.h"
+
+#include "base/elementary.h"
+#include "base/matrix.h"
+
+static int deflections_of(int stations)
+{
+    return stations > 2 ? stations - 2 : 1;
+}
+
+size_t linear_rotor_size(int stations, int planes)
+{
+    const size_t n = (size_t)stations;
+    return 7 * n * n + (size_t)planes * n + 2 * n + (size_t)deflections_of(stations) * n;
+}
+
+LinearRotor linear_rotor_in(double *memory, int stations, int planes)
+{
+    const size_t square = (size_t)stations * stations;
+    LinearRotor rotor;
+    fill_doubles(linear_rotor_size(stations, planes), 0.0, memory);
+    rotor.stations = stations;
+    rotor.plane_count = planes;
+    rotor.deflections = deflections_of(stations);
+    rotor.mass = memory;
+    rotor.damping_x = rotor.mass + square;
+    rotor.damping_y = rotor.damping_x + square;
+    rotor.stiffness_x = rotor.damping_y + square;
+    rotor.stiffness_y = rotor.stiffness_x + square;
+    rotor.internal_damping = rotor.stiffness_y + square;
+    rotor.gyroscopic = rotor.internal_damping + square;
+    rotor.planes = rotor.gyroscopic + square;
+    rotor.unbalance = rotor.planes + (size_t)planes * stations;
+    rotor.deflection = rotor.unbalance + 2 * (size_t)stations;
+    rotor.gravity[0] = rotor.gravity[1] = 0.0;
+    rotor.sliders = 0;
+    return rotor;
+}
+
+int linear_rotor_planar(const Planar *values, LinearRotor *rotor, Failure *failure)
+{
+    const Complex moment = rect(values->unbalance, values->unbalance_angle);
+    (void)failure; /* the limits of its parameters are all there is to check */
+    rotor->mass[0] = values->mass;
+    rotor->stiffness_x[0] = values->stiffness[0];
+    rotor->stiffness_y[0] = values->stiffness[1];
+    rotor->damping_x[0] = values->damping[0];
+    rotor->damping_y[0] = values->damping[1];
+    rotor->internal_damping[0] = values->internal_damping;
+    /* several planes are several ports at the one disc */
+    fill_doubles((size_t)rotor->plane_count, 1.0, rotor->planes);
+    rotor->unbalance[0] = moment.re;
+    rotor->unbalance[1] = moment.im;
+    rotor->deflection[0] = 1.0;
+    return FINE;
+}
+
+int linear_rotor_isotropic(const LinearRotor *rotor)
+{
+    const int square = rotor->stations * rotor->stations;
+    int k;
+    if (rotor->sliders) {
+        return 0;
+    }
+    for (k = 0; k < square; k++) {
+        if (rotor->stiffness_x[k] != rotor->stiffness_y[k] ||
+            rotor->damping_x[k] != rotor->damping_y[k]) {
+            return 0;
+        }
+    }
+    return 1;
+}
+
+LinearRotor linear_rotor_with_added_mass(const LinearRotor *rotor, const double *added_mass,
+                                         double *mass)
+{
+    const int n = rotor->stations;
+    LinearRotor loaded = *rotor;
+    int i, j, k;
+    for (i = 0; i < n; i++) {
+        for (j = 0; j < n; j++) {
+            double sum = 0.0;
+            for (k = 0; k < rotor->plane_count; k++) {
+                sum += rotor->planes[k * n + i] * (added_mass[k] * rotor->planes[k * n + j]);
+            }
+            mass[i * n + j] = rotor->mass[i * n + j] + sum;
+        }
+    }
+    loaded.mass = mass;
+    return loaded;
+}
+
+int linear_rotor_heavy(const LinearRotor *rotor)
+{
+    return rotor->gravity[0] != 0.0 || rotor->gravity[1] != 0.0;
+}
+
+void linear_rotor_falling(const LinearRotor *rotor, double *field)
+{
+    const int n = rotor->stations, isotropic = linear_rotor_isotropic(rotor);
+    int k;
+    for (k = 0; k < n; k++) {
+        field[isotropic ? 2 * k : k] = rotor->gravity[0];
+        field[isotropic ? 2 * k + 1 : n + k] = rotor->gravity[1];
+    }
+}
+
+int linear_rotor_sag(const LinearRotor *rotor, double speed, double *sag, double *scratch,
+                     Failure *failure)
+{
+    const int axes = linear_rotor_isotropic(rotor) ? 1 : 2, parts = 3 - axes;
+    const int dof = axes * rotor->stations;
+    const size_t square = (size_t)dof * dof * parts;
+    double *mass = scratch, *damping = mass + square, *stiffness = damping + square;
+    double *field = stiffness + square;
+    linear_rotor_coefficients(rotor, speed, mass, damping, stiffness);
+    linear_rotor_falling(rotor, field);
+    matrix_product(parts, dof, dof, 1, mass, field, sag);
+    return matrix_solve(parts, dof, 1, stiffness, sag)
+               ? fail(failure, FAILURE_NOT_CARRIED, "gravity", 0, rotor->gravity[0],
+                      rotor->gravity[1], 0.0, 0.0)
+               : FINE;
+}
+
+void linear_rotor_coefficients(const LinearRotor *rotor, double speed, double *mass,
+                               double *damping, double *stiffness)
+{
+    const int n = rotor->stations, wide = 2 * n;
+    const int isotropic = linear_rotor_isotropic(rotor);
+    int i, j;
+    matrix_per_axis(isotropic ? 2 : 1, isotropic ? 1 : 2, n, n, rotor->mass, mass);
+    for (i = 0; i < n; i++) {
+        for (j = 0; j < n; j++) {
+            const int k = i * n + j;
+            const double turned = speed * rotor->gyroscopic[k];
+            const double followed = speed * rotor->internal_damping[k];
+            if (isotropic) {
+                damping[2 * k] = rotor->damping_x[k] + rotor->internal_damping[k];
+                damping[2 * k + 1] = -turned;
+                stiffness[2 * k] = rotor->stiffness_x[k];
+                stiffness[2 * k + 1] = -followed;
+            } else {
+                const int xx = i * wide + j, xy = xx + n, yx = xx + n * wide, yy = yx + n;
+                damping[xx] = rotor->damping_x[k] + rotor->internal_damping[k];
+                damping[xy] = turned;
+                damping[yx] = -turned;
+                damping[yy] = rotor->damping_y[k] + rotor->internal_damping[k];
+                stiffness[xx] = rotor->stiffness_x[k];
+                stiffness[xy] = followed;
+                stiffness[yx] = -followed;
+                stiffness[yy] = rotor->stiffness_y[k];
+            }
+        }
+    }
+}

@@ -1,0 +1,92 @@
+/* A rotor on viscous-elastic supports as one linear system.
+
+       M q'' + (C + C_i - w G J) q' + (K - w C_i J) q = u (w^2 - i w') e^{i beta} + S^T F */
+#ifndef AUTOBALANCER_LINEAR_ROTOR_H
+#define AUTOBALANCER_LINEAR_ROTOR_H
+
+#include <stddef.h>
+
+#include "base/failure.h"
+
+/* Matrices and planes of a rotor with n stations and p correction planes; see models/rotor.py. */
+typedef struct {
+    int stations;    /* n */
+    int plane_count; /* p */
+    int deflections; /* d: n - 2, at least 1 */
+    double *mass;    /* (n, n) [kg] */
+    double *damping_x, *damping_y;     /* (n, n) [N s/m] */
+    double *stiffness_x, *stiffness_y; /* (n, n) [N/m] */
+    double *internal_damping;          /* (n, n) [N s/m] */
+    double *gyroscopic;                /* (n, n) [kg] */
+    double *planes;                    /* (p, n) */
+    double *unbalance;                 /* (n,) complex [kg m] */
+    double *deflection;                /* (d, n) */
+    double gravity[2]; /* acceleration of what falls, x and y [m/s^2] */
+    int sliders;                       /* whether its supports have dry friction, each axis its own */
+} LinearRotor;
+
+/* Doubles that the matrices of a rotor take, and a rotor of zeros in such an array. */
+size_t linear_rotor_size(int stations, int planes);
+LinearRotor linear_rotor_in(double *memory, int stations, int planes);
+
+/* Disc in one plane with p ports at it. */
+typedef struct {
+    double mass;
+    double stiffness[2], damping[2]; /* x, y */
+    double internal_damping;
+    double unbalance, unbalance_angle;
+} Planar;
+
+/* Rigid rotor on two supports. */
+typedef struct {
+    double mass, inertia, polar_inertia, span, com;
+    double stiffness[4], damping[4]; /* support 1 x, y, support 2 x, y */
+    const double *planes;            /* (p,) distances from support 1 */
+    int unbalance_count;             /* u */
+    const double *unbalances;        /* (u, 3) position, amount, angle */
+} TwoSupport;
+
+/* Discs on a massless shaft. */
+typedef struct {
+    const double *stations, *masses; /* (n,) */
+    int supports[2];                 /* numbers of stations, from 1 */
+    double support_stiffness[4], support_damping[4]; /* in that order, x, y each */
+    double bending_stiffness;        /* E I, where compliance is NULL */
+    const double *compliance;        /* (n - 2, n - 2) [m/N], or NULL */
+    double internal_damping;
+    int unbalance_count;
+    const double *unbalances; /* (u, 3) position, amount, angle */
+    const int *ports;         /* (p,) stations of the planes, from 0 */
+} Flexible;
+
+/* Set a rotor (from linear_rotor_in, of the right sizes); 0 or the code of a failure. */
+int linear_rotor_planar(const Planar *values, LinearRotor *rotor, Failure *failure);
+int linear_rotor_two_support(const TwoSupport *values, LinearRotor *rotor, Failure *failure);
+/* `scratch` has linear_rotor_flexible_scratch doubles; after FAILURE_NOT_ELASTIC and
+   FAILURE_COMPLIANCE its first (n - 2)^2 are the compliance refused. */
+size_t linear_rotor_flexible_scratch(int stations);
+int linear_rotor_flexible(const Flexible *values, LinearRotor *rotor, double *scratch,
+                          Failure *failure);
+
+/* True when both axes are alike, so that z = x + i y needs no conjugate. */
+int linear_rotor_isotropic(const LinearRotor *rotor);
+
+/* The same rotor carrying added_mass (p,) [kg] rigidly at its planes; its mass matrix is `mass`
+   (n, n), the others are shared. */
+LinearRotor linear_rotor_with_added_mass(const LinearRotor *rotor, const double *added_mass,
+                                         double *mass);
+
+int linear_rotor_heavy(const LinearRotor *rotor);
+/* Gravity at every station, (axes n) elements: complex for an isotropic rotor, else x..., y.... */
+void linear_rotor_falling(const LinearRotor *rotor, double *field);
+/* Displacements at rest under gravity, ordered as the field; FAILURE_NOT_CARRIED where the supports
+   have no stiffness.  `scratch` is that of a step matrix. */
+int linear_rotor_sag(const LinearRotor *rotor, double speed, double *sag, double *scratch,
+                     Failure *failure);
+
+/* Mass, velocity and displacement matrices at a constant speed [rad/s]: complex (n, n) for an
+   isotropic rotor, else real (2n, 2n) for (x, y). */
+void linear_rotor_coefficients(const LinearRotor *rotor, double speed, double *mass,
+                               double *damping, double *stiffness);
+
+#endif

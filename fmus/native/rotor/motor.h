@@ -1,0 +1,34 @@
+/* A motor of limited power: its torque depends on the speed, and what is left over turns the rotor,
+   I w' = L(w) + tau.  L runs in straight lines between points; between two the equation is linear and
+   is solved exactly for a cubic tau. */
+#ifndef AUTOBALANCER_MOTOR_H
+#define AUTOBALANCER_MOTOR_H
+
+#include "base/failure.h"
+#include "weights/weights.h"
+
+typedef struct {
+    double inertia; /* of all that turns [kg m^2] */
+    int count;      /* points of the characteristic, two or more */
+    const double *points; /* speed and torque of each, speeds ascending [rad/s, N m] */
+    double negligible; /* torque that a corner may change in a step without ending it [N m]; infinite:
+                          corners end no step */
+    double reached;    /* length of the last step, shorter than asked where a corner ended it [s] */
+    Quadrature quadrature;
+} Motor;
+
+/* 0, or what is not allowed. */
+int motor_check(const Motor *motor, Failure *failure);
+/* L(w) [N m]. */
+double motor_torque(const Motor *motor, double speed);
+/* dL/dw [N m s/rad]. */
+double motor_slope(const Motor *motor, double speed);
+/* w' and w'' under a torque on the shaft and its slope. */
+void motor_acceleration(const Motor *motor, double speed, const double *torque, double *rates);
+/* Speed after a step, in place, and the angle turned in it; torque (4,): on the shaft at the start and
+   its derivatives of order 1 to 3.  At a point of the characteristic dL/dw jumps: the step ends there
+   if that changes the torque by more than `negligible`. */
+int motor_advance(Motor *motor, double *speed, double *angle, const double *torque, double step,
+                  Failure *failure);
+
+#endif

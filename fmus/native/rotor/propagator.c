@@ -1,0 +1,302 @@
+#include "rotor/propagator.h"
+
+#include <string.h>
+
+#include "base/elementary.h"
+#include "base/matrix.h"
+
+#define TAYLOR_TERMS 16 /* 0.5^16/17! is far below rounding */
+
+/* Largest sum of a column's absolute values. */
+static double norm_of(int parts, int size, const double *matrix)
+{
+    double norm = 0.0;
+    int i, j;
+    for (j = 0; j < size; j++) {
+        double sum = 0.0;
+        for (i = 0; i < size; i++) {
+            const double *x = matrix + ((size_t)i * size + j) * parts;
+            sum += parts == 1 ? absolute(x[0]) : hypotenuse(x[0], x[1]);
+        }
+        if (!(sum <= norm)) { /* keeps NaN */
+            norm = sum;
+        }
+    }
+    return norm;
+}
+
+/* result = a b in the first `rows` rows, all of them with zeros where rows from `upper` on meet columns
+   before it. */
+static void upper_product(int parts, int size, int upper, int rows, const double *a,
+                          const double *b, double *result)
+{
+    const size_t width = (size_t)size * parts, corner = upper * width + (size_t)upper * parts;
+    int i;
+    fill_doubles(width * rows, 0.0, result);
+    for (i = 0; i < rows; i++) {
+        const double *factors = a + i * width;
+        if (i < upper) {
+            add_multiples(parts, size, upper, factors, b, width, result + i * width);
+        }
+        add_multiples(parts, size - upper, size - upper, factors + (size_t)upper * parts,
+                      b + corner, width, result + i * width + (size_t)upper * parts);
+    }
+}
+
+/* result = a b/divisor for a matrix a whose elements are mostly zero; blocks as above. */
+static void sparse_product(int parts, int size, int upper, const double *a, const double *b,
+                           double divisor, double *result)
+{
+    const size_t width = (size_t)size * parts;
+    double factor[2] = {0.0, 0.0};
+    int i, k;
+    fill_doubles(width * size, 0.0, result);
+    for (i = 0; i < size; i++) {
+        const int from = i < upper ? 0 : upper;
+        for (k = from; k < size; k++) {
+            const double *element = a + i * width + (size_t)k * parts;
+            if (element[0] != 0.0 || element[parts - 1] != 0.0) {
+                factor[0] = element[0] / divisor;
+                factor[1] = element[parts - 1] / divisor;
+                add_multiple(parts, size - from, factor, b + k * width + (size_t)from * parts,
+                             result + i * width + (size_t)from * parts);
+            }
+        }
+    }
+}
+
+/* e^A - 1 = A (1 + A/2 (1 + A/3 (1 + ...))) of a small A, into `to`; `from` is scratch of that size. */
+static void series(int parts, int size, int upper, const double *a, double *from, double *to)
+{
+    const size_t count = (size_t)size * size * parts;
+    int k;
+    size_t i;
+    for (i = 0; i < count; i++) {
+        from[i] = a[i] / TAYLOR_TERMS;
+    }
+    for (k = TAYLOR_TERMS - 1; k; k--) { /* an odd number of products: the last one ends in `to` */
+        double *const kept = from;
+        for (i = 0; i < (size_t)size; i++) {
+            from[(i * size + i) * parts] += 1.0;
+        }
+        sparse_product(parts, size, upper, a, from, k, to);
+        from = to;
+        to = kept;
+    }
+}
+
+/* What has been doubled from this matrix, at most so often; else the one to be written over. */
+static Doubled *doubled_from(Doublings *kept, const double *scaled, size_t count, int most)
+{
+    int k;
+    for (k = 0; k < KEPT_DOUBLINGS; k++) {
+        Doubled *one = kept->doubled + k;
+        if (one->used && !memcmp(one->scaled, scaled, count * sizeof(double))) {
+            one->used = one->times <= most;
+            return one;
+        }
+    }
+    kept->next = (kept->next + 1) % KEPT_DOUBLINGS;
+    kept->doubled[kept->next].used = 0;
+    return kept->doubled + kept->next;
+}
+
+/* Keep this, of which all rows are known. */
+static void keep(Doubled *doubled, size_t count, const double *scaled, const double *grown, int times)
+{
+    copy_doubles(count, scaled, doubled->scaled);
+    copy_doubles(count, grown, doubled->grown);
+    doubled->times = times;
+    doubled->used = 1;
+}
+
+int exponential(int parts, int size, int upper, double *matrix, double *scratch, Doublings *kept,
+                Failure *failure)
+{
+    const size_t count = (size_t)size * size * parts;
+    double *scaled = scratch, *product = scaled + count;
+    const double norm = norm_of(parts, size, matrix);
+    double part;
+    Doubled *doubled = NULL;
+    int doublings, before, known, j;
+    size_t i;
+    if (!is_finite(norm)) {
+        return fail(failure, FAILURE_MATRICES, "matrices", 0, norm, 0.0, 0.0, 0.0);
+    }
+    doublings = binary_exponent(norm) + 1;
+    doublings = doublings > 0 ? doublings : 0;
+    before = doublings > 0 ? doublings - 1 : 0;
+    part = scaled_by_power(1.0, -doublings);
+    for (i = 0; i < count; i++) {
+        scaled[i] = part * matrix[i];
+    }
+    if (doublings) {
+        doubled = doubled_from(kept, scaled, count, before);
+    }
+    known = doubled && doubled->used;
+    if (known) {
+        copy_doubles(count, doubled->grown, matrix);
+    } else if (norm > 0.0) {
+        series(parts, size, upper, scaled, product, matrix);
+    }
+    /* E -> 2 E + E^2 instead of squaring e^A keeps slow modes exact next to fast ones */
+    for (j = known ? doubled->times : 0; j < doublings; j++) {
+        const int rows = j < before ? size : upper;
+        if (j == before) {
+            keep(doubled, count, scaled, matrix, before);
+        }
+        upper_product(parts, size, upper, rows, matrix, matrix, product);
+        for (i = 0; i < (size_t)(rows * size * parts); i++) {
+            matrix[i] = 2.0 * matrix[i] + product[i];
+        }
+    }
+    for (i = 0; i < (size_t)upper; i++) {
+        matrix[(i * size + i) * parts] += 1.0;
+    }
+    return FINE;
+}
+
+int step_matrix_rows(int stations, int planes, int orders, int axes)
+{
+    return axes * (2 * stations + orders / 2 * planes);
+}
+
+int step_matrix_columns(int stations, int planes, int orders, int axes)
+{
+    return axes * (2 * stations + orders * planes + 1);
+}
+
+size_t step_matrix_scratch(int stations, int planes, int orders, int axes)
+{
+    const size_t size = (size_t)step_matrix_columns(stations, planes, orders, axes);
+    const size_t parts = axes == 1 ? 2 : 1;
+    return 5 * parts * size * size; /* Z, its exponential, and what that needs */
+}
+
+/* Rows (dof, 2 dof + axes p + axes) of M v' by q, v, f_0 and e. */
+static void set_right(const LinearRotor *rotor, int parts, int axes, double speed,
+                      const double *damping, const double *stiffness, double *right)
+{
+    const int n = rotor->stations, p = rotor->plane_count, dof = axes * n;
+    const int width = 2 * dof + axes * (p + 1), e = 2 * dof + axes * p;
+    const double squared = speed * speed;
+    int i, j, k, axis;
+    fill_doubles((size_t)dof * width * parts, 0.0, right);
+    for (i = 0; i < dof; i++) {
+        double *row = right + (size_t)i * width * parts;
+        for (k = 0; k < dof * parts; k++) {
+            row[k] = -stiffness[i * dof * parts + k];
+            row[dof * parts + k] = -damping[i * dof * parts + k];
+        }
+    }
+    for (axis = 0; axis < axes; axis++) {
+        for (i = 0; i < n; i++) {
+            double *row = right + (size_t)(axis * n + i) * width * parts;
+            for (j = 0; j < p; j++) {
+                row[(2 * dof + axis * p + j) * parts] = rotor->planes[j * n + i];
+            }
+        }
+    }
+    for (i = 0; i < n; i++) {
+        const double x = squared * rotor->unbalance[2 * i];
+        const double y = squared * rotor->unbalance[2 * i + 1];
+        double *row = right + ((size_t)i * width + e) * parts;
+        row[0] = x;
+        if (axes == 1) {
+            row[1] = y;
+        } else {
+            row[1] = -y;
+            row += (size_t)n * width;
+            row[0] = y;
+            row[1] = x;
+        }
+    }
+}
+
+/* Turning e^{i w t} of `count` vectors, at rows and columns from `first` on: f' = i w f. */
+static void set_turning(int parts, int size, int first, int count, double speed, double *z)
+{
+    int k;
+    for (k = 0; k < count; k++) {
+        const size_t x = first + k, y = x + count;
+        if (parts == 2) {
+            z[(x * size + x) * 2 + 1] = speed;
+        } else {
+            z[x * size + y] = -speed;
+            z[y * size + x] = speed;
+        }
+    }
+}
+
+int generator(const LinearRotor *rotor, double speed, int turning_force, int orders, double *z,
+              double *scratch, Failure *failure)
+{
+    const int axes = linear_rotor_isotropic(rotor) ? 1 : 2, parts = 3 - axes;
+    const int p = rotor->plane_count, dof = axes * rotor->stations, forces = axes * p;
+    const int size = 2 * dof + orders * forces + axes, f = 2 * dof, e = size - axes;
+    const int width = 2 * dof + forces + axes;
+    const size_t square = (size_t)dof * dof * parts;
+    double *mass = scratch, *damping = mass + square, *stiffness = damping + square;
+    double *right = stiffness + square;
+    int i, k;
+    linear_rotor_coefficients(rotor, speed, mass, damping, stiffness);
+    set_right(rotor, parts, axes, speed, damping, stiffness, right);
+    if (matrix_solve(parts, dof, width, mass, right)) {
+        return fail(failure, FAILURE_SINGULAR, "mass", 0, 0.0, 0.0, 0.0, 0.0);
+    }
+    fill_doubles((size_t)size * size * parts, 0.0, z);
+    for (i = 0; i < dof; i++) {
+        double *row = z + (size_t)(dof + i) * size * parts;
+        const double *from = right + (size_t)i * width * parts;
+        z[((size_t)i * size + dof + i) * parts] = 1.0;
+        copy_doubles((size_t)(2 * dof + forces) * parts, from, row);
+        copy_doubles((size_t)axes * parts, from + (2 * dof + forces) * parts, row + e * parts);
+    }
+    for (k = 0; k < orders; k++) {
+        const int first = f + k * forces;
+        if (turning_force) {
+            set_turning(parts, size, first, p, speed, z);
+        }
+        for (i = first; i < first + forces && k + 1 < orders; i++) {
+            z[((size_t)i * size + i + forces) * parts] = 1.0;
+        }
+    }
+    set_turning(parts, size, e, 1, speed, z);
+    return FINE;
+}
+
+int step_matrix(const LinearRotor *rotor, double speed, double step, int turning_force, int orders,
+                double *matrix, double *scratch, Doublings *kept, Failure *failure)
+{
+    const int axes = linear_rotor_isotropic(rotor) ? 1 : 2, parts = 3 - axes;
+    const int n = rotor->stations, p = rotor->plane_count, dof = axes * n, forces = axes * p;
+    const int size = step_matrix_columns(n, p, orders, axes);
+    const size_t count = (size_t)size * size * parts, width = (size_t)size * parts;
+    double *z = scratch, *propagated = z + count, *work = propagated + count;
+    double *rates = work, *next = rates + dof * width, *planes = next + dof * width;
+    size_t i;
+    int k, code = generator(rotor, speed, turning_force, orders, z, work, failure);
+    if (code) {
+        return code;
+    }
+    for (i = 0; i < count; i++) {
+        propagated[i] = z[i] * step;
+    }
+    code = exponential(parts, size, 2 * dof, propagated, work, kept, failure);
+    if (code) {
+        return code;
+    }
+    copy_doubles(2 * dof * width, propagated, matrix);
+    /* e^{Zt} Z, not Z e^{Zt}: a stiff support would lose the small difference of k q and F */
+    matrix_product(parts, dof, size, size, propagated + dof * width, z, rates);
+    matrix_per_axis(parts, axes, p, n, rotor->planes, planes);
+    for (k = 0; k < orders / 2; k++) { /* of the acceleration, the jerk and so on */
+        double *kept = rates;
+        matrix_product(parts, forces, dof, size, planes, rates,
+                       matrix + (2 * (size_t)dof + (size_t)k * forces) * width);
+        matrix_product(parts, dof, size, size, rates, z, next);
+        rates = next;
+        next = kept;
+    }
+    return FINE;
+}

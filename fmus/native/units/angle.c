@@ -1,0 +1,44 @@
+#include "units/angle.h"
+
+#include "base/elementary.h"
+
+/* 2 pi minus its floating-point value */
+static const double TURN_ROUNDING = 2.4492935982947064e-16;
+
+void angle_start(double *angle, double start)
+{
+    angle[TURNS] = angle[REST] = angle[CARRY] = 0.0;
+    angle_turn(angle, start);
+}
+
+void angle_turn(double *angle, double by)
+{
+    double turns = angle[TURNS], carry = angle[CARRY], total;
+    const double rest = angle[REST];
+    if (absolute(by) > PI) {
+        const double part = ieee_remainder(by, TAU), whole = nearest((by - part) / TAU);
+        by = part;
+        turns += whole;
+        carry += whole * TURN_ROUNDING;
+    }
+    by -= carry;
+    total = rest + by;
+    carry = (total - rest) - by;
+    if (total > PI) {
+        total -= TAU;
+        turns += 1.0;
+        carry += TURN_ROUNDING;
+    } else if (total < -PI) {
+        total += TAU;
+        turns -= 1.0;
+        carry -= TURN_ROUNDING;
+    }
+    angle[TURNS] = turns;
+    angle[REST] = total;
+    angle[CARRY] = carry;
+}
+
+double angle_total(const double *angle)
+{
+    return angle[TURNS] * TAU + (angle[REST] + (angle[TURNS] * TURN_ROUNDING - angle[CARRY]));
+}

@@ -1,0 +1,134 @@
+/* The liquid balancer of Dubovik 2006 as a unit. */
+#include "base/elementary.h"
+#include "base/signals.h"
+#include "fmi/unit.h"
+#include "weights/liquid.h"
+
+enum { SIGNALS = 2, TOUCHES = 1 };
+
+/* Inputs behind the signal, and outputs behind the force with its derivatives. */
+enum { X, Y };
+enum { ADDED_MASS, LIQUID_MASS, CLEARANCE };
+
+typedef struct {
+    Liquid liquid;
+    double carried, sent; /* parts of the added mass: through the port, in the force [kg] */
+} Own;
+
+/* Numbers that tell the signal, value and derivatives, and the exact derivatives of the force. */
+static size_t orders_of(const Unit *unit)
+{
+    return (size_t)unit->layout.sizes.order + 1;
+}
+
+static int parameters(Unit *unit)
+{
+    Own *own = unit->own;
+    const double *real = unit->real;
+    Failure failure;
+    own->liquid.chamber_radius = real[0];
+    own->liquid.float_radius = real[1];
+    own->liquid.height = real[2];
+    own->liquid.density = real[3];
+    if (liquid_check(&own->liquid, &failure)) {
+        return unit_failed(unit, &failure, NULL, 0);
+    }
+    own->carried = unit->boolean[0] ? 0.0 : liquid_added_mass(&own->liquid);
+    own->sent = liquid_added_mass(&own->liquid) - own->carried;
+    return 0;
+}
+
+static int begin(Unit *unit)
+{
+    (void)unit;
+    return 0;
+}
+
+static void warn_of_touch(Unit *unit, Complex displacement, double time)
+{
+    const Own *own = unit->own;
+    char words[160];
+    Text text = text_in(words, sizeof words);
+    text_put_rounded(&text, "bending ", magnitude(displacement), 6);
+    text_put_rounded(&text, " m exceeds the gap ", liquid_gap(&own->liquid), 6);
+    text_put(&text, " m: the float touches the chamber and the model is invalid");
+    unit_warn_once(unit, TOUCHES, time, words);
+}
+
+/* Outputs with the input signals taken t after the start of the step. */
+static void put(Unit *unit, double t)
+{
+    const Own *own = unit->own;
+    const double *in = unit->real + unit->layout.inputs.first;
+    const double *place = in + SIGNALS * orders_of(unit);
+    double *out = unit->real + unit->layout.computed.first;
+    const Complex displacement = complex_of(place[X], place[Y]);
+    const double clearance = liquid_clearance(&own->liquid, displacement);
+    Complex motion[3];
+    size_t k;
+    signal_derivatives(in, unit->layout.sizes.order, t, motion);
+    for (k = 0; k < orders_of(unit) / 2; k++, out += SIGNALS) {
+        out[0] = own->sent != 0.0 ? -own->sent * motion[k].re : 0.0;
+        out[1] = own->sent != 0.0 ? -own->sent * motion[k].im : 0.0;
+    }
+    if (clearance < 0.0) {
+        warn_of_touch(unit, displacement, unit->time + t);
+    }
+    out[ADDED_MASS] = own->carried;
+    out[LIQUID_MASS] = liquid_mass(&own->liquid);
+    out[CLEARANCE] = clearance;
+}
+
+static int step(Unit *unit, double length)
+{
+    put(unit, length);
+    return 0;
+}
+
+static int outputs(Unit *unit)
+{
+    put(unit, 0.0);
+    return 0;
+}
+
+static void observe(Unit *unit)
+{
+    (void)unit;
+}
+
+static size_t signals(const Layout *layout, size_t *first)
+{
+    *first = layout->inputs.first;
+    return SIGNALS;
+}
+
+static int directional(Unit *unit, const double *seed, double *change)
+{
+    const Own *own = unit->own;
+    const size_t orders = orders_of(unit), behind = SIGNALS * orders;
+    const double *in = unit->real + unit->layout.inputs.first + behind;
+    const double bending = magnitude(complex_of(in[X], in[Y]));
+    size_t k;
+    for (k = 0; k < SIGNALS * (orders / 2); k++) {
+        *change++ = -own->sent * seed[k];
+    }
+    seed += behind;
+    change[ADDED_MASS] = change[LIQUID_MASS] = 0.0;
+    /* at rest in the middle every direction closes the gap alike, and there is no derivative */
+    change[CLEARANCE] =
+        bending > 0.0 ? -(in[X] / bending * seed[X] + in[Y] / bending * seed[Y]) : 0.0;
+    return 0;
+}
+
+static int slope(Unit *unit, size_t reference, double *value)
+{
+    const size_t force = SIGNALS * (orders_of(unit) / 2);
+    const size_t output = reference - unit->layout.computed.first - force;
+    *value = 0.0;
+    return output != ADDED_MASS && output != LIQUID_MASS;
+}
+
+const Equations LIQUID_EQUATIONS = {
+    .name = "LiquidBalancer", .own_size = sizeof(Own), .parameters = parameters, .begin = begin,
+    .step = step, .outputs = outputs, .observe = observe, .signals = signals,
+    .directional = directional, .slope = slope};

@@ -1,0 +1,229 @@
+/* The rotor on its supports as a unit: forces on its planes in, accelerations of the planes out. */
+#include <string.h>
+
+#include "units/rotor.h"
+#include "base/elementary.h"
+#include "base/matrix.h"
+#include "base/spin.h"
+#include "rotor/propagator.h"
+
+static size_t memory_size(const Layout *layout)
+{
+    return MOTION + 4 * (size_t)layout->sizes.stations + 2 + 4 * (size_t)layout->sizes.sliders;
+}
+
+static double *doubles(Unit *unit, size_t count)
+{
+    return unit_allocate(unit, count, sizeof(double));
+}
+
+/* The larger of a size for one axis and for two. */
+static size_t larger_of(size_t (*size)(int, int, int), int n, int p)
+{
+    const size_t one = size(n, p, 1), two = size(n, p, 2);
+    return one > two ? one : two;
+}
+
+/* Doubles of a step matrix; the larger for one axis and for two. */
+static size_t matrix_doubles(int n, int p, int orders)
+{
+    size_t sizes[2];
+    int axes;
+    for (axes = 1; axes <= 2; axes++) {
+        sizes[axes - 1] = (size_t)step_matrix_rows(n, p, orders, axes) *
+                          (size_t)step_matrix_columns(n, p, orders, axes) * (axes == 1 ? 2 : 1);
+    }
+    return sizes[0] > sizes[1] ? sizes[0] : sizes[1];
+}
+
+static int allocate(Unit *unit)
+{
+    Rotor *own = unit->own;
+    const Sizes *sizes = &unit->layout.sizes;
+    const int n = sizes->stations, p = sizes->planes;
+    const size_t stations = (size_t)n, planes = (size_t)p, free = n > 2 ? stations - 2 : 0;
+    const int orders = sizes->order + 1;
+    const size_t matrix = matrix_doubles(n, p, orders);
+    const size_t size = 4 * stations + 2 * (size_t)orders * planes + 2;
+    const size_t square = size * size;
+    const size_t one = step_matrix_scratch(n, p, orders, 1), two = step_matrix_scratch(n, p, orders, 2);
+    int k, missing = 0;
+    own->kind = rotor_kind(&unit->layout);
+    own->stations = n;
+    own->planes = p;
+    own->orders = orders;
+    own->unbalances = sizes->unbalances;
+    own->turning = !sizes->fixed_frame;
+    own->slider_count = 2 * sizes->sliders;
+    if (own->slider_count) {
+        own->sliders = unit_allocate(unit, (size_t)own->slider_count, sizeof(Slider));
+        own->friction_memory = doubles(unit, friction_size(n, p, own->slider_count));
+        own->held = doubles(unit, 2 * (size_t)own->slider_count);
+        missing |= !own->sliders || !own->friction_memory || !own->held;
+    }
+    own->rotor_memory = doubles(unit, linear_rotor_size(n, p));
+    own->loaded_mass = doubles(unit, stations * stations);
+    own->values = doubles(unit, 2 * stations + 3 * (size_t)sizes->unbalances + free * free +
+                                    linear_rotor_flexible_scratch(n));
+    own->ports = unit_allocate(unit, planes, sizeof(int));
+    own->unsorted = doubles(unit, matrix);
+    own->matrix_scratch = doubles(unit, one > two ? one : two);
+    own->operand = doubles(unit, size);
+    own->result = doubles(unit, 4 * stations + (size_t)orders * planes);
+    own->sag = doubles(unit, 2 * stations);
+    own->sag_of.added_mass = doubles(unit, planes);
+    own->variable_of.added_mass = doubles(unit, planes);
+    own->variable_memory = doubles(unit, larger_of(variable_speed_size, n, p));
+    own->variable_scratch = doubles(unit, larger_of(variable_speed_scratch, n, p));
+    own->state = doubles(unit, 4 * stations);
+    own->acceleration = doubles(unit, 2 * planes);
+    own->jerk = doubles(unit, 2 * planes);
+    own->rates.of.added_mass = doubles(unit, planes);
+    own->rates.first = unit_allocate(unit, size + 1, sizeof(int));
+    own->rates.column = unit_allocate(unit, rotor_rates_doubles(n, p, orders), sizeof(int));
+    own->rates.value = doubles(unit, rotor_rates_doubles(n, p, orders));
+    own->rates.work = doubles(unit, 2 * size);
+    for (k = 0; k < KEPT_MATRICES; k++) {
+        own->kept[k].of.added_mass = doubles(unit, planes);
+        own->kept[k].matrix = doubles(unit, matrix);
+        missing |= !own->kept[k].of.added_mass || !own->kept[k].matrix;
+    }
+    for (k = 0; k < KEPT_DOUBLINGS; k++) {
+        Doubled *doubled = own->doublings.doubled + k;
+        doubled->scaled = doubles(unit, square);
+        doubled->grown = doubles(unit, square);
+        missing |= !doubled->scaled || !doubled->grown;
+    }
+    for (k = 0; k < 4; k++) {
+        own->ends[k] = doubles(unit, 4 * planes);
+        missing |= !own->ends[k];
+    }
+    return missing || !own->sag || !own->sag_of.added_mass || !own->rotor_memory || !own->loaded_mass || !own->values || !own->ports ||
+           !own->unsorted || !own->rates.of.added_mass || !own->rates.first || !own->rates.column ||
+           !own->rates.value || !own->rates.work || !own->matrix_scratch || !own->operand || !own->result ||
+           !own->variable_of.added_mass || !own->variable_memory || !own->variable_scratch ||
+           !own->state || !own->acceleration || !own->jerk;
+}
+
+static int parameters(Unit *unit)
+{
+    Rotor *own = unit->own;
+    Failure failure;
+    int k;
+    if (rotor_of_parameters(unit)) {
+        return 1;
+    }
+    own->axes = linear_rotor_isotropic(&own->rotor) ? 1 : 2;
+    own->parts = 3 - own->axes;
+    own->rows = step_matrix_rows(own->stations, own->planes, own->orders, own->axes);
+    own->columns = step_matrix_columns(own->stations, own->planes, own->orders, own->axes);
+    for (k = 0; k < KEPT_MATRICES; k++) {
+        own->kept[k].of.made = 0;
+    }
+    for (k = 0; k < KEPT_DOUBLINGS; k++) {
+        own->doublings.doubled[k].used = 0;
+    }
+    own->variable_of.made = own->rates.of.made = own->sag_of.made = 0;
+    own->turned[0].angle = own->turned[1].angle = not_a_number();
+    if (linear_rotor_heavy(&own->rotor) &&
+        linear_rotor_sag(&own->rotor, 0.0, own->state, own->matrix_scratch, &failure)) {
+        return unit_failed(unit, &failure, NULL, 0);
+    }
+    return own->slider_count ? rotor_make_variable(unit) : 0;
+}
+
+static int begin(Unit *unit)
+{
+    const Rotor *own = unit->own;
+    const size_t motion = 4 * (size_t)own->stations;
+    const double *start = unit->real + unit->layout.parameters.count - motion;
+    angle_start(unit->memory, start[-1]);
+    memcpy(unit->memory + MOTION, start, motion * sizeof(double));
+    friction_at_start(own->sliders, own->slider_count, start + motion / 2, rotor_held(unit));
+    return 0;
+}
+
+static int step(Unit *unit, double length)
+{
+    Rotor *own = unit->own;
+    const double speed = rotor_drive(unit)[0], spin_up = rotor_drive(unit)[SPIN_UP];
+    const size_t motion = 4 * (size_t)own->stations;
+    double *end_speed = unit->memory + MOTION + motion;
+    Drift more;
+    if (rotor_propagate(unit, length)) {
+        return 1;
+    }
+    unit->made = length = own->reached;
+    more = drift(rotor_drive(unit) + SPIN_UP, length);
+    angle_turn(unit->memory, length * (speed + 0.5 * spin_up * length) + more.angle);
+    copy_doubles(motion, own->result, unit->memory + MOTION);
+    end_speed[0] = speed + spin_up * length + more.speed;
+    end_speed[1] = length;
+    if (own->slider_count) {
+        memcpy(rotor_held(unit), own->held, 2 * (size_t)own->slider_count * sizeof(double));
+    }
+    rotor_put(own, own->result + motion, unit->memory[REST], *end_speed, spin_up + more.acceleration,
+        unit->real + unit->layout.computed.first);
+    return 0;
+}
+
+static int outputs(Unit *unit)
+{
+    const Rotor *own = unit->own;
+    unit->memory[MOTION + 4 * own->stations] = rotor_drive(unit)[0];
+    unit->memory[MOTION + 4 * own->stations + 1] = 0.0;
+    return rotor_outputs_now(unit, unit->real + unit->layout.computed.first);
+}
+
+static double largest_bending(const Rotor *own, const double *stations)
+{
+    const LinearRotor *rotor = &own->rotor;
+    double largest = 0.0;
+    int i;
+    for (i = 0; i < rotor->deflections; i++) {
+        double bending[2];
+        const double *row = rotor->deflection + i * own->stations;
+        rotor_vectors_at(row, 1, own->stations, stations, bending);
+        largest = larger(largest, magnitude(complex_of(bending[0], bending[1])));
+    }
+    return largest;
+}
+
+static void observe(Unit *unit)
+{
+    const Rotor *own = unit->own;
+    const double *memory = unit->memory, *motion = memory + MOTION;
+    const size_t count = 4 * (size_t)own->stations;
+    double *out = unit->real + unit->layout.observed.first;
+    int k;
+    out[0] = angle_total(memory);
+    memcpy(out + 1, motion, count * sizeof(double));
+    out += 1 + count;
+    rotor_vectors_at(own->rotor.planes, own->planes, own->stations, motion, out);
+    out += 2 * own->planes;
+    *out++ = largest_bending(own, motion);
+    for (k = 0; k < own->slider_count; k++) {
+        *out++ = rotor_held(unit)[2 * k + HOLDS];
+    }
+}
+
+static void observe_torques(Unit *unit)
+{
+    double *out = unit->real + unit->layout.real_count - 2;
+    if (rotor_torque_now(unit, out)) {
+        out[0] = out[1] = not_a_number();
+    }
+}
+
+static size_t signals(const Layout *layout, size_t *first)
+{
+    *first = layout->inputs.first + (size_t)layout->sizes.planes + SPUN;
+    return 2 * (size_t)layout->sizes.planes;
+}
+
+const Equations ROTOR_EQUATIONS = {
+    .name = "RotorOnSupports", .own_size = sizeof(Rotor), .memory_size = memory_size,
+    .starts = rotor_starts, .allocate = allocate, .parameters = parameters, .begin = begin,
+    .step = step, .outputs = outputs, .observe = observe, .observe_torques = observe_torques,
+    .is_torque = unit_ends_with, .signals = signals, .directional = rotor_directional,
+    .slope = rotor_slope};

@@ -1,0 +1,157 @@
+/* What the files of the rotor's unit share. */
+#ifndef AUTOBALANCER_UNIT_ROTOR_H
+#define AUTOBALANCER_UNIT_ROTOR_H
+
+#include "base/elementary.h"
+#include "base/signals.h"
+#include "fmi/unit.h"
+#include "rotor/friction.h"
+#include "rotor/linear_rotor.h"
+#include "rotor/propagator.h"
+#include "rotor/variable_speed.h"
+#include "units/angle.h"
+
+enum { PLANAR, TWO_SUPPORT, FLEXIBLE };
+
+/* Step matrices an instance keeps: a master that repeats steps asks for few. */
+enum { KEPT_MATRICES = 8 };
+
+/* In memory: the angle, then displacements and velocities of the stations, x and y alternating,
+   then the speed the outputs belong to, how long ago the inputs were set, and of every slider along
+   x and y what friction.h says. */
+enum { MOTION = ANGLE_SIZE };
+
+/* The speed and the added masses (p,) that something was made for; not made: something else. */
+typedef struct {
+    int made;
+    double speed, *added_mass;
+} MadeFor;
+
+/* A step matrix with x and y alternating in rows and columns, and what it is of. */
+typedef struct {
+    MadeFor of;
+    uint64_t last; /* when it was asked for */
+    double step;
+    double *matrix;
+} Kept;
+
+/* Z of the autonomous system that a step matrix is e^{Zt} of (propagator.h), and what it is of. */
+typedef struct {
+    MadeFor of;
+    int size;
+    double quickest;     /* rate of change of the state [rad/s] */
+    int *first, *column; /* (size + 1,) of the elements of each row, and their columns */
+    double *value;
+    double *work; /* (2, size) */
+} Rates;
+
+typedef struct {
+    int kind, stations, planes, unbalances, turning;
+    int orders; /* numbers that tell a force signal: value and derivatives */
+    LinearRotor rotor;
+    int axes, parts; /* as in propagator.h */
+    int rows, columns; /* of a step matrix, in elements */
+    double *rotor_memory, *loaded_mass;
+    double *values; /* scratch for making the rotor */
+    int *ports;
+    Kept kept[KEPT_MATRICES];
+    Doublings doublings; /* that others are made from */
+    uint64_t clock;
+    Turned turned[2]; /* the last two: passes ask for the ends of a step again and again */
+    double *unsorted, *matrix_scratch;
+    double *operand, *result; /* of a step matrix */
+    VariableSpeedStep variable;
+    MadeFor variable_of; /* whatever the speed */
+    double *variable_memory, *variable_scratch;
+    double *state, *acceleration, *jerk;
+    double *sag; /* (2n,) of the stations under gravity */
+    MadeFor sag_of;
+    int lifted;
+    int slider_count; /* two for each of the unit's: along x and y */
+    Slider *sliders;
+    FrictionStep friction;
+    double *friction_memory, *held; /* held: as it is after what was propagated last */
+    int frozen; /* whether outputs keep to how the sliders were found, for derivatives */
+    Rates rates;
+    double reached;  /* length of the step as far as it came: it ends behind an event of a slider [s] */
+    double whole;    /* length of the step within which the unit is moved, 0: over all of it [s] */
+    double *ends[4]; /* outputs at other speeds, for derivatives */
+} Rotor;
+
+/* -- rotor_kinds.c: the parameters of each kind ----------------------------------------- */
+
+int rotor_kind(const Layout *layout);
+/* Start values that depend on index and size. */
+void rotor_starts(const Layout *layout, double *real);
+/* Value reference of the length from which on steps end at events of sliders; a unit with sliders. */
+size_t rotor_shortest_stopped(const Unit *unit);
+/* Make unit->own's rotor from the parameters; 0, or 1 with the reason. */
+int rotor_of_parameters(Unit *unit);
+
+/* -- rotor_step.c ----------------------------------------------------------------------- */
+
+enum { SPIN_UP = 1, SPUN = 5 }; /* behind the speed: its acceleration, and what comes after both */
+
+/* Inputs: added masses, then speed, acceleration and its derivatives, then forces. */
+double *rotor_drive(Unit *unit);
+/* Whether what was made is of this speed and the present added masses. */
+int rotor_is_of(const Unit *unit, const MadeFor *of, double speed);
+/* The rotor with the present added masses, of which something is to be made; what was is no more. */
+LinearRotor rotor_anew(Unit *unit, MadeFor *of);
+/* It is made, of this speed and the present added masses. */
+void rotor_made(const Unit *unit, MadeFor *of, double speed);
+/* Where the k-th column of a matrix, x and y alternating, stands among (x..., y...) blocks. */
+int rotor_column(const Rotor *own, int k);
+/* Step matrix by columns, x and y alternating in rows and columns; NULL with the reason. */
+const double *rotor_matrix(Unit *unit, double speed, double step);
+/* own->result = matrix own->operand. */
+void rotor_apply(Rotor *own, const double *matrix);
+/* Motion of the stations, and acceleration and jerk of the planes (with signals of order 5 its
+   derivative), after `step` [s], in own->result; all in fixed axes, x and y alternating; the acceleration is less gravity's, which
+   every body on the rotor feels: what an accelerometer would read. */
+int rotor_propagate(Unit *unit, double step);
+/* Directions and forces of the sliders in the unit's memory. */
+double *rotor_held(const Unit *unit);
+/* The variable-speed step and the friction step for the masses that the planes carry now. */
+int rotor_make_variable(Unit *unit);
+/* Vectors (x, y alternating) turned by the angle with this cosine and sine; `to` may be `pairs`. */
+void rotor_rotated(const double *pairs, size_t count, double c, double s, double *to);
+/* Computed outputs from acceleration and jerk of the planes in fixed axes, with signals of order 5
+   the jerk's derivative as well. */
+void rotor_put(Rotor *own, const double *planes, double angle, double speed, double spin_up,
+               double *out);
+/* Change of acceleration and jerk of the planes, in own->result behind the stations, by a change of
+   the forces' values and slopes, (2p,) each. */
+int rotor_friction_response(Unit *unit, const double *values, const double *slopes);
+/* The computed outputs as they are with the present inputs. */
+int rotor_outputs_now(Unit *unit, double *out);
+/* Torque on the shaft and its slope at the present time; 1 with the reason. */
+int rotor_torque_now(Unit *unit, double *torque);
+/* Rows of a matrix (count, n) times vectors (x, y alternating). */
+void rotor_vectors_at(const double *rows, int count, int n, const double *vectors,
+                      double *result);
+
+/* -- rotor_gravity.c --------------------------------------------------------------------- */
+
+/* Take the sag off the displacements in own->operand: about it the rotor moves as it would about
+   zero without gravity.  0, or 1 with the reason. */
+int rotor_lift(Unit *unit);
+/* Put it back on those in own->result, where it was taken off, and take gravity off the planes'
+   acceleration. */
+void rotor_lower(Rotor *own);
+/* -- rotor_within.c ---------------------------------------------------------------------- */
+
+/* Elements of Z that are not 0, at most. */
+size_t rotor_rates_doubles(int stations, int planes, int orders);
+/* Bring own->rates up to date; 1 with the reason. */
+int rotor_rates(Unit *unit);
+/* As rotor_apply with the matrix of a step to `time` [s] within own->whole; 0 where the state
+   changes too fast for that, and own->operand is lost. */
+int rotor_within(Rotor *own, double time);
+
+/* -- rotor_derivatives.c: as in `Equations` --------------------------------------------- */
+
+int rotor_directional(Unit *unit, const double *seed, double *change);
+int rotor_slope(Unit *unit, size_t reference, double *value);
+
+#endif

@@ -1,0 +1,288 @@
+/* The kinds of rotor: their start values, and how their parameters make a `LinearRotor` and fmus/rotor/parameters.py. */
+#include <string.h>
+
+#include "base/elementary.h"
+#include "units/rotor.h"
+
+static const double SPACING = 0.1; /* m, between the stations of a shaft nobody has described yet */
+static const double STEEL_20_MM = 1.6e3; /* N m^2, E I of a steel shaft of 20 mm */
+static const double SPAN = 0.8;          /* m, of a rotor on two supports, as declared */
+static const double UNBALANCE = 2.0e-4;  /* kg m */
+static const double ONTO = 1e-9; /* of the shaft's length: a place this near to a station is it */
+
+int rotor_kind(const Layout *layout)
+{
+    const char *kind = layout->table->kind;
+    return text_equal(kind, "planar") ? PLANAR : text_equal(kind, "flexible") ? FLEXIBLE
+                                                                              : TWO_SUPPORT;
+}
+
+/* Displacement at j by a unit force at k of a uniform shaft supported at its ends. */
+static double start_compliance(const double *z, size_t step, int j, int k, int last)
+{
+    const double zj = z[step * (size_t)j], zk = z[step * (size_t)k];
+    const double zp = z[0], zq = z[step * (size_t)last];
+    const double points[2][3] = {{zj, zp, zq}, {zk, zp, zq}};
+    double share[2][3], sum = 0.0;
+    int a, b;
+    for (a = 0; a < 2; a++) {
+        const double along = (points[a][0] - zp) / (zq - zp);
+        share[a][0] = 1.0;
+        share[a][1] = -(1.0 - along);
+        share[a][2] = -along;
+    }
+    for (a = 0; a < 3; a++) {
+        for (b = 0; b < 3; b++) {
+            const double far = absolute(points[0][a] - points[1][b]);
+            sum += share[0][a] * share[1][b] * (far * far * far);
+        }
+    }
+    return sum / (12.0 * STEEL_20_MM);
+}
+
+static void flexible_starts(const Layout *layout, double *real)
+{
+    const int n = layout->sizes.stations;
+    const size_t z = layout_index(layout, "station[#].z", 1);
+    const size_t compliance = layout_index(layout, "compliance[#,#]", 1);
+    size_t at = compliance;
+    int j, k;
+    for (j = 0; j < n; j++) {
+        real[z + 2 * (size_t)j] = SPACING * j;
+    }
+    real[layout_index(layout, "support[#].position", 2)] = SPACING * (n - 1);
+    for (j = 0; j < layout->sizes.planes; j++) {
+        real[layout_index(layout, "plane[#].position", 1) + (size_t)j] =
+            SPACING * ((j + n / 2) % n);
+    }
+    for (j = 0; j < layout->sizes.unbalances; j++) {
+        real[layout_index(layout, "unbalance[#].position", 1) + 3 * (size_t)j] = SPACING * (n / 2);
+    }
+    if (compliance < layout->real_count) {
+        for (j = 1; j < n - 1; j++) {
+            for (k = j; k < n - 1; k++) {
+                real[at++] = start_compliance(real + z, 2, j, k, n - 1);
+            }
+        }
+    }
+}
+
+void rotor_starts(const Layout *layout, double *real)
+{
+    const int kind = rotor_kind(layout), planes = layout->sizes.planes;
+    size_t amount;
+    int j;
+    if (kind == PLANAR) {
+        return;
+    }
+    amount = layout_index(layout, "unbalance[#].amount", 1);
+    for (j = 0; j < layout->sizes.unbalances; j++) {
+        real[amount + 3 * (size_t)j] = j ? 0.0 : UNBALANCE;
+    }
+    if (kind == FLEXIBLE) {
+        flexible_starts(layout, real);
+        return;
+    }
+    for (j = 0; j < planes; j++) {
+        real[layout_index(layout, "plane[#].position", 1) + (size_t)j] =
+            SPAN * (j + 1) / (planes + 1);
+    }
+    for (j = 0; j < layout->sizes.unbalances; j++) {
+        real[amount - 1 + 3 * (size_t)j] = SPAN / (planes + 1);
+    }
+}
+
+static int planar(Unit *unit)
+{
+    Rotor *own = unit->own;
+    const double *real = unit->real;
+    const Planar values = {.mass = real[0],
+                           .stiffness = {real[1], real[2]},
+                           .damping = {real[3], real[4]},
+                           .internal_damping = real[5],
+                           .unbalance = real[6],
+                           .unbalance_angle = real[7]};
+    Failure failure;
+    if (linear_rotor_planar(&values, &own->rotor, &failure)) {
+        return unit_failed(unit, &failure, NULL, 0);
+    }
+    return 0;
+}
+
+/* Stiffness and damping of both supports, from the first of them on: x, y, x, y each. */
+static void support_values(const double *real, double *stiffness, double *damping)
+{
+    int s, axis;
+    for (s = 0; s < 2; s++) {
+        for (axis = 0; axis < 2; axis++) {
+            stiffness[2 * s + axis] = real[4 * s + axis];
+            damping[2 * s + axis] = real[4 * s + 2 + axis];
+        }
+    }
+}
+
+static int two_support(Unit *unit)
+{
+    Rotor *own = unit->own;
+    const double *real = unit->real;
+    TwoSupport values = {.mass = real[0],
+                         .inertia = real[1],
+                         .polar_inertia = real[2],
+                         .span = real[3],
+                         .com = real[4],
+                         .planes = real + 13,
+                         .unbalance_count = own->unbalances,
+                         .unbalances = real + 13 + own->planes};
+    Failure failure;
+    support_values(real + 5, values.stiffness, values.damping);
+    if (linear_rotor_two_support(&values, &own->rotor, &failure)) {
+        return unit_failed(unit, &failure, NULL, 0);
+    }
+    return 0;
+}
+
+/* Index of the station at a place; -1 when there is none, with the reason. */
+static int station_at(Unit *unit, const double *z, size_t reference)
+{
+    const int n = ((const Rotor *)unit->own)->stations;
+    const double place = unit->real[reference];
+    int nearest = 0, j;
+    for (j = 1; j < n; j++) {
+        if (absolute(z[j] - place) < absolute(z[nearest] - place)) {
+            nearest = j;
+        }
+    }
+    if (!(absolute(z[nearest] - place) <= ONTO * absolute(z[n - 1] - z[0]))) {
+        Text *reason = unit_reason(unit);
+        layout_shown(&unit->layout, reference, place, reason);
+        text_put(reason, ": must be the place of a station, one of ");
+        text_list(reason, z, (size_t)n);
+        text_put(reason, " m");
+        return -1;
+    }
+    return nearest;
+}
+
+/* The compliance (n - 2, n - 2) from its upper triangle. */
+static void symmetric(const double *triangle, int size, double *compliance)
+{
+    int j, k;
+    for (j = 0; j < size; j++) {
+        for (k = j; k < size; k++) {
+            compliance[j * size + k] = compliance[k * size + j] = *triangle++;
+        }
+    }
+}
+
+static int flexible(Unit *unit)
+{
+    Rotor *own = unit->own;
+    const int n = own->stations, bent = n - 2;
+    const int given = text_equal(unit->layout.table->shaft, "compliance");
+    const size_t supports = 2 * (size_t)n, shaft = supports + 10;
+    const size_t damping = shaft + (given ? (size_t)(bent * (bent + 1) / 2) : 1);
+    const size_t ports = damping + 1, unbalances = ports + (size_t)own->planes;
+    const double *real = unit->real;
+    double *z = own->values, *masses = z + n, *kept = masses + n;
+    double *compliance = kept + 3 * own->unbalances, *scratch = compliance + bent * bent;
+    Flexible values;
+    Failure failure;
+    int j, misplaced = -1;
+    for (j = 0; j < n; j++) {
+        z[j] = real[2 * j];
+        masses[j] = real[2 * j + 1];
+    }
+    for (j = 0; j < 2; j++) {
+        const int station = station_at(unit, z, supports + (size_t)j);
+        if (station < 0) {
+            return 1;
+        }
+        values.supports[j] = station + 1;
+    }
+    support_values(real + supports + 2, values.support_stiffness, values.support_damping);
+    symmetric(real + shaft, given ? bent : 0, compliance);
+    values.stations = z;
+    values.masses = masses;
+    values.bending_stiffness = real[shaft];
+    values.compliance = given ? compliance : NULL;
+    values.internal_damping = real[damping];
+    values.unbalance_count = 0;
+    values.unbalances = kept;
+    values.ports = own->ports;
+    for (j = 0; j < own->unbalances; j++) {
+        const double *unbalance = real + unbalances + 3 * (size_t)j;
+        /* one without amount may keep its default place, where there is no station */
+        if (unbalance[1] != 0.0) {
+            memcpy(kept + 3 * values.unbalance_count++, unbalance, 3 * sizeof(double));
+        }
+    }
+    for (j = own->planes - 1; j >= 0; j--) {
+        own->ports[j] = station_at(unit, z, ports + (size_t)j);
+        if (own->ports[j] < 0) {
+            own->ports[j] = 0;
+            misplaced = j;
+        }
+    }
+    if (linear_rotor_flexible(&values, &own->rotor, scratch, &failure)) {
+        return failure.code == FAILURE_NOT_ELASTIC
+                   ? unit_failed(unit, &failure, scratch, (size_t)(bent * bent))
+                   : unit_failed(unit, &failure, z, (size_t)n);
+    }
+    return misplaced >= 0; /* the reason is that of the first one */
+}
+
+size_t rotor_shortest_stopped(const Unit *unit)
+{
+    return unit->layout.parameters.count - 4 * (size_t)((const Rotor *)unit->own)->stations - 2;
+}
+
+/* Value reference of the first slider's first parameter. */
+static size_t slider_parameters(const Unit *unit)
+{
+    return rotor_shortest_stopped(unit) - 5 * (size_t)unit->layout.sizes.sliders;
+}
+
+/* Sliders along x and y, in the order of the parameters; 1 with the reason. */
+static int set_sliders(Unit *unit)
+{
+    Rotor *own = unit->own;
+    const int supports = own->kind == PLANAR ? 1 : 2;
+    size_t first = slider_parameters(unit);
+    int k, axis;
+    for (k = 0; k < own->slider_count; k += 2, first += 5) {
+        const double *real = unit->real + first;
+        int station;
+        if (real[0] != 1.0 && real[0] != (double)supports) {
+            Text *reason = unit_reason(unit);
+            layout_shown(&unit->layout, first, real[0], reason);
+            text_put(reason, supports == 1 ? ": must be 1" : ": must be 1 or 2");
+            return 1;
+        }
+        station = (int)real[0] - 1;
+        if (own->kind == FLEXIBLE) {
+            station = station_at(unit, own->values, 2 * (size_t)own->stations + (size_t)station);
+        }
+        for (axis = 0; axis < 2; axis++) {
+            Slider *slider = own->sliders + k + axis;
+            slider->station = station;
+            slider->axis = axis;
+            slider->limit = real[1 + axis];
+            slider->stiffness = real[3 + axis];
+        }
+    }
+    own->rotor.sliders = own->slider_count > 0;
+    return 0;
+}
+
+int rotor_of_parameters(Unit *unit)
+{
+    Rotor *own = unit->own;
+    const double *gravity = unit->real + layout_index(&unit->layout, "gravity_x", 1);
+    own->rotor = linear_rotor_in(own->rotor_memory, own->stations, own->planes);
+    own->rotor.gravity[0] = gravity[0];
+    own->rotor.gravity[1] = gravity[1];
+    return (own->kind == PLANAR        ? planar(unit)
+            : own->kind == TWO_SUPPORT ? two_support(unit)
+                                       : flexible(unit)) ||
+           set_sliders(unit);
+}

@@ -1,0 +1,419 @@
+/* The balancer with balls, rollers or pendulums, Filimonikhina 2017 (4), as a unit. */
+#include <string.h>
+
+#include "units/weights.h"
+#include "base/elementary.h"
+#include "base/quintic.h"
+#include "base/spin.h"
+#include "contact/centre.h"
+#include "contact/pulse.h"
+
+/* Angles, speeds, contacts (N,) each, impulse owed and pulse given as xi, eta each, of which plain
+   weights use the first two; and how long ago the inputs were set. */
+static size_t memory_size(const Layout *layout)
+{
+    return 3 * (size_t)layout->sizes.weights + 5;
+}
+
+static void starts(const Layout *layout, double *real)
+{
+    int k;
+    for (k = 0; k < layout->sizes.weights; k++) {
+        real[FIRST_ANGLE + k] = TAU * k / layout->sizes.weights;
+    }
+}
+
+static int allocate(Unit *unit)
+{
+    Balls *own = unit->own;
+    own->count = unit->layout.sizes.weights;
+    own->orders = unit->layout.sizes.order + 1;
+    own->scratch = unit_allocate(unit, track_scratch(own->count), sizeof(double));
+    own->turned = unit_allocate(unit, 2 * (size_t)own->count, sizeof(Turned));
+    return !own->scratch || !own->turned;
+}
+
+/* A Boolean parameter; 0 where the unit is declared without it. */
+static int flag(const Unit *unit, const char *name)
+{
+    const Table *table = unit->layout.table;
+    int k;
+    for (k = 0; k < table->flag_count; k++) {
+        if (text_equal(table->flags[k].name, name)) {
+            return unit->boolean[k];
+        }
+    }
+    return 0;
+}
+
+static int refuse_size(Unit *unit, double size, double radius)
+{
+    Text *reason = unit_reason(unit);
+    text_put(reason, "weight_radius = ");
+    text_number(reason, size);
+    text_put(reason, " m: such weights do not fit on a track of radius ");
+    text_number(reason, radius);
+    text_put(reason, " m, which must be larger");
+    return 1;
+}
+
+static int parameters(Unit *unit)
+{
+    Balls *own = unit->own;
+    Track *track = &own->track;
+    const double *real = unit->real;
+    Failure failure;
+    int k;
+    track->weights.count = own->count;
+    track->weights.mass = real[MASS];
+    track->weights.track_radius = real[TRACK_RADIUS];
+    track->weights.kappa = real[KAPPA];
+    track->weights.drag = real[DRAG];
+    track->weight_radius = real[WEIGHT_RADIUS];
+    track->restitution = real[RESTITUTION];
+    track->mobility = real[MOBILITY];
+    track->rolling_resistance = real[ROLLING];
+    track->offset = complex_of(real[OFFSET_XI], real[OFFSET_ETA]);
+    own->quadrature = quadrature_empty();
+    own->quintic = quintic_quadrature_empty();
+    for (k = 0; k < 2 * own->count; k++) {
+        own->turned[k].angle = not_a_number();
+    }
+    if (real[WEIGHT_RADIUS] >= real[TRACK_RADIUS]) {
+        return refuse_size(unit, real[WEIGHT_RADIUS], real[TRACK_RADIUS]);
+    }
+    if (track_prepare(track, &failure)) {
+        return unit_failed(unit, &failure, NULL, 0);
+    }
+    own->plain = !track->eventful && real[OFFSET_XI] == 0.0 && real[OFFSET_ETA] == 0.0;
+    if (own->orders == QUINTIC_ORDERS && track->eventful) {
+        fail(&failure, FAILURE_QUINTIC_WEIGHTS, "order", 0, 5.0, 0.0, 0.0, 0.0);
+        return unit_failed(unit, &failure, NULL, 0);
+    }
+    own->stop_at_contact = flag(unit, "stop_at_contact") && unit->may_end_early;
+    own->carried = flag(unit, "inertia_as_force") ? 0.0 : weights_added_mass(&track->weights);
+    own->sent = weights_added_mass(&track->weights) - own->carried;
+    return 0;
+}
+
+static int begin(Unit *unit)
+{
+    const Balls *own = unit->own;
+    const size_t count = (size_t)own->count;
+    double *angles = unit->memory;
+    Failure failure;
+    memset(unit->memory, 0, unit->memory_count * sizeof(double));
+    memcpy(angles, unit->real + FIRST_ANGLE, 2 * count * sizeof(double));
+    if (!own->plain && track_first_contacts(&own->track, angles, angles + count,
+                                            angles + 2 * count, own->scratch, &failure)) {
+        return unit_failed(unit, &failure, angles, count);
+    }
+    return 0;
+}
+
+/* What collisions have left owed, and the pulse at the end of the last step, in the unit's memory. */
+static double *impulses(const Unit *unit)
+{
+    return unit->memory + 3 * ((const Balls *)unit->own)->count;
+}
+
+static Complex weights_pulse(const Unit *unit)
+{
+    return complex_of(impulses(unit)[2], impulses(unit)[3]);
+}
+
+/* The second derivative of a vector in the axes of weights_rotating, from the fixed axes' vector. */
+static Complex rotating_second(double angle, double speed, double spin_up, Complex value,
+                               Complex slope, Complex second)
+{
+    /* second - 2 i w slope - (w^2 + i w') value */
+    const Complex moved = complex_product(complex_of(speed * speed, spin_up), value);
+    const Complex seen = complex_of(second.re + 2.0 * speed * slope.im - moved.re,
+                                    second.im - 2.0 * speed * slope.re - moved.im);
+    return complex_product(seen, rect(1.0, -angle));
+}
+
+void weights_rotating(double angle, double speed, Complex *value, Complex *slope)
+{
+    const Complex turn = rect(1.0, -angle);
+    /* slope - i w value */
+    const Complex seen = complex_of(slope->re + speed * value->im, slope->im - speed * value->re);
+    *value = complex_product(*value, turn);
+    *slope = complex_product(seen, turn);
+}
+
+RotorMotion weights_motion_now(const Unit *unit)
+{
+    const Balls *own = unit->own;
+    const double *in = weights_drive(unit), *spin_up = in + ACCELERATION;
+    const double ago = unit->memory[unit->memory_count - 1];
+    const Drift more = drift(spin_up, ago);
+    RotorMotion now;
+    now.second = complex_of(0.0, 0.0);
+    if (unit->layout.sizes.order == 5) {
+        Complex motion[3];
+        signal_derivatives(unit->real + unit->layout.inputs.first, 5, ago, motion);
+        now.acceleration = motion[0];
+        now.slope = motion[1];
+        now.second = motion[2];
+    } else {
+        Complex cubic[SIGNAL_ORDERS];
+        signal_orders(in, cubic);
+        signal_at(cubic, ago, &now.acceleration, &now.slope);
+    }
+    now.angle = in[ANGLE] + ago * (in[SPEED] + 0.5 * spin_up[0] * ago) + more.angle;
+    now.speed = in[SPEED] + spin_up[0] * ago + more.speed;
+    now.spin_up = spin_up[0] + more.acceleration;
+    now.change = more.slope;
+    now.curvature = spin_up[2] + ago * spin_up[3];
+    if (unit->layout.sizes.fixed_frame) {
+        now.second = rotating_second(now.angle, now.speed, now.spin_up, now.acceleration, now.slope,
+                                     now.second);
+        weights_rotating(now.angle, now.speed, &now.acceleration, &now.slope);
+    }
+    now.answered = complex_scaled(own->track.mobility, weights_pulse(unit));
+    now.acceleration = complex_difference(now.acceleration, now.answered);
+    return now;
+}
+
+/* Residual force of the weights on the rotor and its slope in its frame, without pulses; 1 with the
+   reason. */
+static int force_now(Unit *unit, const RotorMotion *now, Complex *force)
+{
+    const Balls *own = unit->own;
+    const size_t count = (size_t)own->count;
+    const double *angles = unit->memory;
+    Failure failure;
+    if (own->plain) {
+        weights_reaction(&own->track.weights, angles, angles + count, now->acceleration, now->slope,
+                         now->speed, now->spin_up, now->change, force, force + 1, own->turned);
+    } else if (track_reaction(&own->track, angles, angles + count, angles + 2 * count,
+                              now->acceleration, now->slope, now->speed, now->spin_up, now->change,
+                              force, force + 1, own->scratch, &failure)) {
+        return unit_failed(unit, &failure, angles, count);
+    }
+    return 0;
+}
+
+/* Second derivative of the force, whose value and slope are given in the rotor's axes. */
+static void put_second(Unit *unit, const RotorMotion *now, const Complex *force, double *out)
+{
+    const Balls *own = unit->own;
+    const Complex motion[3] = {now->acceleration, now->slope, now->second};
+    Complex second = track_reaction_second(&own->track, unit->memory, unit->memory + own->count,
+                                           motion, now->speed, &now->spin_up, own->turned);
+    second = complex_difference(second, complex_scaled(own->sent, now->second));
+    if (unit->layout.sizes.fixed_frame) {
+        second = rotating_second(-now->angle, -now->speed, -now->spin_up, force[0], force[1], second);
+    }
+    out[0] = second.re;
+    out[1] = second.im;
+}
+
+/* Computed outputs. */
+static int put(Unit *unit)
+{
+    const Balls *own = unit->own;
+    const RotorMotion now = weights_motion_now(unit);
+    double *out = unit->real + unit->layout.computed.first;
+    Complex force[3];
+    if (force_now(unit, &now, force)) {
+        return 1;
+    }
+    force[0] = complex_sum(force[0], weights_pulse(unit));
+    if (own->sent != 0.0) {
+        const Complex whole = complex_sum(now.acceleration, now.answered);
+        force[0] = complex_difference(force[0], complex_scaled(own->sent, whole));
+        force[1] = complex_difference(force[1], complex_scaled(own->sent, now.slope));
+    }
+    if (own->orders == QUINTIC_ORDERS) {
+        out += 2;
+        put_second(unit, &now, force, out + FORCE_SLOPE);
+    }
+    if (unit->layout.sizes.fixed_frame) {
+        weights_rotating(-now.angle, -now.speed, force, force + 1);
+    }
+    out[ADDED_MASS] = own->carried;
+    out = unit->real + unit->layout.computed.first;
+    out[FORCE] = force[0].re;
+    out[FORCE + 1] = force[0].im;
+    out[FORCE_SLOPE] = force[1].re;
+    out[FORCE_SLOPE + 1] = force[1].im;
+    return 0;
+}
+
+/* Take what the plane answers the pulse with off the acceleration over a step of this length, at whose
+   end the pulse is `given`. */
+static void take_off_answer(double mobility, Complex pulse, Complex given, double length,
+                            Complex *cubic)
+{
+    const Complex none = {0.0, 0.0};
+    Complex answer[SIGNAL_ORDERS];
+    int k;
+    signal_hermite(complex_scaled(mobility, pulse), none, complex_scaled(mobility, given), none,
+                   length, answer);
+    for (k = 0; k < SIGNAL_ORDERS; k++) {
+        cubic[k] = complex_difference(cubic[k], answer[k]);
+    }
+}
+
+/* What ends a step of this length. */
+static int stops_of(const Unit *unit, double length)
+{
+    const Balls *own = unit->own;
+    if (!own->stop_at_contact) {
+        return 0;
+    }
+    return (length >= unit->real[SHORTEST_STOPPED] ? STOPS_AT_EVENTS : 0) |
+           (unit->leaves_impacts ? STOPS_AT_IMPACTS : 0);
+}
+
+/* One step of weights that may touch, stick or run off centre. */
+static int meet(Unit *unit, Complex *cubic, double speed, const double *spin_up, double length)
+{
+    Balls *own = unit->own;
+    const size_t count = (size_t)own->count;
+    double *angles = unit->memory, *owes = impulses(unit);
+    const Complex pulse = weights_pulse(unit);
+    Complex owed = complex_of(owes[0], owes[1]), left = owed, given;
+    Moved moved;
+    Failure failure;
+    moved.angles = angles;
+    moved.speeds = angles + count;
+    moved.contacts = angles + 2 * count;
+    given = pulse_ahead(pulse, length * (speed + 0.5 * spin_up[0] * length), length, &left);
+    take_off_answer(own->track.mobility, pulse, given, length, cubic);
+    if (track_advance(&own->track, moved.angles, moved.speeds, moved.contacts, cubic, speed,
+                      spin_up, length, stops_of(unit, length), &moved, own->scratch, &failure)) {
+        return unit_failed(unit, &failure, unit->before, count);
+    }
+    unit->made = moved.reached;
+    if (moved.reached == 0.0) {
+        return 0;
+    }
+    if (moved.reached < length) {
+        length = moved.reached;
+        left = owed;
+        given = pulse_ahead(pulse, length * (speed + 0.5 * spin_up[0] * length), length, &left);
+    }
+    owed = complex_sum(left, moved.impulse);
+    owes[0] = owed.re;
+    owes[1] = owed.im;
+    owes[2] = given.re;
+    owes[3] = given.im;
+    return 0;
+}
+
+/* Move point weights under a quintic signal. */
+static int step_quintic(Unit *unit, double length)
+{
+    Balls *own = unit->own;
+    const double *in = weights_drive(unit), *spin_up = in + ACCELERATION;
+    double *angles = unit->memory, *speeds = unit->memory + own->count;
+    Complex signal[QUINTIC_ORDERS];
+    Failure failure;
+    signal_quintic(unit->real + unit->layout.inputs.first, signal);
+    if (unit->layout.sizes.fixed_frame) {
+        Complex ends[2][3];
+        int k;
+        for (k = 0; k < 2; k++) {
+            const double t = k * length;
+            const Drift more = drift(spin_up, t);
+            const double angle = in[ANGLE] + t * (in[SPEED] + 0.5 * spin_up[0] * t) + more.angle;
+            const double speed = in[SPEED] + spin_up[0] * t + more.speed;
+            Complex *end = ends[k];
+            quintic_at(signal, t, end);
+            end[2] = rotating_second(angle, speed, spin_up[0] + more.acceleration, end[0], end[1],
+                                     end[2]);
+            weights_rotating(angle, speed, end, end + 1);
+        }
+        signal_quintic_hermite(ends[0], ends[1], length, signal);
+    }
+    shift_quintic(signal, own->track.offset, in[SPEED], spin_up);
+    if (quintic_weights_advance(&own->track.weights, angles, speeds, signal, spin_up, length, angles,
+                                speeds, &own->quintic, own->turned, &failure)) {
+        return unit_failed(unit, &failure, unit->before, (size_t)own->count);
+    }
+    unit->memory[unit->memory_count - 1] = unit->made;
+    return put(unit);
+}
+
+static int step(Unit *unit, double length)
+{
+    Balls *own = unit->own;
+    const double *in = unit->real + unit->layout.inputs.first, *spin_up = in + ACCELERATION;
+    const double speed = in[SPEED];
+    double *angles = unit->memory, *speeds = unit->memory + own->count;
+    Complex cubic[SIGNAL_ORDERS];
+    Failure failure;
+    if (own->orders == QUINTIC_ORDERS) {
+        return step_quintic(unit, length);
+    }
+    signal_orders(in, cubic);
+    if (unit->layout.sizes.fixed_frame) {
+        const Drift more = drift(spin_up, length);
+        const double angle = in[ANGLE] + (length * (speed + 0.5 * spin_up[0] * length) + more.angle);
+        Complex start = cubic[0], start_slope = cubic[1], end, end_slope;
+        signal_at(cubic, length, &end, &end_slope);
+        weights_rotating(angle, speed + spin_up[0] * length + more.speed, &end, &end_slope);
+        weights_rotating(in[ANGLE], speed, &start, &start_slope);
+        signal_hermite(start, start_slope, end, end_slope, length, cubic);
+    }
+    if (!own->plain) {
+        if (meet(unit, cubic, speed, spin_up, length)) {
+            return 1;
+        }
+    } else if (weights_advance(&own->track.weights, angles, speeds, cubic, spin_up, length,
+                               angles, speeds, &own->quadrature, own->turned, &failure)) {
+        return unit_failed(unit, &failure, unit->before, (size_t)own->count);
+    }
+    unit->memory[unit->memory_count - 1] = unit->made;
+    return put(unit);
+}
+
+static int outputs(Unit *unit)
+{
+    unit->memory[unit->memory_count - 1] = 0.0;
+    return put(unit);
+}
+
+static void observe(Unit *unit)
+{
+    const Balls *own = unit->own;
+    const size_t count = (size_t)own->count;
+    const Complex moment = track_static_moment(&own->track, unit->memory, own->turned);
+    double *out = unit->real + unit->layout.observed.first;
+    memcpy(out, unit->memory, 2 * count * sizeof(double));
+    out[2 * count] = moment.re;
+    out[2 * count + 1] = moment.im;
+    out[2 * count + 2] = weights_alignment(own->count, unit->memory, own->turned);
+}
+
+static void observe_torques(Unit *unit)
+{
+    const Balls *own = unit->own;
+    const double *angles = unit->memory, *speeds = angles + own->count;
+    const RotorMotion now = weights_motion_now(unit);
+    const Complex motion[2] = {now.acceleration, now.slope};
+    double *out = unit->real + unit->layout.real_count - 2;
+    Complex force[2];
+    Failure failure;
+    if (force_now(unit, &now, force) ||
+        track_torque(&own->track, angles, speeds, speeds + own->count, motion, force, now.speed,
+                     now.spin_up, now.change, out, own->scratch, &failure)) {
+        out[0] = out[1] = not_a_number();
+    }
+}
+
+static size_t signals(const Layout *layout, size_t *first)
+{
+    *first = layout->inputs.first;
+    return SIGNALS;
+}
+
+const Equations WEIGHTS_EQUATIONS = {
+    .name = "BallBalancer", .own_size = sizeof(Balls), .memory_size = memory_size,
+    .starts = starts, .allocate = allocate, .parameters = parameters, .begin = begin, .step = step,
+    .outputs = outputs, .observe = observe, .observe_torques = observe_torques,
+    .is_torque = unit_ends_with, .signals = signals, .directional = weights_directional,
+    .slope = weights_slope};

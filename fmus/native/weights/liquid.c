@@ -1,0 +1,39 @@
+#include "weights/liquid.h"
+
+#include "base/elementary.h"
+
+int liquid_check(const Liquid *liquid, Failure *failure)
+{
+    int code = demand_positive("chamber_radius", liquid->chamber_radius, failure);
+    code = code ? code : demand_positive("float_radius", liquid->float_radius, failure);
+    code = code ? code : demand_positive("height", liquid->height, failure);
+    code = code ? code : demand_positive("density", liquid->density, failure);
+    if (!code && liquid->float_radius >= liquid->chamber_radius) {
+        code = fail(failure, FAILURE_FLOAT_RADIUS, "float_radius", 0, liquid->float_radius,
+                    liquid->chamber_radius, 0.0, 0.0);
+    }
+    return code;
+}
+
+double liquid_gap(const Liquid *liquid)
+{
+    return liquid->chamber_radius - liquid->float_radius;
+}
+
+double liquid_mass(const Liquid *liquid)
+{
+    /* the factored difference of squares keeps its digits in a thin gap */
+    const double area = PI * liquid_gap(liquid) * (liquid->chamber_radius + liquid->float_radius);
+    return liquid->density * area * liquid->height;
+}
+
+double liquid_added_mass(const Liquid *liquid)
+{
+    return liquid->density * PI * (liquid->chamber_radius * liquid->chamber_radius) *
+           liquid->height;
+}
+
+double liquid_clearance(const Liquid *liquid, Complex displacement)
+{
+    return liquid_gap(liquid) - hypotenuse(displacement.re, displacement.im);
+}
