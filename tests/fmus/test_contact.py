@@ -4,9 +4,7 @@ from __future__ import annotations
 
 import cmath
 import math
-import shutil
 
-import numpy as np
 import pytest
 
 from autobalancer.harness import load_scene
@@ -134,21 +132,6 @@ def test_weights_that_touch_at_the_start_press_on_each_other_in_the_first_force(
     free = track.reaction(*state, [0.0] * 3, a, 0j, SPEED, 0.0)[0]
     assert found == pytest.approx(pressed, rel=1e-12)
     assert abs(pressed - free) > 1e-3 * abs(pressed)
-
-
-def test_sixty_four_packed_weights_stay_packed_in_the_fmu(fmu, host_of):
-    alpha = math.asin(0.02)
-    host = host_of(fmu("BallBalancer", weights=64))
-    values = {"mass": 1e-3, "track_radius": 0.5, "weight_radius": 0.01, "drag": 1e-3,
-              "speed": SPEED, "a_xi": 5.0}  # fmt: skip
-    # packed on the side to which they are driven: theta'' = -Im(a e^{-i theta})/(kappa R)
-    values |= {f"weight[{k}].angle0": math.pi + alpha * (2 * k - 65) for k in range(1, 65)}
-    host.start(**values)
-    shutil.rmtree(f"{host.slave.unzipDirectory}/resources", True)  # nothing is read later
-    host.run(300, step=5e-3)
-    angles = [host[f"weight[{k}].angle"] for k in range(1, 65)]
-    host.free()
-    assert np.diff(angles) == pytest.approx(2 * alpha, abs=1e-9)
 
 
 def test_a_scene_tells_weights_that_meet_the_mobility_of_their_plane():

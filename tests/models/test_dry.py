@@ -34,8 +34,8 @@ def test_a_free_vibration_loses_four_limits_over_the_stiffness_a_period_and_stay
 SLIDERS = (Slider(0, 0, 1.0), Slider(0, 1, 0.7, 2e4), Slider(1, 0, 0.5, 4e4), Slider(1, 1, 2.0))
 
 
-@pytest.mark.parametrize("gravity", [0.0, 4.0 - 9.81j])
-def test_sliders_are_those_of_the_units_step(friction_of, gravity):
+@pytest.mark.parametrize(("gravity", "ramp"), [(0.0, 0.0), (4.0 - 9.81j, 0.0), (0.0, 400.0)])
+def test_sliders_are_those_of_the_units_step(friction_of, gravity, ramp):
     body = LinearRotor.two_support(
         mass=1.28, inertia=0.0138, polar_inertia=0.00124, span=0.26, com=0.11, planes=[0.1],
         stiffness=[(2e4, 3e4), (1.5e4, 2e4)], damping=[(4.0, 6.0), (3.0, 5.0)],
@@ -44,12 +44,14 @@ def test_sliders_are_those_of_the_units_step(friction_of, gravity):
     body = replace(body, gravity=gravity, sliders=SLIDERS)
     start = Start((2e-4, -1e-4), (1e-4, 2e-4), (0.05, -0.02), (0.01, 0.04), 0.3)
     times = np.linspace(0.0, 0.1, 41)
-    run = simulate(Assembly(body), SpeedProfile.constant(150.0), times, initial=start, rtol=1e-11)
+    profile = SpeedProfile(150.0, 150.0 + 0.2 * ramp, 0.2 if ramp else 0.0)
+    run = simulate(Assembly(body), profile, times, initial=start, rtol=1e-11)
     method = friction_of(body)
     state = np.array([*start.x, *start.y, *start.vx, *start.vy])
     held, found = method.at_start(state), [state]
     for begin, end in pairwise(times):
-        drive = Drive(np.zeros((4, 1), complex), 0.3 + 150.0 * begin, 150.0)
+        angle, speed = 0.3 + profile.angle(begin), profile.speed(begin)
+        drive = Drive(np.zeros((4, 1), complex), angle, speed, (ramp, 0.0, 0.0, 0.0))
         state, held = method.advance(state, held, drive, end - begin)
         found.append(state)
     right = np.array(found)

@@ -8,7 +8,6 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from scipy.integrate import solve_ivp
 
 from autobalancer.models.rotor import LinearRotor, Slider
 from tests.native.equations import Drive
@@ -177,97 +176,6 @@ def test_energy_goes_into_the_slip_alone(friction_of):
     first, last = energy(start, method.at_start(start)), energy(*now)
     assert last < 0.3 * first
     assert first - last == pytest.approx(lost, rel=1e-10)
-
-
-def reference(rotor, sliders, state, drive, seconds):
-    """The same by SciPy: a right-hand side a set of directions, its events, and how often."""
-    n = rotor.stations
-    at = [s.axis * n + s.station for s in sliders]
-    inverse = np.linalg.inv(np.kron(np.eye(2), rotor.mass))
-    rigid = [j for j, s in enumerate(sliders) if not s.stiffness]
-    slips = [float(np.sign(state[2 * n + i])) if j in rigid else 0.0 for j, i in enumerate(at)]
-    y = np.concatenate([state, np.zeros(len(sliders))])  # and the springs' forces
-
-    def free(t, y):
-        beta, w, spin_up, *_ = turning(drive, t)
-        mass, damping, stiffness = rotor.coefficients(w)
-        pull = rotor.unbalance * (w * w - 1j * spin_up) * np.exp(1j * beta)
-        pull = pull + mass[:n, :n].sum(axis=1) * rotor.gravity
-        load = np.concatenate([pull.real, pull.imag]) - stiffness @ y[: 2 * n]
-        return load - damping @ y[2 * n : 4 * n]
-
-    def loads(t, y):
-        """Load of all but rigid sliders at rest, and the forces that hold these."""
-        load = free(t, y)
-        for j, i in enumerate(at):
-            if j in rigid:
-                load[i] -= slips[j] * sliders[j].limit
-            else:
-                load[i] += y[4 * n + j]
-        stuck = [at[j] for j in rigid if slips[j] == 0.0]
-        hold = np.zeros(2 * n)
-        if stuck:
-            hold[stuck] = -np.linalg.solve(inverse[np.ix_(stuck, stuck)], (inverse @ load)[stuck])
-        return load, hold
-
-    def rhs(t, y):
-        load, hold = loads(t, y)
-        springs = [
-            0.0 if j in rigid or slips[j] else -sliders[j].stiffness * y[2 * n + i]
-            for j, i in enumerate(at)
-        ]
-        return np.concatenate([y[2 * n : 4 * n], inverse @ (load + hold), springs])
-
-    def event(j):
-        def value(t, y):
-            if slips[j]:
-                return slips[j] * y[2 * n + at[j]]
-            force = loads(t, y)[1][at[j]] if j in rigid else y[4 * n + j]
-            return sliders[j].limit - abs(force)
-
-        value.terminal, value.direction = True, -1
-        return value
-
-    t, count = 0.0, 0
-    while True:
-        done = solve_ivp(rhs, (t, seconds), y, "DOP853", rtol=1e-12, atol=1e-15, max_step=2e-4,
-                         events=[event(j) for j in range(len(sliders))])  # fmt: skip
-        t, y = done.t[-1], done.y[:, -1].copy()
-        if done.status == 0:
-            return y, count
-        (j,) = (j for j, times in enumerate(done.t_events) if len(times))
-        count += 1
-        i = at[j]
-        if slips[j] == 0.0:
-            force = loads(t, y)[1][i] if j in rigid else y[4 * n + j]
-            slips[j] = -math.copysign(1.0, force)
-        else:  # all that slip there come to rest
-            for other in range(len(sliders)):
-                slips[other] = 0.0 if at[other] == i and slips[other] else slips[other]
-            y[2 * n + i] = 0.0
-            for other in {k for k in rigid if at[k] == i}:
-                needed = loads(t, y)[1][i]
-                if abs(needed) > sliders[other].limit:
-                    slips[other] = -math.copysign(1.0, needed)
-        # off the event that has just been
-        h = 1e-9
-        k = rhs(t, y)
-        y, t = y + h * k + 0.5 * h * (rhs(t + h, y + h * k) - k), t + h
-
-
-@pytest.mark.parametrize("gravity", [0.0, 4.0 - 9.81j])
-@pytest.mark.parametrize("spin_up", [[0.0], [400.0], [400.0, -8e3, 3e5, -5e6]])
-def test_stick_and_slip_are_those_of_an_independent_integration(friction_of, spin_up, gravity):
-    sliders, body = SLIDERS[:5], replace(BODY, gravity=gravity)
-    state = np.array([2e-4, -1e-4, 1e-4, 2e-4, 0.05, -0.02, 0.01, 0.04])
-    drive = Drive(NO_FORCE, 0.3, 150.0, (*spin_up, 0.0, 0.0, 0.0)[:4])
-    expected, events = reference(body, sliders, state, drive, 0.1)
-    assert events > 10
-    method = friction_of(replace(body, sliders=sliders))
-    found, held = run(method, state, 0.1, 57, drive)[-1]
-    np.testing.assert_allclose(found[:4], expected[:4], atol=3e-9 * np.abs(expected[:4]).max())
-    springs = [s.stiffness > 0.0 for s in sliders]
-    np.testing.assert_allclose(held[springs, 1], expected[8:][springs], atol=1e-6)
 
 
 @pytest.mark.parametrize("rates", [(0.0, 0.0, 0.0), (-8e3, 3e5, -5e6)])

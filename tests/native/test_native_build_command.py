@@ -41,13 +41,6 @@ def test_units_are_native_and_for_every_platform(tmp_path):
         }
 
 
-def test_platforms_asked_for_are_the_only_ones(tmp_path):
-    chosen = ("--platform", "x86_64-linux", "--platform", "x86_64-windows")
-    outcome = invoke("liquid_disc", "-o", tmp_path, *chosen)
-    assert outcome.exit_code == 0, outcome.output
-    assert folders(tmp_path / "LiquidBalancer.fmu") == {"linux64", "win64"}
-
-
 def test_units_of_fmi_3_on_request(tmp_path):
     outcome = invoke("--fmi", "3", "-o", tmp_path)
     assert outcome.exit_code == 0, outcome.output

@@ -10,8 +10,6 @@ import mpmath
 import numpy as np
 import pytest
 
-from autobalancer.models import weights as described
-from autobalancer.models.liquid import Liquid
 from autobalancer.models.steps import weights as points
 from autobalancer.models.weights import Weights
 from tests.native.equations import STEADY
@@ -82,42 +80,6 @@ def test_a_step_may_overwrite_the_state_it_starts_from(core):
         assert speeds.tolist() == apart[1].tolist()
 
 
-def test_reactions_of_point_weights_are_those_of_python(core):
-    random = np.random.default_rng(5)
-    for _ in range(400):
-        python, native = _weights(core, random, float(random.choice(DRAGS[:5])))
-        angles = random.uniform(-50.0, 50.0, python.count)
-        speeds = random.normal(size=python.count) * 100.0
-        a, slope, *_ = _signal(random).tolist()
-        drive = random.uniform(-900.0, 900.0), random.uniform(-300.0, 300.0)
-        expected = points.reaction(python, angles, speeds, a, slope, *drive)
-        force, force_slope = core.structures.Complex(), core.structures.Complex()
-        core(
-            "weights_reaction", byref(native), angles, speeds, a, slope, *drive, 0.0,
-            byref(force), byref(force_slope), None,
-        )  # fmt: skip
-        radius = python.point_capacity * python.damping_rate
-        for found, exact, size in (
-            (force, expected[0], python.point_capacity * 1e6),
-            (force_slope, expected[1], (python.point_capacity + radius) * 1e9),
-        ):
-            assert abs(complex(found.re, found.im) - exact) <= 1e-15 * max(abs(exact), size)
-
-
-def test_moment_and_spread_of_weights_are_those_of_python(core):
-    random = np.random.default_rng(6)
-    for _ in range(100):
-        python, native = _weights(core, random)
-        angles = random.uniform(-1e3, 1e3, python.count)
-        moment = core("weights_static_moment", byref(native), angles, None)
-        expected = described.static_moment(python, angles)
-        assert abs(complex(moment.re, moment.im) - expected) <= 1e-15 * python.point_capacity
-        spread = core("weights_alignment", python.count, angles, None)
-        assert spread == pytest.approx(described.alignment(angles), abs=1e-15)
-        assert core("weights_added_mass", byref(native)) == python.added_mass
-        assert core("weights_damping_rate", byref(native)) == python.damping_rate
-
-
 def test_response_to_rate_and_drive_is_exact_whatever_the_drag(core):
     phi = np.empty(6)
     for z in [0.0, -1e-12, -1e-3, -0.3, -0.999999, -1.0, -1.0000001, -1.5, -30.0, -1e3, -1e9]:
@@ -158,54 +120,3 @@ def test_steps_that_python_refuses_are_refused_with_the_numbers_of_its_message(c
         if code != "FAILURE_ANGLES":
             for value in failure.value:
                 assert f"{value:.3g}" in str(error.value) or f"{value:g}" in str(error.value)
-
-
-def test_weights_that_python_refuses_are_refused_in_the_same_order(core):
-    good = {"count": 2, "mass": 0.01, "track_radius": 0.05, "drag": 0.05, "kappa": 1.4}
-    bad = {
-        "count": (0, -1),
-        "mass": (0.0, -1.0, math.nan, math.inf),
-        "track_radius": (0.0, math.inf),
-        "drag": (-1e-9, math.nan, math.inf),
-        "kappa": (0.999, math.nan),
-    }
-    core.demand("weights_check", byref(core.structures.Weights(**good)))
-    for name, values in bad.items():
-        for value in values:
-            changed = good | {"kappa": 0.0, name: value}  # the last one is wrong as well
-            native = core.structures.Weights(**changed)
-            _, failure = core.refusal(core.demand, "weights_check", byref(native))
-            assert failure.name.decode() == name
-            assert failure.value[0] == pytest.approx(value, nan_ok=True)
-            with pytest.raises(ValueError, match=f"^{name} = "):
-                Weights(**changed)
-
-
-def test_liquid_is_that_of_python(core):
-    random = np.random.default_rng(8)
-    for _ in range(200):
-        outer = random.uniform(0.01, 1.0)
-        values = (outer, outer * random.uniform(0.1, 0.999), *random.uniform(0.01, 2e3, 2).tolist())
-        python, native = Liquid(*values), core.structures.Liquid(*values)
-        core.demand("liquid_check", byref(native))
-        assert core("liquid_gap", byref(native)) == python.gap
-        assert core("liquid_mass", byref(native)) == pytest.approx(python.liquid_mass, rel=1e-15)
-        added = core("liquid_added_mass", byref(native))
-        assert added == pytest.approx(python.added_mass, rel=5e-16)
-        z = complex(*random.normal(size=2))
-        clearance = core("liquid_clearance", byref(native), z)
-        assert clearance == pytest.approx(python.clearance(z), abs=4e-16)
-
-
-def test_liquids_that_python_refuses_are_refused(core):
-    good = [0.05, 0.04, 0.02, 1000.0]
-    names = ("chamber_radius", "float_radius", "height", "density")
-    for k, name in enumerate(names):
-        for value in (0.0, -1.0, math.nan, math.inf):
-            values = [*good[:k], value, *good[k + 1 :]]
-            native = core.structures.Liquid(*values)
-            code, failure = core.refusal(core.demand, "liquid_check", byref(native))
-            assert (code, failure.name.decode()) == ("FAILURE_NOT_POSITIVE", name)
-    native = core.structures.Liquid(0.04, 0.05, 0.02, 1000.0)
-    code, failure = core.refusal(core.demand, "liquid_check", byref(native))
-    assert (code, *failure.value[:2]) == ("FAILURE_FLOAT_RADIUS", 0.05, 0.04)

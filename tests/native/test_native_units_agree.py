@@ -6,11 +6,9 @@ import math
 import re
 from typing import Any
 
-import fmpy
 import numpy as np
 import pytest
 from fmpy.fmi2 import FMU2Slave
-from fmpy.validation import validate_fmu
 
 pytestmark = pytest.mark.slow
 
@@ -239,23 +237,3 @@ def refusal(fmus, packaging, rewritten, token: str, reason: str) -> str:
     assert messages[0].startswith("unit: instantiation failed: identity '")
     assert re.search(reason, messages[0])
     return messages[0]
-
-
-def test_fmpy_simulates_a_native_unit(fmus):
-    """Dubovik 2006: the settled whirl of a disc with the unbalance's own frequency."""
-    result = fmpy.simulate_fmu(
-        str(fmus.native("RotorOnSupports")),
-        stop_time=2.0,
-        output_interval=1e-3,
-        start_values={"damping_x": 400.0, "damping_y": 400.0},
-        output=["x", "y", "angle", "bending"],
-    )
-    mass, stiffness, damping, speed = 2.0, 8e4, 400.0, 300.0
-    bending = 2e-4 * speed**2 / math.hypot(stiffness - mass * speed**2, damping * speed)
-    assert result["bending"][-1] == pytest.approx(bending, rel=1e-9)
-    assert result["angle"][-1] == pytest.approx(speed * 2.0, rel=1e-12)
-
-
-@pytest.mark.parametrize("case", [*CASES, *NATIVE], ids=ids)
-def test_a_checker_finds_nothing_in_a_native_unit(fmus, case):
-    assert validate_fmu(str(fmus.native(case[0], **case[1]))) == []

@@ -5,11 +5,8 @@
 
        open FILE                load a library
        new K TOKEN              instance number K
-       real K REFERENCE BITS    set a Real, its bits in hexadecimal
-       boolean K REFERENCE 0|1
        init K                   initialise from time 0
-       to K TIME STEP           step, both as bits
-       pass K REFERENCE L REFERENCE COUNT    from outputs of one instance to inputs of another
+       to K TIME STEP           step, both as bits in hexadecimal
        show K REFERENCE COUNT   write Reals, 16 hexadecimal digits each
        free K */
 #include <stddef.h>
@@ -32,8 +29,6 @@ typedef struct {
     int (*setup)(void *, int, double, double, int, double);
     int (*enter)(void *);
     int (*leave)(void *);
-    int (*set_real)(void *, const unsigned *, size_t, const double *);
-    int (*set_boolean)(void *, const unsigned *, size_t, const int *);
     int (*get_real)(void *, const unsigned *, size_t, double *);
     int (*step)(void *, double, double, int);
     void (*release)(void *);
@@ -182,8 +177,6 @@ static void open_library(const char *path)
     FIND(setup, "fmi2SetupExperiment");
     FIND(enter, "fmi2EnterInitializationMode");
     FIND(leave, "fmi2ExitInitializationMode");
-    FIND(set_real, "fmi2SetReal");
-    FIND(set_boolean, "fmi2SetBoolean");
     FIND(get_real, "fmi2GetReal");
     FIND(step, "fmi2DoStep");
     FIND(release, "fmi2FreeInstance");
@@ -195,17 +188,6 @@ static void begin(void *unit)
     expect_ok(library.setup(unit, 0, 0.0, 0.0, 0, 0.0), "fmi2SetupExperiment");
     expect_ok(library.enter(unit), "fmi2EnterInitializationMode");
     expect_ok(library.leave(unit), "fmi2ExitInitializationMode");
-}
-
-static void pass(void)
-{
-    void *from = *instance();
-    unsigned output = number();
-    void *to = *instance();
-    unsigned input = number();
-    size_t count = number();
-    expect_ok(library.get_real(from, references, range(output, count), reals), "fmi2GetReal");
-    expect_ok(library.set_real(to, references, range(input, count), reals), "fmi2SetReal");
 }
 
 static void show(void *unit)
@@ -222,15 +204,9 @@ static void carry_out(char order)
 {
     static const Callbacks callbacks = {logger, NULL, NULL, NULL, NULL};
     void **place;
-    unsigned reference;
     double time;
-    int boolean;
     if (order == 'o') {
         open_library(rest);
-        return;
-    }
-    if (order == 'p') {
-        pass();
         return;
     }
     place = instance();
@@ -239,16 +215,6 @@ static void carry_out(char order)
         *place = library.instantiate("unit", 1, rest, "file:///none", &callbacks, 0, 1);
         if (*place == NULL)
             fail("refused", rest);
-        break;
-    case 'r':
-        reference = number();
-        reals[0] = real();
-        expect_ok(library.set_real(*place, &reference, 1, reals), "fmi2SetReal");
-        break;
-    case 'b':
-        reference = number();
-        boolean = (int)number();
-        expect_ok(library.set_boolean(*place, &reference, 1, &boolean), "fmi2SetBoolean");
         break;
     case 'i':
         begin(*place);
