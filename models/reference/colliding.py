@@ -17,7 +17,7 @@ from collections.abc import Sequence
 import numpy as np
 from scipy.integrate import solve_ivp
 from scipy.linalg import solve_triangular
-from scipy.optimize import nnls
+from scipy.optimize import OptimizeResult, brentq, nnls
 
 from ..arrays import Array
 from .coupled import REST, Monolith, Start, weights_of
@@ -113,6 +113,10 @@ class Colliding:
         """Derivative of the state, (size,), with contacts that last."""
         n = self.system.stations
         a, phi2 = self.system.accelerations(t, y, self.pushes(t, y, joined)[1])
+        for run in _runs(
+            joined
+        ):  # equal already, but for rounding, which adds up in a long contact
+            phi2[run] = phi2[run].mean()
         return np.concatenate([y[2 * n : 4 * n], a.ravel(), y[self.first + self.count :], phi2])
 
     def collide(self, t: float, y: Array, touching: Sequence[Pair]) -> Array:
@@ -198,12 +202,19 @@ def integrate_contacts(
     y, joined = bodies.settle(t, y, near)
     for _ in range(MOST_EVENTS):
         fastest = max(system.profile.end, float(np.abs(y[bodies.first + bodies.count :]).max()))
-        solved = solve_ivp(
-            lambda t, y, joined=tuple(joined): bodies.rhs(t, y, joined), (t, time[-1]), y, method,
-            events=_events(bodies, joined), rtol=rtol, atol=absolute, dense_output=True,
-            max_step=LONGEST / fastest,
-            first_step=min([time[-1] - t, LONGEST / fastest, *bodies.closing(y)]),
-        )  # fmt: skip
+
+        def solve(end: float, t: float = t, y: Array = y, joined: Sequence[Pair] = tuple(joined),
+                  longest: float = LONGEST / fastest) -> OptimizeResult:  # fmt: skip
+            return solve_ivp(
+                lambda t, y: bodies.rhs(t, y, joined), (t, end), y, method,
+                events=_events(bodies, joined), rtol=rtol, atol=absolute, dense_output=True,
+                max_step=longest, first_step=min([end - t, longest, *bodies.closing(y)]),
+            )  # fmt: skip
+
+        solved = solve(time[-1])
+        dip = _first_dip(bodies, joined, solved)
+        if dip is not None:  # it closed and opened within a step: stop between the two
+            solved = solve(dip)
         if not solved.success:
             raise ArithmeticError(f"{method} stopped after {solved.t[-1]:g} s: {solved.message}")
         wanted = (time > t) & (time <= solved.t[-1])
@@ -212,11 +223,27 @@ def integrate_contacts(
         t, y = float(solved.t[-1]), solved.y[:, -1]
         if any(bodies.gap(pair, y) < -OVERLAP for pair in bodies.pairs):
             raise ArithmeticError(f"weights pass through each other before {t:g} s")
-        if solved.status == 0:
+        if t == time[-1] and solved.status == 0:
             return states
         happened = [i for i, times in enumerate(solved.t_events) if len(times)]
         y, joined = _after(bodies, t, y, joined, happened)
     raise ArithmeticError(f"more than {MOST_EVENTS} collisions and openings by {t:g} s")
+
+
+def _first_dip(bodies: Colliding, joined: Sequence[Pair], solved: OptimizeResult) -> float | None:
+    """First time at which the gap of a pair not joined is smallest and below zero [s]."""
+    dips = []
+    for pair in [pair for pair in bodies.pairs if pair not in joined]:
+
+        def closing(t: float, pair: Pair = pair) -> float:
+            return bodies.approach(pair, solved.sol(t))
+
+        signs = np.sign([closing(t) for t in solved.t])
+        for k in np.flatnonzero((signs[:-1] > 0.0) & (signs[1:] < 0.0)):
+            lowest = brentq(closing, solved.t[k], solved.t[k + 1], xtol=1e-300, rtol=1e-15)
+            if bodies.gap(pair, solved.sol(lowest)) < -MARGIN:
+                dips.append(lowest)
+    return min(dips, default=None)
 
 
 def _events(bodies: Colliding, joined: Sequence[Pair]) -> list:
@@ -246,13 +273,11 @@ def _after(
     closed = [bodies.pairs[i] for i in happened if bodies.pairs[i] not in joined]
     if not closed:
         return y, [pair for pair in joined if pair not in opened]
+    # a pair that touches and parts may approach again by the impacts of others
     touching = [
         pair
         for pair in bodies.pairs
-        if pair in joined
-        or pair in closed
-        # too late to see it close, once the others' gaps are back to 0
-        or (bodies.gap(pair, y) <= MARGIN and bodies.approach(pair, y) > 0.0)
+        if pair in joined or pair in closed or bodies.gap(pair, y) <= MARGIN
     ]
     y = bodies.collide(t, y, touching)
     return bodies.settle(t, y, touching)
