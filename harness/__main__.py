@@ -46,7 +46,7 @@ def program() -> Typer:
     from .fit import command as fit
     from .master import build_command as build
     from .master import run_command as run
-    from .output.commands import Commands, without_command
+    from .output.commands import Commands, with_common_options, without_command
     from .rotor import command as rotor
     from .scatter import command as scatter
     from .show import command as show
@@ -66,7 +66,7 @@ def program() -> Typer:
     features |= {"balance": balance, "rotor": rotor, "design": design, "scatter": scatter}
     features |= {"fit": fit, "precision": precision, "show": show, "stress": stress}
     for name, feature in features.items():
-        app.command(name)(feature.command)
+        app.command(name)(with_common_options(feature.command))
     return app
 
 

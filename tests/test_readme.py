@@ -34,7 +34,7 @@ def cells(text: str) -> list[list[str]]:
 
 def test_pytest_check_of_the_readme_fails_with_the_message_shown(installed, tmp_path):
     files = {name: text for _, name, text in blocks(ROOT / "README.md")}
-    strict = files["test_drum.py"].replace("below=1e-5", "below=1e-9")
+    strict = files["test_drum.py"].replace("10 um", "1 nm")
     assert strict != files["test_drum.py"]
     (tmp_path / "my_drum.toml").write_text(files["my_drum.toml"], encoding="utf-8")
     (tmp_path / "test_drum.py").write_text(strict, encoding="utf-8")

@@ -40,9 +40,14 @@ def command(
         typer.Option(help="Where masses fit: 12 (evenly) or 0,30,75 (deg); planes parted by /."),
     ] = None,
     grade: Annotated[str | None, typer.Option(help="Of ISO 21940-11, for measured runs.")] = None,
-    mass: Annotated[float | None, typer.Option(help="Of the rotor, kg, for --grade.")] = None,
+    mass: Annotated[
+        float | None, options.quantity("kg", "Of the rotor, kg, for --grade.", "--mass")
+    ] = None,
     service_speed: Annotated[
-        float | None, typer.Option(help="For --grade, rad/s; default: the fastest one measured.")
+        float | None,
+        options.quantity(
+            "rad/s", "For --grade, rad/s; default: the fastest one measured.", "--service-speed"
+        ),
     ] = None,
     report: Annotated[Path | None, options.REPORT] = None,
 ) -> None:

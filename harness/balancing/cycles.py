@@ -25,7 +25,7 @@ from ...models.papers.influence import (
 from ..errors import SceneError
 from ..output.workers import Progress
 from ..scene import Scene
-from ..scene.grade import levers, permissible
+from ..scene.grade import permissible
 from .machine import Machine
 
 TRIAL = 10.0  # times what is permissible: seen clearly, and as harmless as the unbalance itself
@@ -202,7 +202,7 @@ def _cycles(
 
 def support_levers(scene: Scene, planes: list[int]) -> Array:
     """(s, p): what an unbalance in each correction plane is at each support of a rigid rotor."""
-    return levers(scene.rotor, [scene.rotor.planes[p - 1] for p in planes])
+    return scene.rotor.levers([scene.rotor.planes[p - 1] for p in planes])
 
 
 def _by_equations(scene: Scene, planes: list[int], axis: str) -> tuple[Complex, Complex]:

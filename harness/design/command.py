@@ -13,6 +13,7 @@ from ..errors import UserError
 from ..output import costs, options
 from ..output.table import Sheet
 from ..output.terminal import progress_bar, say, show
+from ..units import in_both
 
 if TYPE_CHECKING:
     from .choices import Design
@@ -21,16 +22,22 @@ if TYPE_CHECKING:
 def command(
     scene: Annotated[str, options.SCENE],
     unbalance: Annotated[
-        float | None, typer.Option(min=0.0, help="Largest unbalance, kg m; default: the scene's.")
+        float | None,
+        options.quantity("kg m", "Largest unbalance, kg m; default: the scene's.", "--unbalance"),
     ] = None,
     race: Annotated[
-        float | None, typer.Option(help="Radius of the race, m; default: the scene's.")
+        float | None,
+        options.quantity("m", "Radius of the race, m; default: the scene's.", "--race"),
     ] = None,
     width: Annotated[
         float | None,
-        typer.Option(help="Space along the axis, m; default: the diameter of the scene's weights."),
+        options.quantity(
+            "m", "Space along the axis, m; default: the diameter of the scene's weights.", "--width"
+        ),
     ] = None,
-    density: Annotated[float, typer.Option(help="Of the weights, kg/m^3.")] = 7800.0,
+    density: Annotated[
+        float, options.quantity("kg/m^3", "Of the weights, kg/m^3.", "--density")
+    ] = 7800.0,
     starts: Annotated[int, typer.Option(min=6, help="Random starts for every number.")] = 200,
     most: Annotated[int, typer.Option(min=2, max=64, help="Compare 2 to this many.")] = 8,
     output: Annotated[
@@ -49,6 +56,8 @@ def command(
     from .choices import design
     from .recommendation import words
 
+    if unbalance is not None and not 0.0 <= unbalance < math.inf:
+        raise UserError(f"--unbalance {unbalance:g}: must be 0 or more")
     for name, value in (("--race", race), ("--width", width), ("--density", density)):
         if value is not None and not 0.0 < value < math.inf:
             raise UserError(f"{name} {value:g}: must be above 0")
@@ -100,7 +109,7 @@ def table(data: Design, starts: int) -> Sheet:
             settled = f"{c.settled}/{len(c.runs)}"
             measured = (_time(c.median, "never"), f"{c.low:.2g}-{c.high:.2g}", settled)
         rows.append((*size, f"{c.capacity:.4g}", used, *measured))
-    title = f"{data.kind} for {data.unbalance:.4g} kg m, race {1e3 * data.race:.4g} mm"
+    title = f"{data.kind} for {in_both(data.unbalance, 'kg m')}, race {1e3 * data.race:.4g} mm"
     title += (
         f", {starts} random starts each\nmass: of all n; max: unbalance they can hold; used: of it"
     )

@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 from ..errors import UserError
 from ..output.table import Sheet
 from ..scene.messages import did_you_mean
+from ..units import si_number
 from .result_pictures import Pictures
 
 if TYPE_CHECKING:
@@ -169,9 +170,15 @@ class Result(Pictures):
                 f"points off) [{self.scene_title}]"
             )
 
-    def assert_bounded(self, name: str, limit: float, *, after: float = 0.0) -> None:
-        """Fail unless |signal| <= limit at every point from time `after` [s] on."""
+    def assert_bounded(self, name: str, limit: float | str, *, after: float | str = 0.0) -> None:
+        """Fail unless |signal| <= limit at every point from time `after` [s] on.
+
+        Args:
+            limit: in the signal's SI unit, or text with a unit such as "0.5 mm".
+        """
         __tracebackhide__ = True  # pytest then shows the caller's line
+        limit = si_number(limit, self.signal_units.get(name, ""), f"{name}: limit")
+        after = si_number(after, "s", "after")
         late = self._from(after)
         measured = np.abs(self[name][late])
         bad = ~(measured <= limit)
@@ -183,14 +190,16 @@ class Result(Pictures):
                 f"exceeded first at t = {times[first]:.6g} s [{self.scene_title}]"
             )
 
-    def assert_balanced(self, below: float, *, last: float = 0.1) -> None:
+    def assert_balanced(self, below: float | str, *, last: float = 0.1) -> None:
         """Fail unless the rotor's displacement ends below a limit.
 
         Args:
-            below: allowed largest sqrt(x^2 + y^2) of every recorded station [m].
+            below: allowed largest sqrt(x^2 + y^2) of every recorded station [m], or text with a
+                unit such as "10 um".
             last: judged over this last fraction of the run.
         """
         __tracebackhide__ = True  # pytest then shows the caller's line
+        below = si_number(below, "m", "below")
         if not 0.0 < last <= 1.0:
             raise UserError(f"assert_balanced: last = {last:g}: must be above 0 and at most 1")
         stations = [

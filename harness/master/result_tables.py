@@ -6,6 +6,7 @@ from dataclasses import asdict, astuple
 from typing import TYPE_CHECKING, Any
 
 from ..output.table import Sheet
+from ..units import shown_in
 
 if TYPE_CHECKING:
     from .result import Result
@@ -17,10 +18,12 @@ def summary(result: Result) -> Sheet:
     rows, verification = [], result.verification
     for name, values in {"time": result.time, **result.signals}.items():
         unit = "s" if name == "time" else result.signal_units.get(name, "")
-        numbers = (values.min(), values.max(), values[-1])
+        unit, factor = shown_in(unit, name)
+        numbers = (factor * values.min(), factor * values.max(), factor * values[-1])
         errors = ["-", "-"]
         if verification is not None and name in verification.error:
-            errors = [f"{verification.error[name]:.2g}", f"{verification.relative[name]:.2g}"]
+            error = factor * verification.error[name]
+            errors = [f"{error:.2g}", f"{verification.relative[name]:.2g}"]
         rows.append([name, unit, *(f"{n:.6g}" for n in numbers), *(errors if verification else [])])
     columns = ["signal", "unit", "smallest", "largest", "at the end"]
     columns += ["error", "of range"] if verification else []

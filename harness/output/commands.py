@@ -7,21 +7,27 @@ completed with exit code 1, Ctrl-C with 130, SIGTERM with 143.
 from __future__ import annotations
 
 import errno
+import functools
+import inspect
 import os
 import signal
 import subprocess
 import sys
+from collections.abc import Callable
 from contextlib import suppress
+from enum import Enum
+from pathlib import Path
 from typing import Annotated, Any
 
 import typer
 from typer.core import TyperGroup
 
 from ..errors import SimulationError, UserError, is_own_file
+from ..units import engineering
 from . import options
 from .interrupts import Interrupted, interruptible, temporary_files
 from .machine import program_version
-from .terminal import say
+from .terminal import is_quiet, say
 
 
 class Commands(TyperGroup):
@@ -82,6 +88,60 @@ def without_command(
         raise typer.Exit
     if ctx.invoked_subcommand is None:
         typer.echo(ctx.get_help())
+
+
+class Units(str, Enum):
+    """What tables, pictures and the page show."""
+
+    SI = "si"
+    ENGINEERING = "engineering"
+
+
+def with_common_options(command: Callable[..., None]) -> Callable[..., None]:
+    """The command with the options that all commands have."""
+    own = inspect.signature(command, eval_str=True)
+    common = {
+        "units": Annotated[
+            Units | None,
+            typer.Option(
+                help="Show rpm, mm, g mm, deg and Hz; default: see the README of harness."
+            ),
+        ],
+        "quiet": Annotated[bool, typer.Option("--quiet", help="No line on the scene, no warning.")],
+    }
+
+    @functools.wraps(command)
+    def run(*args: Any, units: Units | None = None, quiet: bool = False, **options: Any) -> None:
+        engineering.set((units or _preferred()) is Units.ENGINEERING)
+        is_quiet.set(quiet)
+        command(*args, **options)
+
+    keyword = inspect.Parameter.KEYWORD_ONLY
+    added = [
+        inspect.Parameter(
+            name, keyword, annotation=kind, default=None if name == "units" else False
+        )
+        for name, kind in common.items()
+    ]
+    run.__signature__ = own.replace(parameters=[*own.parameters.values(), *added])  # type: ignore[attr-defined]
+    return run
+
+
+def _preferred() -> Units:
+    """Of the user's configuration file, config.toml in a folder of their own.
+
+    Raises:
+        UserError: it has another key or value.
+    """
+    path = Path(typer.get_app_dir("autobalancer")) / "config.toml"
+    if not path.is_file():
+        return Units.SI
+    from ..scene.file import read
+
+    kept = read(path)
+    if kept.keys() - {"units"} or kept.get("units", "si") not in list(Units):
+        raise UserError(f'{path}: may have one key, units = "engineering" or units = "si"')
+    return Units(kept.get("units", "si"))
 
 
 def execute(app: typer.Typer) -> None:

@@ -10,7 +10,7 @@ import numpy as np
 
 from ..errors import UserError
 from .files import write_whole
-from .picture import Line, Panel, Picture, PlotAxis
+from .picture import Line, Panel, Picture, PlotAxis, in_units
 from .words import printable
 
 if TYPE_CHECKING:
@@ -57,6 +57,8 @@ def figure(picture: Picture) -> Figure:
     """
     refuse_missing()
     from plotly.subplots import make_subplots
+
+    picture = in_units(picture)
 
     rows = -(-len(picture.panels) // picture.columns)
     places = [

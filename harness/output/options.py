@@ -4,12 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from contextvars import ContextVar
+from functools import partial
 from pathlib import Path
 from typing import Any, TypeGuard
 
 import typer
 
 from ..errors import UserError
+from ..units import si_number
 from .files import PAGE, PICTURES, is_stream, picture_format
 from .terminal import ready_to_write
 
@@ -26,6 +28,23 @@ REPORT = typer.Option(
 CLUSTER = typer.Option(
     "--cluster", metavar="ADDRESS", help="Work on this Dask cluster, or `local`: one made here."
 )
+
+
+def quantity(symbol: str, help: str, option: str) -> Any:
+    """A number in this SI unit, or with a unit."""
+    parser = partial(si_number, symbol=symbol, what=option)
+    return typer.Option(option, help=help, parser=parser, metavar="NUMBER")
+
+
+RANGE = typer.Option(
+    "--range", metavar="LOW HIGH", help="Speeds [rad/s], or with units: 300rpm 3000rpm."
+)
+
+
+def speed_range(given: tuple[str, str]) -> tuple[float, float]:
+    """Both speeds of `RANGE` [rad/s]."""
+    low, high = (si_number(end, "rad/s", "--range") for end in given)
+    return low, high
 
 
 def _writable(path: Path | None) -> Path | None:

@@ -6,13 +6,14 @@ Who makes one knows no drawing library, and what draws it knows no feature.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
 from ...models.arrays import Array
+from ..units import shown_in
 from .files import PAGE
 
 if TYPE_CHECKING:
@@ -143,6 +144,33 @@ class Picture:
         from .plot import as_png, drawn
 
         return as_png(drawn(self))
+
+
+def in_units(picture: Picture) -> Picture:
+    """The same with axes of SI units in the units that are shown."""
+    return replace(picture, panels=[_in_units(panel) for panel in picture.panels])
+
+
+def _in_units(panel: Panel) -> Panel:
+    units = [shown_in(axis.unit, axis.name) for axis in panel.axes]
+    axes = tuple(
+        replace(
+            axis,
+            unit=unit,
+            ticks=axis.ticks if axis.ticks is None else [factor * tick for tick in axis.ticks],
+            limits=axis.limits and (factor * axis.limits[0], factor * axis.limits[1]),
+        )
+        for axis, (unit, factor) in zip(panel.axes, units, strict=True)
+    )
+    factors = [1.0 if panel.kind == "polar" and not k else f for k, (_, f) in enumerate(units)]
+    lines = [
+        replace(line, points=tuple(f * p for f, p in zip(factors, line.points, strict=True)))
+        for line in panel.lines
+    ]
+    field = panel.field
+    if field is not None:
+        field = replace(field, x=factors[0] * field.x, y=factors[1] * field.y)
+    return replace(panel, axes=axes, lines=lines, field=field)
 
 
 def unbroken(angle: Any) -> Array:

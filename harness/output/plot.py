@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import io
 from collections.abc import Sequence
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -14,10 +15,12 @@ import numpy as np
 from matplotlib.cm import ScalarMappable
 from matplotlib.colors import LogNorm, Normalize
 from matplotlib.figure import Figure
+from matplotlib.ticker import MaxNLocator
 
 from ..errors import UserError
+from ..units import shown_in
 from .files import picture_format, write_whole
-from .picture import Field, Line, Panel, Picture, PlotAxis
+from .picture import Field, Line, Panel, Picture, PlotAxis, in_units
 from .words import printable
 
 _PREFIXES = ((1.0, "m"), (1e-3, "mm"), (1e-6, "µm"), (1e-9, "nm"))
@@ -41,6 +44,7 @@ def save(figure: Figure, path: Path) -> Path:
     """
     kind = picture_format(path)
     harmless(figure)
+    _relabel(figure)
     with write_whole(path, "wb") as stream:
         try:
             figure.savefig(stream, format=kind, dpi=_RESOLUTION)
@@ -67,6 +71,24 @@ def harmless(figure: Figure) -> None:
             text.set_text(printable(text.get_text()))
 
 
+def _relabel(figure: Figure) -> None:
+    """Show axes that name an SI unit, such as `speed [rad/s]`, in the unit that is shown."""
+    for axis in [each for axes in figure.axes for each in (axes.xaxis, axes.yaxis)]:
+        name, _, symbol = axis.get_label_text().removesuffix("]").rpartition(" [")
+        unit, factor = shown_in(symbol, name)
+        if factor != 1.0:
+            axis.set_label_text(f"{name} [{unit}]")
+            if axis.get_scale() == "linear":
+                low, high = sorted(map(float, axis.get_view_interval()))
+                ticks = MaxNLocator(8).tick_values(factor * low, factor * high)
+                axis.set_ticks([tick / factor for tick in ticks if low <= tick / factor <= high])
+            axis.set_major_formatter(partial(_times, factor))
+
+
+def _times(factor: float, value: float, _place: int | None) -> str:
+    return f"{value * factor:.4g}"
+
+
 def metres(largest: float) -> tuple[float, str]:
     """Factor and unit in which a length reads well."""
     return readable(largest, _PREFIXES)
@@ -80,6 +102,7 @@ def readable(largest: float, units: Sequence[tuple[float, str]]) -> tuple[float,
 
 def drawn(picture: Picture) -> Figure:
     """A picture as a figure of matplotlib."""
+    picture = in_units(picture)
     rows = -(-len(picture.panels) // picture.columns)
     size = (picture.width * picture.columns, 1.0 + picture.height * rows)
     figure = Figure(figsize=size, layout="constrained")

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import csv
+import re
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from ..units import in_words, scaled, shown_in
 from .files import write_whole
 from .words import in_markdown, printable
 
@@ -16,6 +18,7 @@ if TYPE_CHECKING:
 
 _JUSTIFY = {"l": "left", "r": "right"}
 _RULES = {"l": "---", "r": "---:"}
+_UNIT = re.compile(r"\[([^\[\]]+)\]$")  # at the end of a head
 GOOD, BAD = "green", "bold red"
 _SHORT = 14  # characters that stay on one line
 _CLASSES = {GOOD: "good", BAD: "bad"}
@@ -46,6 +49,17 @@ class Sheet:
             raise ValueError(f"every row needs {len(self.columns)} cells: {self.columns}")
         if self.align and (len(self.align) != len(self.columns) or set(self.align) - {*"lr"}):
             raise ValueError(f"align {self.align!r} needs a letter l or r for each column")
+
+    def in_units(self) -> Sheet:
+        """With columns that name an SI unit, such as `speed [rad/s]`, in the unit that is shown."""
+        heads, factors = [], []
+        for head in self.columns:
+            match = _UNIT.search(head)
+            unit, factor = shown_in(match[1], head) if match else ("", 1.0)
+            heads.append(f"{head[: match.start()]}[{unit}]" if match else head)
+            factors.append(factor)
+        rows = [[scaled(c, f) for c, f in zip(row, factors, strict=True)] for row in self.rows]
+        return replace(self, columns=heads, rows=rows, title=in_words(self.title))
 
     @property
     def _align(self) -> str:

@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from ..errors import UserError
+from ..units import in_words
 from .files import refuse_unwritable
 from .words import printable
 
@@ -21,6 +22,7 @@ if TYPE_CHECKING:
     from .table import Sheet
 
 _kept: ContextVar[list[str | Sheet] | None] = ContextVar("kept", default=None)
+is_quiet: ContextVar[bool] = ContextVar("is_quiet", default=False)  # nothing on the scene itself
 PIPED_WIDTH = 160  # columns of a table that no terminal limits
 
 
@@ -79,12 +81,14 @@ def keeping(parts: list[str | Sheet]) -> Iterator[None]:
 
 def show(sheet: Sheet) -> None:
     """A table on standard output."""
+    sheet = sheet.in_units()
     _keep(sheet)
     console().print(sheet.rich())
 
 
 def say(text: str, style: str = "", error: bool = False) -> None:
     """One line of plain text."""
+    text = text if error else in_words(text)  # problems are told in the words of the scene
     _keep(text)
     console(error).print(printable(text), style=style or None, markup=False, soft_wrap=True)
 

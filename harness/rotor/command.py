@@ -6,14 +6,13 @@ import math
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
-import typer
-
 from ..errors import UserError
 from ..output import costs, options
 from ..output.files import write_json
 from ..output.table import Sheet
 from ..output.terminal import progress_bars, say, show
 from ..scene.changes import changed_scene
+from ..units import in_both
 
 if TYPE_CHECKING:
     from ...models.linear.modes import Modes
@@ -36,10 +35,7 @@ def command(
     polar: Annotated[
         Path | None, options.figure("Amplitude and phase by unbalance as polar curves.")
     ] = None,
-    limits: Annotated[
-        tuple[float, float] | None,
-        typer.Option("--range", metavar="LOW HIGH", help="Speeds of the pictures [rad/s]."),
-    ] = None,
+    limits: Annotated[tuple[str, str] | None, options.RANGE] = None,
     changes: Annotated[list[str] | None, options.changes("rotor.mass=3.0")] = None,
     json_file: Annotated[Path | None, options.json("the modes")] = None,
     at_most: Annotated[str, options.AT_MOST] = costs.DEFAULT,
@@ -52,7 +48,10 @@ def command(
     wanted = {"campbell": campbell, "response": response, "orbit": orbit, "run-up": run_up}
     wanted |= {"modes": modes, "polar": polar}
     loaded = changed_scene(scene, changes)
-    low, high = limits or speeds_of_interest(loaded.assembly().rotor, loaded.profile().end)
+    if limits is None:
+        low, high = speeds_of_interest(loaded.assembly().rotor, loaded.profile().end)
+    else:
+        low, high = options.speed_range(limits)
     if not 0.0 < low < high <= LARGEST:
         raise UserError(
             f"--range {low:g} {high:g}: must be two speeds [rad/s], 0 < LOW < HIGH <= {LARGEST:g}"
@@ -102,7 +101,7 @@ def modes_table(scene: Scene, at_speed: Modes) -> Sheet:
         whirl = direction if damping >= 0.0 else f"{direction}, UNSTABLE"
         rows.append([str(number), *numbers, whirl])
     columns = ("mode", "frequency [rad/s]", "[Hz]", "damping ratio [1]", "whirl")
-    title = f"{scene.heading}: rotor alone at {at_speed.speed:g} rad/s"
+    title = f"{scene.heading}: rotor alone at {in_both(at_speed.speed, 'rad/s')}"
     return Sheet(columns, rows, "rrrrl", title)
 
 

@@ -22,7 +22,8 @@ def command(
             metavar=VARY,
             help="A value and its distribution: normal(mean,deviation[,low,high]), "
             "uniform(low,high), triangular(low,mode,high), lognormal(median,deviation), or one of "
-            "scipy.stats such as weibull_min(c=1.8,scale=0.02). Can be given several times.",
+            "scipy.stats such as weibull_min(c=1.8,scale=0.02); with units and percentages, such "
+            "as normal(50g,10%). Can be given several times.",
         ),
     ],
     n: Annotated[int, typer.Option("-n", min=1, help="Machines.")] = 10_000,
@@ -49,7 +50,7 @@ def command(
     if len(stores) > 1:
         raise UserError(f"{stores[1]}: one store is enough")
     loaded = changed_scene(scene, changes)
-    variations = [Variation.parse(text) for text in vary]
+    variations = [Variation.parse(text, loaded) for text in vary]
     page = Report(report, f"Tolerances: {loaded.heading}", [loaded])
     with progress_bar(f"machines of {loaded.name}") as progress, who_works(cluster) as workers:
         study = scatter(

@@ -10,7 +10,7 @@ import numpy as np
 from ..scene import Scene
 from ..scene.balancer import WeightBalancer
 from ..scene.balancing import Balancing
-from ..scene.grade import levers, permissible
+from ..scene.grade import permissible
 
 GRADES = (0.4, 1.0, 2.5, 6.3, 16.0, 40.0, 100.0, 250.0, 630.0, 1600.0, 4000.0)  # mm/s, its table 1
 _ONE = Balancing(grade="G1")
@@ -44,5 +44,5 @@ def residual_grade(machine: Scene, held: Mapping[str, float]) -> float:
         for b in machine.balancer
     ]
     places, amounts = zip(*present, strict=True) if present else ((), ())
-    at_supports = np.abs(levers(rotor, places) @ np.array(amounts, complex))
+    at_supports = np.abs(rotor.levers(places) @ np.array(amounts, complex))
     return float((at_supports / permissible(machine, _ONE)[1]).max())

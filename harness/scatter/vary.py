@@ -16,9 +16,13 @@ from ..errors import SceneError, UserError
 from ..master.alike import refuse_unvaried
 from ..scene import Scene
 from ..scene.replace import in_full
+from ..units import si_number
 
-EXAMPLE = "PATH=NAME(NUMBER,...), such as balls.drag=normal(0.2,0.02)"
+EXAMPLE = "PATH=NAME(NUMBER,...), such as balls.drag=normal(0.2,10%)"
 _TEXT = re.compile(r"(?P<path>[^=]+)=\s*(?P<name>\w+)\s*\((?P<arguments>[^()]*)\)\s*")
+# parameters in the unit of the value; lognormal's deviation and shapes are ratios
+_MEASURED = ("mean", "deviation", "median", "low", "mode", "high", "loc", "scale")
+_WHOLE = {"normal": "mean", "triangular": "mode"}  # what percentages are of
 _LOCATION = {"loc": 0.0, "scale": 1.0}  # what every distribution of SciPy has beside its shapes
 
 
@@ -37,13 +41,17 @@ class Variation:
     distribution: Any
 
     @classmethod
-    def parse(cls, text: str) -> Variation:
+    def parse(cls, text: str, scene: Scene | None = None) -> Variation:
         """PATH=NAME(NUMBER,...), where parameters can also be given as KEY=NUMBER.
 
         `normal(mean, deviation, low, high)`, cut off at low and high if they are given,
         `uniform(low, high)`, `triangular(low, mode, high)`, `lognormal(median, deviation)` with the
         deviation of the logarithm; or a continuous distribution of `scipy.stats` by its name there
-        with its own parameters, `loc` and `scale` last.
+        with its own parameters, `loc` and `scale` last.  Numbers may have units.  Percentages in
+        `normal` are of the mean, in `triangular` of the mode.
+
+        Args:
+            scene: whose path it is; needed where numbers have units.
 
         Raises:
             UserError: it is not written like that; what is allowed is said.
@@ -61,7 +69,8 @@ class Variation:
                 f"{', '.join(near)}"
             )
         names, defaults, make = makers[match["name"]]
-        given = _bound(text, match["arguments"], names)
+        unit = scene.unit_of(path) if scene else ""
+        given = _bound(text, match["arguments"], names, match["name"], unit)
         missing = [name for name in names if name not in {**defaults, **given}]
         if missing:
             raise UserError(f"{text}: {', '.join(missing)}: missing; takes {', '.join(names)}")
@@ -128,9 +137,11 @@ def refuse_drawn(
 Maker = tuple[tuple[str, ...], dict[str, float], Callable[..., Any]]  # names, defaults
 
 
-def _bound(text: str, arguments: str, names: Sequence[str]) -> dict[str, float]:
-    """Numbers by the parameters' names."""
-    given: dict[str, float] = {}
+def _bound(
+    text: str, arguments: str, names: Sequence[str], name: str, unit: str
+) -> dict[str, float]:
+    """Numbers by the parameters' names, in SI units; percentages are of `_WHOLE`."""
+    given: dict[str, str] = {}
     parts = [part.strip() for part in arguments.split(",")] if arguments.strip() else []
     for place, part in enumerate(parts):
         key, _, number = (piece.strip() for piece in part.rpartition("="))
@@ -140,13 +151,17 @@ def _bound(text: str, arguments: str, names: Sequence[str]) -> dict[str, float]:
             raise UserError(f"{text}: {part!r}: too many or unknown; takes {', '.join(names)}")
         if key in given:
             raise UserError(f"{text}: {key}: given twice")
-        try:
-            given[key] = float(number)
-        except ValueError:
-            raise UserError(f"{text}: {part!r}: must be a number") from None
-        if not math.isfinite(given[key]):
-            raise UserError(f"{text}: {part!r}: must be finite")
-    return given
+        given[key] = number
+    whole, found = _WHOLE.get(name, ""), dict[str, float]()
+    for key in sorted(given, key=lambda key: key != whole):  # that first
+        share = key != whole and whole in given and given[key].endswith("%")
+        ratio = share or (name, key) == ("lognormal", "deviation") or key not in _MEASURED
+        found[key] = si_number(given[key], "" if ratio else unit, f"{text}: {key} =")
+        if share:
+            found[key] *= abs(found[whole]) if key == "deviation" else found[whole]
+        if not math.isfinite(found[key]):
+            raise UserError(f"{text}: {given[key]!r}: must be finite")
+    return found
 
 
 def _normal(mean: float, deviation: float, low: float, high: float) -> Any:

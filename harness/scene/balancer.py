@@ -99,9 +99,9 @@ class WeightBalancer(Balancer):
     """Of each, on its speed along the track."""
     weight_radius: Annotated[Positive | None, SI("m"), Feeds()] = None
     """Weights of this size collide and pack, and must fit; default: points that pass."""
-    restitution: Annotated[NotNegative, Field(le=1.0), Feeds()] = 0.0
+    restitution: Annotated[NotNegative, Field(le=1.0), SI(""), Feeds()] = 0.0
     """Of two weights that collide on the free rotor; needs `weight_radius`."""
-    rolling_resistance: Annotated[NotNegative, Feeds()] = 0.0
+    rolling_resistance: Annotated[NotNegative, SI(""), Feeds()] = 0.0
     """Resistance over load: Coulomb's, with true sticking."""
     track_offset_xi: Annotated[Real, SI("m"), Feeds()] = 0.0
     """Of the track's centre from the plane's, in the rotor."""

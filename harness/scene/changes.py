@@ -28,14 +28,17 @@ def changed_scene(scene: str | Scene, changes: list[str] | None) -> Scene:
 
 
 def parse_change(text: str) -> tuple[str, Any]:
-    """'rotor.unbalance=0.1' as key and value, the value as TOML writes it.
+    """'rotor.unbalance=0.1' as key and value, the value as TOML writes it, or with a unit.
 
     Raises:
         UserError: there is no '=', or what follows is not a value.
     """
+    from ..units import has_unit
     from .file import tomllib
 
     key, equals, value = (part.strip() for part in text.partition("="))
+    if key and has_unit(value):
+        return key, value
     try:
         if not (key and equals and value):
             raise ValueError
@@ -47,5 +50,6 @@ def parse_change(text: str) -> tuple[str, Any]:
         shown = text if len(text) <= _LONGEST_SHOWN else f"{text[:_LONGEST_SHOWN]}..."
         raise UserError(
             f"--set {' '.join(shown.splitlines())}: must be KEY=VALUE with one value as in "
-            "a scene file, such as rotor.unbalance=0.1 or 'coupling.scheme=\"jacobi\"'"
+            "a scene file, such as rotor.unbalance=0.1, speed=1200rpm or "
+            "'coupling.scheme=\"jacobi\"'"
         ) from error

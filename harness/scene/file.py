@@ -29,9 +29,8 @@ _REPAIRS: tuple[tuple[str, str | Callable[[re.Match[str]], str]], ...] = (
     (r"(\d)\.(?!\d)", r"\1.0"),
     (r"=\s*(?:True|False)\b", lambda match: match[0].lower()),
     (r"=\s*([A-Za-z][\w -]*?)(\s*(?:#.*)?)$", r'= "\1"\2'),  # text without quotes
+    (r"=\s*([-+\d.e]*\d\s*[A-Za-zµ°%][^#=]*?)(\s*(?:#.*)?)$", r'= "\1"\2'),  # with a unit
 )
-_WITH_UNIT = re.compile(r"(=\s*[-+\d.e]*\d)\s*([A-Za-zµ°%][^#=]*?)(\s*(?:#.*)?)$")
-_SI_UNIT = re.compile(r"(?:kg|m|s|N|rad|[\s/*.^·\d])+")
 _LONGEST_SHOWN = 200  # characters of a line
 
 
@@ -112,11 +111,7 @@ def _shown(line: str) -> str:
         before, meant = meant, re.sub(pattern, instead, meant)
         if meant != before and _is_toml(meant):
             return f"{line} (did you mean {meant}?)"
-    unit, meant = _WITH_UNIT.search(meant), _WITH_UNIT.sub(r"\1\3", meant)
-    if unit is None or not _is_toml(meant):
-        return line
-    guess = f" (did you mean {meant}?)" if _SI_UNIT.fullmatch(unit[2]) else ""
-    return f"{line}{guess}; write the number alone, in SI units (kg, m, s, N, rad)"
+    return line
 
 
 def _is_toml(text: str) -> bool:

@@ -7,13 +7,10 @@ mass between the supports, 0.3 to 1.3 outside.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-
 import numpy as np
 from numpy.typing import NDArray
 
 from .balancing import Balancing
-from .rotor_table import RotorTable
 from .scene import Scene
 
 SHARE_INBOARD, SHARE_OVERHUNG = (0.3, 0.7), (0.3, 1.3)  # of U_per at a support
@@ -23,17 +20,8 @@ def permissible(scene: Scene, setup: Balancing) -> tuple[float, NDArray[np.float
     """U_per [kg m], and its share at each support (s,)."""
     rotor = scene.rotor
     total = rotor.mass * setup.precession / (setup.service_speed or scene.profile().end)
-    carried = levers(rotor, [rotor.centre])[:, 0]
+    carried = rotor.levers([rotor.centre])[:, 0]
     if len(carried) > 1:
         low, high = SHARE_INBOARD if np.all(carried >= 0.0) else SHARE_OVERHUNG
         carried = np.clip(np.abs(carried), low, high)
     return total, total * carried
-
-
-def levers(rotor: RotorTable, places: Sequence[float]) -> NDArray[np.float64]:
-    """(s, k): share that each support carries of what acts at each place; a single one, all."""
-    if len(rotor.supports) == 1:
-        return np.ones((1, len(places)))
-    start, end = rotor.support_positions
-    part = (np.array(places) - start) / (end - start)
-    return np.array([1.0 - part, part])

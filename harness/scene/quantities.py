@@ -8,7 +8,9 @@ from typing import Annotated, Any
 
 from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Field, WithJsonSchema
 from pydantic.fields import FieldInfo
-from pydantic_core import PydanticCustomError
+from pydantic_core import PydanticCustomError, core_schema
+
+from ..units import to_si
 
 LARGEST_ANGLE = 1e9  # rad: doubles that large lie 1e-7 rad apart
 LARGEST = 1e60  # in SI units: products of five such numbers still fit into a double
@@ -16,9 +18,17 @@ LARGEST = 1e60  # in SI units: products of five such numbers still fit into a do
 
 @dataclass(frozen=True)
 class SI:
-    """Unit of measurement of a field, for messages and axis labels; in an `Annotated` type."""
+    """Unit of measurement of a field, in an `Annotated` type: text with a unit is read as it."""
 
     symbol: str
+
+    def __get_pydantic_core_schema__(self, source: Any, handler: Any) -> Any:
+        return core_schema.no_info_before_validator_function(self._read, handler(source))
+
+    def _read(self, value: Any) -> Any:
+        if isinstance(value, (list, tuple)):
+            return [self._read(inner) for inner in value]
+        return to_si(value, self.symbol) if isinstance(value, str) else value
 
 
 class Table(BaseModel):

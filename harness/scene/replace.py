@@ -20,6 +20,9 @@ _ALTERNATIVES = {
     "operation.speed": ("run_up", "motor"),
     "operation.run_up": ("speed", "motor"),
     "operation.motor": ("speed", "run_up"),
+    "rotor.damping": ("damping_ratio",),
+    "rotor.support_damping": ("damping_ratio",),
+    "rotor.damping_ratio": ("damping", "support_damping"),
     "coupling.steps_per_rev": ("tolerance", "fewest_steps_per_rev"),
     "coupling.tolerance": ("steps_per_rev", "corrections"),
 }
@@ -132,7 +135,7 @@ def _assign(target: Document, key: str, indices: str, value: Any, path: str) -> 
     last: Any = key
     for number in map(int, re.findall(r"\d+", indices)):
         values = holder.get(last) if isinstance(holder, dict) else holder[last]
-        if isinstance(values, (int, float)):
+        if isinstance(values, (int, float, str)):
             values = holder[last] = [values, values]  # one number for both axes
         count = len(values) if isinstance(values, list) else 0
         if not 1 <= number <= count:

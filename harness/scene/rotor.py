@@ -25,6 +25,7 @@ from .quantities import (
 )
 from .rotor_table import (
     Corrections,
+    DampingRatio,
     Friction,
     RotorTable,
     SupportDamping,
@@ -43,6 +44,8 @@ class PlanarRotor(RotorTable):
     """Of the supports, fixed axes."""
     damping: Annotated[NotNegativePair, SI("N s/m"), Feeds("damping_{axis}")] = (0.0, 0.0)
     """Of the supports, fixed axes."""
+    damping_ratio: DampingRatio = None
+    """Instead of damping; 1 is critical for the mass that the support carries at rest."""
     friction: Friction = ()
     """Dry friction in the supports: sliders."""
     internal_damping: Annotated[NotNegative, SI("N s/m"), Feeds()] = 0.0
@@ -56,6 +59,11 @@ class PlanarRotor(RotorTable):
     supports: ClassVar[tuple[int, ...]] = (1,)
     planes: ClassVar[tuple[float, ...]] = (0.0,)
     centre: ClassVar[float] = 0.0
+
+    @model_validator(mode="after")
+    def _damped(self) -> PlanarRotor:
+        self._damp_by_ratio()
+        return self
 
     def with_corrections(self, planes: Sequence[int]) -> Corrections:
         """The rotor's one unbalance, to which corrections are added."""
@@ -89,6 +97,8 @@ class TwoSupportRotor(RotorTable):
     """One entry a support."""
     damping: SupportDamping = ((0.0, 0.0), (0.0, 0.0))
     """One entry a support."""
+    damping_ratio: DampingRatio = None
+    """Instead of damping; 1 is critical for the mass that the support carries at rest."""
     friction: Friction = ()
     """Dry friction in the supports: sliders."""
     planes: Annotated[tuple[Real, ...], SI("m")] = ()
@@ -104,6 +114,7 @@ class TwoSupportRotor(RotorTable):
             raise refusal(
                 "polar_inertia", f"no body has more than 2 inertia = {2.0 * self.inertia:g} kg m^2"
             )
+        self._damp_by_ratio()
         return self
 
     @property
@@ -139,6 +150,8 @@ class FlexibleRotor(RotorTable):
     """One entry a support."""
     support_damping: SupportDamping = ((0.0, 0.0), (0.0, 0.0))
     """One entry a support."""
+    damping_ratio: DampingRatio = None
+    """Instead of damping; 1 is critical for the mass that the support carries at rest."""
     friction: Friction = ()
     """Dry friction in the supports: sliders."""
     bending_stiffness: Annotated[Positive | None, SI("N m^2"), Feeds()] = None
@@ -170,6 +183,7 @@ class FlexibleRotor(RotorTable):
             raise refusal(
                 "compliance", f"must be {size} rows of {size}, the stations without supports"
             )
+        self._damp_by_ratio()
         return self
 
     @property

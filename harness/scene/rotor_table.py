@@ -4,10 +4,13 @@ planes are, what its unit is built and started with, and where corrections go.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar
 
+import numpy as np
+from numpy.typing import NDArray
 from pydantic import Field, model_validator
 
 from ...models.rotor import LinearRotor, Slider
@@ -50,10 +53,12 @@ class SliderTable(Table):
     """Of a spring in series with it; default: none, it is rigid."""
 
 
+_NO_ARGUMENTS = ("kind", "friction", "damping_ratio")  # of a constructor of `LinearRotor`
 Friction = Annotated[tuple[SliderTable, ...], Feeds("slider[{n}].")]
 SupportStiffness = Annotated[
     tuple[PositivePair, PositivePair], SI("N/m"), Feeds("support[{n}].stiffness_{axis}")
 ]
+DampingRatio = Annotated[NotNegativePair | None, SI("")]
 SupportDamping = Annotated[
     tuple[NotNegativePair, NotNegativePair], SI("N s/m"), Feeds("support[{n}].damping_{axis}")
 ]
@@ -88,6 +93,7 @@ class RotorTable(Table):
     kind: str
     if TYPE_CHECKING:  # a key of one kind, a property of another
         friction: tuple[SliderTable, ...]
+        damping_ratio: tuple[float, float] | None
 
         @property
         def mass(self) -> float: ...
@@ -116,6 +122,30 @@ class RotorTable(Table):
                     "limits: give that, or a stiffness",
                 )
         return self
+
+    def _damp_by_ratio(self) -> None:
+        """Damping 2 ratio sqrt(k m) of every support, which `damping_ratio` stands for."""
+        if self.damping_ratio is None or not self.mass:
+            return
+        key = "damping" if "damping" in type(self).model_fields else "support_damping"
+        if key in self.model_fields_set:
+            raise refusal("damping_ratio", f"give either {key} (N s/m) or damping_ratio, not both")
+        springs = getattr(self, key.replace("damping", "stiffness"))
+        masses = self.mass * np.abs(self.levers([self.centre]))[:, 0]
+        rows = [springs] if len(masses) == 1 else springs
+        damping = tuple(
+            tuple(2.0 * z * math.sqrt(k * m) for z, k in zip(self.damping_ratio, row, strict=True))
+            for row, m in zip(rows, masses.tolist(), strict=True)
+        )
+        self.__dict__[key] = damping[0] if len(masses) == 1 else damping  # it is frozen
+
+    def levers(self, places: Sequence[float]) -> NDArray[np.float64]:
+        """(s, k): share that each support carries of what acts at each place; a single one, all."""
+        if len(self.supports) == 1:
+            return np.ones((1, len(places)))
+        start, end = self.support_positions
+        part = (np.array(places) - start) / (end - start)
+        return np.array([1.0 - part, part])
 
     @property
     def plane_count(self) -> int:
@@ -159,7 +189,7 @@ class RotorTable(Table):
 
     def _arguments(self) -> dict[str, Any]:
         """What a constructor of `LinearRotor` takes: the table's keys, unbalances as triples."""
-        values = {key: value for key, value in self if key not in ("kind", "friction")}
+        values = {key: value for key, value in self if key not in _NO_ARGUMENTS}
         if "unbalances" in values:
             triples = [(u.position, u.amount, u.angle) for u in self.unbalances]
             values["unbalances"] = triples

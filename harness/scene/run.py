@@ -24,6 +24,10 @@ LOOSEST_TOLERANCE = 0.1
 FEWEST_REVOLUTIONS = 1e-9  # a step's square must stay a number
 
 
+Speed = Annotated[Real, SI("rad/s")]
+Torque = Annotated[Real, SI("N m")]
+
+
 class RunUp(Table):
     """Speed that rises linearly and then stays."""
 
@@ -44,7 +48,7 @@ class LimitedMotor(Table):
     """At standstill; falls in a straight line to 0 at `no_load_speed`."""
     no_load_speed: Annotated[Positive | None, SI("rad/s")] = None
     """Where the torque is 0; with `stall_torque`, or instead of both `table`."""
-    table: tuple[tuple[Real, Real], ...] = ()
+    table: tuple[tuple[Speed, Torque], ...] = ()
     """Points `[speed, torque]` (rad/s, N m) joined by lines; the last torque is at most 0."""
     start: Annotated[NotNegative, Field(alias="from"), SI("rad/s")] = 0.0
     """Speed at the start."""
@@ -137,7 +141,7 @@ class Coupling(Table):
 
     scheme: Literal["auto", "jacobi", "gauss-seidel", "compensated", "iterated"] = "auto"
     """How forces are guessed and corrected; `auto` looks at the loop gain."""
-    tolerance: Annotated[Positive | None, Field(le=LOOSEST_TOLERANCE)] = None
+    tolerance: Annotated[Positive | None, Field(le=LOOSEST_TOLERANCE), SI("")] = None
     """Error the motion may have, of itself; chooses the steps.  This or `steps_per_rev`; default:
     1e-4, unless another scheme, an order or corrections are given."""
     steps_per_rev: Annotated[Whole | None, Field(ge=FEWEST_STEPS, le=1_000_000)] = None

@@ -7,6 +7,7 @@ it with `Scene.replace`, which validates again.
 from __future__ import annotations
 
 import copy
+import re
 from collections.abc import Mapping
 from contextlib import suppress
 from dataclasses import replace
@@ -23,7 +24,7 @@ from .balancer import AnyBalancer
 from .balancing import Balancing
 from .check import AnyCheck
 from .file import bundled_scenes, find, read, refuse_deep
-from .messages import problems
+from .messages import locate, problems
 from .model_rules import (
     in_python,
     liquid_windows,
@@ -33,7 +34,7 @@ from .model_rules import (
     without_second_derivatives,
 )
 from .quantities import Flag, Table, Text
-from .replace import plain, replaced
+from .replace import in_full, plain, replaced
 from .rotor import Rotor
 from .rules import TABLES, across, plane_count
 from .run import Coupling, Operation, RunTable
@@ -206,6 +207,18 @@ class Scene(Table):
         except SceneError as error:
             raise SceneError(f"{self._label}: {error}") from None
         return Scene._of(document, self._path, self._label)
+
+    def unit_of(self, path: str) -> str:
+        """SI unit of the value at a path as in `replace`; empty where there is none."""
+        first, *rest = in_full(path).split(".")
+        labels = [balancer.label for balancer in self.balancer]
+        location: list[str | int] = (
+            ["balancer", labels.index(first)] if first in labels else [first]
+        )
+        for part in rest:
+            key, *numbers = re.findall(r"[\w-]+", part) or [part]
+            location += [key, *(int(n) - 1 for n in numbers if n.isdecimal())]
+        return locate(tuple(location), self._document, Scene).unit
 
     def refuse_friction(self, what: str) -> None:
         """Raise SceneError, where the supports have dry friction, for what takes a linear rotor."""

@@ -16,6 +16,7 @@ from ..master.one_file import composition
 from ..master.plan import plan
 from ..scene import Scene
 from ..scene.balancer import WeightBalancer
+from ..units import shown_in
 from .window import window
 
 MOST_WEIGHTS = 8  # that a slider adds to the scene's own number
@@ -48,6 +49,7 @@ def content(scene: Scene) -> dict[str, Any]:
     page_library()  # the stamp is that of the sources it is made from
     made, profile, bands = composition(scene), scene.profile(), window(scene)
     return {
+        "units": {symbol: shown_in(symbol) for symbol in ("rad/s", "m", "kg m")},
         "tracks": _tracks(scene),
         "tokens": [
             {"weights": counts, "token": each.token(stamp())}

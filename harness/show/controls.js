@@ -56,7 +56,7 @@ function sliders(machine, view, change) {
   if (!data.motor) {
     found.speed = new Slider("speed", "Speed", {
       low, high, value: data.speed,
-      say: (speed) => `${shown(speed)} rad/s, ${shown((speed * 60) / TURN)} rev/min`,
+      say: (speed) => `${shown(speed, "rad/s")} = ${shown((speed * 60) / TURN)} rpm`,
       set: (speed) => change({ speed }),
     });
   }
@@ -120,7 +120,7 @@ function strip({ window: { low, high, ends, kinds, words }, balancers }) {
     const piece = make("div", { className: `part ${kinds[k]}` });
     Object.assign(piece.style, { left: part(from), width: part(low + end - from) });
     box.append(piece);
-    const words = `${shown(from)} to ${shown(end)} rad/s ${meanings[kinds[k]]}`;
+    const words = `${shown(from, "rad/s")} to ${shown(end, "rad/s")} ${meanings[kinds[k]]}`;
     from = end;
     return words;
   });

@@ -6,6 +6,8 @@ const PREFIXES = [[1e3, "k"], [1, ""], [1e-3, "m"], [1e-6, "µ"], [1e-9, "n"]];
 function shown(value, unit = "", scaled = false) {
   if (!Number.isFinite(value)) return `${value} ${unit}`.trim();
   let [size, prefix] = [1, ""];
+  const [chosen, factor] = data.units[unit] ?? [unit, 1];
+  if (chosen !== unit) return shown(value * factor, chosen);
   if (scaled && value !== 0) {
     [size, prefix] = PREFIXES.find(([s]) => Math.abs(value) >= s * 0.9995) ?? PREFIXES.at(-1);
   }

@@ -188,7 +188,7 @@ class Page {
     const speedup = (1000 * this.cost.moved) / (this.cost.took || Infinity);
     const rows = {
       Time: shown(time, "s"),
-      "Speed now": `${shown(now.speed)} rad/s`,
+      "Speed now": shown(now.speed, "rad/s"),
       [stations.length > 1 ? "At that station" : "Displacement"]:
         shown(Math.hypot(x, y), "m", true),
       ...(this.machine.clearances.length && { Clearance: shown(now.clearance, "m", true) }),

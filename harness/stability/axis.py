@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from dataclasses import dataclass
 
 import numpy as np
@@ -10,8 +9,9 @@ from numpy.typing import NDArray
 
 from ..errors import UserError
 from ..scene import Scene
-from ..scene.quantities import LARGEST, fields_of, unit_of
+from ..scene.quantities import LARGEST
 from ..scene.replace import SPEED, in_full
+from ..units import si_number
 
 MOST_POINTS = 2000  # along one axis: a slip of the keyboard
 
@@ -31,8 +31,11 @@ class Axis:
     log: bool = False
 
     @classmethod
-    def parse(cls, text: str) -> Axis:
+    def parse(cls, text: str, scene: Scene | None = None) -> Axis:
         """PATH=LOW:HIGH:N or PATH=LOW:HIGH:N:log; `speed` is short for operation.speed.
+
+        Args:
+            scene: whose path it is; needed where LOW and HIGH have units.
 
         Raises:
             UserError: it is not written like that, or the values are not rising.
@@ -43,9 +46,10 @@ class Axis:
         if not path or len(parts) not in (3, 4) or parts[3:] not in ([], ["log"]):
             raise UserError(f"{text}: {example}")
         try:
-            low, high, count = float(parts[0]), float(parts[1]), int(parts[2])
+            count, unit = int(parts[2]), scene.unit_of(path) if scene else ""
         except ValueError as error:
             raise UserError(f"{text}: {example}") from error
+        low, high = (si_number(part, unit, f"{text}: {example}:") for part in parts[:2])
         log = len(parts) == 4
         if not -LARGEST <= low < high <= LARGEST:
             raise UserError(
@@ -60,12 +64,7 @@ class Axis:
 
     def label(self, scene: Scene) -> str:
         """Name and unit, such as `weights.drag [N s/m]`."""
-        first, _, rest = self.path.partition(".")
-        holder = next((b for b in scene.balancer if b.label == first), None)
-        holder = holder or getattr(scene, first, None)
-        key = re.sub(r"\[\d+\]", "", rest)
-        field = fields_of(type(holder)).get(key) if holder else None
-        unit = unit_of(field) if field else ""
+        unit = scene.unit_of(self.path)
         name = "speed" if self.path == SPEED else self.path
         return f"{name} [{unit}]" if unit else name
 

@@ -29,6 +29,7 @@ from ..errors import SimulationError, UserError
 from ..output.workers import Progress, Workers, in_order
 from ..scene import Scene
 from ..scene.quantities import LARGEST
+from ..units import si_number
 from .crossings import Side, crossings, nodes_around, side
 from .in_time import growth_in_run
 from .main_motion import MainMotion, NoMainMotion
@@ -44,7 +45,7 @@ _PARTS = 8  # of a scan, so that progress is seen
 
 def speeds(
     scene: Scene,
-    range: tuple[float, float],
+    range: tuple[float | str, float | str],
     methods: Iterable[str] = DEFAULT_METHODS,
     *,
     narrowest: float | None = None,
@@ -60,7 +61,7 @@ def speeds(
     both ends of the range; without Floquet it scans the range itself.
 
     Args:
-        range: low and high [rad/s].
+        range: low and high [rad/s], or text such as "300 rpm".
         methods: of `METHODS`.
         narrowest: width of a band that Floquet must not miss [rad/s]; a thousandth of the range.
         scan: intervals of the co-simulation's own scan: narrower bands can be missed.
@@ -77,7 +78,7 @@ def speeds(
     """
     scene.refuse_gravity("speeds")
     scene.refuse_friction("boundaries of balancing are those")
-    low, high = range
+    low, high = (si_number(end, "rad/s", "range:") for end in range)
     if not 0.0 < low < high <= LARGEST:
         raise UserError(
             f"range {low:g} to {high:g} rad/s: must be positive and rising, to {LARGEST:g} at most"

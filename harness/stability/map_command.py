@@ -62,13 +62,13 @@ def command(
     if not output and csv is None and report is None:
         pictures = [Path("map.png")]
         ready_to_write(pictures[0])
+    loaded = changed_scene(scene, changes)
     axes = []
     for option, text in (("--x", x), ("--y", y)):
         try:
-            axes.append(Axis.parse(text))
+            axes.append(Axis.parse(text, loaded))
         except UserError as error:
             raise UserError(f"{option} {error}") from error
-    loaded = changed_scene(scene, changes)
     page = Report(report, f"Map: {loaded.heading}", [loaded])
     with progress_bar(f"mapping {loaded.name}") as progress, who_works(cluster) as workers:
         key = f"--x {x} --y {y}" + (f" --cosim {cosim}" if cosim else "")

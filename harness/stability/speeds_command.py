@@ -14,6 +14,7 @@ from ..output import costs, options
 from ..output.files import write_json
 from ..output.table import GOOD, Sheet
 from ..output.terminal import progress_bar, say, show
+from ..units import engineering, engineers, in_both
 
 if TYPE_CHECKING:
     from .speeds import Speeds
@@ -24,9 +25,7 @@ DEFAULT = "criterion,floquet,cosim"
 
 def command(
     scene: Annotated[str, options.SCENE],
-    range_: Annotated[
-        tuple[float, float], typer.Option("--range", metavar="LOW HIGH", help="Speeds [rad/s].")
-    ],
+    range_: Annotated[tuple[str, str], options.RANGE],
     method: Annotated[
         str, typer.Option(help="criterion, floquet, cosim, cosim-run; several with commas.")
     ] = DEFAULT,
@@ -36,7 +35,11 @@ def command(
     ] = 60,
     narrowest: Annotated[
         float | None,
-        typer.Option(help="Width of a band Floquet must not miss [rad/s]; default: range/1000."),
+        options.quantity(
+            "rad/s",
+            "Width of a band Floquet must not miss [rad/s]; default: range/1000.",
+            "--narrowest",
+        ),
     ] = None,
     changes: Annotated[list[str] | None, options.changes("rotor.mass=3.0")] = None,
     at_most: Annotated[str, options.AT_MOST] = costs.DEFAULT,
@@ -52,11 +55,11 @@ def command(
     if not names:
         raise UserError(f"--method {method!r}: name at least one of {', '.join(METHODS)}")
     loaded = changed_scene(scene, changes)
-    low, high = range_
+    low, high = options.speed_range(range_)
     with progress_bar(f"critical speeds of {loaded.name}") as progress:
         result = speeds(
             loaded,
-            range_,
+            (low, high),
             names,
             narrowest=narrowest,
             scan=scan,
@@ -99,8 +102,12 @@ def table(result: Speeds, title: str) -> Sheet:
         if both:
             met = pair <= row.keys()
             cells.append(f"{row['cosim'].speed - row['floquet'].speed:.1e}" if met else "-")
-        rows.append([str(number), next(iter(row.values())).above, *cells])
-    heading = f"{title}: critical speeds from {low:g} to {high:g} rad/s"
+        first = next(iter(row.values()))
+        cells += [] if engineering.get() else [engineers(first.speed, "rad/s")]
+        rows.append([str(number), first.above, *cells])
+    columns += [] if engineering.get() else ["that is"]
+    span = f"{in_both(low, 'rad/s')} to {in_both(high, 'rad/s')}"
+    heading = f"{title}: critical speeds from {span}"
     colours = {"above it": {"stable": GOOD, "unstable": "red"}}
     return Sheet(columns, rows, "ll" + "r" * (len(columns) - 2), heading, colours)
 

@@ -43,7 +43,7 @@ def test_a_normal_distribution_can_be_cut_off():
         ("weights.drag=0.2", "must be PATH=NAME"),
         ("weights.drag=norml(1,2)", "'norml': unknown; must be one of normal, uniform.*such as"),
         ("weights.drag=normal(1)", "deviation: missing; takes mean, deviation, low, high"),
-        ("weights.drag=normal(1,x)", "'x': must be a number"),
+        ("weights.drag=normal(1,x)", "deviation = x: a ratio is expected"),
         ("weights.drag=normal(1,nan)", "must be finite"),
         ("weights.drag=normal(1,2,3,4,5)", "'5': too many or unknown; takes mean"),
         ("weights.drag=normal(1,sigma=2)", "'sigma=2': too many or unknown; takes mean"),
