@@ -28,6 +28,7 @@ _AGAIN = 0.005  # s until a signal that came at a bad moment is looked at anew
 _TWICE = 0.5  # s after which a second signal is meant: `timeout` sends two at once
 _LONGEST = 1e8  # s: more does not fit the timer everywhere
 _NAMED_BY = ("TMPDIR", "TMP")  # the place of temporary files
+_MATPLOTLIB = "MPLCONFIGDIR"  # the place of its configuration and cache
 _GRACE = 15.0  # s to clear up in order
 
 
@@ -139,8 +140,11 @@ def temporary_files() -> Iterator[None]:
         yield
         return
     before, tempfile.tempdir = tempfile.tempdir, folder.name
-    named = {name: os.environ.get(name) for name in _NAMED_BY}
-    os.environ.update(dict.fromkeys(_NAMED_BY, folder.name))
+    homeless = not os.access(os.path.expanduser("~"), os.W_OK) and _MATPLOTLIB not in os.environ
+    # else matplotlib makes a folder here that it fails to find when the process ends
+    names = (*_NAMED_BY, _MATPLOTLIB) if homeless else _NAMED_BY
+    named = {name: os.environ.get(name) for name in names}
+    os.environ.update(dict.fromkeys(names, folder.name))
     _folder = folder.name
     try:
         yield

@@ -249,3 +249,12 @@ def test_programs_that_are_begun_and_killed_leave_no_files(tmp_path):
     )
     assert (ended.returncode, ended.stdout) == (0, f"{tmp_path}\n")
     assert os.listdir(tmp_path) == []
+
+
+def test_a_picture_is_drawn_where_the_home_folder_cannot_be_written(tmp_path):
+    ended = subprocess.run(
+        [sys.executable, "-m", "autobalancer.harness", "run", "two_balls", "--plot", "x.png"],
+        cwd=tmp_path, env={**os.environ, "HOME": "/proc/none"}, capture_output=True, text=True,
+    )  # fmt: skip
+    assert (ended.returncode, ended.stderr) == (0, "")
+    assert (tmp_path / "x.png").stat().st_size > 10_000
