@@ -61,7 +61,7 @@ def read_measured(path: Path, scene: Scene) -> MeasuredAmplitudes:
     columns, rows = read_csv(path)
     heads = [_HEAD.fullmatch(column) for column in columns]
     if None in heads:
-        raise UserError(f"{path}: heads must be NAME or NAME [UNIT], such as speed [rpm]")
+        raise UserError(f"{path}: a column is named NAME or NAME [UNIT], such as speed [rpm]")
     names = [head["name"] for head in heads if head]
     if repeated := {name for name in names if names.count(name) > 1}:
         raise UserError(f"{path}: {', '.join(sorted(repeated))}: given twice")
