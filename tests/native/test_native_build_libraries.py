@@ -35,7 +35,7 @@ _FILE = {"fclose", "fopen", "fread"}
 ALLOWED = _STRING | _FILE | {"calloc", "free"}
 WINDOWS = {"_wfopen"}  # fopen takes no name outside the system's code page
 # of clang for macOS, from libSystem; the binder belongs to the loader
-DARWIN = {"bzero", "__bzero", "dyld_stub_binder"}
+DARWIN = {"bzero", "__bzero", "dyld_stub_binder", "memset_pattern16"}
 LINUX = {"bcmp"}  # of clang, for memcmp == 0
 # of zig's linker
 MARKS = {"_mh_dylib_header", "__dso_handle"}

@@ -24,8 +24,9 @@ from autobalancer.fmus.catalogue import CATALOGUE, sized_unit
 from autobalancer.fmus.native.build.compile import (
     PACKED,
     PLATFORMS,
+    SOURCE,
     libraries,
-    sources,
+    one_source,
     stamp,
     texts,
 )
@@ -113,7 +114,7 @@ def test_fmi_3_folders_are_named_as_the_platforms_are_and_the_build_is_described
     made = ElementTree.fromstring(files["sources/buildDescription.xml"])
     assert made.find("BuildConfiguration").get("modelIdentifier") == "liquid"
     listed = {file.get("name") for file in made.iter("SourceFile")}
-    assert listed == {name for name in sources() if name.endswith(".c")}
+    assert listed == {SOURCE}
 
 
 @pytest.mark.parametrize(
@@ -149,16 +150,24 @@ def test_platforms_of_a_unit_are_told_by_its_files(platforms, tmp_path):
     assert not is_present_build(path, "LiquidBalancer", frame="fixed")
 
 
-def test_the_sources_in_a_unit_are_those_of_its_libraries(tmp_path):
+def test_the_source_in_a_unit_is_that_of_its_libraries(tmp_path):
     path = native("BallBalancer", tmp_path)
     with zipfile.ZipFile(path) as archive:
         listed = ElementTree.fromstring(archive.read("modelDescription.xml"))
         files = [file.get("name") for file in listed.findall("CoSimulation/SourceFiles/File")]
-        assert files == sorted(name for name in sources() if name.endswith(".c"))
-        assert {"rotor/propagator.c", "coupling/composite.c"} < set(files)
-        for name, text in sources().items():
-            assert archive.read(f"sources/{name}") == text.encode()
-    assert _names(path, "sources/") >= {"sources/layout.h", "sources/stamp.h"}
+        assert files == [SOURCE]
+        assert archive.read(f"sources/{SOURCE}").decode() == one_source()
+    assert _names(path, "sources/") == {f"sources/{SOURCE}"}
+
+
+def test_the_one_source_holds_each_file_once_behind_what_it_includes():
+    files = re.findall(r'^#line 1 "(.+)"$', one_source(), re.M)
+    special = {name for name in texts() if name.split("/")[0] in ("wasm", "windows")}
+    assert sorted(files) == sorted({*texts(), "layout.h", "stamp.h"} - special)
+    place = {name: k for k, name in enumerate(files)}
+    for name in texts().keys() - special:
+        for included in re.findall(r'^#include "(.+)"$', texts()[name], re.M):
+            assert place[included] < place[name]
 
 
 # --- in a tool --------------------------------------------------------------------------------

@@ -4,17 +4,17 @@
 #include <string.h>
 
 /* 2^1024 and 10^324 times a few small factors */
-enum { WORDS = 40 };
+enum { WORD_COUNT = 40 };
 
 /* A whole number, 0 or more, lowest word first. */
 typedef struct {
     int count;
-    uint32_t word[WORDS];
-} Whole;
+    uint32_t word[WORD_COUNT];
+} BigInteger;
 
-static Whole whole(uint64_t value, int power)
+static BigInteger whole(uint64_t value, int power)
 {
-    Whole made;
+    BigInteger made;
     int k;
     const int shift = power % 32;
     memset(&made, 0, sizeof made);
@@ -30,7 +30,7 @@ static Whole whole(uint64_t value, int power)
     return made;
 }
 
-static void whole_times(Whole *a, uint32_t factor)
+static void whole_times(BigInteger *a, uint32_t factor)
 {
     uint64_t carry = 0;
     int k;
@@ -44,7 +44,7 @@ static void whole_times(Whole *a, uint32_t factor)
     }
 }
 
-static void whole_add(Whole *a, const Whole *b)
+static void whole_add(BigInteger *a, const BigInteger *b)
 {
     uint64_t carry = 0;
     int k;
@@ -61,7 +61,7 @@ static void whole_add(Whole *a, const Whole *b)
 }
 
 /* a - b, which is not negative. */
-static void whole_subtract(Whole *a, const Whole *b)
+static void whole_subtract(BigInteger *a, const BigInteger *b)
 {
     int64_t borrow = 0;
     int k;
@@ -76,7 +76,7 @@ static void whole_subtract(Whole *a, const Whole *b)
 }
 
 /* Sign of a - b. */
-static int whole_compare(const Whole *a, const Whole *b)
+static int whole_compare(const BigInteger *a, const BigInteger *b)
 {
     int k;
     if (a->count != b->count) {
@@ -91,15 +91,15 @@ static int whole_compare(const Whole *a, const Whole *b)
 }
 
 /* Sign of a + b - c. */
-static int whole_compare_sum(const Whole *a, const Whole *b, const Whole *c)
+static int whole_compare_sum(const BigInteger *a, const BigInteger *b, const BigInteger *c)
 {
-    Whole sum = *a;
+    BigInteger sum = *a;
     whole_add(&sum, b);
     return whole_compare(&sum, c);
 }
 
 /* The next digit of rest/unit, and ten times what is left. */
-static int next_digit(Whole *rest, const Whole *unit)
+static int next_digit(BigInteger *rest, const BigInteger *unit)
 {
     int digit = 0;
     while (whole_compare(rest, unit) >= 0) {
@@ -129,7 +129,7 @@ int decimal(double value, int asked, char *digits, int *exponent)
 {
     uint64_t bits;
     int power, count = 0, low, high, narrow, even;
-    Whole rest, unit, above, below;
+    BigInteger rest, unit, above, below;
     memcpy(&bits, &value, sizeof bits);
     power = (int)(bits >> 52);
     bits &= 0xFFFFFFFFFFFFFu;
@@ -146,7 +146,7 @@ int decimal(double value, int asked, char *digits, int *exponent)
     for (;;) {
         const int reached = asked ? whole_compare(&rest, &unit)
                                   : whole_compare_sum(&rest, &above, &unit) - !even;
-        Whole tenth = unit;
+        BigInteger tenth = unit;
         whole_times(&tenth, 10);
         if ((asked ? whole_compare(&rest, &tenth)
                    : whole_compare_sum(&rest, &above, &tenth) - !even) >= 0) {
@@ -178,7 +178,7 @@ int decimal(double value, int asked, char *digits, int *exponent)
             return count;
         }
         {
-            Whole ten = unit;
+            BigInteger ten = unit;
             whole_times(&ten, 10);
             low = whole_compare(&rest, &below) - even < 0;
             high = whole_compare_sum(&rest, &above, &ten) + even > 0;

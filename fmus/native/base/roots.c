@@ -3,10 +3,10 @@
 #include "base/cubic.h"
 #include "base/elementary.h"
 
-#define HALVINGS 40 /* down to rounding of the bracket */
+#define BRACKET_HALVINGS 40 /* down to rounding of the bracket */
 
 /* Where in the bracket x1..x2 to look next: inverse quadratic if that is safe, else half. */
-static double share_of(const double *x, const double *f, double edge)
+static double next_share(const double *x, const double *f, double edge)
 {
     double share = 0.5, xi, phi;
     if (f[0] == f[2] || f[1] == f[2]) {
@@ -28,7 +28,7 @@ double crossing(TimeFunction value, void *context, double begin, double upper, d
     int k;
     f[0] = value(context, upper);
     if (begin <= 0.0) { /* it has just started at 0: go back to where it is positive still */
-        for (k = 0; k < HALVINGS; k++) {
+        for (k = 0; k < BRACKET_HALVINGS; k++) {
             x[1] = 0.5 * x[0];
             f[1] = value(context, x[1]);
             if (f[1] > 0.0 || f[1] != f[1]) {
@@ -37,7 +37,7 @@ double crossing(TimeFunction value, void *context, double begin, double upper, d
             x[0] = x[1];
             f[0] = f[1];
         }
-        if (k == HALVINGS) {
+        if (k == BRACKET_HALVINGS) {
             return x[0];
         }
     }
@@ -58,7 +58,7 @@ double crossing(TimeFunction value, void *context, double begin, double upper, d
         }
         x[0] = at;
         f[0] = there;
-        share = share_of(x, f, 0.5 * width / larger(absolute(x[1] - x[0]), width));
+        share = next_share(x, f, 0.5 * width / larger(absolute(x[1] - x[0]), width));
     }
     return f[0] < 0.0 ? x[0] : x[1];
 }

@@ -167,3 +167,11 @@ void text_list(Text *text, const double *values, size_t count)
     }
     text_put(text, "]");
 }
+
+int text_digit(char c)
+{
+    return c >= '0' && c <= '9'   ? c - '0'
+           : c >= 'a' && c <= 'f' ? c - 'a' + 10
+           : c >= 'A' && c <= 'F' ? c - 'A' + 10
+                                  : 16;
+}

@@ -31,5 +31,7 @@ void text_list(Text *text, const double *values, size_t count);
 
 size_t text_length(const char *words);
 int text_equal(const char *a, const char *b);
+/* Value of a hexadecimal digit; 16 for any other letter. */
+int text_digit(char c);
 
 #endif

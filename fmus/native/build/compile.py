@@ -17,6 +17,7 @@ import importlib.util
 import json
 import lzma
 import os
+import re
 import subprocess
 import sys
 import tempfile
@@ -31,27 +32,16 @@ from ...unit import alternatives
 from ...xml.archive import source, write
 from .layout import header
 from .macho import settled
-from .targets import (
-    FAST,
-    FLAGS,
-    HOT,
-    LINK,
-    OBJECT,
-    PAGE,
-    PLATFORMS,
-    SMALL,
-    SMALLEST,
-    TARGETS,
-    WARM,
-    WARNINGS,
-    Platform,
-)
+from .targets import COMPILE, LINK, PAGE, PLATFORMS, TARGETS, Platform
 
 COMPILER = "0.17.1"  # version of ziglang: part of the stamp, another writes other bytes
 
 SOURCES = Path(__file__).resolve().parents[1]
 BINARIES = SOURCES / "bin"
 PACKED = SOURCES / "sources.json.xz"  # once installed, in place of the C files
+SOURCE = "autobalancer.c"  # what is compiled: all of them
+
+_INCLUDE = re.compile(r'^#include "(.+)"$', re.M)
 
 _STAMP = '#ifndef STAMP_H\n#define STAMP_H\n\n#define STAMP "{}"\n\n#endif\n'
 
@@ -99,9 +89,23 @@ def stamp() -> str:
     return _complete()[1]
 
 
-def sources() -> dict[str, str]:
-    """Text of what a tool compiles, by its path: all but what is for one platform alone."""
-    return {name: text for name, text in _complete()[0].items() if not _is_special(name)}
+def one_source(folder: str = "") -> str:
+    """The C sources one behind the other, each behind what it includes, with the folder's own."""
+    written, _ = _complete()
+    others = {platform.folder for platform in TARGETS.values()} - {folder, ""}
+    parts: dict[str, str] = {}
+
+    def add(name: str) -> None:
+        if name not in parts:
+            for included in _INCLUDE.findall(written[name]):
+                add(included)
+            # messages of the compiler then name the file and the line
+            parts[name] = f'#line 1 "{name}"\n' + _INCLUDE.sub("", written[name])
+
+    for name in written:
+        if name.endswith(".c") and name.split("/")[0] not in others:
+            add(name)
+    return "".join(parts.values())
 
 
 def packed() -> bytes:
@@ -120,12 +124,6 @@ def texts() -> dict[str, str]:
     return {path.relative_to(SOURCES).as_posix(): source(path) for path in paths}
 
 
-def _is_special(name: str, platform: Platform | None = None) -> bool:
-    """Whether a source is for one platform alone, and for another one than this."""
-    folders = {p.folder for p in TARGETS.values() if p.folder and p != platform}
-    return name.split("/")[0] in folders
-
-
 @cache
 def _unpacked() -> dict[str, str]:
     return json.loads(lzma.decompress(PACKED.read_bytes()))
@@ -135,8 +133,7 @@ def _complete() -> tuple[dict[str, str], str]:
     """Sources with what is generated, the variables of the units and the stamp; and the stamp."""
     written = {**texts(), "layout.h": header()}
     total = hashlib.sha256()
-    options = (*FLAGS, *FAST, *SMALL, *SMALLEST, *HOT, *WARM, *OBJECT, *LINK)
-    for text in (COMPILER, *options, *map(repr, TARGETS.values())):
+    for text in (COMPILER, *COMPILE, *LINK, *map(repr, TARGETS.values())):
         total.update(text.encode() + b"\0")
     for name, text in written.items():
         total.update(f"{name}\0{len(text)}\0{text}".encode())
@@ -157,41 +154,29 @@ def _compile(names: list[str]) -> None:
     if not names:
         return
     _installed()
-    written, current = _complete()
-    with _caches() as environment:
-        for name in names:
-            library = _compiled(TARGETS[name], written, environment)
+    current = stamp()
+    with _caches() as environment, ThreadPoolExecutor(os.cpu_count()) as pool:
+        made = pool.map(lambda name: _compiled(TARGETS[name], environment), names)
+        for name, library in zip(names, made, strict=True):
             # a page holds it as text, whatever the form in which it is kept
             packed = name == PAGE
             _write(_library(name), lzma.compress(library, preset=9) if packed else library)
             _write(BINARIES / name / "stamp", current.encode())
 
 
-def _compiled(platform: Platform, sources: dict[str, str], environment: dict[str, str]) -> bytes:
-    """Bytes of a library; the compiler runs in the folder of the sources, so no path is in them."""
+def _compiled(platform: Platform, environment: dict[str, str]) -> bytes:
+    """Bytes of a library; the compiler runs in the folder of the source, so no path is in them."""
     windows = platform.library.endswith(".dll")
-    files = [n for n in sources if n.endswith(".c") and not _is_special(n, platform)]
-    target = ("cc", "-target", platform.target, "-g0")
-
+    target = ("cc", "-target", platform.target)
     with tempfile.TemporaryDirectory() as folder:
-        for name, text in sources.items():
-            write(Path(folder) / name, text.encode())
-
-        def compiled(file: str) -> str:
-            stem = file.removesuffix(".c")
-            output = str(Path(folder) / f"{stem}.o")
-            level = FAST if stem in HOT else SMALL if stem in WARM else SMALLEST
-            options = (*FLAGS, *level, *WARNINGS, *OBJECT, *platform.compiler, "-I", ".")
-            _zig([*target, *options, "-c", file, "-o", output], folder, environment)
-            return output
-
-        with ThreadPoolExecutor(os.cpu_count()) as pool:
-            objects = list(pool.map(compiled, files))
-        if windows:
-            objects.append(_import_library(folder, environment))
-        output = Path(folder) / platform.library
-        _zig([*target, *LINK, *platform.link, *objects, "-o", str(output)], folder, environment)
-        library = output.read_bytes()
+        write(Path(folder) / SOURCE, one_source(platform.folder).encode())
+        object = "autobalancer.o"
+        compiled = [*target, *COMPILE, *platform.compiler, "-c", SOURCE, "-o", object]
+        _zig(compiled, folder, environment)
+        linked = [object, *([_import_library(folder, environment)] if windows else [])]
+        output = ["-o", platform.library]
+        _zig([*target, *LINK, *platform.link, *linked, *output], folder, environment)
+        library = (Path(folder) / platform.library).read_bytes()
     if windows:
         return _without_time(library)
     return settled(library) if platform.library.endswith(".dylib") else library
@@ -199,9 +184,10 @@ def _compiled(platform: Platform, sources: dict[str, str], environment: dict[str
 
 def _import_library(folder: str, environment: dict[str, str]) -> str:
     """What names msvcrt.dll has: zig's own import libraries take a minute to make."""
-    output = str(Path(folder) / "msvcrt.lib")
-    definition = ["-d", "windows/msvcrt.def", "-l", output]
-    _zig(["dlltool", "-m", "i386:x86-64", *definition], folder, environment)
+    definition, output = "msvcrt.def", "msvcrt.lib"
+    write(Path(folder) / definition, texts()[f"windows/{definition}"].encode())
+    arguments = ["-m", "i386:x86-64", "-d", definition, "-l", output]
+    _zig(["dlltool", *arguments], folder, environment)
     return output
 
 

@@ -6,7 +6,7 @@ import struct
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from xml.etree.ElementTree import Element, SubElement, indent, tostring
 
-from .compile import PLATFORMS, libraries, sources, stamp
+from .compile import PLATFORMS, SOURCE, libraries, one_source, stamp
 
 # FMI 2.0.5, 2.3: names of its own for x86, else those of FMI 3.0
 _FMI2 = {"x86_64-linux": "linux64", "x86_64-windows": "win64", "x86_64-darwin": "darwin64"}
@@ -40,12 +40,10 @@ def native_files(
         f"binaries/{folder}/{identifier}{_suffix(folder)}": library
         for folder, library in (_fmi2_folders(made) if fmi == 2 else made).items()
     }
-    texts = sources()
-    files.update((f"sources/{name}", text.encode()) for name, text in texts.items())
-    compiled = sorted(name for name in texts if name.endswith(".c"))
+    files[f"sources/{SOURCE}"] = one_source().encode()
     if fmi == 3:
-        files["sources/buildDescription.xml"] = _build_description(identifier, compiled)
-    files["modelDescription.xml"] = describe(identify(stamp()), compiled)
+        files["sources/buildDescription.xml"] = _build_description(identifier)
+    files["modelDescription.xml"] = describe(identify(stamp()), [SOURCE])
     return files
 
 
@@ -93,13 +91,12 @@ def universal(libraries: Sequence[bytes]) -> bytes:
     return header.ljust(start, b"\0") + body
 
 
-def _build_description(identifier: str, compiled: Sequence[str]) -> bytes:
+def _build_description(identifier: str) -> bytes:
     """How a tool makes the library from sources/, in FMI 3.0."""
     root = Element("fmiBuildDescription", {"fmiVersion": "3.0"})
     configuration = SubElement(root, "BuildConfiguration", {"modelIdentifier": identifier})
     files = SubElement(configuration, "SourceFileSet", {"language": "C99"})
-    for name in compiled:
-        SubElement(files, "SourceFile", {"name": name})
+    SubElement(files, "SourceFile", {"name": SOURCE})
     indent(root)
     return b'<?xml version="1.0" encoding="UTF-8"?>\n' + tostring(root, "utf-8") + b"\n"
 

@@ -4,26 +4,15 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-# no contraction to fused multiply-add: the same bits on every processor; sqrt an instruction
-FLAGS = ("-std=c99", "-ffp-contract=off", "-fno-math-errno")
-# where steps spend their time, for speed, with less put in line than usual, which keeps the wheel
-# within its size; what takes a part of it, for size with little put in line: it is no slower; all
-# else, for the least size (zig takes -Oz alone for -Os)
-FAST = ("-O2", "-mllvm", "-inline-threshold=25")
-SMALL = ("-Os", "-mllvm", "-inline-threshold=5")
-SMALLEST = ("-Os", "-Xclang", "-Oz")
-HOT = ("rotor/propagator", "weights/quintic_weights", "weights/weights")
-WARM = (
-    *("base/elementary", "base/failure", "base/matrix", "base/quintic", "base/signals"),
-    *("contact/centre", "contact/pulse", "contact/reaction_change", "coupling/iterated"),
-    *("coupling/signals", "rotor/friction", "units/angle", "units/rotor_step", "units/weights"),
-    *("wasm/memory", "wasm/page", "weights/liquid", "windows/entry"),
+# no contraction to fused multiply-add: the same bits on every processor; sqrt an instruction.  With
+# less put in line than usual, and no loops unrolled or made into vectors, a library is a quarter
+# smaller.  macOS headers would call checking variants of memcpy
+COMPILE = (
+    *("-std=c99", "-ffp-contract=off", "-fno-math-errno", "-Wall", "-Wextra", "-Wpedantic"),
+    *("-O2", "-mllvm", "-inline-threshold=25"),
+    *("-fno-unroll-loops", "-fno-vectorize", "-fno-slp-vectorize"),
+    *("-fPIC", "-fvisibility=hidden", "-D_FORTIFY_SOURCE=0", "-g0"),
 )
-WARNINGS = ("-Wall", "-Wextra", "-Wpedantic")
-# macOS headers would call checking variants of memcpy; without loops unrolled or made into vectors
-# a library is a tenth smaller, and no slower
-_LOOPS = ("-fno-unroll-loops", "-fno-vectorize", "-fno-slp-vectorize")
-OBJECT = ("-fPIC", "-fvisibility=hidden", "-D_FORTIFY_SOURCE=0", *_LOOPS)
 # nothing unwinds the stack of C; Windows wants its tables, and with them needs no frame pointers
 _NO_TABLES = ("-fno-asynchronous-unwind-tables", "-fno-unwind-tables")
 _NO_FRAMES = ("-fomit-frame-pointer",)

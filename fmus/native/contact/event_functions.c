@@ -4,7 +4,7 @@
 #include "base/roots.h"
 #include "contact/groups.h"
 
-#define ROUNDING 1e-14 /* rad: a gap closes when it is less than 0 by more than this */
+#define GAP_ROUNDING 1e-14 /* rad: a gap closes when it is less than 0 by more than this */
 #define DIP 1e-12      /* rad: more than rounding */
 
 /* Rounding of drives; never less than what find_groups leaves together. */
@@ -121,7 +121,7 @@ static double hold_of(WeightsInOrder *weights, int i, const Instant *now,
     return (weights->track->full ? limit - absolute(drive) : least) + slack;
 }
 
-static void after(const EventFunctions *functions, int i, const Instant *later, double time,
+static void state_after(const EventFunctions *functions, int i, const Instant *later, double time,
                   double *middle, double *rate)
 {
     moved(functions->weights, i, &functions->now, later, functions->motion->angular_acceleration,
@@ -140,13 +140,13 @@ double event_value(const EventFunction *event, double time)
     if (event->kind == BREAKS_AWAY) {
         return hold_of(weights, i, &later, functions->motion->angular_acceleration);
     }
-    after(functions, i, &later, time, &middle, &rate);
+    state_after(functions, i, &later, time, &middle, &rate);
     if (event->kind == COMES_TO_REST) {
         value = groups->sign[i] * rate;
     } else if (event->kind == PULLED_OPEN) {
         value = pressure_of(functions, i, middle, rate, &later, &where);
     } else {
-        after(functions, j, &later, time, &following, &following_rate);
+        state_after(functions, j, &later, time, &following, &following_rate);
         value = event->start + (following - middle - (groups->middle[j] - groups->middle[i]));
     }
     return weights->failure->code ? not_a_number() : value;
@@ -172,7 +172,7 @@ static int gap_closes(EventFunction *event, double length)
     const double final_opening = groups->end_rate[j] - groups->end_rate[i];
     double final;
     event->where = (groups->runs.first[i] + groups->runs.size[i] - 1) % weights->count;
-    event->start = larger(0.0, gap(weights, event->where)) + ROUNDING;
+    event->start = larger(0.0, gap(weights, event->where)) + GAP_ROUNDING;
     final = event->start + (groups->end_middle[j] - groups->end_middle[i] - base);
     /* rounding must not close a gap that opens; one that dips and opens again has to */
     if (final < (smaller(opening, final_opening) < 0.0 ? 0.0 : -DIP)) {

@@ -7,7 +7,7 @@
 #include "contact/impacts.h"
 
 #define LOCATED 1e-12     /* of the substep */
-#define MOST_PARTS 100000 /* substeps and events within a communication step */
+#define MOST_SUBSTEPS 100000 /* substeps and events within a communication step */
 
 EventStepper event_stepper(WeightsInOrder *weights, const CentreMotion *motion, int stops)
 {
@@ -34,7 +34,7 @@ static int substeps_of(const EventStepper *stepper, double left, double step)
                      track->spin_share * motion->angular_acceleration, track->damping_rate, step,
                      &strongest);
     const double turns = left * fastest / TURN_PER_SUBSTEP;
-    if (!(turns < MOST_PARTS)) {
+    if (!(turns < MOST_SUBSTEPS)) {
         fail(weights->failure, FAILURE_SUBSTEPS, "weights", 0, turns, left, strongest,
              largest_of(weights->count, weights->angle_rate));
         return 0;
@@ -54,7 +54,7 @@ static void move_groups(const EventFunctions *functions, const Instant *later, d
     }
 }
 
-static double value_of(void *event, double time)
+static double value_of_candidate(void *event, double time)
 {
     return event_value(event, time);
 }
@@ -79,7 +79,7 @@ static double earliest(EventFunctions *functions, const Instant *later, double l
                 event_value(&candidate, first) >= 0.0) {
                 continue;
             }
-            first = crossing(value_of, &candidate, candidate.start, smaller(candidate.upper, first),
+            first = crossing(value_of_candidate, &candidate, candidate.start, smaller(candidate.upper, first),
                              width);
             *event = candidate;
         }
@@ -175,7 +175,7 @@ int run(EventStepper *stepper, double step)
         }
         settle_now(stepper, -1);
     }
-    for (k = 0; k < MOST_PARTS && !failure->code; k++) {
+    for (k = 0; k < MOST_SUBSTEPS && !failure->code; k++) {
         const double left = step - stepper->time;
         const int count = substeps_of(stepper, left, step);
         if (count) {
@@ -190,6 +190,6 @@ int run(EventStepper *stepper, double step)
     if (failure->code) {
         return failure->code;
     }
-    return fail(stepper->weights->failure, FAILURE_EVENTS, "weights", MOST_PARTS, step,
+    return fail(stepper->weights->failure, FAILURE_EVENTS, "weights", MOST_SUBSTEPS, step,
                 stepper->time, 0.0, 0.0);
 }

@@ -9,11 +9,11 @@
 #define MOST_ROUNDS 100         /* with restitution; a last one without it ends every approach */
 #define PIVOTS_PER_PAIR 200
 
-enum { VECTORS = 9, SQUARES = 3, INTS = 5 }; /* doubles a weight, squares of n, and ints a weight */
+enum { VECTORS = 9, SQUARES = 3, IMPACT_INTS = 5 }; /* doubles a weight, squares of n, and ints a weight */
 
 size_t impact_doubles(int count)
 {
-    const size_t n = (size_t)count, ints = INTS * n * sizeof(int);
+    const size_t n = (size_t)count, ints = IMPACT_INTS * n * sizeof(int);
     return VECTORS * n + SQUARES * n * n + (ints + sizeof(double) - 1) / sizeof(double);
 }
 

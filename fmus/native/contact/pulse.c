@@ -5,7 +5,7 @@
 #define POINTS 5
 
 /* Gauss-Legendre on 0..1, exact to degree 9 */
-static const double NODES[POINTS] = {0.046910077030668, 0.230765344947158, 0.5, 0.769234655052842,
+static const double PULSE_NODES[POINTS] = {0.046910077030668, 0.230765344947158, 0.5, 0.769234655052842,
                                      0.953089922969332};
 static const double SHARES[POINTS] = {0.118463442528095, 0.239314335249683, 0.284444444444444,
                                       0.239314335249683, 0.118463442528095};
@@ -15,7 +15,7 @@ Complex hat_half(double turn)
     Complex sum = {0.0, 0.0};
     int k;
     for (k = 0; k < POINTS; k++) {
-        const double s = NODES[k], height = SHARES[k] * s * s * (3.0 - 2.0 * s);
+        const double s = PULSE_NODES[k], height = SHARES[k] * s * s * (3.0 - 2.0 * s);
         sum = complex_sum(sum, complex_scaled(height, rect(1.0, turn * (s - 1.0))));
     }
     return sum;

@@ -10,7 +10,7 @@
 typedef struct {
     Instant now, by;
     double angular_acceleration, by_angular_acceleration, by_change;
-} Drive;
+} DrivenChange;
 
 /* Change of the mean drive of a group, per unit vector and wall, and of its time derivative. */
 typedef struct {
@@ -18,7 +18,7 @@ typedef struct {
 } DriveChange;
 
 /* One term of the sums in sliding_drive. */
-static void add_term(const Drive *d, Complex unit, double lever, double pull, double rate,
+static void add_term(const DrivenChange *d, Complex unit, double lever, double pull, double rate,
                      DriveChange *sum)
 {
     const Complex z = complex_product(d->by.acceleration, unit);
@@ -29,7 +29,7 @@ static void add_term(const Drive *d, Complex unit, double lever, double pull, do
 }
 
 /* Change of a sliding group's acceleration theta_2 and of its derivative. */
-static void sliding_change(const WeightsInOrder *weights, int i, const Drive *d, double theta_2,
+static void sliding_change(const WeightsInOrder *weights, int i, const DrivenChange *d, double theta_2,
                            double *change, double *slope_change)
 {
     const SlidingGroup group = sliding_group(weights, i);
@@ -58,7 +58,7 @@ static void sliding_change(const WeightsInOrder *weights, int i, const Drive *d,
 }
 
 /* Change of group i's acceleration theta_2 and of its derivative. */
-static void group_change(const WeightsInOrder *weights, int i, const Drive *d, double theta_2,
+static void group_change(const WeightsInOrder *weights, int i, const DrivenChange *d, double theta_2,
                          double *change, double *slope_change)
 {
     const Groups *groups = &weights->groups;
@@ -78,7 +78,7 @@ static void group_change(const WeightsInOrder *weights, int i, const Drive *d, d
 }
 
 /* The differential of ring_reaction, whose symbols these are. */
-static void ring_change(WeightsInOrder *weights, const Drive *d, Complex *force,
+static void ring_change(WeightsInOrder *weights, const DrivenChange *d, Complex *force,
                         Complex *force_slope)
 {
     const Groups *groups = &weights->groups;
@@ -123,7 +123,7 @@ static void ring_change(WeightsInOrder *weights, const Drive *d, Complex *force,
 static int prepare(const Track *track, const double *angles, const double *speeds,
                    const double *contacts, Complex acceleration, Complex slope, double rotor_speed,
                    double angular_acceleration, const Instant *by, double by_angular_acceleration,
-                   double by_change, double *scratch, WeightsInOrder *weights, Drive *d,
+                   double by_change, double *scratch, WeightsInOrder *weights, DrivenChange *d,
                    Failure *failure)
 {
     const Complex whirl = {-(rotor_speed * rotor_speed), angular_acceleration};
@@ -156,7 +156,7 @@ int track_turning_change(const Track *track, const double *angles, const double 
                          double *scratch, Failure *failure)
 {
     WeightsInOrder weights;
-    Drive d;
+    DrivenChange d;
     int i;
     const int code = prepare(track, angles, speeds, contacts, acceleration, slope, rotor_speed,
                              angular_acceleration, by, by_angular_acceleration, by_change, scratch,
@@ -190,7 +190,7 @@ int track_reaction_change(const Track *track, const double *angles, const double
     const Complex by_turn = {0.0, by_change};
     const Complex carried = complex_scaled(weights_added_mass(&track->weights), track->offset);
     WeightsInOrder weights;
-    Drive d;
+    DrivenChange d;
     const int code = prepare(track, angles, speeds, contacts, acceleration, slope, rotor_speed,
                              angular_acceleration, by, by_angular_acceleration, by_change, scratch,
                              &weights, &d, failure);

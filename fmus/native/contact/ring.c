@@ -7,14 +7,14 @@
 #define OVERLAP 1e-7  /* rad: of a start; rounding of angles after a million turns stays below */
 #define ALIGNED 1e-12 /* rad: contacts this exact are left alone, so that weights never creep */
 
-#define DOUBLES 17 /* arrays of N doubles, and of N ints */
-#define INTS 9
+#define RING_DOUBLES 17 /* arrays of N doubles, and of N ints */
+#define RING_INTS 9
 
 size_t ring_scratch(int count)
 {
     const size_t n = (size_t)count;
-    return DOUBLES * n + impact_doubles(count) +
-           (INTS * n * sizeof(int) + sizeof(double) - 1) / sizeof(double);
+    return RING_DOUBLES * n + impact_doubles(count) +
+           (RING_INTS * n * sizeof(int) + sizeof(double) - 1) / sizeof(double);
 }
 
 static double *next_doubles(double **free, int count)
@@ -32,10 +32,10 @@ static int *next_ints(int **free, int count)
 }
 
 /* Hand out the arrays of `scratch`. */
-static void lay_out(int n, double *scratch, WeightsInOrder *w)
+static void lay_out_scratch(int n, double *scratch, WeightsInOrder *w)
 {
     double *d = scratch;
-    int *i = (int *)(void *)(scratch + DOUBLES * n + impact_doubles(n));
+    int *i = (int *)(void *)(scratch + RING_DOUBLES * n + impact_doubles(n));
     w->given = next_doubles(&d, n);
     w->begin = next_doubles(&d, n);
     w->angle = next_doubles(&d, n);
@@ -82,7 +82,7 @@ int put_in_order(const Track *track, const double *angles, const double *speeds,
 {
     const int n = track->weights.count;
     int j;
-    lay_out(n, scratch, weights);
+    lay_out_scratch(n, scratch, weights);
     failure->code = FINE;
     weights->failure = failure;
     weights->track = track;

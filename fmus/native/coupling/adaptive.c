@@ -49,7 +49,7 @@ void adaptive_allow(Composite *c, double share)
 }
 
 /* Part of a prediction's miss that is error of the step's own signal. */
-static double share_of(int orders, double step, double last_step)
+static double share_of_miss(int orders, double step, double last_step)
 {
     const double sum = step + last_step;
     if (orders == QUINTIC_ORDERS) {
@@ -65,7 +65,7 @@ static double worst(const Signal *signals, const Knot *ends, int count, int orde
     double largest = 0.0;
     int k;
     for (k = 0; k < count; k++) {
-        const double share = share_of(orders, step, signals[k].last_step);
+        const double share = share_of_miss(orders, step, signals[k].last_step);
         Complex ahead[QUINTIC_ORDERS], led;
         signal_predicted(signals + k, orders, ahead);
         led = knot_end(ahead, orders, step).value;
@@ -140,7 +140,7 @@ static double length_of(int rung, double longest)
     return scaled_by_power(longest * ROOTS[rung - RUNGS * powers], -powers);
 }
 
-static int refuse(Unit *unit, double step, double error, double residual)
+static int refuse_step(Unit *unit, double step, double error, double residual)
 {
     Composite *c = unit->own;
     Text *reason = unit_reason(unit);
@@ -231,7 +231,7 @@ int adaptive_step(Unit *unit, double longest)
             composite_drop_past(c);
         }
         if (course->rung > LOWEST) {
-            return refuse(unit, step, error, residual);
+            return refuse_step(unit, step, error, residual);
         }
     }
 }

@@ -2,8 +2,6 @@
 #include "base/elementary.h"
 #include "coupling/composite.h"
 
-static const double SLIVER = 1e-12; /* of a step */
-
 /* Whether the communication step that ends so is still to be gone on with. */
 static int unfinished(const Composite *c, double ends, double step)
 {
@@ -14,7 +12,7 @@ static int unfinished(const Composite *c, double ends, double step)
     if (course->allowed == 0.0) {
         return course->whole > 0.0;
     }
-    return course->no_past > 0.0 && ends - course->time > SLIVER * step;
+    return course->no_past > 0.0 && ends - course->time > TIME_ROUNDING * step;
 }
 
 int composite_run_step(Unit *unit, double step)

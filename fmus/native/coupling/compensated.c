@@ -6,14 +6,14 @@
 #include "base/matrix.h"
 #include "coupling/composite.h"
 
-enum { NODES = 12, LOST = 12, CALM = 4, MOST_PARTS = 3 };
+enum { GAUSS_NODES = 12, LOST = 12, CALM = 4, MOST_COMPONENTS = 3 };
 static const double MISSED = 0.5, GROWN = 1e3;
 
 /* Gauss and Legendre on 0 to 1, exact to degree 23: the upper half of points, and their shares. */
-static const double POINT[NODES / 2] = {
+static const double POINT[GAUSS_NODES / 2] = {
     0.5626167042557344, 0.6839157494990901, 0.7936589771433087,
     0.8849513370971523, 0.9520586281852375, 0.9907803171233596};
-static const double SHARE[NODES / 2] = {
+static const double SHARE[GAUSS_NODES / 2] = {
     0.12457352290670139, 0.11674626826917740, 0.10158371336153296,
     0.08003916427167311, 0.05346966299765922, 0.023587668193255914};
 
@@ -50,12 +50,12 @@ static void falling_at(int parts, double s, double *falling)
 static void moments(int parts, double turn, double ratio, Complex *missed, Complex *given)
 {
     int k, i, j;
-    for (k = 0; k < NODES; k++) {
-        const double s = k < NODES / 2 ? 1.0 - POINT[k] : POINT[k - NODES / 2];
-        const double share = SHARE[k % (NODES / 2)], rest = 1.0 - s;
+    for (k = 0; k < GAUSS_NODES; k++) {
+        const double s = k < GAUSS_NODES / 2 ? 1.0 - POINT[k] : POINT[k - GAUSS_NODES / 2];
+        const double share = SHARE[k % (GAUSS_NODES / 2)], rest = 1.0 - s;
         const Complex before = rect(share, turn * s);
         const Complex after = rect(share * ratio, turn * (1.0 + ratio * s));
-        double falling[MOST_PARTS], mirrored[MOST_PARTS], past = 1.0, now = 1.0;
+        double falling[MOST_COMPONENTS], mirrored[MOST_COMPONENTS], past = 1.0, now = 1.0;
         falling_at(parts, s, falling);
         falling_at(parts, rest, mirrored);
         for (i = 0; i < parts; i++, past *= rest + ratio, now *= ratio * rest) {
@@ -73,7 +73,7 @@ static void carry(Carried *carried, int parts, double turn, double past, double 
 {
     const Complex zero = {0.0, 0.0};
     const Knot nothing = {zero, zero, zero};
-    Complex missed[MOST_PARTS * MOST_PARTS], given[MOST_PARTS * MOST_PARTS];
+    Complex missed[MOST_COMPONENTS * MOST_COMPONENTS], given[MOST_COMPONENTS * MOST_COMPONENTS];
     int k, i;
     if (carried->turn == turn && carried->past == past && carried->step == step) {
         return;

@@ -8,12 +8,11 @@
 
 /* Parts of a step and of a time: within them a point of the host is the end of a step; and of the
    speed: what differs less is no jump. */
-static const double POINT_OF_STEP = 1e-10, POINT_OF_TIME = 4e-16, SAME_SPEED = 1e-9;
+static const double REACHED_OF_STEP = 1e-10, REACHED_OF_TIME = 4e-16, SAME_SPEED = 1e-9;
 static const double MOST_STEPS = 1e8, MOST_MOVES = 1e7; /* within a step of the host: of the coupling, and of parts */
 static const double LOOSEST = 0.1; /* tolerance */
 static const double FEWEST_STEPS = 4.0; /* fewer do not resolve one revolution */
-static const double WEAK_LOOP = 0.1; /* one corrector pass then leaves 1 % of the prediction's error */
-static const double ROUNDING = 1e-14; /* of the largest force there can be */
+static const double FORCE_ROUNDING = 1e-14; /* of the largest force there can be */
 
 /* -- memory ---------------------------------------------------------------------------------- */
 
@@ -63,7 +62,7 @@ size_t composite_memory(Composite *c, double *memory)
     return total;
 }
 
-static int allocate(Unit *unit)
+static int composite_allocate(Unit *unit)
 {
     Composite *c = unit->own;
     const size_t e = (size_t)c->unknowns, p = (size_t)c->planes, o = (size_t)c->orders;
@@ -98,30 +97,30 @@ static int allocate(Unit *unit)
 
 /* -- the start ------------------------------------------------------------------------------- */
 
-static int refuse(Unit *unit, const char *why)
+static int refuse_coupling(Unit *unit, const char *why)
 {
     text_put(unit_reason(unit), why);
     return 1;
 }
 
-static int parameters(Unit *unit)
+static int composite_parameters(Unit *unit)
 {
     Composite *c = unit->own;
     const double steps = unit->real[c->steps_per_rev];
     int k;
     if ((unit->real[c->tolerance] > 0.0) == (steps > 0.0)) {
-        return refuse(unit, "coupling.tolerance, coupling.steps_per_rev: one must be above 0, and "
+        return refuse_coupling(unit, "coupling.tolerance, coupling.steps_per_rev: one must be above 0, and "
                             "the other 0 (not used)");
     }
     if (steps > 0.0 && !(steps >= FEWEST_STEPS && steps == nearest(steps))) {
-        return refuse(unit, "coupling.steps_per_rev: must be 0 (not used) or a whole number, at "
+        return refuse_coupling(unit, "coupling.steps_per_rev: must be 0 (not used) or a whole number, at "
                             "least 4");
     }
     if (unit->real[c->tolerance] > LOOSEST) {
-        return refuse(unit, "coupling.tolerance: must be at most 0.1");
+        return refuse_coupling(unit, "coupling.tolerance: must be at most 0.1");
     }
     if (unit->real[c->tolerance] > 0.0 && c->scheme == SCHEME_COMPENSATED) {
-        return refuse(unit, "coupling.tolerance: the file was built with scheme = \"compensated\", "
+        return refuse_coupling(unit, "coupling.tolerance: the file was built with scheme = \"compensated\", "
                             "which keeps none; set coupling.steps_per_rev");
     }
     for (k = 0; k < c->part_count; k++) {
@@ -136,14 +135,14 @@ static int parameters(Unit *unit)
 }
 
 /* A host's times may be off by rounding, never by a step. */
-static int stands_at(const double *memory, double time)
+static int composite_stands_at(const double *memory, double time)
 {
     const Course *course = (const Course *)memory;
     return course->started > 0.0 && time >= course->begin - course->length &&
            time <= course->time + course->length;
 }
 
-static int begin(Unit *unit)
+static int composite_begin(Unit *unit)
 {
     ((Composite *)unit->own)->course->started = 0.0;
     return 0;
@@ -248,13 +247,13 @@ static int start(Unit *unit)
     }
     take_inputs(unit);
     if (!(course->fastest > 0.0)) {
-        return refuse(unit, "coupling.top_speed: must be above 0 rad/s for a rotor that starts at rest");
+        return refuse_coupling(unit, "coupling.top_speed: must be above 0 rad/s for a rotor that starts at rest");
     }
     step = startup_size(unit);
     if (begin_parts(unit)) {
         return 1;
     }
-    course->rounding = ROUNDING * composite_largest_force(c);
+    course->rounding = FORCE_ROUNDING * composite_largest_force(c);
     if ((c->scheme == SCHEME_COMPENSATED && loop_rotor_response(unit, step)) ||
         loop_consistent_start(unit, step)) {
         return 1;
@@ -269,7 +268,7 @@ static int start(Unit *unit)
     return 0;
 }
 
-static int outputs(Unit *unit)
+static int composite_outputs(Unit *unit)
 {
     return ((Composite *)unit->own)->course->started > 0.0 ? 0 : start(unit);
 }
@@ -322,7 +321,7 @@ static int meet_inputs(Unit *unit)
                                absolute(drive[0] - led) <= SAME_SPEED * course->fastest);
     const int jumps = !same || pushed_anew(unit);
     if (rises && (drive[0] != course->first_speed || drive[1] != course->first_acceleration)) {
-        return refuse(unit, "speed, acceleration: the rotor speeds up by itself, as rise_time is "
+        return refuse_coupling(unit, "speed, acceleration: the rotor speeds up by itself, as rise_time is "
                             "above 0 s");
     }
     if (jumps || (!rises && drive[1] != 0.0)) {
@@ -335,7 +334,7 @@ static int meet_inputs(Unit *unit)
 }
 
 /* With a tolerance nothing is left to be estimated. */
-static int judge(Unit *unit, double step)
+static int judge_step(Unit *unit, double step)
 {
     const Course *course = ((Composite *)unit->own)->course;
     return (course->allowed == 0.0 && resolution_check(unit, step)) || iterated_judge(unit);
@@ -354,7 +353,7 @@ static int couple(Unit *unit, double step, int jump)
     if (iterated_step(unit, step)) {
         return 1;
     }
-    return c->unknowns && c->course->striking == 0.0 && judge(unit, c->course->length);
+    return c->unknowns && c->course->striking == 0.0 && judge_step(unit, c->course->length);
 }
 
 /* One step of the length that a tolerance allows, or that a run prescribes. */
@@ -382,7 +381,7 @@ static int strike(Unit *unit)
     }
     course->residual = course->worst;
     return (course->allowed == 0.0 || c->pacing.points) &&
-           judge(unit, course->time + course->length - course->met);
+           judge_step(unit, course->time + course->length - course->met);
 }
 
 int composite_go_on(Unit *unit)
@@ -417,7 +416,7 @@ int composite_go_on(Unit *unit)
 }
 
 /* Move the units to a time within the last step, or to its end, under its signals. */
-static int show(Unit *unit, double time, int end)
+static int show_time(Unit *unit, double time, int end)
 {
     Composite *c = unit->own;
     Course *course = c->course;
@@ -488,19 +487,19 @@ void composite_level_off(Unit *unit)
 }
 
 /* Step and move the units to a time. */
-static int reach(Unit *unit, double end)
+static int reach_time(Unit *unit, double end)
 {
     const Composite *c = unit->own;
     const Course *course = c->course;
     const double begin = unit->time, most = course->passes + MOST_MOVES / c->part_count;
     for (;;) {
-        const double point = POINT_OF_STEP * course->length + POINT_OF_TIME * absolute(end);
+        const double point = REACHED_OF_STEP * course->length + REACHED_OF_TIME * absolute(end);
         if (!(course->time < end - point)) {
-            return show(unit, end, course->time <= end + point);
+            return show_time(unit, end, course->time <= end + point);
         }
         if (unit->own_steps && course->time > begin) {
             unit->made = course->time - begin;
-            return show(unit, course->time, 1);
+            return show_time(unit, course->time, 1);
         }
         if (course->passes > most) {
             return refuse_work(unit, end - begin);
@@ -512,7 +511,7 @@ static int reach(Unit *unit, double end)
     }
 }
 
-static int step(Unit *unit, double length)
+static int composite_step_unit(Unit *unit, double length)
 {
     const Composite *c = unit->own;
     Course *course = c->course;
@@ -530,7 +529,7 @@ static int step(Unit *unit, double length)
     if (course->acceleration != 0.0 && unit->time < top && top <= end) {
         const unsigned *asked = unit->asked;
         unit->asked = NULL; /* steps begin there: all units must be */
-        wrong = reach(unit, top);
+        wrong = reach_time(unit, top);
         unit->asked = asked;
         if (wrong) {
             return 1;
@@ -546,7 +545,7 @@ static int step(Unit *unit, double length)
             return 0;
         }
     }
-    return reach(unit, end);
+    return reach_time(unit, end);
 }
 
 static void show_outputs(Unit *unit, const Part *part)
@@ -556,7 +555,7 @@ static void show_outputs(Unit *unit, const Part *part)
            (part->unit->layout.real_count - first) * sizeof(double));
 }
 
-static void observe(Unit *unit)
+static void composite_observe(Unit *unit)
 {
     Composite *c = unit->own;
     double *results = unit->real + c->results;
@@ -575,7 +574,7 @@ static void observe(Unit *unit)
     results[4] = c->course->unconverged;
 }
 
-static void observe_torques(Unit *unit)
+static void composite_observe_torques(Unit *unit)
 {
     const Composite *c = unit->own;
     int k;
@@ -588,7 +587,7 @@ static void observe_torques(Unit *unit)
     }
 }
 
-static int is_torque(const Unit *unit, size_t reference)
+static int composite_is_torque(const Unit *unit, size_t reference)
 {
     const Composite *c = unit->own;
     int k;
@@ -604,21 +603,21 @@ static int is_torque(const Unit *unit, size_t reference)
 
 /* -- what a composite does not offer ---------------------------------------------------------- */
 
-static size_t signals(const Layout *layout, size_t *first)
+static size_t composite_signals(const Layout *layout, size_t *first)
 {
     (void)layout;
     *first = 0;
     return 0;
 }
 
-static int directional(Unit *unit, const double *seed, double *change)
+static int composite_directional(Unit *unit, const double *seed, double *change)
 {
     (void)seed;
     (void)change;
-    return refuse(unit, "a composite has no directional derivatives");
+    return refuse_coupling(unit, "a composite has no directional derivatives");
 }
 
-static int slope(Unit *unit, size_t reference, double *value)
+static int composite_slope(Unit *unit, size_t reference, double *value)
 {
     (void)unit;
     (void)reference;
@@ -627,6 +626,8 @@ static int slope(Unit *unit, size_t reference, double *value)
 }
 
 const Equations COMPOSITE_EQUATIONS = {
-    .name = "Composite", .allocate = allocate, .stands_at = stands_at, .parameters = parameters, .begin = begin,
-    .step = step, .outputs = outputs, .observe = observe, .observe_torques = observe_torques,
-    .is_torque = is_torque, .signals = signals, .directional = directional, .slope = slope};
+    .name = "Composite", .allocate = composite_allocate, .stands_at = composite_stands_at,
+    .parameters = composite_parameters, .begin = composite_begin, .step = composite_step_unit,
+    .outputs = composite_outputs, .observe = composite_observe,
+    .observe_torques = composite_observe_torques, .is_torque = composite_is_torque,
+    .signals = composite_signals, .directional = composite_directional, .slope = composite_slope};

@@ -15,6 +15,7 @@
 typedef enum { SCHEME_AUTO, SCHEME_ITERATED, SCHEME_COMPENSATED } Scheme;
 
 enum { UNTIL_CONVERGED = -1 }; /* corrections */
+#define WEAK_LOOP 0.1 /* gain: one corrector pass then leaves 1 % of the prediction's error */
 
 /* Value and slope of a signal at one point, and of a quintic its second derivative, else 0. */
 typedef struct {

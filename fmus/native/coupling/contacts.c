@@ -9,8 +9,8 @@
 #include "base/elementary.h"
 #include "coupling/composite.h"
 
-static const double SLIVER = 1e-3; /* of a brief step: weights that meet so soon collide now */
-static const double BRIEF = 1e-6, WIDE = 1e-4, LEAST = 0.1, JUMP = 1e-6, GROWTH = 10.0, KINK = 1e-10, AGREED = 1e-6;
+static const double SOON = 1e-3; /* of a brief step: weights that meet so soon collide now */
+static const double BRIEF = 1e-6, WIDE = 1e-4, LEAST = 0.1, JUMP = 1e-6, BRIEF_GROWTH = 10.0, SLOPE_JUMP = 1e-10, AGREED = 1e-6;
 enum { QUIET = 3, AWAITED = 20, MOST = 1000, TRIES = 3 };
 static const double SHORTER[TRIES] = {1.0, 0.6, 0.36};
 
@@ -77,7 +77,7 @@ static double brief(Unit *unit, double *step)
     *step = contacts_brief(unit);
     for (;;) {
         const double residual = iterated_attempt(unit, *step);
-        if (residual < 0.0 && c->course->ahead >= SLIVER * *step) { /* weights meet within it */
+        if (residual < 0.0 && c->course->ahead >= SOON * *step) { /* weights meet within it */
             *step = c->course->ahead;
             composite_restore(c);
             continue;
@@ -103,7 +103,7 @@ int contacts_strike(Unit *unit)
 }
 
 /* Whether any of like signals jumps in a brief step, and whether its slope does. */
-static void judge(const Signal *signals, const Knot *ends, int count, double step, double largest,
+static void find_jumps(const Signal *signals, const Knot *ends, int count, double step, double largest,
                   int *jumped, int *turned)
 {
     double left = 0.0, turn = 0.0, grown = 0.0;
@@ -115,8 +115,8 @@ static void judge(const Signal *signals, const Knot *ends, int count, double ste
         turn = larger(turn, step * magnitude(complex_difference(end.slope, now.slope)));
         grown = larger(grown, step * magnitude(end.slope));
     }
-    *jumped |= left > JUMP * larger(largest, GROWTH * grown);
-    *turned |= turn > KINK * largest;
+    *jumped |= left > JUMP * larger(largest, BRIEF_GROWTH * grown);
+    *turned |= turn > SLOPE_JUMP * largest;
 }
 
 int contacts_step(Unit *unit)
@@ -125,15 +125,15 @@ int contacts_step(Unit *unit)
     Course *course = c->course;
     double step, residual, motion = 0.0;
     int k, jumped = 0, turned = 0;
-    if (impacts_strike(unit, SLIVER * contacts_brief(unit), &jumped)) {
+    if (impacts_strike(unit, SOON * contacts_brief(unit), &jumped)) {
         return 1;
     }
     residual = brief(unit, &step);
     for (k = 0; k < c->planes; k++) {
         motion = larger(motion, c->accelerations[k].largest);
     }
-    judge(c->forces, c->answers, c->unknowns, step, course->largest, &jumped, &turned);
-    judge(c->accelerations, c->ends, c->planes, step, motion, &jumped, &turned);
+    find_jumps(c->forces, c->answers, c->unknowns, step, course->largest, &jumped, &turned);
+    find_jumps(c->accelerations, c->ends, c->planes, step, motion, &jumped, &turned);
     if (residual < 0.0 || iterated_accept(unit, step)) {
         return 1;
     }

@@ -6,18 +6,18 @@
 #include "coupling/composite.h"
 
 static const double HELD = 0.01; /* of the residual allowed */
-static const double CONVERGED_FORCES = 1e-10, ROUNDING = 1e-12, CHANGE = 1e-3, LOOSE = 1e-3, SLOW = 0.1;
+static const double CONVERGED_FORCES = 1e-10, GAIN_ROUNDING = 1e-12, CHANGE = 1e-3, LOOSE = 1e-3, SLOW_PASS = 0.1;
 enum { MAX_PASSES = 30, UNCONVERGED = 1 };
 
 /* Residual of a loop that is solved. */
 static double closed(const Course *course)
 {
-    return larger(CONVERGED_FORCES, ROUNDING * course->gain);
+    return larger(CONVERGED_FORCES, GAIN_ROUNDING * course->gain);
 }
 
 void iterated_allow(Composite *c, double residual)
 {
-    c->course->tolerance = larger(residual, ROUNDING * c->course->gain);
+    c->course->tolerance = larger(residual, GAIN_ROUNDING * c->course->gain);
     c->course->largest = c->course->rounding / c->course->tolerance;
 }
 
@@ -94,7 +94,7 @@ static double attempt(Unit *unit, double step, int passes)
     const int o = c->orders, count = o * c->unknowns, half = count / 2;
     /* what is left of a force makes a steep slope in a brief step */
     const double tolerance = course->striking > 0.0 ? smaller(course->tolerance, closed(course))
-                             : course->held > 0.0   ? larger(ROUNDING * course->gain, HELD * course->tolerance)
+                             : course->held > 0.0   ? larger(GAIN_ROUNDING * course->gain, HELD * course->tolerance)
                                                     : course->tolerance;
     const double counted = measure(c, step);
     double error = 0.0, error_before = 0.0;
@@ -124,7 +124,7 @@ static double attempt(Unit *unit, double step, int passes)
         /* of passes and steps that are taken back none counts: they can be far too large */
         course->reached = larger(course->largest, loop_size(c->g_u, half));
         error = course->reached > 0.0 ? loop_size(c->residual, half) / course->reached : 0.0;
-        if (number > 1 && error > larger(tolerance, SLOW * error_before)) {
+        if (number > 1 && error > larger(tolerance, SLOW_PASS * error_before)) {
             loop_learn(c, c->du, c->old, c->residual);
         }
         if (number >= passes || !(error > tolerance)) {
@@ -233,7 +233,7 @@ int iterated_cross(Unit *unit, double step)
     return iterated_accept(unit, step);
 }
 
-static int respond(Unit *unit, const double *u, double step, double *answer)
+static int respond_to_pass(Unit *unit, const double *u, double step, double *answer)
 {
     Composite *c = unit->own;
     if (pass(unit, u, step)) {
@@ -251,10 +251,10 @@ static int learn_anew(Unit *unit, double step)
     Composite *c = unit->own;
     const int count = c->orders * c->unknowns, half = count / 2;
     double change;
-    int wrong = respond(unit, c->u, step, c->g_u);
+    int wrong = respond_to_pass(unit, c->u, step, c->g_u);
     if (!wrong) {
         change = larger(larger(loop_size(c->u, half), loop_size(c->g_u, half)), c->course->largest);
-        wrong = loop_jacobian(unit, respond, c->u, c->g_u, CHANGE * change, count, step, c->square);
+        wrong = loop_jacobian(unit, respond_to_pass, c->u, c->g_u, CHANGE * change, count, step, c->square);
     }
     if (wrong) {
         composite_restore(c);

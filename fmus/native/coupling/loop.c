@@ -5,9 +5,9 @@
 #include "coupling/composite.h"
 
 static const double START_TOLERANCE = 1e-12; /* of the largest force */
-static const double ROUNDING = 1e-13;        /* of it, times the gain: what the loop makes of rounding */
+static const double START_ROUNDING = 1e-13;        /* of it, times the gain: what the loop makes of rounding */
 static const double SINGULAR = 1e-12; /* |1 - eigenvalue| below which a loop counts as one of gain 1 */
-static const double SLOW = 0.1; /* reduction of a residual per pass above which the Jacobian is refined */
+static const double SLOW_REFINEMENT = 0.1; /* reduction of a residual per pass above which the Jacobian is refined */
 enum { START_ITERATIONS = 20, SQUARINGS = 50 };
 
 /* -- vectors --------------------------------------------------------------------------------- */
@@ -231,7 +231,7 @@ static int respond_rotor(Unit *unit, const double *u, double step, double *answe
 }
 
 /* Forces that the balancers answer with, without a step. */
-static int respond(Unit *unit, const double *u, double step, double *answer)
+static int respond_at_start(Unit *unit, const double *u, double step, double *answer)
 {
     Composite *c = unit->own;
     int k;
@@ -287,7 +287,7 @@ static int solve_start(Unit *unit, double step)
     Composite *c = unit->own;
     Course *course = c->course;
     const int count = c->orders * c->unknowns, half = count / 2;
-    const double tolerance = larger(START_TOLERANCE, ROUNDING * course->gain);
+    const double tolerance = larger(START_TOLERANCE, START_ROUNDING * course->gain);
     double size = 0.0, left = 0.0, before;
     int turn, i;
     for (turn = 0; turn <= START_ITERATIONS; turn++) {
@@ -297,7 +297,7 @@ static int solve_start(Unit *unit, double step)
         }
         before = left;
         left = loop_size(c->residual, half);
-        if (turn && left > SLOW * before) { /* a weight sticks where the one before has slid */
+        if (turn && left > SLOW_REFINEMENT * before) { /* a weight sticks where the one before has slid */
             loop_learn(c, c->du, c->old, c->residual);
         }
         size = larger(loop_size(c->u, half), loop_size(c->g_u, half));
@@ -312,7 +312,7 @@ static int solve_start(Unit *unit, double step)
         for (i = 0; i < count; i++) {
             c->u[i] += c->du[i];
         }
-        if (respond(unit, c->u, step, c->g_u)) {
+        if (respond_at_start(unit, c->u, step, c->g_u)) {
             return 1;
         }
     }
@@ -326,11 +326,11 @@ int loop_consistent_start(Unit *unit, double step)
     double change;
     int i;
     memset(c->u, 0, (size_t)count * sizeof(double));
-    if (respond(unit, c->u, step, c->g_u)) {
+    if (respond_at_start(unit, c->u, step, c->g_u)) {
         return 1;
     }
     change = loop_size(c->g_u, count / 2);
-    if (loop_jacobian(unit, respond, c->u, c->g_u, change > 0.0 ? change : 1.0, count, step,
+    if (loop_jacobian(unit, respond_at_start, c->u, c->g_u, change > 0.0 ? change : 1.0, count, step,
                       c->square)) {
         return 1;
     }

@@ -7,8 +7,8 @@
 #include "base/elementary.h"
 #include "coupling/composite.h"
 
-static const double LONG = 1.01, SLIVER = 1e-12; /* of a time: rounding, not a step */
-enum { HALVINGS = 20 };
+static const double LONG = 1.01;
+enum { POINT_HALVINGS = 20 };
 
 int prescribed_step(Unit *unit)
 {
@@ -18,7 +18,7 @@ int prescribed_step(Unit *unit)
     double step = pacing->step;
     int measured = 0, met = 0, halved = 0, held;
     while (pacing->next < pacing->count &&
-           pacing->points[pacing->next] <= course->time * (1.0 + SLIVER)) {
+           pacing->points[pacing->next] <= course->time * (1.0 + TIME_ROUNDING)) {
         pacing->next++;
     }
     if (pacing->next < pacing->count) {
@@ -40,7 +40,7 @@ int prescribed_step(Unit *unit)
             met = 1;
             continue;
         }
-        if (halved == HALVINGS || residual <= course->tolerance) {
+        if (halved == POINT_HALVINGS || residual <= course->tolerance) {
             course->residual = residual;
             course->held = held;
             return iterated_go_on(unit, step, met);

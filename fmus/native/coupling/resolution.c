@@ -8,7 +8,7 @@
 #include "units/weights.h"
 
 static const double SAID = 0.01, REFUSED = 0.3, UNRESOLVED = 0.05, NOISE = 1e-9, BEYOND = 10.0;
-static const double UNFOLLOWED = 0.5, GROWTH = 2.0, WEAK_LOOP = 0.1, MISS_PER_ERROR = 120.0;
+static const double UNFOLLOWED = 0.5, GROWTH = 2.0, MISS_PER_ERROR = 120.0;
 static const double QUINTIC_MISS_PER_ERROR = 1120.0;
 static const double EXPLICIT_MISS_PER_ERROR = 4.0, QUINTIC_EXPLICIT_MISS_PER_ERROR = 5.06;
 enum { PERSISTENT = 20, RUNAWAY = 4, TOO_LONG = 2 };
@@ -117,7 +117,7 @@ static double capacity(const Composite *c)
 }
 
 /* How far the rotor moves [m]. */
-static double reach(const Composite *c, double pull, double pace)
+static double rotor_reach(const Composite *c, double pull, double pace)
 {
     const Unit *unit = c->parts->unit;
     const int n = ((const Rotor *)unit->own)->stations;
@@ -152,7 +152,7 @@ void resolution_begin(Unit *unit)
     course->mass = sum_of(loaded.mass, n * n);
     course->pace = larger(top, smaller(slowest(c, &loaded, loaded.stiffness_x),
                                        slowest(c, &loaded, loaded.stiffness_y)));
-    course->reach = reach(c, (weights + unbalance) * top * top, course->pace);
+    course->reach = rotor_reach(c, (weights + unbalance) * top * top, course->pace);
     course->most = BEYOND * composite_largest_force(c);
     for (k = 0; k < c->exchanges; k++) {
         c->forces[k].largest = larger(least, magnitude(c->forces[k].now.value));
@@ -172,7 +172,7 @@ void resolution_begin(Unit *unit)
 }
 
 /* Take over another length of the steps [s]. */
-static void change(Composite *c, double step)
+static void change_step(Composite *c, double step)
 {
     Course *course = c->course;
     course->judged_step = step;
@@ -188,7 +188,7 @@ static void change(Composite *c, double step)
                     (course->mass * course->pace);
 }
 
-static Text *refuse(Unit *unit)
+static Text *too_long(Unit *unit)
 {
     const Composite *c = unit->own;
     Text *reason = unit_reason(unit);
@@ -199,7 +199,7 @@ static Text *refuse(Unit *unit)
     return reason;
 }
 
-static int refused(Text *reason)
+static int advise_shorter(Text *reason)
 {
     text_put(reason, "; use more coupling.steps_per_rev, or a tolerance");
     return 1;
@@ -233,11 +233,11 @@ static int runs_away(Unit *unit)
     }
     course->grown = grows ? course->grown + 1.0 : 0.0;
     if (course->grown >= RUNAWAY) {
-        Text *reason = refuse(unit);
+        Text *reason = too_long(unit);
         put_name(c, 0, reason);
         text_put(reason, " is beyond all that the scene can make of it and has grown 2-fold or more "
                          "in each of the last 4 steps");
-        return refused(reason);
+        return advise_shorter(reason);
     }
     return 0;
 }
@@ -248,12 +248,12 @@ static int count_lost(Unit *unit, int number, const Signal *signal)
     Course *course = ((Composite *)unit->own)->course;
     course->unresolved += 1.0;
     if (course->unresolved >= PERSISTENT) {
-        Text *reason = refuse(unit);
+        Text *reason = too_long(unit);
         put_name(unit->own, number, reason);
         text_put_rounded(reason, " has ended 20 steps far from where the one before led, now by ",
                          signal->prediction_error / signal->largest, 2);
         text_put(reason, " of its largest value");
-        return refused(reason);
+        return advise_shorter(reason);
     }
     return 0;
 }
@@ -300,7 +300,7 @@ int resolution_check(Unit *unit, double step)
     double missed = 0.0, times, worst;
     int k, cause = 0, lost = -1;
     if (step != course->judged_step) {
-        change(c, step);
+        change_step(c, step);
     }
     for (k = 0; k < c->exchanges + c->planes; k++) {
         const Signal *signal =
@@ -317,12 +317,12 @@ int resolution_check(Unit *unit, double step)
     if (worst > course->error) {
         course->error = worst;
         if (worst >= REFUSED) {
-            Text *reason = refuse(unit);
+            Text *reason = too_long(unit);
             text_put(reason, "what the cubics miss of ");
             put_name(c, cause, reason);
             text_put_rounded(reason, " moves the units ", worst, 2);
             text_put(reason, " times as far as they move at all");
-            return refused(reason);
+            return advise_shorter(reason);
         }
         if (worst >= SAID) {
             unit_warn_once(unit, TOO_LONG, course->time,

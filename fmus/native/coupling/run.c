@@ -8,20 +8,18 @@
 
 enum { WARNINGS_SIZE = 8192 };
 static const char NAME[] = "run", OF_PART[] = "run: ";
-static const double SLIVER = 1e-12; /* of a time: rounding, not a step */
-
 typedef struct {
     Run shown;
     Unit *unit;
     Text warnings;
     char refusal[REASON_SIZE], buffer[WARNINGS_SIZE];
-} Whole;
+} KeptRun;
 
 /* Keep why there is no unit, and what its parts warn of; what the coupling itself would say is among
    the facts. */
-static void keep(void *host, const char *name, Status status, const char *message)
+static void keep_message(void *host, const char *name, Status status, const char *message)
 {
-    Whole *run = host;
+    KeptRun *run = host;
     (void)name;
     if (!run->unit) {
         Text text = text_in(run->refusal, sizeof run->refusal);
@@ -34,27 +32,27 @@ static void keep(void *host, const char *name, Status status, const char *messag
 
 Run *autobalancer_run_new(const char *token)
 {
-    Whole *run = calloc(1, sizeof *run);
+    KeptRun *run = calloc(1, sizeof *run);
     if (!run) {
         return NULL;
     }
     run->warnings = text_in(run->buffer, sizeof run->buffer);
     run->shown.warnings = run->buffer;
     run->shown.reason = run->refusal;
-    run->unit = unit_instantiate(NAME, token, keep, run);
+    run->unit = unit_instantiate(NAME, token, keep_message, run);
     return &run->shown;
 }
 
 void autobalancer_run_free(Run *shown)
 {
-    Whole *run = (Whole *)shown;
+    KeptRun *run = (KeptRun *)shown;
     if (run->unit) {
         unit_free(run->unit);
     }
     free(run);
 }
 
-static void show(Whole *run)
+static void show_facts(KeptRun *run)
 {
     const Composite *c = run->unit->own;
     const Course *course = c->course;
@@ -71,7 +69,7 @@ static void show(Whole *run)
 
 int autobalancer_run_start(Run *shown, const Steps *steps)
 {
-    Whole *run = (Whole *)shown;
+    KeptRun *run = (KeptRun *)shown;
     Unit *unit = run->unit;
     Composite *c;
     if (!unit) {
@@ -96,7 +94,7 @@ int autobalancer_run_start(Run *shown, const Steps *steps)
     } else if (steps->share > 0.0) {
         adaptive_allow(c, steps->share);
     }
-    show(run);
+    show_facts(run);
     return 0;
 }
 
@@ -125,13 +123,13 @@ static int is_over(const Unit *unit, const Stretch *stretch)
     if (stretch->step > 0.0) {
         return stretch->done >= stretch->count;
     }
-    return !(stretch->end - time > SLIVER * stretch->end);
+    return !(stretch->end - time > TIME_ROUNDING * stretch->end);
 }
 
 size_t autobalancer_run_on(Run *shown, Stretch *stretch, const unsigned *outputs, size_t asked,
                            size_t most, double *rows)
 {
-    Whole *run = (Whole *)shown;
+    KeptRun *run = (KeptRun *)shown;
     Unit *unit = run->unit;
     Composite *c = unit->own;
     size_t k;
@@ -154,13 +152,13 @@ size_t autobalancer_run_on(Run *shown, Stretch *stretch, const unsigned *outputs
         }
     }
     unit->asked = NULL;
-    show(run);
+    show_facts(run);
     return k;
 }
 
 int autobalancer_run_read(Run *shown, const unsigned *references, size_t count, double *values)
 {
-    Unit *unit = ((Whole *)shown)->unit;
+    Unit *unit = ((KeptRun *)shown)->unit;
     unit->stale = unit->stale < OBSERVED ? OBSERVED : unit->stale;
     return unit_get_reals(unit, references, count, values) != STATUS_OK;
 }

@@ -117,7 +117,7 @@ int shaft_answer(Unit *unit, Knot *spin)
 
 /* Step the motor; a step that is not brief ends at a corner of its characteristic, where w'' jumps,
    unless that changes its torque by less than the loop may leave of it. */
-static int advance(Unit *unit, double step)
+static int advance_motor(Unit *unit, double step)
 {
     Composite *c = unit->own;
     const Course *course = c->course;
@@ -149,7 +149,7 @@ int shaft_pass(Unit *unit, double step, Knot *spin)
     for (k = 0; k < SIGNAL_ORDERS; k++) {
         motor->real[motor->layout.inputs.first + (size_t)k] = cubic[k].re;
     }
-    if (advance(unit, step)) {
+    if (advance_motor(unit, step)) {
         return 1;
     }
     *spin = answer(c);

@@ -7,7 +7,7 @@
 #include "base/elementary.h"
 #include "coupling/composite.h"
 
-static const double STEEP = 0.2, FIRST = 0.05, KINK = 1e-6, SLIVER = 1e-12;
+static const double STEEP = 0.2, FIRST = 0.05, KINK = 1e-6;
 enum { MOST_HALVINGS = 60, JUMP_PARTS = 8, STARTUP_HALVINGS = 2, QUINTIC_HALVINGS = 4 };
 enum { DEFAULT_STEPS = 40 }; /* a revolution */
 
@@ -101,7 +101,7 @@ int startup_taken(Unit *unit, int struck)
     }
     if (struck && course->allowed == 0.0) { /* what is left of the communication step */
         const double left = course->ends - course->time;
-        course->whole = left > SLIVER * startup_size(unit) ? left : 0.0;
+        course->whole = left > TIME_ROUNDING * startup_size(unit) ? left : 0.0;
         course->first_step = 1.0;
         divide(c, course);
     }

@@ -14,12 +14,12 @@
 #include "coupling/composite.h"
 #include "stamp.h"
 
-enum { NAME_SIZE = 128, MOST_PARTS = 1000 };
+enum { NAME_SIZE = 128, MOST_UNITS = 1000 };
 
 static const char STOP[] = "stop_at_contact"; /* flag of a unit */
 
 /* Where a text goes on behind what it begins with, or NULL. */
-static const char *after(const char *text, const char *begin)
+static const char *text_after(const char *text, const char *begin)
 {
     const size_t length = text_length(begin);
     return strncmp(text, begin, length) ? NULL : text + length;
@@ -44,12 +44,12 @@ static int has(const char *word, char letter)
 
 int composite_named(const char *token)
 {
-    return token && after(token, "Composite;");
+    return token && text_after(token, "Composite;");
 }
 
 int composite_abbreviated(const char *token)
 {
-    return token && after(token, "Composite/");
+    return token && text_after(token, "Composite/");
 }
 
 void composite_identity(const char *text, Text *identity)
@@ -58,7 +58,7 @@ void composite_identity(const char *text, Text *identity)
     text_hexadecimal(identity, hash_bytes(hash_start(), text, text_length(text)));
 }
 
-static int refuse(Unit *unit, const char *why)
+static int refuse_composition(Unit *unit, const char *why)
 {
     text_put(unit_reason(unit), "identity of a composite: ");
     text_put(&unit->reason, why);
@@ -80,17 +80,12 @@ static const char *word(const char *at, char end, char other, char *copy, size_t
     return at + length + (at[length] == end);
 }
 
-static int digit(char c)
-{
-    return c >= '0' && c <= '9' ? c - '0' : c >= 'a' && c <= 'f' ? c - 'a' + 10 : 16;
-}
-
 /* A whole number in digits of a base, and where the text goes on. */
-static const char *number(const char *at, int base, uint64_t *value)
+static const char *parse_number(const char *at, int base, uint64_t *value)
 {
     *value = 0;
-    for (; digit(*at) < base; at++) {
-        *value = *value * (uint64_t)base + (uint64_t)digit(*at);
+    for (; text_digit(*at) < base; at++) {
+        *value = *value * (uint64_t)base + (uint64_t)text_digit(*at);
     }
     return at;
 }
@@ -100,11 +95,11 @@ static int read_starts(const char *at, double *starts, size_t count)
 {
     for (;;) {
         uint64_t reference, bits;
-        at = number(at, 10, &reference);
+        at = parse_number(at, 10, &reference);
         if (*at != ':' || reference >= count) {
             return 1;
         }
-        at = number(at + 1, 16, &bits);
+        at = parse_number(at + 1, 16, &bits);
         memcpy(starts + reference, &bits, sizeof bits);
         if (*at != ',') {
             return *at != ';';
@@ -117,7 +112,7 @@ static int read_flags(const char *at, Unit *part)
 {
     for (;;) {
         uint64_t flag;
-        at = number(at, 10, &flag);
+        at = parse_number(at, 10, &flag);
         if (flag >= part->layout.boolean_count) {
             return 1;
         }
@@ -154,10 +149,10 @@ static int make_part(Unit *unit, Part *part, const char *name, const char *token
     Unit *made = unit_allocate(unit, 1, sizeof *made);
     int k, wrong;
     if (!made) {
-        return refuse(unit, "there is not enough memory");
+        return refuse_composition(unit, "there is not enough memory");
     }
     if (composite_named(token)) {
-        return refuse(unit, "a part must not be a composite");
+        return refuse_composition(unit, "a part must not be a composite");
     }
     part->unit = made;
     made->log = forward;
@@ -167,7 +162,7 @@ static int make_part(Unit *unit, Part *part, const char *name, const char *token
     wrong = unit_build(made, name, token);
     unit->allocated = made->allocated; /* what it needs goes with the composite */
     if (wrong) {
-        return refuse(unit, made->reason.at);
+        return refuse_composition(unit, made->reason.at);
     }
     for (k = 0; k < made->layout.table->flag_count; k++) {
         made->boolean[k] = (unsigned char)made->layout.table->flags[k].start;
@@ -183,26 +178,26 @@ static int read_part(Unit *unit, Part *part, const char *at)
     const int first = part == c->parts;
     uint64_t plane;
     at = word(at, ',', ';', name, sizeof name);
-    at = at ? number(at, 10, &plane) : NULL;
+    at = at ? parse_number(at, 10, &plane) : NULL;
     at = at && *at == ',' ? word(at + 1, ',', ';', connections, sizeof connections) : NULL;
     at = at ? word(at, ';', ';', token, sizeof token) : NULL;
     if (!at) {
-        return refuse(unit, "a part must be name, plane, connections, token");
+        return refuse_composition(unit, "a part must be name, plane, connections, token");
     }
     if (make_part(unit, part, name, token)) {
         return 1;
     }
     if (first != (part->unit->equations == &ROTOR_EQUATIONS) ||
         part->unit->layout.sizes.fixed_frame) {
-        return refuse(unit, "the rotor must be its first part, and the only one, and signals must "
+        return refuse_composition(unit, "the rotor must be its first part, and the only one, and signals must "
                             "turn with it");
     }
     c->orders = c->parts->unit->layout.sizes.order + 1;
     if (part->unit->layout.sizes.order + 1 != c->orders) {
-        return refuse(unit, "the signals of its parts must be of one order");
+        return refuse_composition(unit, "the signals of its parts must be of one order");
     }
     if (c->motor) {
-        return refuse(unit, "the motor must be its last part, and the only one");
+        return refuse_composition(unit, "the motor must be its last part, and the only one");
     }
     if (part->unit->equations == &MOTOR_EQUATIONS) {
         c->motor = part;
@@ -211,10 +206,10 @@ static int read_part(Unit *unit, Part *part, const char *at)
     }
     if (first || c->motor) {
         if (plane || !text_equal(connections, "-")) {
-            return refuse(unit, "the rotor and the motor must have plane 0 and connections -");
+            return refuse_composition(unit, "the rotor and the motor must have plane 0 and connections -");
         }
     } else if (plane - 1 >= (uint64_t)c->parts->unit->layout.sizes.planes) {
-        return refuse(unit, "a part must be on a plane of the rotor");
+        return refuse_composition(unit, "a part must be on a plane of the rotor");
     }
     part->plane = (int)plane - 1;
     part->drive = c->motor ? -1 : reference(part->unit, "speed");
@@ -231,7 +226,7 @@ static int read_scheme(Composite *c, const char *at)
     static const char *const names[] = {"auto;", "iterated;", "compensated;"};
     int k;
     for (k = 0; k < 3; k++) {
-        if (after(at, names[k])) {
+        if (text_after(at, names[k])) {
             c->scheme = (Scheme)k;
             return 0;
         }
@@ -248,34 +243,34 @@ static int read_parts(Unit *unit, const char *at, const char **own, const char *
         Part *part = c->part_count ? c->parts + c->part_count - 1 : NULL;
         int wrong = 0;
         const char *value;
-        if ((value = after(at, "scheme="))) {
+        if ((value = text_after(at, "scheme="))) {
             wrong = read_scheme(c, value);
-        } else if ((value = after(at, "corrections="))) {
+        } else if ((value = text_after(at, "corrections="))) {
             c->corrections = UNTIL_CONVERGED;
             if (*value != '-') {
-                number(value, 10, &passes);
+                parse_number(value, 10, &passes);
                 c->corrections = (int)(passes & 127);
             }
-        } else if ((value = after(at, "part="))) {
+        } else if ((value = text_after(at, "part="))) {
             if (read_part(unit, c->parts + c->part_count++, value)) {
                 return 1;
             }
-        } else if ((value = after(at, "start=")) && part) {
+        } else if ((value = text_after(at, "start=")) && part) {
             wrong = read_starts(value, part->unit->starts, part->unit->layout.parameters.count);
-        } else if ((value = after(at, "flags=")) && part) {
+        } else if ((value = text_after(at, "flags=")) && part) {
             wrong = read_flags(value, part->unit);
-        } else if ((value = after(at, "own="))) {
+        } else if ((value = text_after(at, "own="))) {
             *own = value;
-        } else if ((value = after(at, "id="))) {
+        } else if ((value = text_after(at, "id="))) {
             *id = value;
         } else {
             wrong = 1;
         }
         if (wrong) {
-            return refuse(unit, "it has an entry this library does not know");
+            return refuse_composition(unit, "it has an entry this library does not know");
         }
     }
-    return c->part_count && *own && *id ? 0 : refuse(unit, "it ends too early");
+    return c->part_count && *own && *id ? 0 : refuse_composition(unit, "it ends too early");
 }
 
 /* Have steps end at events, where there are any to be taken back and no motor drives: weights are told
@@ -302,7 +297,7 @@ static void stop_at_contacts(Composite *c)
 /* -- layout ---------------------------------------------------------------------------------- */
 
 /* Take over variables of a unit, those of a part under its name. */
-static size_t take(Unit *unit, size_t at, const Unit *part, const Layout *layout,
+static size_t copy_variables(Unit *unit, size_t at, const Unit *part, const Layout *layout,
                    const double *starts, size_t first, size_t count)
 {
     size_t k;
@@ -315,7 +310,7 @@ static size_t take(Unit *unit, size_t at, const Unit *part, const Layout *layout
 }
 
 /* Parameters of all parts and the coupling's, its inputs, outputs of all parts and its own. */
-static void lay_out(Unit *unit, const Layout *own, const double *starts)
+static void lay_out_variables(Unit *unit, const Layout *own, const double *starts)
 {
     Composite *c = unit->own;
     Layout *layout = &unit->layout;
@@ -324,28 +319,28 @@ static void lay_out(Unit *unit, const Layout *own, const double *starts)
     for (k = 0; k < c->part_count; k++) {
         const Unit *part = c->parts[k].unit;
         c->parts[k].first = at;
-        at = take(unit, at, part, &part->layout, part->starts, 0, part->layout.parameters.count);
+        at = copy_variables(unit, at, part, &part->layout, part->starts, 0, part->layout.parameters.count);
     }
     c->tolerance = at;
     c->steps_per_rev = at + 1;
     c->fewest = at + 2;
     c->top_speed = at + 3;
     c->rise = c->motor ? 0 : at + 4;
-    at = take(unit, at, NULL, own, starts, 0, own->parameters.count);
+    at = copy_variables(unit, at, NULL, own, starts, 0, own->parameters.count);
     layout->parameters.count = layout->inputs.first = c->drive = at;
     c->outer = at + (c->motor ? 0 : 2);
-    at = take(unit, at, NULL, own, starts, own->inputs.first, own->inputs.count);
+    at = copy_variables(unit, at, NULL, own, starts, own->inputs.first, own->inputs.count);
     layout->inputs.count = own->inputs.count;
     layout->computed.first = layout->observed.first = at;
     for (k = 0; k < c->part_count; k++) {
         const Unit *part = c->parts[k].unit;
         const size_t first = part->layout.computed.first;
         c->parts[k].observed = at;
-        at = take(unit, at, part, &part->layout, part->starts, first,
+        at = copy_variables(unit, at, part, &part->layout, part->starts, first,
                   part->layout.real_count - first);
     }
     c->results = at;
-    at = take(unit, at, NULL, own, starts, own->observed.first, own->observed.count);
+    at = copy_variables(unit, at, NULL, own, starts, own->observed.first, own->observed.count);
     layout->observed.count = at - layout->observed.first;
     layout->real_count = at;
     layout->table = own->table;
@@ -363,7 +358,7 @@ static int connect(Unit *unit)
     c->member_planes = unit_allocate(unit, (size_t)c->exchanges, sizeof(int));
     c->rotor_planes = unit_allocate(unit, (size_t)planes, sizeof(int));
     if (!c->members || !c->member_planes || !c->rotor_planes) {
-        return refuse(unit, "there is not enough memory");
+        return refuse_composition(unit, "there is not enough memory");
     }
     for (plane = 0; plane < planes; plane++) {
         int found = 0;
@@ -404,14 +399,14 @@ static int describe(Unit *unit, const char *own_starts)
     unit->layout.reals = unit_allocate(unit, total, sizeof *reals);
     unit->starts = unit_allocate(unit, total, sizeof(double));
     if (!reals || !starts || !unit->layout.reals || !unit->starts) {
-        return refuse(unit, "there is not enough memory");
+        return refuse_composition(unit, "there is not enough memory");
     }
     own = layout_in(reals, table, &sizes);
     layout_starts(&own, starts);
     if (read_starts(own_starts, starts, own.computed.first)) {
-        return refuse(unit, "it has start values of variables that are not its own");
+        return refuse_composition(unit, "it has start values of variables that are not its own");
     }
-    lay_out(unit, &own, starts);
+    lay_out_variables(unit, &own, starts);
     return 0;
 }
 
@@ -424,18 +419,18 @@ int composite_build(Unit *unit, const char *token)
     Composite *c;
     size_t count = 0;
     for (at = token; at; at = next(at)) {
-        count += after(at, "part=") != NULL;
+        count += text_after(at, "part=") != NULL;
     }
     unit->equations = &COMPOSITE_EQUATIONS;
     unit->own = c = unit_allocate(unit, 1, sizeof *c);
-    if (!c || !count || count > MOST_PARTS || !(c->parts = unit_allocate(unit, count, sizeof *c->parts))) {
-        return refuse(unit, "it has no parts, or too many for the memory");
+    if (!c || !count || count > MOST_UNITS || !(c->parts = unit_allocate(unit, count, sizeof *c->parts))) {
+        return refuse_composition(unit, "it has no parts, or too many for the memory");
     }
-    if (read_parts(unit, after(token, "Composite;"), &own, &id)) {
+    if (read_parts(unit, text_after(token, "Composite;"), &own, &id)) {
         return 1;
     }
     if (c->scheme == SCHEME_COMPENSATED && c->motor) {
-        return refuse(unit, "the scheme must not be compensated under a motor");
+        return refuse_composition(unit, "the scheme must not be compensated under a motor");
     }
     stop_at_contacts(c);
     if (connect(unit) || describe(unit, own)) {
@@ -446,7 +441,7 @@ int composite_build(Unit *unit, const char *token)
     text_put(&text, "-");
     text_put(&text, STAMP);
     if (!text_equal(id, expected)) {
-        refuse(unit, "its variables, or the sources it was built from, are not those of this "
+        refuse_composition(unit, "its variables, or the sources it was built from, are not those of this "
                      "library; expected ");
         text_put(&unit->reason, expected);
         return 1;

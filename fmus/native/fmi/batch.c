@@ -5,10 +5,8 @@
 #include "base/elementary.h"
 #include "fmi/unit.h"
 
-static const double SLIVER = 1e-12; /* of a run: rounding, not a step */
-
 /* Keep the reason of an error; `host` is where. */
-static void keep(void *host, const char *name, Status status, const char *message)
+static void keep_reason(void *host, const char *name, Status status, const char *message)
 {
     char **reason = host;
     (void)name;
@@ -25,10 +23,10 @@ static size_t width(const Batch *batch)
 }
 
 /* The run of one set of values; how many of its points were reached. */
-static size_t run(Unit *unit, const Batch *batch, const double *values, double end, double *signals)
+static size_t run_one(Unit *unit, const Batch *batch, const double *values, double end, double *signals)
 {
     const int own = batch->own_steps != 0;
-    const double sliver = SLIVER * end;
+    const double sliver = TIME_ROUNDING * end;
     int level;
     size_t k;
     unit_reset(unit);
@@ -61,7 +59,7 @@ size_t autobalancer_runs(const char *token, const Batch *batch, size_t runs, con
     Unit *unit;
     size_t k, i, failed = 0;
     memset(reasons, 0, runs * BATCH_REASON);
-    unit = runs ? unit_instantiate("run", token, keep, &reason) : NULL;
+    unit = runs ? unit_instantiate("run", token, keep_reason, &reason) : NULL;
     if (unit) {
         unit->asked = batch->outputs;
         unit->asked_count = batch->asked;
@@ -73,7 +71,7 @@ size_t autobalancer_runs(const char *token, const Batch *batch, size_t runs, con
         if (!unit && k) {
             memcpy(reason, reasons, BATCH_REASON); /* the token was refused */
         }
-        reached = unit ? run(unit, batch, values + k * batch->changed, ends[k], found) : 0;
+        reached = unit ? run_one(unit, batch, values + k * batch->changed, ends[k], found) : 0;
         for (i = reached * width(batch); i < rows * width(batch); i++) {
             found[i] = not_a_number();
         }

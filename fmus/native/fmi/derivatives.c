@@ -129,7 +129,7 @@ Status unit_get_derivatives(Unit *unit, const unsigned *references, size_t count
 
 /* The equations' answer with the outputs of the inputs as they are; what a step has left to be
    read stays. */
-static int respond(Unit *unit)
+static int refresh_response(Unit *unit)
 {
     const Range computed = unit->layout.computed;
     const size_t size = computed.count * sizeof(double);
@@ -193,7 +193,7 @@ Status unit_directional(Unit *unit, const unsigned *unknowns, size_t unknown_cou
     for (k = 0; k < known_count; k++) {
         unit->seed[knowns[k] - inputs.first] += seed[k];
     }
-    if (unit_refresh(unit, COMPUTED) || respond(unit)) {
+    if (unit_refresh(unit, COMPUTED) || refresh_response(unit)) {
         return unit_report(unit, STATUS_ERROR, what);
     }
     for (k = 0; k < unknown_count; k++) {

@@ -11,7 +11,7 @@ static const char WRONG_TYPE[] = "the unit has Reals and Booleans only";
 typedef struct {
     Unit *unit;
     fmi2CallbackFunctions functions;
-} Front;
+} Front2;
 
 /* -- messages -------------------------------------------------------------------------------- */
 
@@ -27,9 +27,9 @@ static void put_literally(Text *text, const char *words)
 }
 
 /* Warnings and errors are told whether or not debug messages are asked for. */
-static void tell(void *host, const char *instance, Status status, const char *message)
+static void fmi2_tell(void *host, const char *instance, Status status, const char *message)
 {
-    const fmi2CallbackFunctions *functions = &((const Front *)host)->functions;
+    const fmi2CallbackFunctions *functions = &((const Front2 *)host)->functions;
     char literal[2 * MESSAGE_SIZE];
     Text text = text_in(literal, sizeof literal);
     if (functions->logger) {
@@ -68,17 +68,17 @@ fmi2Component fmi2Instantiate(fmi2String instance, fmi2Type type, fmi2String gui
                               fmi2String resources, const fmi2CallbackFunctions *functions,
                               fmi2Boolean visible, fmi2Boolean logging)
 {
-    Front host = {0}, *front;
+    Front2 host = {0}, *front;
     (void)visible, (void)logging;
     if (functions) {
         host.functions = *functions;
     }
     if (type != fmi2CoSimulation) {
-        tell(&host, instance ? instance : "", STATUS_ERROR,
+        fmi2_tell(&host, instance ? instance : "", STATUS_ERROR,
              "instantiation failed: the unit is for co-simulation, not for model exchange");
         return NULL;
     }
-    front = front_instantiate(instance, guid, resources, tell, &host, sizeof host);
+    front = front_instantiate(instance, guid, resources, fmi2_tell, &host, sizeof host);
     if (front) {
         front->unit->may_end_early = 1;
     }
@@ -169,7 +169,7 @@ fmi2Status fmi2SetBoolean(fmi2Component c, const fmi2ValueReference vr[], size_t
 }
 
 /* what no variable of the unit has */
-#define REFUSE_TYPE(type)                                                                         \
+#define REFUSE_FMI2_TYPE(type)                                                                    \
     fmi2Status fmi2Get##type(fmi2Component c, const fmi2ValueReference vr[], size_t count,        \
                              fmi2##type value[])                                                  \
     {                                                                                             \
@@ -183,8 +183,8 @@ fmi2Status fmi2SetBoolean(fmi2Component c, const fmi2ValueReference vr[], size_t
         return (fmi2Status)front_wrong_type(c, "fmi2Set" #type, count, WRONG_TYPE);               \
     }
 
-REFUSE_TYPE(Integer)
-REFUSE_TYPE(String)
+REFUSE_FMI2_TYPE(Integer)
+REFUSE_FMI2_TYPE(String)
 
 /* -- state ----------------------------------------------------------------------------------- */
 

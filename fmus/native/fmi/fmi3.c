@@ -14,14 +14,14 @@ typedef struct {
     Unit *unit;
     fmi3InstanceEnvironment environment;
     fmi3LogMessageCallback log;
-} Front;
+} Front3;
 
 /* -- life cycle ----------------------------------------------------------------------------- */
 
 /* Warnings and errors are told whether or not debug messages are asked for. */
-static void tell(void *host, const char *instance, Status status, const char *message)
+static void fmi3_tell(void *host, const char *instance, Status status, const char *message)
 {
-    const Front *front = host;
+    const Front3 *front = host;
     (void)instance;
     if (front->log) {
         front->log(front->environment, (fmi3Status)status, front_category(status), message);
@@ -47,14 +47,14 @@ EXPORT fmi3Instance fmi3InstantiateCoSimulation(
     fmi3InstanceEnvironment environment, fmi3LogMessageCallback log,
     fmi3IntermediateUpdateCallback update)
 {
-    Front host = {NULL, environment, log}, *front;
+    Front3 host = {NULL, environment, log}, *front;
     (void)visible, (void)logging, (void)intermediate, (void)update;
     if (event_mode || intermediates) {
-        tell(&host, name, STATUS_ERROR,
+        fmi3_tell(&host, name, STATUS_ERROR,
              "instantiation failed: the unit has neither event mode nor intermediate variables");
         return NULL;
     }
-    front = front_instantiate(name, token, resources, tell, &host, sizeof host);
+    front = front_instantiate(name, token, resources, fmi3_tell, &host, sizeof host);
     if (front) {
         front->unit->may_end_early = early_return;
         front->unit->first_boolean = front->unit->layout.real_count;

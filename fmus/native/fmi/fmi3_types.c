@@ -9,7 +9,7 @@ static fmi3Status wrong_type(fmi3Instance instance, const char *function, size_t
                                         "the unit has variables of Float64 and Boolean only");
 }
 
-#define REFUSE_TYPE(type)                                                                         \
+#define REFUSE_FMI3_TYPE(type)                                                                    \
     EXPORT fmi3Status fmi3Get##type(fmi3Instance instance, const fmi3ValueReference vr[],         \
                                     size_t count, fmi3##type values[], size_t value_count)        \
     {                                                                                             \
@@ -23,16 +23,16 @@ static fmi3Status wrong_type(fmi3Instance instance, const char *function, size_t
         return wrong_type(instance, "fmi3Set" #type, count);                                      \
     }
 
-REFUSE_TYPE(Float32)
-REFUSE_TYPE(Int8)
-REFUSE_TYPE(UInt8)
-REFUSE_TYPE(Int16)
-REFUSE_TYPE(UInt16)
-REFUSE_TYPE(Int32)
-REFUSE_TYPE(UInt32)
-REFUSE_TYPE(Int64)
-REFUSE_TYPE(UInt64)
-REFUSE_TYPE(String)
+REFUSE_FMI3_TYPE(Float32)
+REFUSE_FMI3_TYPE(Int8)
+REFUSE_FMI3_TYPE(UInt8)
+REFUSE_FMI3_TYPE(Int16)
+REFUSE_FMI3_TYPE(UInt16)
+REFUSE_FMI3_TYPE(Int32)
+REFUSE_FMI3_TYPE(UInt32)
+REFUSE_FMI3_TYPE(Int64)
+REFUSE_FMI3_TYPE(UInt64)
+REFUSE_FMI3_TYPE(String)
 
 EXPORT fmi3Status fmi3GetBinary(fmi3Instance instance, const fmi3ValueReference vr[],
                                 size_t count, size_t sizes[], fmi3Binary values[],

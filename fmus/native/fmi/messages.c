@@ -13,7 +13,7 @@ int unit_failed(Unit *unit, const Failure *failure, const double *values, size_t
     return 1;
 }
 
-static void tell(Unit *unit, Status status, double time, const char *what, const char *reason)
+static void log_message(Unit *unit, Status status, double time, const char *what, const char *reason)
 {
     Text text = text_in(unit->message_buffer, sizeof unit->message_buffer);
     text_put(&text, unit->name);
@@ -32,7 +32,7 @@ Status unit_report(Unit *unit, Status status, const char *what)
     Text before = text_in(words, sizeof words);
     text_put(&before, what);
     text_put(&before, ": ");
-    tell(unit, status, unit->time, words, reason->at);
+    log_message(unit, status, unit->time, words, reason->at);
     return status;
 }
 
@@ -40,7 +40,7 @@ void unit_warn_once(Unit *unit, int bit, double time, const char *words)
 {
     if (!(unit->warned & bit)) {
         unit->warned |= bit;
-        tell(unit, STATUS_WARNING, time, words, "");
+        log_message(unit, STATUS_WARNING, time, words, "");
     }
 }
 

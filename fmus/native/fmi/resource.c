@@ -6,14 +6,6 @@
 
 enum { MOST_PATH = 4096, MOST_TEXT = 1 << 20 };
 
-static int digit(char c)
-{
-    return c >= '0' && c <= '9'   ? c - '0'
-           : c >= 'a' && c <= 'f' ? c - 'a' + 10
-           : c >= 'A' && c <= 'F' ? c - 'A' + 10
-                                  : 16;
-}
-
 /* Where the path begins in file:///p, file:/p and file://localhost/p (RFC 8089); //host/p with
    another host. */
 static const char *path_in(const char *uri)
@@ -33,11 +25,11 @@ static int find(const char *folder, const char *name, char *path)
     const int is_uri = !strncmp(folder, "file:", strlen("file:"));
     size_t length = 0;
     for (folder = is_uri ? path_in(folder) : folder; *folder; folder++) {
-        const int escaped = is_uri && *folder == '%' && digit(folder[1]) < 16 && digit(folder[2]) < 16;
+        const int escaped = is_uri && *folder == '%' && text_digit(folder[1]) < 16 && text_digit(folder[2]) < 16;
         if (length + strlen(name) + 2 >= MOST_PATH) {
             return 1;
         }
-        path[length++] = (char)(escaped ? 16 * digit(folder[1]) + digit(folder[2]) : *folder);
+        path[length++] = (char)(escaped ? 16 * text_digit(folder[1]) + text_digit(folder[2]) : *folder);
         folder += escaped ? 2 : 0;
     }
     if (length && path[length - 1] != '/' && path[length - 1] != '\\') {
@@ -76,7 +68,7 @@ static FILE *opened(const char *path)
 }
 #endif
 
-static char *refused(const char *name, const char *path, const char *why, Text *reason)
+static char *refuse_resource(const char *name, const char *path, const char *why, Text *reason)
 {
     text_put(reason, "resources: ");
     text_put(reason, name);
@@ -92,19 +84,19 @@ char *resource_text(const char *folder, const char *name, Text *reason)
     FILE *file;
     size_t length;
     if (!folder || find(folder, name, path)) {
-        return refused(name, folder ? folder : "none", ": the folder that the host names must be one, "
+        return refuse_resource(name, folder ? folder : "none", ": the folder that the host names must be one, "
                                                        "and its path short; it is ", reason);
     }
     file = opened(path);
     if (!file) {
-        return refused(name, path, ": cannot be opened as ", reason);
+        return refuse_resource(name, path, ": cannot be opened as ", reason);
     }
     text = calloc(MOST_TEXT, 1);
     length = text ? fread(text, 1, MOST_TEXT, file) : MOST_TEXT;
     fclose(file);
     if (length == MOST_TEXT) {
         free(text);
-        return refused(name, path, ": too long: ", reason);
+        return refuse_resource(name, path, ": too long: ", reason);
     }
     return text;
 }

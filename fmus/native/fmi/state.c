@@ -85,7 +85,7 @@ static int same_parameters(const Unit *unit, const double *values)
     return !memcmp(unit->real, values, unit->layout.parameters.count * sizeof(double));
 }
 
-static void take(Unit *unit, const State *state)
+static void take_state(Unit *unit, const State *state)
 {
     const double *at = state->values;
     size_t k;
@@ -110,16 +110,16 @@ Status unit_restore(Unit *unit, const State *state)
     }
     other = unit->stale == BEGINNING || !same_parameters(unit, state->values);
     if (!other || state->stale == BEGINNING) {
-        take(unit, state);
+        take_state(unit, state);
         return STATUS_OK;
     }
     if (unit_save(unit, &before)) {
         return STATUS_ERROR;
     }
-    take(unit, state);
+    take_state(unit, state);
     if (unit->equations->parameters(unit)) {
         const Status status = unit_report(unit, STATUS_ERROR, what);
-        take(unit, before);
+        take_state(unit, before);
         if (unit->stale < BEGINNING) {
             unit->equations->parameters(unit); /* as they were: they were accepted once */
         }

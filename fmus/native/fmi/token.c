@@ -20,7 +20,7 @@ static const char *word_until(const char *at, char end, char *word)
 }
 
 /* A whole number of at least 1; 0 for anything else. */
-static int number(const char *word)
+static int whole_number(const char *word)
 {
     int value = 0;
     for (; *word; word++) {
@@ -32,7 +32,7 @@ static int number(const char *word)
     return value <= MOST_OF_ANYTHING ? value : 0;
 }
 
-static int refuse(Text *reason, const char *token, const char *why)
+static int refuse_token(Text *reason, const char *token, const char *why)
 {
     text_put(reason, "identity '");
     text_put(reason, token);
@@ -50,7 +50,7 @@ int token_read(const char *token, const Table **table, Sizes *sizes, Text *reaso
     kind[0] = shaft[0] = 0;
     at = token ? word_until(token, '/', unit) : NULL;
     if (!at) {
-        return refuse(reason, token ? token : "",
+        return refuse_token(reason, token ? token : "",
                       "must be that of the model description this library came with");
     }
     for (;;) {
@@ -61,7 +61,7 @@ int token_read(const char *token, const Table **table, Sizes *sizes, Text *reaso
         }
         at = word_until(next, '/', kept);
         if (!at) {
-            return refuse(reason, token, "ends too early");
+            return refuse_token(reason, token, "ends too early");
         }
         if (kept != value) {
             continue;
@@ -78,24 +78,24 @@ int token_read(const char *token, const Table **table, Sizes *sizes, Text *reaso
                         : text_equal(key, "order")      ? &sizes->order
                                                         : NULL;
             if (!size) {
-                return refuse(reason, token, "has an option this library does not know");
+                return refuse_token(reason, token, "has an option this library does not know");
             }
-            *size = number(value);
+            *size = whole_number(value);
             if (*size < 1) {
-                return refuse(reason, token, "has a size that is no whole number of at least 1");
+                return refuse_token(reason, token, "has a size that is no whole number of at least 1");
             }
         }
     }
     *table = table_of(unit, kind, shaft, sizes->order);
     if (!*table) {
-        return refuse(reason, token, "names a unit that this library does not have");
+        return refuse_token(reason, token, "names a unit that this library does not have");
     }
     if ((text_equal(kind, "planar") && sizes->stations != 1) ||
         (text_equal(kind, "two_support") && sizes->stations != 2) ||
         (text_equal(kind, "flexible") && sizes->stations < 2) || sizes->points < 2 ||
         (sizes->order != 3 && sizes->sliders) ||
         layout_count(*table, sizes, MOST_REALS) > MOST_REALS) {
-        return refuse(reason, token, "has a size in which this unit does not exist");
+        return refuse_token(reason, token, "has a size in which this unit does not exist");
     }
     return 0;
 }
@@ -171,7 +171,7 @@ int token_check(const char *token, const Layout *layout, uint64_t digest, Text *
         return 0;
     }
     alike = common(token, expected);
-    refuse(reason, token,
+    refuse_token(reason, token,
            alike < options ? "its options are not written as this library writes them"
            : alike < stamp ? "its variables are not those of this library"
                            : "it was built from other sources than this library");

@@ -13,6 +13,8 @@
 #include "fmi/token.h"
 #include "fmi/variables.h"
 
+#define TIME_ROUNDING 1e-12 /* of a time or a step: less is no step */
+
 /* As both versions of FMI number them. */
 typedef enum { STATUS_OK, STATUS_WARNING, STATUS_DISCARD, STATUS_ERROR, STATUS_FATAL } Status;
 

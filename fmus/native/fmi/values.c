@@ -31,7 +31,7 @@ static int unknown(Unit *unit, const unsigned *references, size_t count, size_t 
 }
 
 /* 1 and the names of these variables, each once, followed by why they are refused. */
-static int refused(Unit *unit, const unsigned *references, size_t count, Range range,
+static int refuse_values(Unit *unit, const unsigned *references, size_t count, Range range,
                    const char *why)
 {
     Text *reason = NULL;
@@ -109,8 +109,8 @@ static int not_settable(Unit *unit, const unsigned *references, size_t count,
     outputs.first = layout->computed.first;
     outputs.count = layout->computed.count + layout->observed.count;
     if (unknown(unit, references, count, 0, layout->real_count) ||
-        refused(unit, references, count, outputs, ": outputs cannot be set") ||
-        (unit->phase == RUNNING && refused(unit, references, count, layout->parameters,
+        refuse_values(unit, references, count, outputs, ": outputs cannot be set") ||
+        (unit->phase == RUNNING && refuse_values(unit, references, count, layout->parameters,
                                            ": fixed once initialisation has ended"))) {
         return 1;
     }

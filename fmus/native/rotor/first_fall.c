@@ -4,7 +4,7 @@
 #include "base/matrix.h"
 #include "base/roots.h"
 
-static const double TOUCH = 1e-13; /* a polynomial that is negative on less only touches 0 */
+static const double TOUCH_OF_ZERO = 1e-13; /* a polynomial that is negative on less only touches 0 */
 static const double TO_ROUNDING = 1e-15; /* of an interval; brackets cannot be much shorter */
 
 typedef struct {
@@ -12,7 +12,7 @@ typedef struct {
     int count;
 } Polynomial;
 
-static double value_of(void *context, double s)
+static double polynomial_value(void *context, double s)
 {
     const Polynomial *polynomial = context;
     double total = 0.0;
@@ -52,13 +52,13 @@ static double fall_within(const double *coefficients, int count, double begin, d
     if (here[0] > moved) {
         return infinity();
     }
-    if (slope > bent || count == 1 || width < TOUCH) {
+    if (slope > bent || count == 1 || width < TOUCH_OF_ZERO) {
         polynomial.coefficients = here;
         polynomial.count = count;
-        if (value_of(&polynomial, width) >= 0.0) {
+        if (polynomial_value(&polynomial, width) >= 0.0) {
             return infinity();
         }
-        return begin + crossing(value_of, &polynomial, larger(here[0], 0.0), width,
+        return begin + crossing(polynomial_value, &polynomial, larger(here[0], 0.0), width,
                                 TO_ROUNDING * width);
     }
     found = fall_within(coefficients, count, begin, middle);

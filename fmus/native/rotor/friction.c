@@ -8,7 +8,7 @@
 enum { TERMS = MOST_COEFFICIENTS - 1 }; /* 0.5^18/18! is far below rounding */
 enum { MOST_STRETCHES = 10000, SWEEPS = 10000 };
 static const double REACH = 0.5, SETTLED = 1e-15;
-static const double ROUNDING = 1e-12; /* of a limit: a force so near to it has reached it */
+static const double LIMIT_ROUNDING = 1e-12; /* of a limit: a force so near to it has reached it */
 
 /* How the rotor turns over a stretch: Taylor coefficients of its speed and its acceleration. */
 enum { SPEEDS = 5, RATES = 4 };
@@ -61,7 +61,7 @@ static double *taken(double **memory, size_t count)
 }
 
 /* Largest sum of a row's absolute values in half of a matrix (dof, 2 dof). */
-static double norm_of(int dof, int half, const double *matrix)
+static double row_norm(int dof, int half, const double *matrix)
 {
     double norm = 0.0;
     int i, k;
@@ -87,10 +87,10 @@ static void set_norms(FrictionStep *method)
                 method->push[i * m + j] * method->sliders[j].stiffness;
         }
     }
-    method->norms[0] = norm_of(dof, 0, method->matrix);
-    method->norms[1] = norm_of(dof, 0, smooth->per_speed);
-    method->norms[2] = norm_of(dof, 1, method->matrix);
-    method->norms[3] = norm_of(dof, 1, smooth->per_speed);
+    method->norms[0] = row_norm(dof, 0, method->matrix);
+    method->norms[1] = row_norm(dof, 0, smooth->per_speed);
+    method->norms[2] = row_norm(dof, 1, method->matrix);
+    method->norms[3] = row_norm(dof, 1, smooth->per_speed);
 }
 
 int friction_step(const LinearRotor *rotor, const VariableSpeedStep *smooth, const Slider *sliders,
@@ -454,8 +454,8 @@ static double first_event(const FrictionStep *method, const double *held, double
     for (j = 0; j < m; j++) {
         const double limit = method->sliders[j].limit, slips = held[2 * j + SLIPS];
         /* where a slider starts from rest the first acceleration may be rounding, too */
-        const double still = ROUNDING * stretch * mobility_of(method, j);
-        const double sticking[3] = {ROUNDING * limit, 0.0,
+        const double still = LIMIT_ROUNDING * stretch * mobility_of(method, j);
+        const double sticking[3] = {LIMIT_ROUNDING * limit, 0.0,
                                     0.5 * still * stretch * method->sliders[j].stiffness};
         const double slipping[3] = {0.0, still, 0.0};
         for (side = 0; side < (slips != 0.0 ? 1 : 2) && limit > 0.0; side++) {
@@ -476,7 +476,7 @@ static double first_event(const FrictionStep *method, const double *held, double
 }
 
 /* The sliders after the event of slider j; `arrived`: by a motion, not at once. */
-static int change(FrictionStep *method, double *state, double *held, const Drive *drive, double t,
+static int change_sliders(FrictionStep *method, double *state, double *held, const Drive *drive, double t,
                   int j, int arrived, Failure *failure)
 {
     double *own = held + 2 * j;
@@ -531,7 +531,7 @@ int friction_advance(FrictionStep *method, double *state, double *held, const Dr
         }
         time += fraction * stretch;
         if (which >= 0) {
-            code = change(method, state, held, drive, time, which, fraction > 0.0, failure);
+            code = change_sliders(method, state, held, drive, time, which, fraction > 0.0, failure);
             if (stops) {
                 *reached = time;
                 return code;

@@ -8,7 +8,7 @@
 #define TAYLOR_TERMS 16 /* 0.5^16/17! is far below rounding */
 
 /* Largest sum of a column's absolute values. */
-static double norm_of(int parts, int size, const double *matrix)
+static double column_norm(int parts, int size, const double *matrix)
 {
     double norm = 0.0;
     int i, j;
@@ -102,7 +102,7 @@ static Doubled *doubled_from(Doublings *kept, const double *scaled, size_t count
 }
 
 /* Keep this, of which all rows are known. */
-static void keep(Doubled *doubled, size_t count, const double *scaled, const double *grown, int times)
+static void keep_doubled(Doubled *doubled, size_t count, const double *scaled, const double *grown, int times)
 {
     copy_doubles(count, scaled, doubled->scaled);
     copy_doubles(count, grown, doubled->grown);
@@ -115,7 +115,7 @@ int exponential(int parts, int size, int upper, double *matrix, double *scratch,
 {
     const size_t count = (size_t)size * size * parts;
     double *scaled = scratch, *product = scaled + count;
-    const double norm = norm_of(parts, size, matrix);
+    const double norm = column_norm(parts, size, matrix);
     double part;
     Doubled *doubled = NULL;
     int doublings, before, known, j;
@@ -143,7 +143,7 @@ int exponential(int parts, int size, int upper, double *matrix, double *scratch,
     for (j = known ? doubled->times : 0; j < doublings; j++) {
         const int rows = j < before ? size : upper;
         if (j == before) {
-            keep(doubled, count, scaled, matrix, before);
+            keep_doubled(doubled, count, scaled, matrix, before);
         }
         upper_product(parts, size, upper, rows, matrix, matrix, product);
         for (i = 0; i < (size_t)(rows * size * parts); i++) {

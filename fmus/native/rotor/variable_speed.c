@@ -10,11 +10,11 @@
 #define ROOT 2.449489742783178 /* sqrt(6) */
 #define STAGES 3
 #define ACCURACY 1e-10 /* of the largest displacement, a step: 10,000 of them stay below 1e-6 */
-#define HALVINGS 12    /* 4096 parts: modes 4000 times as fast as a rotor of 40 steps a turn */
+#define PART_HALVINGS 12    /* 4096 parts: modes 4000 times as fast as a rotor of 40 steps a turn */
 #define HALVED 31.0    /* 2^5 - 1: halved parts differ from whole ones by so many of their errors */
 
 /* Radau IIA with three stages: Hairer & Wanner 1996, table IV.5.6 */
-static const double NODES[STAGES] = {(4.0 - ROOT) / 10.0, (4.0 + ROOT) / 10.0, 1.0};
+static const double RADAU_NODES[STAGES] = {(4.0 - ROOT) / 10.0, (4.0 + ROOT) / 10.0, 1.0};
 static const double COEFFICIENTS[STAGES][STAGES] = {
     {(88.0 - 7.0 * ROOT) / 360.0, (296.0 - 169.0 * ROOT) / 1800.0, (-2.0 + 3.0 * ROOT) / 225.0},
     {(296.0 + 169.0 * ROOT) / 1800.0, (88.0 + 7.0 * ROOT) / 360.0, (-2.0 - 3.0 * ROOT) / 225.0},
@@ -121,7 +121,7 @@ int variable_speed_step(const LinearRotor *rotor, int turning_force, double *mem
 }
 
 /* Write a complex number as the k-th of `count`, for the axes in use. */
-static void put(const VariableSpeedStep *method, int count, int k, Complex value, double *to)
+static void put_complex(const VariableSpeedStep *method, int count, int k, Complex value, double *to)
 {
     to[method->parts * k] = value.re;
     to[method->axes == 1 ? 2 * k + 1 : count + k] = value.im;
@@ -181,11 +181,11 @@ static double set_drive(const VariableSpeedStep *method, const double *forces, d
             slope = complex_sum(complex_product(slope, turn),
                                 complex_product(complex_of(0.0, w), value));
         }
-        put(method, p, k, value, values);
-        put(method, p, k, slope, slopes);
+        put_complex(method, p, k, value, values);
+        put_complex(method, p, k, slope, slopes);
     }
-    put(method, 1, 0, complex_product(complex_of(w * w, -angular_acceleration), turn), pulls);
-    put(method, 1, 0, complex_product(complex_of(3.0 * w * angular_acceleration, w * w * w - more.slope), turn),
+    put_complex(method, 1, 0, complex_product(complex_of(w * w, -angular_acceleration), turn), pulls);
+    put_complex(method, 1, 0, complex_product(complex_of(3.0 * w * angular_acceleration, w * w * w - more.slope), turn),
         pull_slopes);
     sum_drive(method, values, pulls, drive, work);
     for (k = 0; method->falling && k < method->dof * method->parts; k++) {
@@ -218,9 +218,9 @@ static void set_drive_second(const VariableSpeedStep *method, const double *forc
             second = complex_sum(second, complex_product(complex_of(-w * w, w1), f[0]));
             second = complex_product(second, turn);
         }
-        put(method, p, k, second, seconds);
+        put_complex(method, p, k, second, seconds);
     }
-    put(method, 1, 0, complex_product(pull, turn), pulls);
+    put_complex(method, 1, 0, complex_product(pull, turn), pulls);
     sum_drive(method, seconds, pulls, drive_second, work);
 }
 
@@ -280,7 +280,7 @@ static int advance_part(const VariableSpeedStep *method, double *state, const do
     int i;
     for (i = 0; i < STAGES; i++) {
         const double w = set_drive(method, forces, angle, speed, spin_up,
-                                   begin + NODES[i] * step, drive, drive_slope, work);
+                                   begin + RADAU_NODES[i] * step, drive, drive_slope, work);
         set_matrix(method, w, matrix);
         set_stage(method, i, state, matrix, drive, step, system, right + i * length);
     }
@@ -355,7 +355,7 @@ int variable_speed_advance(const VariableSpeedStep *method, double *state, const
     size_t k;
     int halving, status;
     copy_doubles(length, state, begun);
-    for (halving = 0; halving <= HALVINGS; halving++) {
+    for (halving = 0; halving <= PART_HALVINGS; halving++) {
         const double part = step / (1 << halving);
         double reach;
         copy_doubles(length, state, whole);
@@ -375,7 +375,7 @@ int variable_speed_advance(const VariableSpeedStep *method, double *state, const
             return FINE;
         }
     }
-    return fail(failure, FAILURE_FAST_VIBRATION, "step", 1 << HALVINGS, step, error, 0.0, 0.0);
+    return fail(failure, FAILURE_FAST_VIBRATION, "step", 1 << PART_HALVINGS, step, error, 0.0, 0.0);
 }
 
 /* Acceleration and jerk of the stations, (dof,), at time t into the step; `rates` holds velocity and

@@ -4,11 +4,11 @@
 #include "fmi/unit.h"
 #include "weights/liquid.h"
 
-enum { SIGNALS = 2, TOUCHES = 1 };
+enum { LIQUID_SIGNALS = 2, TOUCHES = 1 };
 
 /* Inputs behind the signal, and outputs behind the force with its derivatives. */
 enum { X, Y };
-enum { ADDED_MASS, LIQUID_MASS, CLEARANCE };
+enum { OUT_ADDED_MASS, OUT_LIQUID_MASS, OUT_CLEARANCE };
 
 typedef struct {
     Liquid liquid;
@@ -21,7 +21,7 @@ static size_t orders_of(const Unit *unit)
     return (size_t)unit->layout.sizes.order + 1;
 }
 
-static int parameters(Unit *unit)
+static int liquid_parameters(Unit *unit)
 {
     Own *own = unit->own;
     const double *real = unit->real;
@@ -38,7 +38,7 @@ static int parameters(Unit *unit)
     return 0;
 }
 
-static int begin(Unit *unit)
+static int liquid_begin(Unit *unit)
 {
     (void)unit;
     return 0;
@@ -56,79 +56,80 @@ static void warn_of_touch(Unit *unit, Complex displacement, double time)
 }
 
 /* Outputs with the input signals taken t after the start of the step. */
-static void put(Unit *unit, double t)
+static void liquid_put_outputs(Unit *unit, double t)
 {
     const Own *own = unit->own;
     const double *in = unit->real + unit->layout.inputs.first;
-    const double *place = in + SIGNALS * orders_of(unit);
+    const double *place = in + LIQUID_SIGNALS * orders_of(unit);
     double *out = unit->real + unit->layout.computed.first;
     const Complex displacement = complex_of(place[X], place[Y]);
     const double clearance = liquid_clearance(&own->liquid, displacement);
     Complex motion[3];
     size_t k;
     signal_derivatives(in, unit->layout.sizes.order, t, motion);
-    for (k = 0; k < orders_of(unit) / 2; k++, out += SIGNALS) {
+    for (k = 0; k < orders_of(unit) / 2; k++, out += LIQUID_SIGNALS) {
         out[0] = own->sent != 0.0 ? -own->sent * motion[k].re : 0.0;
         out[1] = own->sent != 0.0 ? -own->sent * motion[k].im : 0.0;
     }
     if (clearance < 0.0) {
         warn_of_touch(unit, displacement, unit->time + t);
     }
-    out[ADDED_MASS] = own->carried;
-    out[LIQUID_MASS] = liquid_mass(&own->liquid);
-    out[CLEARANCE] = clearance;
+    out[OUT_ADDED_MASS] = own->carried;
+    out[OUT_LIQUID_MASS] = liquid_mass(&own->liquid);
+    out[OUT_CLEARANCE] = clearance;
 }
 
-static int step(Unit *unit, double length)
+static int liquid_step_unit(Unit *unit, double length)
 {
-    put(unit, length);
+    liquid_put_outputs(unit, length);
     return 0;
 }
 
-static int outputs(Unit *unit)
+static int liquid_outputs(Unit *unit)
 {
-    put(unit, 0.0);
+    liquid_put_outputs(unit, 0.0);
     return 0;
 }
 
-static void observe(Unit *unit)
+static void liquid_observe(Unit *unit)
 {
     (void)unit;
 }
 
-static size_t signals(const Layout *layout, size_t *first)
+static size_t liquid_signals(const Layout *layout, size_t *first)
 {
     *first = layout->inputs.first;
-    return SIGNALS;
+    return LIQUID_SIGNALS;
 }
 
-static int directional(Unit *unit, const double *seed, double *change)
+static int liquid_directional(Unit *unit, const double *seed, double *change)
 {
     const Own *own = unit->own;
-    const size_t orders = orders_of(unit), behind = SIGNALS * orders;
+    const size_t orders = orders_of(unit), behind = LIQUID_SIGNALS * orders;
     const double *in = unit->real + unit->layout.inputs.first + behind;
     const double bending = magnitude(complex_of(in[X], in[Y]));
     size_t k;
-    for (k = 0; k < SIGNALS * (orders / 2); k++) {
+    for (k = 0; k < LIQUID_SIGNALS * (orders / 2); k++) {
         *change++ = -own->sent * seed[k];
     }
     seed += behind;
-    change[ADDED_MASS] = change[LIQUID_MASS] = 0.0;
+    change[OUT_ADDED_MASS] = change[OUT_LIQUID_MASS] = 0.0;
     /* at rest in the middle every direction closes the gap alike, and there is no derivative */
-    change[CLEARANCE] =
+    change[OUT_CLEARANCE] =
         bending > 0.0 ? -(in[X] / bending * seed[X] + in[Y] / bending * seed[Y]) : 0.0;
     return 0;
 }
 
-static int slope(Unit *unit, size_t reference, double *value)
+static int liquid_slope(Unit *unit, size_t reference, double *value)
 {
-    const size_t force = SIGNALS * (orders_of(unit) / 2);
+    const size_t force = LIQUID_SIGNALS * (orders_of(unit) / 2);
     const size_t output = reference - unit->layout.computed.first - force;
     *value = 0.0;
-    return output != ADDED_MASS && output != LIQUID_MASS;
+    return output != OUT_ADDED_MASS && output != OUT_LIQUID_MASS;
 }
 
 const Equations LIQUID_EQUATIONS = {
-    .name = "LiquidBalancer", .own_size = sizeof(Own), .parameters = parameters, .begin = begin,
-    .step = step, .outputs = outputs, .observe = observe, .signals = signals,
-    .directional = directional, .slope = slope};
+    .name = "LiquidBalancer", .own_size = sizeof(Own), .parameters = liquid_parameters,
+    .begin = liquid_begin, .step = liquid_step_unit, .outputs = liquid_outputs,
+    .observe = liquid_observe, .signals = liquid_signals, .directional = liquid_directional,
+    .slope = liquid_slope};

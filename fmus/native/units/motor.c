@@ -4,21 +4,21 @@
 #include "rotor/motor.h"
 #include "units/angle.h"
 
-enum { SIGNALS = 1, TORQUES = 4 };
+enum { MOTOR_SIGNALS = 1, TORQUES = 4 };
 
 /* In memory: the angle, then the speed. */
-enum { SPEED = ANGLE_SIZE };
+enum { MEMORY_SPEED = ANGLE_SIZE };
 
 /* Outputs: the computed ones, then those observed. */
-enum { ACCELERATION, ACCELERATION_SLOPE, SPEED_OUT, ANGLE_OUT, DRIVE_TORQUE, POWER };
+enum { OUT_ACCELERATION, OUT_ACCELERATION_SLOPE, OUT_SPEED, OUT_ANGLE, OUT_DRIVE_TORQUE, OUT_POWER };
 
-static size_t memory_size(const Layout *layout)
+static size_t motor_memory_size(const Layout *layout)
 {
     (void)layout;
     return ANGLE_SIZE + 1;
 }
 
-static void starts(const Layout *layout, double *real)
+static void motor_starts(const Layout *layout, double *real)
 {
     const int last = layout->sizes.points - 1;
     int k;
@@ -28,7 +28,7 @@ static void starts(const Layout *layout, double *real)
     }
 }
 
-static int parameters(Unit *unit)
+static int motor_parameters(Unit *unit)
 {
     Motor *own = unit->own;
     Failure failure;
@@ -40,29 +40,29 @@ static int parameters(Unit *unit)
     return motor_check(own, &failure) ? unit_failed(unit, &failure, NULL, 0) : 0;
 }
 
-static int begin(Unit *unit)
+static int motor_begin(Unit *unit)
 {
     const double *start = unit->real + unit->layout.parameters.count - 2;
     angle_start(unit->memory, start[0]);
-    unit->memory[SPEED] = start[1];
+    unit->memory[MEMORY_SPEED] = start[1];
     return 0;
 }
 
 /* Computed outputs under a torque on the shaft and its slope. */
-static void put(Unit *unit, const double *torque)
+static void motor_put_outputs(Unit *unit, const double *torque)
 {
     double *out = unit->real + unit->layout.computed.first;
-    motor_acceleration(unit->own, unit->memory[SPEED], torque, out);
-    out[SPEED_OUT] = unit->memory[SPEED];
+    motor_acceleration(unit->own, unit->memory[MEMORY_SPEED], torque, out);
+    out[OUT_SPEED] = unit->memory[MEMORY_SPEED];
 }
 
-static int step(Unit *unit, double length)
+static int motor_step_unit(Unit *unit, double length)
 {
     const double *torque = unit->real + unit->layout.inputs.first;
     Motor *own = unit->own;
     double end[2], turned;
     Failure failure;
-    if (motor_advance(own, unit->memory + SPEED, &turned, torque, length, &failure)) {
+    if (motor_advance(own, unit->memory + MEMORY_SPEED, &turned, torque, length, &failure)) {
         return unit_failed(unit, &failure, NULL, 0);
     }
     unit->made = length = own->reached;
@@ -70,53 +70,54 @@ static int step(Unit *unit, double length)
     end[0] = torque[0] +
              length * (torque[1] + length * (torque[2] / 2.0 + length * torque[3] / 6.0));
     end[1] = torque[1] + length * (torque[2] + length * torque[3] / 2.0);
-    put(unit, end);
+    motor_put_outputs(unit, end);
     return 0;
 }
 
-static int outputs(Unit *unit)
+static int motor_outputs(Unit *unit)
 {
-    put(unit, unit->real + unit->layout.inputs.first);
+    motor_put_outputs(unit, unit->real + unit->layout.inputs.first);
     return 0;
 }
 
-static void observe(Unit *unit)
+static void motor_observe(Unit *unit)
 {
-    const double speed = unit->memory[SPEED], torque = motor_torque(unit->own, speed);
+    const double speed = unit->memory[MEMORY_SPEED], torque = motor_torque(unit->own, speed);
     double *out = unit->real + unit->layout.computed.first;
-    out[ANGLE_OUT] = angle_total(unit->memory);
-    out[DRIVE_TORQUE] = torque;
-    out[POWER] = torque * speed;
+    out[OUT_ANGLE] = angle_total(unit->memory);
+    out[OUT_DRIVE_TORQUE] = torque;
+    out[OUT_POWER] = torque * speed;
 }
 
-static size_t signals(const Layout *layout, size_t *first)
+static size_t motor_signals(const Layout *layout, size_t *first)
 {
     *first = layout->inputs.first;
-    return SIGNALS;
+    return MOTOR_SIGNALS;
 }
 
-static int directional(Unit *unit, const double *seed, double *change)
+static int motor_directional(Unit *unit, const double *seed, double *change)
 {
     const Motor *own = unit->own;
     int k;
-    for (k = SPEED_OUT; k <= POWER; k++) {
+    for (k = OUT_SPEED; k <= OUT_POWER; k++) {
         change[k] = 0.0;
     }
-    change[ACCELERATION] = seed[0] / own->inertia;
-    change[ACCELERATION_SLOPE] =
-        (motor_slope(own, unit->memory[SPEED]) * change[ACCELERATION] + seed[1]) / own->inertia;
+    change[OUT_ACCELERATION] = seed[0] / own->inertia;
+    change[OUT_ACCELERATION_SLOPE] =
+        (motor_slope(own, unit->memory[MEMORY_SPEED]) * change[OUT_ACCELERATION] + seed[1]) / own->inertia;
     return 0;
 }
 
-static int slope(Unit *unit, size_t reference, double *value)
+static int motor_output_slope(Unit *unit, size_t reference, double *value)
 {
     const double *out = unit->real + unit->layout.computed.first;
     const size_t output = reference - unit->layout.computed.first;
-    *value = output == SPEED_OUT ? out[ACCELERATION] : out[SPEED_OUT];
-    return output != SPEED_OUT && output != ANGLE_OUT;
+    *value = output == OUT_SPEED ? out[OUT_ACCELERATION] : out[OUT_SPEED];
+    return output != OUT_SPEED && output != OUT_ANGLE;
 }
 
 const Equations MOTOR_EQUATIONS = {
-    .name = "Motor", .own_size = sizeof(Motor), .memory_size = memory_size, .starts = starts,
-    .parameters = parameters, .begin = begin, .step = step, .outputs = outputs, .observe = observe,
-    .signals = signals, .directional = directional, .slope = slope};
+    .name = "Motor", .own_size = sizeof(Motor), .memory_size = motor_memory_size,
+    .starts = motor_starts, .parameters = motor_parameters, .begin = motor_begin,
+    .step = motor_step_unit, .outputs = motor_outputs, .observe = motor_observe,
+    .signals = motor_signals, .directional = motor_directional, .slope = motor_output_slope};

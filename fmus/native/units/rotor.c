@@ -7,7 +7,7 @@
 #include "base/spin.h"
 #include "rotor/propagator.h"
 
-static size_t memory_size(const Layout *layout)
+static size_t rotor_memory_size(const Layout *layout)
 {
     return MOTION + 4 * (size_t)layout->sizes.stations + 2 + 4 * (size_t)layout->sizes.sliders;
 }
@@ -36,7 +36,7 @@ static size_t matrix_doubles(int n, int p, int orders)
     return sizes[0] > sizes[1] ? sizes[0] : sizes[1];
 }
 
-static int allocate(Unit *unit)
+static int rotor_allocate(Unit *unit)
 {
     Rotor *own = unit->own;
     const Sizes *sizes = &unit->layout.sizes;
@@ -105,7 +105,7 @@ static int allocate(Unit *unit)
            !own->state || !own->acceleration || !own->jerk;
 }
 
-static int parameters(Unit *unit)
+static int rotor_parameters(Unit *unit)
 {
     Rotor *own = unit->own;
     Failure failure;
@@ -132,7 +132,7 @@ static int parameters(Unit *unit)
     return own->slider_count ? rotor_make_variable(unit) : 0;
 }
 
-static int begin(Unit *unit)
+static int rotor_begin(Unit *unit)
 {
     const Rotor *own = unit->own;
     const size_t motion = 4 * (size_t)own->stations;
@@ -143,7 +143,7 @@ static int begin(Unit *unit)
     return 0;
 }
 
-static int step(Unit *unit, double length)
+static int rotor_step_unit(Unit *unit, double length)
 {
     Rotor *own = unit->own;
     const double speed = rotor_drive(unit)[0], spin_up = rotor_drive(unit)[SPIN_UP];
@@ -167,7 +167,7 @@ static int step(Unit *unit, double length)
     return 0;
 }
 
-static int outputs(Unit *unit)
+static int rotor_outputs(Unit *unit)
 {
     const Rotor *own = unit->own;
     unit->memory[MOTION + 4 * own->stations] = rotor_drive(unit)[0];
@@ -189,7 +189,7 @@ static double largest_bending(const Rotor *own, const double *stations)
     return largest;
 }
 
-static void observe(Unit *unit)
+static void rotor_observe(Unit *unit)
 {
     const Rotor *own = unit->own;
     const double *memory = unit->memory, *motion = memory + MOTION;
@@ -207,7 +207,7 @@ static void observe(Unit *unit)
     }
 }
 
-static void observe_torques(Unit *unit)
+static void rotor_observe_torques(Unit *unit)
 {
     double *out = unit->real + unit->layout.real_count - 2;
     if (rotor_torque_now(unit, out)) {
@@ -215,15 +215,15 @@ static void observe_torques(Unit *unit)
     }
 }
 
-static size_t signals(const Layout *layout, size_t *first)
+static size_t rotor_signals(const Layout *layout, size_t *first)
 {
     *first = layout->inputs.first + (size_t)layout->sizes.planes + SPUN;
     return 2 * (size_t)layout->sizes.planes;
 }
 
 const Equations ROTOR_EQUATIONS = {
-    .name = "RotorOnSupports", .own_size = sizeof(Rotor), .memory_size = memory_size,
-    .starts = rotor_starts, .allocate = allocate, .parameters = parameters, .begin = begin,
-    .step = step, .outputs = outputs, .observe = observe, .observe_torques = observe_torques,
-    .is_torque = unit_ends_with, .signals = signals, .directional = rotor_directional,
-    .slope = rotor_slope};
+    .name = "RotorOnSupports", .own_size = sizeof(Rotor), .memory_size = rotor_memory_size,
+    .starts = rotor_starts, .allocate = rotor_allocate, .parameters = rotor_parameters,
+    .begin = rotor_begin, .step = rotor_step_unit, .outputs = rotor_outputs,
+    .observe = rotor_observe, .observe_torques = rotor_observe_torques, .is_torque = unit_ends_with,
+    .signals = rotor_signals, .directional = rotor_directional, .slope = rotor_slope};

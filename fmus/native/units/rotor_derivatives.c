@@ -101,7 +101,7 @@ static int torque_beside(Unit *unit, const double *forces, const double *spin, d
 }
 
 /* Change of the torque and its slope: cubic in the speed, linear in all else. */
-static int torque_response(Unit *unit, const double *forces, const double *seed, double *change)
+static int rotor_torque_response(Unit *unit, const double *forces, const double *seed, double *change)
 {
     const double size = larger(1.0, absolute(rotor_drive(unit)[0])), far = size * size;
     double end[6][2];
@@ -145,7 +145,7 @@ int rotor_directional(Unit *unit, const double *seed, double *change)
     }
     own->frozen = 1; /* the sliders are as the outputs found them */
     /* slopes stand behind the values */
-    k = torque_response(unit, values, seed + p,
+    k = rotor_torque_response(unit, values, seed + p,
                         change + unit->layout.real_count - unit->layout.computed.first - 2) ||
         force_response(unit, values, slopes, change) ||
         add_drive_response(unit, seed + p, change);

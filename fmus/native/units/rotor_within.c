@@ -114,7 +114,7 @@ static int vanishes(int count, const double *term, const double *sum)
 }
 
 /* A state (size,), `time` on; 0 where the series does not end.  `term` and `next`: (size,) each. */
-static int advance(const Rates *rates, int half, double time, double *sum, double *term, double *next)
+static int advance_series(const Rates *rates, int half, double time, double *sum, double *term, double *next)
 {
     const int size = rates->size;
     int k, i, small = 0;
@@ -149,7 +149,7 @@ int rotor_within(Rotor *own, double time)
         return 0;
     }
     for (k = 0; k < pieces; k++) {
-        if (!advance(rates, half, time / pieces, sum, term, next)) {
+        if (!advance_series(rates, half, time / pieces, sum, term, next)) {
             return 0;
         }
     }

@@ -10,12 +10,12 @@
 
 /* Angles, speeds, contacts (N,) each, impulse owed and pulse given as xi, eta each, of which plain
    weights use the first two; and how long ago the inputs were set. */
-static size_t memory_size(const Layout *layout)
+static size_t weights_memory_size(const Layout *layout)
 {
     return 3 * (size_t)layout->sizes.weights + 5;
 }
 
-static void starts(const Layout *layout, double *real)
+static void weights_starts(const Layout *layout, double *real)
 {
     int k;
     for (k = 0; k < layout->sizes.weights; k++) {
@@ -23,7 +23,7 @@ static void starts(const Layout *layout, double *real)
     }
 }
 
-static int allocate(Unit *unit)
+static int weights_allocate(Unit *unit)
 {
     Balls *own = unit->own;
     own->count = unit->layout.sizes.weights;
@@ -57,7 +57,7 @@ static int refuse_size(Unit *unit, double size, double radius)
     return 1;
 }
 
-static int parameters(Unit *unit)
+static int weights_parameters(Unit *unit)
 {
     Balls *own = unit->own;
     Track *track = &own->track;
@@ -96,7 +96,7 @@ static int parameters(Unit *unit)
     return 0;
 }
 
-static int begin(Unit *unit)
+static int weights_begin(Unit *unit)
 {
     const Balls *own = unit->own;
     const size_t count = (size_t)own->count;
@@ -211,7 +211,7 @@ static void put_second(Unit *unit, const RotorMotion *now, const Complex *force,
 }
 
 /* Computed outputs. */
-static int put(Unit *unit)
+static int weights_put_outputs(Unit *unit)
 {
     const Balls *own = unit->own;
     const RotorMotion now = weights_motion_now(unit);
@@ -335,10 +335,10 @@ static int step_quintic(Unit *unit, double length)
         return unit_failed(unit, &failure, unit->before, (size_t)own->count);
     }
     unit->memory[unit->memory_count - 1] = unit->made;
-    return put(unit);
+    return weights_put_outputs(unit);
 }
 
-static int step(Unit *unit, double length)
+static int weights_step_unit(Unit *unit, double length)
 {
     Balls *own = unit->own;
     const double *in = unit->real + unit->layout.inputs.first, *spin_up = in + ACCELERATION;
@@ -368,16 +368,16 @@ static int step(Unit *unit, double length)
         return unit_failed(unit, &failure, unit->before, (size_t)own->count);
     }
     unit->memory[unit->memory_count - 1] = unit->made;
-    return put(unit);
+    return weights_put_outputs(unit);
 }
 
-static int outputs(Unit *unit)
+static int weights_outputs(Unit *unit)
 {
     unit->memory[unit->memory_count - 1] = 0.0;
-    return put(unit);
+    return weights_put_outputs(unit);
 }
 
-static void observe(Unit *unit)
+static void weights_observe(Unit *unit)
 {
     const Balls *own = unit->own;
     const size_t count = (size_t)own->count;
@@ -389,7 +389,7 @@ static void observe(Unit *unit)
     out[2 * count + 2] = weights_alignment(own->count, unit->memory, own->turned);
 }
 
-static void observe_torques(Unit *unit)
+static void weights_observe_torques(Unit *unit)
 {
     const Balls *own = unit->own;
     const double *angles = unit->memory, *speeds = angles + own->count;
@@ -405,15 +405,16 @@ static void observe_torques(Unit *unit)
     }
 }
 
-static size_t signals(const Layout *layout, size_t *first)
+static size_t weights_signals(const Layout *layout, size_t *first)
 {
     *first = layout->inputs.first;
     return SIGNALS;
 }
 
 const Equations WEIGHTS_EQUATIONS = {
-    .name = "BallBalancer", .own_size = sizeof(Balls), .memory_size = memory_size,
-    .starts = starts, .allocate = allocate, .parameters = parameters, .begin = begin, .step = step,
-    .outputs = outputs, .observe = observe, .observe_torques = observe_torques,
-    .is_torque = unit_ends_with, .signals = signals, .directional = weights_directional,
+    .name = "BallBalancer", .own_size = sizeof(Balls), .memory_size = weights_memory_size,
+    .starts = weights_starts, .allocate = weights_allocate, .parameters = weights_parameters,
+    .begin = weights_begin, .step = weights_step_unit, .outputs = weights_outputs,
+    .observe = weights_observe, .observe_torques = weights_observe_torques,
+    .is_torque = unit_ends_with, .signals = weights_signals, .directional = weights_directional,
     .slope = weights_slope};

@@ -6,7 +6,7 @@
 #include "units/weights.h"
 
 /* Change of the torque and its slope by that of plane and rotor and of the force, rotor frame. */
-static int torque_response(Unit *unit, const RotorMotion *now, const Instant *by,
+static int weights_torque_response(Unit *unit, const RotorMotion *now, const Instant *by,
                             double by_spin_up, double by_change, const Complex *by_force,
                             double *change)
 {
@@ -82,7 +82,7 @@ int weights_directional(Unit *unit, const double *seed, double *change)
     }
     by_force[0] = force;
     by_force[1] = force_slope;
-    if (torque_response(unit, &now, &by, seed[ACCELERATION], seed[ACCELERATION + 1], by_force,
+    if (weights_torque_response(unit, &now, &by, seed[ACCELERATION], seed[ACCELERATION + 1], by_force,
                         change + unit->layout.real_count - unit->layout.computed.first - 2)) {
         return 1;
     }

@@ -7,10 +7,10 @@ extern unsigned char __heap_base; /* of the linker: memory is zero from here on 
 /* Nothing is given back: a page drops an instance with its whole memory. */
 void *calloc(size_t count, size_t size)
 {
-    enum { PAGE = 65536, ALIGNED = 16 };
+    enum { PAGE = 65536, BLOCK = 16 };
     static size_t used;
     const size_t first = used ? used : (size_t)&__heap_base;
-    const size_t begin = (first + ALIGNED - 1) / ALIGNED * ALIGNED;
+    const size_t begin = (first + BLOCK - 1) / BLOCK * BLOCK;
     const size_t there = __builtin_wasm_memory_size(0) * PAGE;
     size_t bytes;
     if (__builtin_mul_overflow(count, size, &bytes) || bytes > (size_t)-1 - PAGE - begin) {

@@ -9,7 +9,7 @@
 
 static char message[MESSAGE_SIZE];
 
-static void keep(void *host, const char *name, Status status, const char *words)
+static void keep_words(void *host, const char *name, Status status, const char *words)
 {
     Text text = text_in(message, sizeof message);
     (void)host;
@@ -36,7 +36,7 @@ EXPORTED("words") const char *page_words(void)
 
 EXPORTED("instantiate") Unit *page_instantiate(const char *token)
 {
-    return unit_instantiate("scene", token, keep, NULL);
+    return unit_instantiate("scene", token, keep_words, NULL);
 }
 
 EXPORTED("count") size_t page_count(const Unit *unit)
