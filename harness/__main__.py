@@ -43,6 +43,7 @@ def program() -> Typer:
     from .balancing import command as balance
     from .checks import command as check
     from .design import command as design
+    from .drag import command as drag
     from .fit import command as fit
     from .master import build_command as build
     from .master import run_command as run
@@ -64,7 +65,8 @@ def program() -> Typer:
     app.callback(invoke_without_command=True)(without_command)
     features = {"check": check, "build": build, "run": run, "speeds": speeds, "map": map_command}
     features |= {"balance": balance, "rotor": rotor, "design": design, "scatter": scatter}
-    features |= {"fit": fit, "precision": precision, "show": show, "stress": stress}
+    features |= {"fit": fit, "drag": drag, "precision": precision}
+    features |= {"show": show, "stress": stress}
     for name, feature in features.items():
         app.command(name)(with_common_options(feature.command))
     return app

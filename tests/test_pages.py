@@ -23,7 +23,7 @@ pytestmark = pytest.mark.slow
 
 ROOT = Path(__file__).parent.parent
 HARNESS = ROOT / "harness"
-PAGES = [ROOT / "README.md", *sorted(HARNESS.glob("tutorial_*.md"))]
+PAGES = [ROOT / "README.md", HARNESS / "drag.md", *sorted(HARNESS.glob("tutorial_*.md"))]
 GALLERY = (HARNESS / "gallery.md").read_text(encoding="utf-8")
 NUMBER = re.compile(r"-?\d+(?:\.\d+)?(?:e[+-]?\d+)?")
 COMMANDS = {
@@ -134,6 +134,7 @@ README_COMMANDS = {  # of the table, with the options shown there
     "design": ["finite_weights --starts 6 --most 2 -o design.png"],
     "scatter": ["two_balls --vary weights.drag=normal(0.2,0.02) -n 10 -o scatter.csv"],
     "fit": ["two_balls --without-balancers --measured fit.csv --free rotor.unbalance -o fit.png"],
+    "drag": ["--ball 10mm --decay 30deg 10deg 1.2s"],
     "precision": ["two_balls --seconds 1 --set run.revolutions=1 -o precision.png"],
     "stress": ["'rotor at rest'"],
 }

@@ -1,0 +1,1 @@
+"""Drag of a ball on its track, from a measured decay or from the oil."""

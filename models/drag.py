@@ -1,0 +1,78 @@
+"""Drag of a weight on its track, from measured motion or from the oil.
+
+Drag is linear: the force -c v on a weight that moves at v along the track.  A ball has the inertia
+kappa m with kappa = 7/5 along its track.
+
+Viscosity falls with temperature by ASTM D341: log10 log10(v + 0.7) = A - B log10 T, v in mm^2/s and
+T in K.  ISO 3448 names an oil by v at 40 degC.  v at 100 degC is that of a mineral oil of viscosity
+index 95 (ASTM D2270).
+"""
+
+from __future__ import annotations
+
+import math
+
+from scipy.special import ellipe, ellipk
+
+# ISO VG grade, which is v at 40 degC, and v at 100 degC [mm^2/s] for the viscosity index 95
+_GRADES = {
+    10: 2.64, 15: 3.38, 22: 4.25, 32: 5.29, 46: 6.64, 68: 8.53, 100: 11.1, 150: 14.5, 220: 18.7,
+    320: 24.0, 460: 30.3,
+}  # fmt: skip
+_COLD, _HOT = 313.15, 373.15  # K, of the two viscosities
+OIL_DENSITY = 870.0  # kg/m^3: mineral oils have 850 to 900
+
+
+def from_swing(mass: float, kappa: float, first: float, last: float, time: float) -> float:
+    """Drag [N s/m] of a weight that swings about the lowest point of a race at rest.
+
+    The area of an orbit in the plane of angle and speed shrinks as exp(-c t/(kappa m)) under linear
+    drag.  It is 8 (E(m) - (1 - m) K(m)) with m = sin^2(amplitude/2), for small swings pi
+    amplitude^2/2.  Exact at every amplitude for drag that is weak: the amplitude changes little in
+    one swing.
+
+    Args:
+        first, last: amplitudes [rad], below pi.
+        time: between them [s].
+    """
+    return kappa * mass * math.log(_orbit(first) / _orbit(last)) / time
+
+
+def _orbit(amplitude: float) -> float:
+    m = math.sin(0.5 * amplitude) ** 2
+    return float(ellipe(m) - (1.0 - m) * ellipk(m))
+
+
+def from_slowing(mass: float, kappa: float, first: float, last: float, time: float) -> float:
+    """Drag [N s/m] of a weight that runs around a level race at rest, and slows down.
+
+    Args:
+        first, last: speeds, in one unit.
+        time: between them [s].
+    """
+    return kappa * mass * math.log(first / last) / time
+
+
+def stokes(viscosity: float, diameter: float) -> float:
+    """Drag [N s/m] of a sphere in a liquid without walls, at small Reynolds numbers (Stokes 1851).
+
+    Args:
+        viscosity: dynamic [Pa s].
+    """
+    return 3.0 * math.pi * viscosity * diameter
+
+
+def oil_viscosity(grade: float, temperature: float) -> float:
+    """Kinematic viscosity [m^2/s] of a mineral oil by its ISO VG grade.
+
+    Args:
+        temperature: [K].
+
+    Raises:
+        ValueError: no such grade.
+    """
+    if grade not in _GRADES:
+        raise ValueError(f"ISO VG {grade:g}: must be one of {', '.join(map(str, _GRADES))}")
+    cold, hot = (math.log10(math.log10(v + 0.7)) for v in (grade, _GRADES[int(grade)]))
+    place = math.log10(temperature / _COLD) / math.log10(_HOT / _COLD)
+    return 1e-6 * float(10.0 ** (10.0 ** (cold + (hot - cold) * place)) - 0.7)

@@ -1,0 +1,29 @@
+"""`autobalancer drag`: wrong input is refused with what is allowed."""
+
+from __future__ import annotations
+
+import pytest
+
+
+@pytest.mark.parametrize(
+    ("arguments", "problem"),
+    [
+        ("--oil VG46", "--ball: give the diameter of the ball"),
+        ("--ball 10 --oil VG46", "below 1 m, such as --ball 10mm"),
+        ("--ball 10g --oil VG46", "a length is expected"),
+        ("--ball 10mm", "give either --decay"),
+        ("--ball 10mm --oil VG46 --decay 30deg 10deg 1s", "give either --decay"),
+        ("--ball 10mm --oil VG47", "must be one of 10, 15, 22"),
+        ("--ball 10mm --oil grease", "must be an ISO grade"),
+        ("--ball 10mm --oil VG46 --temperature 60", "such as 40degC"),
+        ("--ball 10mm --decay 10deg 30deg 1s", "LAST must be below FIRST"),
+        ("--ball 10mm --decay 30deg 10rpm 1s", "two angles of a ball that swings"),
+        ("--ball 10mm --decay 30 10 1s", "two angles of a ball that swings"),
+        ("--ball 10mm --decay 200deg 10deg 1s", "stays below 180 deg"),
+        ("--ball 10mm --decay 30deg 10deg 1kg", "a time is expected"),
+    ],
+)
+def test_wrong_input_is_refused_with_what_is_allowed(invoke, arguments, problem):
+    outcome = invoke("drag", *arguments.split())
+    assert outcome.exit_code == 2
+    assert problem in outcome.stderr
