@@ -16,7 +16,7 @@ from ..master.result import Result
 from ..master.run import cosimulate
 from ..output.workers import Progress
 from ..scene import Scene
-from ..scene.check import CapacityCheck, SizesCheck
+from ..scene.check import CapacityCheck
 from .row import Row, Rows
 
 RESIDUAL = 1e-3  # of the capacity: what has not settled when the run ends
@@ -116,9 +116,9 @@ def _nearest(ended: np.ndarray, packed: np.ndarray) -> list[float]:
     return [float(row[np.argmin(np.abs(row))]) for row in apart]
 
 
-def check_sizes(scene: Scene, check: SizesCheck, progress: Progress) -> Iterator[Row]:
+def check_sizes(scene: Scene, _progress: Progress) -> Iterator[Row]:
     """Table 1: radius, sector and capacity of the best n weights; which number settles fastest."""
-    rows = Rows(scene.name, check.kind)
+    rows = Rows(scene.name, "goncharov_table")
     source = "Goncharov 2017, Table 1"
     for kind, lines in TABLE.items():
         for count, ratio, sector, printed in lines:

@@ -14,13 +14,12 @@ from ...models.weights import Weights
 from ..errors import SceneError
 from ..output.workers import Progress
 from ..scene import Scene
-from ..scene.check import TableCheck
 from ..stability.boundaries import speeds
 from ..stability.speeds import Speeds
 from .critical_speeds import growth_row, rest_row, speed_rows
 from .row import Row, Rows
 
-TABLES = {1: TABLE_1, 2: TABLE_2}
+TABLES = (*TABLE_1, *TABLE_2)
 RANGE = (0.9, 13.0)  # n, below the lowest speed of both tables and well beyond the highest
 NARROWEST = 0.02  # n: no band wider than this is missed by Floquet
 # what the paper's intervals miss of the exact speeds: it integrates for a finite time, and calls
@@ -30,19 +29,15 @@ SEARCHED = 41  # speeds across a band: near its worst one will do, to see it gro
 PRINTED = 5e-4  # relative, of the criterion's roots as printed
 
 
-def table_rows(check: TableCheck) -> list[dict[str, int]]:
-    """Every row of a table, by its place from 0: they are checked one by one."""
-    return [{"index": index} for index in range(len(TABLES[check.table]))]
-
-
-def check_row(scene: Scene, check: TableCheck, progress: Progress, index: int) -> Iterator[Row]:
-    """One row of a table, counted from 0: the criterion's roots, every interval, every speed.
+def check_row(scene: Scene, progress: Progress, index: int) -> Iterator[Row]:
+    """One row of both tables, counted from 0: the criterion's roots, every interval, every speed.
 
     Raises:
         SceneError: the scene is not a planar rotor with one set of two pendulums.
     """
-    row = TABLES[check.table][index]
-    yield from rows_of(index, *variant(scene, row), row)
+    row = TABLES[index]
+    number = index + 1 if row.table == 1 else index + 1 - len(TABLE_1)
+    yield from rows_of(number, *variant(scene, row), row)
     progress(1.0)
 
 
@@ -80,11 +75,11 @@ def variant(scene: Scene, row: TableRow) -> tuple[Scene, float]:
     return scene.replace({key: np.asarray(value).tolist() for key, value in changes.items()}), w_x
 
 
-def rows_of(index: int, scene: Scene, w_x: float, row: TableRow) -> Iterator[Row]:
+def rows_of(number: int, scene: Scene, w_x: float, row: TableRow) -> Iterator[Row]:
     """What the units of `variant` say of a row of a table."""
     rows = Rows(scene.name, "filimonikhina_table")
     damping = f", mu {row.mu_xi:g}, {row.mu_eta:g}" if row.table == 2 else ""
-    label = f"Table {row.table} row {index + 1} (eps {row.eps:g}, mu_w {row.mu_w:g}{damping}): "
+    label = f"Table {row.table} row {number} (eps {row.eps:g}, mu_w {row.mu_w:g}{damping}): "
     source = f"Filimonikhina 2017, Table {row.table}"
     roots = np.array(Criterion.of(scene.assembly()).critical_speeds) / w_x
     yield rows.number(

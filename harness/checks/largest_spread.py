@@ -12,29 +12,33 @@ from ..design.scenes import drag_limit, sized, weights_of
 from ..design.settling import SETTLED, Batch, run_batch
 from ..output.workers import Progress, Workers, in_order
 from ..scene import Scene
-from ..scene.check import LargestSpreadCheck
 from .row import Row, Rows
+from .slow_root import MOST, WIDTH
 
 TIMES = 0.05  # of the predicted time: a change of 1e-3 of the capacity is not yet a small one
 ROUNDING = 1e-12  # of p, a sum of a few cosines
 SOURCE = "Goncharov 2017 (1), (10), (13)"
+CHANGE = 1e-3  # of the unbalance, either way, in capacities
+REVOLUTIONS = 500
 
 
 def check_largest_spread(
-    scene: Scene, check: LargestSpreadCheck, progress: Progress, workers: Workers = 1
+    scene: Scene,
+    progress: Progress,
+    workers: Workers = 1,
+    most: int = MOST,
+    revolutions: float = REVOLUTIONS,
 ) -> Iterator[Row]:
     """The slower of both ways in which the unbalance changes a little, for every number."""
     rows = Rows(scene.name, "largest_spread")
-    if check.revolutions is not None:
-        scene = scene.replace({"run.revolutions": check.revolutions})
-    scenes = sized(scene, range(2, check.most + 1), 0.0, width=check.width)
-    work = [b for s in scenes.values() for b in _both_ways(s, check.step)]
+    scene, kind = scene.replace({"run.revolutions": revolutions}), weights_of(scene).kind
+    scenes = sized(scene, range(2, most + 1), 0.0, width=WIDTH[kind])
+    work = [b for s in scenes.values() for b in _both_ways(s)]
     seconds = [run.seconds for (run,) in in_order(run_batch, work, workers, progress)]
     slower: dict[int, float] = {}
     for (count, one), *pair in zip(scenes.items(), seconds[::2], seconds[1::2], strict=True):
         fast, slower[count] = sorted(pair)
         yield _row(one, fast, slower[count], rows)
-    kind = weights_of(scene).kind
     claimed = theory.fastest_count(kind, scenes)
     best = min(slower, key=lambda count: slower[count])
     yield rows.statement(
@@ -71,7 +75,7 @@ def _row(scene: Scene, fast: float, slow: float, rows: Rows) -> Row:
     )
 
 
-def _both_ways(scene: Scene, part: float) -> list[Batch]:
+def _both_ways(scene: Scene) -> list[Batch]:
     """Two packed groups at the unbalance that they balance, changed by a part of the capacity."""
     balls = weights_of(scene)
     alpha = balls.half_angle
@@ -79,7 +83,7 @@ def _both_ways(scene: Scene, part: float) -> list[Batch]:
     large = balls.count - small
     unit = balls.mass * balls.track_radius
     held = unit * (theory.packed_sine(large, alpha) - theory.packed_sine(small, alpha))
-    change = part * unit * theory.packed_sine(balls.count, alpha)
+    change = CHANGE * unit * theory.packed_sine(balls.count, alpha)
     angles = [math.pi + alpha * (2 * k - large + 1) for k in range(large)]
     angles += [alpha * (2 * k - small + 1) for k in range(small)]
     found = []

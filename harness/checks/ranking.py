@@ -10,31 +10,40 @@ import numpy as np
 from ...models.papers.capacity import fastest_count
 from ..design.choices import Design, design
 from ..design.recommendation import by_measure, by_median, contradicted, order, rivals
-from ..design.scenes import batches
+from ..design.scenes import batches, weights_of
 from ..design.settling import run_batch
 from ..master.schedule import steps_per_rev
 from ..output.workers import Progress, Workers, in_order
 from ..scene import Scene
-from ..scene.check import RankingCheck
 from .row import Row, Rows
-from .slow_root import decay_rows
+from .slow_root import MOST, WIDTH, decay_rows
 
 HALVED = 0.02  # of the settling time: the coupling's error, and readings 1/8 of a revolution apart
 SOURCE = "Goncharov 2017, 5.4.3, Fig. 7"
 
 
 def check_ranking(
-    scene: Scene, check: RankingCheck, progress: Progress, workers: Workers = 1
+    scene: Scene,
+    progress: Progress,
+    workers: Workers = 1,
+    most: int = MOST,
+    starts: int = 200,
+    halved: int = 4,
 ) -> Iterator[Row]:
-    """The fastest number, the order, decay rates, and what the communication step leaves."""
-    counts = range(2, check.most + 1)
+    """The fastest number, the order, decay rates, and what the communication step leaves.
+
+    Args:
+        most: weights, from 2 on.
+        starts: random ones for every number of weights.
+        halved: starts of every number that are repeated with steps of half the length.
+    """
     rows = Rows(scene.name, "goncharov_ranking")
-    share = 1.0 - 2.0 * check.halved / (check.starts + 2.0 * check.halved)
+    share = 1.0 - 2.0 * halved / (starts + 2.0 * halved)
     data = design(
         scene,
-        width=check.width,
-        counts=counts,
-        starts=check.starts,
+        width=WIDTH[weights_of(scene).kind],
+        counts=range(2, most + 1),
+        starts=starts,
         workers=workers,
         progress=lambda done: progress(share * done),
         separate="checks are of the FMUs",
@@ -43,7 +52,7 @@ def check_ranking(
     found = [run.decay for c in data.with_capacity for run in c.runs]
     if any(one.dominant for one in found):
         yield from decay_rows(found, rows)
-    yield _halved(check, data, rows, workers)
+    yield _halved(halved, data, rows, workers)
     progress(1.0)
 
 
@@ -71,15 +80,15 @@ def _order(data: Design, rows: Rows) -> Iterator[Row]:
     )
 
 
-def _halved(check: RankingCheck, data: Design, rows: Rows, workers: Workers) -> Row:
+def _halved(count: int, data: Design, rows: Rows, workers: Workers) -> Row:
     """Settling times of the first starts with half the step against those of the study."""
     coarse, work = [], []
     for choice in data.with_capacity:
         steps = 2 * steps_per_rev(choice.scene)
         fine = choice.scene.replace({"coupling.steps_per_rev": steps})
-        for batch in batches(fine, data.unbalance, check.halved):
+        for batch in batches(fine, data.unbalance, count):
             work += [replace(batch, starts=(start,)) for start in batch.starts]
-        coarse += [run.seconds for run in choice.runs[: check.halved]]
+        coarse += [run.seconds for run in choice.runs[:count]]
     again = [run.seconds for runs in in_order(run_batch, work, workers) for run in runs]
     times = np.array([coarse, again])
     settled = np.isfinite(times)

@@ -13,35 +13,36 @@ from ..output.workers import Failed, Kinds, Progress, Workers, as_they_come, pro
 from ..scene import Scene
 from ..scene.check import AnyCheck
 from .capacity import check_capacity, check_sizes
-from .contact_order import check_contact_order
+from .contact_order import CASES, check_contact_order
 from .critical_speeds import check_critical_speeds
-from .filimonikhina import check_row, table_rows
+from .filimonikhina import TABLES, check_row
 from .largest_spread import check_largest_spread
 from .liquid_window import check_liquid_window
 from .measured_error import check_measured_error
 from .ranking import check_ranking
-from .rig import check_rig, rig_parts
-from .rig_fitted import check_rig_fitted, rig_fitted_parts
+from .rig import GROUPS, check_rig
 from .row import Row, Rows
 from .runtimes import check_runtimes
 from .slow_root import check_slow_root
 from .sommerfeld import check_sommerfeld
 
-# (scene, check, progress) -> rows; with `SPLIT` also the options of one of its parts
+# (scene, check, progress) -> rows
 CHECKS: dict[str, Callable[..., Iterator[Row]]] = {
     "liquid_window": check_liquid_window,
     "critical_speeds": check_critical_speeds,
-    "filimonikhina_table": check_row,
     "capacity": check_capacity,
-    "goncharov_table": check_sizes,
-    "contact_order": check_contact_order,
-    "rig": check_rig,
-    "rig_fitted": check_rig_fitted,
     "runtimes": check_runtimes,
     "measured_error": check_measured_error,
     "sommerfeld": check_sommerfeld,
 }
-# (scene, check, progress, workers) -> rows: they share their runs among the workers themselves
+# (scene, progress) -> rows, of one source; with `SPLIT` also the options of one of their parts
+PAPERS: dict[str, Callable[..., Iterator[Row]]] = {
+    "filimonikhina_table": check_row,
+    "goncharov_table": check_sizes,
+    "contact_order": check_contact_order,
+    "rig": check_rig,
+}
+# (scene, progress, workers) -> rows, of one source: they share their runs among the workers
 SHARING: dict[str, Callable[..., Iterator[Row]]] = {
     "goncharov_ranking": check_ranking,
     "slow_root": check_slow_root,
@@ -49,11 +50,11 @@ SHARING: dict[str, Callable[..., Iterator[Row]]] = {
 }
 # compare runs with runs; the theory of the others knows no gravity
 UNDER_GRAVITY = ("contact_order", "runtimes", "measured_error")
-# check -> options of every part that can be done on its own
-SPLIT: dict[str, Callable[[Any], list[dict[str, Any]]]] = {
-    "filimonikhina_table": table_rows,
-    "rig": rig_parts,
-    "rig_fitted": rig_fitted_parts,
+# options of every part that can be done on its own
+SPLIT: dict[str, list[dict[str, Any]]] = {
+    "filimonikhina_table": [{"index": index} for index in range(len(TABLES))],
+    "contact_order": [{"index": index} for index in range(len(CASES))],
+    "rig": [{"rows_of": name} for name in GROUPS],
 }
 
 
@@ -74,8 +75,10 @@ class CheckPart:
         """Run the part, and give its rows."""
         kind = self.check.kind
         if self.sharing:
-            return list(SHARING[kind](self.scene, self.check, progress, workers))
-        return list(CHECKS[kind](self.scene, self.check, progress, **self.options))
+            return list(SHARING[kind](self.scene, progress, workers))
+        if kind in PAPERS:
+            return list(PAPERS[kind](self.scene, progress, **self.options))
+        return list(CHECKS[kind](self.scene, self.check, progress))
 
 
 def parts_of(scene: Scene) -> list[CheckPart]:
@@ -93,7 +96,7 @@ def parts_of(scene: Scene) -> list[CheckPart]:
     return [
         CheckPart(scene, check, options)
         for check in scene.check
-        for options in SPLIT.get(check.kind, lambda _check: [{}])(check)
+        for options in SPLIT.get(check.kind, [{}])
     ]
 
 

@@ -10,17 +10,16 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterator
 from functools import partial
-from typing import Any
 
 import numpy as np
 
 from ..output.workers import Progress
 from ..scene import Scene, load_scene
-from ..scene.check import RigCheck
 from .rig_data import SOURCE, Curve, at, bearings, chosen, response, steady
 from .rig_sweeps import sweep_rows
 from .row import Row, Rows
 
+FLEXIBLE = "bristol_flexible"  # the same rig with a shaft that bends
 EQUATIONS = 0.01  # of the authors' simulation with balls
 PAPER = 0.05  # of theirs without balls
 CRITICAL, BEARINGS = 0.05, 0.2  # of a critical speed, of the ratio of two bearings' amplitudes
@@ -37,20 +36,15 @@ HIGH = (4000.0, 4500.0, 5000.0)  # rpm, above the resonances
 PROMINENT = 0.03  # mm, of a peak: ten times the scatter between neighbours
 
 
-def check_rig(scene: Scene, check: RigCheck, progress: Progress, rows_of: str) -> Iterator[Row]:
+def check_rig(scene: Scene, progress: Progress, rows_of: str) -> Iterator[Row]:
     """Rows of one of `GROUPS`.
 
     Raises:
         SceneError: the scene is not of the rig.
         SimulationError: a run has failed.
     """
-    yield from GROUPS[rows_of](scene, check, Rows(scene.name, check.kind))
+    yield from GROUPS[rows_of](scene, Rows(scene.name, "rig"))
     progress(1.0)
-
-
-def rig_parts(_check: RigCheck) -> list[dict[str, Any]]:
-    """Options of the parts of the check."""
-    return [{"rows_of": name} for name in GROUPS]
 
 
 def _as_points(scene: Scene) -> Scene:
@@ -58,7 +52,7 @@ def _as_points(scene: Scene) -> Scene:
     return scene.replace({"balls.kind": "pendulums", "balls.weight_radius": None})
 
 
-def _simulated_with_balls(scene: Scene, _check: RigCheck, rows: Rows) -> Iterator[Row]:
+def _simulated_with_balls(scene: Scene, rows: Rows) -> Iterator[Row]:
     for washers, figure in ((3, "13"), (2, "14a")):
         table = np.unique(chosen("simulated", washers=washers, balls=2))
         speeds, first = np.unique(table["speed_rpm"], return_index=True)
@@ -68,7 +62,7 @@ def _simulated_with_balls(scene: Scene, _check: RigCheck, rows: Rows) -> Iterato
         yield rows.number(label, expected, found, EQUATIONS, f"{SOURCE}, Fig. {figure}")
 
 
-def _simulated_plain(scene: Scene, _check: RigCheck, rows: Rows) -> Iterator[Row]:
+def _simulated_plain(scene: Scene, rows: Rows) -> Iterator[Row]:
     table = chosen("simulated", washers=3, balls=0)
     speeds, expected = table["speed_rpm"], table["amplitude_mm"]
     found = steady(scene.without_balancers(), 3, speeds)
@@ -80,7 +74,7 @@ def _simulated_plain(scene: Scene, _check: RigCheck, rows: Rows) -> Iterator[Row
     yield rows.number(worst, expected[above], found[above], PAPER, source)
 
 
-def _critical_speeds(scene: Scene, _check: RigCheck, rows: Rows) -> Iterator[Row]:
+def _critical_speeds(scene: Scene, rows: Rows) -> Iterator[Row]:
     speeds = np.arange(BANDS["cylindrical y"][0], BANDS["conical x"][1], 10.0)
     for washers, figure in ((3, "9a"), (4, "11e")):
         curve = speeds, steady(scene.without_balancers(), washers, speeds)
@@ -102,7 +96,7 @@ def peak(curve: Curve, band: tuple[float, float], prominent: float = PROMINENT) 
     return speeds[max(inside, key=lambda k: amplitude[k])] if inside else math.nan
 
 
-def _bearings(scene: Scene, _check: RigCheck, rows: Rows) -> Iterator[Row]:
+def _bearings(scene: Scene, rows: Rows) -> Iterator[Row]:
     orbits = chosen("orbits")
     speeds = np.unique(orbits["speed_rpm"])
     found = bearings(scene.without_balancers(), 3, speeds)
@@ -114,8 +108,8 @@ def _bearings(scene: Scene, _check: RigCheck, rows: Rows) -> Iterator[Row]:
         yield rows.number(label, largest[0] / largest[1], motor / other, BEARINGS, source)
 
 
-def _plain(scene: Scene, check: RigCheck, rows: Rows) -> Iterator[Row]:
-    rotors = (load_scene(check.flexible), scene)
+def _plain(scene: Scene, rows: Rows) -> Iterator[Row]:
+    rotors = (load_scene(FLEXIBLE), scene)
     for one, (name, tolerances) in zip(rotors, PLAIN.items(), strict=True):
         for washers, tolerance in tolerances.items():
             found = steady(one.without_balancers(), washers, HIGH)
@@ -123,7 +117,7 @@ def _plain(scene: Scene, check: RigCheck, rows: Rows) -> Iterator[Row]:
             yield rows.number(label, at(response(washers, 0), HIGH), found, tolerance, SOURCE)
 
 
-def _high_with_balls(scene: Scene, _check: RigCheck, rows: Rows) -> Iterator[Row]:
+def _high_with_balls(scene: Scene, rows: Rows) -> Iterator[Row]:
     plain, number = scene.without_balancers(), range(5)
     without, ours_without = (
         np.array([at(response(n, 0), HIGH) for n in number]),
@@ -149,7 +143,7 @@ def _high_with_balls(scene: Scene, _check: RigCheck, rows: Rows) -> Iterator[Row
     yield rows.statement(label, balls[worst], ours[worst], factors[worst] < FACTOR, SOURCE)
 
 
-GROUPS: dict[str, Callable[[Scene, RigCheck, Rows], Iterator[Row]]] = {
+GROUPS: dict[str, Callable[[Scene, Rows], Iterator[Row]]] = {
     "simulated with balls": _simulated_with_balls,
     "simulated": _simulated_plain,
     "critical speeds": _critical_speeds,

@@ -9,7 +9,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..scene import Scene
-from ..scene.check import RigCheck
 from .rig_data import SOURCE, Curve, at, response, swept
 from .row import Row, Rows
 
@@ -23,7 +22,7 @@ IN_A_ROW = 3  # of them: better for so long is no chance
 LEFT_OUT = 2  # washers: on their way down the rig itself repeats to a fifth
 
 
-def sweep_rows(scene: Scene, _check: RigCheck, rows: Rows, falling: bool) -> Iterator[Row]:
+def sweep_rows(scene: Scene, rows: Rows, falling: bool) -> Iterator[Row]:
     """The first resonance with balls, and the speed at which balance is gained or lost."""
     scene = scene.replace(FITTED_DRAG)
     way, ends = ("down", SWEPT) if falling else ("up", RISING)

@@ -6,27 +6,33 @@ from collections.abc import Iterator, Sequence
 
 from ..design.decay import Decay
 from ..design.recommendation import deviations, excluded
-from ..design.scenes import batches, sized, unbalance_of
+from ..design.scenes import batches, sized, weights_of
 from ..design.settling import facing_start, run_batch
 from ..output.workers import Progress, Workers, in_order
 from ..scene import Scene
-from ..scene.check import SlowRootCheck
 from .row import Row, Rows
 
 DECAY = 0.05  # of the rate: (1) takes the rotor as fast, and other motions are still in the fit
 SOURCE = "Goncharov 2017 (1)"
+MOST = 8  # weights
+WIDTH = {"balls": 0.25, "rollers": 0.1}  # m: room for the balls of Table 1; height of the rollers
+UNBALANCE = {"balls": 0.046, "rollers": 0.142}  # kg m
+REVOLUTIONS = 1000  # the slowest motions are the ones wanted
 
 
 def check_slow_root(
-    scene: Scene, check: SlowRootCheck, progress: Progress, workers: Workers = 1
+    scene: Scene,
+    progress: Progress,
+    workers: Workers = 1,
+    most: int = MOST,
+    starts: int = 20,
+    revolutions: float = REVOLUTIONS,
 ) -> Iterator[Row]:
     """Fitted rates of runs from two groups face to face, where p is large and (1) decides."""
-    rows = Rows(scene.name, "slow_root")
-    amount = check.unbalance or unbalance_of(scene)
-    if check.revolutions is not None:
-        scene = scene.replace({"run.revolutions": check.revolutions})
-    scenes = sized(scene, range(2, check.most + 1), amount, width=check.width)
-    work = [b for s in scenes.values() for b in batches(s, amount, check.starts, facing_start)]
+    rows, kind = Rows(scene.name, "slow_root"), weights_of(scene).kind
+    amount, scene = UNBALANCE[kind], scene.replace({"run.revolutions": revolutions})
+    scenes = sized(scene, range(2, most + 1), amount, width=WIDTH[kind])
+    work = [b for s in scenes.values() for b in batches(s, amount, starts, facing_start)]
     outcomes = in_order(run_batch, work, workers, progress)
     found = [run.decay for runs in outcomes for run in runs]
     yield from decay_rows(found, rows)

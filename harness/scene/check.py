@@ -4,10 +4,9 @@ from __future__ import annotations
 
 from typing import Annotated, Any, Literal
 
-from pydantic import AfterValidator, Field, model_validator
+from pydantic import AfterValidator, Field
 
-from .quantities import SI, Angle, Positive, Table, Text, Whole, refusal
-from .run import FEWEST_STEPS
+from .quantities import SI, Positive, Table, Text, Whole
 
 
 def _rising(value: tuple[float, float]) -> tuple[float, float]:
@@ -48,14 +47,6 @@ class CriticalSpeedsCheck(Table):
     """Of a published one: to what it could be read, or what its theory leaves out."""
 
 
-class TableCheck(Table):
-    """Every row of a table of Filimonikhina 2017, with the scene's mass, frequency and radius."""
-
-    kind: Literal["filimonikhina_table"]
-    table: Literal[1, 2]
-    """Which of them."""
-
-
 class CapacityCheck(Table):
     """What weights of finite size leave of an unbalance, Goncharov 2017 (5): 0, then U - S."""
 
@@ -66,102 +57,21 @@ class CapacityCheck(Table):
     """The largest of them, in capacities S."""
 
 
-class SizesCheck(Table):
-    """Best sizes of 1 to 8 balls or rollers: Goncharov 2017, Table 1."""
+class PaperCheck(Table):
+    """What one bundled scene compares with its source, in the numbers of the source:
+    Tables 1 and 2 of Filimonikhina 2017; of Goncharov 2017 Table 1 (`goncharov_table`), Fig. 7
+    (`goncharov_ranking`), (1) (`slow_root`), (10) and (13) (`largest_spread`); the order of
+    convergence of two balls that touch; the rig of Rodrigues et al. 2010."""
 
-    kind: Literal["goncharov_table"]
-
-
-class NumbersCheck(Table):
-    """Several numbers of weights in one space."""
-
-    most: Annotated[Whole, Field(ge=2, le=64)] = 8
-    """Numbers of weights from 2 to this one."""
-    width: Annotated[Positive | None, SI("m")] = None
-    """Space along the axis: height of rollers, largest diameter of balls; default: the weights'
-    diameter."""
-
-
-class RankingCheck(NumbersCheck):
-    """Which number of balls or rollers settles first: Goncharov 2017, Fig. 7, co-simulated."""
-
-    kind: Literal["goncharov_ranking"]
-    starts: Annotated[Whole, Field(ge=6, le=100_000)] = 200
-    """Random starts for every number of weights."""
-    halved: Annotated[Whole, Field(ge=1, le=1000)] = 4
-    """Starts of every number that are repeated with steps of half the length."""
-
-
-class SlowRootCheck(NumbersCheck):
-    """Decay of runs against the slow root, Goncharov 2017 (1), and the exact spectrum."""
-
-    kind: Literal["slow_root"]
-    starts: Annotated[Whole, Field(ge=1, le=100_000)] = 20
-    """Random starts for every number of weights, two groups that face each other."""
-    unbalance: Annotated[Positive | None, SI("kg m")] = None
-    """Instead of the rotor's; default: the scene's."""
-    revolutions: Positive | None = None
-    """Length of a run; default: the scene's."""
-
-
-class LargestSpreadCheck(NumbersCheck):
-    """Settling from the positions of largest p, Goncharov 2017 (10), (13), where weights touch."""
-
-    kind: Literal["largest_spread"]
-    step: Annotated[Positive, Field(le=0.1)] = 0.001
-    """Change of the unbalance, either way, in capacities S."""
-    revolutions: Positive | None = None
-    """Length of a run; default: the scene's."""
-
-
-class ContactOrderCheck(Table):
-    """Order of convergence in the communication step of a scene with weights that touch."""
-
-    kind: Literal["contact_order"]
-    case: Text
-    """What the rows call it."""
-    set: dict[str, Any] = Field(default_factory=dict)
-    """Values replaced in the scene, as by `Scene.replace`."""
-    order: Positive
-    """Expected order of convergence."""
-    within: Positive = 0.3
-    """How near to it."""
-    steps: Annotated[tuple[Annotated[Whole, Field(ge=FEWEST_STEPS)], ...], Field(min_length=2)] = (
-        20,
-        40,
-        80,
-        160,
-    )
-    """Communication steps a revolution of the runs, all different."""
-    reference: Whole = 1280
-    """Steps a revolution of the run that they are compared with: more than any of them."""
-    runs: Annotated[Whole, Field(ge=1, le=1000)] = 1
-    """Runs for every number of steps, from different starts."""
-    shift: Annotated[tuple[Angle, ...], SI("rad")] = ()
-    """How far each weight starts further on over all runs."""
-
-    @model_validator(mode="after")
-    def _reference_is_finest(self) -> ContactOrderCheck:
-        if len(set(self.steps)) < len(self.steps):
-            raise refusal("steps", "must all differ")
-        if self.reference <= max(self.steps):
-            raise refusal("reference", f"must be above the finest of the steps, {max(self.steps)}")
-        return self
-
-
-class RigCheck(Table):
-    """The rig that Rodrigues, Champneys, Friswell and Wilson 2010 measured: a rigid rotor on two
-    supports with two balls named `balls`; its first unbalance is the washers'."""
-
-    kind: Literal["rig"]
-    flexible: Text
-    """Scene of the same rig with a shaft that bends: a file, or a bundled one."""
-
-
-class RigFittedCheck(Table):
-    """The same rig with all that was fitted to 1 and 3 washers, held against 0 to 4."""
-
-    kind: Literal["rig_fitted"]
+    kind: Literal[
+        "filimonikhina_table",
+        "goncharov_table",
+        "goncharov_ranking",
+        "slow_root",
+        "largest_spread",
+        "contact_order",
+        "rig",
+    ]
 
 
 class RuntimesCheck(Table):
@@ -191,15 +101,8 @@ class SommerfeldCheck(Table):
 AnyCheck = Annotated[
     LiquidWindowCheck
     | CriticalSpeedsCheck
-    | TableCheck
     | CapacityCheck
-    | SizesCheck
-    | RankingCheck
-    | SlowRootCheck
-    | LargestSpreadCheck
-    | ContactOrderCheck
-    | RigCheck
-    | RigFittedCheck
+    | PaperCheck
     | RuntimesCheck
     | MeasuredErrorCheck
     | SommerfeldCheck,

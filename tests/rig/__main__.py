@@ -24,11 +24,18 @@ from autobalancer.harness.checks.rig_data import (
     swept,
     with_washers,
 )
-from autobalancer.harness.checks.rig_fitted import FITTED, OTHERS
-from autobalancer.harness.checks.rig_quantities import (
+from autobalancer.harness.checks.rig_sweeps import FITTED_DRAG, SWEPT, first_peak
+from autobalancer.harness.checks.row import Rows
+from autobalancer.harness.scene import Scene, load_scene
+from autobalancer.harness.scene.balancer import WeightBalancer
+from autobalancer.models.arrays import Array
+from autobalancer.models.harmonic_balance import largest_displacement, unbalance_response
+from tests.rig.quantities import (
     CURVE,
+    FITTED,
     GRID,
     MOTOR,
+    OTHERS,
     PROMINENT,
     SETTLED,
     STEPS,
@@ -39,17 +46,9 @@ from autobalancer.harness.checks.rig_quantities import (
     with_balls,
     with_fitted_balls,
 )
-from autobalancer.harness.checks.rig_sweeps import FITTED_DRAG, SWEPT, first_peak
-from autobalancer.harness.checks.row import Rows
-from autobalancer.harness.scene import Scene, load_scene
-from autobalancer.harness.scene.balancer import WeightBalancer
-from autobalancer.harness.scene.check import RigCheck
-from autobalancer.models.arrays import Array
-from autobalancer.models.harmonic_balance import largest_displacement, unbalance_response
 
 Line = tuple[str, str, str]  # what, of which scene, found
 
-CHECK = RigCheck(kind="rig", flexible="bristol_flexible")
 CLOSER = 0.1373  # m: washers 2.5 mm nearer the disk; the tables know lengths to 5 mm
 LEFT = 0.25  # washers: half of the static unbalance that balancing left at most
 HOLDING = {  # supports along x whose sliders stick up to some 0.1 mm
@@ -73,7 +72,7 @@ def authors_curve() -> Iterator[Line]:
     rig = load_scene("bristol")
     for place in (rig.rotor.unbalances[0].position, CLOSER):
         scene = rig.replace({"rotor.unbalances[1].position": place})
-        for row in GROUPS["simulated"](scene, CHECK, Rows(scene.name, CHECK.kind)):
+        for row in GROUPS["simulated"](scene, Rows(scene.name, "rig")):
             yield row.quantity, f"washers at {1e3 * place:g} mm", f"{row.error:.1%}"
 
 

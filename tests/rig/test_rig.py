@@ -10,8 +10,9 @@ import numpy as np
 import pytest
 
 from autobalancer.harness import SceneError, check, load_scene
+from autobalancer.harness.checks import rig_data
 from autobalancer.harness.checks.registry import parts_of
-from autobalancer.harness.checks.rig import BALLS_SETTLE, BANDS, peak
+from autobalancer.harness.checks.rig import BALLS_SETTLE, BANDS, CRITICAL, HIGH, peak
 from autobalancer.harness.checks.rig_data import (
     RPM,
     at,
@@ -22,21 +23,19 @@ from autobalancer.harness.checks.rig_data import (
     swept,
     with_washers,
 )
-from autobalancer.harness.checks.rig_quantities import (
+from autobalancer.harness.checks.rig_sweeps import gained, lost
+from autobalancer.models.harmonic_balance import largest_displacement, unbalance_response
+from autobalancer.models.papers.influence import influence
+from tests.rig import quantities
+from tests.rig.__main__ import HOLDING, least_with_balls
+from tests.rig.quantities import (
     GRID,
     MOTOR,
     PROMINENT,
     WITH_BALLS,
-    Quantity,
-    models,
-    models_with_balls,
-    table,
+    with_balls,
     with_fitted_balls,
 )
-from autobalancer.harness.checks.rig_sweeps import FITTED_DRAG, gained, lost
-from autobalancer.models.harmonic_balance import largest_displacement, unbalance_response
-from autobalancer.models.papers.influence import influence
-from tests.rig.__main__ import HOLDING, least_with_balls
 
 
 @pytest.fixture
@@ -156,36 +155,29 @@ def test_balance_is_gained_where_balls_begin_to_help_and_lost_where_they_end():
     assert math.isnan(lost((speeds, 0.5 * plain), (speeds, plain)))
 
 
-def test_the_table_says_what_is_worst_and_at_which_washers_balls_do_best(rig):
-    measured = np.array([4.0, 3.0, 2.0, 1.0, 2.0])
+def test_what_was_fitted_to_one_and_three_washers_holds_for_the_others(monkeypatch):
+    """Which quantities do not, and what is known of them: harness/bristol.md.
 
-    def part(scene):
-        assert scene is rig
-        yield Quantity("critical speed", "first", 1e3 * measured, 1.1e3 * measured)
-        yield Quantity("order", "balls", measured, measured[::-1])
-        yield Quantity("balls", "rms", measured[:, None], math.e * measured[:, None])
-
-    lines = list(table({"rigid": rig}, part))
-    assert lines[3] == "| first | rigid | 4400 | 3300 | 2200 | 1100 | 2200 | 10% |"
-    last = [line.split("|")[-2].strip() for line in lines[4:]]
-    assert last == ["least: 3", "least: 1", "all: 1.00"]
-
-
-def test_every_model_of_the_table_is_one_of_the_rig_with_and_without_balls():
-    for alone in models().values():
-        assert not alone.balancer
-    with_balls = models_with_balls()
-    assert len(with_balls) == len(models()) + 1
-    drags = {scene.balancer[0].drag for scene in with_balls.values()}
-    assert drags == set(FITTED_DRAG.values())
-    resistance = [scene.balancer[0].rolling_resistance for scene in with_balls.values()]
-    assert [bool(value) for value in resistance] == [False, False, False, True]
+    Every fifth speed, and run-ups four times as fast.
+    """
+    monkeypatch.setattr(quantities, "WHOLE", quantities.WHOLE[::5])
+    monkeypatch.setattr(rig_data, "RATE", 4.0 * rig_data.RATE)
+    scene = load_scene("bristol_friction")
+    found = list(quantities.without_balls(scene))
+    errors = {one.label.removeprefix("critical speed, "): one.errors[1:].max() for one in found}
+    assert errors["cylindrical y"] < CRITICAL
+    assert max(errors[f"no balls, {speed:g} rpm"] for speed in HIGH) < 0.12
+    whole = found[
+        -1
+    ]  # all that unbalance moves; of the 36 speeds from 1100 rpm on it does not hold
+    assert whole.rms(quantities.OTHERS) < 1.5 * whole.rms(quantities.FITTED)
+    balls, _ = with_balls(with_fitted_balls(scene))
+    assert balls.rms() < 0.31
 
 
 def test_a_scene_that_is_not_of_the_rig_is_refused():
-    table = {"kind": "rig", "flexible": "bristol_flexible"}
     with pytest.raises(SceneError, match="unknown"):
-        check(load_scene("two_balls").with_check(table))
+        check(load_scene("two_balls").with_check({"kind": "rig"}))
 
 
 def test_the_self_check_leaves_the_rig_out(rig):

@@ -18,7 +18,6 @@ import numpy as np
 from fmpy import platform_tuple
 
 from autobalancer.harness import Scene, load_scene
-from autobalancer.harness.accuracy.precision.libcosim import LibcosimRunner
 from autobalancer.harness.accuracy.precision.reference import right_motion
 from autobalancer.harness.errors import SimulationError
 from autobalancer.harness.master.one_file import build_one_file
@@ -29,7 +28,7 @@ from tests.tools import drivers
 SCENE = "two_balls"
 SIGNALS = ("rotor.x", "rotor.y")
 VALUES, SLOPES = "SSP, values alone", "SSP, values and slopes"
-ONE_SSP, ONE_FMU, OSP = "SSP, composite", "composite FMU", "units, values alone"
+ONE_SSP, ONE_FMU = "SSP, composite", "composite FMU"
 COFMUPY = "COFMUPY_PYTHON"  # it needs older versions of FMPy and pythonfmu than we do
 _TIMEOUT = 600  # s
 
@@ -76,7 +75,7 @@ def _packages(driver: str) -> dict[str, str]:
 
 TOOLS = (
     Tool("FMPy", "fmpy", {**_packages("fmpy_ssp"), ONE_FMU: "fmpy_fmu"}),
-    Tool("libcosim", "libcosimpy", {OSP: "", **_packages("libcosim")}),
+    Tool("libcosim", "libcosimpy", _packages("libcosim")),
     Tool("ecos", "ecospy", _packages("ecos")),
     Tool("CoFMuPy, jacobi", COFMUPY, _separate("cofmupy_jacobi"), by="variable"),
     Tool("CoFMuPy, gauss_seidel", COFMUPY, _separate("cofmupy_gauss_seidel"), by="variable"),
@@ -114,13 +113,9 @@ class Bench:
         scene = self._at(steps)
         step, count = step_size(scene), round(end_time(scene) / step_size(scene))
         try:
-            if what == OSP:
-                seconds, rows = _osp(scene)
-            else:
-                prefix = f"{scene.name}." if what == ONE_SSP else ""
-                names = [prefix + name for name in SIGNALS]
-                file = self._file(what, steps)
-                seconds, rows = _driven(tool, what, file, step, count, names)
+            prefix = f"{scene.name}." if what == ONE_SSP else ""
+            names = [prefix + name for name in SIGNALS]
+            seconds, rows = driven(tool, what, self._file(what, steps), step, count, names)
         except SimulationError as error:
             return Row(None, said=str(error))
         right = self._right(steps)
@@ -154,17 +149,7 @@ class Bench:
         )
 
 
-def _osp(scene: Scene) -> tuple[float, np.ndarray]:
-    held = scene.replace({"coupling.scheme": "jacobi", "coupling.order": 0})
-    runner = LibcosimRunner(held, SIGNALS)
-    try:
-        found = runner.run()
-    finally:
-        runner.close()
-    return found.seconds, np.column_stack([found.signals[name] for name in SIGNALS])
-
-
-def _driven(
+def driven(
     tool: Tool, what: str, file: Path, step: float, count: int, names: list[str]
 ) -> tuple[float, np.ndarray]:
     # libraries that pip puts beside the interpreter's, as TBB for ecos, are not searched by default

@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import pytest
 
-from tests.tools.measure import ONE_FMU, ONE_SSP, OSP, SLOPES, TOOLS, VALUES, Bench, Tool, every_run
+from tests.tools.measure import ONE_FMU, ONE_SSP, SLOPES, TOOLS, VALUES, Bench, Tool, every_run
 
 
 @pytest.fixture(scope="module")
@@ -62,12 +62,6 @@ def test_slopes_harm_a_master_that_steps_one_unit_after_the_other(bench):
     tool = _named("CoFMuPy, gauss_seidel")
     held, sloped = (bench.run(tool, what, 20).error for what in (VALUES, SLOPES))
     assert sloped > 1.2 * held
-
-
-def test_libcosim_reads_from_the_package_what_it_reads_from_its_own_structure(bench):
-    tool = _named("libcosim")
-    package, own = (bench.run(tool, what, 20) for what in (VALUES, OSP))
-    assert package.error == pytest.approx(own.error, rel=1e-5)
 
 
 def test_a_tool_that_fails_says_why(bench):

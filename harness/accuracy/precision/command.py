@@ -68,25 +68,20 @@ def command(
         from .plot import plot_precision
 
         say(f"Picture: {plot_precision(study, output, all_curves)}")
-    for words in (report.comparison_words(study), report.one_file_words(study)):
-        if words:
-            say(words, style="bold")
+    if words := report.one_file_words(study):
+        say(words, style="bold")
     say(report.cheapest_words(study), style="bold")
 
 
 def _splits(study: Precision) -> list[Split]:
     """One coupling of every family that ran."""
-    from .methods import ALONG_FIXED_AXES, LIBCOSIM
     from .time_shares import split_time
 
     chosen: dict[str, Point] = {}
     for point in study.points:
         method = point.method
         usual = method.steps_per_rev == PROFILED_STEPS or method.tolerance == PROFILED_TOLERANCE
-        ours = not (method.in_one_piece or method.one_file) and method.name not in (
-            ALONG_FIXED_AXES,
-            LIBCOSIM,
-        )
+        ours = not (method.in_one_piece or method.one_file)
         if ours and point.counts and (usual or method.family not in chosen):
             chosen[method.family] = point
     return [

@@ -21,7 +21,6 @@ from ...output.workers import ItemProgress
 from ...scene import Scene
 from ...scene.balancer import LiquidBalancer
 from .methods import (
-    LIBCOSIM,
     UNDER_A_MOTOR,
     Method,
     coupling_methods,
@@ -39,7 +38,6 @@ TARGETS = (1e-3, 1e-5, 1e-7, 1e-9)
 SHARE = 1 / 90  # of the time given for one run, so that some thirty methods can take three turns
 SHARE_CUBIC = 1 / 45  # the same where small errors are to be had
 FINER = 1.5  # how much longer a run takes than the one before it: steps grow by 1.2 to 2
-LIBCOSIM_STEPS = (20, 40, 80, 160)
 
 
 @dataclass(frozen=True)
@@ -145,8 +143,6 @@ def all_methods(scene: Scene) -> list[Method]:
     methods = coupling_methods(exchanges)
     if exchanges and scene.takes_quintics:
         methods += one_file_methods(5)
-    if exchanges:
-        methods += [Method(LIBCOSIM, 0, n) for n in LIBCOSIM_STEPS]
     if scene.operation.motor:
         methods = [m for m in methods if m.name in UNDER_A_MOTOR]
     return methods + monolith_methods()

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import time as clock
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Sequence
+from dataclasses import dataclass
 
 from ....models.monolith import equations, integrate, trajectory
 from ...master.cosimulation import CoSimulation
@@ -14,8 +14,6 @@ from ...master.runtime import Backend
 from ...master.schedule import end_time
 from ...scene import Scene
 from .composite import CompositeRunner
-from .fixed_axes import FixedAxesRunner
-from .libcosim import LibcosimRunner
 from .runner import Runner, TimedRun
 
 EXPLICIT_STEPS = (10, 20, 40, 80, 160)
@@ -32,13 +30,7 @@ SOLVERS: dict[str, tuple[float, ...]] = {
     "LSODA": tuple(10.0**-k for k in range(3, 11)),
     "Radau": tuple(10.0**-k for k in range(3, 9)),
 }
-ALONG_FIXED_AXES = "jacobi along fixed axes"  # what most tools do with most units
-LIBCOSIM = "libcosimpy"
 UNDER_A_MOTOR = ("auto", "jacobi", "gauss-seidel", "iterated")  # the others know the speed ahead
-HELD: dict[str, Callable[[Scene, Sequence[str]], Runner]] = {
-    ALONG_FIXED_AXES: FixedAxesRunner,
-    LIBCOSIM: LibcosimRunner,
-}
 
 
 @dataclass(frozen=True)
@@ -46,7 +38,7 @@ class Method:
     """A way to run a scene; what does not apply is None.
 
     Attributes:
-        name: coupling scheme, `ALONG_FIXED_AXES`, `monolith` and SciPy's method, or another master.
+        name: coupling scheme, or `monolith` and SciPy's method.
         order: of the exchanged signals.
         steps_per_rev: communication steps a revolution.
         corrections: corrector passes; None with `iterated`: until the loop has converged.
@@ -149,8 +141,7 @@ def coupling_methods(exchanges_force: bool) -> list[Method]:
     if not exchanges_force:
         ways, steps = (False, True), (4, 10, 20, 40)
         return [Method("auto", steps_per_rev=n, one_file=one) for one in ways for n in steps]
-    methods = [Method(ALONG_FIXED_AXES, 0, n) for n in EXPLICIT_STEPS]
-    methods += [
+    methods = [
         Method(scheme, order, n)
         for scheme in ("jacobi", "gauss-seidel")
         for order in (0, 1, 3)
@@ -203,7 +194,5 @@ def ready(scene: Scene, method: Method, names: Sequence[str]) -> Runner:
         assert method.tolerance is not None
         solver = method.name.removeprefix("monolith ")
         return MonolithRunner(scene, names, solver, method.tolerance)
-    if method.name in HELD:
-        return HELD[method.name](coupled_scene(scene, replace(method, name="jacobi")), names)
     runner = CompositeRunner if method.one_file else CoSimulationRunner
     return runner(coupled_scene(scene, method), names)

@@ -12,16 +12,14 @@ from matplotlib.figure import Figure
 from ...output.machine import machine
 from ...output.plot import save
 from .measure import TARGETS, TWO_DECADES, Point, Precision
-from .methods import ALONG_FIXED_AXES, LIBCOSIM, Method
+from .methods import Method
 
 _COLOURS = {
     "jacobi": "tab:red",
-    ALONG_FIXED_AXES: "tab:brown",
     "gauss-seidel": "tab:orange",
     "compensated": "tab:olive",
     "iterated": "tab:blue",
     "auto": "tab:blue",
-    "libcosimpy": "tab:pink",
     "monolith RK45": "0.70",
     "monolith DOP853": "0.45",
     "monolith LSODA": "0.0",
@@ -84,8 +82,7 @@ def _group(method: Method) -> str:
         return "one piece"
     if method.one_file:
         return "one file"
-    held = method.name in ("jacobi", ALONG_FIXED_AXES, LIBCOSIM)
-    return "held signals" if held else "separate FMUs"
+    return "jacobi" if method.name == "jacobi" else "separate FMUs"
 
 
 def _cost(points: Sequence[Point], error: float) -> float:

@@ -8,7 +8,6 @@ from typing import Any
 
 from ...output.table import Sheet
 from .measure import TARGETS, TWO_DECADES, Point, Precision
-from .methods import ALONG_FIXED_AXES
 from .time_shares import Split
 
 KEYS = (
@@ -95,32 +94,6 @@ def reference_words(study: Precision) -> str:
     )
 
 
-def comparison_words(study: Precision) -> str:
-    """How much more exact one pass is than held forces along fixed axes; "" if one did not run.
-
-    The same units at the same steps: the ratio of the two rows' errors in x and y.
-    """
-    held = {
-        p.method.steps_per_rev: p.rotor
-        for p in study.points
-        if p.method.name == ALONG_FIXED_AXES and p.rotor
-    }
-    ways = []
-    for point in study.points:
-        method, steps = point.method, point.method.steps_per_rev
-        one_pass = method.name == "iterated" and (method.order, method.corrections) == (3, 1)
-        if one_pass and not method.one_file and point.rotor and steps in held:
-            ratio = float(f"{held[steps] / point.rotor:.2g}")
-            ways.append(f"{ratio:,.0f} at {steps} ({point.rotor:.1e} against {held[steps]:.2g})")
-    if not ways:
-        return ""
-    return (
-        "Times as exact in x and y, over the largest of them, as the same units with held signals "
-        "along fixed axes: cubic signals and one pass, by steps a revolution, "
-        f"{'; '.join(ways)}."
-    )
-
-
 def cheapest_words(study: Precision) -> str:
     """The last line: the cheapest way to each error."""
     ways = []
@@ -156,8 +129,7 @@ def markdown(study: Precision, splits: Sequence[Split]) -> str:
     """Everything as Markdown."""
     rows = [[f"{s.method.family}, {s.method.setting}", *_shares(s)] for s in splits]
     shares = Sheet(("where the time goes", *SHARES), rows, "lrrrrrr")
-    said = [comparison_words(study), one_file_words(study)]
-    compared = [line for words in said if words for line in (words, "")]
+    compared = [line for line in (one_file_words(study), "") if one_file_words(study)]
     lines = [f"### {study.scene.name}", "", reference_words(study), "", table(study).markdown()]
     lines += ["", shares.markdown(), "", *compared, cheapest_words(study), ""]
     return "\n".join(lines)

@@ -28,13 +28,7 @@ from autobalancer.harness.design.settling import (
     settled_at,
 )
 from autobalancer.harness.errors import SceneError, SimulationError
-from autobalancer.harness.scene.check import (
-    CapacityCheck,
-    LargestSpreadCheck,
-    RankingCheck,
-    SizesCheck,
-    SlowRootCheck,
-)
+from autobalancer.harness.scene.check import CapacityCheck
 from autobalancer.models.spacing import closest
 from autobalancer.models.weights import alignment
 from tests.papers import fan_angles
@@ -42,10 +36,10 @@ from tests.papers import fan_angles
 pytestmark = pytest.mark.slow
 
 
-def rows_of(measure, check, scene, *workers):
-    """All rows of a check; `scene` may be the name of a bundled one."""
+def rows_of(measure, scene, *workers, **options):
+    """All rows of a paper's check; `scene` may be the name of a bundled one."""
     scene = load_scene(scene) if isinstance(scene, str) else scene
-    return list(measure(scene, check, lambda fraction: None, *workers))
+    return list(measure(scene, lambda fraction: None, *workers, **options))
 
 
 def test_random_starts_never_overlap_and_reach_the_whole_circle():
@@ -87,7 +81,7 @@ def test_interval_of_the_median_covers_it_95_times_in_100():
 def test_residual_and_packed_angles_on_both_sides_of_the_capacity():
     scene = load_scene("finite_weights").replace({"run.revolutions": 60})
     check = CapacityCheck(kind="capacity", points=3, up_to=1.2)
-    rows = rows_of(check_capacity, check, scene)
+    rows = list(check_capacity(scene, check, lambda fraction: None))
     assert len(rows) == 4
     assert [row for row in rows if not row.holds] == []
     # the rotor's damping turns the group: without that the angles would not hold
@@ -105,8 +99,7 @@ def test_packed_group_rests_where_nothing_drives_it_along_the_track(share):
 
 
 def test_table_1_rows_hold_and_name_the_two_digits_that_are_not_rounded():
-    check = SizesCheck(kind="goncharov_table")
-    rows = rows_of(check_sizes, check, "finite_weights")
+    rows = rows_of(check_sizes, "finite_weights")
     assert all(row.holds for row in rows)
     named = [(row.quantity, row.source.split(", ")[-1]) for row in rows if "in print" in row.source]
     assert named == [("3 balls: s", "cut off in print"), ("5 rollers: s", "rounded twice in print")]
@@ -115,12 +108,11 @@ def test_table_1_rows_hold_and_name_the_two_digits_that_are_not_rounded():
 def test_capacity_check_refuses_point_weights():
     check = CapacityCheck(kind="capacity")
     with pytest.raises(SceneError, match="weight_radius"):
-        rows_of(check_capacity, check, "two_balls")
+        next(check_capacity(load_scene("two_balls"), check, lambda fraction: None))
 
 
 def test_decay_is_the_exact_eigenvalue_and_near_the_slow_root_where_that_is_dominant():
-    check = SlowRootCheck(kind="slow_root", starts=4, most=5, width=0.1, unbalance=0.142)
-    rows = rows_of(check_slow_root, check, "goncharov_rollers")
+    rows = rows_of(check_slow_root, "goncharov_rollers", starts=4, most=5, revolutions=250)
     assert [row for row in rows if not row.holds] == []
     counted, fitted, closed, _ = rows
     assert int(counted.measured.split()[0]) >= 3
@@ -170,8 +162,7 @@ def test_a_rotor_below_its_critical_speed_is_refused():
 
 def test_ranking_rows_compare_first_and_order_and_the_step():
     scene = load_scene("goncharov_balls").replace({"run.revolutions": 100})
-    check = RankingCheck(kind="goncharov_ranking", starts=6, most=3, width=0.25, halved=1)
-    rows = rows_of(check_ranking, check, scene, 2)
+    rows = rows_of(check_ranking, scene, 2, starts=6, most=3, halved=1)
     named = {row.quantity.split(",")[0]: row for row in rows}
     first = named["balls: first to settle"]
     assert first.expected == "3"
@@ -184,8 +175,8 @@ def test_ranking_rows_compare_first_and_order_and_the_step():
 
 
 def test_three_weights_at_the_largest_p_have_the_slow_direction_of_two_and_it_is_named():
-    check = LargestSpreadCheck(kind="largest_spread", most=4, width=0.1, revolutions=250)
-    two, three, four, best = rows_of(check_largest_spread, check, "goncharov_rollers", 2)
+    options = {"most": 4, "revolutions": 250}
+    two, three, four, best = rows_of(check_largest_spread, "goncharov_rollers", 2, **options)
     for row in (two, three):
         assert row.quantity.endswith("slow direction")
         assert row.measured == "not settled"
@@ -224,12 +215,9 @@ def test_contradictions_need_intervals_that_do_not_touch():
     assert [c.count for c in rivals(data)] == [4, 5]
 
 
-@pytest.mark.parametrize(("case", "order"), [(1, 4.0), (3, 4.0)])
-def test_contact_converges_at_its_order_in_the_communication_step(case, order):
-    scene = load_scene("contact_order")
-    check = scene.check[case].model_copy(update={"reference": 640, "runs": 4})
-    assert check.order == order
-    rows = rows_of(check_contact_order, check, scene)
+@pytest.mark.parametrize("case", [1, 3])
+def test_contact_converges_at_its_order_in_the_communication_step(case):
+    rows = rows_of(check_contact_order, "contact_order", index=case, reference=640, runs=4)
     assert [row for row in rows if not row.holds] == []
     assert len(rows) == 2
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import zipfile
 from functools import cache
 from itertools import pairwise
@@ -20,6 +21,7 @@ from autobalancer.harness.master.ssp.build import build_ssp
 from autobalancer.harness.master.ssp.diagram import placed
 from autobalancer.harness.master.ssp.structure import coupled, separate
 from tests.scenes import driven_scenes
+from tests.tools.measure import TOOLS, VALUES, driven
 
 SCENES = ("two_balls", "drum", "balls_and_liquid", "three_mass_shaft", "run_up", "liquid_closed")
 SPACES = {"ssd": "http://ssp-standard.org/SSP1/SystemStructureDescription"}
@@ -131,6 +133,27 @@ def test_parameters_of_the_set_reach_the_units_in_fmpy(packages):
         gaps.append(np.abs(theirs - right).max() / np.abs(right).max())
     assert 0.05 < gaps[0] < 0.2
     assert gaps[1] < gaps[0] / 2.0
+
+
+def test_libcosim_couples_the_units_of_a_package_to_the_digits_of_held_jacobi(tmp_path):
+    """Another master, nobody's here: it counts time in whole nanoseconds."""
+    pytest.importorskip("libcosimpy")
+    step, names = 1.0 / 64.0, ["rotor.x", "rotor.plane[1].a_xi", "weights.weight[2].speed"]
+    scene = load_scene("two_balls").replace(
+        {
+            "operation.speed": 2.0 * math.pi / (40.0 * step),
+            "coupling.steps_per_rev": 40,
+            "coupling.scheme": "jacobi",
+            "coupling.order": 0,
+            "coupling.corrections": None,
+        }
+    )
+    ours = cosimulate(scene, record=names, separate=True)
+    (tool,) = (tool for tool in TOOLS if tool.name == "libcosim")
+    path = build_ssp(scene, tmp_path / "two.ssp", slopes=False, platforms=[platform_tuple])
+    _, rows = driven(tool, VALUES, path, step, len(ours.time) - 1, names)
+    for column, name in zip(rows.T, names, strict=True):
+        assert np.abs(column - ours[name][1:]).max() <= 1e-9 * np.abs(ours[name]).max(), name
 
 
 def test_a_run_up_takes_its_speed_from_outside(packages):

@@ -10,10 +10,10 @@ import pytest
 
 from autobalancer.harness import Scene, cosimulate, cosimulate_many, load_scene
 from autobalancer.harness.checks.rig_data import with_washers
-from autobalancer.harness.checks.rig_quantities import with_fitted_balls
 from autobalancer.harness.master.cosimulation import CoSimulation
 from autobalancer.harness.master.schedule import end_time
 from autobalancer.models.monolith import simulate
+from tests.rig.quantities import with_fitted_balls
 
 pytestmark = pytest.mark.slow
 

@@ -192,16 +192,6 @@ VALUES = [
         "check[1].range = [9.0, 1.0] rad/s: must be [low, high] with low less than high",
     ),
     (
-        "[run]",
-        "[[check]]\nkind = 'contact_order'\ncase = 'a'\norder = 2\nsteps = [20, 20]\n[run]",
-        "check[1].steps = [20, 20]: must all differ",
-    ),
-    (
-        "[run]",
-        "[[check]]\nkind = 'contact_order'\ncase = 'a'\norder = 2\nreference = 160\n[run]",
-        "check[1].reference = 160: must be above the finest of the steps, 160",
-    ),
-    (
         '"auto"',
         '"compensated"\norder = 1',
         'coupling.order = 1: must be 3 or 5 with scheme = "compensated"',

@@ -19,18 +19,14 @@ from autobalancer.harness.accuracy.precision.measure import (
     precision,
 )
 from autobalancer.harness.accuracy.precision.methods import (
-    ALONG_FIXED_AXES,
-    LIBCOSIM,
     Method,
     coupling_methods,
-    ready,
 )
 from autobalancer.harness.accuracy.precision.plot import best_of_groups, plot_precision
 from autobalancer.harness.accuracy.precision.report import (
     KEYS,
     as_json,
     cheapest_words,
-    comparison_words,
     markdown,
     one_file_words,
     table,
@@ -38,7 +34,6 @@ from autobalancer.harness.accuracy.precision.report import (
 )
 from autobalancer.harness.accuracy.precision.time_shares import split_time
 from autobalancer.harness.errors import SimulationError
-from autobalancer.harness.master.recorder import recorded
 from autobalancer.models.monolith import simulate
 
 pytestmark = pytest.mark.slow
@@ -89,57 +84,6 @@ def test_errors_agree_with_a_comparison_made_by_hand(short, measured):
 def test_cubic_signals_beat_held_jacobi_a_thousandfold_at_equal_steps(measured):
     error = {point.method: point.error for point in measured.points}
     assert error[HELD[0]] > 1000.0 * error[CUBIC[0]]
-
-
-def test_one_pass_is_5000_times_as_exact_as_held_jacobi_along_fixed_axes():
-    methods = [Method(ALONG_FIXED_AXES, 0, 20), CUBIC[0]]
-    found = precision(load_scene("two_balls"), seconds=1.0, methods=methods)
-    held, one_pass = found.points
-    assert held.rotor > 5000.0 * one_pass.rotor
-    assert held.error > 5000.0 * one_pass.error
-    words = comparison_words(found).split("revolution, ")[1]
-    assert words.startswith(f"{float(f'{held.rotor / one_pass.rotor:.2g}'):,.0f} at 20 (")
-    assert words.strip(".") in markdown(found, [])
-
-
-def test_held_jacobi_along_fixed_axes_errs_as_in_another_implementation():
-    """x and y over their amplitude, the weights' inertia as force: 2.1e-1, 1.0e-1, 5.2e-2."""
-    scene = load_scene("two_balls").replace({"weights.inertia_as_force": True})
-    methods = [Method(ALONG_FIXED_AXES, 0, n) for n in (20, 40, 80)]
-    found = precision(scene, seconds=30.0, methods=methods)
-    errors = [point.rotor for point in found.points]
-    assert errors == pytest.approx([2.1e-1, 1.0e-1, 5.2e-2], rel=0.05)
-
-
-@pytest.mark.parametrize(("name", "turns"), [("run_up", 6), ("balls_and_liquid", 3)])
-def test_units_along_fixed_axes_run_up_and_watch_the_clearance(name, turns):
-    """They converge at order 1, which a wrong angle, speed or place would not."""
-    scene = load_scene(name).replace({"run.revolutions": turns, "coupling.tolerance": None})
-    errors = []
-    for steps in (80, 240):
-        runner = ready(scene, Method(ALONG_FIXED_AXES, 0, steps), recorded(scene))
-        run = runner.run()
-        runner.close()
-        right = simulate(scene.assembly(), scene.profile(), run.time, rtol=1e-7)
-        errors.append(
-            max(
-                np.max(np.abs(values - right.signal(signal))) / np.ptp(right.signal(signal))
-                for signal, values in run.signals.items()
-            )
-        )
-    assert errors[0] < 0.3
-    assert errors[1] == pytest.approx(errors[0] / 3.0, rel=0.2)
-
-
-def test_comparison_needs_both_couplings(measured):
-    assert comparison_words(measured) == ""
-
-
-def test_signals_that_only_turning_units_have_are_refused_in_words(short):
-    scene = short.replace({"run.record": ["rotor.x", "rotor.plane[1].a_xi"]})
-    methods = [Method(ALONG_FIXED_AXES, 0, 20), CUBIC[0]]
-    found = precision(scene, seconds=1.0, methods=methods)
-    assert found.points[0].status.startswith("failed: units along fixed axes: run.record")
 
 
 def test_a_method_that_cannot_run_is_named_with_its_reason(measured):
@@ -254,7 +198,7 @@ def test_a_motor_is_measured_against_one_piece_and_its_speed_too():
         }
     )
     methods = all_methods(scene)
-    assert not {"compensated", ALONG_FIXED_AXES, LIBCOSIM} & {method.name for method in methods}
+    assert "compensated" not in {method.name for method in methods}
     cubic = [Method("iterated", 3, n, 1) for n in (20, 40, 80)]
     found = precision(
         scene, seconds=30.0, methods=[*cubic, Method("monolith DOP853", tolerance=1e-9)]
@@ -262,19 +206,6 @@ def test_a_motor_is_measured_against_one_piece_and_its_speed_too():
     assert "motor.speed" in found.signals
     assert found.orders["iterated cubic 1 pass"] == pytest.approx(4.0, abs=0.4)
     assert found.points[-1].error < 1e-7
-
-
-def test_libcosim_gives_the_same_error_as_held_jacobi_with_the_same_units(short):
-    pytest.importorskip("libcosimpy")
-    found = precision(short, seconds=1.0, methods=[HELD[1], Method("libcosimpy", 0, 80)])
-    ours, theirs = found.points
-    assert theirs.error == pytest.approx(ours.error, rel=1e-4)
-
-
-def test_libcosim_cannot_run_up_and_says_so():
-    scene = load_scene("run_up").replace({"run.revolutions": 1})
-    found = precision(scene, seconds=1.0, methods=[Method("libcosimpy", 0, 20), CUBIC[0]])
-    assert "failed: libcosimpy" in found.points[0].status
 
 
 def test_picture_and_table_are_made_of_what_was_measured(measured, tmp_path):

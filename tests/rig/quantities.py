@@ -1,7 +1,7 @@
 """Every quantity of the rig that can be compared, of one model, washer by washer.
 
-`python -m autobalancer.harness.checks.rig_quantities` prints tables in Markdown, without and with
-balls, one piece of physics after the other.  Amplitudes in mm, speeds in rpm.
+`python -m tests.rig.quantities` prints tables in Markdown, without and with balls, one piece of
+physics after the other.  Amplitudes in mm, speeds in rpm.
 """
 
 from __future__ import annotations
@@ -12,13 +12,14 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ...models.arrays import Array
-from ..scene import Scene, load_scene
-from .rig import BANDS, HIGH, peak
-from .rig_data import at, response, steady, swept
-from .rig_sweeps import FIRST, FITTED_DRAG, SWEPT, gained, lost
+from autobalancer.harness.checks.rig import BANDS, HIGH, peak
+from autobalancer.harness.checks.rig_data import at, response, steady, swept
+from autobalancer.harness.checks.rig_picture import STEPS, WASHERS
+from autobalancer.harness.checks.rig_sweeps import FIRST, FITTED_DRAG, SWEPT, gained, lost
+from autobalancer.harness.scene import Scene, load_scene
+from autobalancer.models.arrays import Array
 
-WASHERS = range(5)
+FITTED, OTHERS = [1, 3], [0, 2, 4]  # washers
 CURVE = (*range(1100, 2601, 60), 2800, 3000, *range(3800, 5201, 200))  # not the bearing's resonance
 MOTOR = 1260  # rpm: below, the rig moves as much without washers as with one
 WHOLE = (*range(MOTOR, 3001, 20), *range(3800, 5201, 20))  # all that unbalance moves, evenly
@@ -28,7 +29,6 @@ RUN_UP = (2400.0, 5050.0)  # rpm: balls leave the heavy side above the resonance
 SETTLED = 150  # revolutions of the rotor alone
 SETTLED_SLOW = 100  # of its peaks' speeds: to 1e-4
 PROMINENT = 0.005  # mm, of a peak: few washers make small ones
-STEPS = {"coupling.steps_per_rev": 20}  # enough where balls are left out, or do not meet
 ROLLING = {"balls.rolling_resistance": 1.5e-4}  # chosen on 1 and 3 washers, among five values
 
 
