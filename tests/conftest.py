@@ -77,10 +77,6 @@ def interrupted_once(monkeypatch) -> Callable[[object, str, int], list]:
     return arm
 
 
-# a shaft whose fastest mode turns fifty times as fast as the rotor needs one digit more
-TIGHTER = {"bristol_flexible": 1e-13}
-
-
 @cache
 def _motion(name: str, changes: tuple, times: tuple[float, ...], signals: tuple[str, ...]):
     from autobalancer.harness import load_scene
@@ -89,7 +85,7 @@ def _motion(name: str, changes: tuple, times: tuple[float, ...], signals: tuple[
     scene = load_scene(name).replace(dict(changes))
     start = scene.run.initial.motion()
     motion, own_error = reference(
-        scene.assembly(), scene.profile(), times, initial=start, rtol=TIGHTER.get(name, 1e-12)
+        scene.assembly(), scene.profile(), times, initial=start, rtol=1e-12
     )
     assert own_error < 1e-8, own_error
     return {signal: motion.signal(signal) for signal in signals}

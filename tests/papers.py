@@ -13,7 +13,6 @@ from scipy.optimize import brentq
 from autobalancer.models.criteria import Criterion
 from autobalancer.models.papers.capacity import capacity, demand_fit, packed_sine, weight_mass
 from autobalancer.models.papers.influence import Complex, unbalance_from_response
-from autobalancer.models.rotor import LinearRotor
 from autobalancer.models.spacing import SLACK, closest, half_angle
 from autobalancer.models.weights import Weights
 
@@ -252,20 +251,3 @@ def large_damping(of: Criterion) -> float | None:
     if total == 0.0:
         return None
     return math.sqrt(((of.w_x * of.b_y) ** 2 + (of.w_y * of.b_x) ** 2) / total)
-
-
-def rodrigues_rotor(unbalances: Sequence[tuple[float, float, float]] = ()) -> LinearRotor:
-    """Rodrigues, Champneys, Friswell, Wilson 2008: k11 = 1, k22 = 9, damping 0.02 of each.
-
-    Two supports of k = 0.5 each, l = 6 apart, have these about the centre: 2 k and k l^2/2.
-    """
-    return LinearRotor.two_support(
-        mass=1.0,
-        inertia=3.25,
-        polar_inertia=0.5,
-        span=6.0,
-        stiffness=((0.5, 0.5), (0.5, 0.5)),
-        damping=((0.01, 0.01), (0.01, 0.01)),
-        planes=(1.0, 5.0),
-        unbalances=unbalances,
-    )

@@ -243,6 +243,7 @@ def test_capabilities_and_sources_stand_in_the_description():
     assert [file.get("name") for file in element.iter("File")] == ["liquid.c", "unit.c"]
 
 
+@pytest.mark.slow
 def test_declared_dependencies_are_the_real_ones(unit, options, native_probe):
     """Change each input and parameter in turn and see which outputs answer."""
     layout = CATALOGUE[unit].sized(options).layout

@@ -363,6 +363,7 @@ def test_unit_follows_its_reference(name, fmu, host_of, backend):
         assert error.max() <= whole * size, each
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["liquid", "motor", "planar"])
 def test_reference_files_are_what_the_equations_give(name):
     """Those that compute in no time; the digits lost are those of the file and of SciPy."""

@@ -9,7 +9,6 @@ from autobalancer.models.linear.modes import critical_speeds, modes
 from autobalancer.models.papers.influence import influence
 from autobalancer.models.rotor import LinearRotor
 from autobalancer.models.rotor_kinds import line_rows
-from tests.papers import rodrigues_rotor
 
 MACHINE = {
     "mass": 12.0,
@@ -87,25 +86,6 @@ def test_conical_mode_splits_as_in_the_closed_form(speed):
         np.testing.assert_allclose(
             np.sort(signed), sorted([-bounce, bounce, -conical[0], conical[1]]), rtol=1e-10
         )
-
-
-def test_rodrigues_rotor_has_the_published_critical_speeds():
-    assert critical_speeds(rodrigues_rotor()) == pytest.approx([1.0, 1.81], abs=2e-3)
-    assert critical_speeds(rodrigues_rotor())[1] == pytest.approx(np.sqrt(9 / 2.75), rel=1e-12)
-
-
-def test_rodrigues_rotor_has_the_published_matrices_about_its_centre():
-    rotor = rodrigues_rotor()
-    to_supports = np.array([[1.0, -3.0], [1.0, 3.0]])  # displacement and tilt of the centre
-
-    def about_centre(matrix):
-        return to_supports.T @ matrix @ to_supports
-
-    np.testing.assert_allclose(about_centre(rotor.mass), np.diag([1.0, 3.25]), atol=1e-14)
-    np.testing.assert_allclose(about_centre(rotor.gyroscopic), np.diag([0.0, 0.5]), atol=1e-14)
-    np.testing.assert_allclose(about_centre(rotor.stiffness_x), np.diag([1.0, 9.0]), atol=1e-14)
-    np.testing.assert_allclose(about_centre(rotor.damping_y), np.diag([0.02, 0.18]), atol=1e-14)
-    np.testing.assert_allclose(rotor.planes @ to_supports, [[1.0, -2.0], [1.0, 2.0]], atol=1e-14)
 
 
 def test_flat_body_has_no_conical_critical_speed():

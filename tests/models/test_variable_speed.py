@@ -8,7 +8,6 @@ from numpy.testing import assert_allclose
 from scipy.integrate import solve_ivp
 
 from autobalancer.models.rotor import LinearRotor
-from autobalancer.models.steps.propagator import step_matrix
 from autobalancer.models.steps.variable_speed import Drive, VariableSpeedStep
 
 pytestmark = pytest.mark.slow
@@ -71,21 +70,6 @@ def test_its_parts_have_order_5_and_every_term_of_dubovik_5(
     orders = np.log2(np.divide(errors[:-1], errors[1:]))
     assert_allclose(orders, 5.0, atol=0.15)
     assert errors[-1] < 1e-8
-
-
-@pytest.mark.parametrize("isotropic", [True, False])
-def test_without_spin_up_it_tends_to_the_exact_step(isotropic: bool) -> None:
-    rotor, state, t = rotor_of(isotropic=isotropic), np.array([0.1, -0.2, 0.3, 0.1]), 0.2
-    turn = np.exp(1j * ANGLE)
-    parts = np.array([state[0] + 1j * state[1], state[2] + 1j * state[3]])
-    signals = np.array([*(turn * FORCE[:, 0]), turn])
-    if isotropic:
-        exact = step_matrix(rotor, SPEED, t)[:2] @ np.concatenate([parts, signals])
-        exact = np.array([exact[0].real, exact[0].imag, exact[1].real, exact[1].imag])
-    else:
-        pairs = np.column_stack([signals.real, signals.imag]).ravel()
-        exact = step_matrix(rotor, SPEED, t)[:4] @ np.concatenate([state, pairs])
-    assert_allclose(run(rotor, state, 0.0, t, 16), exact, rtol=0, atol=1e-11)
 
 
 @pytest.mark.parametrize("isotropic", [True, False])

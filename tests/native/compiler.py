@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 FLAGS = (
-    *("-std=c99", "-O2", "-ffp-contract=off", "-fno-math-errno", "-shared", "-fPIC"),
+    *("-std=c99", "-O1", "-ffp-contract=off", "-fno-math-errno", "-shared", "-fPIC"),
     *("-Wall", "-Wextra", "-Wpedantic", "-Werror"),
 )
 

@@ -64,6 +64,7 @@ def test_a_scene_moves_as_separate_units_coupled_in_python(hosted, name):
     assert run.estimated_error == pytest.approx(expected.estimated_error, rel=1e-6)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("order", [3, 5])
 @pytest.mark.parametrize("scheme", ["auto", "iterated", "compensated"])
 @pytest.mark.parametrize("name", ["two_plane_rodrigues", "liquid_heavy_force"])
@@ -85,6 +86,7 @@ def test_schemes_do_what_the_harness_does(hosted, name, scheme, order):
     assert host.get("coupling.loop_gain") == [pytest.approx(gain, rel=1e-9)]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["two_balls", "balls_and_liquid", "goncharov_balls"])
 def test_the_steps_of_the_tool_do_not_matter(hosted, name):
     """At 5, 7.5 and 1,000 steps a revolution outputs have the same bits as at the scene's own."""
@@ -136,6 +138,7 @@ def test_a_state_within_a_step_is_everything(state_is_everything, order):
     state_is_everything(scene, {"balls.drag": 0.1}, turning(scene, 7.3, 8), names)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("fmi", [2, 3])
 @pytest.mark.parametrize("order", [3, 5])
 def test_fmpy_finds_nothing_wrong_and_simulates_it(tmp_path, fmi, order):
@@ -250,6 +253,7 @@ ROTORS = [
 ]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("name", "changes"), ROTORS)
 def test_within_a_step_the_rotor_is_where_a_step_as_short_would_take_it(hosted, name, changes):
     """By a series there, by a matrix here; without balancers both are exact."""

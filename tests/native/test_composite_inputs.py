@@ -75,6 +75,7 @@ def sprung(**coupling) -> Scene:
     )
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("tool", [1.0, 0.37, 2.6])
 @pytest.mark.parametrize("scheme", ["iterated", "compensated"])
 @pytest.mark.parametrize(("order", "allowed"), [(3, 1e-6), (5, 1e-8)])

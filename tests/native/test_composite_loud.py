@@ -126,6 +126,7 @@ def test_wrong_parameters_are_refused_by_the_names_they_have_here(instance, valu
     assert reason in host.refused(lambda: host.begin(values))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("step", "reason"), [(1e18, "too short"), (2e6, "too many steps")])
 def test_a_step_that_would_take_minutes_is_refused(instance, step, reason):
     host = instance(load_scene("two_balls")).begin()

@@ -157,6 +157,7 @@ def test_wrong_tables_are_refused_with_what_is_allowed(scene, table, options, te
         cosimulate_many(scene, table, **options)
 
 
+@pytest.mark.slow
 def test_memory_does_not_grow_with_runs(scene):
     resource = pytest.importorskip("resource")
     unit = 1 if sys.platform == "darwin" else 1024

@@ -56,6 +56,7 @@ CASES = {
 }  # fmt: skip
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("case", CASES)
 def test_it_moves_as_the_harness_couples_the_units(hosted, case):
     scene = Scene.from_document(DOCUMENT).replace(CASES[case])
@@ -95,6 +96,7 @@ def test_a_motor_that_comes_to_rest_on_a_corner_ends_no_step_there(hosted):
     assert host.get("coupling.steps")[0] < 1.1 * 40 * 400
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("tolerance", "separate"), [(1e-6, False), (1e-4, False), (1e-4, True)])
 def test_a_run_over_corners_states_its_error(tolerance, separate):
     scene = Scene.from_document(DOCUMENT).replace(

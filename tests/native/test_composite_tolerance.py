@@ -18,6 +18,7 @@ def loose(name: str, tolerance: float, revolutions: float) -> Scene:
     return load_scene(name).replace(changes)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("parts", [5, 20, 1000])
 @pytest.mark.parametrize("tolerance", [1e-3, 1e-5])
 def test_the_tool_may_ask_as_often_as_it_likes(instance, parts, tolerance):

@@ -175,7 +175,7 @@ def probed(tmp_path_factory):
     path = build_one_file(Scene.from_document(MACHINE), folder / "one.fmu",
                           platforms=[fmpy.platform_tuple])  # fmt: skip
     unzipped = fmpy.extract(path, folder / "unzipped")
-    library = compile_units(folder / "probe", HOST / "impact.c")
+    library = compile_units(folder / "probe", HOST / "impact.c", "-O0")
     described = fmpy.read_model_description(path)
     slave = FMU2Slave(
         guid=described.guid,
@@ -196,6 +196,7 @@ def probed(tmp_path_factory):
     return slave, ctypes.CDLL(str(library)), read
 
 
+@pytest.mark.slow
 def test_the_one_file_lets_the_whole_machine_collide(probed):
     """Both pairs at once, each with its restitution, and the rotor with its tilting inertia."""
     slave, library, read = probed

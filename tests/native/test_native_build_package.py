@@ -191,7 +191,7 @@ def test_fmpy_simulates_a_native_unit_of_either_version_alike(tmp_path):
 
 
 @pytest.mark.skipif(shutil.which("cmake") is None, reason="no cmake: fmpy compiles with it")
-@pytest.mark.parametrize(("fmi", "optimised"), [(2, "Release"), (3, "Debug")])
+@pytest.mark.parametrize(("fmi", "optimised"), [(2, "Debug"), (3, "Debug")])
 def test_a_unit_that_a_tool_compiles_from_its_sources_gives_the_same_bits(fmi, optimised, tmp_path):
     built = native("BallBalancer", tmp_path, platforms=["x86_64-windows"], fmi=fmi)
     folder = Path(fmpy.extract(str(built), unzipdir=str(tmp_path / "unit")))

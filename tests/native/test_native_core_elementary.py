@@ -36,6 +36,7 @@ def _angles():
     return np.concatenate([wide, usual, large, near, up, down, hardest])
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["sine", "cosine"])
 def test_sine_and_cosine_are_within_an_ulp_up_to_2_to_the_52(core, name):
     x = _angles()

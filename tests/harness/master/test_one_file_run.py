@@ -17,10 +17,11 @@ TOLERANCES = [
     ("two_balls", {"coupling.tolerance": 1e-6}),
     ("two_balls", {"coupling.tolerance": 1e-4, "run.revolutions": 400}),  # comes to rest
     ("two_plane_rodrigues", {"coupling.tolerance": 1e-5, "run.revolutions": 5}),
-    ("sommerfeld", {"coupling.tolerance": 1e-4, "run.revolutions": 30}),
+    ("sommerfeld", {"coupling.tolerance": 1e-4, "run.revolutions": 8}),
 ]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("name", "changes"), TOLERANCES)
 def test_both_engines_keep_a_tolerance_of_the_whole_run(name, changes):
     scene = load_scene(name).replace(changes)

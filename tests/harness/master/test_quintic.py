@@ -45,6 +45,7 @@ def test_one_pass_that_is_compensated_is_twenty_times_better_for_the_price_of_it
     assert scene.of_amplitude(cubic) > 20.0 * scene.of_amplitude(quintic) > 0.0
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("separate", "order"), [(True, 3), (False, 3), (False, 5)])
 def test_a_tight_tolerance_is_kept_past_the_end_of_a_run_up(against, separate, order):
     runs = against("two_balls", {**RUN_UP, "run.revolutions": 20})
@@ -66,6 +67,7 @@ def test_long_steps_go_on_behind_a_run_up_from_second_derivatives_that_are_right
     assert runs.of_amplitude(result) <= 3e-5
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("drive", [{}, RUN_UP], ids=["constant", "run_up"])
 def test_a_track_off_the_centre_costs_no_order(against, drive):
     aside = {"weights.track_offset_xi": 0.02, "weights.track_offset_eta": -0.01}

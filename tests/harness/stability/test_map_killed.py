@@ -21,7 +21,7 @@ import pytest
 pytestmark = pytest.mark.slow
 
 CODE = "from autobalancer.harness.__main__ import main; main()"
-TINY, SMALL, LARGE = (20, 24), (50, 40), (400, 250)
+TINY, SMALL, LARGE = (10, 24), (50, 40), (400, 250)
 
 
 def begin(
@@ -121,7 +121,7 @@ def with_a_worker_lost(right: Path, cosim: int, grid: tuple[int, int] = SMALL) -
     return time.monotonic() - begun
 
 
-FEW = 8  # co-simulated points
+FEW = 4  # co-simulated points
 
 
 @pytest.fixture(scope="module")
