@@ -11,51 +11,12 @@ from numpy.typing import NDArray
 from scipy.optimize import brentq
 
 from autobalancer.models.criteria import Criterion
-from autobalancer.models.papers.capacity import capacity, demand_fit, packed_sine, weight_mass
+from autobalancer.models.papers.capacity import demand_fit, packed_sine
 from autobalancer.models.papers.influence import Complex, unbalance_from_response
 from autobalancer.models.spacing import SLACK, closest, half_angle
 from autobalancer.models.weights import Weights
 
 # -- Goncharov 2017 -------------------------------------------------------------------------------
-
-
-def device_capacity(
-    kind: str, race: float, ratio: float, count: int, density: float, height: float | None = None
-) -> float:
-    """Capacity (7) from the race's radius R [m], rho = r/R, density [kg/m^3], height [m]."""
-    radius = ratio * race
-    mass = weight_mass(kind, radius, density, height)
-    return capacity(mass, race - radius, radius, count)
-
-
-def half_filled_ratio(count: int) -> float:
-    """rho at which n weights fill half the race, alpha = pi/(2n) (11)."""
-    sine = math.sin(math.pi / (2 * count))
-    return sine / (1.0 + sine)
-
-
-def best_count(ratio: float) -> int:
-    """Number of weights of the largest capacity at a given rho: pi/(2 alpha), rounded (8).
-
-    sin(n alpha) is symmetric about that value, so rounding does find the maximum.
-    """
-    sine = ratio / (1.0 - ratio)
-    return 1 if sine >= 1.0 else max(1, round(math.pi / (2.0 * math.asin(sine))))
-
-
-def hemisphere_capacity(race: float, density: float) -> float:
-    """pi R^4 gamma/4: a hemisphere in a spherical race, the limit of balls [kg m]."""
-    return math.pi * race**4 * density / 4.0
-
-
-def half_cylinder_capacity(race: float, height: float, density: float) -> float:
-    """2 R^3 h gamma/3: half a cylinder in a cylindrical race, the limit of rollers [kg m]."""
-    return 2.0 / 3.0 * race**3 * height * density
-
-
-def settling_measure(alignment: float, mass: float, count: int) -> float:
-    """a = (1 - p) m n (3) [kg]: the larger, the faster the slowest motion settles."""
-    return (1.0 - alignment) * mass * count
 
 
 def fan_angles(
@@ -225,29 +186,3 @@ def positive_roots(of: Criterion) -> int:
     _, c1, c2, _ = coefficients(of)
     three = of.w_x != of.w_y and discriminant(of) > 0.0 and c1 > 0.0 and c2 < 0.0
     return 3 if three else 1
-
-
-def small_damping(of: Criterion) -> tuple[float | None, float | None, float | None]:
-    """Approximation (28) of the three roots for b << |w_y - w_x| [rad/s], softer axis first.
-
-    None where the formula has no real value, or with equal stiffness.
-    """
-    (low, b_low), (high, b_high) = sorted(((of.w_x, of.b_x), (of.w_y, of.b_y)))
-    span = (high - low) * (high + low)
-    if span == 0.0:
-        return None, None, None
-    squares = (
-        low**2 * (1.0 + b_low**2 / span),
-        0.5 * (low**2 + high**2) * (1.0 + (b_high**2 - b_low**2) / span),
-        high**2 * (1.0 - b_high**2 / span),
-    )
-    first, second, third = (math.sqrt(s) if s > 0.0 else None for s in squares)
-    return first, second, third
-
-
-def large_damping(of: Criterion) -> float | None:
-    """Approximation (35) of the only root for large damping [rad/s]; None without damping."""
-    total = of.b_x**2 + of.b_y**2
-    if total == 0.0:
-        return None
-    return math.sqrt(((of.w_x * of.b_y) ** 2 + (of.w_y * of.b_x) ** 2) / total)

@@ -1,4 +1,4 @@
-"""Mangled scenes, assignments, command lines, interrupts, FMUs, states: done or refused in words.
+"""Mangled scenes, assignments, command lines, interrupts, FMUs: done or refused in words.
 
     python -m tests.fuzz KIND COUNT [FIRST]
 
@@ -26,7 +26,7 @@ from autobalancer.harness.master.plan import plan
 from autobalancer.harness.master.unit_files import find_or_build
 from autobalancer.harness.scene import bundled_scenes, load_scene
 from tests.fuzz import lines, scenes, units
-from tests.fuzz.judge import Wrong, alone, refuse_wrong
+from tests.fuzz.judge import Wrong, refuse_wrong
 
 LOADED = [  # by some command or other, which would otherwise load it anew each time
     *["matplotlib.backends.backend_agg", "matplotlib.backends.backend_svg", "scipy.stats"],
@@ -90,34 +90,13 @@ def an_fmu(draw: random.Random, folder: Path) -> int:
     return refuse_wrong(["run", name, *SHORT, "--fmus", "given", *BRIEF], folder)
 
 
-def a_state(draw: random.Random, folder: Path) -> int:
-    path, said = draw.choice(units.stateful(_whole())), folder.parent / "said.txt"
-
-    def work() -> int:
-        units.step_from_damaged_state(draw, path, folder)
-        return 0
-
-    if code := alone(work, said):
-        raise Wrong(f"{path.name}\n{said.read_text()}")
-    return code
-
-
 KINDS: dict[str, Callable[[random.Random, Path], int]] = {
     "scenes": a_scene,
     "assignments": an_assignment,
     "lines": a_command_line,
     "interrupts": an_interrupt,
     "fmus": an_fmu,
-    "states": a_state,
 }
-_folder: tempfile.TemporaryDirectory[str] | None = None
-
-
-def _whole() -> Path:
-    """A folder for what all cases of this process share."""
-    global _folder
-    _folder = _folder or tempfile.TemporaryDirectory()
-    return Path(_folder.name)
 
 
 @cache

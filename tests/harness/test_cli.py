@@ -59,33 +59,6 @@ def test_a_balanced_rotor_has_no_window_to_check_and_ends_with_two(invoke, tmp_p
     assert len(outcome.stderr.splitlines()) == 1
 
 
-def test_report_holds_table_and_picture(invoke, tmp_path):
-    outcome = invoke("check", "liquid_touch", "--report", tmp_path / "new" / "report")
-    assert outcome.exit_code == 0, outcome.output
-    directory = tmp_path / "new" / "report"
-    text = (directory / "report.md").read_text(encoding="utf-8")
-    assert "All 7 rows hold." in text
-    picture = directory / "liquid_touch_liquid_window.png"
-    assert f"]({picture.name})" in text
-    assert picture.read_bytes().startswith(b"\x89PNG")
-
-
-def test_a_run_that_cannot_be_completed_is_a_row_that_does_not_hold(invoke, tmp_path):
-    # the loop gain of 19 makes an explicit exchange unstable at any step
-    path = altered(
-        tmp_path, "liquid_heavy_force", **{"[run]": '[coupling]\nscheme = "jacobi"\n\n[run]'}
-    )
-    target = tmp_path / "rows.json"
-    outcome = invoke("check", path, "liquid_touch", "--json", target)
-    assert outcome.exit_code == 1, outcome.output
-    assert "do NOT hold" in outcome.output
-    document = json.loads(target.read_text(encoding="utf-8"), parse_constant=pytest.fail)
-    assert document["holds"] is False
-    failing = [row for row in document["rows"] if not row["holds"]]
-    assert {row["scene"] for row in failing} == {"liquid_heavy_force_altered"}
-    assert any(row["scene"] == "liquid_touch" for row in document["rows"])
-
-
 def test_without_a_command_the_help_is_shown(invoke):
     outcome = invoke()
     assert (outcome.exit_code, outcome.stdout) == (0, invoke("--help").stdout)
@@ -128,16 +101,6 @@ def test_without_a_scene_all_bundled_scenes_with_checks_are_checked(invoke, monk
         "liquid_no_internal",
         "liquid_touch",
     }
-
-
-def test_ctrl_c_ends_with_130_and_one_line(invoke, monkeypatch):
-    def interrupted(_scenes, _progress):
-        raise KeyboardInterrupt
-
-    monkeypatch.setattr("autobalancer.harness.checks.runner.check_all", interrupted)
-    outcome = invoke("check", "liquid_touch")
-    assert outcome.exit_code == 130
-    assert outcome.stderr == "interrupted\n"
 
 
 def test_run_writes_the_recorded_signals(invoke, tmp_path):
@@ -184,17 +147,6 @@ def test_a_value_set_for_the_one_file_is_its_start_value(invoke, tmp_path):
     assert outcome.exit_code == 0, outcome.output
     variables = read_model_description(str(tmp_path / "two_balls.fmu")).modelVariables
     assert float(next(v.start for v in variables if v.name == "speed")) == 4.5
-
-
-def test_build_makes_all_units(invoke, tmp_path):
-    outcome = invoke("build", "-o", tmp_path / "units")
-    assert outcome.exit_code == 0, outcome.output
-    assert {p.name for p in (tmp_path / "units").iterdir()} == {
-        "BallBalancer.fmu",
-        "LiquidBalancer.fmu",
-        "Motor.fmu",
-        "RotorOnSupports.fmu",
-    }
 
 
 def test_build_makes_exactly_the_units_of_a_scene_and_run_takes_them(invoke, tmp_path):
@@ -274,29 +226,6 @@ def test_wrong_input_ends_with_two_and_one_line(invoke, arguments, message):
     assert message in outcome.stderr
     assert len(outcome.stderr.splitlines()) == 1
     assert "Traceback" not in outcome.output
-
-
-def test_broken_scene_file_ends_with_two(invoke, tmp_path):
-    path = altered(tmp_path, "two_balls", **{"mass = 0.95": "mass = -0.95"})
-    outcome = invoke("run", path)
-    assert outcome.exit_code == 2
-    assert f"{path}: rotor.mass = -0.95 kg: must be greater than 0" in outcome.stderr
-
-
-@pytest.mark.parametrize("content", [b"", b"not a zip file", b"PK\x05\x06" + 18 * b"\x00"])
-def test_corrupt_fmu_ends_with_two_and_its_name(invoke, tmp_path, content):
-    assert invoke("build", "liquid_disc", "-o", tmp_path).exit_code == 0
-    (tmp_path / "LiquidBalancer.fmu").write_bytes(content)
-    outcome = invoke("run", "liquid_disc", "--fmus", tmp_path)
-    assert outcome.exit_code == 2, outcome.output
-    assert "LiquidBalancer.fmu" in outcome.stderr
-    assert "Traceback" not in outcome.output
-
-
-def test_full_disk_while_writing_signals_ends_with_two(invoke):
-    outcome = invoke("run", "two_balls", "--set", "run.revolutions=1", "-o", "/dev/full")
-    assert outcome.exit_code == 2
-    assert "/dev/full: cannot be written: No space left on device" in outcome.stderr
 
 
 def modules_after(statement: str) -> set[str]:

@@ -20,7 +20,6 @@ from autobalancer.models.papers.capacity import (
     packed_alignment,
     packed_angles,
     residual_unbalance,
-    settling_shape,
     weight_mass,
 )
 from autobalancer.models.papers.settling import (
@@ -33,14 +32,8 @@ from autobalancer.models.rotor import LinearRotor
 from autobalancer.models.spacing import closest
 from autobalancer.models.weights import Weights, alignment
 from tests.papers import (
-    best_count,
     completed_angles,
-    device_capacity,
     fan_angles,
-    half_cylinder_capacity,
-    half_filled_ratio,
-    hemisphere_capacity,
-    settling_measure,
     slow_roots,
 )
 
@@ -100,52 +93,10 @@ def test_capacity_is_the_largest_moment_of_weights_side_by_side():
         assert abs(np.exp(1j * other).sum()) * 0.02 * 0.3 <= limit * (1 + 1e-12)
 
 
-def test_capacity_7_is_capacity_5_with_the_mass_6():
-    race, ratio, density, height = 0.11, 0.2, 7800.0, 0.03
-    for n in (1, 2, 3, 6):
-        balls = device_capacity("balls", race, ratio, n, density)
-        assert balls == pytest.approx(
-            4 / 3 * math.pi * density * race**4 * capacity_shape("balls", ratio, n), rel=1e-13
-        )
-        rollers = device_capacity("rollers", race, ratio, n, density, height)
-        assert rollers == pytest.approx(
-            math.pi * density * height * race**3 * capacity_shape("rollers", ratio, n), rel=1e-13
-        )
-    same = device_capacity("rollers", race, ratio, 4, density, 2 * ratio * race)
-    assert same / device_capacity("balls", race, ratio, 4, density) == pytest.approx(1.5)
-
-
 def test_point_weights_are_the_limit_of_small_ones():
     assert capacity(0.1, 2.0, 0.0, 7) == pytest.approx(1.4)
     assert capacity(0.1, 2.0, 1e-6, 7) == pytest.approx(1.4, rel=1e-10)
     assert largest_alignment(7, 0.0) == packed_alignment(7, 0.0) == 1.0
-
-
-@pytest.mark.parametrize("count", range(2, 10))
-def test_special_radii_fill_half_and_all_of_the_race(count):
-    assert filled_sector(half_filled_ratio(count), count) == pytest.approx(math.pi)
-    assert filled_sector(full_ratio(count), count) == pytest.approx(math.tau)
-    assert best_count(half_filled_ratio(count)) == count
-    for ratio in (0.03, 0.11, 0.24, 0.4):
-        most = max(
-            (n for n in range(1, 60) if n == 1 or ratio <= full_ratio(n)),
-            key=lambda n: capacity_shape("balls", ratio, n),
-        )
-        assert best_count(ratio) == most
-
-
-def test_limits_hemisphere_and_half_cylinder():
-    one_ball = device_capacity("balls", 1.0, 0.75, 1, 1.0)
-    assert hemisphere_capacity(1.0, 1.0) / one_ball == pytest.approx(16 / 9, rel=1e-13)
-    one_roller = device_capacity("rollers", 1.0, 2 / 3, 1, 1.0, 1.0)
-    assert half_cylinder_capacity(1.0, 1.0, 1.0) / one_roller == pytest.approx(9 / (2 * math.pi))
-    x, step = np.linspace(0, 1, 20001, retstep=True)
-    middle = x[:-1] + step / 2
-    ball = (math.pi / 2 * (1 - middle**2) * middle * step).sum() * 2
-    assert hemisphere_capacity(1.0, 1.0) == pytest.approx(ball, rel=1e-7)
-    assert half_cylinder_capacity(1.0, 1.0, 1.0) == pytest.approx(
-        (2 * np.sqrt(1 - middle**2) * middle * step).sum(), rel=1e-5
-    )
 
 
 @pytest.mark.parametrize("count", range(2, 9))
@@ -158,27 +109,6 @@ def test_spread_extremes_10_13_are_those_of_the_drawn_positions(count):
     near = [alpha * (2 * k - (count - part) + 1) for k in range(count - part)]
     far = [math.pi + alpha * (2 * k - part + 1) for k in range(part)]
     assert alignment(near + far) == pytest.approx(largest_alignment(count, alpha), rel=1e-12)
-
-
-def test_spread_of_a_half_filled_race_is_12_and_14_and_tends_to_2_over_pi():
-    for n in range(3, 12):
-        expected = 1 / (n * math.sin(math.pi / (2 * n)))
-        if n % 2 == 0:
-            expected = 2 / (n * math.sin(math.pi / n))
-        assert largest_alignment(n, math.pi / (2 * n)) == pytest.approx(expected, rel=1e-12)
-        assert packed_alignment(n, math.pi / (2 * n)) == pytest.approx(0.0, abs=1e-12)
-    assert largest_alignment(3, math.pi / 6) == pytest.approx(2 / 3)
-    assert largest_alignment(4001, math.pi / 8002) == pytest.approx(2 / math.pi, rel=1e-6)
-    assert largest_alignment(2, 0.3) == 1.0
-
-
-def test_settling_functions_15_16_are_the_measure_3():
-    for kind, power in (("balls", 3), ("rollers", 2)):
-        for n in range(2, 9):
-            ratio = 0.8 * full_ratio(n)
-            alpha = math.asin(ratio / (1 - ratio))
-            measure = settling_measure(largest_alignment(n, alpha), ratio**power, n)
-            assert settling_shape(kind, ratio, n) == pytest.approx(measure, rel=1e-12, abs=1e-15)
 
 
 def test_three_balls_and_five_rollers_settle_fastest():

@@ -76,16 +76,6 @@ def test_step_has_order_6(core, drag: float) -> None:
     assert np.log(errors[0] / errors[1]) / np.log(1.5) == pytest.approx(6.0, abs=0.3)
 
 
-@pytest.mark.parametrize("drag", [0.0, 1e-2, 1.0, 1e2, 1e4, 1e6])
-def test_any_drag_is_integrated_in_one_step(core, drag: float) -> None:
-    weights = Weights(2, 0.1, 1.0, drag, KAPPA["rollers"])
-    expected = integrate(weights, 0.1, "Radau" if weights.damping_rate > 1e3 else "DOP853")
-    angles, speeds = quintic_advance(core, weights, ANGLES, SPEEDS, SIGNAL, STILL, 0.1)
-    # the first instants of weights that heavy drag stops are no quintic
-    within = 1e-9 if weights.damping_rate * 0.1 < 1.0 else 2e-6
-    assert_allclose([*angles, *speeds], expected, rtol=0, atol=within)
-
-
 def test_turns_behind_a_weight_change_nothing(core) -> None:
     weights = Weights(1, 0.1, 1.0, 0.1)
     turned = 2.0 * np.pi * 1e6

@@ -17,7 +17,6 @@ from autobalancer.harness.output.cluster import who_works
 from autobalancer.harness.output.commands import Commands, execute
 from autobalancer.harness.output.files import write_whole
 from autobalancer.harness.output.terminal import progress_bar, say
-from tests.truth.cost import cost_table, costs
 from tests.truth.draw import FAMILIES
 from tests.truth.store import Verdicts
 from tests.truth.study import Study, every, line, misses, save, table, verdicts
@@ -45,9 +44,6 @@ def command(
     save_to: Annotated[
         Path | None, typer.Option("--save", metavar="DIR", help="Keep the scenes that went wrong.")
     ] = None,
-    cost: Annotated[
-        bool, typer.Option("--cost", help="Time runs instead of judging them; nothing else runs.")
-    ] = False,
     markdown: Annotated[Path | None, options.markdown("the table")] = None,
     output: Annotated[Path | None, options.table_or_store("verdict")] = None,
     workers: Annotated[int | None, typer.Option(min=1, help="Processes.")] = None,
@@ -59,9 +55,6 @@ def command(
         study = Study(counts(family, n), seed, changes, verify, separate)
     except ValueError as error:
         raise UserError(str(error)) from None
-    if cost:
-        say(cost_table(list(costs(dict(study.counts), seed))).markdown())
-        return
     kept = Verdicts(output, study) if options.is_store(output) else None
     with progress_bar("random scenes") as progress, who_works(cluster) as executor:
         found = verdicts(study, workers or executor, progress, kept)

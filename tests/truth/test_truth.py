@@ -9,7 +9,6 @@ from autobalancer.harness import cosimulate, load_scene
 from autobalancer.harness.scene import Scene
 from autobalancer.models.stability import growth_rates
 from tests.truth.__main__ import counts
-from tests.truth.cost import Costs, cost_table, costs
 from tests.truth.draw import FAMILIES, draw
 from tests.truth.judge import (
     Verdict,
@@ -96,20 +95,6 @@ def test_errors_are_relative_to_the_largest_of_their_kind(cosim):
     errors = deviations(result, right)
     assert errors["rotor.x"] == 0.0
     assert errors["rotor.y"] == pytest.approx(0.01, rel=1e-6)
-
-
-def test_costs_are_medians_of_ratios():
-    found = [Costs("planar", 3.0, 2.0, 1.0, 1.0, 1.0), Costs("planar", 9.0, 2.0, 2.0, 1.0, 4.0)]
-    found += [Costs("heavy", 8.0, math.nan, 1.5, 1.0, 2.0)]
-    rows = {row[0]: row[1:] for row in cost_table(found).rows}
-    assert rows["planar"] == ["2", "3", "2.6", "1.5", "0.75", "0.75"]
-    assert rows["all"] == ["3", "3", "3", "1.5", "0.75", "0.75"]
-
-
-def test_costs_are_of_drawn_scenes_that_exchange_force():
-    (found,) = costs({"planar": 1, "finite": 1}, 7)
-    assert found.family == "planar"
-    assert min(found.units, found.units_given, found.one_file, found.one_piece) > 0.0
 
 
 def test_counts_are_given_by_name():

@@ -3,15 +3,13 @@
 from __future__ import annotations
 
 import math
-from ctypes import byref, c_size_t, c_void_p, create_string_buffer
 
 import numpy as np
 import pytest
 
-from autobalancer.harness import Scene, SceneError, cosimulate, load_scene
+from autobalancer.harness import SceneError, cosimulate, load_scene
 from autobalancer.harness.master.cosimulation import CoSimulation
 from autobalancer.harness.master.fmu import Fmu
-from autobalancer.harness.scene.file import find, read
 from tests.scenes import driven_scenes
 
 pytestmark = pytest.mark.slow
@@ -27,58 +25,6 @@ def test_two_balls_at_20_steps_and_one_corrector_pass_err_by_less_than_2e_5(agai
     result = runs.run({"steps_per_rev": 20, "corrections": 1}, LATERAL)
     assert result.steps == 400
     assert runs.of_amplitude(result) <= 2e-5
-
-
-def test_weights_of_a_third_of_the_mass_err_by_less_than_3e_4_with_three_passes(
-    against, heavy_weights
-):
-    runs = against("two_balls", heavy_weights)
-    result = runs.run({"steps_per_rev": 20, "corrections": 3}, LATERAL)
-    assert runs.of_amplitude(result) <= 3e-4
-
-
-def observed_orders(runs, coupling, steps=(40, 80, 160)) -> np.ndarray:
-    errors = []
-    for number in steps:
-        result = runs.run({**coupling, "steps_per_rev": number}, LATERAL)
-        errors.append(runs.of_amplitude(result, number // steps[0]))
-    return np.log2(np.array(errors[:-1]) / errors[1:])
-
-
-@pytest.mark.parametrize("corrections", [1, None])
-def test_order_4_even_with_a_single_corrector_pass(against, corrections):
-    runs = against("two_balls", {"run.revolutions": 5})
-    orders = observed_orders(runs, {"corrections": corrections})
-    assert orders == pytest.approx(4.0, abs=0.25)
-
-
-@pytest.mark.parametrize("corrections", [1, None])
-@pytest.mark.parametrize("start", [0.0, 1.5])
-def test_order_4_from_standstill_through_resonance_and_past_the_end_of_a_run_up(
-    against, start, corrections
-):
-    ramp = {"from": start, "to": 5.0, "seconds": 8.0}
-    runs = against("two_balls", {"operation.run_up": ramp, "run.revolutions": 6})
-    orders = observed_orders(runs, {"corrections": corrections})
-    assert runs.run({"steps_per_rev": 40}, LATERAL).time[-1] > 8.5, "the ramp's end is inside"
-    assert orders == pytest.approx(4.0, abs=0.3)
-
-
-def test_forces_of_all_balancers_on_a_plane_add_up():
-    """Two balancers of one weight each are one balancer of two."""
-    document = read(find("two_balls"))
-    (both,) = document["balancer"]
-    angles = both["angles"]
-    document["balancer"] = [
-        {**both, "name": name, "count": 1, "angles": [angle]}
-        for name, angle in zip(("one", "other"), angles, strict=True)
-    ]
-    settings = {"coupling.corrections": None, "run.revolutions": 5}
-    split = cosimulate(Scene.from_document(document).replace(settings))
-    whole = cosimulate(load_scene("two_balls").replace(settings))
-    for name in LATERAL:
-        split.assert_close(name, whole[name], relative=1e-7)
-    split.assert_close("other.weight[1].angle", whole["weights.weight[2].angle"], relative=1e-7)
 
 
 # -- tolerance ------------------------------------------------------------------------------------
@@ -100,15 +46,6 @@ def test_tolerance_is_kept_on_every_bundled_scene(against, name):
     results = [runs.run({**coupling, "tolerance": tolerance}) for tolerance in tolerances]
     errors = runs.of_ranges(results)
     assert all(e <= 3.0 * t for e, t in zip(errors, tolerances, strict=True)), errors
-
-
-@pytest.mark.parametrize("tolerance", [1e-3, 1e-5])
-def test_tolerance_is_kept_through_a_run_up(against, tolerance):
-    ramp = {"from": 0.0, "to": 6.0, "seconds": 8.0}
-    runs = against("two_balls", {"operation.run_up": ramp, "run.revolutions": 6})
-    result = runs.run({"tolerance": tolerance})
-    assert runs.of_range(result) <= 3.0 * tolerance
-    assert 8.0 in result.time, "the end of the ramp is a communication point"
 
 
 @pytest.mark.parametrize("order", [3, 5])
@@ -145,69 +82,6 @@ def test_a_tolerance_that_a_scheme_cannot_keep_is_refused(changes, said):
 
 
 # -- rollback and independence --------------------------------------------------------------------
-
-
-def serialised(unit: Fmu, state: c_void_p) -> bytes:
-    """A saved state as bytes."""
-    size, dll, component = c_size_t(), unit.fmu.dll, unit.fmu.component
-    assert dll.fmi2SerializedFMUstateSize(component, state, byref(size)) == 0
-    buffer = create_string_buffer(size.value)
-    assert dll.fmi2SerializeFMUstate(component, state, buffer, size) == 0
-    return buffer.raw
-
-
-def test_rollback_brings_back_every_bit():
-    with CoSimulation(load_scene("two_balls")) as cosim:
-        cosim.start()
-        for _ in range(7):
-            cosim.step(0.1)
-        system = cosim.system
-        members = system.members
-
-        def ends():
-            cubics = [(*force.now, 0j, 0j) for force in system.forces]
-            accelerations = system.rotor_pass(cubics, cosim.time, 0.1)
-            held = [(value, slope, 0j, 0j) for value, slope in accelerations]
-            return accelerations, system.balancer_pass(held, cosim.time, 0.1)
-
-        with system.saved() as before:
-            first = ends()
-            system.restore(before)
-            with system.saved() as again:
-                for unit, was, now in zip(members, before, again, strict=True):
-                    assert serialised(unit, now) == serialised(unit, was)
-            assert ends() == first
-
-
-def test_two_co_simulations_in_one_process_do_not_disturb_each_other():
-    light = load_scene("two_balls").replace({"run.revolutions": 3})
-    heavy = light.replace({"rotor.mass": 0.7, "operation.speed": 2.0, "weights.angles": [2.0, 4.0]})
-
-    def positions(cosim):
-        return cosim.read("rotor", ["x", "y"]) + cosim.read("weights", ["weight[1].angle"])
-
-    alone = []
-    for scene in (light, heavy):
-        with CoSimulation(scene) as cosim:
-            cosim.start()
-            alone.append([positions(cosim) for _ in cosim.run()])
-    with CoSimulation(light) as one, CoSimulation(heavy) as other:
-        one.start()
-        other.start()
-        together = [
-            (positions(one), positions(other)) for _ in zip(one.run(), other.run(), strict=True)
-        ]
-    assert [a for a, _ in together] == alone[0]
-    assert [b for _, b in together] == alone[1]
-
-
-def test_a_restarted_co_simulation_repeats_itself():
-    with CoSimulation(load_scene("two_balls").replace({"run.revolutions": 2})) as cosim:
-        runs = []
-        for _ in range(2):
-            cosim.start()
-            runs.append([cosim.read("rotor", ["x", "y"]) for _ in cosim.run()])
-    assert runs[0] == runs[1]
 
 
 def test_results_do_not_depend_on_what_is_recorded():

@@ -106,15 +106,6 @@ def test_where_no_force_is_exchanged_nothing_can_be_missed(against, name):
     assert runs.of_amplitude(result) <= EXACT
 
 
-def test_cubic_signals_are_a_thousand_times_better_than_held_ones_side_by_side(against):
-    scene = against("two_balls")
-    lateral = ("rotor.x", "rotor.y")
-    held = scene.run({"scheme": "jacobi", "order": 0, "corrections": None}, lateral)
-    cubic = scene.run({"scheme": "iterated", "order": 3, "corrections": 1}, lateral)
-    assert held.steps == cubic.steps == 400
-    assert scene.of_amplitude(held) >= 1000.0 * scene.of_amplitude(cubic)
-
-
 def test_extrapolation_matrices_continue_any_cubic():
     # the cubic t^3 - 2 t^2 + 3 t - 4 from its values and slopes at 0 and 1
     value, slope = np.polynomial.Polynomial([-4.0, 3.0, -2.0, 1.0]), None

@@ -75,19 +75,6 @@ def test_signals_can_go_to_standard_output(tmp_path, to_file):
     assert any("Left out" in line for line in lines)
 
 
-def test_signals_can_go_to_another_process(tmp_path):
-    command = " ".join(f"'{part}'" for part in [*AUTOBALANCER, *SHORT])
-    target = tmp_path / "copy.csv"
-    done = subprocess.run(
-        ["bash", "-c", f"{command} -o >(cat > '{target}'); wait $!"],
-        capture_output=True,
-        text=True,
-        check=False,
-    )
-    assert done.returncode == 0, done.stderr
-    assert target.read_text(encoding="utf-8").startswith("time,rotor.x\n")
-
-
 @pytest.mark.parametrize("redirection", [">&-", "| true", "> /dev/full"])
 def test_a_standard_output_that_nobody_reads_gives_no_traceback(redirection):
     command = " ".join(f"'{part}'" for part in [*AUTOBALANCER, *SHORT])

@@ -27,13 +27,7 @@ LONG = {
         *["map", "filimonikhina", "--x", "speed=0.5:12:1500"],
         *["--y", "weights.drag=1e-4:1:1500:log", "-o", "map.png"],
     ],
-    "cluster": [
-        *["map", "filimonikhina", "--x", "speed=0.5:12:200", "--y", "weights.drag=1e-4:1:200:log"],
-        *["--cosim", "20000", "--cluster", "local", "-o", "map.png"],
-    ],
     "stress": ["stress"],
-    "precision": ["precision", "two_balls"],
-    "check": ["check"],
 }
 
 
@@ -178,15 +172,6 @@ sys.meta_path.insert(0, Told())
 from autobalancer.harness.__main__ import main
 main()
 """
-TOLD_BUILDING = """
-import os, sys, time, typer.main
-def told(_app):
-    os.kill(os.getpid(), int(sys.argv[2]))
-    time.sleep(20.0)
-typer.main.get_command = told
-from autobalancer.harness.__main__ import main
-main()
-"""
 TOLD_WORKERS = """
 import os, signal, time
 from autobalancer.harness.output.workers import processes
@@ -220,12 +205,6 @@ def test_a_signal_while_the_program_loads_is_answered_in_a_word(
     tmp_path, answering, module, number, word
 ):
     ended = _told(TOLD_LOADING, tmp_path, answering, module, number)
-    assert ended == (128 + number, "", f"{word}\n")
-
-
-@pytest.mark.parametrize(("number", "word"), [(2, "interrupted"), (15, "terminated")])
-def test_a_signal_before_a_command_begins_is_answered_in_a_word(tmp_path, answering, number, word):
-    ended = _told(TOLD_BUILDING, tmp_path, answering, "", number)
     assert ended == (128 + number, "", f"{word}\n")
 
 

@@ -139,11 +139,3 @@ def test_a_report_that_cannot_be_written_is_refused_before_the_work(invoke, monk
     outcome = invoke("balance", "balancing_machine", "--report", "/dev/null/x")
     assert outcome.exit_code == 2
     assert "cannot be made a directory" in outcome.output
-
-
-def test_nothing_is_kept_where_no_report_is_asked_for():
-    from autobalancer.harness.output.report import Report
-
-    page = Report(None, "title", [])
-    assert page.picture("a") is None
-    page.write()

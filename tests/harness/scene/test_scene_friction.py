@@ -77,30 +77,7 @@ def test_what_takes_the_rotor_for_linear_refuses_it(analysis):
         analysis(two_balls(RIGID))
 
 
-def test_free_vibration_of_the_unit_loses_four_limits_over_the_stiffness_a_period():
-    limit, mass, stiffness, periods = 0.03, 2.0, 50.0, 3
-    speed = 7.0
-    scene = load_scene("two_balls").without_balancers().replace(
-        {"rotor.mass": mass, "rotor.stiffness": stiffness, "rotor.damping": 0.0,
-         "rotor.unbalance": 0.0, "rotor.friction": [{"limit": [limit, 0.0]}],
-         "operation.speed": speed, "run.initial": {"x": 0.01},
-         "run.revolutions": periods * speed / (stiffness / mass) ** 0.5}
-    )  # fmt: skip
-    run = cosimulate(scene)
-    assert run["rotor.x"][-1] == pytest.approx(0.01 - periods * 4 * limit / stiffness, rel=1e-9)
-
-
 SLIDING = [{"limit": 0.01}, {"limit": 0.02, "stiffness": 5.0}]
-
-
-def test_the_composite_moves_as_the_separate_units_do():
-    scene = two_balls(*SLIDING).replace({"run.revolutions": 10})
-    run = cosimulate(scene)
-    one = cosimulate_many(scene, {"speed": [3.0]}, results=["rotor.x", "rotor.y"])
-    assert not one["failure"][0]
-    for name in ("rotor.x", "rotor.y"):
-        assert one[name][0] == pytest.approx(run[name][-1], abs=1e-10 * np.ptp(run[name]))
-    assert abs(run["rotor.x"][-1]) > 1e-3
 
 
 TURNING = {

@@ -157,30 +157,6 @@ def test_command_draws_a_map_without_criterion_and_with_gaps(invoke, tmp_path, o
     assert picture.stat().st_size > 1000
 
 
-@pytest.mark.parametrize(
-    ("x", "y", "said"),
-    [
-        ("speed=1:2:3", "speed=1:2:3", "both axes are the same"),
-        ("speed=1:2", "weights.drag=1:2:3", "--x speed=1:2"),
-        ("speed=1:2:3", "wheels.drag=1:2:3", "begins with one of: rotor"),
-        ("speed=1:2:3", "weights.mass=-1:2:3", "greater than 0"),
-    ],
-)
-def test_command_refuses_wrong_axes(invoke, tmp_path, one_process, x, y, said):
-    outcome = invoke("map", "filimonikhina", "--x", x, "--y", y, "-o", tmp_path / "map.png")
-    assert outcome.exit_code == 2
-    assert said in " ".join(outcome.output.split())
-    assert not list(tmp_path.iterdir())
-
-
-def test_command_refuses_an_unknown_picture_before_the_work(invoke, tmp_path):
-    outcome = invoke(
-        "map", "filimonikhina", "--x", "speed=1:2:3", "--y", "weights.drag=1:2:3",
-        "-o", tmp_path / "map.bmp",
-    )  # fmt: skip
-    assert outcome.exit_code == 2
-
-
 def test_a_map_from_speed_zero_is_refused_in_words():
     with pytest.raises(UserError, match="speed = 0 rad/s: must be greater than 0"):
         stability_map(

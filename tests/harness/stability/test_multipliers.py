@@ -8,9 +8,7 @@ import numpy as np
 import pytest
 
 from autobalancer.harness import load_scene
-from autobalancer.harness.master.cosimulation import CoSimulation
 from autobalancer.harness.master.revolution import Revolution
-from autobalancer.harness.master.schedule import step_size
 from autobalancer.models.papers.window import LiquidWindow
 from tests.floquet import multipliers
 
@@ -73,59 +71,6 @@ def test_multipliers_converge_with_order_4():
         errors.append(abs(np.abs(found[0]) - expected))
     assert np.log2(errors[0] / errors[1]) == pytest.approx(4.0, abs=0.6)
     assert errors[2] < 1e-6
-
-
-@pytest.mark.parametrize("speed", [0.8, 6.0])
-def test_growth_rate_agrees_with_that_of_a_long_time_run(speed):
-    scene = balls(steps_per_rev=60).replace({"operation.speed": speed})
-    with Revolution(scene) as revolution:
-        growth = revolution.growth_rates(speed, revolution.first)[0]
-        steps = revolution.steps
-    assert growth > 0.0, "unstable on both sides of the region"
-    # a disturbance so small that it stays linear while the leading motion outgrows the others
-    period = 2.0 * math.pi / speed
-    revolutions = math.ceil(math.log(1e-4 / 1e-9) / (growth * period))
-    with CoSimulation(scene) as cosim:
-        cosim.start({"rotor": {"x0": 1e-9, "y0": 1e-9}})
-        residual = []
-        for _ in range(revolutions):
-            for _ in range(steps):
-                cosim.step(step_size(scene, steps))
-            residual.append(cosim.read("weights", ["moment_xi"])[0] + scene.rotor.unbalance)
-    late = np.array(residual[revolutions // 2 :])
-    assert len(late) >= 6
-    assert np.abs(late).max() < 1e-3
-    # Prony's method: one real or two conjugate multipliers fulfil a recursion of two terms
-    recursion = np.linalg.lstsq(np.array([late[1:-1], late[:-2]]).T, late[2:], rcond=None)[0]
-    fitted = np.log(np.abs(np.roots([1.0, *-recursion])).max()) / period
-    assert fitted == pytest.approx(growth, rel=2e-3)
-
-
-def test_decay_of_a_liquid_agrees_with_that_of_a_time_run():
-    scene = load_scene("liquid_disc").replace({"rotor.unbalance": 0.0})
-    speed = scene.operation.speed
-    with Revolution(scene) as revolution:
-        growth = revolution.growth_rates(speed, np.zeros(4))[0]
-    # the slowest motion alone: what is left after the faster one has died
-    with CoSimulation(scene, watch=False) as cosim:
-        cosim.start({"rotor": {"x0": 1e-3}})
-        step, size = step_size(scene), []
-        for _ in range(4000):
-            cosim.step(step)
-            size.append(math.hypot(*cosim.read("rotor", ["x", "y"])))
-    time = step * np.arange(1, 4001)
-    late = slice(2000, None)
-    fitted, _ = np.polyfit(time[late], np.log(size)[late], 1)
-    assert fitted == pytest.approx(growth, rel=1e-3)
-
-
-def test_steady_motion_of_a_liquid_is_dubovik_s_bending():
-    scene = load_scene("liquid_disc")
-    window = LiquidWindow.of(scene.assembly())
-    with Revolution(scene) as revolution:
-        for speed in (90.0, 150.0, 300.0):
-            state, _ = revolution.steady(speed)
-            assert math.hypot(*state[:2]) == pytest.approx(window.bending(speed), rel=1e-9)
 
 
 @pytest.mark.parametrize(

@@ -347,18 +347,6 @@ def test_command_prints_and_writes_the_speeds(invoke, tmp_path, monkeypatch):
         assert crossing["speed"] == pytest.approx(5.045, abs=0.006)
 
 
-def test_command_in_two_processes_finds_the_same(invoke, tmp_path, monkeypatch):
-    monkeypatch.setattr("os.cpu_count", lambda: 2)
-    target = tmp_path / "speeds.json"
-    outcome = invoke(
-        "speeds", "filimonikhina", "--range", 4.5, 5.5, "--method", "cosim", "--scan", 6,
-        "--json", target,
-    )  # fmt: skip
-    assert outcome.exit_code == 0, outcome.output
-    (crossing,) = json.loads(target.read_text())["methods"]["cosim"]
-    assert crossing["speed"] == pytest.approx(5.04992967, rel=1e-6)
-
-
 def test_command_refuses_an_empty_range_with_exit_code_2(invoke):
     outcome = invoke("speeds", "filimonikhina", "--range", 5, 4)
     assert outcome.exit_code == 2

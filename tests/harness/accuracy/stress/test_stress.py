@@ -10,12 +10,10 @@ import pytest
 from autobalancer.harness import load_scene
 from autobalancer.harness.accuracy.stress.case import (
     Outcome,
-    linear_motion,
     planar_scene,
     refusal,
     stated_error,
 )
-from autobalancer.harness.accuracy.stress.cases_rotor import liquid_scene
 from autobalancer.harness.accuracy.stress.cases_weights import two_pendulums
 from autobalancer.harness.accuracy.stress.run import as_json, run_case, stress
 from autobalancer.harness.accuracy.stress.verdicts import VerdictSample, judge, spinning, table
@@ -47,40 +45,6 @@ QUICK = [
 def test_extreme_case_is_right_or_clearly_refused(name):
     row = run_case(name)
     assert row.holds, row.outcome
-
-
-@pytest.mark.parametrize(("gain", "settles"), [(0.95, True), (0.99, True), (1.01, False)])
-def test_held_jacobi_with_the_liquid_as_force_diverges_just_above_gain_one(gain, settles):
-    build = liquid_scene(gain, 0.01, True, scheme="jacobi", order=0, steps_per_rev=400)
-    build = build.replace({"run.revolutions": 3})
-    with CoSimulation(build) as cosim:
-        cosim.start()
-        assert cosim.gain == pytest.approx(gain, rel=1e-9)  # r m2/m1
-    if settles:
-        result = cosimulate(build, record=["rotor.x"])
-        right = linear_motion(build, result.time)["rotor.x"]
-        assert np.max(np.abs(result["rotor.x"] - right)) < 0.2 * np.ptp(right)
-    else:
-        with pytest.raises(SimulationError, match=r"unstable.*loop gain 1\.01"):
-            cosimulate(build)
-
-
-def test_held_jacobi_repeats_an_error_by_the_root_of_the_gain_when_nobody_refuses_it():
-    """Force and acceleration are each one step late: once round the loop takes two steps."""
-    growth = {}
-    for gain in (0.98, 1.05):
-        build = liquid_scene(gain, 0.01, True, scheme="jacobi", order=0, steps_per_rev=4000)
-        with CoSimulation(build) as cosim:
-            cosim.start()
-            cosim.scheme.detect_divergence = lambda *_arguments: None  # let it diverge
-            forces = []
-            for _ in range(2000):
-                cosim.step(1e-4)
-                forces.append(cosim.system.forces[0].now[0])
-        jitter = np.abs(np.diff(forces, n=2))  # the error alternates, the force does not
-        growth[gain] = (jitter[-100:].max() / jitter[-1100:-1000].max()) ** 1e-3
-    assert growth[1.05] == pytest.approx(1.05**0.5, abs=2e-3)
-    assert growth[0.98] < 1.0
 
 
 def test_heavy_weights_part_from_their_neighbours_in_the_fifth_revolution():
@@ -189,22 +153,6 @@ def test_estimated_error_decides_whether_a_run_is_silent_told_or_refused():
     assert resolution.SAID <= stated_error(told) < resolution.REFUSED
     with pytest.raises(SimulationError, match="times as far as they move at all"):
         cosimulate(spinning("drum", 20, 20))  # real error 14 times the range
-
-
-@pytest.mark.parametrize(("scheme", "order"), [("gauss-seidel", 1), ("jacobi", 1), ("auto", 3)])
-def test_end_of_a_run_up_is_passed_without_a_kick(scheme, order):
-    """The acceleration jumps there: a line across the jump once threw the rotor by its range."""
-    coupling = {"scheme": scheme, "order": order, "steps_per_rev": 40, "tolerance": None}
-    build = load_scene("run_up").replace(
-        {**{f"coupling.{k}": v for k, v in coupling.items()}, "run.revolutions": 30}
-    )
-    run = cosimulate(build, record=["rotor.x"])
-    right, _ = reference(
-        build.assembly(), build.profile(), run.time, signals=["rotor.x"], bound=1e-6
-    )
-    late = run.time > build.profile().seconds
-    gap = np.abs(run["rotor.x"] - right.signal("rotor.x"))[late].max()
-    assert gap < 2e-3 * np.ptp(right.signal("rotor.x"))
 
 
 def test_turns_behind_a_weight_do_not_loosen_its_step():
