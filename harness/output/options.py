@@ -26,7 +26,7 @@ REPORT = typer.Option(
     help="Also write report.html there, a page to pass on, with its pictures.",
 )
 CLUSTER = typer.Option(
-    "--cluster", metavar="ADDRESS", help="Work on this Dask cluster, or `local`: one made here."
+    "--cluster", metavar="ADDRESS", help="Work on the Dask cluster of this scheduler."
 )
 
 

@@ -11,7 +11,7 @@ import hashlib
 import os
 import shutil
 import warnings
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from itertools import zip_longest
 from pathlib import Path
@@ -111,6 +111,7 @@ def open_store(
     made_for: Mapping[str, str],
     parts: Mapping[str, Mapping[str, StoredArray]],
     coordinates: Mapping[str, tuple[str, ArrayLike]],
+    program: Sequence[Path] = (),
 ) -> dict[str, StoredItems]:
     """A store's parts by name, begun if there is none at that place.
 
@@ -118,13 +119,14 @@ def open_store(
         made_for: in words whatever the outcomes depend on, but for the program, which is added.
         parts: the variables of every part.
         coordinates: the dimension and the values along it, by name.
+        program: folders of sources outside the package that the outcomes depend on.
 
     Raises:
         UserError: what is there is no store, or was made for something else.
     """
     import zarr
 
-    made_for = {**made_for, "program": _program()}
+    made_for = {**made_for, "program": _program(program)}
     if not path.exists():
         begun = path.with_name(f".{path.name}-begun")
         shutil.rmtree(begun, ignore_errors=True)
@@ -194,13 +196,13 @@ def _place(item: int, one: StoredArray) -> tuple[int, ...]:
     return tuple(item if dim == one.along else 0 for dim in one.dims)
 
 
-def _program() -> str:
-    """The package's sources: other ones might compute something else."""
+def _program(others: Sequence[Path] = ()) -> str:
+    """The package's sources, and others: different ones might compute something else."""
     root = Path(__file__).resolve().parents[2]
     content = hashlib.sha256()
-    for folder in ("models", "fmus", "harness"):
-        for path in sorted((root / folder).rglob("*.[pch]*")):
-            name = path.relative_to(root).as_posix()
+    for folder in (*(root / name for name in ("models", "fmus", "harness")), *others):
+        for path in sorted(folder.rglob("*.[pch]*")):
+            name = path.relative_to(folder.parent).as_posix()
             if path.suffix in (".py", ".c", ".h") and not name.startswith(_MADE):
                 content.update(name.encode() + path.read_bytes())
     return f"autobalancer {content.hexdigest()[:16]}"

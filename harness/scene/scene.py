@@ -168,12 +168,6 @@ class Scene(Table):
         """Speed against time; of a motor its no-load speed, which scales and steps go by."""
         return self._profile
 
-    @cached_property
-    def slowest_rate(self) -> float:
-        """Rate of the loaded rotor's slowest motion, over its highest speed."""
-        top = max(self._profile.start, self._profile.end)
-        return float(min(abs(self._assembly.loaded_rotor.free_rates(top)))) / top
-
     @property
     def asks_for_coupling(self) -> bool:
         """Whether anything is said of how the units are coupled; which units does not count."""

@@ -42,6 +42,7 @@ class Verdicts:
             {"content": f"truth study{', separate units' * study.separate}", "study": repr(study)},
             {"scene": variables},
             {"family": ("scene", list(families)), "number": ("scene", list(numbers))},
+            [Path(__file__).parent],
         )["scene"]
 
     def __len__(self) -> int:

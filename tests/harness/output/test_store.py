@@ -69,9 +69,24 @@ def test_a_store_of_something_else_is_refused(tmp_path, monkeypatch):
     roots(tmp_path / "a.zarr")
     with pytest.raises(UserError, match="made for another content: 'roots' there, 'logs' now"):
         roots(tmp_path / "a.zarr", "logs")
-    monkeypatch.setattr(store_module, "_program", lambda: "autobalancer 0")
+    own = store_module._program()
+    monkeypatch.setattr(store_module, "_program", lambda others: "autobalancer 0")
     with pytest.raises(UserError, match="made for another program"):
         roots(tmp_path / "a.zarr")
+    monkeypatch.undo()
+    (tmp_path / "study").mkdir()
+    (tmp_path / "study" / "draw.py").write_text("1")
+    assert store_module._program([tmp_path / "study"]) != own
+
+
+def test_a_map_of_a_dask_cluster_is_that_of_this_machine(tmp_path):
+    cluster = pytest.importorskip("distributed").LocalCluster
+    command = ["map", "filimonikhina", "--y", "weights.drag=1e-3:1:3:log", "--x", "speed=2:3:2"]
+    with cluster(n_workers=1, processes=False, dashboard_address=None) as dask:
+        for name, more in (("here.csv", []), ("there.csv", ["--cluster", dask.scheduler_address])):
+            done = CliRunner().invoke(program(), [*command, "--csv", f"{tmp_path}/{name}", *more])
+            assert done.exit_code == 0, done.output
+    assert (tmp_path / "here.csv").read_bytes() == (tmp_path / "there.csv").read_bytes()
 
 
 @pytest.mark.parametrize("damage", ["empty", "no number", "not JSON"])

@@ -1,7 +1,6 @@
 """A map killed at any moment: gone on with, it is byte for byte that of an undisturbed run.
 
 python tests/harness/stability/test_map_killed.py [KILLS]    2,000 points, 200 also co-simulated
-python tests/harness/stability/test_map_killed.py cluster    100,000 points, one of two workers lost
 """
 
 from __future__ import annotations
@@ -21,14 +20,12 @@ import pytest
 pytestmark = pytest.mark.slow
 
 CODE = "from autobalancer.harness.__main__ import main; main()"
-TINY, SMALL, LARGE = (10, 24), (50, 40), (400, 250)
+TINY, SMALL = (10, 24), (50, 40)
 
 
-def begin(
-    store: Path, cosim: int, grid: tuple[int, int] = SMALL, *more: str
-) -> subprocess.Popen[str]:
+def begin(store: Path, cosim: int, grid: tuple[int, int] = SMALL) -> subprocess.Popen[str]:
     axes = ["--x", f"speed=0.5:12:{grid[0]}", "--y", f"weights.drag=1e-4:1:{grid[1]}:log"]
-    wanted = [*axes, "--cosim", str(cosim), "-o", str(store), "--at-most", "1d", *more]
+    wanted = [*axes, "--cosim", str(cosim), "-o", str(store), "--at-most", "1d"]
     return subprocess.Popen(
         [sys.executable, "-c", CODE, "map", "filimonikhina", *wanted],
         env={**os.environ, "TMPDIR": str(store.parent)},
@@ -102,25 +99,6 @@ def killed(
     return maps
 
 
-def with_a_worker_lost(right: Path, cosim: int, grid: tuple[int, int] = SMALL) -> float:
-    """Seconds of the `right` map on a cluster that loses a worker in its middle."""
-    from psutil import Process
-
-    cluster = right.with_name("cluster.zarr")
-    begun = time.monotonic()
-    run = begin(cluster, cosim, grid, "--cluster", "local")
-    finished, strips = cluster / "strip_done" / "c", -(-grid[1] // 8)
-    while not finished.exists() or len(os.listdir(finished)) < strips / 3:
-        assert run.poll() is None, run.communicate()
-        time.sleep(0.02)
-    workers = [p for p in Process(run.pid).children() if "spawn_main" in "".join(p.cmdline())]
-    workers[0].kill()
-    said, _ = run.communicate()
-    assert run.returncode == 0, said
-    assert same(right, cluster)
-    return time.monotonic() - begun
-
-
 FEW = 4  # co-simulated points
 
 
@@ -134,17 +112,7 @@ def test_a_killed_map_goes_on_to_the_same_bytes_and_does_nothing_twice(right):
     assert killed(*right, FEW, kills=2, seed=1, grid=TINY) >= 1
 
 
-def test_a_cluster_that_loses_a_worker_gives_the_same_bytes(right):
-    pytest.importorskip("distributed")
-    with_a_worker_lost(right[0], FEW, TINY)
-
-
-if __name__ == "__main__" and sys.argv[1:] == ["cluster"]:
-    with tempfile.TemporaryDirectory() as folder:
-        plain, alone = undisturbed(Path(folder), 0, LARGE)
-        cluster = with_a_worker_lost(plain, 0, LARGE)
-        print(f"plain {alone:.1f} s, cluster {cluster:.1f} s, the same bytes")
-elif __name__ == "__main__":
+if __name__ == "__main__":
     times = int(sys.argv[1]) if sys.argv[1:] else 50
     with tempfile.TemporaryDirectory() as folder:
         maps = killed(*undisturbed(Path(folder), 200), 200, times, 1)
