@@ -169,4 +169,10 @@ def in_both(value: float, symbol: str) -> str:
 def engineers(value: float, symbol: str, digits: int = 4) -> str:
     """A value in engineers' units, such as '1200 rpm'."""
     unit, factor = QUANTITIES[symbol].engineering or (symbol, 1.0)
-    return f"{value * factor:.{digits}g} {unit}"
+    return f"{rounded(value * factor, digits)} {unit}"
+
+
+def rounded(value: float, digits: int = 4) -> str:
+    """A value with so many digits, and without an exponent below a billion."""
+    text = f"{value:.{digits}g}"
+    return f"{float(text):.0f}" if 10**digits <= abs(value) < 1e9 else text

@@ -131,7 +131,10 @@ README_COMMANDS = {  # of the table, with the options shown there
         "balancing_machine -o corrections.png",
         "runs.csv --angles 12 --grade G2.5 --mass 8 -o corrections.png",
     ],
-    "design": ["finite_weights --starts 6 --most 2 -o design.png"],
+    "design": [
+        "finite_weights --starts 6 --most 3 --track 250mm --width 50mm --material steel "
+        "--unbalance '0..90 g m' --reserve 1.3 -o design.png"
+    ],
     "scatter": ["two_balls --vary weights.drag=normal(0.2,0.02) -n 10 -o scatter.csv"],
     "fit": ["two_balls --without-balancers --measured fit.csv --free rotor.unbalance -o fit.png"],
     "drag": ["--ball 10mm --decay 30deg 10deg 1.2s"],

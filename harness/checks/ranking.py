@@ -49,7 +49,7 @@ def check_ranking(
         separate="checks are of the FMUs",
     )
     yield from _order(data, rows)
-    found = [run.decay for c in data.with_capacity for run in c.runs]
+    found = data.decays
     if any(one.dominant for one in found):
         yield from decay_rows(found, rows)
     yield _halved(halved, data, rows, workers)

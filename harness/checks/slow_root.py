@@ -34,7 +34,7 @@ def check_slow_root(
     scenes = sized(scene, range(2, most + 1), amount, width=WIDTH[kind])
     work = [b for s in scenes.values() for b in batches(s, amount, starts, facing_start)]
     outcomes = in_order(run_batch, work, workers, progress)
-    found = [run.decay for runs in outcomes for run in runs]
+    found = [run.decay for runs in outcomes for run in runs if run.decay]
     yield from decay_rows(found, rows)
 
 

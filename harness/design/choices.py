@@ -14,15 +14,18 @@ from ..master.one_file import why_separate
 from ..master.schedule import at_fixed_steps
 from ..output.workers import Progress, Workers, in_order
 from ..scene import Scene
+from .decay import Decay
 from .scenes import (
     STEEL,
     batches,
     capacity_of,
     drag_limit,
+    is_isotropic,
     race_of,
     sized,
     unbalance_of,
     weights_of,
+    with_balls,
 )
 from .settling import SETTLED, SettlingRun, median_interval, refuse_few, run_batch, run_batch_in_c
 
@@ -36,8 +39,9 @@ class Choice:
         count, radius, mass, capacity: n, r [m], m [kg], S [kg m].
         packed, largest: spread p of the packed group, and the largest one (10), (13).
         measure: function (15) or (16) at this radius.
-        predicted: time in which the slow root (1) falls to `SETTLED` at the largest p [s].
-        has_capacity: the capacity reaches the unbalance; where it does not, nothing is run.
+        predicted: time in which the slow root (1) falls to `SETTLED` at the largest p [s]; NaN on
+            anisotropic supports.
+        has_capacity: it reaches the unbalance with the reserve; where it does not, nothing is run.
         median, low, high: co-simulated settling time and its 95 % confidence interval [s]; NaN
             where nothing was run.
         runs: every start.
@@ -79,7 +83,11 @@ class Design:
     """All numbers of weights for one rotor and space.
 
     Attributes:
+        unbalance: the largest to be balanced [kg m].
+        choices: by number of weights.
         separate: why separate FMUs ran; empty where the starts ran in C as one composite.
+        reserve: capacity that is asked for, over the unbalance.
+        least: the smallest unbalance that occurs [kg m].
     """
 
     title: str
@@ -88,11 +96,18 @@ class Design:
     race: float
     choices: tuple[Choice, ...]
     separate: str = ""
+    reserve: float = 1.0
+    least: float = 0.0
 
     @property
     def with_capacity(self) -> list[Choice]:
         """Those with enough capacity."""
         return [c for c in self.choices if c.has_capacity]
+
+    @property
+    def decays(self) -> list[Decay]:
+        """Ends of all runs, where the closed forms hold."""
+        return [run.decay for c in self.with_capacity for run in c.runs if run.decay]
 
     @property
     def units(self) -> list[str]:
@@ -113,6 +128,8 @@ def design(
     workers: Workers = 1,
     progress: Progress | None = None,
     separate: str = "",
+    reserve: float = 1.0,
+    least: float = 0.0,
 ) -> Design:
     """Compare numbers of weights on the rotor of a scene.
 
@@ -127,35 +144,40 @@ def design(
         workers: processes, or an executor.
         progress: called with the finished fraction.
         separate: why separate FMUs are to run all the same; empty: they are not.
+        reserve: capacity over the unbalance that a number must have.
+        least: the smallest unbalance that occurs [kg m].
 
     Raises:
-        SceneError: the scene is not a planar isotropic rotor at constant speed with one set of
-            balls or rollers with weight_radius and no gravity.
+        SceneError: the scene is not a planar rotor at constant speed with one set of balls or
+            rollers, or none, and no gravity; or race or width is not known.
         SimulationError: a run cannot be completed, or the starts are too few.
     """
     refuse_few(starts)  # before the work
     scene.refuse_gravity("a design")
-    balls = weights_of(scene)
+    scene = with_balls(scene, race, width)
+    balls = weights_of(scene, any_supports=True)
     amount = unbalance_of(scene) if unbalance is None else unbalance
     race = race_of(balls) if race is None else race
     scenes = sized(scene, counts, amount, race, width, density)
-    work = [batch for n in counts for batch in batches(scenes[n], amount, starts)]
+    work = [batch for n in counts for batch in batches(scenes[n], amount, starts, reserve=reserve)]
     separate = separate or why_separate(at_fixed_steps(scene))
     run = run_batch if separate else run_batch_in_c
     outcomes = in_order(run, work, workers, progress)
     runs: dict[int, list[SettlingRun]] = {n: [] for n in counts}
     for batch, outcome in zip(work, outcomes, strict=True):
-        runs[weights_of(batch.scene).count] += outcome
-    choices = tuple(_choice(scenes[n], amount, runs[n]) for n in counts)
-    return Design(scene.title, balls.kind, amount, race, choices, separate)
+        runs[weights_of(batch.scene, any_supports=True).count] += outcome
+    choices = tuple(_choice(scenes[n], reserve * amount, runs[n]) for n in counts)
+    return Design(scene.title, balls.kind, amount, race, choices, separate, reserve, least)
 
 
-def _choice(scene: Scene, unbalance: float, runs: list[SettlingRun]) -> Choice:
-    balls = weights_of(scene)
+def _choice(scene: Scene, required: float, runs: list[SettlingRun]) -> Choice:
+    balls = weights_of(scene, any_supports=True)
     radius, alpha = balls.weight_radius or 0.0, balls.half_angle
     largest = theory.largest_alignment(balls.count, alpha)
     limit = capacity_of(balls)
-    times = [run.seconds for run in runs]
+    times, predicted = [run.seconds for run in runs], math.nan
+    if is_isotropic(scene):
+        predicted = settling_time(slow_root(balls.device, largest, drag_limit(scene)), SETTLED)
     return Choice(
         scene,
         balls.count,
@@ -165,8 +187,8 @@ def _choice(scene: Scene, unbalance: float, runs: list[SettlingRun]) -> Choice:
         theory.packed_alignment(balls.count, alpha),
         largest,
         theory.settling_shape(balls.kind, radius / race_of(balls), balls.count),
-        settling_time(slow_root(balls.device, largest, drag_limit(scene)), SETTLED),
-        limit >= unbalance,
+        predicted,
+        limit >= required,
         *(median_interval(times) if runs else (math.nan,) * 3),
         tuple(runs),
     )

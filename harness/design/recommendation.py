@@ -22,21 +22,26 @@ if TYPE_CHECKING:
 NEAR = 0.15  # of the critical unbalance: ten per cent off, 58 of 200 starts had not settled
 
 
-def words(data: Design) -> list[str]:
-    """The recommendation as lines of text, its reasons included."""
+def words(data: Design, details: bool = True) -> list[str]:
+    """The recommendation as lines of text, its reasons included.
+
+    Args:
+        details: also how the runs compare with Goncharov 2017.
+    """
+    required = data.reserve * data.unbalance
     if not data.with_capacity:
         best = max(data.choices, key=lambda c: c.capacity)
         return [
-            f"No number of {data.kind} in this space balances {data.unbalance:.4g} kg m: "
-            f"{best.count} have the most, {best.capacity:.4g} kg m. Take a larger race, a wider "
-            "space or a denser material.",
+            f"No number of {data.kind} in this space balances {required:.4g} kg m: "
+            f"{best.count} have the most, {best.capacity:.4g} kg m. Take more weights (--most), a "
+            "larger race, a wider space or a denser material.",
             *_whirls(data),
         ]
-    lines = [*_recommendation(data), *_ranking(data)]
+    lines = [*_recommendation(data), *(_ranking(data) if details else [])]
     if short := ", ".join(str(c.count) for c in data.choices if not c.has_capacity):
-        lines.append(f"Too little capacity for {data.unbalance:.4g} kg m, not run: n = {short}.")
-    lines += _whirls(data)
-    return [*lines, *_critical(data), *_decays(data), *_steps(data), *_diameters(data)]
+        lines.append(f"Too little capacity for {required:.4g} kg m, not run: n = {short}.")
+    lines += [*_whirls(data), *_critical(data)]
+    return [*lines, *_decays(data), *_steps(data), *_diameters(data)] if details else lines
 
 
 def _whirls(data: Design) -> list[str]:
@@ -44,7 +49,7 @@ def _whirls(data: Design) -> list[str]:
     short = {
         c.count: whirl_at(c.scene, c.scene.profile().end)
         for c in data.choices
-        if not c.has_capacity
+        if c.capacity < data.unbalance
     }
     parts = [
         f"{1e3 * max(one.amplitude):.4g} mm with n = {count}"
@@ -57,16 +62,26 @@ def _whirls(data: Design) -> list[str]:
 
 
 def _recommendation(data: Design) -> list[str]:
-    fastest = min(data.with_capacity, key=lambda c: c.median)
-    if math.isinf(fastest.median):
+    """The fewest that settle as soon as the fastest, the others, and the fewest of all."""
+    good = sorted(rivals(data), key=lambda c: c.count)
+    best, others = good[0], good[1:]
+    if math.isinf(best.median):
         return ["No recommendation: most starts did not settle within the scene's run."]
+    held = f"{best.capacity:.4g} kg m"
+    if data.unbalance:
+        held += f", {best.capacity / data.unbalance:.3g} times the largest unbalance"
     lines = [
-        f"Take {fastest.count} {data.kind} of radius {1e3 * fastest.radius:.3g} mm: they "
-        f"balance up to {fastest.capacity:.4g} kg m and settle in {fastest.median:.3g} s "
-        f"(median, 95 % confidence {fastest.low:.3g} to {fastest.high:.3g} s)."
+        f"Take {best.count} {data.kind} of {2e3 * best.radius:.3g} mm diameter and "
+        f"{1e3 * best.mass:.4g} g: they hold up to {held}, and settle in {best.median:.3g} s "
+        f"(median, 95 % confidence {best.low:.3g} to {best.high:.3g} s)."
     ]
-    if others := ", ".join(str(c.count) for c in rivals(data) if c is not fastest):
-        lines.append(f"The confidence intervals do not tell it apart from {others}.")
+    if others:
+        named = ", ".join(f"{c.count} ({c.count * c.mass:.3g} kg in all)" for c in others)
+        lines.append(f"As good, as far as {len(best.runs)} starts tell: {named}.")
+    fewest = data.with_capacity[0]
+    if fewest.count < best.count:
+        when = f"in {fewest.median:.3g} s" if math.isfinite(fewest.median) else "as a rule not"
+        lines.append(f"{fewest.count} have the capacity and settle {when}.")
     return lines
 
 
@@ -123,11 +138,11 @@ def _critical(data: Design) -> list[str]:
     """What three weights that touch do where two of them face the third."""
     lines = []
     for choice in data.with_capacity:
-        balls = weights_of(choice.scene)
+        balls = weights_of(choice.scene, any_supports=True)
         if choice.count != 3:
             continue
         amount = critical_unbalance(balls.mass, balls.track_radius, balls.weight_radius or 0.0)
-        if amount <= (1.0 + NEAR) * data.unbalance:
+        if (1.0 - NEAR) * data.least <= amount <= (1.0 + NEAR) * data.unbalance:
             here = abs(data.unbalance / amount - 1.0) <= NEAR
             lines.append(
                 f"{'WARNING: ' if here else ''}n = 3 has a critical case at {amount:.4g} kg m, "
@@ -139,7 +154,7 @@ def _critical(data: Design) -> list[str]:
 
 
 def _decays(data: Design) -> list[str]:
-    decays = [run.decay for c in data.with_capacity for run in c.runs]
+    decays = data.decays
     chosen = [one for one in decays if one.dominant]
     line = f"Slow root dominant at the end of {len(chosen)} of {len(decays)} runs"
     if reasons := excluded(decays):

@@ -7,12 +7,14 @@ from collections.abc import Callable, Sequence
 
 from ...models.papers import capacity as theory
 from ...models.papers.settling import critical_drag_factor
+from ...models.weights import KAPPA
 from ..errors import SceneError
 from ..scene import Scene
 from ..scene.balancer import WeightBalancer
 from .settling import Batch, Start, random_start
 
 STEEL = 7800.0  # kg/m^3
+ASSUMED_RATE = 0.2  # of the speed: rate at which a ball of unknown drag loses its speed
 BATCH = 10  # starts that share one loading of the units
 SEED = 1
 
@@ -30,7 +32,7 @@ def sized(
     The weights have the radius of largest capacity that the space allows; the drag keeps its ratio
     to the mass.
     """
-    balls = weights_of(scene)
+    balls = weights_of(scene, any_supports=True)
     race = race_of(balls) if race is None else race
     width = 2.0 * (balls.weight_radius or 0.0) if width is None else width
     return {n: _variant(scene, balls, n, unbalance, race, width, density) for n in counts}
@@ -75,7 +77,11 @@ def race_of(balls: WeightBalancer) -> float:
 
 
 def batches(
-    scene: Scene, unbalance: float, starts: int, start: Callable[..., Start] = random_start
+    scene: Scene,
+    unbalance: float,
+    starts: int,
+    start: Callable[..., Start] = random_start,
+    reserve: float = 1.0,
 ) -> list[Batch]:
     """The random starts of one number of weights; none where the capacity is too small.
 
@@ -84,8 +90,8 @@ def batches(
     Args:
         start: makes one from count, alpha and a random generator.
     """
-    balls = weights_of(scene)
-    if capacity_of(balls) < unbalance:
+    balls = weights_of(scene, any_supports=True)
+    if capacity_of(balls) < reserve * unbalance:
         return []
     rng = random.Random(1000 * SEED + balls.count)
     positions = [start(balls.count, balls.half_angle, rng) for _ in range(starts)]
@@ -98,23 +104,61 @@ def capacity_of(balls: WeightBalancer) -> float:
     return theory.capacity(balls.mass, balls.track_radius, balls.weight_radius or 0.0, balls.count)
 
 
-def weights_of(scene: Scene) -> WeightBalancer:
-    """The scene's weights, if it is one for a design.
+def with_balls(scene: Scene, race: float | None, width: float | None) -> Scene:
+    """The scene; where it has no weights, with two steel balls of `width` and assumed drag.
 
     Raises:
-        SceneError: it is not.
+        SceneError: the size of its weights is not known.
     """
-    one = only_finite_weights(scene)
-    if one is None or one.kind == "pendulums":
+    one = scene.balancer[0] if scene.balancer else None
+    sized_already = isinstance(one, WeightBalancer) and one.weight_radius
+    if not sized_already and (race is None or width is None):
         raise SceneError(
-            f"{scene.name}: design: needs a planar rotor with equal stiffness and damping in x and "
-            "y at constant speed, and one set of balls or rollers with weight_radius"
+            f"{scene.name}: design: its weights have no size: give --race and --width, the radius "
+            "of the race and the space along the axis"
         )
-    try:
-        drag_limit(scene)
-    except ValueError as error:
-        raise SceneError(f"{scene.name}: design: {error}") from error
+    if one is not None or race is None or width is None:
+        return scene
+    radius = min(0.5 * width, theory.best_ratio("balls", 2) * race)
+    mass = theory.weight_mass("balls", radius, STEEL)
+    drag = ASSUMED_RATE * scene.profile().end * KAPPA["balls"] * mass
+    balls = {"kind": "balls", "name": "balls", "count": 2, "mass": mass, "drag": drag}
+    document = {**scene.document, "balancer": [{**balls, "track_radius": race - radius}]}
+    return Scene.from_document(document, path=scene.path, label=scene.label)
+
+
+def weights_of(scene: Scene, any_supports: bool = False) -> WeightBalancer:
+    """The scene's weights, if it is one for a design.
+
+    Args:
+        any_supports: also where Goncharov's closed forms do not hold.
+
+    Raises:
+        SceneError: it is not; every reason is named.
+    """
+    rotor = scene.rotor
+    reasons = {
+        f'rotor.kind = "{rotor.kind}": must be "planar"': rotor.kind != "planar",
+        "[operation]: must have a constant speed": scene.profile().rises,
+        "[[balancer]]: must be one set of balls or rollers, or none": len(scene.balancer) != 1
+        or getattr(scene.balancer[0], "kind", "") not in ("balls", "rollers"),
+    }
+    if any(reasons.values()):
+        wrong = "; ".join(reason for reason, is_so in reasons.items() if is_so)
+        raise SceneError(f"{scene.name}: design: {wrong}")
+    if is_isotropic(scene) or not any_supports:
+        try:
+            drag_limit(scene)
+        except ValueError as error:
+            raise SceneError(f"{scene.name}: design: {error}") from error
+    (one,) = scene.balancer
+    assert isinstance(one, WeightBalancer)
     return one
+
+
+def is_isotropic(scene: Scene) -> bool:
+    """Whether Goncharov's closed forms hold for the rotor."""
+    return bool(scene.assembly().rotor.isotropic)
 
 
 def only_finite_weights(scene: Scene) -> WeightBalancer | None:

@@ -51,7 +51,8 @@ class SettlingRun:
     Attributes:
         seconds: until the residual stays below `SETTLED`; infinite where it did not.
         alignment: p at the end.
-        decay: the linear end of the run against the slow root.
+        decay: the linear end of the run against the slow root; None where the supports are not
+            isotropic.
         unconverged, steps: communication steps whose loop left more than `LOOSE` of the force; of
             all.
         units: names of the FMUs loaded for it; none where it ran in C as one composite.
@@ -59,15 +60,15 @@ class SettlingRun:
 
     seconds: float
     alignment: float
-    decay: Decay
+    decay: Decay | None
     unconverged: int = 0
     steps: int = 0
     units: tuple[str, ...] = ()
 
     @property
     def predicted(self) -> float:
-        """Time in which the slow root of the position reached falls to `SETTLED` [s]."""
-        return settling_time(self.decay.root, SETTLED)
+        """Time in which the slow root of the position reached falls to `SETTLED` [s], or NaN."""
+        return settling_time(self.decay.root, SETTLED) if self.decay else math.nan
 
 
 def random_start(count: int, alpha: float, rng: random.Random) -> Start:
@@ -195,10 +196,13 @@ def _settling_run(
 ) -> SettlingRun:
     times, residuals, places = readings
     assembly, speed = batch.scene.assembly(), batch.scene.profile().speed(0.0)
+    end = None
+    if assembly.rotor.isotropic:
+        end = decay(assembly, speed, balls.half_angle, times, residuals, places)
     return SettlingRun(
         settled_at(times, residuals),
         alignment(places[-1]),
-        decay(assembly, speed, balls.half_angle, times, residuals, places),
+        end,
         unconverged,
         steps,
         units,

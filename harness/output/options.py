@@ -30,10 +30,10 @@ CLUSTER = typer.Option(
 )
 
 
-def quantity(symbol: str, help: str, option: str) -> Any:
+def quantity(symbol: str, help: str, *names: str) -> Any:
     """A number in this SI unit, or with a unit."""
-    parser = partial(si_number, symbol=symbol, what=option)
-    return typer.Option(option, help=help, parser=parser, metavar="NUMBER")
+    parser = partial(si_number, symbol=symbol, what=names[0])
+    return typer.Option(*names, help=help, parser=parser, metavar="NUMBER")
 
 
 RANGE = typer.Option(

@@ -262,6 +262,58 @@ def test_two_weights_without_unbalance_are_named_not_failed():
     assert any("one diameter" in line for line in words(data))
 
 
+ROTOR = """
+rotor = {kind = "planar", mass = "8 kg", stiffness = ["20 kN/m", "24 kN/m"], damping = 60}
+operation = {speed = "1200 rpm"}
+run = {revolutions = 30}
+"""
+SPACE = ["--track", "180mm", "--width", "30mm", "--starts", "6", "--most", "4"]
+
+
+def test_a_rotor_without_balls_on_unequal_supports_gets_the_fewest_that_hold_its_unbalance(
+    invoke, tmp_path
+):
+    scene = tmp_path / "rotor.toml"
+    scene.write_text(ROTOR, encoding="utf-8")
+    asked = ["design", scene, *SPACE, "--unbalance", "0..30 g m", "--reserve", "1.3"]
+    steel = invoke(*asked, "-o", tmp_path / "steel.png")
+    assert steel.exit_code == 0, steel.output
+    assert "n = 2" in steel.output  # 2 balls of 110 g on a circle of 165 mm hold 36 g m, not 39
+    assert "30 mm diameter and 110.3 g" in steel.output
+    assert "Drag is ASSUMED" in steel.output
+    assert (tmp_path / "steel.png").stat().st_size > 10_000
+    heavy = invoke(*asked, "--material", "tungsten carbide", "--units", "engineering")
+    assert "balls for 30000 g mm with" in heavy.output
+    assert "│ 2 │          30 │  0.4213 │      69220 │  43% │" in heavy.output
+
+
+@pytest.mark.parametrize(
+    ("arguments", "problem"),
+    [
+        (["--unbalance", "300..0 g mm"], "must be 0 or more, such as"),
+        (["--unbalance", "3 kg"], "an unbalance is expected"),
+        (["--material", "stel"], 'did you mean "steel"'),
+        (["--reserve", "0.5"], "must be 1 or more"),
+        (["--set", "rotor.unbalance=300 g mm", "--width", "0"], "must be above 0"),
+    ],
+)
+def test_wrong_demands_on_a_design_are_refused(invoke, tmp_path, arguments, problem):
+    scene = tmp_path / "rotor.toml"
+    scene.write_text(ROTOR, encoding="utf-8")
+    refused = invoke("design", scene, *SPACE, *arguments)
+    assert refused.exit_code == 2
+    assert problem in refused.stderr
+
+
+def test_a_scene_that_is_none_for_a_design_is_refused_with_every_reason():
+    with pytest.raises(
+        SceneError, match=r'"two_support": must be "planar"; \[\[balancer\]\]: must be'
+    ):
+        design(load_scene("two_plane_rodrigues"), starts=6, race=0.1, width=0.01)
+    with pytest.raises(SceneError, match="give --race and --width"):
+        design(load_scene("two_balls"), starts=6)
+
+
 def test_design_command_shows_a_table_words_and_a_picture(invoke, tmp_path, monkeypatch):
     monkeypatch.setenv("COLUMNS", "80")
     scene = tmp_path / "short.toml"
@@ -277,13 +329,9 @@ def test_design_command_shows_a_table_words_and_a_picture(invoke, tmp_path, monk
     assert max(map(len, table)) <= 80
     assert "p largest" not in result.output
     assert "p largest" in invoke(*arguments, "--details").output
-    assert "balls of radius" in result.output
-    # two balls have not the capacity and are not run
-    assert "All starts ran in C as one composite" in result.output
-    assert "FMUs loaded: none" in result.output
+    assert "Take 3 balls of 50 mm diameter" in result.output
     assert picture.stat().st_size > 10_000
     short = invoke(*arguments, "--unbalance", "5")
     assert "No number of balls in this space" in short.output
-    assert "FMUs loaded: none" in short.output
     refused = invoke("design", "two_balls")
     assert refused.exit_code == 2
