@@ -129,7 +129,7 @@ README_COMMANDS = {  # of the table, with the options shown there
     "rotor": ["drum --campbell campbell.png --response response.png"],
     "balance": [
         "balancing_machine -o corrections.png",
-        "runs.csv --angles 12 --grade G2.5 --mass 8 -o corrections.png",
+        "runs.csv --angles 12 --min-max --largest-mass 5 --grade G2.5 --mass 8 -o corrections.png",
     ],
     "design": [
         "finite_weights --starts 6 --most 3 --track 250mm --width 50mm --material steel "

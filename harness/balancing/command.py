@@ -39,6 +39,12 @@ def command(
         str | None,
         typer.Option(help="Where masses fit: 12 (evenly) or 0,30,75 (deg); planes parted by /."),
     ] = None,
+    min_max: Annotated[
+        bool, typer.Option("--min-max", help="Make the largest reading least, not the squares.")
+    ] = False,
+    largest_mass: Annotated[
+        str | None, typer.Option(help="Grams that a plane takes: 5, or 5,8 one a plane.")
+    ] = None,
     grade: Annotated[str | None, typer.Option(help="Of ISO 21940-11, for measured runs.")] = None,
     mass: Annotated[
         float | None, options.quantity("kg", "Of the rotor, kg, for --grade.", "--mass")
@@ -58,6 +64,8 @@ def command(
     given = {
         "--correct": correct,
         "--angles": angles,
+        "--min-max": min_max or None,
+        "--largest-mass": largest_mass,
         "--grade": grade,
         "--mass": mass,
         "--service-speed": service_speed,

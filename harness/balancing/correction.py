@@ -15,7 +15,12 @@ from pydantic import ValidationError
 from scipy.optimize import nnls
 
 from ...models.arrays import Array, Complex
-from ...models.papers.influence import condition_number, from_runs, unbalance_from_response
+from ...models.papers.influence import (
+    condition_number,
+    from_runs,
+    limited_correction,
+    unbalance_from_response,
+)
 from ..errors import UserError
 from ..scene.balancing import Balancing
 from .measured import MeasuredRuns
@@ -67,11 +72,12 @@ class Correction:
         corrected: name of the run whose vibration is corrected.
         coefficients: (s, p) influence coefficients [amplitude/g].
         condition: their condition number.
-        exact: (p,) corrections [g] by least squares.
+        exact: (p,) corrections [g] by `method`, at any angle.
         pieces: the same at allowed angles; one a plane where any angle is.
         before, after: (s,) complex amplitudes, measured and with the pieces expected.
         uncertainty: (p,) standard uncertainty of the corrections [g], by what least squares leave;
-            NaN where there are no more readings than corrections.
+            NaN where there are no more readings than corrections, or another method.
+        method: what is least, in words.
         grade: None where it was not asked.
     """
 
@@ -84,6 +90,7 @@ class Correction:
     before: Complex
     after: Complex
     uncertainty: Array
+    method: str
     grade: Grade | None = None
 
     @property
@@ -100,8 +107,10 @@ def correct(
     grade: str = "",
     mass: float | None = None,
     service_speed: float | None = None,
+    min_max: bool = False,
+    largest: Sequence[float] = (),
 ) -> Correction:
-    """Corrections by least squares.
+    """Corrections by least squares, or those that make the largest reading least.
 
     Args:
         run: whose vibration is corrected; by default the reference, the first one.
@@ -109,6 +118,8 @@ def correct(
         grade: of ISO 21940-11, such as "G2.5"; needs the radii and
         mass: of the rotor [kg], and
         service_speed: [rad/s]; by default the fastest one measured.
+        min_max: the largest reading is to be least.
+        largest: mass [g] that a plane takes, of every plane, or of all by one; by default any.
 
     Raises:
         UserError: there is no such run, the runs do not tell the planes apart, the readings do not
@@ -131,14 +142,21 @@ def correct(
             f"{_SINGULAR:g}: leave out a plane, or add a sensor or a speed"
         )
     before = measured.responses[measured.runs.index(corrected)]
-    exact = -unbalance_from_response(coefficients, before)
-    pieces = split(coefficients, before, exact, angles)
+    if len(largest) not in (0, 1, planes):
+        raise UserError(f"largest mass of {len(largest)} planes: must be one, or {planes}")
+    method = "least maximum" if min_max else "least squares"
+    if min_max or largest:
+        bounds = np.broadcast_to(largest, planes) if largest else None
+        exact = limited_correction(coefficients, before, bounds, min_max)
+    else:
+        exact = -unbalance_from_response(coefficients, before)
+    pieces = split(coefficients, before, exact, angles, limited=bool(min_max or largest))
     mounted = np.zeros(planes, complex)
     for piece in pieces:
         mounted[piece.plane] += piece.mass * np.exp(1j * piece.angle)
     missed = before + coefficients @ exact
     spread = np.full(planes, math.nan)
-    if readings > planes:
+    if readings > planes and not (min_max or largest):
         variance = float((np.abs(missed) ** 2).sum()) / (readings - planes)
         inverse = np.linalg.inv(coefficients.conj().T @ coefficients)
         spread = np.sqrt(variance * inverse.diagonal().real)
@@ -148,20 +166,28 @@ def correct(
         graded = _graded(measured, grade, np.abs(exact), left, mass, service_speed)
     after = before + coefficients @ mounted
     return Correction(
-        measured, corrected, coefficients, condition, exact, pieces, before, after, spread, graded
-    )
+        measured, corrected, coefficients, condition, exact, pieces, before, after, spread, method,
+        graded,
+    )  # fmt: skip
 
 
 def split(
-    coefficients: Complex, before: Complex, exact: Complex, angles: Sequence[Sequence[float]]
+    coefficients: Complex,
+    before: Complex,
+    exact: Complex,
+    angles: Sequence[Sequence[float]],
+    limited: bool = False,
 ) -> tuple[Piece, ...]:
     """Corrections as masses at allowed angles [rad].
 
     Two neighbouring angles less than half a turn apart make any correction between them.  Where one
     lies in a wider gap, masses at all allowed angles are those of least squares.
 
+    Args:
+        limited: the corrections are not those of least squares.
+
     Raises:
-        UserError: there are lists for another number of planes.
+        UserError: there are lists for another number of planes, or too wide a gap between angles.
     """
     if not angles:
         return tuple(Piece(i, abs(w), float(np.angle(w))) for i, w in enumerate(exact.tolist()))
@@ -174,6 +200,9 @@ def split(
         masses = [piece for each in pieces for piece in each or ()]
         least = _NOTHING * float(np.abs(exact).max())
         return tuple(piece for piece in masses if piece.mass > least)
+    if limited:
+        raise UserError("allowed angles half a turn or more apart: only with least squares of any "
+                        "mass, without --min-max and --largest-mass")  # fmt: skip
     places = [(plane, angle) for plane, allowed in enumerate(lists) for angle in allowed]
     columns = np.array([coefficients[:, p] * np.exp(1j * angle) for p, angle in places]).T
     masses, _ = nnls(

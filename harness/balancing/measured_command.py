@@ -8,6 +8,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
 import typer
 
 from ..errors import UserError
@@ -52,6 +53,8 @@ def balance_measured(
         grade=given["--grade"] or "",
         mass=given["--mass"],
         service_speed=given["--service-speed"],
+        min_max=bool(given["--min-max"]),
+        largest=_masses_allowed(given["--largest-mass"]),
     )
     page = Report(report, f"Balancing: {path.name}", [])
     with page.keeping():
@@ -91,6 +94,21 @@ def allowed_angles(text: str | None) -> list[list[float]]:
     return lists
 
 
+def _masses_allowed(text: str | None) -> list[float]:
+    """Largest masses [g]: one, or one a plane with commas.
+
+    Raises:
+        UserError: they are not numbers above 0.
+    """
+    try:
+        masses = [float(each) for each in text.split(",")] if text is not None else []
+    except ValueError:
+        masses = [math.nan]
+    if not all(0.0 < mass < math.inf for mass in masses):
+        raise UserError(f"--largest-mass {text}: must be grams above 0, one or one a plane: 5,8")
+    return masses
+
+
 def _print(result: Correction, path: Path) -> None:
     measured = result.measured
     say(
@@ -101,7 +119,8 @@ def _print(result: Correction, path: Path) -> None:
     show(_masses(result))
     show(_readings(result))
     unit = f" {measured.unit}" if measured.unit else ""
-    say(f"Expected to remain: rms {result.rms:.3g}{unit}")
+    largest = float(np.abs(result.after).max())
+    say(f"Expected to remain: rms {result.rms:.3g}{unit}, largest {largest:.3g}{unit}")
     if (grade := result.grade) is not None:
         say(
             f"{grade.name} permits {grade.permissible:.4g} kg m over all planes: "
@@ -110,7 +129,8 @@ def _print(result: Correction, path: Path) -> None:
             style="" if grade.met else BAD,
         )
         if math.isnan(result.uncertainty[0]):
-            say("No more readings than corrections: nothing is known of their uncertainty.")
+            say("Nothing is known of the corrections' uncertainty: it needs more readings than "
+                "corrections, and least squares of any mass.")  # fmt: skip
 
 
 def _masses(result: Correction) -> Sheet:
@@ -121,7 +141,7 @@ def _masses(result: Correction) -> Sheet:
         radius = "as the trial mass" if radii is None else f"{radii[j]:.4g}"
         spread = result.uncertainty[j]
         off = "-" if math.isnan(spread) else f"{spread:.2g}"
-        rows.append([name, f"{abs(exact):.4g}", _degrees(exact), off, radius, "least squares"])
+        rows.append([name, f"{abs(exact):.4g}", _degrees(exact), off, radius, result.method])
         for piece in result.pieces:
             if piece.plane == j and abs(piece.mass - abs(exact)) > 1e-9 * abs(exact):
                 angle = f"{math.degrees(piece.angle) % 360.0:.1f}"
@@ -172,6 +192,7 @@ def as_json(result: Correction) -> dict[str, Any]:
         "corrected": result.corrected,
         "sensors": measured.sensors,
         "unit": measured.unit,
+        "method": result.method,
         "condition_number": result.condition,
         "coefficients": result.coefficients,
         "planes": planes,

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.optimize import minimize
 
 from ..arrays import Complex
 from ..rotor import LinearRotor
@@ -119,6 +120,69 @@ def unbalance_from_response(coefficients: NDArray, response: NDArray) -> Complex
             "move a plane or a sensor"
         )
     return solution
+
+
+def limited_correction(
+    coefficients: NDArray,
+    response: NDArray,
+    largest: NDArray | None = None,
+    min_max: bool = False,
+) -> Complex:
+    """Corrections (p,) with the least |A + K w|^2 summed over the sensors, or the least maximum.
+
+    A convex problem, solved by sequential quadratic programming.  Foiles, Allaire and Gunter 2000
+    compare such corrections.
+
+    Args:
+        coefficients: K (s, p).
+        response: A (s,) complex amplitudes.
+        largest: (p,) bounds of |w|; by default none.
+        min_max: the largest amplitude is to be least.
+
+    Raises:
+        ValueError: the coefficients do not tell the planes apart.
+        ArithmeticError: no correction was found.
+    """
+    best = -unbalance_from_response(coefficients, response)
+    count, scale = len(best), float(np.abs(best).max()) or 1.0
+    size = float(np.abs(response).max()) or 1.0
+    k, a = np.asarray(coefficients) * (scale / size), np.asarray(response, complex) / size
+
+    def complex_of(v: NDArray) -> Complex:
+        return v[:count] + 1j * v[count : 2 * count]
+
+    def squares(v: NDArray) -> NDArray:
+        return np.abs(a + k @ complex_of(v)) ** 2
+
+    def slopes(v: NDArray) -> NDArray:
+        each = 2.0 * (a + k @ complex_of(v)).conj()[:, None] * k
+        return np.hstack([each.real, -each.imag])
+
+    begin, demands = best / scale, []
+    if largest is not None:
+        bound = np.asarray(largest, float) / scale
+        begin = begin * np.minimum(1.0, bound / np.maximum(np.abs(begin), 1e-300))
+        demands.append({"type": "ineq", "fun": lambda v: bound**2 - np.abs(complex_of(v)) ** 2})
+    start = np.concatenate([begin.real, begin.imag])
+    if min_max:  # the last unknown is the largest square
+        start = np.append(start, squares(start).max())
+        last = np.eye(len(start))[-1]
+        demands.append(
+            {
+                "type": "ineq",
+                "fun": lambda v: v[-1] - squares(v),
+                "jac": lambda v: np.hstack([-slopes(v), np.ones((len(a), 1))]),
+            }
+        )
+        found = minimize(lambda v: v[-1], start, jac=lambda v: last, constraints=demands, tol=1e-12)
+    else:
+        found = minimize(
+            lambda v: squares(v).sum(), start, jac=lambda v: slopes(v).sum(axis=0),
+            constraints=demands, tol=1e-12,
+        )  # fmt: skip
+    if not np.isfinite(found.x).all():
+        raise ArithmeticError(f"no correction was found: {found.message}")
+    return complex_of(found.x) * scale
 
 
 def scalar_coefficients(coefficients: NDArray, lag: float = 0.0) -> Complex:

@@ -9,6 +9,7 @@ from autobalancer.models.linear.modes import critical_speeds
 from autobalancer.models.papers.influence import (
     from_trial_runs,
     influence,
+    limited_correction,
     scalar_coefficients,
     unbalance_from_response,
 )
@@ -154,3 +155,86 @@ def test_two_planes_at_one_place_cannot_be_told_apart():
     k = influence(machine(planes=(0.2, 0.2)), 178.0)[0]
     with pytest.raises(ValueError, match="rank 1 for 2 planes"):
         unbalance_from_response(k, k @ UNBALANCE)
+
+
+def polar(text):
+    """Complex numbers from "amplitude@degrees ..."."""
+    pairs = [part.split("@") for part in text.split()]
+    return np.array([float(a) * np.exp(1j * np.radians(float(d))) for a, d in pairs])
+
+
+def table(text):
+    return np.array([polar(line) for line in text.strip().splitlines()])
+
+
+DARLOW = "3.16@72 3.16@18 4.12@14 5.39@68"
+# published least squares: coefficients, readings, corrections as printed
+JOBS = {
+    "Goodman 1964": ("3@0 2@180\n5@0 2@180\n5@0 3@180", "1@0 1@180 0@0", "0.81@0 1.48@0"),
+    "Darlow 1982, three planes": (
+        "1.41@45 2.24@27 3.61@34\n3.16@72 4.47@27 2.24@27\n2.83@45 2.24@27 5@37\n"
+        "3.16@18 3.61@34 4.47@27", DARLOW, "1.39@-4 1.25@-144 .98@168"),
+    "Darlow 1982, two of them": (
+        "1.41@45 3.61@34\n3.16@72 2.24@27\n2.83@45 5@37\n3.16@18 4.47@27", DARLOW,
+        "0.51@46 1.13@-155"),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("job", JOBS)
+def test_published_balancing_jobs_have_the_corrections_printed(job):
+    coefficients, readings, printed = JOBS[job]
+    found = -unbalance_from_response(table(coefficients), polar(readings))
+    np.testing.assert_allclose(found, polar(printed), atol=0.05)
+
+
+# Foiles, Allaire and Gunter 2000: 11 readings, 4 planes
+FOILES = table("""
+9.8@117 17@124 7.2@114 38.5@77
+2.7@43 14.3@317 4.5@213 14.3@270
+12.5@323 25@261 15.2@158 30@238
+22.4@92 32.6@45 23.3@315 27.8@210
+26@94 40.3@9 25@330 34@213
+40.3@355 43@144 29.6@61 65.4@322
+20.6@339 32.3@152 36.7@41 61.8@322
+12.6@226 37.6@52 18.8@153 26@176
+13.4@209 26.9@76 47.5@98 71.7@312
+13.4@154 22.4@307 52@299 102@165
+5.4@24 7.2@199 22.4@2 27.8@99
+""")
+BEFORE = polar("55@259 45@118 124@21 138@349 107@349 90@280 58@354 108@201 88@190 56@48 73@158")
+
+
+@pytest.mark.parametrize(
+    ("largest", "printed"),
+    [
+        (None, "4.42@88 2.92@352 1.588@322 1.928@304"),
+        (3.402, "3.402@91 2.325@354 1.361@318 1.786@305"),
+    ],
+)
+def test_least_maximum_is_near_the_published_corrections_and_no_larger(largest, printed):
+    bounds = None if largest is None else [largest] * 4
+    found = limited_correction(FOILES, BEFORE, bounds, min_max=True)
+    np.testing.assert_allclose(found, polar(printed), atol=0.15)
+    reached = np.abs(BEFORE + FOILES @ found).max()
+    assert reached <= np.abs(BEFORE + FOILES @ polar(printed)).max()
+    # nothing near it is better, as the problem is convex
+    rng = np.random.default_rng(1)
+    for step in rng.normal(size=(500, 8)).view(complex) * 0.01:
+        other = found + step
+        if bounds is not None:
+            other *= np.minimum(1.0, largest / np.abs(other))
+        assert np.abs(BEFORE + FOILES @ other).max() >= reached * (1.0 - 1e-9)
+
+
+def test_least_squares_with_a_largest_mass_keep_it_and_are_least():
+    free = -unbalance_from_response(FOILES, BEFORE)
+    assert limited_correction(FOILES, BEFORE, [99.0] * 4) == pytest.approx(free, abs=1e-5)
+    bound = 0.5 * np.abs(free).max()
+    found = limited_correction(FOILES, BEFORE, [bound] * 4)
+    assert np.abs(found).max() == pytest.approx(bound, rel=1e-6)
+    reached = (np.abs(BEFORE + FOILES @ found) ** 2).sum()
+    rng = np.random.default_rng(2)
+    for step in rng.normal(size=(500, 8)).view(complex) * 0.01:
+        other = found + step
+        other *= np.minimum(1.0, bound / np.abs(other))
+        assert (np.abs(BEFORE + FOILES @ other) ** 2).sum() >= reached * (1.0 - 1e-9)

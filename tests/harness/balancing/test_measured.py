@@ -254,3 +254,17 @@ def test_command_corrects_measured_runs_and_says_whether_the_grade_is_met(invoke
     wrong = invoke("balance", "balancing_machine", "--angles", "12")
     assert wrong.exit_code == 2
     assert "--angles: belong to measured runs" in wrong.stderr
+
+
+def test_command_makes_the_largest_reading_least_and_keeps_masses_small(invoke, tmp_path):
+    path = written(tmp_path / "runs.csv")
+    plain, even = (invoke("balance", path, *more) for more in ([], ["--min-max"]))
+    assert "largest 0.0907 mil" in plain.output
+    assert "rms 0.082 mil, largest 0.082 mil" in even.output  # as far as two planes go
+    small = invoke("balance", path, "--largest-mass", "6,10", "--json", tmp_path / "small.json")
+    assert small.exit_code == 0, small.output
+    planes = json.loads((tmp_path / "small.json").read_text())["planes"]
+    assert planes[0]["mass_g"] <= 6.0 + 1e-6
+    assert planes[1]["mass_g"] == pytest.approx(10.0)
+    for wrong, problem in (("6,10,3", "must be one, or 2"), ("6g", "grams above 0")):
+        assert problem in invoke("balance", path, "--largest-mass", wrong).stderr
