@@ -66,6 +66,7 @@ QUANTITIES = {
     "N m^2": Quantity("a bending stiffness", ("80 N m^2", "8e7 N mm^2")),
     "m/N": Quantity("a compliance", ("2 mm/kN", "2e-6 m/N")),
 }
+_UNBALANCES = ((1.0, "kg m"), (1e-3, "g m"), (1e-6, "g mm"))
 engineering: ContextVar[bool] = ContextVar("engineering", default=False)  # shown instead of SI
 
 
@@ -176,3 +177,14 @@ def rounded(value: float, digits: int = 4) -> str:
     """A value with so many digits, and without an exponent below a billion."""
     text = f"{value:.{digits}g}"
     return f"{float(text):.0f}" if 10**digits <= abs(value) < 1e9 else text
+
+
+def brief(value: float, digits: int = 2) -> str:
+    """A number for people, in a unit that fits: what is as good as nothing is 0."""
+    return "0" if abs(value) < 1e-5 else rounded(value, digits)
+
+
+def readable_unbalance(value: float) -> str:
+    """An unbalance [kg m] in the unit in which it reads well, such as '30 g m'."""
+    size, unit = next(((s, u) for s, u in _UNBALANCES if value >= s), _UNBALANCES[-1])
+    return f"{brief(value / size, 3)} {unit}"

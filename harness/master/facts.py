@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 from ..errors import LoopError
@@ -14,6 +14,7 @@ from .recorder import Recorder
 from .resolution import SAID
 from .result import Result
 from .schemes.iterated import LOOSE
+from .velocity import velocities, with_velocities
 
 NO_CALLS = "calls of FMI (the one file's units are coupled in C, from memory to memory)"
 FEW = 10  # given steps a revolution from which the estimate of what they miss can be trusted
@@ -50,15 +51,21 @@ class Facts:
     unresolved: int
 
 
-def result(recorder: Recorder, facts: Facts, seconds: float) -> Result:
-    """Everything recorded, with the facts of the run."""
+def result(
+    recorder: Recorder, facts: Facts, seconds: float, names: Sequence[str] | None = None
+) -> Result:
+    """Signals by these names, by default the recorder's, with the facts of the run."""
+    velocity = [] if names is None else velocities(facts.scene)
+    names = recorder.names if names is None else names
     time, signals = recorder.columns()
+    units = recorder.signal_units
     return Result(
         scene_title=facts.scene.title,
         time=time,
-        signals={name: signals[name] for name in recorder.names},
+        signals=with_velocities(facts.scene, names, time, signals),
+        velocity=with_velocities(facts.scene, velocity if names else [], time, signals),
         seconds=seconds,
-        left_out=(*left_out(facts.scene, recorder.names), *([] if facts.calls else [NO_CALLS])),
+        left_out=(*left_out(facts.scene, names), *([] if facts.calls else [NO_CALLS])),
         units=facts.files,
         events=tuple(events(facts)),
         steps=facts.steps,
@@ -66,7 +73,7 @@ def result(recorder: Recorder, facts: Facts, seconds: float) -> Result:
         calls=dict(facts.calls),
         unconverged=facts.unconverged,
         estimated_error=facts.estimated_error,
-        signal_units={name: recorder.signal_units[name] for name in recorder.names},
+        signal_units={name: units.get(name, "m/s") for name in names},
         scene=facts.scene,
     )
 

@@ -62,6 +62,7 @@ class Controlled:
     Args:
         cosim: to be run, with a tolerance.
         names: what is recorded.
+        uncompared: recorded besides, and left out of the error.
 
     Attributes:
         error: estimated, the largest of all signals, over the largest value of each; of x and y,
@@ -69,9 +70,11 @@ class Controlled:
         parts: of each step of the first run.
     """
 
-    def __init__(self, cosim: Simulation, names: Sequence[str]) -> None:
+    def __init__(
+        self, cosim: Simulation, names: Sequence[str], uncompared: Sequence[str] = ()
+    ) -> None:
         assert cosim.scene.coupling.tolerance is not None
-        self.cosim, self.names = cosim, names
+        self.cosim, self.names, self.uncompared = cosim, names, uncompared
         self.tolerance = cosim.scene.coupling.tolerance
         touching = any(balancer.can_meet for balancer in cosim.scene.balancer)
         motor = cosim.scene.operation.motor
@@ -97,6 +100,7 @@ class Controlled:
         """
         recorder = self._first(progress)
         grid, signals = recorder.columns()
+        signals = {name: each for name, each in signals.items() if name not in self.uncompared}
         held = _first_held(self.cosim.scene, grid)
         least = least_motion(self.cosim.scene)
         scale = {name: least.get(unit, 0.0) for name, unit in recorder.signal_units.items()}
@@ -111,7 +115,7 @@ class Controlled:
                 continue
             points, finer = recorder.columns()
             at = np.searchsorted(points, grid * (1.0 - SLIVER))
-            finer = {name: values[at] for name, values in finer.items()}
+            finer = {name: finer[name][at] for name in signals}
             apart = _apart(signals, finer, scale, slice(held))
             at_rest = _apart(signals, finer, scale, slice(held, None))
             far, signals = max(apart, at_rest) >= ASYMPTOTIC, finer
@@ -171,7 +175,8 @@ class Controlled:
     ) -> Recorder:
         """One run, of all that is asked for and all that is compared."""
         cosim = self.cosim
-        recorder = Recorder(cosim.units, self.names, _motion(cosim.scene))
+        watched = [*_motion(cosim.scene), *self.uncompared]
+        recorder = Recorder(cosim.units, self.names, watched)
         if grid is None:
             cosim.start(attempt=self._attempt)
         else:

@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     from xarray import Dataset
 
     from ..scene import Scene
+    from .summary import Summary
     from .verification import Verification
 
 Signal = NDArray[np.float64]
@@ -39,6 +40,8 @@ class Result(Pictures):
         scene_title: title of the scene.
         time: (T,) communication points [s].
         signals: (T,) each, by name, in SI units.
+        velocity: the same of every station's vibration velocity, rms over a revolution, such as
+            `rotor.velocity_rms` [m/s]: found by its name whether it was asked for or not.
         seconds: wall-clock time of the run without building and loading [s].
         left_out: what the run did without because the scene does not need it.
         units: names of the FMUs loaded, or of the one file as it is built.
@@ -69,11 +72,22 @@ class Result(Pictures):
     signal_units: dict[str, str] = field(default_factory=dict)
     verification: Verification | None = None
     scene: Scene | None = field(default=None, repr=False)
+    velocity: dict[str, Signal] = field(default_factory=dict, repr=False)
 
     @property
     def error(self) -> dict[str, float] | None:
         """Measured error of every signal in its unit; None for a run without `verify`."""
         return self.verification.error if self.verification else None
+
+    def summary(self) -> Summary:
+        """What the run comes to: balanced or why not, vibration, capacity in use, unbalance left.
+
+        Raises:
+            UserError: the result does not know its scene.
+        """
+        from .summary import summarise
+
+        return summarise(self, self._scene())
 
     def __getitem__(self, name: str) -> Signal:
         """Signal by name, (T,).
@@ -82,7 +96,7 @@ class Result(Pictures):
             UnknownSignalError: it was not recorded; the message lists what was.
         """
         try:
-            return self.signals[name]
+            return self.velocity[name] if name in self.velocity else self.signals[name]
         except KeyError:
             known = ", ".join(self.signals) or "nothing"
             raise UnknownSignalError(
@@ -91,7 +105,7 @@ class Result(Pictures):
             ) from None
 
     def __contains__(self, name: object) -> bool:
-        return name in self.signals
+        return name in self.signals or name in self.velocity
 
     def to_csv(self, path: str | Path) -> Path:
         """Write time and signals as CSV, completely or not at all.

@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any
 from ..errors import UserError
 from ..output.files import write_whole
 from ..scene import Scene
+from .velocity import VELOCITY
 
 if TYPE_CHECKING:
     from pandas import DataFrame
@@ -23,7 +24,14 @@ if TYPE_CHECKING:
 
 FACTS = "autobalancer_run"  # the attribute
 _TUPLES = ("left_out", "units", "events")
-_OWN = ("time", "signals", "signal_units", "scene", "verification")  # stored in ways of their own
+_OWN = (
+    "time",
+    "signals",
+    "signal_units",
+    "scene",
+    "verification",
+    "velocity",
+)  # stored in ways of their own
 
 
 def to_pandas(result: Result) -> DataFrame:
@@ -49,7 +57,8 @@ def to_xarray(result: Result) -> Dataset:
 
 def save(result: Result, path: Path) -> Path:
     """See `Result.save`."""
-    whole = to_xarray(result).to_netcdf(engine="scipy")
+    kept = {name: ("time", each) for name, each in result.velocity.items()}
+    whole = to_xarray(result).assign(kept).to_netcdf(engine="scipy")
     with write_whole(path, "wb") as stream:
         stream.write(whole)
     return path
@@ -71,12 +80,14 @@ def load(path: Path, kind: type[Result]) -> Result:
 
 
 def _result(stored: Dataset, facts: dict[str, Any], kind: type[Result]) -> Result:
-    scene = facts.pop("scene")
+    scene, units = facts.pop("scene"), facts.pop("signal_units")
+    columns = {str(name): v.values.astype(float) for name, v in stored.data_vars.items()}
     facts |= {name: tuple(facts[name]) for name in _TUPLES}
     return kind(
         time=stored["time"].values.astype(float),
-        signals={str(name): v.values.astype(float) for name, v in stored.data_vars.items()},
-        signal_units=facts.pop("signal_units"),
+        signals={name: each for name, each in columns.items() if name in units},
+        velocity={n: each for n, each in columns.items() if n.endswith(f".{VELOCITY}")},
+        signal_units=units,
         verification=_verification(facts.pop("verification")),
         scene=scene and _scene(scene),
         **facts,

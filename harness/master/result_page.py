@@ -16,7 +16,11 @@ if TYPE_CHECKING:
 def html(result: Result) -> str:
     """Table of the signals, what a reader must know, and the time history."""
     counts = f"{result.steps} steps, {result.passes} passes, {result.seconds:.3f} s"
-    said = [counts, *(f"NOTE: {event}" for event in result.events)]
+    said = [
+        *([str(result.summary())] if result.scene else []),
+        counts,
+        *(f"NOTE: {event}" for event in result.events),
+    ]
     parts = [summary(result).html(), *(f"<p>{escape(printable(line))}</p>" for line in said)]
     if result.signals:
         png = b64encode(result.plot_history()._repr_png_()).decode()

@@ -41,6 +41,13 @@ def statistics(verification: Verification) -> Sheet:
     return Sheet(("signal", "mean", "rms", "extreme"), rows, "lrrr", title)
 
 
+def _summary(result: Result) -> dict[str, Any] | None:
+    if result.scene is None:
+        return None
+    found = result.summary()
+    return {**asdict(found), "balanced": found.balanced, "text": str(found)}
+
+
 def as_json(result: Result) -> dict[str, Any]:
     """The facts of a run and every signal's values and errors, for `--json`."""
     signals: dict[str, Any] = {}
@@ -68,6 +75,7 @@ def as_json(result: Result) -> dict[str, Any]:
         "units": result.units,
         "left_out": result.left_out,
         "events": result.events,
+        "summary": _summary(result),
         "signals": signals,
     }
     if verification is not None:

@@ -22,6 +22,7 @@ from .recorder import Recorder, recorded, refuse_unknown
 from .result import Result
 from .schedule import order_of_run
 from .simulation import Simulation
+from .velocity import recorded_for, velocities
 from .verify import FIRST, verified
 
 if TYPE_CHECKING:
@@ -103,14 +104,15 @@ def run_once(
     progress: Progress | None,
 ) -> Result:
     """A scene run as its coupling asks, recording `names`, see `cosimulate`."""
-    refuse_unknown(names, plan(scene).variables_by_unit())
+    own, made_of = recorded_for([*names, *velocities(scene)] if names else [])
+    refuse_unknown([*own, *made_of], plan(scene).variables_by_unit())
     with loaded(scene) as cosim:
         begun, controlled = clock.perf_counter(), None
         if cosim.scene.coupling.tolerance is not None and cosim.coupled:
-            controlled = Controlled(cosim, names)
+            controlled = Controlled(cosim, own, made_of)
             recorder = controlled.run(progress)
         else:
-            recorder = Recorder(cosim.units, names)
+            recorder = Recorder(cosim.units, own, made_of)
             cosim.start()
             cosim.record(recorder, progress)
         seconds = clock.perf_counter() - begun
@@ -121,4 +123,4 @@ def run_once(
             facts = replace(facts, estimated_error=controlled.error)
         messages = (*facts.messages, *merged_now(cosim.scene, cosim.units))
         facts = replace(facts, messages=messages)
-        return result(recorder, facts, seconds)
+        return result(recorder, facts, seconds, names)

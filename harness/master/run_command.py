@@ -10,6 +10,7 @@ import typer
 from ..errors import UserError
 from ..output import costs, options
 from ..output.files import write_json
+from ..output.report import Report
 from ..output.terminal import progress_bar, say, say_facts, show
 from ..scene.changes import changed_scene
 from . import run_pictures as drawings
@@ -41,6 +42,10 @@ def command(
         bool, typer.Option("--one-file", hidden=True, help="Deprecated: the default now.")
     ] = False,
     at_most: Annotated[str, options.AT_MOST] = costs.DEFAULT,
+    report: Annotated[Path | None, options.REPORT] = None,
+    verbose: Annotated[
+        bool, typer.Option("--verbose", help="Also say which units ran, and what was left out.")
+    ] = False,
     weights: Annotated[
         Path | None, options.figure("Displacement and angles of all weights against time.")
     ] = None,
@@ -101,15 +106,20 @@ def command(
         result = cosimulate(
             loaded, record=record, fmus=fmus, progress=limited, verify=verify, separate=separate
         )
-    show(summary(result))
-    if result.verification is not None and result.verification.parting is not None:
-        show(statistics(result.verification))
-    ran_as = "FMUs loaded" if result.calls else "Coupled in C, as one file"
-    say_facts(result.units, result.left_out, ran_as)
-    say(
-        f"{result.steps} steps, {result.passes} passes, {sum(result.calls.values())} FMI calls in "
-        f"{result.seconds:.3f} s"
-    )
+    page = Report(report, loaded.heading, [loaded])
+    with page.keeping():
+        show(summary(result))
+        if result.verification is not None and result.verification.parting is not None:
+            show(statistics(result.verification))
+        say(str(result.summary()))
+    if verbose:
+        ran_as = "FMUs loaded" if result.calls else "Coupled in C, as one file"
+        say_facts(result.units, result.left_out, ran_as)
+        calls = sum(result.calls.values())
+        say(
+            f"{result.steps} steps, {result.passes} passes, {calls} FMI calls in "
+            f"{result.seconds:.3f} s"
+        )
     if result.verification is not None:
         verification = result.verification
         say(f"Errors measured by a second run: {verification.finer}, {verification.seconds:.3f} s")
@@ -121,6 +131,9 @@ def command(
         write_json(as_json(result), json_file)
     if plot is not None:
         say(f"Picture: {result.plot(plot)}")
+    if drawn := page.picture(loaded.name) if result.signals else None:
+        result.plot(drawn)
+    page.write()
     drawings.draw(result, pictures, at_most)
     if movie is not None:
         drawings.film(result, movie, movie_axes, movie_seconds)

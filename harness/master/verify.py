@@ -31,6 +31,7 @@ from .result import Result
 from .scales import largest_force
 from .schedule import SLIVER, force_jumps, milestones
 from .simulation import Simulation
+from .velocity import recorded_for, with_velocities
 from .verification import Verification
 
 if TYPE_CHECKING:
@@ -93,7 +94,7 @@ def _repeated(
 ) -> tuple[dict[str, Array], Refinement]:
     """Signals of the second run at the times of the first, and how it was stepped."""
     with fine as cosim:
-        recorder = Recorder(cosim.units, list(result.signals))
+        recorder = Recorder(cosim.units, *recorded_for(list(result.signals)))
         try:
             cosim.start()
             recorder.take(0.0)
@@ -103,7 +104,8 @@ def _repeated(
                     report(number / len(result.time))
         except SimulationError as error:
             raise SimulationError(f"verify: the finer repetition of the run: {error}") from error
-        return recorder.columns()[1], refinement(cosim)
+        found = with_velocities(cosim.scene, list(result.signals), *recorder.columns())
+        return found, refinement(cosim)
 
 
 def controlled(scene: Scene, tolerance: float) -> Scene:

@@ -10,7 +10,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from ..output.plot import metres, save
-from .grade import GRADES
+from ..scene.grade import GRADES
 from .study import Scatter
 
 BINS = 60

@@ -10,7 +10,7 @@ import numpy as np
 from ..master.merged import SHORT
 from ..output.table import Sheet
 from ..output.words import kinds_of
-from .grade import GRADES
+from ..scene.grade import GRADES
 from .importance import Importance
 from .study import Scatter
 

@@ -18,7 +18,7 @@ from ..master.one_file import composition
 from ..output.table import Sheet
 from ..output.workers import Progress, Workers, in_order
 from ..scene import Scene
-from .grade import moments, residual_grade
+from ..scene.grade import moments, residual_unbalance
 from .store import open_scatter
 from .vary import Variation, drawn, refuse_drawn, refuse_wrong
 
@@ -150,7 +150,7 @@ def _machines(job: tuple[Scene, list[str], Vector]) -> Outcome:
         )
         if asked is not None:
             grade[rows] = [
-                residual_grade(machine, {name: outcomes[name][place] for name in asked})
+                residual_unbalance(machine, {name: outcomes[name][place] for name in asked})[1]
                 for place, machine in enumerate(machines.values())
             ]
         for place, (row, machine) in enumerate(machines.items()):

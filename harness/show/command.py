@@ -20,6 +20,8 @@ def command(
 ) -> None:
     """Write a web page, one file, that runs a scene."""
     from ...fmus.native.build.compile import NotCompiled
+    from ..master.recorder import recorded
+    from ..master.run import cosimulate
     from .page import page
 
     loaded = changed_scene(scene, changes)
@@ -27,9 +29,12 @@ def command(
     with costs.limited(at_most, f"page of {loaded.name}"), progress_bars() as bars:
         bars.add_task(f"stability of {loaded.name} against speed", total=None)
         try:
-            text = page(loaded)
+            whole = loaded.replace({"run.record": None})
+            said = str(cosimulate(whole, record=recorded(whole)).summary())
+            text = page(loaded, said)
         except NotCompiled as error:
             raise UserError(str(error)) from error
     with write_whole(path) as stream:
         stream.write(text)
+    say(said)
     say(f"Page: {path} ({path.stat().st_size / 1000:.0f} kB); open it in a browser")

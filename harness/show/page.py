@@ -17,8 +17,11 @@ _FOLDER = Path(__file__).parent
 _SCRIPTS = ("units", "machine", "format", "drawing", "plots", "controls", "main")
 
 
-def page(scene: Scene) -> str:
+def page(scene: Scene, summary: str = "") -> str:
     """A page that runs a scene's units in the browser; it asks no network for anything.
+
+    Args:
+        summary: of the scene's run, shown under the title.
 
     Raises:
         SceneError, NotCompiled: as `content`.
@@ -29,6 +32,7 @@ def page(scene: Scene) -> str:
     parts = {
         "TITLE": html.escape(scene.heading),
         "SOURCE": html.escape(scene.source),
+        "SUMMARY": html.escape(summary),
         "STYLE": _read("page.css"),
         "SCRIPT": "\n".join(_read(f"{name}.js") for name in _SCRIPTS),
         "DATA": data,

@@ -12,7 +12,6 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.optimize import minimize
 
 Array = NDArray[np.float64]
 
@@ -63,6 +62,8 @@ def nearest_with_room(
     Returns:
         None where there are none, or none was found.
     """
+    from scipy.optimize import minimize  # loaded for weights that touch alone
+
     found = minimize(
         lambda angles: float(((angles - start) ** 2).sum()),
         start,

@@ -18,8 +18,6 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable
 
-from scipy.optimize import brentq
-
 from ..spacing import SLACK, half_angle
 from ..weights import Weights
 
@@ -92,6 +90,8 @@ def best_ratio(kind: str, count: int) -> float:
         )
 
     full = full_ratio(count)  # the slope falls from +infinity at 0 to -infinity there
+    from scipy.optimize import brentq  # `run` does without
+
     return float(brentq(slope, 1e-6 * full, full * (1.0 - 1e-9), xtol=1e-15))
 
 

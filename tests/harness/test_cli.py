@@ -105,7 +105,7 @@ def test_without_a_scene_all_bundled_scenes_with_checks_are_checked(invoke, monk
 
 def test_run_writes_the_recorded_signals(invoke, tmp_path):
     target, picture = tmp_path / "out.csv", tmp_path / "out.svg"
-    outcome = invoke("run", "two_balls", "-o", target, "--plot", picture)
+    outcome = invoke("run", "two_balls", "--verbose", "-o", target, "--plot", picture)
     assert outcome.exit_code == 0, outcome.output
     assert "Left out: LiquidBalancer (none in the scene)" in outcome.output
     with target.open(encoding="utf-8", newline="") as stream:
@@ -161,8 +161,10 @@ def test_build_makes_exactly_the_units_of_a_scene_and_run_takes_them(invoke, tmp
 
 
 def test_run_names_the_engine_and_refuses_separate_fmus_for_one_file(invoke):
-    assert "Coupled in C, as one file: two_balls.fmu" in invoke("run", "two_balls").output
-    assert "FMUs loaded: Rotor" in invoke("run", "two_balls", "--separate").output
+    assert (
+        "Coupled in C, as one file: two_balls.fmu" in invoke("run", "two_balls", "--verbose").output
+    )
+    assert "FMUs loaded: Rotor" in invoke("run", "two_balls", "--separate", "--verbose").output
     outcome = invoke("run", "two_balls", "--one-file")
     assert outcome.exit_code == 0, outcome.output
     assert "deprecated" in outcome.stderr

@@ -19,12 +19,12 @@ def result() -> Result:
 
 def assert_equal(one: Result, other: Result) -> None:
     for each in fields(Result):
-        if each.name in ("time", "signals"):
+        if each.name in ("time", "signals", "velocity"):
             continue
         assert getattr(one, each.name) == getattr(other, each.name), each.name
     np.testing.assert_array_equal(one.time, other.time)
     assert list(one.signals) == list(other.signals)
-    for name, values in one.signals.items():
+    for name, values in (one.signals | one.velocity).items():
         np.testing.assert_array_equal(values, other[name])
 
 
