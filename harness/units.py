@@ -16,7 +16,7 @@ from .errors import UserError
 
 _WITH_UNIT = re.compile(
     r"\s*(?P<number>[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*"
-    r"(?P<unit>[A-Za-zµμ°%(][\w °%µμ·./*^()²³-]*?)\s*"
+    r"(?![eE][-+]?\d)(?P<unit>[A-Za-zµμ°%(][\w °%µμ·./*^()²³-]*?)\s*"
 )
 _NUMBER = r"-?\d+(?:\.\d+)?(?:e[-+]?\d+)?"
 _IN_WORDS = re.compile(

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING
 
 from ..errors import UserError
 from ..scene import Scene, load_scene
+from ..scene.plausible import warn
 from .cosimulation import CoSimulation
 from .facts import result
 from .global_error import Controlled
@@ -57,9 +58,13 @@ def cosimulate(
     Raises:
         UserError: the scene or an FMU is wrong.
         SimulationError: the run cannot be completed correctly.
+
+    Warns:
+        ImplausibleWarning: a value is probably in another unit than it is taken to be.
     """
     if not isinstance(scene, Scene):
         scene = load_scene(scene)
+    warn(scene)
     names = list(recorded(scene) if record is None else record)
     if one_file is not None:
         warnings.warn(

@@ -127,17 +127,28 @@ class RotorTable(Table):
         """Damping 2 ratio sqrt(k m) of every support, which `damping_ratio` stands for."""
         if self.damping_ratio is None or not self.mass:
             return
-        key = "damping" if "damping" in type(self).model_fields else "support_damping"
+        key = self._damping_key
         if key in self.model_fields_set:
             raise refusal("damping_ratio", f"give either {key} (N s/m) or damping_ratio, not both")
-        springs = getattr(self, key.replace("damping", "stiffness"))
-        masses = self.mass * np.abs(self.levers([self.centre]))[:, 0]
-        rows = [springs] if len(masses) == 1 else springs
-        damping = tuple(
-            tuple(2.0 * z * math.sqrt(k * m) for z, k in zip(self.damping_ratio, row, strict=True))
-            for row, m in zip(rows, masses.tolist(), strict=True)
-        )
-        self.__dict__[key] = damping[0] if len(masses) == 1 else damping  # it is frozen
+        rows = (np.array(self.damping_ratio) * self._critical_damping()).tolist()
+        damping = tuple(map(tuple, rows))
+        self.__dict__[key] = damping[0] if len(damping) == 1 else damping  # it is frozen
+
+    @property
+    def _damping_key(self) -> str:
+        return "damping" if "damping" in type(self).model_fields else "support_damping"
+
+    def _critical_damping(self) -> NDArray[np.float64]:
+        """2 sqrt(k m) of every support (s, 2), with the mass m that it carries at rest [N s/m]."""
+        springs = getattr(self, self._damping_key.replace("damping", "stiffness"))
+        masses = self.mass * np.abs(self.levers([self.centre]))
+        return np.asarray(2.0 * np.sqrt(np.reshape(springs, (-1, 2)) * masses))
+
+    def largest_damping_ratio(self) -> float:
+        """Damping of a support over the critical one with the mass that it carries at rest."""
+        damping = np.reshape(getattr(self, self._damping_key), (-1, 2))
+        critical = self._critical_damping()
+        return float(np.max(damping / np.where(critical > 0.0, critical, math.inf)))
 
     def levers(self, places: Sequence[float]) -> NDArray[np.float64]:
         """(s, k): share that each support carries of what acts at each place; a single one, all."""

@@ -98,7 +98,7 @@ def residual_unbalance(
     return assembly.rotor.unbalance + np.exp(1j * angles) @ pulls
 
 
-def _check_reach(assembly: Assembly, table: WeightTable) -> dict[int, complex]:
+def check_reach(assembly: Assembly, table: WeightTable) -> dict[int, complex]:
     """Moment each plane must supply when it is unique; raises when one is out of reach."""
     used = np.unique(table.plane)
     share = assembly.rotor.planes[used].T.astype(complex)
@@ -256,7 +256,7 @@ class _Task:
 def _found(task: _Task) -> NDArray[np.float64]:
     """As `balanced_angles`."""
     assembly, table = task.assembly, task.table
-    moments = _check_reach(assembly, table)
+    moments = check_reach(assembly, table)
     start = table.angle.copy()
     for plane, moment in moments.items():
         on = table.plane == plane

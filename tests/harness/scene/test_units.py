@@ -115,6 +115,8 @@ def test_ranges_axes_and_limits_take_units():
 
 
 def test_an_assignment_takes_a_unit_without_quotes():
+    assert parse_change("rotor.damping=1e4") == ("rotor.damping", 1e4)
+    assert parse_change("rotor.damping=1.5e-3") == ("rotor.damping", 1.5e-3)
     assert parse_change("speed=1200 rpm") == ("speed", "1200 rpm")
     assert parse_change("rotor.mass = 3kg") == ("rotor.mass", "3kg")
 

@@ -1,0 +1,172 @@
+"""What was understood of a scene in engineers' units, and values probably in a wrong unit."""
+
+from __future__ import annotations
+
+import math
+import warnings
+from collections.abc import Iterator
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from ...models.papers.capacity import capacity
+from ..units import engineers, in_both, readable_unbalance, rounded
+from .balancer import WeightBalancer
+
+if TYPE_CHECKING:
+    from .scene import Scene
+
+FASTEST = 100.0  # times the lowest critical speed
+FASTEST_TRACK = 100.0  # m/s of balls along their track: steel wheels burst at some 300 m/s
+FARTHEST = 0.1  # eccentricity over the track's radius
+FARTHEST_ALONE = 0.01  # m: eccentricity of a rotor without balancers
+LIGHTEST, DENSEST = 500.0, 20_000.0  # kg/m^3 of a ball: wood to tungsten
+_told: set[str] = set()  # warnings that this process has given
+WIDEST = 4.0 * math.pi  # rad: an angle beyond two turns is in degrees
+
+
+class ImplausibleWarning(UserWarning):
+    """A value of a scene is probably in another unit than it is taken to be."""
+
+
+def understood(scene: Scene) -> str:
+    """One line: speed, rotor, balancers."""
+    profile, rotor = scene.profile(), scene.rotor
+    parts = [f"{scene.name}: {rounded(rotor.mass, 3)} kg at {in_both(profile.end, 'rad/s')}"]
+    frequencies = sorted({f"{w / math.tau:.3g}" for w in _natural(scene)}, key=float)
+    parts.append(f"natural frequencies {', '.join(frequencies)} Hz")
+    if unbalance := _unbalance(scene):
+        e = unbalance / rotor.mass
+        parts.append(
+            f"unbalance {readable_unbalance(unbalance)}, eccentricity {engineers(e, 'm', 3)}"
+        )
+    for one in scene.balancer:
+        if isinstance(one, WeightBalancer):
+            most = readable_unbalance(_capacity(one))
+            parts.append(f"{one.count} {one.kind} of {rounded(1e3 * one.mass, 3)} g hold {most}")
+            if one.weight_radius and one.kind == "balls":
+                parts[-1] += f", density {_density(one) / 1e3:.3g} g/cm^3"
+    return "; ".join(parts)
+
+
+def implausible(scene: Scene) -> list[str]:
+    """Values in a unit that is probably wrong, one line each: key, value, and the reason."""
+    return list(_implausible(scene))
+
+
+def _implausible(scene: Scene) -> Iterator[str]:
+    speed, rotor = scene.profile().end, scene.rotor
+    said = f"speed = {in_both(speed, 'rad/s')}"
+    weights = [one for one in scene.balancer if isinstance(one, WeightBalancer)]
+    lowest = min(_natural(scene), default=math.inf)
+    fast = max((speed * one.track_radius for one in weights), default=0.0)
+    if speed > FASTEST * lowest:
+        yield (
+            f"{said}: {speed / lowest:.0f} times the critical speed, "
+            f'{in_both(lowest, "rad/s")}; is it in rpm? then write "{speed:g} rpm"'
+        )
+    elif fast > FASTEST_TRACK:
+        yield (
+            f"{said}: weights move along their track at {fast:.0f} m/s; is the speed in rpm, or "
+            f'track_radius in mm? then write "{speed:g} rpm", or the radius with its unit'
+        )
+    unbalance, mass = _unbalance(scene), rotor.mass
+    e, track = unbalance / mass, min((one.track_radius for one in weights), default=0.0)
+    if e > (FARTHEST * track if weights else FARTHEST_ALONE):
+        than = f"a tenth of the track radius, {engineers(track, 'm')}" if weights else "10 mm"
+        yield (
+            f"rotor.unbalance = {unbalance:g} kg m: an eccentricity of {engineers(e, 'm')}, more "
+            f'than {than}; is it in g mm? then write "{unbalance:g} g mm"'
+        )
+    total = sum(one.count * one.mass for one in weights)
+    if total > mass:
+        heaviest = max(weights, key=lambda one: one.mass)
+        yield (
+            f"{heaviest.label}.mass = {heaviest.mass:g} kg: all weights, {total:g} kg, are "
+            f'heavier than the rotor, {mass:g} kg; is it in g? then write "{heaviest.mass:g} g"'
+        )
+    for one in weights:
+        density = _density(one) if one.kind == "balls" and one.weight_radius else None
+        if density is not None and not LIGHTEST <= density <= DENSEST:
+            yield (
+                f"{one.label}.mass = {one.mass:g} kg: a density of {density / 1e3:.3g} g/cm^3 with "
+                f"weight_radius = {engineers(one.weight_radius or 0.0, 'm')}; steel has 7.8"
+            )
+        if any(abs(angle) > WIDEST for angle in one.angles):
+            yield (
+                f"{one.label}.angles = {[float(f'{a:g}') for a in one.angles]} rad: more than two "
+                'turns; are they in degrees? then write "120 deg"'
+            )
+    yield from _short_of_capacity(scene)
+    if (ratio := scene.rotor.largest_damping_ratio()) > 1.0:
+        yield (
+            f"rotor: the supports' damping is {ratio:.3g} times the critical one; usual are 0.01 "
+            'to 0.2: give damping_ratio = "5 %" instead if damping is not known'
+        )
+
+
+def _short_of_capacity(scene: Scene) -> Iterator[str]:
+    assembly, needed, most = scene.assembly(), _unbalance(scene), 0.0
+    if scene.rotor.kind == "planar":
+        most = sum(_capacity(one) for one in scene.balancer if isinstance(one, WeightBalancer))
+    elif assembly.weights:
+        from ...models.linear.balanced import CannotBalance, WeightTable, check_reach
+
+        try:
+            check_reach(assembly, WeightTable.of(assembly))
+        except CannotBalance as error:
+            needed, most = error.needed, error.capacity
+        else:
+            return
+    if assembly.weights and needed > most:
+        yield (
+            f"unbalance: {readable_unbalance(needed)} to balance, the weights hold at most "
+            f"{readable_unbalance(most)}: take more or heavier weights, or a larger track"
+        )
+
+
+def _natural(scene: Scene) -> list[float]:
+    """Natural frequencies of the rotor with its balancers at standstill [rad/s]."""
+    return np.unique(np.abs(scene.assembly().loaded_rotor.free_rates(0.0)).round(9)).tolist()
+
+
+def _unbalance(scene: Scene) -> float:
+    """Sum of the rotor's unbalances [kg m]."""
+    rotor = scene.rotor
+    return rotor.unbalance if rotor.kind == "planar" else sum(u.amount for u in rotor.unbalances)
+
+
+def _capacity(one: WeightBalancer) -> float:
+    return capacity(one.mass, one.track_radius, one.weight_radius or 0.0, one.count)
+
+
+def _density(one: WeightBalancer) -> float:
+    """Of a ball [kg/m^3]."""
+    return one.mass / (4.0 / 3.0 * math.pi * (one.weight_radius or 0.0) ** 3)
+
+
+def tell(scene: Scene) -> None:
+    """Print the line and the warnings, unless --quiet is given."""
+    from ..output.terminal import is_quiet, say
+
+    if not is_quiet.get():
+        say(understood(scene))
+    for line in (found := implausible(scene)):
+        tell_warning(line)
+    _told.update(found)
+
+
+def tell_warning(line: str) -> None:
+    """Print a warning, unless --quiet is given."""
+    from ..output.terminal import is_quiet, say
+
+    if not is_quiet.get():
+        say(f"WARNING: {line}", style="bold yellow", error=True)
+
+
+def warn(scene: Scene) -> None:
+    """Warn a caller of the library, of every value once."""
+    for line in implausible(scene):
+        if line not in _told:
+            _told.add(line)
+            warnings.warn(f"{scene.label}: {line}", ImplausibleWarning, stacklevel=3)
