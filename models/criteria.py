@@ -12,7 +12,6 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.optimize import brentq
 
 from .assembly import Assembly
 from .linear.boundaries import Crossing
@@ -69,6 +68,8 @@ class Criterion:
     @property
     def critical_speeds(self) -> tuple[float, ...]:
         """Positive roots of P(w) [rad/s], ascending; each lies between w_x and w_y (29)."""
+        from scipy.optimize import brentq  # loaded only where they are asked for
+
         (low, b_low), (high, b_high) = sorted(((self.w_x, self.b_x), (self.w_y, self.b_y)))
         span = (high - low) * (high + low)
         if span == 0.0:

@@ -123,6 +123,7 @@ README_COMMANDS = {  # of the table, with the options shown there
         "two_balls -o run.csv --plot run.png --movie run.gif --set run.revolutions=2 --verify",
         "two_balls --separate",
     ],
+    "new": ["fan -o fan.toml"],
     "show": ["two_balls -o page.html --set weights.drag=0.1"],
     "speeds": ["two_balls --range 1 4 --method criterion,floquet,cosim"],
     "map": ["two_balls --x speed=1:4:3 --y weights.drag=0.01:0.1:3:log -o map.png"],

@@ -52,7 +52,7 @@ def command(
     from .report import as_json, tables, verdict
     from .runner import check_all, checked_scenes
 
-    loaded = [changed_scene(s, changes, quietly=not scenes) for s in scenes or checked_scenes()]
+    loaded = [changed_scene(s, changes, quietly=True) for s in scenes or checked_scenes()]
     if python:
         loaded = [scene.replace(ON_PYTHON) for scene in loaded]
     if verify:

@@ -10,7 +10,6 @@ import typer
 from ..errors import UserError
 from ..output import costs, options
 from ..output.files import write_json
-from ..output.report import Report
 from ..output.terminal import progress_bar, say, say_facts, show
 from ..scene.changes import changed_scene
 from . import run_pictures as drawings
@@ -79,6 +78,7 @@ def command(
 
     Pictures are png, svg or pdf; all but --plot also html, to turn and to look into.
     """
+    from ..output.report import Report
     from .run import cosimulate, refuse_separate
 
     wanted = {
