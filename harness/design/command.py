@@ -13,9 +13,7 @@ from ..errors import UserError
 from ..output import costs, options
 from ..output.table import Sheet
 from ..output.terminal import progress_bar, say, show
-from ..scene.messages import did_you_mean
 from ..units import in_both, rounded, shown_in, si_number
-from .scenes import ASSUMED_RATE
 
 if TYPE_CHECKING:
     from .choices import Design
@@ -104,6 +102,8 @@ def command(
         for line in words(data, details):
             say(line)
         if not loaded.balancer:
+            from .scenes import ASSUMED_RATE
+
             rate = ASSUMED_RATE * loaded.profile().end
             say(f"Drag is ASSUMED: a ball loses its speed within {1.0 / rate:.3g} s. {MEASURE}")
         if data.separate:
@@ -137,6 +137,8 @@ def _density(material: str) -> float:
     try:
         density = si_number(material, "kg/m^3", "--material")
     except UserError as error:
+        from ..scene.messages import did_you_mean
+
         known = did_you_mean(material, list(MATERIALS))
         raise UserError(f"{error}, or one of {', '.join(MATERIALS)}{known}") from None
     if not 0.0 < density < math.inf:

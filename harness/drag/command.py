@@ -8,9 +8,6 @@ from typing import Annotated
 
 import typer
 
-from ...models import drag as theory
-from ...models.papers.capacity import weight_mass
-from ...models.weights import KAPPA
 from ..errors import UserError
 from ..output import options
 from ..output.terminal import say
@@ -47,6 +44,9 @@ def command(
         raise UserError("give either --decay, which is measured, or --oil, which gives a bound")
     if not 0.0 < density < math.inf:
         raise UserError(f"--density {density:g}: must be above 0")
+    from ...models.papers.capacity import weight_mass
+    from ...models.weights import KAPPA
+
     mass = weight_mass("balls", 0.5 * ball, density)
     found = _measured(mass, *decay) if decay else _bound(ball, str(oil), temperature)
     rate = found / (KAPPA["balls"] * mass)
@@ -56,6 +56,9 @@ def command(
 
 def _measured(mass: float, first: str, last: str, time: str) -> float:
     """Drag from a decay [N s/m]."""
+    from ...models import drag as theory
+    from ...models.weights import KAPPA
+
     seconds = si_number(time, "s", "--decay: time")
     kind, start, end = _both(first, last)
     if not (0.0 < end < start < math.inf and 0.0 < seconds < math.inf):
@@ -84,6 +87,8 @@ def _both(first: str, last: str) -> tuple[str, float, float]:
 
 def _bound(ball: float, oil: str, temperature: str) -> float:
     """Lower bound of the drag from the oil [N s/m]."""
+    from ...models import drag as theory
+
     grade, celsius = _OIL.fullmatch(oil), _CELSIUS.fullmatch(temperature)
     if grade is None:
         raise UserError(f'--oil {oil}: must be an ISO grade, such as "ISO VG 46"')

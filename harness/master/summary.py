@@ -15,7 +15,7 @@ from ...models.papers.capacity import capacity
 from ..scene import Scene
 from ..scene.balancer import WeightBalancer
 from ..scene.grade import GRADES, moments, residual_unbalance
-from ..units import in_both, readable_unbalance, brief
+from ..units import brief, in_both, readable_unbalance
 from .merged import SHORT
 from .names import stations, weight
 from .velocity import VELOCITY, revolutions_at

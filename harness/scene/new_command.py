@@ -11,7 +11,6 @@ from ..errors import UserError
 from ..output import options
 from ..output.files import write_whole
 from ..output.terminal import say
-from .file import find
 
 MACHINES = ("drum", "grinder", "centrifuge", "optical_drive", "fan")
 
@@ -26,6 +25,8 @@ def command(
     ] = None,
 ) -> None:
     """Write a commented scene file to start from."""
+    from .file import find
+
     source = find(name.replace(" ", "_"))
     path = output or Path(f"my_{source.stem}.toml")
     if path.exists():

@@ -25,10 +25,10 @@ drag = 0.2
 speed = 150.0
 """
 MISTAKES = {
-    "rpm as rad/s": ("speed=1200", 'speed = 1200 rad/s = 11459 rpm: .* write "1200 rpm"'),
+    "rpm as rad/s": ("speed=1200", 'speed = 1200 rad/s = 11460 rpm: .* write "1200 rpm"'),
     "g as kg": ("balls.mass=50", r'balls.mass = 50 kg: .* heavier than .* write "50 g"'),
     "mm as m": ("balls.track_radius=200", "move along their track at 30000 m/s; .* track_radius"),
-    "g mm as kg m": ("rotor.unbalance=20000", 'eccentricity of 2.5e.06 mm, .* write "20000 g mm"'),
+    "g mm as kg m": ("rotor.unbalance=20000", 'eccentricity of 2500000 mm, .* write "20000 g mm"'),
     "degrees as rad": ("balls.angles=[0,120,240]", "balls.angles = .* are they in degrees"),
     "capacity": ("rotor.unbalance=0.05", "50 g m to balance, the weights hold at most 30 g m"),
     "density": ("balls.weight_radius=1.5e-3", "a density of 3.54e.03 g/cm.3 with weight_radius"),
