@@ -124,7 +124,7 @@ static double hold_of(WeightsInOrder *weights, int i, const Instant *now,
 static void state_after(const EventFunctions *functions, int i, const Instant *later, double time,
                   double *middle, double *rate)
 {
-    moved(functions->weights, i, &functions->now, later, functions->motion->angular_acceleration,
+    group_moved(functions->weights, i, &functions->now, later, functions->motion->angular_acceleration,
           time, middle, rate);
 }
 

@@ -48,7 +48,7 @@ static void move_groups(const EventFunctions *functions, const Instant *later, d
     Groups *groups = &functions->weights->groups;
     int i;
     for (i = 0; i < groups->runs.count; i++) {
-        moved(functions->weights, i, &functions->now, later,
+        group_moved(functions->weights, i, &functions->now, later,
               functions->motion->angular_acceleration, length, &groups->end_middle[i],
               &groups->end_rate[i]);
     }

@@ -117,7 +117,7 @@ static double group_lever(const WeightsInOrder *weights, int i)
            group_factor(weights->groups.runs.size[i], weights->track->alpha);
 }
 
-void moved(WeightsInOrder *weights, int i, const Instant *now, const Instant *later,
+void group_moved(WeightsInOrder *weights, int i, const Instant *now, const Instant *later,
            double angular_acceleration, double step, double *middle, double *rate)
 {
     const Groups *groups = &weights->groups;

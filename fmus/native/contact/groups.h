@@ -29,7 +29,7 @@ void find_groups(WeightsInOrder *weights, const Instant *now, double angular_acc
 SlidingGroup sliding_group(const WeightsInOrder *weights, int i);
 
 /* Middle and rate of group i after `step`; on failure the weights' failure is set. */
-void moved(WeightsInOrder *weights, int i, const Instant *now, const Instant *later,
+void group_moved(WeightsInOrder *weights, int i, const Instant *now, const Instant *later,
            double angular_acceleration, double step, double *middle, double *rate);
 
 /* Angle acceleration of group i at `middle` and its time derivative [rad/s^2, rad/s^3]. */

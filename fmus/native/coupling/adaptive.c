@@ -175,7 +175,7 @@ int adaptive_step(Unit *unit, double longest)
         double residual, error, ratio, largest_motion, shortened = own / step;
         int lower, higher, minute, still;
         course->held = rung < 0;
-        residual = iterated_attempt(unit, step);
+        residual = iterated_attempt(unit, step, MAX_PASSES);
         course->held = 0.0;
         if (residual < 0.0 && contacts_ahead(unit, &remaining)) {
             /* a unit cannot follow a loop that diverges */

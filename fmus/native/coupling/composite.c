@@ -178,7 +178,7 @@ static int begin_parts(Unit *unit)
         Unit *part = c->parts[k].unit;
         const Range inputs = part->layout.inputs;
         if (c->parts[k].brief >= 0) {
-            part->real[c->parts[k].brief] = 1.5 * contacts_brief(unit);
+            part->real[c->parts[k].brief] = 1.5 * brief_length(unit);
         }
         memcpy(part->real + inputs.first, part->starts + inputs.first,
                inputs.count * sizeof(double));
@@ -249,7 +249,7 @@ static int start(Unit *unit)
     if (!(course->fastest > 0.0)) {
         return refuse_coupling(unit, "coupling.top_speed: must be above 0 rad/s for a rotor that starts at rest");
     }
-    step = startup_size(unit);
+    step = communication_length(unit);
     if (begin_parts(unit)) {
         return 1;
     }
@@ -363,7 +363,7 @@ static int adapt(Unit *unit)
     const double longest = c->pacing.longest;
     if (!c->pacing.points) {
         return adaptive_step(unit, longest > 0.0 ? longest
-                                                 : startup_share(unit, unit->real[c->fewest]));
+                                                 : step_of_revolution(unit, unit->real[c->fewest]));
     }
     return prescribed_step(unit) || (c->course->striking == 0.0 && iterated_judge(unit));
 }
@@ -464,17 +464,6 @@ static int refuse_work(Unit *unit, double step)
     return 1;
 }
 
-void composite_put_time(Text *reason, double time)
-{
-    text_put_rounded(reason, " at t = ", time, 6);
-    text_put(reason, " s");
-}
-
-void composite_put_gain(const Unit *unit, Text *reason)
-{
-    text_put_rounded(reason, "; loop gain ", ((const Composite *)unit->own)->course->gain, 3);
-}
-
 void composite_level_off(Unit *unit)
 {
     Course *course = ((Composite *)unit->own)->course;
@@ -523,8 +512,8 @@ static int composite_step_unit(Unit *unit, double length)
     } else if (!c->motor && meet_inputs(unit)) {
         return 1;
     }
-    if (!(length < MOST_STEPS * startup_size(unit))) {
-        return refuse_length(unit, startup_size(unit));
+    if (!(length < MOST_STEPS * communication_length(unit))) {
+        return refuse_length(unit, communication_length(unit));
     }
     if (course->acceleration != 0.0 && unit->time < top && top <= end) {
         const unsigned *asked = unit->asked;

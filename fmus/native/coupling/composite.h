@@ -168,15 +168,32 @@ size_t composite_memory(Composite *c, double *memory);
 int composite_go_on(Unit *unit);
 /* Begin a step where a rotor that speeds up by itself has reached its speed. */
 void composite_level_off(Unit *unit);
-/* Say in the reason when it went wrong, and the loop gain. */
-void composite_put_time(Text *reason, double time);
-void composite_put_gain(const Unit *unit, Text *reason);
 
 /* -- communication_step.c ---------------------------------- */
 
 /* The communication step to come, which may take several of the coupling; with a tolerance one that
    is chosen, at most that long [s]; 1 with the reason. */
 int composite_run_step(Unit *unit, double step);
+
+/* -- parts.c ----------------------------------------------------------------------------------- */
+
+/* Say in the reason when it went wrong, and the loop gain. */
+void composite_put_time(Text *reason, double time);
+void composite_put_gain(const Unit *unit, Text *reason);
+/* 1, with a part's reason under its name. */
+int composite_part_failed(Unit *unit, const Part *part);
+/* Names of all that a step assumes. */
+void composite_name_forces(const Composite *c, Text *text);
+/* One step of a part. */
+int composite_advance(Unit *unit, Part *part, double step);
+
+/* -- lengths.c --------------------------------------------------------------------------------- */
+
+/* Length of a step of so many in the fastest revolution [s], and of a communication step. */
+double step_of_revolution(const Unit *unit, double steps);
+double communication_length(const Unit *unit);
+/* A step that is taken whole [s]: longer ones end at events. */
+double brief_length(const Unit *unit);
 
 /* -- system.c ------------------------------------ */
 
@@ -202,12 +219,6 @@ void composite_drive(Unit *unit, double time);
 /* Take over the signals of a finished step; 1 with the reason when one is not finite. */
 int composite_accept(Unit *unit, const Knot *accelerations, const Knot *forces, double step);
 void composite_drop_past(Composite *c);
-/* 1, with a part's reason under its name. */
-int composite_part_failed(Unit *unit, const Part *part);
-/* Names of all that a step assumes. */
-void composite_name_forces(const Composite *c, Text *text);
-/* One step of a part. */
-int composite_advance(Unit *unit, Part *part, double step);
 
 /* -- shaft.c -------------------------------------- */
 
@@ -281,16 +292,10 @@ int resolution_check(Unit *unit, double step);
 void iterated_begin(Composite *c);
 /* From the start on, count as converged what leaves so much of the largest force. */
 void iterated_allow(Composite *c, double residual);
-int iterated_step(Unit *unit, double step);
 /* 1 with the reason where what the step left of the forces cannot be tolerated. */
 int iterated_judge(Unit *unit);
-int iterated_cross(Unit *unit, double step);
-/* Take a step with as many passes as it takes; its residual, below 0 where it failed. */
-double iterated_attempt(Unit *unit, double step);
 /* Go on from the end of what was attempted. */
 int iterated_accept(Unit *unit, double step);
-/* The same, with its length in course->length; `met`: an event is there. */
-int iterated_go_on(Unit *unit, double step, int met);
 /* Back to the begin of the step. */
 void composite_restore(Composite *c);
 void adaptive_begin(Unit *unit);
@@ -306,6 +311,20 @@ void compensated_begin(Composite *c, double step);
 /* One step; `jump`: over a jump of an input. */
 int compensated_step(Unit *unit, double step, int jump);
 
+enum { MAX_PASSES = 30 }; /* of a step that is to be solved */
+/* Take a step with at most so many passes; the residual left, below 0 where it failed. */
+double iterated_attempt(Unit *unit, double step, int passes);
+
+/* -- steps.c ----------------------------------------------------------------------------------- */
+
+/* One step, or up to an event within it. */
+int iterated_step(Unit *unit, double step);
+/* Go on from the end of what was attempted, with its length in course->length; `met`: an event is
+   there. */
+int iterated_go_on(Unit *unit, double step, int met);
+/* A negligible step over a jump of an input. */
+int iterated_cross(Unit *unit, double step);
+
 /* -- impacts.c ---------------------------------------------------------------------- */
 
 /* Memory for the impacts of weights; 1 when there is none. */
@@ -318,8 +337,6 @@ int impacts_strike(Unit *unit, double soon, int *struck);
 
 /* -- contacts.c --------------------------------------------------------------------- */
 
-/* A step that is taken whole [s]: longer ones end at events. */
-double contacts_brief(const Unit *unit);
 /* After an attempt that failed: 1 unless an event ended it; else the units as before and the
    step [s] that ends before the event, 0: it is here. */
 int contacts_ahead(Unit *unit, double *step);
@@ -332,9 +349,6 @@ int contacts_step(Unit *unit);
 
 /* -- startup.c ------------------------------------------------------------------------ */
 
-/* Length of a step of so many in the fastest revolution [s], and of a communication step. */
-double startup_share(const Unit *unit, double steps);
-double startup_size(const Unit *unit);
 /* Length of the step to come [s], of the communication step it is part of. */
 double startup_length(Unit *unit);
 /* What follows the step that was taken; `struck`: behind an event. */

@@ -10,21 +10,14 @@
 #include "coupling/composite.h"
 
 static const double SOON = 1e-3; /* of a brief step: weights that meet so soon collide now */
-static const double BRIEF = 1e-6, WIDE = 1e-4, LEAST = 0.1, JUMP = 1e-6, BRIEF_GROWTH = 10.0, SLOPE_JUMP = 1e-10, AGREED = 1e-6;
+static const double JUMP = 1e-6, BRIEF_GROWTH = 10.0, SLOPE_JUMP = 1e-10, AGREED = 1e-6;
 enum { QUIET = 3, AWAITED = 20, MOST = 1000, TRIES = 3 };
 static const double SHORTER[TRIES] = {1.0, 0.6, 0.36};
-
-double contacts_brief(const Unit *unit)
-{
-    const double tolerance = unit->real[((const Composite *)unit->own)->tolerance];
-    const double share = tolerance > 0.0 ? larger(LEAST, smaller(1.0, tolerance / WIDE)) : 1.0;
-    return share * BRIEF * startup_size(unit);
-}
 
 int contacts_ahead(Unit *unit, double *step)
 {
     Composite *c = unit->own;
-    const double ahead = c->course->ahead, least = contacts_brief(unit);
+    const double ahead = c->course->ahead, least = brief_length(unit);
     if (ahead < 0.0) {
         return 1;
     }
@@ -74,9 +67,9 @@ static double brief(Unit *unit, double *step)
 {
     Composite *c = unit->own;
     int k = 0;
-    *step = contacts_brief(unit);
+    *step = brief_length(unit);
     for (;;) {
-        const double residual = iterated_attempt(unit, *step);
+        const double residual = iterated_attempt(unit, *step, MAX_PASSES);
         if (residual < 0.0 && c->course->ahead >= SOON * *step) { /* weights meet within it */
             *step = c->course->ahead;
             composite_restore(c);
@@ -88,7 +81,7 @@ static double brief(Unit *unit, double *step)
         composite_restore(c);
         relearn(c);
         k++;
-        *step = SHORTER[k] * contacts_brief(unit);
+        *step = SHORTER[k] * brief_length(unit);
         /* weights that stick answer otherwise than those that slide */
         if (k == TRIES - 1 && iterated_after_start(unit, *step)) {
             return -1.0;
@@ -125,7 +118,7 @@ int contacts_step(Unit *unit)
     Course *course = c->course;
     double step, residual, motion = 0.0;
     int k, jumped = 0, turned = 0;
-    if (impacts_strike(unit, SOON * contacts_brief(unit), &jumped)) {
+    if (impacts_strike(unit, SOON * brief_length(unit), &jumped)) {
         return 1;
     }
     residual = brief(unit, &step);

@@ -7,7 +7,7 @@
 
 static const double HELD = 0.01; /* of the residual allowed */
 static const double CONVERGED_FORCES = 1e-10, GAIN_ROUNDING = 1e-12, CHANGE = 1e-3, LOOSE = 1e-3, SLOW_PASS = 0.1;
-enum { MAX_PASSES = 30, UNCONVERGED = 1 };
+enum { UNCONVERGED = 1 };
 
 /* Residual of a loop that is solved. */
 static double closed(const Course *course)
@@ -86,8 +86,7 @@ void composite_restore(Composite *c)
     memcpy(c->states, c->at_begin, c->state_count * sizeof(double));
 }
 
-/* Take a step with at most so many passes; the residual left, or below 0 where it failed. */
-static double attempt(Unit *unit, double step, int passes)
+double iterated_attempt(Unit *unit, double step, int passes)
 {
     Composite *c = unit->own;
     Course *course = c->course;
@@ -170,67 +169,11 @@ int iterated_judge(Unit *unit)
     return 1;
 }
 
-int iterated_step(Unit *unit, double step)
-{
-    Composite *c = unit->own;
-    Course *course = c->course;
-    /* a first step has no past to be predicted from and would cost an order */
-    const int all = course->corrections < 0.0 || (course->no_past > 0.0 && course->corrections > 0.0);
-    const int passes = all ? MAX_PASSES : (int)course->corrections + 1;
-    int met = 0;
-    for (;;) {
-        course->residual = attempt(unit, step, passes);
-        if (course->residual >= 0.0) {
-            break;
-        }
-        if (contacts_ahead(unit, &step)) {
-            return 1;
-        }
-        if (step == 0.0) {
-            return contacts_strike(unit);
-        }
-        met = 1;
-    }
-    return iterated_go_on(unit, step, met);
-}
-
-int iterated_go_on(Unit *unit, double step, int met)
-{
-    Course *course = ((Composite *)unit->own)->course;
-    course->length = step;
-    if (iterated_accept(unit, step)) {
-        return 1;
-    }
-    if (met) {
-        contacts_begin(unit);
-        course->worst = course->residual;
-    }
-    return 0;
-}
-
 int iterated_accept(Unit *unit, double step)
 {
     Composite *c = unit->own;
     c->course->largest = c->course->reached;
     return composite_accept(unit, c->ends, c->answers, step);
-}
-
-double iterated_attempt(Unit *unit, double step)
-{
-    return attempt(unit, step, MAX_PASSES);
-}
-
-int iterated_cross(Unit *unit, double step)
-{
-    Composite *c = unit->own;
-    while (attempt(unit, step, MAX_PASSES) < 0.0) {
-        int struck;
-        composite_restore(c);
-        if (c->course->ahead < 0.0 || impacts_strike(unit, 2.0 * step, &struck) || !struck) {
-            return 1;
-        }
-    }
-    return iterated_accept(unit, step);
 }
 
 static int respond_to_pass(Unit *unit, const double *u, double step, double *answer)

@@ -28,7 +28,7 @@ int prescribed_step(Unit *unit)
     for (;;) {
         double residual;
         course->held = held;
-        residual = iterated_attempt(unit, step);
+        residual = iterated_attempt(unit, step, MAX_PASSES);
         course->held = 0.0;
         if (residual < 0.0) {
             if (contacts_ahead(unit, &step)) {

@@ -123,7 +123,7 @@ static int advance_motor(Unit *unit, double step)
     const Course *course = c->course;
     Motor *motor = c->motor->unit->own;
     int wrong;
-    if (step > contacts_brief(unit)) {
+    if (step > brief_length(unit)) {
         motor->negligible = course->tolerance * course->largest / course->spin_scale * motor->inertia;
     }
     wrong = composite_advance(unit, c->motor, step);

@@ -9,24 +9,12 @@
 
 static const double STEEP = 0.2, FIRST = 0.05, KINK = 1e-6;
 enum { MOST_HALVINGS = 60, JUMP_PARTS = 8, STARTUP_HALVINGS = 2, QUINTIC_HALVINGS = 4 };
-enum { DEFAULT_STEPS = 40 }; /* a revolution */
-
-double startup_share(const Unit *unit, double steps)
-{
-    return TAU / (((const Composite *)unit->own)->course->fastest * steps);
-}
-
-double startup_size(const Unit *unit)
-{
-    const double steps = unit->real[((const Composite *)unit->own)->steps_per_rev];
-    return startup_share(unit, steps > 0.0 ? steps : DEFAULT_STEPS);
-}
 
 /* The communication step to come [s]: a run says it, else the parameters do. */
 static double communication(const Unit *unit)
 {
     const double step = ((const Composite *)unit->own)->pacing.step;
-    return step > 0.0 ? step : startup_size(unit);
+    return step > 0.0 ? step : communication_length(unit);
 }
 
 /* How often a step without a past is halved, so that nothing is steep in its first part. */
@@ -74,7 +62,7 @@ double startup_length(Unit *unit)
         const double step = communication(unit);
         course->changed = 0.0;
         course->crossing = compensates(c) ? JUMP_PARTS : 1;
-        course->negligible = smaller(KINK * step, contacts_brief(unit)) / course->crossing;
+        course->negligible = smaller(KINK * step, brief_length(unit)) / course->crossing;
         course->whole = step - course->crossing * course->negligible;
         course->ends = course->time + step;
     }
@@ -101,7 +89,7 @@ int startup_taken(Unit *unit, int struck)
     }
     if (struck && course->allowed == 0.0) { /* what is left of the communication step */
         const double left = course->ends - course->time;
-        course->whole = left > TIME_ROUNDING * startup_size(unit) ? left : 0.0;
+        course->whole = left > TIME_ROUNDING * communication_length(unit) ? left : 0.0;
         course->first_step = 1.0;
         divide(c, course);
     }

@@ -4,11 +4,9 @@
 #include <string.h>
 
 #include "base/elementary.h"
-#include "coupling/composite.h"
 
 /* A host's own sums of times are off by their rounding; more is another point in time. */
 static const double POINT_OF_STEP = 1e-6, POINT_OF_TIME = 1e-10;
-static const char NO_MEMORY[] = "not enough memory for a unit of this size";
 
 /* -- memory ---------------------------------------------------------------------------------- */
 
@@ -37,114 +35,6 @@ void unit_free(Unit *unit)
 }
 
 /* -- life cycle ------------------------------------------------------------------------------ */
-
-static const Equations *equations_of(const char *name)
-{
-    const Equations *const all[] = {&ROTOR_EQUATIONS, &LIQUID_EQUATIONS, &WEIGHTS_EQUATIONS,
-                                     &MOTOR_EQUATIONS};
-    size_t k;
-    for (k = 0; k < sizeof all / sizeof *all; k++) {
-        if (text_equal(all[k]->name, name)) {
-            return all[k];
-        }
-    }
-    return NULL;
-}
-
-/* Equations, layout and start values of a unit's token; 1 with the reason. */
-static int build_single(Unit *unit, const char *token)
-{
-    const Table *table;
-    Sizes sizes;
-    Variable *reals;
-    size_t count;
-    if (token_read(token, &table, &sizes, unit_reason(unit))) {
-        return 1;
-    }
-    unit->equations = equations_of(table->unit);
-    if (!unit->equations) {
-        text_put(unit_reason(unit), "the identity names no unit of this library");
-        return 1;
-    }
-    count = layout_count(table, &sizes, MOST_REALS);
-    reals = unit_allocate(unit, count, sizeof *reals);
-    unit->starts = unit_allocate(unit, count, sizeof(double));
-    unit->own = unit_allocate(unit, 1, unit->equations->own_size);
-    if (!reals || !unit->starts || !unit->own) {
-        text_put(unit_reason(unit), NO_MEMORY);
-        return 1;
-    }
-    unit->layout = layout_in(reals, table, &sizes);
-    layout_starts(&unit->layout, unit->starts);
-    if (unit->equations->starts) {
-        unit->equations->starts(&unit->layout, unit->starts);
-    }
-    if (token_check(token, &unit->layout, layout_digest(&unit->layout, unit->starts),
-                    &unit->reason)) {
-        return 1;
-    }
-    memcpy(unit->token, token, text_length(token) + 1);
-    unit->memory_count =
-        unit->equations->memory_size ? unit->equations->memory_size(&unit->layout) : 0;
-    return 0;
-}
-
-/* Arrays of a unit whose layout is known, and what its equations need; 1 when there is no memory. */
-static int build_arrays(Unit *unit, const char *name)
-{
-    const size_t count = unit->layout.real_count;
-    const size_t outputs = unit->layout.computed.count + unit->layout.observed.count;
-    unit->real = unit_allocate(unit, count, sizeof(double));
-    unit->name = unit_allocate(unit, text_length(name) + 1, 1);
-    unit->boolean = unit_allocate(unit, unit->layout.boolean_count, 1);
-    unit->memory = unit_allocate(unit, unit->memory_count, sizeof(double));
-    unit->before = unit_allocate(unit, unit->memory_count, sizeof(double));
-    unit->seed = unit_allocate(unit, unit->layout.inputs.count, sizeof(double));
-    unit->change = unit_allocate(unit, outputs, sizeof(double));
-    unit->kept = unit_allocate(unit, unit->layout.computed.count, sizeof(double));
-    if (!unit->real || !unit->name || !unit->boolean || !unit->memory || !unit->before ||
-        !unit->seed || !unit->change || !unit->kept ||
-        (unit->equations->allocate && unit->equations->allocate(unit))) {
-        return 1;
-    }
-    memcpy(unit->name, name, text_length(name) + 1);
-    return 0;
-}
-
-int unit_build(Unit *unit, const char *name, const char *token)
-{
-    if (composite_named(token) ? composite_build(unit, token) : build_single(unit, token)) {
-        return 1;
-    }
-    if (build_arrays(unit, name)) {
-        text_put(unit_reason(unit), NO_MEMORY);
-        return 1;
-    }
-    return 0;
-}
-
-Unit *unit_instantiate(const char *name, const char *token, Log log, void *host)
-{
-    Unit *unit = calloc(1, sizeof *unit);
-    const char *shown = name ? name : "";
-    if (!unit) {
-        log(host, shown, STATUS_ERROR, "instantiation failed: not enough memory");
-        return NULL;
-    }
-    unit->log = log;
-    unit->host = host;
-    if (unit_build(unit, shown, token)) {
-        Text text = text_in(unit->message_buffer, sizeof unit->message_buffer);
-        text_put(&text, shown);
-        text_put(&text, ": instantiation failed: ");
-        text_put(&text, unit->reason.at);
-        log(host, shown, STATUS_ERROR, text.at);
-        unit_free(unit);
-        return NULL;
-    }
-    unit_reset(unit);
-    return unit;
-}
 
 void unit_reset(Unit *unit)
 {

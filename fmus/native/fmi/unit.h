@@ -108,9 +108,11 @@ void *unit_allocate(Unit *unit, size_t count, size_t size);
 /* -- life cycle; NULL is returned, and an error given, after a reason is logged -------------- */
 
 Unit *unit_instantiate(const char *name, const char *token, Log log, void *host);
-/* Give a zeroed unit all that it needs while it lives, in `allocated`; 1 with the reason when
-   something is wrong. */
+/* Give a zeroed unit, no composite, all that it needs while it lives, in `allocated`; 1 with the
+   reason when something is wrong. */
 int unit_build(Unit *unit, const char *name, const char *token);
+/* The same of one whose layout, start values and equations are known. */
+int unit_build_arrays(Unit *unit, const char *name);
 void unit_free(Unit *unit);
 /* As new: start values, no state, all of the above kept. */
 void unit_reset(Unit *unit);

@@ -88,7 +88,7 @@ size_t rotor_shortest_stopped(const Unit *unit);
 /* Make unit->own's rotor from the parameters; 0, or 1 with the reason. */
 int rotor_of_parameters(Unit *unit);
 
-/* -- rotor_step.c ----------------------------------------------------------------------- */
+/* -- rotor_matrices.c ---------------------------------------------------------------------- */
 
 enum { SPIN_UP = 1, SPUN = 5 }; /* behind the speed: its acceleration, and what comes after both */
 
@@ -102,6 +102,12 @@ LinearRotor rotor_anew(Unit *unit, MadeFor *of);
 void rotor_made(const Unit *unit, MadeFor *of, double speed);
 /* Where the k-th column of a matrix, x and y alternating, stands among (x..., y...) blocks. */
 int rotor_column(const Rotor *own, int k);
+/* Rows of a matrix (count, n) times vectors (x, y alternating). */
+void rotor_vectors_at(const double *rows, int count, int n, const double *vectors,
+                      double *result);
+
+/* -- rotor_step.c ----------------------------------------------------------------------- */
+
 /* Step matrix by columns, x and y alternating in rows and columns; NULL with the reason. */
 const double *rotor_matrix(Unit *unit, double speed, double step);
 /* own->result = matrix own->operand. */
@@ -127,9 +133,6 @@ int rotor_friction_response(Unit *unit, const double *values, const double *slop
 int rotor_outputs_now(Unit *unit, double *out);
 /* Torque on the shaft and its slope at the present time; 1 with the reason. */
 int rotor_torque_now(Unit *unit, double *torque);
-/* Rows of a matrix (count, n) times vectors (x, y alternating). */
-void rotor_vectors_at(const double *rows, int count, int n, const double *vectors,
-                      double *result);
 
 /* -- rotor_gravity.c --------------------------------------------------------------------- */
 

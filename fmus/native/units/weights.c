@@ -111,71 +111,6 @@ static int weights_begin(Unit *unit)
     return 0;
 }
 
-/* What collisions have left owed, and the pulse at the end of the last step, in the unit's memory. */
-static double *impulses(const Unit *unit)
-{
-    return unit->memory + 3 * ((const Balls *)unit->own)->count;
-}
-
-static Complex weights_pulse(const Unit *unit)
-{
-    return complex_of(impulses(unit)[2], impulses(unit)[3]);
-}
-
-/* The second derivative of a vector in the axes of weights_rotating, from the fixed axes' vector. */
-static Complex rotating_second(double angle, double speed, double spin_up, Complex value,
-                               Complex slope, Complex second)
-{
-    /* second - 2 i w slope - (w^2 + i w') value */
-    const Complex moved = complex_product(complex_of(speed * speed, spin_up), value);
-    const Complex seen = complex_of(second.re + 2.0 * speed * slope.im - moved.re,
-                                    second.im - 2.0 * speed * slope.re - moved.im);
-    return complex_product(seen, rect(1.0, -angle));
-}
-
-void weights_rotating(double angle, double speed, Complex *value, Complex *slope)
-{
-    const Complex turn = rect(1.0, -angle);
-    /* slope - i w value */
-    const Complex seen = complex_of(slope->re + speed * value->im, slope->im - speed * value->re);
-    *value = complex_product(*value, turn);
-    *slope = complex_product(seen, turn);
-}
-
-RotorMotion weights_motion_now(const Unit *unit)
-{
-    const Balls *own = unit->own;
-    const double *in = weights_drive(unit), *spin_up = in + ACCELERATION;
-    const double ago = unit->memory[unit->memory_count - 1];
-    const Drift more = drift(spin_up, ago);
-    RotorMotion now;
-    now.second = complex_of(0.0, 0.0);
-    if (unit->layout.sizes.order == 5) {
-        Complex motion[3];
-        signal_derivatives(unit->real + unit->layout.inputs.first, 5, ago, motion);
-        now.acceleration = motion[0];
-        now.slope = motion[1];
-        now.second = motion[2];
-    } else {
-        Complex cubic[SIGNAL_ORDERS];
-        signal_orders(in, cubic);
-        signal_at(cubic, ago, &now.acceleration, &now.slope);
-    }
-    now.angle = in[ANGLE] + ago * (in[SPEED] + 0.5 * spin_up[0] * ago) + more.angle;
-    now.speed = in[SPEED] + spin_up[0] * ago + more.speed;
-    now.spin_up = spin_up[0] + more.acceleration;
-    now.change = more.slope;
-    now.curvature = spin_up[2] + ago * spin_up[3];
-    if (unit->layout.sizes.fixed_frame) {
-        now.second = rotating_second(now.angle, now.speed, now.spin_up, now.acceleration, now.slope,
-                                     now.second);
-        weights_rotating(now.angle, now.speed, &now.acceleration, &now.slope);
-    }
-    now.answered = complex_scaled(own->track.mobility, weights_pulse(unit));
-    now.acceleration = complex_difference(now.acceleration, now.answered);
-    return now;
-}
-
 /* Residual force of the weights on the rotor and its slope in its frame, without pulses; 1 with the
    reason. */
 static int force_now(Unit *unit, const RotorMotion *now, Complex *force)
@@ -204,7 +139,7 @@ static void put_second(Unit *unit, const RotorMotion *now, const Complex *force,
                                            motion, now->speed, &now->spin_up, own->turned);
     second = complex_difference(second, complex_scaled(own->sent, now->second));
     if (unit->layout.sizes.fixed_frame) {
-        second = rotating_second(-now->angle, -now->speed, -now->spin_up, force[0], force[1], second);
+        second = weights_rotating_second(-now->angle, -now->speed, -now->spin_up, force[0], force[1], second);
     }
     out[0] = second.re;
     out[1] = second.im;
@@ -273,7 +208,7 @@ static int meet(Unit *unit, Complex *cubic, double speed, const double *spin_up,
 {
     Balls *own = unit->own;
     const size_t count = (size_t)own->count;
-    double *angles = unit->memory, *owes = impulses(unit);
+    double *angles = unit->memory, *owes = weights_impulses(unit);
     const Complex pulse = weights_pulse(unit);
     Complex owed = complex_of(owes[0], owes[1]), left = owed, given;
     Moved moved;
@@ -323,7 +258,7 @@ static int step_quintic(Unit *unit, double length)
             const double speed = in[SPEED] + spin_up[0] * t + more.speed;
             Complex *end = ends[k];
             quintic_at(signal, t, end);
-            end[2] = rotating_second(angle, speed, spin_up[0] + more.acceleration, end[0], end[1],
+            end[2] = weights_rotating_second(angle, speed, spin_up[0] + more.acceleration, end[0], end[1],
                                      end[2]);
             weights_rotating(angle, speed, end, end + 1);
         }

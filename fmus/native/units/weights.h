@@ -37,8 +37,6 @@ static inline const double *weights_drive(const Unit *unit)
     return unit->real + unit->layout.inputs.first + 2 * (unit->layout.sizes.order - 3);
 }
 
-/* A vector and its slope seen in axes that turn with the rotor. */
-void weights_rotating(double angle, double speed, Complex *value, Complex *slope);
 /* The rotor's motion at the present time. */
 typedef struct {
     Complex acceleration, slope; /* of the plane's centre, rotor frame, without */
@@ -48,6 +46,16 @@ typedef struct {
                                                         side by side, derivatives of the speed */
 } RotorMotion;
 
+/* -- weights_motion.c ---------------------------------------------------------------------- */
+
+/* What collisions have left owed, and the pulse at the end of the last step, in the unit's memory. */
+double *weights_impulses(const Unit *unit);
+Complex weights_pulse(const Unit *unit);
+/* A vector and its slope seen in axes that turn with the rotor. */
+void weights_rotating(double angle, double speed, Complex *value, Complex *slope);
+/* And its second derivative, from the vector in fixed axes. */
+Complex weights_rotating_second(double angle, double speed, double spin_up, Complex value,
+                                Complex slope, Complex second);
 /* At the end of the last step, or where inputs are set since.  The weights' jump at a collision has the
    rotor's part in it: they do not feel how the plane answers the pulse. */
 RotorMotion weights_motion_now(const Unit *unit);

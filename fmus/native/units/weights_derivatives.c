@@ -7,8 +7,8 @@
 
 /* Change of the torque and its slope by that of plane and rotor and of the force, rotor frame. */
 static int weights_torque_response(Unit *unit, const RotorMotion *now, const Instant *by,
-                            double by_spin_up, double by_change, const Complex *by_force,
-                            double *change)
+                                   double by_spin_up, double by_change, const Complex *by_force,
+                                   double *change)
 {
     const Balls *own = unit->own;
     const Track *track = &own->track;

@@ -1,0 +1,25 @@
+/* Lengths of steps that follow from the parameters. */
+#include "base/elementary.h"
+#include "coupling/composite.h"
+
+enum { DEFAULT_STEPS = 40 }; /* per revolution */
+/* of a communication step, by default and at least; tolerance from which on it is shorter */
+static const double BRIEF = 1e-6, LEAST = 0.1, WIDE = 1e-4;
+
+double step_of_revolution(const Unit *unit, double steps)
+{
+    return TAU / (((const Composite *)unit->own)->course->fastest * steps);
+}
+
+double communication_length(const Unit *unit)
+{
+    const double steps = unit->real[((const Composite *)unit->own)->steps_per_rev];
+    return step_of_revolution(unit, steps > 0.0 ? steps : DEFAULT_STEPS);
+}
+
+double brief_length(const Unit *unit)
+{
+    const double tolerance = unit->real[((const Composite *)unit->own)->tolerance];
+    const double share = tolerance > 0.0 ? larger(LEAST, smaller(1.0, tolerance / WIDE)) : 1.0;
+    return share * BRIEF * communication_length(unit);
+}

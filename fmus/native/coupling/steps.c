@@ -1,0 +1,54 @@
+/* A step of the iterated scheme, which ends before an event if there is one. */
+#include "base/elementary.h"
+#include "coupling/composite.h"
+
+int iterated_go_on(Unit *unit, double step, int met)
+{
+    Course *course = ((Composite *)unit->own)->course;
+    course->length = step;
+    if (iterated_accept(unit, step)) {
+        return 1;
+    }
+    if (met) {
+        contacts_begin(unit);
+        course->worst = course->residual;
+    }
+    return 0;
+}
+
+int iterated_step(Unit *unit, double step)
+{
+    Composite *c = unit->own;
+    Course *course = c->course;
+    /* a first step has no past to be predicted from and would cost an order */
+    const int all = course->corrections < 0.0 || (course->no_past > 0.0 && course->corrections > 0.0);
+    const int passes = all ? MAX_PASSES : (int)course->corrections + 1;
+    int met = 0;
+    for (;;) {
+        course->residual = iterated_attempt(unit, step, passes);
+        if (course->residual >= 0.0) {
+            break;
+        }
+        if (contacts_ahead(unit, &step)) {
+            return 1;
+        }
+        if (step == 0.0) {
+            return contacts_strike(unit);
+        }
+        met = 1;
+    }
+    return iterated_go_on(unit, step, met);
+}
+
+int iterated_cross(Unit *unit, double step)
+{
+    Composite *c = unit->own;
+    while (iterated_attempt(unit, step, MAX_PASSES) < 0.0) {
+        int struck;
+        composite_restore(c);
+        if (c->course->ahead < 0.0 || impacts_strike(unit, 2.0 * step, &struck) || !struck) {
+            return 1;
+        }
+    }
+    return iterated_accept(unit, step);
+}

@@ -1,0 +1,42 @@
+"""The C files as a building: each stands above what it uses."""
+
+from __future__ import annotations
+
+import re
+from graphlib import TopologicalSorter
+
+import pytest
+
+from autobalancer.fmus.native.build.compile import texts
+
+_COMMENT = re.compile(r'/\*.*?\*/|"(?:\\.|[^"\\\n])*"', re.S)
+_DEFINED = re.compile(r"^(?!static|typedef)[A-Za-z_][\w *]*?\b(\w+)\([^;{]*\)\n\{", re.M)
+_TABLE = re.compile(r"^const Equations (\w+)", re.M)
+
+
+def _uses(files: dict[str, str]) -> dict[str, set[str]]:
+    """For each file the others that it includes, or whose functions it names."""
+    plain = {name: _COMMENT.sub("", text) for name, text in files.items()}
+    sources = [name for name in files if name.endswith(".c")]
+    homes = {
+        function: name
+        for name in sources
+        for function in (*_DEFINED.findall(plain[name]), *_TABLE.findall(plain[name]))
+    }
+    included = {n: set(re.findall(r'^#include "(.+)"$', text, re.M)) for n, text in files.items()}
+    named = {
+        n: {homes[word] for word in re.findall(r"\w+", plain[n]) if word in homes} for n in sources
+    }
+    return {name: (included[name] | named.get(name, set())) - {name} for name in files}
+
+
+def test_no_files_use_each_other_in_a_circle():
+    files = {name: text for name, text in texts().items() if name.endswith((".c", ".h"))}
+    uses = _uses(files)
+    assert "coupling/iterated.c" in uses["coupling/contacts.c"]  # by a call alone
+    assert "base/matrix.h" in uses["rotor/propagator.c"]
+    TopologicalSorter(uses).prepare()  # raises CycleError, which names the circle
+    files["base/matrix.c"] += "\nint matrix_circle(void)\n{\n    return propagator_terms();\n}\n"
+    files["rotor/propagator.c"] += "\nint propagator_terms(void)\n{\n    return 0;\n}\n"
+    with pytest.raises(ValueError, match="base/matrix"):
+        TopologicalSorter(_uses(files)).prepare()
