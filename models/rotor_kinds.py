@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from .constants import SAME_PLACE
 from .ranges import demand
 from .shaft import (
     Matrix,
@@ -27,8 +28,6 @@ if TYPE_CHECKING:
     from .rotor import LinearRotor
 
 Unbalance = tuple[float, float, float]
-
-_SAME_PLACE = 1e-9  # of the shaft's length: an unbalance this near to a disc sits on it
 
 
 def two_support(
@@ -190,7 +189,7 @@ def _shaft_unbalance(
     total = np.zeros(len(z), complex)
     for position, moment in _unbalances(unbalances):
         station = int(np.argmin(np.abs(z - position)))
-        if abs(z[station] - position) <= _SAME_PLACE * (z[-1] - z[0]):
+        if abs(z[station] - position) <= SAME_PLACE * (z[-1] - z[0]):
             total[station] += moment
         elif uniform and z[0] < position < z[-1]:
             total += beam_shares(z, position) * moment

@@ -11,12 +11,10 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from .constants import SHAFT_SINGULAR, SHAFT_SYMMETRIC
 from .ranges import demand
 
 Matrix = NDArray[np.float64]
-
-_SYMMETRIC = 1e-6  # of the largest compliance: measured ones are given with few digits
-_SINGULAR = 1e-13  # pivot of the scaled compliance: below it rounding makes the stiffness
 
 
 def bending_rows(z: Sequence[float] | Matrix, supports: tuple[int, int]) -> Matrix:
@@ -69,7 +67,7 @@ def given_compliance(compliance: Sequence[Sequence[float]], size: int) -> Matrix
         raise ValueError(f"compliance: must be {size} x {size}, the stations without supports")
     delta = np.array(compliance, float).reshape(size, size)
     scale = np.abs(delta).max(initial=0.0)
-    if not np.all(np.abs(delta - delta.T) <= _SYMMETRIC * scale):  # NaN fails too
+    if not np.all(np.abs(delta - delta.T) <= SHAFT_SYMMETRIC * scale):  # NaN fails too
         raise ValueError("compliance: must be finite and symmetric (Maxwell's reciprocity)")
     return (delta + delta.T) / 2.0
 
@@ -81,7 +79,7 @@ def shaft_stiffness(delta: Matrix, rows: Matrix) -> Matrix:
     try:
         with np.errstate(all="ignore"):
             lower = np.linalg.cholesky(delta / np.outer(scale, scale))
-        if not lower.diagonal().min(initial=1.0) ** 2 > _SINGULAR:  # NaN fails too
+        if not lower.diagonal().min(initial=1.0) ** 2 > SHAFT_SINGULAR:  # NaN fails too
             raise np.linalg.LinAlgError
     except np.linalg.LinAlgError:
         raise ValueError(

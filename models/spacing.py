@@ -9,7 +9,7 @@ import math
 from collections.abc import Sequence
 from itertools import pairwise
 
-SLACK = 1e-12  # relative: a full track may be a rounding too full
+from .constants import TRACK_SLACK
 
 
 def half_angle(radius: float, track: float) -> float:
@@ -21,7 +21,7 @@ def half_angle(radius: float, track: float) -> float:
     Raises:
         ValueError: the radius is not within 0 to `track`: two such weights cannot share a track.
     """
-    if not 0.0 <= radius <= track * (1.0 + SLACK) or not 0.0 < track < math.inf:
+    if not 0.0 <= radius <= track * (1.0 + TRACK_SLACK) or not 0.0 < track < math.inf:
         raise ValueError(f"radius = {radius!r} m: must be within 0 to the track radius {track!r} m")
     return math.asin(min(1.0, radius / track))
 
@@ -33,7 +33,7 @@ def largest_radius(count: int, track: float) -> float:
 
 def fits(count: int, radius: float, track: float) -> bool:
     """Whether `count` weights have room on a track."""
-    return radius <= largest_radius(count, track) * (1.0 + SLACK)
+    return radius <= largest_radius(count, track) * (1.0 + TRACK_SLACK)
 
 
 def closest(angles: Sequence[float]) -> tuple[float, int, int]:

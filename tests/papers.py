@@ -10,10 +10,11 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import brentq
 
+from autobalancer.models.constants import TRACK_SLACK as SLACK
 from autobalancer.models.criteria import Criterion
 from autobalancer.models.papers.capacity import demand_fit, packed_sine
 from autobalancer.models.papers.influence import Complex, unbalance_from_response
-from autobalancer.models.spacing import SLACK, closest, half_angle
+from autobalancer.models.spacing import closest, half_angle
 from autobalancer.models.weights import Weights
 
 # -- Goncharov 2017 -------------------------------------------------------------------------------

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import math
 
+from ...models.constants import TURN_ROUNDING
+
 TURN = 2.0 * math.pi
-_TURN_ROUNDING = 2.4492935982947064e-16  # 2 pi minus its floating-point value
 
 
 def turned(angle: list[float], by: float) -> list[float]:
@@ -14,18 +15,18 @@ def turned(angle: list[float], by: float) -> list[float]:
     if abs(by) > math.pi:
         part = math.remainder(by, TURN)
         whole = float(round((by - part) / TURN))
-        by, turns, carry = part, turns + whole, carry + whole * _TURN_ROUNDING
+        by, turns, carry = part, turns + whole, carry + whole * TURN_ROUNDING
     by -= carry
     end = rest + by
     carry = (end - rest) - by
     if end > math.pi:
-        end, turns, carry = end - TURN, turns + 1.0, carry + _TURN_ROUNDING
+        end, turns, carry = end - TURN, turns + 1.0, carry + TURN_ROUNDING
     elif end < -math.pi:
-        end, turns, carry = end + TURN, turns - 1.0, carry - _TURN_ROUNDING
+        end, turns, carry = end + TURN, turns - 1.0, carry - TURN_ROUNDING
     return [turns, end, carry]
 
 
 def total(angle: list[float]) -> float:
     """The angle as one number [rad], with the digits of its size."""
     turns, rest, carry = angle
-    return turns * TURN + (rest + (turns * _TURN_ROUNDING - carry))
+    return turns * TURN + (rest + (turns * TURN_ROUNDING - carry))

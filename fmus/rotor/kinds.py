@@ -7,12 +7,11 @@ from dataclasses import replace
 
 import numpy as np
 
+from ...models.constants import SAME_PLACE
 from ...models.rotor import LinearRotor
 from .parameters import RotorSizes
 
 Values = Mapping[str, float]
-
-_ONTO = 1e-9  # of the shaft's length: a place this near to a station is the station
 
 
 def planar(values: Values, sizes: RotorSizes) -> LinearRotor:
@@ -94,6 +93,6 @@ def _station_at(z: list[float], name: str, values: Values) -> int:
     """Index of the station at a place; raises ValueError when there is none."""
     place = values[name]
     nearest = min(range(len(z)), key=lambda j: abs(z[j] - place))
-    if not abs(z[nearest] - place) <= _ONTO * abs(z[-1] - z[0]):
+    if not abs(z[nearest] - place) <= SAME_PLACE * abs(z[-1] - z[0]):
         raise ValueError(f"{name} = {place!r} m: must be the place of a station, one of {z} m")
     return nearest

@@ -5,12 +5,9 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+from ...models.constants import DEFAULT_UNBALANCE, SPACING, SPAN, STEEL_20_MM
 from ..unit import SignalSizes, count, one_of
 from ..variables import Variable, parameter
-
-_SPAN = 0.8  # m, between the supports of a body nobody has described yet
-_SPACING = 0.1  # m, between the stations of such a shaft
-_STEEL_20_MM = 1.6e3  # N m^2, E I of a steel shaft of 20 mm
 
 
 @dataclass(frozen=True)
@@ -43,7 +40,7 @@ def planar(sizes: RotorSizes) -> list[Variable]:
         parameter("damping_x", 40.0, "N.s/m", "Of the supports, along x", minimum=0.0),
         parameter("damping_y", 40.0, "N.s/m", "Of the supports, along y", minimum=0.0),
         parameter("internal_damping", 0.0, "N.s/m", "Of the turning shaft", minimum=0.0),
-        parameter("unbalance", 2.0e-4, "kg.m", "Static moment", minimum=0.0),
+        parameter("unbalance", DEFAULT_UNBALANCE, "kg.m", "Static moment", minimum=0.0),
         parameter("unbalance_angle", 0.0, "rad", "Of the unbalance, in the rotor"),
     ]
 
@@ -54,14 +51,14 @@ def two_support(sizes: RotorSizes) -> list[Variable]:
         raise ValueError(
             f"stations = {sizes.stations!r}: a rotor on two supports has exactly 2, its supports"
         )
-    places = [_SPAN * i / (sizes.planes + 1) for i in range(1, sizes.planes + 1)]
+    places = [SPAN * i / (sizes.planes + 1) for i in range(1, sizes.planes + 1)]
     where = "From support 1"
     return [
         parameter("mass", 12.0, "kg", "Without weights or liquid", minimum=0.0, above=True),
         parameter("inertia", 0.7, "kg.m2", "Transverse, about the centre", minimum=0.0, above=True),
         parameter("polar_inertia", 0.1, "kg.m2", "About the axis of rotation", minimum=0.0),
-        parameter("span", _SPAN, "m", "Between the supports", minimum=0.0, above=True),
-        parameter("com", _SPAN / 2.0, "m", "Centre of mass from support 1"),
+        parameter("span", SPAN, "m", "Between the supports", minimum=0.0, above=True),
+        parameter("com", SPAN / 2.0, "m", "Centre of mass from support 1"),
         *_supports(2.0e5, 150.0),
         *_planes(places, where),
         *_unbalances(sizes, places[0], where),
@@ -73,7 +70,7 @@ def flexible(sizes: RotorSizes) -> list[Variable]:
     n = sizes.stations
     if n < 2:
         raise ValueError(f"stations = {n!r}: a flexible rotor has at least 2, its supports")
-    z = [_SPACING * j for j in range(n)]
+    z = [SPACING * j for j in range(n)]
     where = "Place on the shaft, that of a station"
     discs = [
         v
@@ -145,8 +142,8 @@ def _unbalances(sizes: RotorSizes, place: float, where: str) -> list[Variable]:
         for k in range(1, sizes.unbalances + 1)
         for v in (
             parameter(f"unbalance[{k}].position", place, "m", where),
-            parameter(f"unbalance[{k}].amount", 2.0e-4 * (k == 1), "kg.m", "Static moment",
-                      minimum=0.0),
+            parameter(f"unbalance[{k}].amount", DEFAULT_UNBALANCE * (k == 1), "kg.m",
+                      "Static moment", minimum=0.0),
             parameter(f"unbalance[{k}].angle", 0.0, "rad", "In the rotor"),
         )
     ]  # fmt: skip
@@ -156,7 +153,7 @@ def _shaft(sizes: RotorSizes, z: Sequence[float]) -> list[Variable]:
     """How the shaft bends, by one of the two descriptions."""
     if sizes.shaft == "uniform":
         text = "E I of the uniform shaft"
-        return [parameter("bending_stiffness", _STEEL_20_MM, "N.m2", text, minimum=0.0, above=True)]
+        return [parameter("bending_stiffness", STEEL_20_MM, "N.m2", text, minimum=0.0, above=True)]
     text = "Displacement at one by a unit force at the other of the stations that are no supports"
     inner = range(1, len(z) - 1)
     return [
@@ -170,4 +167,4 @@ def _shaft(sizes: RotorSizes, z: Sequence[float]) -> list[Variable]:
 def _compliance(a: float, b: float, span: float) -> float:
     """Displacement at a by a unit force at b >= a of a uniform shaft supported at 0 and span."""
     rest = span - b
-    return a * rest * (span**2 - rest**2 - a**2) / (6.0 * span * _STEEL_20_MM)
+    return a * rest * (span**2 - rest**2 - a**2) / (6.0 * span * STEEL_20_MM)

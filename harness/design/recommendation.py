@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from ...models.constants import LOOSE
 from ...models.papers.touching import critical_unbalance
-from ..master.schemes.iterated import LOOSE
 from ..stability.whirl import whirl_at
 from .scenes import weights_of
 

@@ -12,6 +12,7 @@ from contextlib import ExitStack
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from ...models.constants import FIRST_CHANGE, FORCE_ROUNDING, KINK, MOST_HALVINGS, STEEP
 from ..errors import SceneError, SimulationError
 from ..scene import Scene
 from .facts import Facts, advice
@@ -21,7 +22,7 @@ from .plan import plan
 from .recorder import REPORTED, Recorder
 from .resolution import Resolution
 from .runtime import runtime
-from .scales import ROUNDING, largest_force
+from .scales import largest_force
 from .schedule import brief_step, end_time, fewest_chosen, milestones, schedule, step_size
 from .schemes import Scheme, choose, response_before
 from .simulation import Repeated, refuse_loose_tolerance
@@ -31,10 +32,6 @@ from .unit_files import find_or_build
 if TYPE_CHECKING:
     from ..output.workers import Progress
 
-STEEP = 0.2  # of the force: more than this by the slope of its first instant, and a step is divided
-FIRST = 0.05  # of the force: what it may change by that slope over the first part
-MOST_HALVINGS = 60  # a force that rises from exactly zero has no size to compare with
-KINK = 1e-6  # of a step: it errs by less than 1e-7, and rounding does not yet spoil the slopes
 FINER_FIRST = 4  # times as many steps in a first run where fewer were too few
 
 
@@ -86,7 +83,7 @@ class CoSimulation(Closing):
         self.gain = self.amplification = self.worst_residual = self.time = 0.0
         self.steps = self.unconverged = 0
         self.resolution: Resolution | None = None
-        self._rounding = ROUNDING * largest_force(scene)
+        self._rounding = FORCE_ROUNDING * largest_force(scene)
         self._at: Scene | None = None  # kept: a map starts often at one speed
 
     def start(
@@ -286,7 +283,7 @@ def doubling_steps(system: System, step: float, halvings: int = 0) -> list[float
     largest = max(max(abs(force.now[0]), force.largest) for force in system.forces)
     change = step * max(abs(force.now[1]) for force in system.forces)
     if change > STEEP * largest > 0.0:
-        steep = math.ceil(math.log2(change / (FIRST * largest)))
+        steep = math.ceil(math.log2(change / (FIRST_CHANGE * largest)))
         halvings = max(halvings, min(MOST_HALVINGS, steep))
     first = math.ldexp(step, -halvings)
     return [first, *(math.ldexp(step, -k) for k in range(halvings, 0, -1))]

@@ -6,14 +6,13 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
+from ...models.constants import LOOSE, SAID
 from ..errors import LoopError
 from ..scene import Scene
 from ..scene.run import LOOSEST_TOLERANCE
 from .left_out import left_out
 from .recorder import Recorder
-from .resolution import SAID
 from .result import Result
-from .schemes.iterated import LOOSE
 from .velocity import velocities, with_velocities
 
 NO_CALLS = "calls of FMI (the one file's units are coupled in C, from memory to memory)"

@@ -21,13 +21,14 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from ...models.constants import LONG
 from ..errors import SimulationError
 from ..scene import Scene
 from .names import kin, stations
 from .plan import MOTOR
 from .recorder import Recorder, Signal
 from .scales import least_motion
-from .schedule import LONG, SLIVER, fewest_chosen, step_size
+from .schedule import SLIVER, fewest_chosen, step_size
 from .simulation import Repeated, Simulation
 
 if TYPE_CHECKING:

@@ -10,17 +10,18 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 
+from ...models.constants import (
+    LOOP_SINGULAR,
+    SLOW,
+    START_ITERATIONS,
+    START_ROUNDING,
+    START_TOLERANCE,
+)
 from ..errors import SimulationError
 from .signals import Knot, begun
 from .system import System
 
 Vector = list[complex]  # of each connection the force, and its slope times the step
-
-_START_TOLERANCE = 1e-12  # of the largest force: start values are as exact as the units
-_ROUNDING = 1e-13  # of the largest force, times the gain: what the loop makes of rounding
-_SINGULAR = 1e-12  # |1 - eigenvalue| below which a loop counts as one of gain 1
-SLOW = 0.1  # reduction of a residual per pass above which the Jacobian is refined
-_START_ITERATIONS = 20  # the map is affine in values and in slopes; Newton needs two or three
 
 
 def pack(ends: Sequence[Knot], step: float) -> Vector:
@@ -83,7 +84,7 @@ class QuasiNewton:
         try:
             self.inverse = np.linalg.inv(np.eye(len(jacobian)) - jacobian)
             eigenvalues = value_eigenvalues(jacobian)
-            unique = all(abs(1.0 - j) >= _SINGULAR for j in eigenvalues)
+            unique = all(abs(1.0 - j) >= LOOP_SINGULAR for j in eigenvalues)
         except np.linalg.LinAlgError:  # values so far from 1 that they leave no digit of it
             unique = False
         if not unique:
@@ -168,8 +169,8 @@ def consistent_start(system: System, step: float, rounding: float = 0.0) -> np.n
         raise SimulationError("start values: the forces of the balancers are not finite at t = 0 s")
     newton = QuasiNewton(slope_of_g, step)
     residual = difference(g_u, u)
-    tolerance = max(_START_TOLERANCE, _ROUNDING * newton.gain)
-    for _ in range(_START_ITERATIONS):
+    tolerance = max(START_TOLERANCE, START_ROUNDING * newton.gain)
+    for _ in range(START_ITERATIONS):
         du, before = newton.correction(residual), residual
         u = [a + b for a, b in zip(u, du, strict=True)]
         g_u = respond(u)
@@ -180,7 +181,7 @@ def consistent_start(system: System, step: float, rounding: float = 0.0) -> np.n
             break
     else:
         raise SimulationError(
-            f"consistent start values were not found in {_START_ITERATIONS} iterations: forces "
+            f"consistent start values were not found in {START_ITERATIONS} iterations: forces "
             f"still change by {size(residual):.3g} N of {size(u):.3g} N; loop gain "
             f"{newton.gain:.3g}"
         )

@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 
 from ...fmus.composite.run import Run, RunFailed, Stretch
 from ...fmus.variables import Variable
+from ...models.constants import RESIDUAL_SHARE
 from ..errors import LoopError, SimulationError
 from ..scene import Scene
 from .facts import Facts, advice, exchanging
@@ -41,7 +42,6 @@ if TYPE_CHECKING:
 SLICE = 0.1  # s of a call: interrupts and progress wait for its end
 # of the tolerance, what a step of a first run may err, by attempt; halved, it errs 1/16 or 1/64
 SHARES = (10.0, 1.0, 0.1)
-RESIDUAL_SHARE = 0.2  # of what a step may err: it may stay in the loop
 FIRST_ROWS, MORE = 16, 4  # of the first call, and times as many of the next while it is short
 Group = tuple[NDArray[np.uintc], NDArray[np.float64]]
 

@@ -25,25 +25,27 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ...models.constants import (
+    BEYOND,
+    GROWTH,
+    MISS_PER_ERROR,
+    NOISE,
+    PERSISTENT,
+    REFUSED,
+    RUNAWAY,
+    UNFOLLOWED,
+    UNRESOLVED,
+    WEAK_LOOP,
+)
 from ...models.rotor import LinearRotor
 from ...models.weights import Weights
 from ..errors import SimulationError
 from ..scene import Scene
 from .scales import largest_force
-from .schemes import WEAK_LOOP
-from .signals import MISS_PER_ERROR, SignalState
+from .signals import SignalState
 from .system import System
 
-SAID = 0.01  # of the motion: estimated error from which the run says so; a picture would show it
-REFUSED = 0.3  # of the motion: within the estimate's factor of three, all of it
-UNRESOLVED = 0.05  # of a signal's largest value: error of a cubic that no longer follows it
-PERSISTENT = 20  # such steps in all: a transient that dies sooner is left to the estimate
-NOISE = 1e-9  # of what all weights together can pull: below it a signal is cancellation
 LOST_PREDICTION = MISS_PER_ERROR * UNRESOLVED  # of a signal's largest value: then it is lost
-BEYOND = 10.0  # times the largest force of the scene: what a resonance makes in three revolutions
-UNFOLLOWED = 0.5  # rad a step of the slowest vibration: what cubics miss of it gathers
-GROWTH = 2.0  # in a step: no resolved motion grows so fast
-RUNAWAY = 4  # such steps in a row
 _TURN = 2.0 * math.pi
 
 

@@ -9,8 +9,6 @@ import numpy as np
 from ...models.weights import Weights
 from ..scene import Scene
 
-ROUNDING = 1e-14  # of the largest force there can be: what a unit's sums leave of cancelling parts
-
 STILL = 1e-9  # of the largest motion there can be: a rotor that moves less stands still
 
 

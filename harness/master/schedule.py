@@ -5,16 +5,12 @@ from __future__ import annotations
 import math
 
 from ...models.assembly import weights_of
+from ...models.constants import BRIEF, DEFAULT_STEPS, LEAST, WIDE
 from ..scene import Scene
-from ..scene.run import DEFAULT_STEPS, FEWEST_CHOSEN, UNCORRECTED
+from ..scene.run import FEWEST_CHOSEN, UNCORRECTED
 from .runtime import runtime
 
 SLIVER = 1e-12  # of a time: rounding, not a step
-LONG = 1.01  # times the longest step where anything moves; at rest they are twice as long or more
-BRIEF = 1e-6  # of a communication step
-# tolerance below which brief steps shrink with it, down to a share of them: a blow, or a jump of
-# the drive, reaches the rotor late by one, which a mode faster than the rotor turns shows
-WIDE, LEAST = 1e-4, 0.1
 # tolerance from which on quintic signals cost less than cubic ones, at a constant speed; and in a
 # run-up, where the rotor's own step is the larger part
 QUINTIC, QUINTIC_RUN_UP = 1e-4, 1e-5

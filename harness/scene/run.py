@@ -9,16 +9,15 @@ from typing import Annotated, Any, Literal
 from pydantic import AfterValidator, BeforeValidator, Field, model_validator
 
 from ...models.assembly import SpeedProfile
+from ...models.constants import DEFAULT_STEPS, FEWEST_STEPS
 from ...models.motor import Drive
 from ...models.reference.coupled import Start
 from ...models.reference.driven import MotorDriven
 from .quantities import SI, Angle, NotNegative, Positive, Real, Table, Text, Whole, refusal
 
 DEFAULT_TOLERANCE = 1e-4  # of the motion: no picture shows it
-DEFAULT_STEPS = 40  # a revolution: 1e-6 on the two-ball scene with cubic signals
 UNCORRECTED = ("jacobi", "gauss-seidel", "compensated")  # schemes that take one pass
 STEPS = ("steps_per_rev", "tolerance")  # one or the other
-FEWEST_STEPS = 4  # fewer do not resolve one revolution
 FEWEST_CHOSEN = 8  # steps a revolution with a tolerance: fewer would not show one in a record
 LOOSEST_TOLERANCE = 0.1
 FEWEST_REVOLUTIONS = 1e-9  # a step's square must stay a number

@@ -18,7 +18,8 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable
 
-from ..spacing import SLACK, half_angle
+from ..constants import TRACK_SLACK
+from ..spacing import half_angle
 from ..weights import Weights
 
 _KINDS = ("balls", "rollers")
@@ -171,7 +172,7 @@ def _filled_sine(ratio: float, count: int) -> float:
     sine = ratio / (1.0 - ratio)
     if count == 1:
         return sine
-    if not 0.0 <= ratio <= full_ratio(count) * (1.0 + SLACK):
+    if not 0.0 <= ratio <= full_ratio(count) * (1.0 + TRACK_SLACK):
         raise ValueError(
             f"ratio = {ratio!r}: {count} weights fit up to rho = {full_ratio(count):.6g}"
         )
@@ -179,7 +180,7 @@ def _filled_sine(ratio: float, count: int) -> float:
 
 
 def demand_fit(count: int, alpha: float) -> None:
-    if count * alpha > math.pi * (1.0 + SLACK):
+    if count * alpha > math.pi * (1.0 + TRACK_SLACK):
         raise ValueError(
             f"count = {count!r}: weights {2.0 * alpha:.6g} rad apart fill the track at "
             f"{int(math.pi / alpha)}"

@@ -14,9 +14,8 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
+from ..constants import TAYLOR_TERMS
 from ..rotor import LinearRotor
-
-_TAYLOR_TERMS = 16  # 0.5**16/17! is far below rounding
 
 
 def exponential(matrix: NDArray) -> NDArray:
@@ -33,7 +32,7 @@ def exponential(matrix: NDArray) -> NDArray:
     scaled = matrix / 2.0**doublings
     term = scaled.copy()
     result = scaled.copy()
-    for k in range(2, _TAYLOR_TERMS + 1):
+    for k in range(2, TAYLOR_TERMS + 1):
         term = term @ scaled / k
         result += term
     for _ in range(doublings):

@@ -7,11 +7,11 @@ Hairer & Wanner 1996, table IV.5.6.
 
 L-stable is not right: a free vibration faster than the step would die at once.  A step is therefore
 taken in 1, 2, 4, ... equal parts until halving them changes the displacements by no more than
-`ACCURACY` allows (step doubling, Hairer, Norsett & Wanner 1993, II.4).  The error of a step stays
-about that share of the displacements, whatever the supports' stiffness: below 1e-6 of them is left
-after a thousand steps of an undamped rotor.  Motion smaller than that, of a stiff axis beside a
-soft one, costs no parts.  Long parts agree that a fast vibration is dead, so the parts must also be
-short for the motion at hand.
+`STEP_ACCURACY` allows (step doubling, Hairer, Norsett & Wanner 1993, II.4).  The error of a step
+stays about that share of the displacements, whatever the supports' stiffness: below 1e-6 of them is
+left after a thousand steps of an undamped rotor.  Motion smaller than that, of a stiff axis beside
+a soft one, costs no parts.  Long parts agree that a fast vibration is dead, so the parts must also
+be short for the motion at hand.
 """
 
 from __future__ import annotations
@@ -22,14 +22,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .. import cubic
+from ..constants import HALVED_ERRORS, PART_HALVINGS, STAGES, STEP_ACCURACY
 from ..rotor import LinearRotor
 from .radau import radau
 
-STAGES = 3  # order 5: as good as the cubic forces
 NODES, COEFFICIENTS = radau(STAGES)
-ACCURACY = 1e-10  # of the largest displacement, a step: ten thousand of them stay below 1e-6
-HALVINGS = 12  # 4096 parts resolve a mode 4000 times as fast as a rotor of 40 steps a revolution
-_HALVED = 2.0**5 - 1.0  # halved parts differ from whole ones by so many of their own errors
 
 
 Turning = tuple[complex, float, float]  # turn as a unit vector, w, w'
@@ -95,31 +92,32 @@ class VariableSpeedStep:
         return self._sum_drive(slope, np.array([3.0 * w * w1 + 1j * w**3]) * turn)
 
     def advance(self, state: NDArray, drive: Drive, step: float) -> NDArray:
-        """State (q, v) one `step` [s] later, displacements to `ACCURACY`.
+        """State (q, v) one `step` [s] later, displacements to `STEP_ACCURACY`.
 
         Args:
             state: (2 dof,) displacements and velocities, complex for an isotropic rotor.
 
         Raises:
-            ArithmeticError: the motion is too fast for 2^`HALVINGS` parts of the step.
+            ArithmeticError: the motion is too fast for 2^`PART_HALVINGS` parts of the step.
         """
         turning, forces = _at(drive, 0.0)
         push = self._drive(turning, forces[0])
         acceleration = _largest((self.still + turning[1] * self.per_speed) @ state + push)
         before, rate = _largest(state[: self.dof]), _largest(state[self.dof :])
         whole = self.parts(state, drive, step, 1)
-        for halving in range(1, HALVINGS + 1):
+        for halving in range(1, PART_HALVINGS + 1):
             halved = self.parts(state, drive, step, 2**halving)
-            error = _largest((halved - whole)[: self.dof]) / _HALVED
+            error = _largest((halved - whole)[: self.dof]) / HALVED_ERRORS
             reach, part = max(before, _largest(halved[: self.dof])), step / 2**halving
             passed = part * max(rate, part * acceleration)
             # what is not finite is returned as it is
-            if not (error > ACCURACY * reach or passed > reach):
+            if not (error > STEP_ACCURACY * reach or passed > reach):
                 return halved
             whole = halved
         raise ArithmeticError(
             f"the rotor vibrates too fast for a step of {step:.6g} s at changing speed: "
-            f"{2**HALVINGS} parts of it still err by {error:.6g} m; use smaller communication steps"
+            f"{2**PART_HALVINGS} parts of it still err by {error:.6g} m; use smaller "
+            "communication steps"
         )
 
     def parts(self, state: NDArray, drive: Drive, step: float, count: int) -> NDArray:

@@ -19,14 +19,9 @@ from cmath import rect
 from collections.abc import Sequence
 from functools import lru_cache
 
+from ..constants import FAR_ANGLE, MAX_ITERATIONS, MAX_SUBSTEPS, SUBSTEP_CONVERGED, TURN_PER_SUBSTEP
 from ..cubic import at, hermite
 from ..weights import Weights
-
-TURN_PER_SUBSTEP = 0.15  # rad of weight motion per substep: the error of a step is then below 1e-6
-MAX_ITERATIONS = 12  # the fixed point gains about two digits an iteration; more means divergence
-CONVERGED = 1e-14  # relative to the size of the change over the substep
-MAX_SUBSTEPS = 1_000_000
-FAR = 1e4  # rad: beyond, whole turns are taken off while a step is computed
 
 
 def phi_functions(z: float, count: int) -> tuple[float, ...]:
@@ -121,7 +116,7 @@ def converged(change: float, last_change: float, angle: float) -> bool:
         change, last_change: of angle and rate * step by this iteration and the one before [rad];
             1.0 at the first one, which gains so fast that a change of 1e-7 is enough.
     """
-    return change * change <= CONVERGED * (1.0 + abs(angle)) * min(last_change, 1.0)
+    return change * change <= SUBSTEP_CONVERGED * (1.0 + abs(angle)) * min(last_change, 1.0)
 
 
 def substeps(
@@ -176,7 +171,7 @@ def advance(
     """
     if not math.isfinite(sum(angles)):
         raise ArithmeticError(f"the weights' angles {list(angles)} are not finite")
-    if max(map(abs, angles)) > FAR:
+    if max(map(abs, angles)) > FAR_ANGLE:
         # the iteration's end is judged by the angle: turns behind a weight must not loosen it
         behind = [2.0 * math.pi * round(angle / (2.0 * math.pi)) for angle in angles]
         near = [angle - turned for angle, turned in zip(angles, behind, strict=True)]

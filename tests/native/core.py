@@ -15,6 +15,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
+from autobalancer.fmus.native.build.layout import constants
 from tests.native.compiler import shared_library
 
 SOURCES = Path(__file__).parents[2] / "fmus" / "native"
@@ -29,7 +30,9 @@ def compile_library(
     `flags` are added to `compiler.FLAGS`, and win over them.
     """
     files = [str(path) for folder in FOLDERS for path in (SOURCES / folder).glob("*.c")]
-    return shared_library(files, destination, f"-I{SOURCES}", *flags, compiler=compiler)
+    (destination.parent / "constants.h").write_text(constants())
+    folders = (f"-I{SOURCES}", f"-I{destination.parent}")
+    return shared_library(files, destination, *folders, *flags, compiler=compiler)
 
 
 class Complex(ctypes.Structure):

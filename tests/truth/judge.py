@@ -13,11 +13,12 @@ from numpy.typing import NDArray
 
 from autobalancer.harness.errors import SimulationError, UserError
 from autobalancer.harness.master.names import kin
-from autobalancer.harness.master.resolution import SAID, Resolution
+from autobalancer.harness.master.resolution import Resolution
 from autobalancer.harness.master.result import Result
 from autobalancer.harness.master.run import cosimulate
 from autobalancer.harness.scene import Scene
 from autobalancer.models.assembly import Assembly
+from autobalancer.models.constants import SAID
 from autobalancer.models.monolith import reference, simulate
 from tests.truth.draw import draw
 

@@ -30,7 +30,7 @@ from pathlib import Path
 
 from ...unit import alternatives
 from ...xml.archive import source, write
-from .layout import header
+from .layout import constants, header
 from .macho import settled
 from .targets import COMPILE, LINK, PAGE, PLATFORMS, TARGETS, Platform
 
@@ -131,7 +131,7 @@ def _unpacked() -> dict[str, str]:
 
 def _complete() -> tuple[dict[str, str], str]:
     """Sources with what is generated, the variables of the units and the stamp; and the stamp."""
-    written = {**texts(), "layout.h": header()}
+    written = {**texts(), "layout.h": header(), "constants.h": constants()}
     total = hashlib.sha256()
     for text in (COMPILER, *COMPILE, *LINK, *map(repr, TARGETS.values())):
         total.update(text.encode() + b"\0")

@@ -13,12 +13,15 @@ import struct
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import cache
+from pathlib import Path
 from typing import Any
 
+from ....models import constants as shared
 from ...catalogue import sized_unit
 from ...composite.variables import COMPOSITE
 from ...unit import SizedUnit
 from ...variables import Layout, Variable
+from ...xml.archive import source
 
 _STATIONS, _PLANES, _UNBALANCES, _WEIGHTS, _SLIDERS, _POINTS = 5, 3, 7, 11, 13, 17
 _REPEATS = {
@@ -112,6 +115,14 @@ def header() -> str:
     parts.append("static const Table TABLES[] = {\n    " + ",\n    ".join(records) + "};")
     parts.append(f"enum {{ TABLE_COUNT = {len(records)} }};")
     return "\n\n".join(parts) + "\n"
+
+
+def constants() -> str:
+    """Text of `constants.h`: the constants that Python and C share."""
+    text = source(Path(shared.__file__))
+    rows = re.findall(r"^([A-Z_0-9]+) = (\S+)  # (.*)$", text, re.M)
+    lines = [f"#define {name} {value.replace('_', '')} /* {why} */" for name, value, why in rows]
+    return "\n".join(["#ifndef CONSTANTS_H", "#define CONSTANTS_H", "", *lines, "", "#endif", ""])
 
 
 @cache

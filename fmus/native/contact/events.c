@@ -2,6 +2,7 @@
 
 #include "base/elementary.h"
 #include "base/roots.h"
+#include "constants.h"
 #include "contact/event_functions.h"
 #include "contact/groups.h"
 #include "contact/impacts.h"

@@ -2,6 +2,7 @@
 
 #include "base/cubic.h"
 #include "base/elementary.h"
+#include "constants.h"
 #include "contact/contact.h"
 #include "weights/weights.h"
 

@@ -1,12 +1,11 @@
 #include "contact/spacing.h"
 
 #include "base/elementary.h"
-
-#define SLACK 1e-12 /* relative: a full track may be a rounding too full */
+#include "constants.h"
 
 double half_angle(double radius, double track)
 {
-    if (!(radius >= 0.0 && radius <= track * (1.0 + SLACK))) {
+    if (!(radius >= 0.0 && radius <= track * (1.0 + TRACK_SLACK))) {
         return not_a_number();
     }
     return arc_sine(smaller(1.0, radius / track));
@@ -19,5 +18,5 @@ double largest_radius(int count, double track)
 
 int fits(int count, double radius, double track)
 {
-    return radius <= largest_radius(count, track) * (1.0 + SLACK);
+    return radius <= largest_radius(count, track) * (1.0 + TRACK_SLACK);
 }

@@ -21,10 +21,11 @@
    signals at their end values, order 1: cubics would amplify what they do not resolve. One that ends in
    motion is taken back, and what follows is at most `longest`. */
 #include "base/elementary.h"
+#include "constants.h"
 #include "coupling/composite.h"
 #include "units/rotor.h"
 
-static const double LOCAL_SHARE = 0.2, AIM = 0.5, RESIDUAL_SHARE = 0.2, SLOWEST = 1e3;
+static const double LOCAL_SHARE = 0.2, AIM = 0.5, SLOWEST = 1e3;
 enum { RUNGS = 4, FIRST_RUNG = 24, MINUTE = 80, LOWEST = 160, HOPELESS = 40, RESTED = 4 };
 
 /* 2^(-k/4) */

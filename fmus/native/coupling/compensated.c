@@ -4,10 +4,10 @@
 
 #include "base/elementary.h"
 #include "base/matrix.h"
+#include "constants.h"
 #include "coupling/composite.h"
 
-enum { GAUSS_NODES = 12, LOST = 12, CALM = 4, MOST_COMPONENTS = 3 };
-static const double MISSED = 0.5, GROWN = 1e3;
+enum { GAUSS_NODES = 12, MOST_COMPONENTS = 3 };
 
 /* Gauss and Legendre on 0 to 1, exact to degree 23: the upper half of points, and their shares. */
 static const double POINT[GAUSS_NODES / 2] = {

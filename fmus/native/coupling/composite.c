@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "base/elementary.h"
+#include "constants.h"
 #include "units/rotor.h"
 
 /* Parts of a step and of a time: within them a point of the host is the end of a step; and of the
@@ -11,8 +12,6 @@
 static const double REACHED_OF_STEP = 1e-10, REACHED_OF_TIME = 4e-16, SAME_SPEED = 1e-9;
 static const double MOST_STEPS = 1e8, MOST_MOVES = 1e7; /* within a step of the host: of the coupling, and of parts */
 static const double LOOSEST = 0.1; /* tolerance */
-static const double FEWEST_STEPS = 4.0; /* fewer do not resolve one revolution */
-static const double FORCE_ROUNDING = 1e-14; /* of the largest force there can be */
 
 /* -- memory ---------------------------------------------------------------------------------- */
 

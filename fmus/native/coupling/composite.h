@@ -15,7 +15,6 @@
 typedef enum { SCHEME_AUTO, SCHEME_ITERATED, SCHEME_COMPENSATED } Scheme;
 
 enum { UNTIL_CONVERGED = -1 }; /* corrections */
-#define WEAK_LOOP 0.1 /* gain: one corrector pass then leaves 1 % of the prediction's error */
 
 /* Value and slope of a signal at one point, and of a quintic its second derivative, else 0. */
 typedef struct {
@@ -311,7 +310,6 @@ void compensated_begin(Composite *c, double step);
 /* One step; `jump`: over a jump of an input. */
 int compensated_step(Unit *unit, double step, int jump);
 
-enum { MAX_PASSES = 30 }; /* of a step that is to be solved */
 /* Take a step with at most so many passes; the residual left, below 0 where it failed. */
 double iterated_attempt(Unit *unit, double step, int passes);
 

@@ -7,6 +7,7 @@
 #include <string.h>
 
 #include "base/elementary.h"
+#include "constants.h"
 #include "coupling/composite.h"
 
 static const double SOON = 1e-3; /* of a brief step: weights that meet so soon collide now */

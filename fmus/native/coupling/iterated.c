@@ -3,10 +3,10 @@
 
 #include "base/elementary.h"
 #include "base/matrix.h"
+#include "constants.h"
 #include "coupling/composite.h"
 
 static const double HELD = 0.01; /* of the residual allowed */
-static const double CONVERGED_FORCES = 1e-10, GAIN_ROUNDING = 1e-12, CHANGE = 1e-3, LOOSE = 1e-3, SLOW_PASS = 0.1;
 enum { UNCONVERGED = 1 };
 
 /* Residual of a loop that is solved. */
@@ -123,7 +123,7 @@ double iterated_attempt(Unit *unit, double step, int passes)
         /* of passes and steps that are taken back none counts: they can be far too large */
         course->reached = larger(course->largest, loop_size(c->g_u, half));
         error = course->reached > 0.0 ? loop_size(c->residual, half) / course->reached : 0.0;
-        if (number > 1 && error > larger(tolerance, SLOW_PASS * error_before)) {
+        if (number > 1 && error > larger(tolerance, SLOW * error_before)) {
             loop_learn(c, c->du, c->old, c->residual);
         }
         if (number >= passes || !(error > tolerance)) {

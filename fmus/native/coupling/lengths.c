@@ -1,10 +1,7 @@
 /* Lengths of steps that follow from the parameters. */
 #include "base/elementary.h"
+#include "constants.h"
 #include "coupling/composite.h"
-
-enum { DEFAULT_STEPS = 40 }; /* per revolution */
-/* of a communication step, by default and at least; tolerance from which on it is shorter */
-static const double BRIEF = 1e-6, LEAST = 0.1, WIDE = 1e-4;
 
 double step_of_revolution(const Unit *unit, double steps)
 {

@@ -2,13 +2,10 @@
 
 #include "base/elementary.h"
 #include "base/matrix.h"
+#include "constants.h"
 #include "coupling/composite.h"
 
-static const double START_TOLERANCE = 1e-12; /* of the largest force */
-static const double START_ROUNDING = 1e-13;        /* of it, times the gain: what the loop makes of rounding */
-static const double SINGULAR = 1e-12; /* |1 - eigenvalue| below which a loop counts as one of gain 1 */
-static const double SLOW_REFINEMENT = 0.1; /* reduction of a residual per pass above which the Jacobian is refined */
-enum { START_ITERATIONS = 20, SQUARINGS = 50 };
+enum { SQUARINGS = 50 };
 
 /* -- vectors --------------------------------------------------------------------------------- */
 
@@ -144,7 +141,7 @@ int loop_invert(Unit *unit, const double *jacobian, double step)
     if (n && !singular) {
         /* the largest eigenvalue of the inverse is one over the smallest of 1 - dG/du */
         values_of(c, c->solution, c->work);
-        singular = !(spectral_radius(values, c->work, c->work + values * values) < 1.0 / SINGULAR);
+        singular = !(spectral_radius(values, c->work, c->work + values * values) < 1.0 / LOOP_SINGULAR);
     }
     if (singular) {
         text_put(unit_reason(unit), "the loop between force and acceleration has gain 1: every "
@@ -297,7 +294,7 @@ static int solve_start(Unit *unit, double step)
         }
         before = left;
         left = loop_size(c->residual, half);
-        if (turn && left > SLOW_REFINEMENT * before) { /* a weight sticks where the one before has slid */
+        if (turn && left > SLOW * before) { /* a weight sticks where the one before has slid */
             loop_learn(c, c->du, c->old, c->residual);
         }
         size = larger(loop_size(c->u, half), loop_size(c->g_u, half));

@@ -5,9 +5,9 @@
    is at rest. A step whose loop cannot be solved is halved: where a support turns round in it so near its
    end that the forces decide whether it does, the acceleration jumps with them. */
 #include "base/elementary.h"
+#include "constants.h"
 #include "coupling/composite.h"
 
-static const double LONG = 1.01;
 enum { POINT_HALVINGS = 20 };
 
 int prescribed_step(Unit *unit)

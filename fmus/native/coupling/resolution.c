@@ -3,15 +3,14 @@
 
 #include "base/elementary.h"
 #include "base/matrix.h"
+#include "constants.h"
 #include "coupling/composite.h"
 #include "units/rotor.h"
 #include "units/weights.h"
 
-static const double SAID = 0.01, REFUSED = 0.3, UNRESOLVED = 0.05, NOISE = 1e-9, BEYOND = 10.0;
-static const double UNFOLLOWED = 0.5, GROWTH = 2.0, MISS_PER_ERROR = 120.0;
 static const double QUINTIC_MISS_PER_ERROR = 1120.0;
 static const double EXPLICIT_MISS_PER_ERROR = 4.0, QUINTIC_EXPLICIT_MISS_PER_ERROR = 5.06;
-enum { PERSISTENT = 20, RUNAWAY = 4, TOO_LONG = 2 };
+enum { TOO_LONG = 2 };
 
 /* Lowest natural frequency along an axis [rad/s]. */
 static double slowest(Composite *c, const LinearRotor *rotor, const double *stiffness)

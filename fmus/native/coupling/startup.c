@@ -5,10 +5,10 @@
    without a past is divided into parts that double. Where the rotor's acceleration jumps, the units'
    outputs are still those before the jump, so a negligible part of the step is taken on its own. */
 #include "base/elementary.h"
+#include "constants.h"
 #include "coupling/composite.h"
 
-static const double STEEP = 0.2, FIRST = 0.05, KINK = 1e-6;
-enum { MOST_HALVINGS = 60, JUMP_PARTS = 8, STARTUP_HALVINGS = 2, QUINTIC_HALVINGS = 4 };
+enum { STARTUP_HALVINGS = 2, QUINTIC_HALVINGS = 4 };
 
 /* The communication step to come [s]: a run says it, else the parameters do. */
 static double communication(const Unit *unit)
@@ -28,7 +28,7 @@ static int halvings(const Composite *c, double step, int least)
         change = larger(change, step * magnitude(force->now.slope));
     }
     if (change > STEEP * largest && largest > 0.0) {
-        for (allowed = FIRST * largest; allowed < change && steep < MOST_HALVINGS; steep++) {
+        for (allowed = FIRST_CHANGE * largest; allowed < change && steep < MOST_HALVINGS; steep++) {
             allowed *= 2.0;
         }
     }

@@ -1,5 +1,6 @@
 /* A step of the iterated scheme, which ends before an event if there is one. */
 #include "base/elementary.h"
+#include "constants.h"
 #include "coupling/composite.h"
 
 int iterated_go_on(Unit *unit, double step, int met)

@@ -1,10 +1,9 @@
 /* Matrices of the rigid rotor on two supports and of the flexible shaft with n discs. */
 #include "base/elementary.h"
 #include "base/matrix.h"
+#include "constants.h"
 #include "rotor/linear_rotor.h"
 #include "rotor/shaft.h"
-
-#define SAME_PLACE 1e-9 /* of the shaft's length: an unbalance this near to a disc sits on it */
 
 static int per_support(const char *stiffness_name, const double *stiffness,
                        const char *damping_name, const double *damping, Failure *failure)

@@ -4,8 +4,7 @@
 
 #include "base/elementary.h"
 #include "base/matrix.h"
-
-#define TAYLOR_TERMS 16 /* 0.5^16/17! is far below rounding */
+#include "constants.h"
 
 /* Largest sum of a column's absolute values. */
 static double column_norm(int parts, int size, const double *matrix)

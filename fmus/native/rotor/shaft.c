@@ -4,9 +4,7 @@
 
 #include "base/elementary.h"
 #include "base/matrix.h"
-
-#define SYMMETRIC 1e-6 /* of the largest compliance: measured ones are given with few digits */
-#define SINGULAR 1e-13 /* pivot of the scaled compliance: below it rounding makes the stiffness */
+#include "constants.h"
 
 void bending_rows(int n, const double *z, int p, int q, double *rows)
 {
@@ -108,7 +106,7 @@ int given_compliance(int size, const double *compliance, double *delta, Failure 
     for (i = 0; i < size; i++) {
         for (j = 0; j <= i; j++) {
             const double a = compliance[i * size + j], b = compliance[j * size + i];
-            if (!(absolute(a - b) <= SYMMETRIC * scale)) { /* NaN fails too */
+            if (!(absolute(a - b) <= SHAFT_SYMMETRIC * scale)) { /* NaN fails too */
                 fits = 0;
             }
             delta[i * size + j] = delta[j * size + i] = (a + b) / 2.0;
@@ -129,7 +127,7 @@ static int cholesky(int size, const double *delta, const double *scale, double *
             }
             if (i > j) {
                 lower[i * size + j] = rest / lower[j * size + j];
-            } else if (rest > SINGULAR) { /* NaN fails too */
+            } else if (rest > SHAFT_SINGULAR) { /* NaN fails too */
                 lower[i * size + i] = square_root(rest);
             } else {
                 return 1;

@@ -6,12 +6,9 @@
 #include "base/quintic.h"
 #include "base/signals.h"
 #include "base/spin.h"
+#include "constants.h"
 
 #define ROOT 2.449489742783178 /* sqrt(6) */
-#define STAGES 3
-#define ACCURACY 1e-10 /* of the largest displacement, a step: 10,000 of them stay below 1e-6 */
-#define PART_HALVINGS 12    /* 4096 parts: modes 4000 times as fast as a rotor of 40 steps a turn */
-#define HALVED 31.0    /* 2^5 - 1: halved parts differ from whole ones by so many of their errors */
 
 /* Radau IIA with three stages: Hairer & Wanner 1996, table IV.5.6 */
 static const double RADAU_NODES[STAGES] = {(4.0 - ROOT) / 10.0, (4.0 + ROOT) / 10.0, 1.0};
@@ -368,9 +365,9 @@ int variable_speed_advance(const VariableSpeedStep *method, double *state, const
         for (k = 0; k < length; k++) {
             whole[k] -= state[k];
         }
-        error = largest(method, whole) / HALVED;
+        error = largest(method, whole) / HALVED_ERRORS;
         reach = larger(before, largest(method, state));
-        if (halving && !(error > ACCURACY * reach) &&
+        if (halving && !(error > STEP_ACCURACY * reach) &&
             !(part * larger(rate, part * acceleration) > reach)) {
             return FINE;
         }

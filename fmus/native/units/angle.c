@@ -1,9 +1,9 @@
 #include "units/angle.h"
 
 #include "base/elementary.h"
+#include "constants.h"
 
 /* 2 pi minus its floating-point value */
-static const double TURN_ROUNDING = 2.4492935982947064e-16;
 
 void angle_start(double *angle, double start)
 {

@@ -1,14 +1,9 @@
-/* The kinds of rotor: their start values, and how their parameters make a `LinearRotor` and fmus/rotor/parameters.py. */
+/* The kinds of rotor: their start values, and how their parameters make a `LinearRotor`. */
 #include <string.h>
 
 #include "base/elementary.h"
+#include "constants.h"
 #include "units/rotor.h"
-
-static const double SPACING = 0.1; /* m, between the stations of a shaft nobody has described yet */
-static const double STEEL_20_MM = 1.6e3; /* N m^2, E I of a steel shaft of 20 mm */
-static const double SPAN = 0.8;          /* m, of a rotor on two supports, as declared */
-static const double UNBALANCE = 2.0e-4;  /* kg m */
-static const double ONTO = 1e-9; /* of the shaft's length: a place this near to a station is it */
 
 int rotor_kind(const Layout *layout)
 {
@@ -77,7 +72,7 @@ void rotor_starts(const Layout *layout, double *real)
     }
     amount = layout_index(layout, "unbalance[#].amount", 1);
     for (j = 0; j < layout->sizes.unbalances; j++) {
-        real[amount + 3 * (size_t)j] = j ? 0.0 : UNBALANCE;
+        real[amount + 3 * (size_t)j] = j ? 0.0 : DEFAULT_UNBALANCE;
     }
     if (kind == FLEXIBLE) {
         flexible_starts(layout, real);
@@ -152,7 +147,7 @@ static int station_at(Unit *unit, const double *z, size_t reference)
             nearest = j;
         }
     }
-    if (!(absolute(z[nearest] - place) <= ONTO * absolute(z[n - 1] - z[0]))) {
+    if (!(absolute(z[nearest] - place) <= SAME_PLACE * absolute(z[n - 1] - z[0]))) {
         Text *reason = unit_reason(unit);
         layout_shown(&unit->layout, reference, place, reason);
         text_put(reason, ": must be the place of a station, one of ");

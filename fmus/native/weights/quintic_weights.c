@@ -3,6 +3,7 @@
 #include "base/elementary.h"
 #include "base/quintic.h"
 #include "base/spin.h"
+#include "constants.h"
 
 QuinticQuadrature quintic_quadrature_empty(void)
 {

@@ -5,10 +5,9 @@
 #include "base/cubic.h"
 #include "base/elementary.h"
 #include "base/spin.h"
+#include "constants.h"
 
-#define MAX_SUBSTEPS 1000000
 #define NEARBY 0.16 /* rad: the series of a turn by less leave out less than 1e-16 */
-#define FAR 1e4 /* rad: beyond, whole turns are taken off while a step is computed */
 
 int weights_check(const Weights *weights, Failure *failure)
 {
@@ -195,7 +194,7 @@ int weights_substep(double *angle, double *angle_rate, const Complex *ends, doub
 
 int converged(double change, double last_change, double angle)
 {
-    const double rounding = CONVERGED * (1.0 + absolute(angle));
+    const double rounding = SUBSTEP_CONVERGED * (1.0 + absolute(angle));
     return change * change <= rounding * (last_change > 0.0 ? smaller(last_change, 1.0) : change);
 }
 
@@ -222,7 +221,7 @@ double fastest_rate(int count, const double *speeds, const Complex *signal, doub
 
 double weights_turns_behind(double angle)
 {
-    return absolute(angle) > FAR ? TAU * nearest(angle / TAU) : 0.0;
+    return absolute(angle) > FAR_ANGLE ? TAU * nearest(angle / TAU) : 0.0;
 }
 
 int weights_substeps(int number, const double *angles, const double *speeds, const Complex *signal,
@@ -295,7 +294,7 @@ int weights_advance(const Weights *weights, const double *angles, const double *
     h = count > 1 ? step / count : step;
     response = quadrature(memory, damping_rate, h);
     /* the iteration's end is judged by the angle: turns behind a weight must not loosen it */
-    far = largest_of(n, angles) > FAR;
+    far = largest_of(n, angles) > FAR_ANGLE;
     for (k = 0; k < n && !code; k++) {
         const double behind = far ? TAU * nearest(angles[k] / TAU) : 0.0;
         double angle = angles[k] - behind, speed = speeds[k];

@@ -6,10 +6,6 @@
 #include "base/elementary.h"
 #include "base/failure.h"
 
-#define TURN_PER_SUBSTEP 0.15 /* rad of weight motion: the error of a step is then below 1e-6 */
-#define MAX_ITERATIONS 12 /* the fixed point gains about two digits an iteration */
-#define CONVERGED 1e-14   /* relative to the size of the change over the substep */
-
 /* N equal weights on one circular track. */
 typedef struct {
     int count;           /* N */

@@ -10,10 +10,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ....models.constants import SAID
 from ....models.monolith import reference
 from ....models.reference.oscillator import forced_motion
 from ...errors import SimulationError
-from ...master.resolution import SAID
 from ...master.result import Result
 from ...master.run import cosimulate
 from ...scene import Scene, load_scene

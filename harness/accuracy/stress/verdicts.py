@@ -14,12 +14,12 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from itertools import product
 
+from ....models.constants import REFUSED, SAID
 from ....models.monolith import ReferenceDisagreement
 from ...errors import SimulationError
 from ...master import facts
 from ...master.cosimulation import CoSimulation
 from ...master.recorder import Recorder, recorded
-from ...master.resolution import REFUSED, SAID
 from ...output.table import Sheet
 from ...scene import Scene, load_scene
 from ...scene.balancer import WeightBalancer

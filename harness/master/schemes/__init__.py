@@ -12,6 +12,7 @@ from typing import TypeAlias
 
 import numpy as np
 
+from ....models.constants import WEAK_LOOP
 from ...scene import Scene
 from ..loop import rotor_response
 from ..system import System
@@ -21,7 +22,6 @@ from .gauss_seidel import GaussSeidel
 from .iterated import Iterated
 from .jacobi import Jacobi
 
-WEAK_LOOP = 0.1  # one corrector pass then leaves 1 % of the prediction's error
 Scheme: TypeAlias = Explicit | Iterated
 
 

@@ -12,6 +12,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from ....models.constants import CALM, GROWN, JUMP_PARTS, LOST, MISSED
 from ...errors import SimulationError
 from ..signals import Cubic, Knot, end_of
 from ..system import System
@@ -19,11 +20,6 @@ from ..system import System
 # value and slope at t = 2 of the cubic through values and slopes at t = 0 (BEFORE) and 1 (NOW)
 NOW = np.array([[-4.0, 4.0], [-12.0, 8.0]])
 BEFORE = np.array([[5.0, 2.0], [12.0, 5.0]])
-MISSED = 0.5  # of the largest force so far: no resolved motion changes so much within a step
-LOST = 12  # such steps, with fewer than CALM others in a row between them, while the force grows
-GROWN = 1e3  # times: close to the limit a stable exchange may grow tenfold before it settles
-JUMP_PARTS = 8  # at a loop gain of 1/13, the largest of a stable cubic exchange, 1e-9 is left
-CALM = 4  # the slowest pattern of a diverging loop repeats after as many steps
 
 
 class Explicit:

@@ -12,17 +12,21 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from ....models.constants import (
+    CHANGE,
+    CONVERGED_FORCES,
+    GAIN_ROUNDING,
+    LOOSE,
+    MAX_PASSES,
+    MISS_PER_ERROR,
+    SLOW,
+)
 from ...errors import LoopError
-from ..loop import SLOW, QuasiNewton, Vector, difference, jacobian, of_values, pack, size, unpack
-from ..signals import MISS_PER_ERROR, Cubic, Knot, end_of, interpolations, predicted
+from ..loop import QuasiNewton, Vector, difference, jacobian, of_values, pack, size, unpack
+from ..signals import Cubic, Knot, end_of, interpolations, predicted
 from ..system import System
 
-CONVERGED = 1e-10  # residual of the forces relative to the largest force so far
-MAX_PASSES = 30  # quasi-Newton meets CONVERGED in two to six; more means it does not converge
 # per loop gain: what rounding leaves of a residual; forces err by it over the gain
-ROUNDING = 1e-12
-CHANGE = 1e-3  # of the largest force: a disturbance that shows the loop's Jacobian
-LOOSE = 1e-3  # a fixed number of passes that leaves more of the force than this is reported
 
 
 class Iterated:
@@ -52,7 +56,7 @@ class Iterated:
             values = of_values(jacobian)
             jacobian = np.where(np.outer(values, values), jacobian, 0.0)
         self.newton = QuasiNewton(jacobian, step)
-        self.tolerance = max(CONVERGED, ROUNDING * self.newton.gain)
+        self.tolerance = max(CONVERGED_FORCES, GAIN_ROUNDING * self.newton.gain)
         self.largest = rounding / (self.tolerance if corrections is None else LOOSE)
 
     def step(self, system: System, time: float, step: float) -> float:

@@ -8,7 +8,8 @@ import pytest
 
 from autobalancer.harness import load_scene
 from autobalancer.harness.master.cosimulation import CoSimulation
-from autobalancer.harness.master.resolution import PERSISTENT, Resolution
+from autobalancer.harness.master.resolution import Resolution
+from autobalancer.models.constants import PERSISTENT
 
 STEPS = 40  # a revolution
 

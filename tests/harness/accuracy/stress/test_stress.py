@@ -18,9 +18,9 @@ from autobalancer.harness.accuracy.stress.cases_weights import two_pendulums
 from autobalancer.harness.accuracy.stress.run import as_json, run_case, stress
 from autobalancer.harness.accuracy.stress.verdicts import VerdictSample, judge, spinning, table
 from autobalancer.harness.errors import SimulationError
-from autobalancer.harness.master import resolution
 from autobalancer.harness.master.cosimulation import CoSimulation, doubling_steps
 from autobalancer.harness.master.run import cosimulate
+from autobalancer.models.constants import REFUSED, SAID
 from autobalancer.models.monolith import reference
 from autobalancer.models.reference.oscillator import forced_motion
 from autobalancer.models.steps.weights import advance
@@ -150,7 +150,7 @@ def test_estimated_error_decides_whether_a_run_is_silent_told_or_refused():
     assert stated_error(fine) == 0.0
     told = cosimulate(spinning("drum", 10, 40))  # real error 2 %
     assert any("use more coupling.steps_per_rev" in event for event in told.events)
-    assert resolution.SAID <= stated_error(told) < resolution.REFUSED
+    assert SAID <= stated_error(told) < REFUSED
     with pytest.raises(SimulationError, match="times as far as they move at all"):
         cosimulate(spinning("drum", 20, 20))  # real error 14 times the range
 

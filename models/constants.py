@@ -1,0 +1,71 @@
+"""Constants of the equations and the coupling that Python and C share.
+
+The C sources read them as `constants.h`, which is generated from this file.
+"""
+
+# The rotor
+SAME_PLACE = 1e-9  # of the shaft's length: places this near to each other are one
+SHAFT_SYMMETRIC = 1e-6  # of the largest compliance: measured ones are given with few digits
+SHAFT_SINGULAR = 1e-13  # pivot of the scaled compliance: below it rounding makes the stiffness
+TAYLOR_TERMS = 16  # 0.5^16/17! is far below rounding
+STAGES = 3  # of the Radau method, order 5: as good as the cubic forces
+STEP_ACCURACY = 1e-10  # of the largest displacement: 10,000 steps stay below 1e-6
+PART_HALVINGS = 12  # 4096 parts: modes 4000 times as fast as a rotor of 40 steps a turn
+HALVED_ERRORS = 31.0  # 2^5 - 1: halved parts differ from whole ones by so many of their errors
+TURN_ROUNDING = 2.4492935982947064e-16  # 2 pi minus its floating-point value
+SPAN = 0.8  # m, between the supports of a rotor, by default
+SPACING = 0.1  # m, between the stations of a shaft, by default
+STEEL_20_MM = 1.6e3  # N m^2, E I of a steel shaft of 20 mm
+DEFAULT_UNBALANCE = 2.0e-4  # kg m
+
+# The weights
+TURN_PER_SUBSTEP = 0.15  # rad of weight motion: the error of a step is then below 1e-6
+MAX_ITERATIONS = 12  # the fixed point of a substep gains about two digits an iteration
+SUBSTEP_CONVERGED = 1e-14  # relative to the size of the change over the substep
+MAX_SUBSTEPS = 1_000_000  # in a step
+FAR_ANGLE = 1e4  # rad: beyond, whole turns are taken off while a step is computed
+TRACK_SLACK = 1e-12  # relative: a full track may be a rounding too full
+
+# The loop of rotor and balancers
+WEAK_LOOP = 0.1  # gain: one corrector pass then leaves 1 % of the prediction's error
+START_TOLERANCE = 1e-12  # of the largest force: start values are as exact as the units
+START_ROUNDING = 1e-13  # of the largest force, times the gain: what the loop makes of rounding
+START_ITERATIONS = 20  # the map is affine in values and in slopes; Newton needs two or three
+LOOP_SINGULAR = 1e-12  # |1 - eigenvalue| below which a loop counts as one of gain 1
+SLOW = 0.1  # reduction of a residual per pass above which the Jacobian is refined
+CONVERGED_FORCES = 1e-10  # residual of the forces relative to the largest force so far
+GAIN_ROUNDING = 1e-12  # per loop gain: what rounding leaves of a residual
+MAX_PASSES = 30  # quasi-Newton needs two to six; more means it does not converge
+CHANGE = 1e-3  # of the largest force: a disturbance that shows the loop's Jacobian
+LOOSE = 1e-3  # of the force: fixed passes that leave more than this are reported
+MISSED = 0.5  # of the largest force so far: no resolved motion changes so much within a step
+LOST = 12  # such steps, with fewer than CALM others in a row, while the force grows
+CALM = 4  # the slowest pattern of a diverging loop repeats after as many steps
+GROWN = 1e3  # times: a stable exchange may grow tenfold before it settles
+JUMP_PARTS = 8  # at a gain of 1/13, the largest of a stable cubic exchange, 1e-9 is left
+FORCE_ROUNDING = 1e-14  # of the largest force there can be: what sums leave of cancelling parts
+
+# Lengths of steps
+DEFAULT_STEPS = 40  # per revolution: 1e-6 on the two-ball scene with cubic signals
+FEWEST_STEPS = 4  # per revolution: fewer do not resolve one
+LONG = 1.01  # times the longest step where anything moves; at rest they are twice as long
+BRIEF = 1e-6  # of a communication step: one across an event, taken whole
+WIDE = 1e-4  # tolerance below which brief steps are shorter,
+LEAST = 0.1  # and by how much at most
+STEEP = 0.2  # of the force: more by the slope of its first instant, and a step is divided
+FIRST_CHANGE = 0.05  # of the force: what it may change by that slope over the first part
+MOST_HALVINGS = 60  # a force that rises from exactly zero has no size to compare with
+KINK = 1e-6  # of a step: it errs by less than 1e-7, and rounding does not spoil the slopes
+RESIDUAL_SHARE = 0.2  # of what a step may err: it may stay in the loop
+
+# Whether steps resolve the motion
+SAID = 0.01  # of the motion: estimated error from which the run says so
+REFUSED = 0.3  # of the motion: within the estimate's factor of three, all of it
+UNRESOLVED = 0.05  # of a signal's largest value: error of a cubic that no longer follows it
+PERSISTENT = 20  # such steps in all: a transient that dies sooner is left to the estimate
+NOISE = 1e-9  # of what all weights can pull: below it a signal is cancellation
+BEYOND = 10.0  # times the largest force: what a resonance makes in three revolutions
+UNFOLLOWED = 0.5  # rad per step of the slowest vibration: what cubics miss of it gathers
+GROWTH = 2.0  # in a step: no resolved motion grows so fast
+RUNAWAY = 4  # such steps in a row
+MISS_PER_ERROR = 120.0  # what a prediction misses over the error of the step, on average
