@@ -34,19 +34,19 @@ static const double ROOTS[RUNGS] = {1.0, 0.8408964152537145, 0.7071067811865476,
 void adaptive_begin(Unit *unit)
 {
     Course *course = ((Composite *)unit->own)->course;
-    course->corrections = UNTIL_CONVERGED;
-    course->rung = FIRST_RUNG;
+    course->loop.corrections = UNTIL_CONVERGED;
+    course->adaptive.rung = FIRST_RUNG;
     adaptive_allow(unit->own, LOCAL_SHARE);
 }
 
 void adaptive_allow(Composite *c, double share)
 {
     Course *course = c->course;
-    const double allowed = RESIDUAL_SHARE * course->allowed;
+    const double allowed = RESIDUAL_SHARE * course->adaptive.allowed;
     /* whatever a step may err, forces that cancel are not told from rounding */
     iterated_allow(c, smaller(share, LOCAL_SHARE) * allowed);
-    course->tolerance = larger(course->tolerance, share * allowed);
-    course->largest_motion = course->largest / course->mass;
+    course->loop.tolerance = larger(course->loop.tolerance, share * allowed);
+    course->adaptive.largest_motion = course->loop.largest / course->resolution.mass;
 }
 
 /* Part of a prediction's miss that is error of the step's own signal. */
@@ -79,12 +79,12 @@ static double error_of(const Composite *c, double step, double *largest_motion)
 {
     const Course *course = c->course;
     int k;
-    *largest_motion = course->largest_motion;
+    *largest_motion = course->adaptive.largest_motion;
     for (k = 0; k < c->planes; k++) {
         *largest_motion = larger(*largest_motion, magnitude(c->ends[k].value));
     }
-    return larger(larger(1.0, course->gain) *
-                      worst(c->forces, c->answers, c->unknowns, c->orders, step, course->reached),
+    return larger(larger(1.0, course->loop.gain) *
+                      worst(c->forces, c->answers, c->unknowns, c->orders, step, course->loop.reached),
                   worst(c->accelerations, c->ends, c->planes, c->orders, step, *largest_motion));
 }
 
@@ -117,10 +117,10 @@ static int rise(double ratio, double slack, double shortened, int orders)
 static int rests(const Composite *c, double longest, double largest_motion)
 {
     const Course *course = c->course;
-    const double still = LOCAL_SHARE * course->allowed, force = still * course->reached;
-    const double slowness = smaller(1.0, course->slowest / course->top);
+    const double still = LOCAL_SHARE * course->adaptive.allowed, force = still * course->loop.reached;
+    const double slowness = smaller(1.0, course->resolution.slowest / course->resolution.top);
     const double motion = still * slowness * slowness * largest_motion;
-    const double cancelled = larger(1.0, course->gain);
+    const double cancelled = larger(1.0, course->loop.gain);
     int k, moves = 0;
     for (k = 0; k < c->planes; k++) {
         const Knot *end = c->ends + k;
@@ -146,9 +146,9 @@ static int refuse_step(Unit *unit, double step, double error, double residual)
     Composite *c = unit->own;
     Text *reason = unit_reason(unit);
     c->loop_failed = 1;
-    text_put_rounded(reason, "tolerance ", c->course->allowed, 6);
+    text_put_rounded(reason, "tolerance ", c->course->adaptive.allowed, 6);
     text_put(reason, " cannot be met");
-    composite_put_time(reason, c->course->time);
+    composite_put_time(reason, c->course->clock.time);
     text_put_rounded(reason, ": steps of ", step, 3);
     text_put_rounded(reason, " s still err by ", error, 3);
     text_put_rounded(reason, ", loop residual ", residual, 3);
@@ -161,23 +161,23 @@ int adaptive_step(Unit *unit, double longest)
     const int jumps = ((const Rotor *)c->parts->unit->own)->slider_count > 0;
     Course *course = c->course;
     const Pacing *pacing = &c->pacing;
-    const double allowed = (pacing->share > 0.0 ? pacing->share : LOCAL_SHARE) * course->allowed;
+    const double allowed = (pacing->share > 0.0 ? pacing->share : LOCAL_SHARE) * course->adaptive.allowed;
     /* before an event, or a point that must be met */
     double remaining = pacing->step > 0.0 ? pacing->step : infinity();
     int met = 0;
-    if (course->no_past > 0.0) {
-        course->rung = larger(course->rung, 0.0);
+    if (course->division.no_past > 0.0) {
+        course->adaptive.rung = larger(course->adaptive.rung, 0.0);
     }
     for (;;) {
-        const int rung = (int)course->rung;
+        const int rung = (int)course->adaptive.rung;
         const double own = length_of(rung, longest);
         /* do not leave a sliver for the last step */
         const double step = own >= remaining ? remaining : own > 0.5 * remaining ? 0.5 * remaining : own;
         double residual, error, ratio, largest_motion, shortened = own / step;
         int lower, higher, minute, still;
-        course->held = rung < 0;
+        course->adaptive.held = rung < 0;
         residual = iterated_attempt(unit, step, MAX_PASSES);
-        course->held = 0.0;
+        course->adaptive.held = 0.0;
         if (residual < 0.0 && contacts_ahead(unit, &remaining)) {
             /* a unit cannot follow a loop that diverges */
             if (rung + 2 * RUNGS > LOWEST) {
@@ -187,7 +187,7 @@ int adaptive_step(Unit *unit, double longest)
             if (iterated_after_start(unit, 0.5 * step)) {
                 return 1;
             }
-            course->rung = rung + 2 * RUNGS;
+            course->adaptive.rung = rung + 2 * RUNGS;
             continue;
         }
         if (residual < 0.0) {
@@ -202,36 +202,36 @@ int adaptive_step(Unit *unit, double longest)
         minute = jumps && rung >= MINUTE; /* what such a step misses of a jump moves nothing */
         higher = rise(ratio, 1.0 + 1e-9, shortened, c->orders);
         still = !jumps && (rung < 0 || rung < higher) && rests(c, longest, largest_motion);
-        if (((error <= allowed && (still || rung >= 0)) || minute) && residual <= course->tolerance) {
+        if (((error <= allowed && (still || rung >= 0)) || minute) && residual <= course->loop.tolerance) {
             double lowest = still ? smaller(rung, 0.0) : 0.0;
-            course->rested = still ? course->rested + 1.0 : 0.0;
-            if (course->rested == RESTED) {
-                course->rested = 0.0;
+            course->adaptive.rested = still ? course->adaptive.rested + 1.0 : 0.0;
+            if (course->adaptive.rested == RESTED) {
+                course->adaptive.rested = 0.0;
                 lowest -= RUNGS;
             }
-            course->rung = larger(lowest, rung - higher);
+            course->adaptive.rung = larger(lowest, rung - higher);
             if (minute) {
-                course->rung = smaller(course->rung, MINUTE);
+                course->adaptive.rung = smaller(course->adaptive.rung, MINUTE);
             } else {
-                course->error = larger(course->error, error);
+                course->total.error = larger(course->total.error, error);
             }
-            course->residual = residual;
-            course->held = rung < 0;
-            course->largest_motion = largest_motion;
+            course->loop.residual = residual;
+            course->adaptive.held = rung < 0;
+            course->adaptive.largest_motion = largest_motion;
             return iterated_go_on(unit, step, met && step == remaining);
         }
         composite_restore(c);
-        if (residual > SLOWEST * course->tolerance && iterated_after_start(unit, 0.5 * step)) {
+        if (residual > SLOWEST * course->loop.tolerance && iterated_after_start(unit, 0.5 * step)) {
             return 1;
         }
         lower = -rise(ratio, 1.0, shortened, c->orders);
-        course->rung = rung + (lower > 1 ? lower : 1);
+        course->adaptive.rung = rung + (lower > 1 ? lower : 1);
         if (rung < 0 && !still) {
-            course->rung = larger(course->rung, 0.0);
-            course->rested = 0.0;
+            course->adaptive.rung = larger(course->adaptive.rung, 0.0);
+            course->adaptive.rested = 0.0;
             composite_drop_past(c);
         }
-        if (course->rung > LOWEST) {
+        if (course->adaptive.rung > LOWEST) {
             return refuse_step(unit, step, error, residual);
         }
     }

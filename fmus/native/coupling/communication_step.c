@@ -6,28 +6,28 @@
 static int unfinished(const Composite *c, double ends, double step)
 {
     const Course *course = c->course;
-    if (course->crossing > 0.0 || course->striking > 0.0) {
+    if (course->division.crossing > 0.0 || course->event.striking > 0.0) {
         return 1;
     }
-    if (course->allowed == 0.0) {
-        return course->whole > 0.0;
+    if (course->adaptive.allowed == 0.0) {
+        return course->division.whole > 0.0;
     }
-    return course->no_past > 0.0 && ends - course->time > TIME_ROUNDING * step;
+    return course->division.no_past > 0.0 && ends - course->clock.time > TIME_ROUNDING * step;
 }
 
 int composite_run_step(Unit *unit, double step)
 {
     Composite *c = unit->own;
     Course *course = c->course;
-    const double begin = course->time;
+    const double begin = course->clock.time;
     double ends = begin + step;
     c->loop_failed = 0;
-    if (course->acceleration != 0.0 && course->rises_until > 0.0 &&
-        course->time >= course->rises_until) {
+    if (course->drive.acceleration != 0.0 && course->drive.rises_until > 0.0 &&
+        course->clock.time >= course->drive.rises_until) {
         composite_level_off(unit);
     }
     do {
-        c->pacing.step = course->allowed > 0.0 ? ends - course->time : step;
+        c->pacing.step = course->adaptive.allowed > 0.0 ? ends - course->clock.time : step;
         if (composite_go_on(unit)) {
             if (c->unknowns) {
                 composite_put_gain(unit, &unit->reason);
@@ -35,7 +35,7 @@ int composite_run_step(Unit *unit, double step)
             return 1;
         }
         /* an event is no communication point, but only at rest are these further apart */
-        if (course->allowed > 0.0) {
+        if (course->adaptive.allowed > 0.0) {
             ends = smaller(ends, begin + c->pacing.longest);
         }
     } while (unfinished(c, ends, ends - begin));

@@ -20,10 +20,10 @@ static const double SHARE[GAUSS_NODES / 2] = {
 void compensated_begin(Composite *c, double step)
 {
     const int e = c->orders * c->exchanges, p = c->orders * c->planes;
-    c->course->missed_step = 0.0;
-    c->course->largest = c->course->largest_before = 0.0;
-    c->course->lost = c->course->calm = 0.0;
-    c->course->solved_step = step;
+    c->course->compensated.missed_step = 0.0;
+    c->course->loop.largest = c->course->compensated.largest_before = 0.0;
+    c->course->compensated.lost = c->course->compensated.calm = 0.0;
+    c->course->loop.solved_step = step;
     matrix_product(1, p, e, e, c->wide, c->solution, c->solution + e * e);
 }
 
@@ -124,28 +124,28 @@ static int diverges(Unit *unit, double step)
         const Complex value = c->answers[k].value;
         const double missed = magnitude(complex_difference(value, expected));
         worst = missed <= worst ? worst : missed;
-        course->largest = larger(course->largest, magnitude(value));
+        course->loop.largest = larger(course->loop.largest, magnitude(value));
     }
-    if (worst <= MISSED * course->largest) {
-        course->calm += 1.0;
-        course->lost = course->calm >= CALM ? 0.0 : course->lost;
+    if (worst <= MISSED * course->loop.largest) {
+        course->compensated.calm += 1.0;
+        course->compensated.lost = course->compensated.calm >= CALM ? 0.0 : course->compensated.lost;
         return 0;
     }
-    if (course->lost == 0.0) {
-        course->largest_before = course->largest;
+    if (course->compensated.lost == 0.0) {
+        course->compensated.largest_before = course->loop.largest;
     }
-    course->calm = 0.0;
-    course->lost += 1.0;
-    if (course->lost < LOST || course->largest < GROWN * course->largest_before) {
+    course->compensated.calm = 0.0;
+    course->compensated.lost += 1.0;
+    if (course->compensated.lost < LOST || course->loop.largest < GROWN * course->compensated.largest_before) {
         return 0;
     }
     reason = unit_reason(unit);
     text_put(reason, "compensated coupling diverges");
-    composite_put_time(reason, course->time + step);
+    composite_put_time(reason, course->clock.time + step);
     text_put(reason, ": ");
     composite_name_forces(c, reason);
     text_put_rounded(reason, " differs from what was assumed for the step by ",
-                     worst / course->largest, 3);
+                     worst / course->loop.largest, 3);
     text_put(reason, " of the largest force and grows; build with scheme = \"iterated\" or \"auto\"");
     return 1;
 }
@@ -232,7 +232,7 @@ int compensated_step(Unit *unit, double step, int jump)
     Composite *c = unit->own;
     Course *course = c->course;
     const int o = c->orders, parts = o / 2;
-    const double past = jump ? 0.0 : course->missed_step;
+    const double past = jump ? 0.0 : course->compensated.missed_step;
     const double speed = c->parts->unit->real[c->parts->drive];
     int k;
     for (k = 0; k < c->exchanges; k++) {
@@ -262,6 +262,6 @@ int compensated_step(Unit *unit, double step, int jump)
         return 1;
     }
     solve(c, step);
-    course->missed_step = jump ? 0.0 : step;
+    course->compensated.missed_step = jump ? 0.0 : step;
     return accept(unit, past, step);
 }

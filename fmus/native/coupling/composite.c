@@ -137,13 +137,13 @@ static int composite_parameters(Unit *unit)
 static int composite_stands_at(const double *memory, double time)
 {
     const Course *course = (const Course *)memory;
-    return course->started > 0.0 && time >= course->begin - course->length &&
-           time <= course->time + course->length;
+    return course->clock.started > 0.0 && time >= course->clock.begin - course->clock.length &&
+           time <= course->clock.time + course->clock.length;
 }
 
 static int composite_begin(Unit *unit)
 {
-    ((Composite *)unit->own)->course->started = 0.0;
+    ((Composite *)unit->own)->course->clock.started = 0.0;
     return 0;
 }
 
@@ -153,12 +153,12 @@ static void take_inputs(Unit *unit)
     Composite *c = unit->own;
     Course *course = c->course;
     if (!c->motor && !(unit->real[c->rise] > 0.0)) {
-        course->told = unit->time;
-        course->speed = unit->real[c->drive];
-        course->acceleration = unit->real[c->drive + 1];
+        course->drive.told = unit->time;
+        course->drive.speed = unit->real[c->drive];
+        course->drive.acceleration = unit->real[c->drive + 1];
     }
     if (!c->motor) {
-        course->fastest = larger(course->fastest, absolute(course->speed));
+        course->drive.fastest = larger(course->drive.fastest, absolute(course->drive.speed));
     }
     memcpy(c->outer_forces, unit->real + c->outer,
            2 * (size_t)c->parts->unit->layout.sizes.planes * sizeof(double));
@@ -206,9 +206,9 @@ static void begin_scheme(Unit *unit, double step)
 {
     Composite *c = unit->own;
     Course *course = c->course;
-    course->corrections = c->corrections;
-    if (c->corrections < 0 && c->scheme == SCHEME_AUTO && course->gain <= WEAK_LOOP) {
-        course->corrections = 1.0;
+    course->loop.corrections = c->corrections;
+    if (c->corrections < 0 && c->scheme == SCHEME_AUTO && course->loop.gain <= WEAK_LOOP) {
+        course->loop.corrections = 1.0;
     }
     if (c->scheme == SCHEME_COMPENSATED) {
         compensated_begin(c, step);
@@ -222,12 +222,12 @@ static void begin_drive(Unit *unit)
 {
     Composite *c = unit->own;
     Course *course = c->course;
-    course->speed = course->first_speed = unit->real[c->drive];
-    course->acceleration = course->first_acceleration = unit->real[c->drive + 1];
+    course->drive.speed = course->drive.first_speed = unit->real[c->drive];
+    course->drive.acceleration = course->drive.first_acceleration = unit->real[c->drive + 1];
     if (unit->real[c->rise] > 0.0) {
-        course->rises_until = unit->time + unit->real[c->rise];
-        course->fastest = larger(course->fastest, absolute(course->speed +
-                                 unit->real[c->rise] * course->acceleration));
+        course->drive.rises_until = unit->time + unit->real[c->rise];
+        course->drive.fastest = larger(course->drive.fastest, absolute(course->drive.speed +
+                                 unit->real[c->rise] * course->drive.acceleration));
     }
 }
 
@@ -239,37 +239,37 @@ static int start(Unit *unit)
     memset(course, 0, sizeof *course);
     memset(c->forces, 0, (size_t)c->unknowns * sizeof(Signal));
     memset(c->accelerations, 0, (size_t)c->planes * sizeof(Signal));
-    course->fastest = unit->real[c->top_speed];
-    course->begin = course->time = course->told = unit->time;
+    course->drive.fastest = unit->real[c->top_speed];
+    course->clock.begin = course->clock.time = course->drive.told = unit->time;
     if (!c->motor) {
         begin_drive(unit);
     }
     take_inputs(unit);
-    if (!(course->fastest > 0.0)) {
+    if (!(course->drive.fastest > 0.0)) {
         return refuse_coupling(unit, "coupling.top_speed: must be above 0 rad/s for a rotor that starts at rest");
     }
     step = communication_length(unit);
     if (begin_parts(unit)) {
         return 1;
     }
-    course->rounding = FORCE_ROUNDING * composite_largest_force(c);
+    course->loop.rounding = FORCE_ROUNDING * composite_largest_force(c);
     if ((c->scheme == SCHEME_COMPENSATED && loop_rotor_response(unit, step)) ||
         loop_consistent_start(unit, step)) {
         return 1;
     }
     begin_scheme(unit, step);
     resolution_begin(unit);
-    course->allowed = c->unknowns ? unit->real[c->tolerance] : 0.0;
-    if (course->allowed > 0.0) {
+    course->adaptive.allowed = c->unknowns ? unit->real[c->tolerance] : 0.0;
+    if (course->adaptive.allowed > 0.0) {
         adaptive_begin(unit);
     }
-    course->started = 1.0;
+    course->clock.started = 1.0;
     return 0;
 }
 
 static int composite_outputs(Unit *unit)
 {
-    return ((Composite *)unit->own)->course->started > 0.0 ? 0 : start(unit);
+    return ((Composite *)unit->own)->course->clock.started > 0.0 ? 0 : start(unit);
 }
 
 /* -- steps ----------------------------------------------------------------------------------- */
@@ -280,7 +280,7 @@ static void begin_anew(Unit *unit, double time)
     Composite *c = unit->own;
     Course *course = c->course;
     int k;
-    if (course->within > 0.0) {
+    if (course->clock.within > 0.0) {
         composite_read_accelerations(c, c->ends);
         composite_read_forces(c, c->answers);
         for (k = 0; k < c->planes; k++) {
@@ -292,11 +292,11 @@ static void begin_anew(Unit *unit, double time)
         if (c->motor) {
             c->forces[c->exchanges].now = shaft_stand(c);
         }
-        course->within = 0.0;
+        course->clock.within = 0.0;
     }
-    course->time = time;
-    course->crossing = course->whole = course->striking = 0.0;
-    course->changed = 1.0;
+    course->clock.time = time;
+    course->division.crossing = course->division.whole = course->event.striking = 0.0;
+    course->clock.changed = 1.0;
     composite_drop_past(c);
 }
 
@@ -314,12 +314,12 @@ static int meet_inputs(Unit *unit)
     const Composite *c = unit->own;
     const Course *course = c->course;
     const double *drive = unit->real + c->drive;
-    const double led = course->speed + (unit->time - course->told) * course->acceleration;
+    const double led = composite_speed(c, unit->time);
     const int rises = unit->real[c->rise] > 0.0;
-    const int same = rises || (drive[1] == course->acceleration &&
-                               absolute(drive[0] - led) <= SAME_SPEED * course->fastest);
+    const int same = rises || (drive[1] == course->drive.acceleration &&
+                               absolute(drive[0] - led) <= SAME_SPEED * course->drive.fastest);
     const int jumps = !same || pushed_anew(unit);
-    if (rises && (drive[0] != course->first_speed || drive[1] != course->first_acceleration)) {
+    if (rises && (drive[0] != course->drive.first_speed || drive[1] != course->drive.first_acceleration)) {
         return refuse_coupling(unit, "speed, acceleration: the rotor speeds up by itself, as rise_time is "
                             "above 0 s");
     }
@@ -336,7 +336,7 @@ static int meet_inputs(Unit *unit)
 static int judge_step(Unit *unit, double step)
 {
     const Course *course = ((Composite *)unit->own)->course;
-    return (course->allowed == 0.0 && resolution_check(unit, step)) || iterated_judge(unit);
+    return (course->adaptive.allowed == 0.0 && resolution_check(unit, step)) || iterated_judge(unit);
 }
 
 /* One step of given length; `jump`: over a jump of an input. */
@@ -352,7 +352,7 @@ static int couple(Unit *unit, double step, int jump)
     if (iterated_step(unit, step)) {
         return 1;
     }
-    return c->unknowns && c->course->striking == 0.0 && judge_step(unit, c->course->length);
+    return c->unknowns && c->course->event.striking == 0.0 && judge_step(unit, c->course->clock.length);
 }
 
 /* One step of the length that a tolerance allows, or that a run prescribes. */
@@ -364,7 +364,7 @@ static int adapt(Unit *unit)
         return adaptive_step(unit, longest > 0.0 ? longest
                                                  : step_of_revolution(unit, unit->real[c->fewest]));
     }
-    return prescribed_step(unit) || (c->course->striking == 0.0 && iterated_judge(unit));
+    return prescribed_step(unit) || (c->course->event.striking == 0.0 && iterated_judge(unit));
 }
 
 /* A step that an event has cut into several is judged behind it. */
@@ -375,12 +375,12 @@ static int strike(Unit *unit)
     if (contacts_step(unit)) {
         return 1;
     }
-    if (course->striking > 0.0) {
+    if (course->event.striking > 0.0) {
         return 0;
     }
-    course->residual = course->worst;
-    return (course->allowed == 0.0 || c->pacing.points) &&
-           judge_step(unit, course->time + course->length - course->met);
+    course->loop.residual = course->event.worst;
+    return (course->adaptive.allowed == 0.0 || c->pacing.points) &&
+           judge_step(unit, course->clock.time + course->clock.length - course->event.met);
 }
 
 int composite_go_on(Unit *unit)
@@ -388,29 +388,29 @@ int composite_go_on(Unit *unit)
     Composite *c = unit->own;
     Course *course = c->course;
     const size_t size = c->state_count * sizeof(double);
-    const int crosses = course->changed > 0.0 || course->crossing > 0.0;
-    const int strikes = course->striking > 0.0 && !crosses;
-    const int adapts = course->allowed > 0.0 && !crosses && !strikes;
+    const int crosses = course->clock.changed > 0.0 || course->division.crossing > 0.0;
+    const int strikes = course->event.striking > 0.0 && !crosses;
+    const int adapts = course->adaptive.allowed > 0.0 && !crosses && !strikes;
     const double step = adapts || strikes ? 0.0 : startup_length(unit);
-    if (course->within > 0.0) {
+    if (course->clock.within > 0.0) {
         memcpy(c->states, c->at_end, size);
-        course->within = 0.0;
+        course->clock.within = 0.0;
     }
     memcpy(c->at_begin, c->states, size);
-    course->begin = course->time;
-    course->length = step;
-    course->held = 0.0;
-    composite_drive(unit, course->begin);
+    course->clock.begin = course->clock.time;
+    course->clock.length = step;
+    course->adaptive.held = 0.0;
+    composite_drive(unit, course->clock.begin);
     if (strikes  ? strike(unit)
         : adapts ? adapt(unit)
                  : couple(unit, step, crosses)) {
         return 1;
     }
-    if (composite_follow(unit, course->length)) {
+    if (composite_follow(unit, course->clock.length)) {
         return 1;
     }
-    course->time += course->length;
-    course->steps += crosses || strikes ? 0.0 : 1.0;
+    course->clock.time += course->clock.length;
+    course->total.steps += crosses || strikes ? 0.0 : 1.0;
     return adapts ? 0 : startup_taken(unit, strikes);
 }
 
@@ -422,25 +422,25 @@ static int show_time(Unit *unit, double time, int end)
     Rotor *rotor = c->parts->unit->own;
     const size_t size = c->state_count * sizeof(double);
     /* under signals that do not change they can go on from where they stand */
-    const int goes_on = course->within > 0.0 && course->held > 0.0 && !end &&
-                        course->acceleration == 0.0 && !c->motor && time >= course->shown;
-    double from = course->begin;
+    const int goes_on = course->clock.within > 0.0 && course->adaptive.held > 0.0 && !end &&
+                        course->drive.acceleration == 0.0 && !c->motor && time >= course->clock.shown;
+    double from = course->clock.begin;
     int wrong;
-    if (end && course->within == 0.0) {
+    if (end && course->clock.within == 0.0) {
         return 0;
     }
-    if (course->within == 0.0) {
+    if (course->clock.within == 0.0) {
         memcpy(c->at_end, c->states, size);
     }
     if (goes_on) {
-        from = course->shown;
+        from = course->clock.shown;
     } else {
         memcpy(c->states, c->at_begin, size);
     }
-    course->within = end ? 0.0 : 1.0;
-    course->shown = time;
-    rotor->whole = end ? 0.0 : course->held > 0.0 ? time - from : course->length;
-    wrong = composite_move(unit, end ? course->length : time - from);
+    course->clock.within = end ? 0.0 : 1.0;
+    course->clock.shown = time;
+    rotor->whole = end ? 0.0 : course->adaptive.held > 0.0 ? time - from : course->clock.length;
+    wrong = composite_move(unit, end ? course->clock.length : time - from);
     rotor->whole = 0.0;
     return wrong;
 }
@@ -466,11 +466,11 @@ static int refuse_work(Unit *unit, double step)
 void composite_level_off(Unit *unit)
 {
     Course *course = ((Composite *)unit->own)->course;
-    const double top = course->rises_until;
-    course->speed += (top - course->told) * course->acceleration;
-    course->acceleration = 0.0;
-    course->told = top;
-    course->fastest = larger(course->fastest, absolute(course->speed));
+    const double top = course->drive.rises_until;
+    course->drive.speed += (top - course->drive.told) * course->drive.acceleration;
+    course->drive.acceleration = 0.0;
+    course->drive.told = top;
+    course->drive.fastest = larger(course->drive.fastest, absolute(course->drive.speed));
     begin_anew(unit, top);
 }
 
@@ -479,17 +479,17 @@ static int reach_time(Unit *unit, double end)
 {
     const Composite *c = unit->own;
     const Course *course = c->course;
-    const double begin = unit->time, most = course->passes + MOST_MOVES / c->part_count;
+    const double begin = unit->time, most = course->total.passes + MOST_MOVES / c->part_count;
     for (;;) {
-        const double point = REACHED_OF_STEP * course->length + REACHED_OF_TIME * absolute(end);
-        if (!(course->time < end - point)) {
-            return show_time(unit, end, course->time <= end + point);
+        const double point = REACHED_OF_STEP * course->clock.length + REACHED_OF_TIME * absolute(end);
+        if (!(course->clock.time < end - point)) {
+            return show_time(unit, end, course->clock.time <= end + point);
         }
-        if (unit->own_steps && course->time > begin) {
-            unit->made = course->time - begin;
-            return show_time(unit, course->time, 1);
+        if (unit->own_steps && course->clock.time > begin) {
+            unit->made = course->clock.time - begin;
+            return show_time(unit, course->clock.time, 1);
         }
-        if (course->passes > most) {
+        if (course->total.passes > most) {
             return refuse_work(unit, end - begin);
         }
         if (composite_go_on(unit)) {
@@ -503,7 +503,7 @@ static int composite_step_unit(Unit *unit, double length)
 {
     const Composite *c = unit->own;
     Course *course = c->course;
-    const double end = unit->time + length, top = course->rises_until;
+    const double end = unit->time + length, top = course->drive.rises_until;
     int wrong;
     if (c->motor && pushed_anew(unit)) {
         take_inputs(unit);
@@ -514,7 +514,7 @@ static int composite_step_unit(Unit *unit, double length)
     if (!(length < MOST_STEPS * communication_length(unit))) {
         return refuse_length(unit, communication_length(unit));
     }
-    if (course->acceleration != 0.0 && unit->time < top && top <= end) {
+    if (course->drive.acceleration != 0.0 && unit->time < top && top <= end) {
         const unsigned *asked = unit->asked;
         unit->asked = NULL; /* steps begin there: all units must be */
         wrong = reach_time(unit, top);
@@ -555,11 +555,11 @@ static void composite_observe(Unit *unit)
         }
     }
     results[0] = c->motor ? shaft_speed(c)
-                          : c->course->speed + (unit->time - c->course->told) * c->course->acceleration;
-    results[1] = c->course->gain;
-    results[2] = c->course->steps;
-    results[3] = c->course->error;
-    results[4] = c->course->unconverged;
+                          : composite_speed(c, unit->time);
+    results[1] = c->course->loop.gain;
+    results[2] = c->course->total.steps;
+    results[3] = c->course->total.error;
+    results[4] = c->course->total.unconverged;
 }
 
 static void composite_observe_torques(Unit *unit)

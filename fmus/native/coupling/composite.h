@@ -43,48 +43,97 @@ typedef struct {
     size_t observed; /* and of its first output */
 } Part;
 
-/* What changes while stepping, apart from signals and units; doubles alone, as the state is. */
+/* Of composite.c: where the units stand. */
 typedef struct {
-    double started;            /* whether forces and accelerations agree yet */
+    double started;             /* whether forces and accelerations agree yet */
     double begin, time, length; /* ends of the last step, and its length [s] */
-    double within;             /* whether the units stand within it, and not at its end */
+    double within, shown;       /* whether the units stand within it, not at its end; and where [s] */
+    double changed;             /* whether an input has jumped since the last step */
+} Clock;
+
+/* Of composite.c: how the rotor turns. */
+typedef struct {
     double told, speed, acceleration; /* time of the drive [s], and what it was then */
-    double fastest;            /* speed so far, and that of the parameter [rad/s] */
-    double spin_scale;         /* what makes a force of a motor's acceleration [kg m] */
-    double speed_reached;      /* by the motor in the step that is being tried [rad/s] */
-    double torque[2], torque_reached[2]; /* on its shaft and their slopes, now and there */
+    double fastest;                   /* speed so far, and that of the parameter [rad/s] */
     double first_speed, first_acceleration, rises_until; /* of a rotor that speeds up by itself */
-    double changed;            /* whether an input has jumped since the last step */
-    double crossing;           /* negligible steps still to be taken over it, */
-    double negligible;         /* and their length [s] */
-    double whole, halvings, piece; /* communication step, its division, pieces taken */
-    double ends;               /* when the communication step is over [s] */
-    double first_step;         /* whether it is the one at the start */
-    double no_past;            /* no step has been taken since the start or a jump */
-    double gain;               /* of the loop */
-    double corrections;        /* corrector passes, or UNTIL_CONVERGED */
-    double rounding;           /* of forces that cancel [N] */
-    double tolerance;          /* residual that counts as converged */
-    double largest;            /* force so far, as the scheme knows it */
-    double reached;            /* the same with the step that is being tried */
-    double residual;           /* of the forces in the last step, relative to it */
-    double solved_step;        /* the step that the loop's inverse is for [s] */
-    double missed_step;        /* length of the step before [s], 0 when it missed nothing */
+} DriveSignal;
+
+/* Of shaft.c: the motor. */
+typedef struct {
+    double spin_scale;                   /* what makes a force of its acceleration [kg m] */
+    double speed_reached;                /* in the step that is being tried [rad/s] */
+    double torque[2], torque_reached[2]; /* on its shaft and their slopes, now and there */
+} ShaftDrive;
+
+/* Of startup.c: the division of a communication step. */
+typedef struct {
+    double crossing;                   /* negligible steps still to be taken over a jump of an input, */
+    double negligible;                 /* and their length [s] */
+    double whole, halvings, piece;     /* communication step, its division, pieces taken */
+    double ends;                       /* when the communication step is over [s] */
+    double first_step;                 /* whether it is the one at the start */
+    double no_past;                    /* no step has been taken since the start or a jump */
+} Division;
+
+/* Of iterated.c: forces and accelerations that are to agree. */
+typedef struct {
+    double gain;        /* of the loop */
+    double corrections; /* corrector passes, or UNTIL_CONVERGED */
+    double rounding;    /* of forces that cancel [N] */
+    double tolerance;   /* residual that counts as converged */
+    double largest;     /* force so far, as the scheme knows it */
+    double reached;     /* the same with the step that is being tried */
+    double residual;    /* of the forces in the last step, relative to it */
+    double solved_step; /* the step that the loop's inverse is for [s] */
+    double ahead;       /* time to an event in the pass that failed for it, else below 0 [s] */
+} Loop;
+
+/* Of compensated.c: what the step before missed. */
+typedef struct {
+    double missed_step;                /* length of the step before [s], 0 when it missed nothing */
     double largest_before, lost, calm; /* of a diverging loop */
-    double ahead;              /* time to an event in the pass that failed for it, else below 0 [s] */
-    double striking, strikes;  /* brief steps still to take behind an event, and taken */
-    double met;                /* when the step that met it began [s] */
-    double worst;              /* residual of the step before them */
-    double learned_step;       /* `solved_step` before them */
-    double steps, passes, unconverged, worst_left, error; /* worst_left: residual of those */
-    double allowed, rung, largest_motion; /* tolerance, 0 for fixed steps; step as 2^(-rung/4) */
-    double rested;             /* steps of this length in which nothing has moved */
-    double held;               /* whether the step holds its signals at the values they end with */
-    double shown;              /* when the units stand, within it [s] */
-    double slowest;            /* rate of the rotor's slowest motion [1/s] */
-    /* what the resolution is judged by; see resolution.py for what these are */
+} Compensation;
+
+/* Of contacts.c: brief steps behind an event. */
+typedef struct {
+    double striking, strikes; /* still to take, and taken */
+    double met;               /* when the step that met it began [s] */
+    double worst;             /* residual of the step before them */
+    double learned_step;      /* `solved_step` before them */
+} Event;
+
+/* Of adaptive.c: steps that a tolerance chooses. */
+typedef struct {
+    double allowed, rung;  /* tolerance, 0 for fixed steps; step as 2^(-rung/4) */
+    double largest_motion; /* of a plane, so far */
+    double rested;         /* steps of this length in which nothing has moved */
+    double held;           /* whether the step holds its signals at the values they end with */
+} Adaptation;
+
+/* Of resolution.c: what the steps are judged by, as in harness/master/resolution.py. */
+typedef struct {
+    double slowest; /* rate of the rotor's slowest motion [1/s] */
     double top, mass, pace, reach, most, pushed, judged_step, blind, kept, kept_turning, renewed;
     double moved, grown, unresolved;
+} Resolution;
+
+/* Of the run so far. */
+typedef struct {
+    double steps, passes, unconverged, worst_left, error; /* worst_left: residual of those */
+} Totals;
+
+/* What changes while stepping, apart from signals and units; doubles alone, as the state is. */
+typedef struct {
+    Clock clock;
+    DriveSignal drive;
+    ShaftDrive shaft;
+    Division division;
+    Loop loop;
+    Compensation compensated;
+    Event event;
+    Adaptation adaptive;
+    Resolution resolution;
+    Totals total;
 } Course;
 
 /* What the acceleration of a plane moves: speed, place and errors of the last revolution. */
@@ -146,7 +195,7 @@ typedef struct {
     double *square, *wide, *work;  /* (o e, o e), (o p, o e), 2 (o e, o e) */
     double *masses;                /* (rotor's planes,) */
     double *decay;                 /* 2 (4 n, 4 n) for n stations */
-    struct Impacts *impacts;       /* of impacts.c; NULL where no weights can meet */
+    struct Impacts *impacts;       /* of impacts.c */
     Carried carried[2];            /* of forces, and of accelerations */
 } Composite;
 
@@ -213,6 +262,8 @@ void composite_place(const Composite *c, const Part *part);
 void composite_set_forces(Unit *unit, const Complex *forces, double step);
 void composite_read_accelerations(const Composite *c, Knot *ends);
 void composite_read_forces(const Composite *c, Knot *answers);
+/* Speed that is prescribed for a time [rad/s]. */
+double composite_speed(const Composite *c, double time);
 /* Tell the units speed and acceleration at a time [s]. */
 void composite_drive(Unit *unit, double time);
 /* Take over the signals of a finished step; 1 with the reason when one is not finite. */
@@ -300,7 +351,7 @@ void composite_restore(Composite *c);
 void adaptive_begin(Unit *unit);
 /* From the start on, let a step err by this share of the tolerance, its loop by less. */
 void adaptive_allow(Composite *c, double share);
-/* One accepted step of at most `longest` [s]; its length in course->length. */
+/* One accepted step of at most `longest` [s]; its length in course->clock.length. */
 int adaptive_step(Unit *unit, double longest);
 /* One step to the next of the points that a run prescribes. */
 int prescribed_step(Unit *unit);
@@ -317,7 +368,7 @@ double iterated_attempt(Unit *unit, double step, int passes);
 
 /* One step, or up to an event within it. */
 int iterated_step(Unit *unit, double step);
-/* Go on from the end of what was attempted, with its length in course->length; `met`: an event is
+/* Go on from the end of what was attempted, with its length in course->clock.length; `met`: an event is
    there. */
 int iterated_go_on(Unit *unit, double step, int met);
 /* A negligible step over a jump of an input. */
@@ -342,7 +393,7 @@ int contacts_ahead(Unit *unit, double *step);
 void contacts_begin(Unit *unit);
 /* `contacts_begin` and the first brief step. */
 int contacts_strike(Unit *unit);
-/* One brief step; its length in course->length. */
+/* One brief step; its length in course->clock.length. */
 int contacts_step(Unit *unit);
 
 /* -- startup.c ------------------------------------------------------------------------ */

@@ -18,7 +18,7 @@ static const double SHORTER[TRIES] = {1.0, 0.6, 0.36};
 int contacts_ahead(Unit *unit, double *step)
 {
     Composite *c = unit->own;
-    const double ahead = c->course->ahead, least = brief_length(unit);
+    const double ahead = c->course->loop.ahead, least = brief_length(unit);
     if (ahead < 0.0) {
         return 1;
     }
@@ -38,10 +38,10 @@ void contacts_begin(Unit *unit)
     Composite *c = unit->own;
     Course *course = c->course;
     memcpy(c->learned, c->solution, loop_bytes(c));
-    course->learned_step = course->solved_step;
-    course->striking = AWAITED;
-    course->strikes = course->worst = 0.0;
-    course->met = course->time;
+    course->event.learned_step = course->loop.solved_step;
+    course->event.striking = AWAITED;
+    course->event.strikes = course->event.worst = 0.0;
+    course->event.met = course->clock.time;
 }
 
 /* Behind the event: the jump is no error of a prediction. */
@@ -59,7 +59,7 @@ static void end(Composite *c)
 
 static void relearn(Composite *c)
 {
-    c->course->solved_step = c->course->learned_step;
+    c->course->loop.solved_step = c->course->event.learned_step;
     memcpy(c->solution, c->learned, loop_bytes(c));
 }
 
@@ -71,8 +71,8 @@ static double brief(Unit *unit, double *step)
     *step = brief_length(unit);
     for (;;) {
         const double residual = iterated_attempt(unit, *step, MAX_PASSES);
-        if (residual < 0.0 && c->course->ahead >= SOON * *step) { /* weights meet within it */
-            *step = c->course->ahead;
+        if (residual < 0.0 && c->course->loop.ahead >= SOON * *step) { /* weights meet within it */
+            *step = c->course->loop.ahead;
             composite_restore(c);
             continue;
         }
@@ -126,28 +126,28 @@ int contacts_step(Unit *unit)
     for (k = 0; k < c->planes; k++) {
         motion = larger(motion, c->accelerations[k].largest);
     }
-    find_jumps(c->forces, c->answers, c->unknowns, step, course->largest, &jumped, &turned);
+    find_jumps(c->forces, c->answers, c->unknowns, step, course->loop.largest, &jumped, &turned);
     find_jumps(c->accelerations, c->ends, c->planes, step, motion, &jumped, &turned);
     if (residual < 0.0 || iterated_accept(unit, step)) {
         return 1;
     }
     relearn(c); /* what a brief step has made of the loop's inverse serves no longer one */
-    course->length = step;
-    course->strikes += 1.0;
+    course->clock.length = step;
+    course->event.strikes += 1.0;
     /* passes that do not agree disagree on whether the step holds an event; it is soon over */
     if (jumped || residual > AGREED) {
-        course->striking = QUIET;
+        course->event.striking = QUIET;
     } else {
-        course->striking -= 1.0;
+        course->event.striking -= 1.0;
     }
     if (turned) {
-        course->striking = smaller(course->striking, QUIET);
+        course->event.striking = smaller(course->event.striking, QUIET);
     }
-    if (course->striking == 0.0) {
+    if (course->event.striking == 0.0) {
         end(c);
-    } else if (course->strikes > MOST) {
+    } else if (course->event.strikes > MOST) {
         text_put(unit_reason(unit), "weights collide or stick without end");
-        composite_put_time(&unit->reason, course->met);
+        composite_put_time(&unit->reason, course->event.met);
         return 1;
     }
     return 0;

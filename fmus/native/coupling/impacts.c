@@ -94,9 +94,9 @@ static Instant drive_of(const Composite *c, const Part *part)
     const Course *course = c->course;
     const Balls *balls = part->unit->own;
     Instant now;
-    now.rotor_speed = course->speed + (course->time - course->told) * course->acceleration;
+    now.rotor_speed = composite_speed(c, course->clock.time);
     now.acceleration = complex_product(
-        complex_of(-now.rotor_speed * now.rotor_speed, course->acceleration), balls->track.offset);
+        complex_of(-now.rotor_speed * now.rotor_speed, course->drive.acceleration), balls->track.offset);
     if (part->exchange >= 0) {
         const Knot *plane = &c->accelerations[c->member_planes[part->exchange]].now;
         now.acceleration = complex_sum(now.acceleration, plane->value);
@@ -135,7 +135,7 @@ static int take(Composite *c, Impact *impact)
         if (is_weights(part)) {
             const Instant now = drive_of(c, part);
             WeightsInOrder *weights = c->impacts->tracks + k;
-            low += impact_take(impact, first, weights, &now, c->course->acceleration);
+            low += impact_take(impact, first, weights, &now, c->course->drive.acceleration);
             first += weights->count;
         }
     }
@@ -162,6 +162,16 @@ static int write_tracks(Unit *unit)
     return 0;
 }
 
+static int can_meet(const Composite *c)
+{
+    int k, found = 0;
+    for (k = 1; k < c->mounted && !found; k++) {
+        const Balls *balls = c->parts[k].unit->own;
+        found = is_weights(c->parts + k) && balls->track.solid && !balls->track.full;
+    }
+    return found;
+}
+
 int impacts_strike(Unit *unit, double soon, int *struck)
 {
     Composite *c = unit->own;
@@ -169,6 +179,9 @@ int impacts_strike(Unit *unit, double soon, int *struck)
                                  c->impacts->memory);
     int k;
     *struck = 0;
+    if (!can_meet(c)) {
+        return 0;
+    }
     for (k = 1; k < c->mounted; k++) {
         WeightsInOrder *weights = c->impacts->tracks + k;
         if (is_weights(c->parts + k)) {

@@ -12,37 +12,38 @@ enum { UNCONVERGED = 1 };
 /* Residual of a loop that is solved. */
 static double closed(const Course *course)
 {
-    return larger(CONVERGED_FORCES, GAIN_ROUNDING * course->gain);
+    return larger(CONVERGED_FORCES, GAIN_ROUNDING * course->loop.gain);
 }
 
 void iterated_allow(Composite *c, double residual)
 {
-    c->course->tolerance = larger(residual, GAIN_ROUNDING * c->course->gain);
-    c->course->largest = c->course->rounding / c->course->tolerance;
+    c->course->loop.tolerance = larger(residual, GAIN_ROUNDING * c->course->loop.gain);
+    c->course->loop.largest = c->course->loop.rounding / c->course->loop.tolerance;
 }
 
 void iterated_begin(Composite *c)
 {
     Course *course = c->course;
-    course->tolerance = closed(course);
-    course->largest = course->rounding / (course->corrections < 0.0 ? course->tolerance : LOOSE);
+    course->loop.tolerance = closed(course);
+    course->loop.largest =
+        course->loop.rounding / (course->loop.corrections < 0.0 ? course->loop.tolerance : LOOSE);
 }
 
 static int leads(const Composite *c)
 {
-    return c->course->crossing > 0.0 && c->orders == QUINTIC_ORDERS;
+    return c->course->division.crossing > 0.0 && c->orders == QUINTIC_ORDERS;
 }
 
 /* The step that unknowns count by [s]: in a negligible one second derivatives would count for nothing. */
 static double measure(const Composite *c, double step)
 {
-    return leads(c) ? c->course->solved_step : step;
+    return leads(c) ? c->course->loop.solved_step : step;
 }
 
 /* A signal over a step that ends so. */
 static void led_to(const Composite *c, const Knot *start, const Knot *end, double step, Complex *signal)
 {
-    if (c->course->held > 0.0) {
+    if (c->course->adaptive.held > 0.0) {
         knot_held(end, c->orders, signal);
     } else if (leads(c)) {
         knot_leading(end, step, signal);
@@ -76,7 +77,7 @@ static void drop_slopes(const Composite *c, double *u)
 {
     const int o = c->orders, count = o * c->unknowns;
     int i;
-    for (i = 0; i < count && c->course->held > 0.0; i++) {
+    for (i = 0; i < count && c->course->adaptive.held > 0.0; i++) {
         u[i] = i % o < 2 ? u[i] : 0.0;
     }
 }
@@ -92,17 +93,19 @@ double iterated_attempt(Unit *unit, double step, int passes)
     Course *course = c->course;
     const int o = c->orders, count = o * c->unknowns, half = count / 2;
     /* what is left of a force makes a steep slope in a brief step */
-    const double tolerance = course->striking > 0.0 ? smaller(course->tolerance, closed(course))
-                             : course->held > 0.0   ? larger(GAIN_ROUNDING * course->gain, HELD * course->tolerance)
-                                                    : course->tolerance;
+    const double allowed = course->loop.tolerance;
+    const double tolerance =
+        course->event.striking > 0.0  ? smaller(allowed, closed(course))
+        : course->adaptive.held > 0.0 ? larger(GAIN_ROUNDING * course->loop.gain, HELD * allowed)
+                                      : allowed;
     const double counted = measure(c, step);
     double error = 0.0, error_before = 0.0;
     int number, i;
-    course->ahead = -1.0;
+    course->loop.ahead = -1.0;
     loop_rescale(c, count, counted);
     for (i = 0; i < c->unknowns; i++) {
         Knot ahead;
-        if (course->held > 0.0) {
+        if (course->adaptive.held > 0.0) {
             knot_held(&c->forces[i].now, o, c->assumed + o * i);
         } else {
             signal_predicted(c->forces + i, o, c->assumed + o * i);
@@ -121,8 +124,8 @@ double iterated_attempt(Unit *unit, double step, int passes)
             c->residual[i] = c->g_u[i] - c->u[i];
         }
         /* of passes and steps that are taken back none counts: they can be far too large */
-        course->reached = larger(course->largest, loop_size(c->g_u, half));
-        error = course->reached > 0.0 ? loop_size(c->residual, half) / course->reached : 0.0;
+        course->loop.reached = larger(course->loop.largest, loop_size(c->g_u, half));
+        error = course->loop.reached > 0.0 ? loop_size(c->residual, half) / course->loop.reached : 0.0;
         if (number > 1 && error > larger(tolerance, SLOW * error_before)) {
             loop_learn(c, c->du, c->old, c->residual);
         }
@@ -144,16 +147,16 @@ int iterated_judge(Unit *unit)
 {
     const Composite *c = unit->own;
     Course *course = c->course;
-    const double residual = course->residual;
-    const int converges = course->corrections < 0.0;
+    const double residual = course->loop.residual;
+    const int converges = course->loop.corrections < 0.0;
     Text *reason;
-    if (!(residual > (converges ? course->tolerance : LOOSE))) {
+    if (!(residual > (converges ? course->loop.tolerance : LOOSE))) {
         return 0;
     }
     if (residual < 1.0 && !converges) {
-        course->unconverged += 1.0;
-        course->worst_left = larger(course->worst_left, residual);
-        unit_warn_once(unit, UNCONVERGED, course->time,
+        course->total.unconverged += 1.0;
+        course->total.worst_left = larger(course->total.worst_left, residual);
+        unit_warn_once(unit, UNCONVERGED, course->clock.time,
                        "a step left a residual above 1e-3 of the force: use smaller steps or more "
                        "corrections");
         return 0;
@@ -161,7 +164,7 @@ int iterated_judge(Unit *unit)
     reason = unit_reason(unit);
     ((Composite *)unit->own)->loop_failed = 1;
     text_put(reason, "the loop did not converge");
-    composite_put_time(reason, course->time);
+    composite_put_time(reason, course->clock.time);
     text_put(reason, ": ");
     composite_name_forces(c, reason);
     text_put_rounded(reason, " still changes by ", residual, 2);
@@ -172,7 +175,7 @@ int iterated_judge(Unit *unit)
 int iterated_accept(Unit *unit, double step)
 {
     Composite *c = unit->own;
-    c->course->largest = c->course->reached;
+    c->course->loop.largest = c->course->loop.reached;
     return composite_accept(unit, c->ends, c->answers, step);
 }
 
@@ -196,12 +199,12 @@ static int learn_anew(Unit *unit, double step)
     double change;
     int wrong = respond_to_pass(unit, c->u, step, c->g_u);
     if (!wrong) {
-        change = larger(larger(loop_size(c->u, half), loop_size(c->g_u, half)), c->course->largest);
+        change = larger(larger(loop_size(c->u, half), loop_size(c->g_u, half)), c->course->loop.largest);
         wrong = loop_jacobian(unit, respond_to_pass, c->u, c->g_u, CHANGE * change, count, step, c->square);
     }
     if (wrong) {
         composite_restore(c);
-        return c->course->ahead < 0.0;
+        return c->course->loop.ahead < 0.0;
     }
     return loop_invert(unit, c->square, step);
 }
@@ -222,7 +225,7 @@ int iterated_after_start(Unit *unit, double step)
     memcpy(c->at_end, c->at_begin, states);
     memcpy(c->kept, c->parts->unit->real, reals);
     memcpy(c->at_begin, c->states, states);
-    c->course->ahead = -1.0;
+    c->course->loop.ahead = -1.0;
     wrong = learn_anew(unit, step);
     memcpy(c->at_begin, c->at_end, states);
     memcpy(c->parts->unit->real, c->kept, reals);

@@ -5,7 +5,7 @@
 
 double step_of_revolution(const Unit *unit, double steps)
 {
-    return TAU / (((const Composite *)unit->own)->course->fastest * steps);
+    return TAU / (((const Composite *)unit->own)->course->drive.fastest * steps);
 }
 
 double communication_length(const Unit *unit)

@@ -128,7 +128,7 @@ int loop_invert(Unit *unit, const double *jacobian, double step)
     Composite *c = unit->own;
     const int n = c->orders * c->unknowns, values = 2 * c->unknowns;
     int i, singular;
-    c->course->solved_step = step;
+    c->course->loop.solved_step = step;
     memset(c->solution, 0, (size_t)(n * n) * sizeof(double));
     for (i = 0; i < n * n; i++) {
         c->work[i] = -jacobian[i];
@@ -152,7 +152,7 @@ int loop_invert(Unit *unit, const double *jacobian, double step)
 
 void loop_rescale(Composite *c, int rows, double step)
 {
-    const double ratio = step / c->course->solved_step;
+    const double ratio = step / c->course->loop.solved_step;
     const double powers[QUINTIC_ORDERS] = {1.0, 1.0, ratio, ratio, ratio * ratio, ratio * ratio};
     const int count = c->orders * c->unknowns;
     double *element = c->solution;
@@ -169,7 +169,7 @@ void loop_rescale(Composite *c, int rows, double step)
             }
         }
     }
-    c->course->solved_step = step;
+    c->course->loop.solved_step = step;
 }
 
 /* Broyden's good update (1965) of the inverse, by Sherman and Morrison. */
@@ -284,7 +284,7 @@ static int solve_start(Unit *unit, double step)
     Composite *c = unit->own;
     Course *course = c->course;
     const int count = c->orders * c->unknowns, half = count / 2;
-    const double tolerance = larger(START_TOLERANCE, START_ROUNDING * course->gain);
+    const double tolerance = larger(START_TOLERANCE, START_ROUNDING * course->loop.gain);
     double size = 0.0, left = 0.0, before;
     int turn, i;
     for (turn = 0; turn <= START_ITERATIONS; turn++) {
@@ -298,7 +298,7 @@ static int solve_start(Unit *unit, double step)
             loop_learn(c, c->du, c->old, c->residual);
         }
         size = larger(loop_size(c->u, half), loop_size(c->g_u, half));
-        if (turn && left <= larger(tolerance * size, course->rounding)) {
+        if (turn && left <= larger(tolerance * size, course->loop.rounding)) {
             loop_unpack(c, c->g_u, c->unknowns, step, c->answers);
             for (i = 0; i < c->unknowns; i++) {
                 c->forces[i].now = c->answers[i];
@@ -313,7 +313,7 @@ static int solve_start(Unit *unit, double step)
             return 1;
         }
     }
-    return refuse_start(unit, left, size, course->gain);
+    return refuse_start(unit, left, size, course->loop.gain);
 }
 
 int loop_consistent_start(Unit *unit, double step)
@@ -337,7 +337,7 @@ int loop_consistent_start(Unit *unit, double step)
             return 1;
         }
     }
-    c->course->gain = loop_gain(c, c->square);
+    c->course->loop.gain = loop_gain(c, c->square);
     if (loop_invert(unit, c->square, step) || (count && solve_start(unit, step))) {
         return 1;
     }

@@ -9,7 +9,7 @@ void composite_put_time(Text *reason, double time)
 
 void composite_put_gain(const Unit *unit, Text *reason)
 {
-    text_put_rounded(reason, "; loop gain ", ((const Composite *)unit->own)->course->gain, 3);
+    text_put_rounded(reason, "; loop gain ", ((const Composite *)unit->own)->course->loop.gain, 3);
 }
 
 static int part_failed(Unit *unit, const Part *part, double step)
@@ -49,6 +49,6 @@ void composite_name_forces(const Composite *c, Text *text)
 
 int composite_advance(Unit *unit, Part *part, double step)
 {
-    part->unit->time = ((Composite *)unit->own)->course->begin;
+    part->unit->time = ((Composite *)unit->own)->course->clock.begin;
     return unit_advance(part->unit, step) ? part_failed(unit, part, step) : 0;
 }

@@ -18,18 +18,18 @@ int prescribed_step(Unit *unit)
     double step = pacing->step;
     int measured = 0, met = 0, halved = 0, held;
     while (pacing->next < pacing->count &&
-           pacing->points[pacing->next] <= course->time * (1.0 + TIME_ROUNDING)) {
+           pacing->points[pacing->next] <= course->clock.time * (1.0 + TIME_ROUNDING)) {
         pacing->next++;
     }
     if (pacing->next < pacing->count) {
-        step = smaller(step, pacing->points[pacing->next] - course->time);
+        step = smaller(step, pacing->points[pacing->next] - course->clock.time);
     }
     held = step > LONG * pacing->longest;
     for (;;) {
         double residual;
-        course->held = held;
+        course->adaptive.held = held;
         residual = iterated_attempt(unit, step, MAX_PASSES);
-        course->held = 0.0;
+        course->adaptive.held = 0.0;
         if (residual < 0.0) {
             if (contacts_ahead(unit, &step)) {
                 return 1;
@@ -40,9 +40,9 @@ int prescribed_step(Unit *unit)
             met = 1;
             continue;
         }
-        if (halved == POINT_HALVINGS || residual <= course->tolerance) {
-            course->residual = residual;
-            course->held = held;
+        if (halved == POINT_HALVINGS || residual <= course->loop.tolerance) {
+            course->loop.residual = residual;
+            course->adaptive.held = held;
             return iterated_go_on(unit, step, met);
         }
         composite_restore(c);

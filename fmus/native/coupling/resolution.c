@@ -40,7 +40,7 @@ static double left_of_vibration(Composite *c, double step)
     composite_added_masses(c, c->masses);
     memcpy(kept, carried, planes * sizeof(double));
     memcpy(carried, c->masses, planes * sizeof(double));
-    matrix = rotor_matrix(unit, c->course->top, step);
+    matrix = rotor_matrix(unit, c->course->resolution.top, step);
     memcpy(carried, kept, planes * sizeof(double));
     for (i = 0; i < n && matrix; i++) {
         for (j = 0; j < n; j++) {
@@ -128,7 +128,7 @@ static double rotor_reach(const Composite *c, double pull, double pace)
         out = larger(out, hypotenuse(start[k], start[k + 1]) +
                               hypotenuse(rate[k], rate[k + 1]) / pace);
     }
-    return pull / (c->course->mass * pace * pace) + out;
+    return pull / (c->course->resolution.mass * pace * pace) + out;
 }
 
 void resolution_begin(Unit *unit)
@@ -139,7 +139,7 @@ void resolution_begin(Unit *unit)
     Rotor *own = rotor->own;
     const int n = own->stations;
     LinearRotor loaded;
-    const double weights = capacity(c), top = course->fastest;
+    const double weights = capacity(c), top = course->drive.fastest;
     double least = NOISE * weights * top * top, unbalance = 0.0;
     int k;
     composite_added_masses(c, c->masses);
@@ -147,16 +147,16 @@ void resolution_begin(Unit *unit)
     for (k = 0; k < n; k++) {
         unbalance += hypotenuse(loaded.unbalance[2 * k], loaded.unbalance[2 * k + 1]);
     }
-    course->top = top;
-    course->mass = sum_of(loaded.mass, n * n);
-    course->pace = larger(top, smaller(slowest(c, &loaded, loaded.stiffness_x),
+    course->resolution.top = top;
+    course->resolution.mass = sum_of(loaded.mass, n * n);
+    course->resolution.pace = larger(top, smaller(slowest(c, &loaded, loaded.stiffness_x),
                                        slowest(c, &loaded, loaded.stiffness_y)));
-    course->reach = rotor_reach(c, (weights + unbalance) * top * top, course->pace);
-    course->most = BEYOND * composite_largest_force(c);
+    course->resolution.reach = rotor_reach(c, (weights + unbalance) * top * top, course->resolution.pace);
+    course->resolution.most = BEYOND * composite_largest_force(c);
     for (k = 0; k < c->exchanges; k++) {
         c->forces[k].largest = larger(least, magnitude(c->forces[k].now.value));
     }
-    least /= course->mass;
+    least /= course->resolution.mass;
     for (k = 0; k < c->planes; k++) {
         c->accelerations[k].largest = larger(least, magnitude(c->accelerations[k].now.value));
         memset(c->swung + k, 0, sizeof *c->swung);
@@ -165,35 +165,36 @@ void resolution_begin(Unit *unit)
         Swung *plane = c->swung + c->member_planes[k];
         plane->turned = larger(plane->turned, turned(c->parts[c->members[k]].unit, top));
     }
-    course->slowest = slowest_rate(c);
-    course->judged_step = course->pushed = course->grown = course->unresolved = 0.0;
-    course->error = 0.0;
+    course->resolution.slowest = slowest_rate(c);
+    course->resolution.judged_step = course->resolution.pushed = 0.0;
+    course->resolution.grown = course->resolution.unresolved = 0.0;
+    course->total.error = 0.0;
 }
 
 /* Take over another length of the steps [s]. */
 static void change_step(Composite *c, double step)
 {
     Course *course = c->course;
-    course->judged_step = step;
-    course->blind = 1.0;
-    course->kept = natural_exp(-step * course->pace / TAU);
-    if (course->gain > WEAK_LOOP ||
-        (course->pace > course->top && step * course->pace > UNFOLLOWED)) {
-        course->kept = larger(course->kept, left_of_vibration(c, step));
+    course->resolution.judged_step = step;
+    course->resolution.blind = 1.0;
+    course->resolution.kept = natural_exp(-step * course->resolution.pace / TAU);
+    if (course->loop.gain > WEAK_LOOP ||
+        (course->resolution.pace > course->resolution.top && step * course->resolution.pace > UNFOLLOWED)) {
+        course->resolution.kept = larger(course->resolution.kept, left_of_vibration(c, step));
     }
-    course->kept_turning = natural_exp(-step * course->top / TAU);
-    course->renewed = 1.0 - natural_exp(-step * course->pace);
-    course->moved = (1.0 + course->gain) * smaller(step, 1.0 / course->pace) /
-                    (course->mass * course->pace);
+    course->resolution.kept_turning = natural_exp(-step * course->resolution.top / TAU);
+    course->resolution.renewed = 1.0 - natural_exp(-step * course->resolution.pace);
+    course->resolution.moved = (1.0 + course->loop.gain) * smaller(step, 1.0 / course->resolution.pace) /
+                    (course->resolution.mass * course->resolution.pace);
 }
 
 static Text *too_long(Unit *unit)
 {
     const Composite *c = unit->own;
     Text *reason = unit_reason(unit);
-    text_put_rounded(reason, "coupling steps of ", c->course->judged_step, 3);
+    text_put_rounded(reason, "coupling steps of ", c->course->resolution.judged_step, 3);
     text_put(reason, " s are too long");
-    composite_put_time(reason, c->course->time);
+    composite_put_time(reason, c->course->clock.time);
     text_put(reason, ": ");
     return reason;
 }
@@ -223,15 +224,15 @@ static int runs_away(Unit *unit)
     Course *course = c->course;
     int grows = 0, beyond = 0, k;
     for (k = 0; k < c->exchanges; k++) {
-        beyond |= c->forces[k].largest > course->most;
+        beyond |= c->forces[k].largest > course->resolution.most;
     }
     for (k = 0; k < c->exchanges && beyond; k++) {
         const Signal *force = c->forces + k;
         grows |= magnitude(force->now.value) >
-                 larger(course->most, GROWTH * magnitude(force->last[0]));
+                 larger(course->resolution.most, GROWTH * magnitude(force->last[0]));
     }
-    course->grown = grows ? course->grown + 1.0 : 0.0;
-    if (course->grown >= RUNAWAY) {
+    course->resolution.grown = grows ? course->resolution.grown + 1.0 : 0.0;
+    if (course->resolution.grown >= RUNAWAY) {
         Text *reason = too_long(unit);
         put_name(c, 0, reason);
         text_put(reason, " is beyond all that the scene can make of it and has grown 2-fold or more "
@@ -245,8 +246,8 @@ static int runs_away(Unit *unit)
 static int count_lost(Unit *unit, int number, const Signal *signal)
 {
     Course *course = ((Composite *)unit->own)->course;
-    course->unresolved += 1.0;
-    if (course->unresolved >= PERSISTENT) {
+    course->resolution.unresolved += 1.0;
+    if (course->resolution.unresolved >= PERSISTENT) {
         Text *reason = too_long(unit);
         put_name(unit->own, number, reason);
         text_put_rounded(reason, " has ended 20 steps far from where the one before led, now by ",
@@ -263,26 +264,26 @@ static double estimate(Composite *c, double step, double times, double missed, i
     Course *course = c->course;
     double worst = 0.0;
     int k;
-    course->pushed = course->kept * course->pushed + times * missed;
+    course->resolution.pushed = course->resolution.kept * course->resolution.pushed + times * missed;
     for (k = 0; k < c->planes; k++) {
         Swung *plane = c->swung + k;
         const Signal *signal = c->accelerations + k;
-        const Complex now = complex_scaled(1.0 / course->pace, signal->now.value);
+        const Complex now = complex_scaled(1.0 / course->resolution.pace, signal->now.value);
         Complex place;
         plane->speed = complex_sum(
-            plane->speed, complex_scaled(course->renewed, complex_difference(now, plane->speed)));
-        place = complex_scaled(1.0 / course->pace, plane->speed);
+            plane->speed, complex_scaled(course->resolution.renewed, complex_difference(now, plane->speed)));
+        place = complex_scaled(1.0 / course->resolution.pace, plane->speed);
         plane->place = complex_sum(
-            plane->place, complex_scaled(course->renewed, complex_difference(place, plane->place)));
-        course->reach = larger(course->reach, magnitude(plane->place));
-        plane->swung = course->kept_turning * plane->swung + times * signal->prediction_error;
+            plane->place, complex_scaled(course->resolution.renewed, complex_difference(place, plane->place)));
+        course->resolution.reach = larger(course->resolution.reach, magnitude(plane->place));
+        plane->swung = course->resolution.kept_turning * plane->swung + times * signal->prediction_error;
         if (plane->swung * plane->turned * step > worst) {
             worst = plane->swung * plane->turned * step;
             *cause = c->exchanges + k;
         }
     }
-    if (course->pushed * course->moved > worst * course->reach) {
-        worst = course->pushed * course->moved / course->reach;
+    if (course->resolution.pushed * course->resolution.moved > worst * course->resolution.reach) {
+        worst = course->resolution.pushed * course->resolution.moved / course->resolution.reach;
         *cause = 0;
     }
     return worst;
@@ -298,7 +299,7 @@ int resolution_check(Unit *unit, double step)
     const double share = c->orders == QUINTIC_ORDERS ? quintic : cubic;
     double missed = 0.0, times, worst;
     int k, cause = 0, lost = -1;
-    if (step != course->judged_step) {
+    if (step != course->resolution.judged_step) {
         change_step(c, step);
     }
     for (k = 0; k < c->exchanges + c->planes; k++) {
@@ -310,11 +311,11 @@ int resolution_check(Unit *unit, double step)
         }
     }
     /* a first step has no past to be judged by: the second one's miss is its miss too */
-    times = (course->blind > 0.0 ? 2.0 : 1.0) / share;
-    course->blind = missed == 0.0;
+    times = (course->resolution.blind > 0.0 ? 2.0 : 1.0) / share;
+    course->resolution.blind = missed == 0.0;
     worst = estimate(c, step, times, missed, &cause);
-    if (worst > course->error) {
-        course->error = worst;
+    if (worst > course->total.error) {
+        course->total.error = worst;
         if (worst >= REFUSED) {
             Text *reason = too_long(unit);
             text_put(reason, "what the cubics miss of ");
@@ -324,7 +325,7 @@ int resolution_check(Unit *unit, double step)
             return advise_shorter(reason);
         }
         if (worst >= SAID) {
-            unit_warn_once(unit, TOO_LONG, course->time,
+            unit_warn_once(unit, TOO_LONG, course->clock.time,
                            "steps too long for signals that vary faster: coupling.error says by how "
                            "much of itself the motion errs; use more coupling.steps_per_rev, or a "
                            "tolerance");

@@ -57,13 +57,13 @@ static void show_facts(KeptRun *run)
     const Composite *c = run->unit->own;
     const Course *course = c->course;
     Run *shown = &run->shown;
-    shown->time = course->time;
-    shown->steps = course->steps;
-    shown->passes = course->passes;
-    shown->unconverged = course->unconverged;
-    shown->worst_residual = course->worst_left;
-    shown->estimated_error = course->allowed > 0.0 ? 0.0 : course->error;
-    shown->unresolved = course->unresolved;
+    shown->time = course->clock.time;
+    shown->steps = course->total.steps;
+    shown->passes = course->total.passes;
+    shown->unconverged = course->total.unconverged;
+    shown->worst_residual = course->total.worst_left;
+    shown->estimated_error = course->adaptive.allowed > 0.0 ? 0.0 : course->total.error;
+    shown->unresolved = course->resolution.unresolved;
     shown->loop_failed = c->loop_failed;
 }
 
@@ -100,7 +100,7 @@ int autobalancer_run_start(Run *shown, const Steps *steps)
 
 static void stand(Unit *unit, double time)
 {
-    unit->time = ((Composite *)unit->own)->course->time = time;
+    unit->time = ((Composite *)unit->own)->course->clock.time = time;
     unit->stale = OBSERVED;
 }
 
@@ -109,17 +109,17 @@ static double go_on(Unit *unit, Stretch *stretch)
 {
     const Composite *c = unit->own;
     const double given = stretch->step;
-    if (composite_run_step(unit, given > 0.0 ? given : stretch->end - c->course->time)) {
+    if (composite_run_step(unit, given > 0.0 ? given : stretch->end - c->course->clock.time)) {
         return -1.0;
     }
     stretch->done++;
     /* a product instead of a sum: rounding must not move the communication points */
-    return given > 0.0 ? stretch->begin + (double)stretch->done * given : c->course->time;
+    return given > 0.0 ? stretch->begin + (double)stretch->done * given : c->course->clock.time;
 }
 
 static int is_over(const Unit *unit, const Stretch *stretch)
 {
-    const double time = ((const Composite *)unit->own)->course->time;
+    const double time = ((const Composite *)unit->own)->course->clock.time;
     if (stretch->step > 0.0) {
         return stretch->done >= stretch->count;
     }

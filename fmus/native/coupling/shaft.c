@@ -54,10 +54,10 @@ static Knot answer(const Composite *c)
     const Unit *motor = c->motor->unit;
     const double *out = motor->real + motor->layout.computed.first;
     Knot knot;
-    knot.value = complex_of(c->course->spin_scale * out[RATE], 0.0);
-    knot.slope = complex_of(c->course->spin_scale * out[RATE_SLOPE], 0.0);
+    knot.value = complex_of(c->course->shaft.spin_scale * out[RATE], 0.0);
+    knot.slope = complex_of(c->course->shaft.spin_scale * out[RATE_SLOPE], 0.0);
     knot.second = complex_of(0.0, 0.0);
-    c->course->speed_reached = out[SPEED_REACHED];
+    c->course->shaft.speed_reached = out[SPEED_REACHED];
     return knot;
 }
 
@@ -65,12 +65,12 @@ int shaft_begin(Unit *unit)
 {
     static const Complex still[SIGNAL_ORDERS] = {{0.0, 0.0}};
     Composite *c = unit->own;
-    c->course->spin_scale = scale_of(c);
+    c->course->shaft.spin_scale = scale_of(c);
     if (c->motor->unit->equations->outputs(c->motor->unit)) {
         return composite_part_failed(unit, c->motor);
     }
     answer(c);
-    c->course->speed = c->course->speed_reached;
+    c->course->drive.speed = c->course->shaft.speed_reached;
     shaft_tell(unit, still, 0.0);
     return 0;
 }
@@ -78,7 +78,7 @@ int shaft_begin(Unit *unit)
 void shaft_tell(Unit *unit, const Complex *spin, double step)
 {
     const Composite *c = unit->own;
-    const double scale = c->course->spin_scale;
+    const double scale = c->course->shaft.spin_scale;
     const double rates[SIGNAL_ORDERS] = {spin[0].re / scale, spin[1].re / scale, spin[2].re / scale,
                                          spin[3].re / scale};
     const double mean =
@@ -89,7 +89,7 @@ void shaft_tell(Unit *unit, const Complex *spin, double step)
         if (c->parts[k].drive < 0) {
             continue;
         }
-        drive[0] = c->course->speed;
+        drive[0] = c->course->drive.speed;
         memcpy(drive + SPIN_UP, rates, sizeof rates);
         if (meets(c->parts[k].unit)) {
             memset(drive + SPIN_UP, 0, sizeof rates);
@@ -104,9 +104,9 @@ int shaft_answer(Unit *unit, Knot *spin)
     Course *course = c->course;
     Unit *motor = c->motor->unit;
     double *input = motor->real + motor->layout.inputs.first;
-    read_torque(c, course->torque);
-    memcpy(course->torque_reached, course->torque, sizeof course->torque);
-    memcpy(input, course->torque, sizeof course->torque);
+    read_torque(c, course->shaft.torque);
+    memcpy(course->shaft.torque_reached, course->shaft.torque, sizeof course->shaft.torque);
+    memcpy(input, course->shaft.torque, sizeof course->shaft.torque);
     input[2] = input[3] = 0.0;
     if (motor->equations->outputs(motor)) {
         return composite_part_failed(unit, c->motor);
@@ -124,7 +124,8 @@ static int advance_motor(Unit *unit, double step)
     Motor *motor = c->motor->unit->own;
     int wrong;
     if (step > brief_length(unit)) {
-        motor->negligible = course->tolerance * course->largest / course->spin_scale * motor->inertia;
+        motor->negligible = course->loop.tolerance * course->loop.largest /
+                            course->shaft.spin_scale * motor->inertia;
     }
     wrong = composite_advance(unit, c->motor, step);
     motor->negligible = infinity();
@@ -139,11 +140,11 @@ int shaft_pass(Unit *unit, double step, Knot *spin)
     Complex cubic[SIGNAL_ORDERS];
     Knot begin, end;
     int k;
-    read_torque(c, course->torque_reached);
-    begin.value = complex_of(course->torque[0], 0.0);
-    begin.slope = complex_of(course->torque[1], 0.0);
-    end.value = complex_of(course->torque_reached[0], 0.0);
-    end.slope = complex_of(course->torque_reached[1], 0.0);
+    read_torque(c, course->shaft.torque_reached);
+    begin.value = complex_of(course->shaft.torque[0], 0.0);
+    begin.slope = complex_of(course->shaft.torque[1], 0.0);
+    end.value = complex_of(course->shaft.torque_reached[0], 0.0);
+    end.slope = complex_of(course->shaft.torque_reached[1], 0.0);
     begin.second = end.second = complex_of(0.0, 0.0);
     knot_hermite(&begin, &end, SIGNAL_ORDERS, step, cubic);
     for (k = 0; k < SIGNAL_ORDERS; k++) {
@@ -158,8 +159,8 @@ int shaft_pass(Unit *unit, double step, Knot *spin)
 
 void shaft_accept(Composite *c)
 {
-    memcpy(c->course->torque, c->course->torque_reached, sizeof c->course->torque);
-    c->course->speed = c->course->speed_reached;
+    memcpy(c->course->shaft.torque, c->course->shaft.torque_reached, sizeof c->course->shaft.torque);
+    c->course->drive.speed = c->course->shaft.speed_reached;
 }
 
 double shaft_speed(const Composite *c)
@@ -171,7 +172,7 @@ double shaft_speed(const Composite *c)
 Knot shaft_stand(Composite *c)
 {
     const Knot spin = answer(c);
-    read_torque(c, c->course->torque_reached);
+    read_torque(c, c->course->shaft.torque_reached);
     shaft_accept(c);
     return spin;
 }

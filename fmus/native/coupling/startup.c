@@ -47,9 +47,10 @@ static int fewest_halvings(const Composite *c)
 
 static void divide(const Composite *c, Course *course)
 {
-    course->piece = course->halvings = 0.0;
-    if (course->no_past > 0.0 && c->unknowns) {
-        course->halvings = halvings(c, course->whole, compensates(c) ? fewest_halvings(c) : 0);
+    course->division.piece = course->division.halvings = 0.0;
+    if (course->division.no_past > 0.0 && c->unknowns) {
+        course->division.halvings =
+            halvings(c, course->division.whole, compensates(c) ? fewest_halvings(c) : 0);
     }
 }
 
@@ -58,58 +59,59 @@ double startup_length(Unit *unit)
     const Composite *c = unit->own;
     Course *course = c->course;
     int parts;
-    if (course->changed > 0.0) {
+    if (course->clock.changed > 0.0) {
         const double step = communication(unit);
-        course->changed = 0.0;
-        course->crossing = compensates(c) ? JUMP_PARTS : 1;
-        course->negligible = smaller(KINK * step, brief_length(unit)) / course->crossing;
-        course->whole = step - course->crossing * course->negligible;
-        course->ends = course->time + step;
+        course->clock.changed = 0.0;
+        course->division.crossing = compensates(c) ? JUMP_PARTS : 1;
+        course->division.negligible = smaller(KINK * step, brief_length(unit)) / course->division.crossing;
+        course->division.whole = step - course->division.crossing * course->division.negligible;
+        course->division.ends = course->clock.time + step;
     }
-    if (course->crossing > 0.0) {
-        return course->negligible;
+    if (course->division.crossing > 0.0) {
+        return course->division.negligible;
     }
-    if (course->whole == 0.0) {
-        course->whole = communication(unit);
-        course->ends = course->time + course->whole;
-        course->first_step = course->no_past;
+    if (course->division.whole == 0.0) {
+        course->division.whole = communication(unit);
+        course->division.ends = course->clock.time + course->division.whole;
+        course->division.first_step = course->division.no_past;
         divide(c, course);
     }
-    parts = (int)course->halvings - (course->piece > 0.0 ? (int)course->piece - 1 : 0);
-    return scaled_by_power(course->whole, -parts);
+    parts = (int)course->division.halvings -
+            (course->division.piece > 0.0 ? (int)course->division.piece - 1 : 0);
+    return scaled_by_power(course->division.whole, -parts);
 }
 
 int startup_taken(Unit *unit, int struck)
 {
     Composite *c = unit->own;
     Course *course = c->course;
-    const double whole = course->whole;
-    if (course->striking > 0.0) {
+    const double whole = course->division.whole;
+    if (course->event.striking > 0.0) {
         return 0;
     }
-    if (struck && course->allowed == 0.0) { /* what is left of the communication step */
-        const double left = course->ends - course->time;
-        course->whole = left > TIME_ROUNDING * communication_length(unit) ? left : 0.0;
-        course->first_step = 1.0;
+    if (struck && course->adaptive.allowed == 0.0) { /* what is left of the communication step */
+        const double left = course->division.ends - course->clock.time;
+        course->division.whole = left > TIME_ROUNDING * communication_length(unit) ? left : 0.0;
+        course->division.first_step = 1.0;
         divide(c, course);
     }
     if (struck) {
         return 0;
     }
-    if (course->crossing > 0.0) {
-        course->crossing -= 1.0;
+    if (course->division.crossing > 0.0) {
+        course->division.crossing -= 1.0;
         composite_drop_past(c);
-        course->piece = course->halvings = course->first_step = 0.0;
-        if (course->crossing == 0.0 && compensates(c)) {
-            course->halvings = halvings(c, whole, fewest_halvings(c));
+        course->division.piece = course->division.halvings = course->division.first_step = 0.0;
+        if (course->division.crossing == 0.0 && compensates(c)) {
+            course->division.halvings = halvings(c, whole, fewest_halvings(c));
         }
         return 0;
     }
-    course->piece += 1.0;
-    if (course->piece <= course->halvings) {
+    course->division.piece += 1.0;
+    if (course->division.piece <= course->division.halvings) {
         return 0;
     }
-    course->whole = 0.0;
-    return course->first_step > 0.0 && course->halvings > 0.0 && !compensates(c) &&
+    course->division.whole = 0.0;
+    return course->division.first_step > 0.0 && course->division.halvings > 0.0 && !compensates(c) &&
            iterated_after_start(unit, whole);
 }

@@ -6,13 +6,13 @@
 int iterated_go_on(Unit *unit, double step, int met)
 {
     Course *course = ((Composite *)unit->own)->course;
-    course->length = step;
+    course->clock.length = step;
     if (iterated_accept(unit, step)) {
         return 1;
     }
     if (met) {
         contacts_begin(unit);
-        course->worst = course->residual;
+        course->event.worst = course->loop.residual;
     }
     return 0;
 }
@@ -22,12 +22,13 @@ int iterated_step(Unit *unit, double step)
     Composite *c = unit->own;
     Course *course = c->course;
     /* a first step has no past to be predicted from and would cost an order */
-    const int all = course->corrections < 0.0 || (course->no_past > 0.0 && course->corrections > 0.0);
-    const int passes = all ? MAX_PASSES : (int)course->corrections + 1;
+    const int all = course->loop.corrections < 0.0 ||
+                    (course->division.no_past > 0.0 && course->loop.corrections > 0.0);
+    const int passes = all ? MAX_PASSES : (int)course->loop.corrections + 1;
     int met = 0;
     for (;;) {
-        course->residual = iterated_attempt(unit, step, passes);
-        if (course->residual >= 0.0) {
+        course->loop.residual = iterated_attempt(unit, step, passes);
+        if (course->loop.residual >= 0.0) {
             break;
         }
         if (contacts_ahead(unit, &step)) {
@@ -47,7 +48,7 @@ int iterated_cross(Unit *unit, double step)
     while (iterated_attempt(unit, step, MAX_PASSES) < 0.0) {
         int struck;
         composite_restore(c);
-        if (c->course->ahead < 0.0 || impacts_strike(unit, 2.0 * step, &struck) || !struck) {
+        if (c->course->loop.ahead < 0.0 || impacts_strike(unit, 2.0 * step, &struck) || !struck) {
             return 1;
         }
     }

@@ -110,7 +110,7 @@ void composite_read_forces(const Composite *c, Knot *answers)
 static int ended_early(Composite *c, const Part *part, double step)
 {
     if (part->unit->made < step) {
-        c->course->ahead = part->unit->made;
+        c->course->loop.ahead = part->unit->made;
         return 1;
     }
     return 0;
@@ -119,7 +119,7 @@ static int ended_early(Composite *c, const Part *part, double step)
 int composite_rotor_pass(Unit *unit, const Complex *forces, double step)
 {
     Composite *c = unit->own;
-    c->course->passes += 1.0;
+    c->course->total.passes += 1.0;
     if (c->motor) {
         shaft_tell(unit, forces + c->orders * c->exchanges, step);
     }
@@ -207,17 +207,22 @@ int composite_move(Unit *unit, double step)
     return 0;
 }
 
+double composite_speed(const Composite *c, double time)
+{
+    const DriveSignal *drive = &c->course->drive;
+    return drive->speed + (time - drive->told) * drive->acceleration;
+}
+
 void composite_drive(Unit *unit, double time)
 {
     const Composite *c = unit->own;
-    const Course *course = c->course;
     int k;
     for (k = 0; k < c->part_count && !c->motor; k++) { /* which has a shaft of its own */
         const Part *part = c->parts + k;
         if (part->drive >= 0) {
             double *drive = part->unit->real + part->drive;
-            drive[0] = course->speed + (time - course->told) * course->acceleration;
-            drive[1] = course->acceleration;
+            drive[0] = composite_speed(c, time);
+            drive[1] = c->course->drive.acceleration;
         }
     }
 }
@@ -237,7 +242,7 @@ int composite_accept(Unit *unit, const Knot *accelerations, const Knot *forces, 
             Text *reason = unit_reason(unit);
             name_force(c, k, reason);
             text_put(reason, " is not finite");
-            composite_put_time(reason, c->course->time + step);
+            composite_put_time(reason, c->course->clock.time + step);
             text_put(reason, ": the coupling diverged; use smaller steps");
             return 1;
         }
@@ -246,7 +251,7 @@ int composite_accept(Unit *unit, const Knot *accelerations, const Knot *forces, 
     if (c->motor) {
         shaft_accept(c);
     }
-    c->course->no_past = 0.0;
+    c->course->division.no_past = 0.0;
     return 0;
 }
 
@@ -265,5 +270,5 @@ void composite_drop_past(Composite *c)
     for (k = 0; k < c->unknowns; k++) {
         forget(c->forces + k);
     }
-    c->course->no_past = 1.0;
+    c->course->division.no_past = 1.0;
 }

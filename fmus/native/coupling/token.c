@@ -6,9 +6,9 @@
        part=balls,1,s,BallBalancer/...;own=1:4044000000000000;id=<digest>-<stamp>
 
    A part: name, plane of the rotor from 1, s where it exchanges force and v where it is told its plane's
-   place, token.  The rotor is the first part and a motor the last; both have plane 0 and no letters.  `start` and `flags` are of the part before them: value
-   references and the bits of what they start from; Booleans that are true.  `own` are the start
-   values of the composite's own variables; the digest is of the layout and all before it. */
+   place, token.  The rotor is the first part and a motor the last; both have plane 0 and no letters.
+   `start` and `flags` are of the part before them: value references and the bits of what they start
+   from; Booleans that are true.  `own` are the start values of the composite's own variables; the digest is of the layout and all before it. */
 #include <string.h>
 
 #include "coupling/composite.h"
