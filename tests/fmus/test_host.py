@@ -149,33 +149,3 @@ print("alive")
 def test_unpacked_folder_may_vanish_while_the_unit_runs(unit, tmp_path):
     done = run(VANISHED, build(unit, tmp_path, backend="python"), 1)
     assert (done.returncode, done.stdout) == (0, "alive\n"), done.stderr
-
-
-ENDING = (
-    HOST
-    + """
-import atexit, ctypes, os
-calls = []
-class Recorded(ctypes.CDLL):
-    def __init__(self, name, *args, **more):
-        super().__init__(name, *args, **more)
-        calls.append(name)
-atexit.register(lambda: print(sorted(os.path.relpath(c, folders[0]) for c in calls)))
-slave.instantiate()
-start()
-free()
-other = FMU2Slave(guid=description.guid, unzipDirectory=fmpy.extract(path),
-                  modelIdentifier=description.coSimulation.modelIdentifier, instanceName="other")
-other.instantiate()
-other.freeInstance()
-folders = [slave.unzipDirectory, other.unzipDirectory]
-ctypes.CDLL = Recorded
-"""
-)
-
-
-@pytest.mark.skipif(sys.platform != "linux", reason="the library's destructor is Linux only")
-def test_library_still_loaded_at_the_end_of_the_host_is_settled_and_no_other(tmp_path):
-    done = run(ENDING, build("LiquidBalancer", tmp_path, backend="python"), 1)
-    assert done.returncode == 0, done.stderr
-    assert done.stdout == "['binaries/linux64/LiquidBalancer.so']\n"

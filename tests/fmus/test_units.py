@@ -39,24 +39,6 @@ def balls_of(probe):
     return partial(probe, "BallBalancer")
 
 
-@pytest.mark.parametrize("speed", [150.0, 200.0, 260.0])
-def test_rotor_settles_on_dubovik_bending(speed, rotor_of):
-    """Dubovik 2006 (6), with the liquid's mass at the added-mass port."""
-    unit = rotor_of({**DISC, "speed": speed, "plane[1].added_mass": 0.5})
-    for k in range(4000):
-        assert unit.do_step(k * 1e-3, 1e-3)
-    mass, chi = 2.5, 40.0
-    stiffness = 8e4 - mass * speed**2
-    bending = DISC["unbalance"] * speed**2 / math.hypot(stiffness, chi * speed)
-    phase = math.atan2(-chi * speed, stiffness)
-    x, y, angle, largest = unit.look("x", "y", "angle", "bending")
-    assert largest == pytest.approx(bending, rel=1e-10)
-    turned = complex(x, y) * np.exp(-1j * angle)
-    assert turned == pytest.approx(bending * np.exp(1j * phase), rel=1e-8)
-    a = complex(*unit.look("plane[1].a_xi", "plane[1].a_eta"))
-    assert a == pytest.approx(-(speed**2) * turned, rel=1e-8)
-
-
 def slope_error(unit, names, h=1e-4):
     """Largest relative difference of der(output) and the output's central difference."""
     state = unit.saved()
@@ -166,18 +148,6 @@ def test_liquid_leaves_by_the_port_or_in_the_force_but_not_by_both(probe):
         assert unit.look("liquid_mass")[0] == pytest.approx(mass)
 
 
-def test_liquid_warns_once_with_the_time_when_the_float_touches(probe):
-    unit = probe("LiquidBalancer", frame="rotor")
-    unit.put("x", 0.006, 0.008)
-    assert unit.look("clearance")[0] == pytest.approx(0.0, abs=1e-12)
-    unit.put("x", 0.009, 0.012)
-    for k in range(3):
-        assert unit.do_step(0.5 + k, 1.0)
-    assert unit.look("clearance")[0] == pytest.approx(-0.005)
-    assert len(unit.log_queue) == 1
-    assert "0.015 m exceeds the gap 0.01 m" in unit.log_queue[0].msg
-
-
 def test_several_planes_of_the_disc_add_up(rotor_of):
     one = rotor_of({**DISC, "plane[1].added_mass": 0.5})
     two = rotor_of({**DISC, "plane[1].added_mass": 0.2, "plane[2].added_mass": 0.3}, planes=2)
@@ -276,21 +246,6 @@ def test_state_of_another_size_is_refused(balls_of):
     for data in (b"\xff\x00", b"[1, 2]", b'{"real": []}'):
         with pytest.raises(RuntimeError, match="belongs to"):
             balls_of().restore(data)
-
-
-@pytest.mark.parametrize("unit", PERTURBED)
-def test_two_instances_do_not_disturb_each_other(fmu, unit, host_of, backend):
-    path = fmu(unit, backend=backend)
-    alone = host_of(path).start(**PERTURBED[unit])
-    expected = alone.run(30)
-    first, second = host_of(path).start(**PERTURBED[unit]), host_of(path).start()
-    for k in range(30):
-        first.slave.doStep(k * 1e-3, 1e-3)
-        second.slave.doStep(k * 1e-3, 1e-3)
-    assert first.outputs() == expected
-    assert second.outputs() != expected
-    for host in (alone, first, second):
-        host.free()
 
 
 @pytest.mark.parametrize("unit", PERTURBED)

@@ -1,4 +1,4 @@
-"""Mangled scenes, assignments, command lines, interrupts, FMUs: done or refused in words.
+"""Mangled scenes, assignments, command lines, interrupts: done or refused in words.
 
     python -m tests.fuzz KIND COUNT [FIRST]
 
@@ -25,7 +25,7 @@ os.environ["DASK_DISTRIBUTED__COMM__TIMEOUTS__CONNECT"] = "3s"  # where no clust
 from autobalancer.harness.master.plan import plan
 from autobalancer.harness.master.unit_files import find_or_build
 from autobalancer.harness.scene import bundled_scenes, load_scene
-from tests.fuzz import lines, scenes, units
+from tests.fuzz import lines, scenes
 from tests.fuzz.judge import Wrong, refuse_wrong
 
 LOADED = [  # by some command or other, which would otherwise load it anew each time
@@ -80,22 +80,11 @@ def an_interrupt(draw: random.Random, folder: Path) -> int:
     return refuse_wrong(lines.line(draw), folder, draw)
 
 
-def an_fmu(draw: random.Random, folder: Path) -> int:
-    name = draw.choice(units.SCENES)
-    fmus = units.of_scene(name)
-    wrong = draw.choice(list(fmus))
-    (folder / "given").mkdir()
-    for one, data in fmus.items():
-        (folder / "given" / one).write_bytes(units.damaged(draw, data) if one == wrong else data)
-    return refuse_wrong(["run", name, *SHORT, "--fmus", "given", *BRIEF], folder)
-
-
 KINDS: dict[str, Callable[[random.Random, Path], int]] = {
     "scenes": a_scene,
     "assignments": an_assignment,
     "lines": a_command_line,
     "interrupts": an_interrupt,
-    "fmus": an_fmu,
 }
 
 

@@ -138,25 +138,6 @@ def test_one_weight_balances_one_unbalance_only():
         fan_angles(weights, 0.05, 0.006)
 
 
-def test_balancing_positions_form_a_family_of_n_minus_2_parameters():
-    weights, unbalance = Weights(4, 0.02, 0.3), 0.006 * (0.9 + 0.4j)
-    found = []
-    for free in ([0.3, 2.5], [0.4, 2.5], [0.3, 2.6]):
-        angles = completed_angles(weights, 0.02, unbalance, free)
-        assert angles[:2] == free
-        moment = 0.006 * sum(cmath.exp(1j * x) for x in angles)
-        assert moment == pytest.approx(-unbalance, abs=1e-15)
-        found.append(angles)
-    motion = np.array(
-        [[x - y for x, y in zip(other, found[0], strict=True)] for other in found[1:]]
-    )
-    assert np.linalg.matrix_rank(motion, tol=1e-3) == 2
-    with pytest.raises(ValueError, match="overlap"):
-        completed_angles(weights, 0.02, unbalance, [3.0, 3.01])
-    with pytest.raises(ValueError, match="carry"):
-        completed_angles(weights, 0.02, unbalance, [0.4, 0.8])
-
-
 def test_impossible_sizes_are_refused():
     with pytest.raises(ValueError, match="track radius"):
         half_angle(0.4, 0.3)

@@ -9,7 +9,6 @@ from autobalancer.models.harmonic_balance import unbalance_response
 from autobalancer.models.linear.modes import modes
 from autobalancer.models.papers.influence import influence
 from autobalancer.models.rotor import LinearRotor
-from autobalancer.models.rotor_kinds import line_rows
 from autobalancer.models.shaft import beam_compliance, bending_rows
 
 STATIONS = (0.0, 0.3, 0.5, 0.9, 1.0, 1.25)
@@ -136,39 +135,6 @@ def test_internal_damping_leaves_rigid_motion_alone():
     damping = flexible(internal_damping=12.0).internal_damping
     for motion in (np.ones(6), np.array(STATIONS)):
         np.testing.assert_allclose(damping @ motion, 0.0, atol=1e-9 * np.abs(damping).max())
-
-
-def rigid_twin():
-    """The rigid body with the shaft's mass, inertia and centre, seen from the same supports."""
-    z, m = np.array(STATIONS) - STATIONS[1], np.array(SHAFT["masses"])
-    com = (m * z).sum() / m.sum()
-    return LinearRotor.two_support(
-        mass=m.sum(),
-        inertia=(m * (z - com) ** 2).sum(),
-        span=STATIONS[4] - STATIONS[1],
-        com=com,
-        stiffness=SHAFT["support_stiffness"],
-        damping=SHAFT["support_damping"],
-        planes=z,
-    )
-
-
-def test_stiff_shaft_has_the_modes_of_the_rigid_rotor():
-    stiff, rigid = modes(flexible(bending_stiffness=1e11), 100.0), modes(rigid_twin(), 100.0)
-    np.testing.assert_allclose(stiff.eigenvalues[:4], rigid.eigenvalues, rtol=1e-6)
-    to_discs = line_rows(np.array(STATIONS) - STATIONS[1], STATIONS[4] - STATIONS[1])
-    for shape, expected in zip(stiff.shapes, rigid.shapes @ to_discs.T, strict=False):
-        a, b = shape.ravel(), expected.ravel()
-        assurance = abs(a.conj() @ b) ** 2 / (abs(a.conj() @ a) * abs(b.conj() @ b))
-        assert assurance == pytest.approx(1.0, abs=1e-9)
-
-
-def test_stiff_shaft_answers_unbalance_as_the_rigid_rotor():
-    stiff, rigid = flexible(bending_stiffness=1e11), rigid_twin()
-    for speed in (50.0, 200.0, 900.0):
-        np.testing.assert_allclose(
-            influence(stiff, speed)[:, [1, 4]], influence(rigid, speed), rtol=1e-4
-        )
 
 
 def test_compliance_given_as_numbers_is_the_same_shaft():

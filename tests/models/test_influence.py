@@ -71,34 +71,6 @@ def test_planes_can_be_asked_for_by_position():
     )
 
 
-def test_coefficients_are_the_vibration_after_the_transient():
-    """Fixed-step integration of the equations of motion, gyroscopic and anisotropic."""
-    rotor, speed = machine(polar_inertia=0.3, damping=np.multiply(DAMPING, 20)), 260.0
-    mass, damping, stiffness = rotor.coefficients(speed)
-    pull = speed**2 * rotor.planes[1]
-    inverse = np.linalg.inv(mass)
-
-    def slope(t, state):
-        force = np.concatenate([pull * np.cos(speed * t), pull * np.sin(speed * t)])
-        q, v = state
-        return np.array([v, inverse @ (force - damping @ v - stiffness @ q)])
-
-    steps_per_turn, turns = 400, 60
-    h = 2 * np.pi / speed / steps_per_turn
-    state, last = np.zeros((2, 4)), []
-    for i in range(steps_per_turn * turns):
-        t = i * h
-        a = slope(t, state)
-        b = slope(t + h / 2, state + h / 2 * a)
-        c = slope(t + h / 2, state + h / 2 * b)
-        d = slope(t + h, state + h * c)
-        state = state + h / 6 * (a + 2 * b + 2 * c + d)
-        if i >= steps_per_turn * (turns - 1):
-            last.append(state[0] * np.exp(-1j * speed * (t + h)))
-    phasor = 2.0 * np.mean(last, axis=0).reshape(2, 2)
-    np.testing.assert_allclose(phasor, influence(rotor, speed)[:, :, 1], rtol=1e-6)
-
-
 def test_isotropic_rotor_whirls_in_circles():
     alike = {"stiffness": ((2e5, 2e5), (3e5, 3e5)), "damping": ((9.0, 9.0), (5.0, 5.0))}
     nearly = {**alike, "stiffness": ((2e5, 2e5), (3e5, 3e5 * (1 + 1e-13)))}

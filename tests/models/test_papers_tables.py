@@ -52,6 +52,7 @@ def test_rows_keep_the_scale_of_the_scene():
 @pytest.mark.parametrize(("table", "number"), [(1, 4), (2, 8)])
 def test_a_row_holds_paper_floquet_and_cosimulation(table, number):
     rows = rows_of(table, number)
+    assert all(row.quantity.startswith(f"Table {table} row {number} ") for row in rows)
     assert all(row.holds for row in rows), [r for r in rows if not r.holds]
     printed = [r for r in rows if "in the paper's interval" in r.quantity]
     measured = [r for r in rows if "critical speed" in r.quantity]

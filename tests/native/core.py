@@ -72,38 +72,6 @@ LinearRotor = _struct(
     gravity=c_double * 2,
     sliders=c_int,
 )
-Planar = _struct(
-    "Planar",
-    mass=c_double,
-    stiffness=c_double * 2,
-    damping=c_double * 2,
-    internal_damping=c_double,
-    unbalance=c_double,
-    unbalance_angle=c_double,
-)
-TwoSupport = _struct(
-    "TwoSupport",
-    **dict.fromkeys(["mass", "inertia", "polar_inertia", "span", "com"], c_double),
-    stiffness=c_double * 4,
-    damping=c_double * 4,
-    planes=_D,
-    unbalance_count=c_int,
-    unbalances=_D,
-)
-Flexible = _struct(
-    "Flexible",
-    stations=_D,
-    masses=_D,
-    supports=c_int * 2,
-    support_stiffness=c_double * 4,
-    support_damping=c_double * 4,
-    bending_stiffness=c_double,
-    compliance=_D,
-    internal_damping=c_double,
-    unbalance_count=c_int,
-    unbalances=_D,
-    ports=POINTER(c_int),
-)
 VariableSpeedStep = _struct(
     "VariableSpeedStep",
     **dict.fromkeys(["turning_force", "axes", "parts", "dof", "plane_count"], c_int),
@@ -118,7 +86,6 @@ Weights = _struct(
     **dict.fromkeys(["mass", "track_radius", "drag", "kappa", "radius"], c_double),
 )
 Quadrature = _struct("Quadrature", damping_rate=c_double, step=c_double, response=c_double * 10)
-Liquid = _struct("Liquid", "chamber_radius float_radius height density")
 Track = _struct(
     "Track",
     weights=Weights,
@@ -137,8 +104,8 @@ Moved = _struct(
 Instant = _struct("Instant", acceleration=Complex, slope=Complex, rotor_speed=c_double)
 
 STRUCTURES = (
-    Complex, Failure, LinearRotor, Planar, TwoSupport, Flexible, VariableSpeedStep, Doublings,
-    Weights, Quadrature, Liquid, Track, Moved, Instant,
+    Complex, Failure, LinearRotor, VariableSpeedStep, Doublings, Weights, Quadrature, Track, Moved,
+    Instant,
 )  # fmt: skip
 
 _RETURNS = {
@@ -215,17 +182,8 @@ class Core:
         call.argtypes = [c_double] * (1 + len(others))
         return np.array([call(*values) for values in zip(x, *others, strict=True)])
 
-    def rotor(self, kind: str, n: int, p: int, values: Any) -> Any:
-        """A rotor of a kind from its parameters (a structure)."""
-        memory = np.zeros(self("linear_rotor_size", n, p))
-        rotor = self("linear_rotor_in", memory, n, p)
-        rotor.memory = memory  # type: ignore[attr-defined]
-        scratch = [np.zeros(self("linear_rotor_flexible_scratch", n))] * (kind == "flexible")
-        self.demand(f"linear_rotor_{kind}", byref(values), byref(rotor), *scratch)
-        return rotor
-
     def rotor_of(self, rotor: Any) -> Any:
-        """The rotor of a `models.rotor.LinearRotor`, whatever its kind."""
+        """The rotor of a `models.rotor.LinearRotor`."""
         n, p = rotor.stations, rotor.plane_count
         memory = np.zeros(self("linear_rotor_size", n, p))
         made = self("linear_rotor_in", memory, n, p)
@@ -254,7 +212,7 @@ class Core:
         order: int = 3,
         kept: Any = None,
     ) -> NDArray:
-        """As `models.propagator.step_matrix`, of a rotor made by `rotor` or `rotor_of`."""
+        """As `models.propagator.step_matrix`, of a rotor made by `rotor_of`."""
         axes = 1 if self("linear_rotor_isotropic", byref(rotor)) else 2
         orders = order + 1
         sizes = rotor.stations, rotor.plane_count, orders, axes

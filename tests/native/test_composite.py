@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import zipfile
 
 import fmpy
 import numpy as np
@@ -155,13 +154,6 @@ def test_fmpy_finds_nothing_wrong_and_simulates_it(tmp_path, fmi, order):
     error = rows["rotor.x"] - CubicSpline(expected.time, expected["rotor.x"])(rows["time"])
     assert len(rows) == 75
     assert np.abs(error).max() < 1e-4 * np.ptp(expected["rotor.x"])
-
-
-def test_its_documentation_shows_tables_as_tables(tmp_path):
-    path = build_one_file(load_scene("two_balls"), tmp_path / "one.fmu", 2, [platform_tuple])
-    page = zipfile.ZipFile(path).read("documentation/index.html").decode()
-    assert "<td><code>coupling.tolerance</code></td>" in page
-    assert "|--" not in page
 
 
 def test_parameters_and_speed_are_those_that_are_set(hosted):

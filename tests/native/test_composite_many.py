@@ -199,12 +199,3 @@ def test_a_run_up_is_read_where_its_own_steps_end():
     there, _ = BatchRuns(made, [], asked, 1)(np.empty((len(some), 0)), some[:, 0].copy())
     difference = np.abs(there[:, -1] - some[:, 1:]).max(axis=0)
     assert (difference < 1e-9 * np.ptp(own[:, 1:], axis=0)).all()
-
-
-def test_a_run_that_is_read_where_its_steps_end_says_why_it_failed():
-    scene = load_scene("two_balls").replace({"run.revolutions": 2})
-    runs = BatchRuns(composition(scene), ["weights.mass"], ["rotor.x"], 200, own_steps=True)
-    found, reasons = runs(np.array([[0.1], [-1.0]]), np.full(2, 1.0))
-    assert not reasons[0]
-    assert "weights.mass" in reasons[1]
-    assert np.isnan(found[1]).all()

@@ -6,13 +6,9 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from autobalancer.harness import Scene, UserError, cosimulate, cosimulate_many, load_scene
+from autobalancer.harness import Scene, UserError, cosimulate, cosimulate_many
 from autobalancer.harness.master.alike import cosimulate_alike
 from autobalancer.harness.master.schedule import end_time
-from autobalancer.harness.scatter.study import scatter
-from autobalancer.harness.scatter.vary import Variation
-from autobalancer.harness.stability.axis import Axis
-from autobalancer.harness.stability.run_map import run_map
 from autobalancer.models.monolith import simulate
 from tests.truth.judge import deviations, motion
 
@@ -108,37 +104,6 @@ def test_a_run_over_corners_states_its_error(tolerance, separate):
     assert error < tolerance
 
 
-def test_a_motor_alone_with_the_rotor_is_a_loop_too(hosted):
-    scene = Scene.from_document({**DOCUMENT, "balancer": []})
-    expected = cosimulate(scene, record=RECORD)
-    found = hosted(scene).driven(expected.time, RECORD)
-    for k, signal in enumerate(RECORD):
-        assert np.abs(found[:, k] - expected[signal]).max() <= RANGE * np.ptp(expected[signal])
-
-
-@pytest.mark.parametrize("tolerance", [1e-3, 1e-5])
-def test_a_tolerance_chooses_steps_that_keep_it(hosted, tolerance):
-    scene = Scene.from_document(DOCUMENT)
-    fine = cosimulate(scene.replace({"coupling.steps_per_rev": 320}), record=RECORD)
-    host = hosted(scene.replace({"coupling.tolerance": tolerance}))
-    found = host.driven(fine.time[::16], RECORD)
-    for k, signal in enumerate(RECORD):
-        assert np.abs(found[:, k] - fine[signal][::16]).max() <= tolerance * np.ptp(fine[signal])
-    assert host.get("coupling.steps")[0] < 40 * 6
-
-
-def test_between_the_ends_of_steps_the_order_is_four(hosted):
-    """At 0.37 of the steps' spacing, against steps 8 times finer."""
-    scene, runs = Scene.from_document(DOCUMENT), []
-    names = ["rotor.x", "rotor.y", "rotor.speed", "balls.weight[1].angle"]
-    times = np.linspace(0.0, end_time(scene), round(6 * 20 / 0.37))
-    for steps in (20, 40, 320):
-        runs.append(hosted(scene.replace({"coupling.steps_per_rev": steps})).driven(times, names))
-    coarse, fine = (np.abs(run - runs[2]).max(axis=0) / np.ptp(runs[2], axis=0) for run in runs[:2])
-    assert (fine < 1e-6).all()
-    assert (coarse > 9.0 * fine).all()
-
-
 def test_a_state_within_a_step_is_everything(state_is_everything):
     scene = Scene.from_document(DOCUMENT)
     times = np.linspace(0.0, end_time(scene), 60)
@@ -202,15 +167,3 @@ def test_runs_of_many_motors_are_the_single_runs():
         amplitude = np.hypot(single["rotor.x"], single["rotor.y"])
         assert found["largest"][k] == pytest.approx(amplitude.max(), rel=1e-11)
         assert found["motor.speed"][k] == pytest.approx(single["motor.speed"][-1], rel=1e-11)
-
-
-def test_maps_and_scatter_vary_the_motor():
-    scene = load_scene("sommerfeld").replace({"run.revolutions": 60})
-    torques = Axis("operation.motor.stall_torque", np.array([5.0, 80.0]))
-    found = run_map(scene, torques, Axis("rotor.damping", np.array([10.0, 12.0])))
-    assert (found.failure == "").all()
-    # caught at the resonance it vibrates more than behind it
-    assert (found.residual[:, 0] > 2.0 * found.residual[:, 1]).all()
-    drawn = scatter(scene, [Variation.parse("operation.motor.inertia=uniform(0.48, 0.52)")], 3)
-    assert drawn.ran.all()
-    assert len(set(drawn.residual.tolist())) == 3

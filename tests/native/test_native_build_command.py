@@ -28,25 +28,6 @@ def folders(path: Path) -> set[str]:
         return {n.split("/")[1] for n in archive.namelist() if n.startswith("binaries/")}
 
 
-def test_units_are_native_and_for_every_platform(tmp_path):
-    outcome = invoke("-o", tmp_path)
-    assert outcome.exit_code == 0, outcome.output
-    for unit in ("RotorOnSupports", "LiquidBalancer", "BallBalancer"):
-        assert folders(tmp_path / f"{unit}.fmu") == {
-            "linux64",
-            "aarch64-linux",
-            "win64",
-            "darwin64",
-            "aarch64-darwin",
-        }
-
-
-def test_units_of_fmi_3_on_request(tmp_path):
-    outcome = invoke("--fmi", "3", "-o", tmp_path)
-    assert outcome.exit_code == 0, outcome.output
-    assert folders(tmp_path / "BallBalancer.fmu") == set(compiler.PLATFORMS)
-
-
 @pytest.mark.parametrize("fmi", [2, 3])
 def test_a_scene_is_one_file_on_request(tmp_path, fmi):
     chosen = ("--platform", "x86_64-linux")

@@ -2,13 +2,10 @@
 
 from __future__ import annotations
 
-import hashlib
 import json
 import lzma
 import re
 import shutil
-import subprocess
-import sys
 import tarfile
 import zipfile
 from pathlib import Path
@@ -31,7 +28,6 @@ from autobalancer.fmus.native.build.compile import (
     texts,
 )
 from autobalancer.fmus.native.build.package import platforms_of, universal
-from autobalancer.fmus.xml.archive import unzipped
 from tests.wheel import build_backend
 
 pytestmark = pytest.mark.slow
@@ -242,28 +238,3 @@ def test_the_compiler_is_asked_for_only_when_the_libraries_are_stale(checkout):
         stamp.write_text(kept)
         assert "ziglang==" in wanted
         assert "numpy" not in wanted
-
-
-def test_an_installed_package_builds_native_units_without_compiler_or_checkout(wheel, tmp_path):
-    site = tmp_path / "site"
-    with zipfile.ZipFile(wheel) as archive:
-        archive.extractall(site)
-    before = _digest(site)
-    code = (
-        f"import sys; sys.modules['ziglang'] = None; sys.path.insert(0, {str(site)!r})\n"
-        "from autobalancer.fmus.build import build\n"
-        f"print(build('LiquidBalancer', {str(tmp_path)!r}, backend='native'))"
-    )
-    command = [sys.executable, "-B", "-c", code]
-    done = subprocess.run(command, cwd=tmp_path, check=True, capture_output=True, text=True)
-    built = Path(done.stdout.strip())
-    assert _digest(site) == before
-    made, ours = unzipped(built), contents("LiquidBalancer", backend="native")
-    for files in made, ours:
-        del files["modelDescription.xml"]  # it names the version installed, if any
-    assert made == ours
-
-
-def _digest(folder: Path) -> dict[str, str]:
-    files = [path for path in folder.rglob("*") if path.is_file()]
-    return {str(path): hashlib.sha256(path.read_bytes()).hexdigest() for path in files}

@@ -132,29 +132,6 @@ def agree(host, inputs: list[str], reach: float = 1.0) -> None:
     host.free()
 
 
-def test_directional_derivatives_add(fmus, packaging):
-    host, inputs = somewhere(fmus, packaging, CASES[3], 5, 0.0)
-    outputs = [v.valueReference for v in host.variables.values() if v.causality == "output"]
-    knowns = [host.variables[name].valueReference for name in inputs]
-    seed = np.random.default_rng(0).normal(size=len(knowns)).tolist()
-    before = host.outputs()
-    found = host.slave.getDirectionalDerivative(outputs, knowns, seed)
-    each = sum(s * derivative(host, name) for s, name in zip(seed, inputs, strict=True))
-    assert found == pytest.approx(each, rel=1e-9, abs=1e-9)
-    assert host.outputs() == before
-    host.free()
-
-
-def test_more_mass_on_a_planar_rotor_slows_by_its_share(fmus, packaging):
-    """a = force/(m + m_b): da/dm_b = -a/(m + m_b)."""
-    host, _ = somewhere(fmus, packaging, CASES[4], 8, 0.0)
-    mass = host.get("mass")[0] + host.get("plane[1].added_mass")[0]
-    found = derivative(host, "plane[1].added_mass")[:2]
-    a = np.array(host.get("plane[1].a_x", "plane[1].a_y"))
-    assert found == pytest.approx(-a / mass, rel=1e-13)
-    host.free()
-
-
 @pytest.mark.parametrize("case", CASES[:4], ids=str)
 def test_a_derivative_does_not_touch_what_a_step_left(fmus, packaging, case):
     """Outputs of a step's end stay those, with the inputs still those of its start."""

@@ -8,10 +8,6 @@ from functools import partial
 
 import numpy as np
 import pytest
-from fmpy import platform_tuple, simulate_fmu
-from fmpy.fmi1 import FMICallException
-
-from autobalancer.fmus.build import build
 
 pytestmark = pytest.mark.slow
 
@@ -195,16 +191,6 @@ def test_weights_that_cannot_be_moved_stay_where_they_are(fmus, packaging, input
         host.step(1e-3)
         host.free()
     assert said[1] == said[0]
-
-
-@pytest.mark.parametrize("fmi", [2, 3])
-def test_a_tool_that_repeats_discarded_steps_ends(tmp_path, fmi):
-    """FMPy repeats for ever what FMI 2.0 lets it try again."""
-    path = build(BALLS, tmp_path, fmi=fmi, platforms=[platform_tuple])
-    with pytest.raises(FMICallException, match=f"fmi{fmi}DoStep.*error"):
-        simulate_fmu(
-            path, stop_time=9.0, output_interval=1.0, start_values={"a_xi": 1e300}, timeout=5.0
-        )
 
 
 def test_one_weight_may_have_a_size(fmus, packaging):

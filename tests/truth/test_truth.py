@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from autobalancer.harness import cosimulate, load_scene
+from autobalancer.harness import load_scene
 from autobalancer.harness.scene import Scene
 from autobalancer.models.stability import growth_rates
 from tests.truth.__main__ import counts
@@ -16,7 +16,6 @@ from tests.truth.judge import (
     deviations,
     growth,
     judge,
-    motion,
 )
 from tests.truth.study import Study, every, misses, save, table, verdicts
 
@@ -150,25 +149,6 @@ def test_misses_are_saved_as_scenes_that_load(tmp_path):
     scene = load_scene(path)
     assert scene.coupling.tolerance == 1e-4
     assert scene.title == "planar 5 0"
-
-
-@pytest.mark.parametrize("restitution", [0.0, 0.3, 1.0])
-def test_collisions_of_the_units_are_those_in_one_piece(restitution):
-    collide = {"balls.angles": [1.7, 2.6, 4.6], "balls.speeds": [8.0, -8.0, 0.0]}
-    changes = {"balls.restitution": restitution, "run.revolutions": 4, **collide}
-    scene = load_scene("finite_weights").replace(changes)
-    result = cosimulate(scene.replace({"coupling.steps_per_rev": 40}))
-    assert max(deviations(result, motion(scene, result)).values()) < 1e-6  # 5e-3 if not met
-
-
-@pytest.mark.parametrize("run_up", [None, {"from": 1.0, "to": 6.0, "seconds": 10.0}])
-def test_a_track_off_centre_is_the_same_in_the_units_and_in_one_piece(run_up):
-    changes = {"weights.track_offset_xi": 0.02, "weights.track_offset_eta": -0.01}
-    if run_up:
-        changes["operation.run_up"] = run_up
-    scene = load_scene("two_balls").replace({**changes, "run.revolutions": 8})
-    result = cosimulate(scene)
-    assert max(deviations(result, motion(scene, result)).values()) < 5e-5
 
 
 def test_a_sample_is_right_or_says_so():

@@ -7,7 +7,7 @@ import math
 import numpy as np
 import pytest
 
-from autobalancer.harness import Scene, SceneError, cosimulate, cosimulate_many, load_scene, speeds
+from autobalancer.harness import Scene, SceneError, cosimulate, load_scene, speeds
 from autobalancer.harness.checks.runner import check
 from autobalancer.models.monolith import simulate
 
@@ -146,22 +146,6 @@ def test_a_ball_that_holds_on_falls_behind_by_what_gravitys_swing_costs():
     drift = (angle[-1] - angle[80 * 40]) / (run.time[-1] - run.time[80 * 40])
     expected = -(G**2) / (2 * w * (kappa * 0.1) ** 2 * (w**2 + d**2))
     assert drift == pytest.approx(expected, rel=5e-3)
-
-
-@pytest.mark.parametrize("name", ["two_balls", "drum", "liquid_disc", "run_up"])
-def test_no_gravity_is_no_key_to_the_last_bit(name):
-    scene = load_scene(name).replace({"run.revolutions": 4})
-    absent, zero = cosimulate(scene), cosimulate(scene.replace({"operation.gravity": 0.0}))
-    assert absent.steps == zero.steps
-    assert all((absent[key] == zero[key]).all() for key in absent.signals)
-
-
-def test_the_composite_knows_gravity():
-    scene = load_scene("two_balls").replace({"run.revolutions": 6, "operation.gravity": 0.5})
-    found = cosimulate_many(scene, {"rotor.gravity_y": [0.0, -0.5]}, results=["rotor.y"])
-    for k, gravity in enumerate((0.0, 0.5)):
-        one = cosimulate(scene.replace({"operation.gravity": gravity}), record=["rotor.y"])
-        assert found["rotor.y"][k] == pytest.approx(one["rotor.y"][-1], rel=1e-8)
 
 
 def test_weights_that_touch_stay_in_contact_as_an_independent_integration_has_it():

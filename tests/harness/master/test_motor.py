@@ -244,21 +244,6 @@ def test_weights_of_finite_size_that_do_not_meet_move_as_points_to_their_order()
     assert (np.array(errors[1]) < 0.6 * np.array(errors[0])).all()
 
 
-def test_a_table_of_two_points_is_the_straight_motor():
-    straight, table = (
-        Scene.from_document(
-            {**SCENE, "operation": {"motor": {"inertia": INERTIA, "from": START, **line}}}
-        )
-        for line in (
-            {"stall_torque": STALL, "no_load_speed": TOP},
-            {"table": [[0.0, STALL], [50.0, 0.75 * STALL], [TOP, 0.0]]},
-        )
-    )
-    one, other = (cosimulate(s, record=["motor.speed", "rotor.x"]) for s in (straight, table))
-    assert other["motor.speed"][-1] == pytest.approx(one["motor.speed"][-1], rel=1e-9)
-    assert other["rotor.x"][-1] == pytest.approx(one["rotor.x"][-1], rel=1e-6)
-
-
 @pytest.mark.parametrize("scheme", ["gauss-seidel", "jacobi", "iterated"])
 def test_every_scheme_drives_the_rotor_alike(scheme):
     document = {**SCENE, "balancer": [], "coupling": {"scheme": scheme, "steps_per_rev": 200}}

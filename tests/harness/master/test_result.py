@@ -115,18 +115,6 @@ def test_a_disk_that_fills_up_leaves_the_old_file_and_nothing_else(result, tmp_p
     assert os.listdir(tmp_path) == ["out.csv"]
 
 
-def test_a_disk_that_fills_up_leaves_no_half_picture(result, tmp_path):
-    with files_no_larger_than(5_000), pytest.raises(UserError, match="cannot be written"):
-        result.plot(tmp_path / "out.png")
-    assert os.listdir(tmp_path) == []
-
-
-def test_an_error_while_writing_leaves_nothing(tmp_path):
-    with pytest.raises(TypeError), write_whole(tmp_path / "x.txt") as stream:
-        stream.writelines(["half", 1])
-    assert os.listdir(tmp_path) == []
-
-
 def test_a_device_is_written_to_and_not_replaced():
     with write_whole("/dev/null") as stream:
         stream.write("gone")

@@ -69,14 +69,20 @@ def test_a_store_of_something_else_is_refused(tmp_path, monkeypatch):
     roots(tmp_path / "a.zarr")
     with pytest.raises(UserError, match="made for another content: 'roots' there, 'logs' now"):
         roots(tmp_path / "a.zarr", "logs")
-    own = store_module._program()
     monkeypatch.setattr(store_module, "_program", lambda others: "autobalancer 0")
     with pytest.raises(UserError, match="made for another program"):
         roots(tmp_path / "a.zarr")
-    monkeypatch.undo()
-    (tmp_path / "study").mkdir()
-    (tmp_path / "study" / "draw.py").write_text("1")
-    assert store_module._program([tmp_path / "study"]) != own
+
+
+def test_a_store_of_other_sources_is_refused(tmp_path):
+    """Of the package, or of a study outside it."""
+    (source := tmp_path / "draw.py").write_text("1")
+    options = {"content": "a"}, PARTS, {"number": ("number", ITEMS)}, [tmp_path]
+    open_store(tmp_path / "a.zarr", *options)
+    open_store(tmp_path / "a.zarr", *options)
+    source.write_text("2")
+    with pytest.raises(UserError, match="made for another program"):
+        open_store(tmp_path / "a.zarr", *options)
 
 
 def test_a_map_of_a_dask_cluster_is_that_of_this_machine(tmp_path):

@@ -49,18 +49,6 @@ def test_multipliers_of_a_liquid_are_those_of_the_exact_roots(name, steps, toler
     same_spectrum(found, np.exp(roots * 2.0 * math.pi / speed), tolerance)
 
 
-@pytest.mark.parametrize("speed", [0.8, 3.0, 6.0, 9.0])
-def test_multipliers_of_two_balls_are_those_of_the_linearised_equations(speed):
-    scene = balls(steps_per_rev=80)
-    expected = multipliers(scene.assembly(), [speed])[0]
-    with Revolution(scene) as revolution:
-        state, _ = revolution.steady(speed)
-        found = revolution.multipliers(speed, state)
-    assert np.abs(state[:4]).max() < 1e-9, "the main motion is balanced: the rotor stands still"
-    assert state[4::2] == pytest.approx(BALANCED, abs=1e-8)
-    same_spectrum(found, expected, 2e-5 * max(1.0, np.abs(expected).max()))
-
-
 def test_multipliers_converge_with_order_4():
     scene = balls()
     expected = np.abs(multipliers(scene.assembly(), [6.0])[0]).max()

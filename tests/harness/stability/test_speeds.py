@@ -11,13 +11,12 @@ from autobalancer.harness.checks.registry import run_checks
 from autobalancer.harness.master.revolution import Revolution
 from autobalancer.harness.scene import Scene
 from autobalancer.harness.stability.crossings import crossings, nodes_around
-from autobalancer.harness.stability.in_time import growth_in_run, needed_revolutions, run_from_rest
+from autobalancer.harness.stability.in_time import growth_in_run, needed_revolutions
 from autobalancer.harness.stability.main_motion import MainMotion, NoMainMotion
 from autobalancer.harness.stability.speeds import Speeds
 from autobalancer.models.linear.balanced import WeightTable, balanced_angles, residual_unbalance
 from autobalancer.models.linear.boundaries import Crossing
 from autobalancer.models.linear.linearised import linearise
-from autobalancer.models.papers.window import LiquidWindow
 from autobalancer.models.spacing import closest
 from autobalancer.models.stability import growth_rates
 from tests.floquet import multipliers
@@ -202,19 +201,6 @@ def test_growth_fitted_to_a_run_is_floquets(speed):
     assert found == pytest.approx(expected, rel=2e-3)
 
 
-def test_runs_from_rest_end_as_predicted():
-    scene = load_scene("balls_and_liquid")
-    for speed, balanced in ((120.0, True), (170.0, False), (300.0, True)):
-        growth = float(growth_rates(scene.assembly(), speed)[0])
-        assert (growth < 0.0) == balanced
-        ended = run_from_rest(scene, speed, needed_revolutions(growth, speed))
-        assert ended.balanced == balanced, str(ended)
-        assert f"{ended.residual:.3g} kg m" in str(ended)
-        # the start: unbalance and both balls, at the scene's angles
-        start = abs(0.0005 + 0.0005 * (np.exp(0.4j) + np.exp(1.5j)))
-        assert ended.share == pytest.approx(ended.residual / start, rel=1e-9)
-
-
 # -- speeds ---------------------------------------------------------------------------------------
 
 
@@ -245,17 +231,6 @@ def test_growth_in_runs_finds_the_same_speed():
     (floquet,), (run,) = found.methods["floquet"], found.methods["cosim-run"]
     assert run.speed == pytest.approx(floquet.speed, rel=1e-3)
     assert run.above == floquet.above == "stable"
-
-
-def test_limit_of_the_liquid_is_found_by_both():
-    scene = load_scene("liquid_disc")
-    upper = LiquidWindow.of(scene.assembly()).upper
-    found = speeds(scene, (0.7 * upper, 1.3 * upper))
-    assert "the scene has none" in found.refused["criterion"]
-    for method in ("floquet", "cosim"):
-        (crossing,) = found.methods[method]
-        assert crossing.speed == pytest.approx(upper, rel=1e-6)  # Dubovik 2006 (10)
-        assert crossing.above == "unstable"
 
 
 def test_a_method_that_does_not_apply_says_why():

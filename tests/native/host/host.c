@@ -68,17 +68,6 @@ static struct {
                       size_t);
     fmi3Status (*step)(fmi3Instance, fmi3Float64, fmi3Float64, fmi3Boolean, fmi3Boolean *,
                        fmi3Boolean *, fmi3Boolean *, fmi3Float64 *);
-    fmi3Status (*save)(fmi3Instance, fmi3FMUState *);
-    fmi3Status (*restore)(fmi3Instance, fmi3FMUState);
-    fmi3Status (*forget)(fmi3Instance, fmi3FMUState *);
-    fmi3Status (*derive)(fmi3Instance, const fmi3ValueReference *, size_t,
-                         const fmi3ValueReference *, size_t, const fmi3Float64 *, size_t,
-                         fmi3Float64 *, size_t);
-    fmi3Status (*adjoint)(fmi3Instance, const fmi3ValueReference *, size_t,
-                          const fmi3ValueReference *, size_t, const fmi3Float64 *, size_t,
-                          fmi3Float64 *, size_t);
-    fmi3Status (*get_slopes)(fmi3Instance, const fmi3ValueReference *, size_t, const fmi3Int32 *,
-                             fmi3Float64 *, size_t);
 } three;
 
 static int failures;
@@ -174,12 +163,6 @@ static void load(void *library)
     bind(library, "fmi3GetFloat64", &three.get);
     bind(library, "fmi3SetFloat64", &three.set);
     bind(library, "fmi3DoStep", &three.step);
-    bind(library, "fmi3GetFMUState", &three.save);
-    bind(library, "fmi3SetFMUState", &three.restore);
-    bind(library, "fmi3FreeFMUState", &three.forget);
-    bind(library, "fmi3GetDirectionalDerivative", &three.derive);
-    bind(library, "fmi3GetAdjointDerivative", &three.adjoint);
-    bind(library, "fmi3GetOutputDerivatives", &three.get_slopes);
 }
 
 static void count_up(unsigned *references, unsigned first, unsigned count)
@@ -496,66 +479,6 @@ static void wrong_identity(const Kind *kind)
     }
 }
 
-/* -- FMI 3.0 -------------------------------------------------------------------------------- */
-
-/* Value references of a unit, now and then any at all; how many values are handed over for them. */
-static size_t drawn_references(const Kind *kind, unsigned *references, size_t count)
-{
-    const unsigned known = kind->first_output + kind->outputs;
-    size_t k;
-    for (k = 0; k < count; k++) {
-        references[k] = drawn(30) ? drawn(known) : drawn(drawn(2) ? 60 : ~0u);
-    }
-    return drawn(30) ? count : drawn(VALUES);
-}
-
-static void calls_of_fmi3_in_any_order(const Kind *kind)
-{
-    fmi3Instance c =
-        three.instantiate("any", kind->token, NULL, 0, 0, 0, 1, NULL, 0, NULL, NULL, NULL);
-    double values[VALUES], others[VALUES];
-    unsigned references[VALUES], knowns[VALUES];
-    fmi3FMUState state = NULL;
-    fmi3Boolean event, end, early;
-    double time = 0.0;
-    int orders[VALUES], k, i, wrong = 0;
-    for (k = 0; k < RANDOM_CALLS; k++) {
-        const size_t count = drawn(VALUES), known_count = drawn(VALUES);
-        const size_t elements = drawn_references(kind, references, count);
-        const size_t seeds = drawn_references(kind, knowns, known_count);
-        fmi3Status status = fmi3OK;
-        for (i = 0; i < VALUES; i++) {
-            values[i] = drawn_value();
-        }
-        for (i = 0; i < VALUES; i++) {
-            orders[i] = (int)drawn(3);
-        }
-        switch (drawn(10)) {
-        case 0: status = three.enter(c, 0, 0.0, 0.0, 0, 0.0); break;
-        case 1: status = three.leave(c); break;
-        case 2: status = three.get(c, references, count, others, elements); break;
-        case 3: status = three.set(c, references, count, values, elements); break;
-        case 4: status = three.save(c, &state); break;
-        case 5: status = state ? three.restore(c, state) : three.forget(c, &state); break;
-        case 6:
-            status = three.derive(c, references, count, knowns, known_count, values, seeds, others,
-                                  elements);
-            break;
-        case 7:
-            status = three.adjoint(c, references, count, knowns, known_count, values, elements,
-                                   others, seeds);
-            break;
-        case 8: status = three.get_slopes(c, references, count, orders, others, elements); break;
-        default:
-            status = three.step(c, time, 1e-3, 1, &event, &end, &early, &time);
-        }
-        wrong |= status < fmi3OK || status > fmi3Error;
-    }
-    check(!wrong, "calls of FMI 3.0 in any order", kind->token);
-    three.forget(c, &state);
-    three.release(c);
-}
-
 /* -- memory --------------------------------------------------------------------------------- */
 
 static long resident(void)
@@ -659,7 +582,6 @@ int main(int count, char **words)
         threads_do_not_meet(&kind, expected);
         calls_out_of_order(&kind);
         calls_in_any_order(&kind);
-        calls_of_fmi3_in_any_order(&kind);
         damaged_states_are_refused(&kind);
         wrong_identity(&kind);
         a_step_allocates_nothing(&kind);

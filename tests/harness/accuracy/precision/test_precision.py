@@ -187,27 +187,6 @@ def test_weights_that_touch_or_stick_have_no_reference():
         precision(driven, seconds=1.0)
 
 
-def test_a_motor_is_measured_against_one_piece_and_its_speed_too():
-    motor = {"inertia": 2.0, "stall_torque": 1.0, "no_load_speed": 4.0, "from": 1.0}
-    scene = load_scene("two_balls").replace(
-        {
-            "operation.speed": None,
-            "operation.motor": motor,
-            "run.revolutions": 4,
-            "weights.track_offset_xi": 0.01,
-        }
-    )
-    methods = all_methods(scene)
-    assert "compensated" not in {method.name for method in methods}
-    cubic = [Method("iterated", 3, n, 1) for n in (20, 40, 80)]
-    found = precision(
-        scene, seconds=30.0, methods=[*cubic, Method("monolith DOP853", tolerance=1e-9)]
-    )
-    assert "motor.speed" in found.signals
-    assert found.orders["iterated cubic 1 pass"] == pytest.approx(4.0, abs=0.4)
-    assert found.points[-1].error < 1e-7
-
-
 def test_picture_and_table_are_made_of_what_was_measured(measured, tmp_path):
     for all_curves in (False, True):
         picture = plot_precision(measured, tmp_path / f"wp{all_curves}.png", all_curves)

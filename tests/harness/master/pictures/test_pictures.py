@@ -329,13 +329,5 @@ def test_run_draws_what_is_asked_for(invoke, tmp_path):
         assert (tmp_path / f"{kind}.png").read_bytes().startswith(b"\x89PNG")
 
 
-def test_rotor_draws_modes_and_polar_response(invoke, tmp_path):
-    modes, polar = tmp_path / "modes.svg", tmp_path / "polar.svg"
-    done = invoke("rotor", "grinder", "--modes", modes, "--polar", polar)
-    assert done.exit_code == 0, done.output
-    assert "<!-- along the shaft [m] -->" in modes.read_text(encoding="utf-8")
-    assert "phase to the rotor; marks: speed [rad/s] -->" in polar.read_text(encoding="utf-8")
-
-
 def test_a_picture_shows_itself_in_a_notebook():
     assert cosimulate(disc(8.0)).plot_orders()._repr_png_().startswith(b"\x89PNG")
