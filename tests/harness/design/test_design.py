@@ -55,6 +55,10 @@ def test_facing_starts_never_overlap_and_have_a_larger_spread():
     for count in range(2, 9):
         starts = [facing_start(count, alpha, rng) for _ in range(50)]
         assert min(closest(angles)[0] for angles in starts) >= 2 * alpha - 1e-12
+        first = count - count // 2
+        for angles in starts:  # the middles of both groups lie opposite each other
+            middles = [angles[0] + angles[first - 1], angles[first] + angles[-1]]
+            assert abs(np.subtract(*middles)) / 2 == pytest.approx(math.pi)
         others = [random_start(count, alpha, rng) for _ in range(50)]
         medians = [np.median([alignment(start) for start in some]) for some in (starts, others)]
         assert medians[0] > medians[1] + 0.1
