@@ -21,6 +21,7 @@ from .window import window
 
 MOST_WEIGHTS = 8  # that a slider adds to the scene's own number
 MOST_VARIANTS = 64  # numbers of weights on the tracks that a page knows: it is kept small
+SHOWN_IN = 20.0  # s that a run of the scene's length takes on the page, if it has as many turns
 CHANGED_IN = 30.0  # revolutions that a change of speed by the scene's own takes
 KICK = 3.0  # of the unbalance: the kick's impulse over it times the speed
 BARE = 1e-4  # m: eccentricity that a rotor without unbalance and weights is kicked by
@@ -66,6 +67,9 @@ def content(scene: Scene) -> dict[str, Any]:
             "words": bands.words,
         },
         "sliders": list(_sliders(scene, made)),
+        "pace": max(1.0, scene.run.revolutions / SHOWN_IN),
+        "mass": scene.rotor.mass,
+        "unbalance": _single_unbalance(scene, made),
         "kick": KICK * _moment(scene, made) * profile.end,
         "stations": scene.rotor.stations,
         "supports": scene.rotor.supports,
@@ -160,6 +164,14 @@ def _moment(scene: Scene, made: Composition) -> float:
     return unbalance or capacity or scene.rotor.mass * BARE
 
 
+def _single_unbalance(scene: Scene, made: Composition) -> list[float] | None:
+    """Of a rotor with one plane, in its axes [kg m]; None of others."""
+    if scene.rotor.kind != "planar":
+        return None
+    total = sum(_unbalances(made), 0j)
+    return [total.real, total.imag]
+
+
 def _heavy(made: Composition) -> float | None:
     """Direction of the unbalance in the rotor [rad]; None where there are several, or none."""
     unbalances = _unbalances(made)
@@ -170,7 +182,7 @@ def _balancers(scene: Scene) -> Iterator[dict[str, Any]]:
     """Geometry of every balancer, under the names that its scene gives it."""
     planes = plan(scene).planes
     sizes = [
-        *("track_radius", "weight_radius", "track_offset_xi", "track_offset_eta"),
+        *("count", "mass", "track_radius", "weight_radius", "track_offset_xi", "track_offset_eta"),
         *("chamber_radius", "float_radius"),
     ]
     for balancer in scene.balancer:

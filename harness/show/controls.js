@@ -19,6 +19,7 @@ class Slider {
     const name = make("label", { htmlFor: id }, make("span", { textContent: label }), this.output);
     this.element = make("div", { className: "control" }, name, this.input);
     this.show(value);
+    this.own = this.input.value; // as the scene has it
     this.input.addEventListener("input", () => this.set(this.read()));
   }
 
@@ -41,6 +42,10 @@ class Slider {
   }
 }
 
+function speedWords(speed) {
+  return `${shown(speed, "rad/s")} = ${shown((speed * 60) / TURN)} rpm`;
+}
+
 /* What a slider of the scene's values says of a factor. */
 function saying({ base, unit, value }) {
   const bases = [...new Set(Object.values(base))];
@@ -56,7 +61,7 @@ function sliders(machine, view, change) {
   if (!data.motor) {
     found.speed = new Slider("speed", "Speed", {
       low, high, value: data.speed,
-      say: (speed) => `${shown(speed, "rad/s")} = ${shown((speed * 60) / TURN)} rpm`,
+      say: speedWords,
       set: (speed) => change({ speed }),
     });
   }
@@ -135,7 +140,8 @@ function strip({ window: { low, high, ends, kinds, words }, balancers }) {
   const show = (speed, asScene) => {
     const at = part(Math.min(high, Math.max(low, speed)));
     if (at !== shownAt) marker.style.left = shownAt = at;
-    const words = asScene || !ends.length ? "" : " (for the scene's own values)";
+    const words = asScene || !ends.length ? "" : " Greyed: worked out for the scene's own values.";
+    box.classList.toggle("stale", !asScene);
     if (note.textContent !== words) note.textContent = words;
   };
   return { box, said, show };

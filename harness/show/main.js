@@ -14,7 +14,7 @@ class Page {
     this.data = data;
     this.module = module;
     const running = !matchMedia("(prefers-reduced-motion: reduce)").matches;
-    this.view = { pace: 1, slow: false, running, place: 0 };
+    this.view = { pace: data.pace, slow: false, running, place: 0 };
     this.machine = new Machine(module, data);
     this.drawing = new Drawing(element("machine"), this.machine);
     this.cost = { frame: FRAME, took: 0, moved: 0 };
@@ -38,6 +38,7 @@ class Page {
     const first = make("div", { className: "wide" }, own.element, this.strip.box, this.strip.said);
     element("controls").append(first, ...rest);
     showSettings(this.sliders, this.machine);
+    takeAddress(this.sliders, location.hash);
   }
 
   placeChoice() {
@@ -64,6 +65,9 @@ class Page {
       run_up: () => this.begun(() => this.machine.runUp()),
       restart: () => this.begun(() => this.machine.restart()),
       kick: () => this.machine.kick(),
+      link: () => this.link(),
+      csv: () => saveCsv(this.machine),
+      picture: () => savePicture(element("machine")),
     };
     for (const [id, action] of Object.entries(actions)) {
       element(id).addEventListener("click", () => {
@@ -73,6 +77,12 @@ class Page {
     }
     this.showRunning();
     addEventListener("keydown", (event) => this.key(event));
+  }
+
+  /* The address with the sliders' values, also in the clipboard where the browser allows it. */
+  link() {
+    location.hash = addressOf(this.sliders);
+    navigator.clipboard?.writeText(location.href).catch(() => {});
   }
 
   key(event) {
@@ -186,28 +196,36 @@ class Page {
     const { now, time, stations } = this.machine;
     const { x, y } = now.pairs[this.view.place];
     const speedup = (1000 * this.cost.moved) / (this.cost.took || Infinity);
-    const rows = {
+    const words = balanceWords(this.machine);
+    if (element("balance").textContent !== words) element("balance").textContent = words;
+    this.write("facts", {
       Time: shown(time, "s"),
-      "Speed now": shown(now.speed, "rad/s"),
+      "Speed now": speedWords(now.speed),
       [stations.length > 1 ? "At that station" : "Displacement"]:
         shown(Math.hypot(x, y), "m", true),
       ...(this.machine.clearances.length && { Clearance: shown(now.clearance, "m", true) }),
+    });
+    this.write("details", {
       "Error, estimated": shown(now.error),
       "Loop gain": shown(now.gain),
       "Coupling steps": shown(now.steps),
       "Frames a second": shown(Math.round(1000 / this.cost.frame)),
       "Can run at": speedup ? `${shown(speedup)} × real time` : "not measured yet",
-    };
+    });
+  }
+
+  /* Values under their names, in the list with that id. */
+  write(id, rows) {
     for (const [name, value] of Object.entries(rows)) {
-      const said = (this.said[name] ??= this.fact(name));
+      const said = (this.said[name] ??= this.fact(id, name));
       if (said.textContent !== value) said.textContent = value;
     }
   }
 
   /* Room for a value under its name. */
-  fact(name) {
+  fact(id, name) {
     const said = make("dd");
-    element("facts").append(make("div", {}, make("dt", { textContent: name }), said));
+    element(id).append(make("div", {}, make("dt", { textContent: name }), said));
     return said;
   }
 

@@ -14,7 +14,17 @@ from .content import content
 
 _FOLDER = Path(__file__).parent
 # in the order in which one builds on another; all are one module
-_SCRIPTS = ("units", "machine", "format", "drawing", "plots", "controls", "main")
+_SCRIPTS = (
+    "units",
+    "machine",
+    "format",
+    "drawing",
+    "plots",
+    "controls",
+    "balance",
+    "files",
+    "main",
+)
 
 
 def page(scene: Scene, summary: str = "") -> str:

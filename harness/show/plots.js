@@ -3,10 +3,11 @@
 const WINDOW = 30; // revolutions shown, at the scene's speed
 const LISTENED = 1024; // last samples that a spectrum is of,
 const TRANSFORMED = 4096; // filled up with zeros to these, a power of two
-const MARGIN = { left: 12, right: 30, top: 24, bottom: 20 };
+const MARGIN = { left: 62, right: 30, top: 24, bottom: 20 };
 
-/* Axes over a cleared canvas; what maps values to pixels. */
-function axes(canvas, colours, title, [x1, x2], [y1, y2], unit) {
+/* Axes over a cleared canvas; what maps values to pixels.  `scale` says how values are written: of
+   a unit of length by its prefix, else as they are. */
+function axes(canvas, colours, title, [x1, x2], [y1, y2], unit, scale = "") {
   const { context: c, width, height } = cleared(canvas, colours.panel);
   const [left, right] = [MARGIN.left, width - MARGIN.right];
   const [top, bottom] = [MARGIN.top, height - MARGIN.bottom];
@@ -22,6 +23,13 @@ function axes(canvas, colours, title, [x1, x2], [y1, y2], unit) {
     c.fillText(x.toFixed(Math.max(0, -Math.floor(Math.log10(step)))), px(x), height - 4);
   }
   line(c, left, bottom, right, bottom);
+  c.textAlign = "right";
+  const rise = scale ? niceStep(y2 - y1 || 1, 4) : 90; // degrees
+  for (let y = Math.ceil(y1 / rise) * rise; y <= y2; y += rise) {
+    line(c, left - 4, py(y), left, py(y));
+    const words = Math.abs(y) < rise / 2 ? "0" : scale ? shown(y, scale, true) : `${y}`;
+    c.fillText(words, left - 6, py(y) + 4);
+  }
   c.textAlign = "left";
   c.fillText(`[${unit}]`, right - 6, height - 4);
   c.fillStyle = colours.ink;
@@ -71,7 +79,7 @@ function plotVibration(canvas, colours, machine, place) {
   xs.forEach((x, k) => (largest = Math.max(largest, Math.abs(x), Math.abs(ys[k]))));
   const height = 1.15 * (largest || 1);
   const area = axes(canvas, colours, `Displacement, within ± ${shown(largest, "m", true)}`,
-    timesShown(machine, times), [-height, height], "s");
+    timesShown(machine, times), [-height, height], "s", "m");
   named(area, colours, [["x", colours.x], ["y", colours.y]]);
   level(area, colours, 0, "");
   curve(area, times, xs, colours.x);
@@ -126,7 +134,7 @@ function plotSpectrum(canvas, colours, machine, place) {
   const count = within < 0 ? frequencies.length : within;
   const largest = Math.max(0, ...amplitudes.subarray(0, count));
   const area = axes(canvas, colours, `Spectrum of x, up to ${shown(largest, "m", true)}`,
-    [0, highest], [0, 1.15 * (largest || 1)], "Hz");
+    [0, highest], [0, 1.15 * (largest || 1)], "Hz", "m");
   const once = machine.now.speed / TURN;
   area.c.strokeStyle = area.c.fillStyle = colours.faint;
   area.c.setLineDash([2, 3]);

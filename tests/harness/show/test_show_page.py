@@ -250,3 +250,54 @@ def test_what_a_scene_is_called_is_text_and_no_code(opened):
     assert shown("return document.title") == title
     assert shown("return document.querySelector('h1').textContent") == title
     assert shown("return document.querySelectorAll('img, b').length") == 0
+
+
+def words(shown, name):
+    return shown("return document.getElementById(arguments[0]).textContent", name)
+
+
+def test_the_page_says_whether_the_rotor_is_balanced_and_when_the_weights_are_used_up(opened):
+    """Two weights of 0.05 kg at 0.5 m hold 0.05 kg m, twice the unbalance."""
+    shown = opened("two_balls")
+    shown("machine.advance(2, Infinity); page.facts()")
+    assert "Not balanced now" in words(shown, "balance")
+    shown("machine.advance(120, Infinity); machine.left = 0; page.facts()")
+    assert words(shown, "balance").startswith("Balanced: ")
+    assert "of 25 g m" in words(shown, "balance")
+    assert "the weights use 50 %" in words(shown, "balance")
+    shown.slide("value_0", 1.0)  # three times the unbalance
+    shown("page.facts(); page.strip.show(machine.now.speed, machine.asScene())")
+    assert words(shown, "balance") == "The weights are used up: they can hold 50 g m of 75 g m."
+    assert shown("return document.getElementById('strip').classList.contains('stale')")
+    assert "for the scene's own values" in words(shown, "strip_words")
+
+
+def test_a_link_brings_the_values_of_the_sliders_to_another_page(opened):
+    shown = opened("two_balls")
+    shown.slide("value_3", 0.9)
+    shown.slide("weights_0", 1.0)
+    values = shown("return [machine.settings.factors, machine.settings.variant]")
+    address = shown("page.link(); return location.hash")
+    other = opened("two_balls")
+    assert other("return [machine.settings.factors, machine.settings.variant]") != values
+    other("location.hash = arguments[0]; location.reload()", address)
+    other.wait("return Boolean(window.autobalancer)")
+    assert other("return [machine.settings.factors, machine.settings.variant]") == values
+
+
+def test_signals_are_saved_as_the_page_remembers_them(opened):
+    shown = opened("two_balls")
+    shown("machine.advance(3, Infinity); machine.advance(machine.sampled + machine.step, Infinity)")
+    shown(
+        "window.kept = []; HTMLAnchorElement.prototype.click = function () {"
+        " kept.push([this.download, decodeURIComponent(this.href)]); };"
+        "document.getElementById('csv').click(); document.getElementById('picture').click();"
+    )
+    (csv, text), (picture, image) = shown("return window.kept")
+    lines = text.partition(",")[2].splitlines()
+    assert csv == "signals.csv"
+    assert lines[0] == "time,rotor.x,rotor.y,weights.weight[1].angle,weights.weight[2].angle"
+    last = [float(number) for number in lines[-1].split(",")]
+    assert last[1:3] == shown("const { x, y } = machine.now.pairs[0]; return [x, y]")
+    assert len(lines) == 1 + shown("return machine.filled")
+    assert (picture, image[:22]) == ("machine.png", "data:image/png;base64,")

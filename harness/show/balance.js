@@ -1,0 +1,65 @@
+/* How well the machine is balanced: what is left of the unbalance, and what the weights can hold. */
+
+const GRADES = [0.4, 1, 2.5, 6.3, 16, 40, 100, 250, 630, 1600, 4000]; // mm/s, ISO 21940-11
+const SETTLED = 0.01; // of the unbalance
+const FADED = 0.95; // of what was left before, each time that it is said
+
+/* What a slider has made of a value of the scene. */
+function factorOf({ data, settings }, label) {
+  const k = data.sliders.findIndex((slider) => slider.label === label);
+  return k < 0 ? 1 : settings.factors[k];
+}
+
+/* Largest unbalance that the weights can hold [kg m], as their packed group has it; of one plane. */
+function capacity(machine) {
+  const { data, settings } = machine;
+  let sum = 0;
+  data.tracks.forEach((labels, k) => {
+    const count = data.tokens[settings.variant].weights[k];
+    for (const balancer of data.balancers.filter(({ label }) => labels.includes(label))) {
+      const named = data.tracks.length > 1 ? `Mass of a weight: ${labels[0]}` : "Mass of a weight";
+      const moment = balancer.mass * factorOf(machine, named) * balancer.track_radius;
+      const alpha = Math.asin(Math.min(1, (balancer.weight_radius ?? 0) / balancer.track_radius));
+      sum += moment * (alpha && count > 1 ? Math.sin(count * alpha) / Math.sin(alpha) : count);
+    }
+  });
+  return sum;
+}
+
+/* The rotor's unbalance, as its slider has it, in its axes [kg m]. */
+function unbalance({ data, settings }) {
+  const k = data.sliders.findIndex(({ label }) => label === "Unbalance");
+  const [xi, eta] = data.unbalance;
+  if (k < 0) return [xi, eta];
+  const { base, value } = data.sliders[k];
+  const factor = settings.factors[k];
+  if (value) return [xi * factor, eta * factor];
+  return [Object.values(base)[0] * factor, 0]; // of a scene that has none
+}
+
+/* The balance of a rotor with one plane: words, or none where nothing is known. */
+function balanceWords(machine) {
+  const { data, units, now } = machine;
+  const labels = data.tracks.flat();
+  if (!data.unbalance || !labels.length) return "";
+  const [xi, eta] = unbalance(machine);
+  const whole = Math.hypot(xi, eta);
+  const moments = units.reader(labels.flatMap((l) => [`${l}.moment_xi`, `${l}.moment_eta`]))();
+  const sum = (first) => moments.reduce((s, m, k) => (k % 2 === first ? s + m : s), 0);
+  const left = Math.hypot(xi + sum(0), eta + sum(1));
+  machine.left = Math.max(left, FADED * (machine.left ?? 0)); // weights swing through the right place
+  const holds = capacity(machine);
+  if (whole > holds) {
+    return `The weights are used up: they can hold ${moment(holds)} of ${moment(whole)}.`;
+  }
+  const reached = GRADES.find((g) => g >= (1000 * machine.left * now.speed) / data.mass);
+  const grade = reached ? `G${reached}` : `worse than G${GRADES.at(-1)}`;
+  const used = `the weights use ${shown((100 * whole) / holds)} % of what they can hold`;
+  return machine.left <= SETTLED * whole
+    ? `Balanced: ${moment(machine.left)} left of ${moment(whole)}, ${grade}; ${used}.`
+    : `Not balanced now: ${moment(machine.left)} left of ${moment(whole)}, ${grade}; ${used}.`;
+}
+
+function moment(value) {
+  return value < 1e-2 ? `${shown(1e6 * value)} g mm` : `${shown(1e3 * value)} g m`;
+}
