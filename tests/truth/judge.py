@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import time as clock
 import traceback
+import warnings
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from typing import Any
@@ -17,6 +18,7 @@ from autobalancer.harness.master.resolution import Resolution
 from autobalancer.harness.master.result import Result
 from autobalancer.harness.master.run import cosimulate
 from autobalancer.harness.scene import Scene
+from autobalancer.harness.scene.plausible import ImplausibleWarning
 from autobalancer.models.assembly import Assembly
 from autobalancer.models.constants import SAID
 from autobalancer.models.monolith import reference, simulate
@@ -118,7 +120,9 @@ def _run(scene: Scene, verify: bool = False, separate: bool = False) -> Result:
         if clock.process_time() - begun > LONGEST_RUN:
             raise _Endless
 
-    return cosimulate(scene, progress=limit, verify=verify, separate=separate)
+    with warnings.catch_warnings():  # random scenes are as a rule implausible
+        warnings.simplefilter("ignore", ImplausibleWarning)
+        return cosimulate(scene, progress=limit, verify=verify, separate=separate)
 
 
 def _compared(scene: Scene, verdict: Verdict, verify: bool, separate: bool) -> Verdict:
