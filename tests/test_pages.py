@@ -136,7 +136,7 @@ README_COMMANDS = {  # of the table, with the options shown there
         "finite_weights --starts 6 --most 3 --track 250mm --width 50mm --material steel "
         "--unbalance '0..90 g m' --reserve 1.3 -o design.png"
     ],
-    "scatter": ["two_balls --vary weights.drag=normal(0.2,0.02) -n 10 -o scatter.csv"],
+    "scatter": ["two_balls --vary weights.drag=normal(0.2,10%) -n 10 -o scatter.csv"],
     "fit": ["two_balls --without-balancers --measured fit.csv --free rotor.unbalance -o fit.png"],
     "drag": ["--ball 10mm --decay 30deg 10deg 1.2s"],
     "precision": ["two_balls --seconds 1 --set run.revolutions=1 -o precision.png"],

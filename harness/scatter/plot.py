@@ -48,7 +48,7 @@ def _grades(axes: Any, scatter: Scatter) -> None:
         axes.set_axis_off()
         return
     grade = np.sort(scatter.grade[scatter.ran])
-    axes.step(grade, np.arange(1, len(grade) + 1) / len(scatter.grade), where="post")
+    axes.step(grade, np.arange(1, len(grade) + 1) / len(grade), where="post")
     low, high = grade[0], grade[-1]
     shown = [g for g in GRADES if 0.5 * low <= g <= 2.0 * high]
     for g in shown:
@@ -56,7 +56,9 @@ def _grades(axes: Any, scatter: Scatter) -> None:
         axes.annotate(f"G{g:g}", (g, 0.02), rotation=90, va="bottom", ha="right", fontsize="small")
     if low > 0.0:
         axes.set_xscale("log")
-    axes.set(xlabel="grade just met [mm/s]", ylabel="share of all machines", ylim=(0.0, 1.02))
+    axes.set(
+        xlabel="grade just met [mm/s]", ylabel="share of the machines that ran", ylim=(0.0, 1.02)
+    )
 
 
 def _importance(axes: Any, said: Mapping[str, Any]) -> None:

@@ -25,6 +25,7 @@ def document(scatter: Scatter, important: Sequence[Importance], missing: str) ->
     Args:
         important, missing: by `importances`.
     """
+    paths = [one.path for one in scatter.variations]
     return {
         "scene": scatter.title,
         "machines": len(scatter.values),
@@ -34,6 +35,14 @@ def document(scatter: Scatter, important: Sequence[Importance], missing: str) ->
         "reasons": [
             {"machines": count, "such_as": text}
             for count, text in kinds_of(scatter.failure[~scatter.ran])
+        ],
+        "failures": [
+            {
+                "machine": int(k) + 1,
+                "values": dict(zip(paths, scatter.values[k].tolist(), strict=True)),
+                "reason": scatter.failure[k],
+            }
+            for k in np.flatnonzero(~scatter.ran)
         ],
         "settled": float(scatter.settled[scatter.ran].mean()),
         "merged": int(scatter.merged[scatter.ran].sum()),
@@ -56,17 +65,17 @@ def document(scatter: Scatter, important: Sequence[Importance], missing: str) ->
 
 
 def _grades(scatter: Scatter) -> list[dict[str, Any]]:
-    """Share of all machines within each grade, and its interval; one that failed is in none."""
+    """Share of the machines that ran within each grade, and its interval."""
     from scipy.stats import binomtest
 
-    rows = []
+    rows, ran = [], int(scatter.ran.sum())
     for grade in GRADES:
         within = int((scatter.grade <= grade).sum())
-        interval = binomtest(within, len(scatter.grade)).proportion_ci(CONFIDENCE, "wilson")
+        interval = binomtest(within, ran).proportion_ci(CONFIDENCE, "wilson")
         rows.append(
             {
                 "grade": f"G{grade:g}",
-                "share": within / len(scatter.grade),
+                "share": within / ran,
                 "low": float(interval.low),
                 "high": float(interval.high),
             }
@@ -116,8 +125,16 @@ def lines(said: Mapping[str, Any]) -> list[str]:
         lines.append(f"No grades: {said['no_grades']}")
     if said["no_first_order"]:
         lines.append(f"No share of the variance: {said['no_first_order']}")
+    if said["failed"]:
+        ran = said["machines"] - said["failed"]
+        lines.append(
+            f"All figures and shares are of the {ran} machines that ran; those that failed:"
+        )
     for one in said["reasons"][:MOST_REASONS]:
-        lines.append(f"{one['machines']} failed, such as: {one['such_as']}")
+        named = next(each for each in said["failures"] if each["reason"] == one["such_as"])
+        values = ", ".join(f"{path} = {value:.10g}" for path, value in named["values"].items())
+        alike = f" ({one['machines'] - 1} more like it)" if one["machines"] > 1 else ""
+        lines.append(f"machine {named['machine']}, {values}{alike}: {one['such_as']}")
     return lines
 
 

@@ -237,7 +237,11 @@ def test_command_writes_picture_table_and_document(invoke, tmp_path, monkeypatch
     assert all(row["residual amplitude [m]"] == "" for row in failed)
     within = sum(float(row["grade [mm/s]"] or math.inf) <= 6.3 for row in rows)
     (g63,) = (row for row in said["grades"] if row["grade"] == "G6.3")
-    assert g63["share"] == pytest.approx(within / 120)
+    assert g63["share"] == pytest.approx(within / (120 - said["failed"]))  # of those that ran
+    first = said["failures"][0]
+    assert rows[first["machine"] - 1]["failure"] == first["reason"]
+    assert f"of the {120 - said['failed']} machines that ran" in outcome.output
+    assert f"machine {first['machine']}, {MAY_OVERLAP[0].partition('=')[0]} = " in outcome.output
     assert g63["low"] < g63["share"] < g63["high"]
     assert "120 machines, seed 2" in outcome.output
     assert "G6.3" in outcome.output

@@ -37,6 +37,28 @@ def test_a_normal_distribution_can_be_cut_off():
 
 
 @pytest.mark.parametrize(
+    ("text", "mean", "deviation"),
+    [
+        ("rotor.mass=normal(950 g, 10%)", 0.95, 0.095),
+        ("rotor.mass=normal(950g,deviation=5 g)", 0.95, 0.005),
+        ("run.initial.x=normal(-2mm,10%)", -2e-3, 2e-4),
+        ("rotor.mass=triangular(90%,2kg,110%)", 2.0, 0.2 / math.sqrt(6.0)),
+    ],
+)
+def test_numbers_take_units_and_percentages_of_the_mean_or_mode(text, mean, deviation):
+    one = Variation.parse(text, load_scene("two_balls")).distribution
+    assert one.mean() == pytest.approx(mean)
+    assert one.std() == pytest.approx(deviation)
+
+
+def test_lognormal_takes_its_deviation_in_percent():
+    one = Variation.parse("weights.drag=lognormal(0.2 N s/m, 10%)", load_scene("two_balls"))
+    assert np.log([one.distribution.ppf(0.5)]) == pytest.approx(np.log([0.2]))
+    assert one.distribution.kwds["scale"] == pytest.approx(0.2)
+    assert one.distribution.args == pytest.approx((0.1,))
+
+
+@pytest.mark.parametrize(
     ("text", "said"),
     [
         ("weights.drag", "must be PATH=NAME"),
