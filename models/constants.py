@@ -68,4 +68,4 @@ BEYOND = 10.0  # times the largest force: what a resonance makes in three revolu
 UNFOLLOWED = 0.5  # rad per step of the slowest vibration: what cubics miss of it gathers
 GROWTH = 2.0  # in a step: no resolved motion grows so fast
 RUNAWAY = 4  # such steps in a row
-MISS_PER_ERROR = 120.0  # what a prediction misses over the error of the step, on average
+MISS_PER_ERROR = 120.0  # of a prediction over a cubic's: (h + h)^2 h^2/24 over h^4/720

@@ -15,8 +15,6 @@ Knot = tuple[complex, complex]  # value and slope at one point
 
 ZERO: Knot = (0j, 0j)
 REST: Cubic = (0j, 0j, 0j, 0j)
-# how far the cubic of the step before misses the end of a step, over what the step's own cubic errs
-# on average: (h + h)^2 h^2/24 over h^4/720
 
 
 def begun(knot: Knot) -> Cubic:

@@ -20,23 +20,36 @@ from scipy.optimize import nnls
 
 from autobalancer.harness import Scene
 from autobalancer.harness.master.one_file import build_one_file
+from tests.native.core import Complex
 from tests.native.packaging import compile_units
 
 HOST = Path(__file__).parent / "host"
 KAPPA, TRACK = 1.4, 0.3  # of the weights; radius of their track [m]
 CARRIER = 2.0  # mass of the rotor without weights [kg]
-_D, _I = POINTER(c_double), POINTER(c_int)
-DOUBLES = ("inertia", "moment", "direction", "rate", "before")
+_D = POINTER(c_double)
+
+
+class ImpactWeight(ctypes.Structure):
+    _fields_ = (
+        ("plane", c_int), ("inertia", c_double), ("moment", c_double), ("before", c_double),
+        ("direction", Complex),
+    )  # fmt: skip
+
+
+class ImpactPair(ctypes.Structure):
+    _fields_ = (
+        ("behind", c_int), ("ahead", c_int), ("lasting", c_int), ("pushing", c_int),
+        ("restitution", c_double), ("right", c_double),
+    )  # fmt: skip
 
 
 class Impact(ctypes.Structure):
     """`Impact` of impact_law.h."""
 
     _fields_ = (
-        ("mobility", _D), ("planes", c_int), ("count", c_int), ("plane", _I),
-        *((name, _D) for name in DOUBLES), ("contacts", c_int), ("behind", _I), ("ahead", _I),
-        ("lasting", _I), ("restitution", _D), ("pushing", _I), ("impulse", _D), ("right", _D),
-        ("jumps", _D), ("openings", _D), ("square", _D),
+        ("mobility", _D), ("planes", c_int), ("count", c_int), ("contacts", c_int),
+        ("weights", POINTER(ImpactWeight)), ("pairs", POINTER(ImpactPair)), ("rate", _D),
+        ("impulse", _D), ("jumps", _D), ("openings", _D), ("square", _D),
     )  # fmt: skip
 
 
@@ -50,13 +63,12 @@ def collided(core, angles, rates, pairs, mass, restitution, lasting=()):
     impact = core("impact_begin", mobility, 1, n, memory)
     impact.count, impact.contacts = n, len(pairs)
     for k, (angle, rate) in enumerate(zip(angles, rates, strict=True)):
-        impact.plane[k], impact.moment[k] = 0, mass * TRACK
-        impact.inertia[k] = KAPPA * mass * TRACK**2
-        impact.direction[2 * k], impact.direction[2 * k + 1] = math.cos(angle), math.sin(angle)
-        impact.rate[k] = impact.before[k] = rate
+        direction = Complex(math.cos(angle), math.sin(angle))
+        inertia = KAPPA * mass * TRACK**2
+        impact.weights[k] = ImpactWeight(0, inertia, mass * TRACK, rate, direction)
+        impact.rate[k] = rate
     for i, (a, b) in enumerate(pairs):
-        impact.behind[i], impact.ahead[i], impact.restitution[i] = a, b, restitution
-        impact.lasting[i] = int(i in lasting)
+        impact.pairs[i] = ImpactPair(a, b, int(i in lasting), 0, restitution, 0.0)
     core.demand("impact_solve", byref(impact))
     core.library.impact_on_plane.restype = core.structures.Complex
     push = core("impact_on_plane", byref(impact), 0)

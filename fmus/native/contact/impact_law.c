@@ -9,45 +9,42 @@
 #define MOST_ROUNDS 100         /* with restitution; a last one without it ends every approach */
 #define PIVOTS_PER_PAIR 200
 
-enum { VECTORS = 9, SQUARES = 3, IMPACT_INTS = 5 }; /* doubles a weight, squares of n, and ints a weight */
+enum { VECTORS = 2, SQUARES = 3 }; /* doubles a weight, and squares of n */
+
+static size_t doubles_of(size_t bytes)
+{
+    return bytes / sizeof(double);
+}
 
 size_t impact_doubles(int count)
 {
-    const size_t n = (size_t)count, ints = IMPACT_INTS * n * sizeof(int);
-    return VECTORS * n + SQUARES * n * n + (ints + sizeof(double) - 1) / sizeof(double);
+    const size_t n = (size_t)count;
+    return n * doubles_of(sizeof(ImpactWeight) + sizeof(ImpactPair)) + n * (VECTORS + SQUARES * n);
 }
 
 Impact impact_begin(const double *mobility, int planes, int count, double *memory)
 {
     const size_t n = (size_t)count;
-    double *squares = memory + VECTORS * n;
-    int *ints = (int *)(void *)(squares + SQUARES * n * n);
     Impact impact;
     impact.mobility = mobility;
     impact.planes = planes;
     impact.count = impact.contacts = 0;
-    impact.inertia = memory;
-    impact.moment = memory + n;
-    impact.direction = (Complex *)(void *)(memory + 2 * n);
-    impact.rate = memory + 4 * n;
-    impact.before = memory + 5 * n;
-    impact.restitution = memory + 6 * n;
-    impact.impulse = memory + 7 * n;
-    impact.right = memory + 8 * n;
-    impact.jumps = squares;
-    impact.openings = squares + n * n;
-    impact.square = squares + 2 * n * n;
-    impact.plane = ints;
-    impact.behind = ints + n;
-    impact.ahead = ints + 2 * n;
-    impact.lasting = ints + 3 * n;
-    impact.pushing = ints + 4 * n;
+    impact.weights = (ImpactWeight *)(void *)memory;
+    memory += n * doubles_of(sizeof(ImpactWeight));
+    impact.pairs = (ImpactPair *)(void *)memory;
+    memory += n * doubles_of(sizeof(ImpactPair));
+    impact.rate = memory;
+    impact.impulse = memory + n;
+    memory += VECTORS * n;
+    impact.jumps = memory;
+    impact.openings = memory + n * n;
+    impact.square = memory + 2 * n * n;
     return impact;
 }
 
 double impact_opening(const Impact *impact, int contact)
 {
-    return impact->rate[impact->ahead[contact]] - impact->rate[impact->behind[contact]];
+    return impact->rate[impact->pairs[contact].ahead] - impact->rate[impact->pairs[contact].behind];
 }
 
 /* The angles' inertia B, (n, n). */
@@ -57,12 +54,12 @@ static void fill_inertia(const Impact *impact, double *matrix)
     int k, l;
     for (k = 0; k < n; k++) {
         for (l = 0; l < n; l++) {
-            const double mobility =
-                impact->mobility[impact->plane[k] * impact->planes + impact->plane[l]];
-            const Complex a = impact->direction[k], b = impact->direction[l];
-            matrix[k * n + l] = (k == l ? impact->inertia[k] : 0.0) -
-                                mobility * impact->moment[k] * impact->moment[l] *
-                                    (a.re * b.re + a.im * b.im);
+            const ImpactWeight *a = impact->weights + k, *b = impact->weights + l;
+            const double mobility = impact->mobility[a->plane * impact->planes + b->plane];
+            matrix[k * n + l] = (k == l ? a->inertia : 0.0) -
+                                mobility * a->moment * b->moment *
+                                    (a->direction.re * b->direction.re +
+                                     a->direction.im * b->direction.im);
         }
     }
 }
@@ -76,8 +73,8 @@ static int fill_responses(Impact *impact)
     fill_inertia(impact, impact->openings);
     fill_doubles((size_t)n * (size_t)c, 0.0, jumps);
     for (j = 0; j < c; j++) {
-        jumps[impact->behind[j] * c + j] -= 1.0;
-        jumps[impact->ahead[j] * c + j] += 1.0;
+        jumps[impact->pairs[j].behind * c + j] -= 1.0;
+        jumps[impact->pairs[j].ahead * c + j] += 1.0;
     }
     if (matrix_solve(1, n, c, impact->openings, jumps)) {
         return 1;
@@ -85,7 +82,7 @@ static int fill_responses(Impact *impact)
     for (i = 0; i < c; i++) {
         for (j = 0; j < c; j++) {
             impact->openings[i * c + j] =
-                jumps[impact->ahead[i] * c + j] - jumps[impact->behind[i] * c + j];
+                jumps[impact->pairs[i].ahead * c + j] - jumps[impact->pairs[i].behind * c + j];
         }
     }
     return 0;
@@ -98,21 +95,21 @@ static int fill_impulses(Impact *impact)
     double *square = impact->square;
     int count = 0, i, j;
     for (i = 0; i < c; i++) {
-        if (!impact->pushing[i]) {
+        if (!impact->pairs[i].pushing) {
             continue;
         }
         for (j = 0; j < c; j++) {
-            if (impact->pushing[j]) {
+            if (impact->pairs[j].pushing) {
                 *square++ = impact->openings[i * c + j];
             }
         }
-        impact->impulse[count++] = -impact->right[i];
+        impact->impulse[count++] = -impact->pairs[i].right;
     }
     if (matrix_solve(1, count, 1, impact->square, impact->impulse)) {
         return 1;
     }
     for (i = c - 1; i >= 0; i--) {
-        impact->impulse[i] = impact->pushing[i] ? impact->impulse[--count] : 0.0;
+        impact->impulse[i] = impact->pairs[i].pushing ? impact->impulse[--count] : 0.0;
     }
     return 0;
 }
@@ -124,14 +121,14 @@ static int first_violation(const Impact *impact, double tiny)
     int i, j;
     for (i = 0; i < c; i++) {
         const double *row = impact->openings + i * c;
-        double left = impact->right[i];
-        if (impact->lasting[i]) {
+        double left = impact->pairs[i].right;
+        if (impact->pairs[i].lasting) {
             continue;
         }
         for (j = 0; j < c; j++) {
             left += row[j] * impact->impulse[j];
         }
-        if ((impact->pushing[i] ? impact->impulse[i] * row[i] : left) < -tiny) {
+        if ((impact->pairs[i].pushing ? impact->impulse[i] * row[i] : left) < -tiny) {
             return i;
         }
     }
@@ -148,9 +145,9 @@ static int collide(Impact *impact, int rebounds, double tiny)
         return 1;
     }
     for (i = 0; i < c; i++) {
-        const double e = rebounds && !impact->lasting[i] ? impact->restitution[i] : 0.0;
-        impact->right[i] = (1.0 + e) * impact_opening(impact, i);
-        impact->pushing[i] = impact->lasting[i];
+        const double e = rebounds && !impact->pairs[i].lasting ? impact->pairs[i].restitution : 0.0;
+        impact->pairs[i].right = (1.0 + e) * impact_opening(impact, i);
+        impact->pairs[i].pushing = impact->pairs[i].lasting;
     }
     for (pivot = 0; pivot < PIVOTS_PER_PAIR * c; pivot++) {
         if (fill_impulses(impact)) {
@@ -160,7 +157,7 @@ static int collide(Impact *impact, int rebounds, double tiny)
         if (i < 0) {
             break;
         }
-        impact->pushing[i] = !impact->pushing[i];
+        impact->pairs[i].pushing = !impact->pairs[i].pushing;
     }
     for (i = 0; i < n; i++) {
         for (j = 0; j < c; j++) {
@@ -185,7 +182,7 @@ int impact_solve(Impact *impact, Failure *failure)
         double closing = 0.0;
         for (i = 0; i < impact->contacts; i++) {
             const double opening = impact_opening(impact, i);
-            closing = larger(closing, impact->lasting[i] ? absolute(opening) : -opening);
+            closing = larger(closing, impact->pairs[i].lasting ? absolute(opening) : -opening);
         }
         if (closing <= tiny) {
             return FINE;
@@ -202,9 +199,10 @@ Complex impact_on_plane(const Impact *impact, int plane)
     Complex rate = {0.0, 0.0};
     int k;
     for (k = 0; k < impact->count; k++) {
-        if (impact->plane[k] == plane) {
-            const double jump = impact->moment[k] * (impact->rate[k] - impact->before[k]);
-            rate = complex_sum(rate, complex_scaled(jump, impact->direction[k]));
+        const ImpactWeight *weight = impact->weights + k;
+        if (weight->plane == plane) {
+            const double jump = weight->moment * (impact->rate[k] - weight->before);
+            rate = complex_sum(rate, complex_scaled(jump, weight->direction));
         }
     }
     return complex_of(rate.im, -rate.re); /* -i times it */

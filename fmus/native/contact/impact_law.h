@@ -21,27 +21,37 @@
 #include "base/complex_number.h"
 #include "base/failure.h"
 
+/* A weight. */
+typedef struct {
+    int plane;         /* from 0 */
+    double inertia;    /* kappa m R^2 [kg m^2] */
+    double moment;     /* m R [kg m] */
+    double before;     /* angular speed before the impact [rad/s] */
+    Complex direction; /* e^{i theta} in the rotor */
+} ImpactWeight;
+
+/* Two weights that touch, along increasing angle. */
+typedef struct {
+    int behind, ahead;
+    int lasting;        /* whether they cannot part */
+    int pushing;        /* whether L > 0 */
+    double restitution; /* e */
+    double right;       /* (1 + e) G v- */
+} ImpactPair;
+
 /* The weights of all tracks on one rotor, and the pairs of them that touch. */
 typedef struct {
     const double *mobility; /* (p, p) of the planes [1/kg] */
     int planes;             /* p */
-    int count;              /* weights, n */
-    int *plane;             /* (n,) from 0 */
-    double *inertia;        /* (n,) kappa m R^2 [kg m^2] */
-    double *moment;         /* (n,) m R [kg m] */
-    Complex *direction;     /* (n,) e^{i theta} in the rotor */
-    double *rate;           /* (n,) angular speeds [rad/s], */
-    double *before;         /* (n,) and before the impact */
-    int contacts;           /* pairs that touch, c */
-    int *behind, *ahead;    /* (c,) the two weights of each, along increasing angle */
-    int *lasting;           /* (c,) whether it cannot open */
-    double *restitution;    /* (c,) e */
-    int *pushing;           /* (c,) pairs with L > 0 */
-    double *impulse;        /* (c,) L [kg m^2/s] */
-    double *right;          /* (c,) (1 + e) G v- */
-    double *jumps;          /* (n, c) B^-1 G^T */
-    double *openings;       /* (n, n) scratch: G B^-1 G^T (c, c), and B before it */
-    double *square;         /* (n, n) scratch */
+    int count;              /* weights, n, */
+    int contacts;           /* and pairs that touch, c */
+    ImpactWeight *weights;
+    ImpactPair *pairs;
+    double *rate;     /* (n,) angular speeds [rad/s] */
+    double *impulse;  /* (c,) L [kg m^2/s] */
+    double *jumps;    /* (n, c) B^-1 G^T */
+    double *openings; /* (n, n) scratch: G B^-1 G^T (c, c), and B before it */
+    double *square;   /* (n, n) scratch */
 } Impact;
 
 /* Doubles of the arrays for at most `count` weights, each of which touches the next. */

@@ -34,11 +34,10 @@ void impact_add(Impact *impact, const WeightsInOrder *weights, int plane, int cl
     int k;
     for (k = 0; k < n; k++) {
         const int i = first + k;
-        impact->plane[i] = plane;
-        impact->moment[i] = track->moment;
-        impact->inertia[i] = track->weights.kappa * track->moment * track->weights.track_radius;
-        impact->direction[i] = rect(1.0, weights->angle[k]);
-        impact->rate[i] = impact->before[i] = weights->angle_rate[k];
+        const double inertia = track->weights.kappa * track->moment * track->weights.track_radius;
+        impact->rate[i] = weights->angle_rate[k];
+        impact->weights[i] = (ImpactWeight){plane, inertia, track->moment, weights->angle_rate[k],
+                                            rect(1.0, weights->angle[k])};
     }
     impact->count += n;
     for (k = 0; k < n && track->solid; k++) {
@@ -47,10 +46,10 @@ void impact_add(Impact *impact, const WeightsInOrder *weights, int plane, int cl
         const int lasts = track->full && k < n - 1;
         if (lasts || (!track->full && (k == closed || weights->joined[k] ||
                                        gap(weights, k) <= TOUCH || closes(weights, k, soon)))) {
-            impact->behind[pair] = first + k;
-            impact->ahead[pair] = first + (k + 1) % n;
-            impact->restitution[pair] = track->restitution;
-            impact->lasting[pair] = lasts;
+            impact->pairs[pair].behind = first + k;
+            impact->pairs[pair].ahead = first + (k + 1) % n;
+            impact->pairs[pair].restitution = track->restitution;
+            impact->pairs[pair].lasting = lasts;
             impact->contacts++;
         }
     }
@@ -95,17 +94,17 @@ int impact_take(Impact *impact, int first, WeightsInOrder *weights, const Instan
         weights->joined[k] = weights->track->full;
     }
     for (pair = 0; pair < impact->contacts; pair++) {
-        k = impact->behind[pair] - first;
+        k = impact->pairs[pair].behind - first;
         if (k >= 0 && k < n && absolute(impact_opening(impact, pair)) <= rounding) {
             weights->joined[k] = 1;
         }
     }
     accelerations = accelerations_of(weights, now, angular_acceleration);
     for (pair = 0; pair < impact->contacts; pair++) {
-        k = impact->behind[pair] - first;
+        k = impact->pairs[pair].behind - first;
         if (k >= 0 && k < n && !weights->joined[k] &&
             bounces_low(weights, k, accelerations, impact_opening(impact, pair))) {
-            impact->lasting[pair] = 1;
+            impact->pairs[pair].lasting = 1;
             low++;
         }
     }

@@ -54,9 +54,9 @@ static double share_of_miss(int orders, double step, double last_step)
 {
     const double sum = step + last_step;
     if (orders == QUINTIC_ORDERS) {
-        return step * step * step / (140.0 * (sum * sum * sum));
+        return 8.0 * (step * step * step) / (QUINTIC_MISS_PER_ERROR * (sum * sum * sum));
     }
-    return step * step / (30.0 * (sum * sum));
+    return 4.0 * (step * step) / (MISS_PER_ERROR * (sum * sum));
 }
 
 /* Largest error of signals over a step that ends so, relative to `scale`. */

@@ -15,6 +15,7 @@
 typedef enum { SCHEME_AUTO, SCHEME_ITERATED, SCHEME_COMPENSATED } Scheme;
 
 enum { UNTIL_CONVERGED = -1 }; /* corrections */
+#define QUINTIC_MISS_PER_ERROR 1120.0 /* as MISS_PER_ERROR: (2 h)^3 h^3/720 over h^6/100800 */
 
 /* Value and slope of a signal at one point, and of a quintic its second derivative, else 0. */
 typedef struct {

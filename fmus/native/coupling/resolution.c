@@ -8,7 +8,6 @@
 #include "units/rotor.h"
 #include "units/weights.h"
 
-static const double QUINTIC_MISS_PER_ERROR = 1120.0;
 static const double EXPLICIT_MISS_PER_ERROR = 4.0, QUINTIC_EXPLICIT_MISS_PER_ERROR = 5.06;
 enum { TOO_LONG = 2 };
 

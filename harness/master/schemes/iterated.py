@@ -26,8 +26,6 @@ from ..loop import QuasiNewton, Vector, difference, jacobian, of_values, pack, s
 from ..signals import Cubic, Knot, end_of, interpolations, predicted
 from ..system import System
 
-# per loop gain: what rounding leaves of a residual; forces err by it over the gain
-
 
 class Iterated:
     """Implicit scheme with rollback.
