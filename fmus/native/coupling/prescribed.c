@@ -2,8 +2,10 @@
 
    The same step as with a tolerance, solved as far, but of given length: two runs that meet at common
    points differ by their errors alone. Signals are held over steps longer than the longest, as there: all
-   is at rest. A step whose loop cannot be solved is halved: where a support turns round in it so near its
-   end that the forces decide whether it does, the acceleration jumps with them. */
+   is at rest. Behind an event the way to the next point is halved: where the event falls into the last part
+   of a step of the earlier run, both runs would go on with the same step, and its error would not show. A
+   step whose loop cannot be solved is halved: where a support turns round in it so near its end that the
+   forces decide whether it does, the acceleration jumps with them. */
 #include "base/elementary.h"
 #include "constants.h"
 #include "coupling/composite.h"
@@ -25,6 +27,9 @@ int prescribed_step(Unit *unit)
         step = smaller(step, pacing->points[pacing->next] - course->clock.time);
     }
     held = step > LONG * pacing->longest;
+    if (course->division.no_past > 0.0 && course->clock.time > 0.0 && !held) {
+        step *= 0.5;
+    }
     for (;;) {
         double residual;
         course->adaptive.held = held;
