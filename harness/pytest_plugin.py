@@ -35,18 +35,23 @@ def cosim(request: pytest.FixtureRequest) -> Callable[..., Result]:
         one_file: bool | None = None,
         **overrides: Any,
     ) -> Result:
+        __tracebackhide__ = True  # of a refusal pytest shows the test's line and the message
+        from .errors import SimulationError, UserError
         from .master.run import cosimulate
         from .scene import Scene, load_scene
 
-        if isinstance(source, Scene):
-            scene = source
-        else:
-            beside = request.path.parent / source
-            scene = load_scene(beside if beside.is_file() else source)
-        if overrides:
-            scene = scene.replace(overrides)
-        return cosimulate(
-            scene, record=record, fmus=fmus, verify=verify, separate=separate, one_file=one_file
-        )
+        try:
+            if isinstance(source, Scene):
+                scene = source
+            else:
+                beside = request.path.parent / source
+                scene = load_scene(beside if beside.is_file() else source)
+            if overrides:
+                scene = scene.replace(overrides)
+            return cosimulate(
+                scene, record=record, fmus=fmus, verify=verify, separate=separate, one_file=one_file
+            )
+        except (UserError, SimulationError) as refusal:
+            raise refusal.with_traceback(None) from None
 
     return run

@@ -107,6 +107,16 @@ class Result(Pictures):
     def __contains__(self, name: object) -> bool:
         return name in self.signals or name in self.velocity
 
+    def __repr__(self) -> str:
+        return (
+            f"<Result of {self.scene_title!r}: {len(self.signals)} signals at {len(self.time)} "
+            f"times to {self.time[-1]:.4g} s>"
+        )
+
+    def _ipython_key_completions_(self) -> list[str]:
+        """Names that `run["` is completed to."""
+        return list(self.signals)
+
     def to_csv(self, path: str | Path) -> Path:
         """Write time and signals as CSV, completely or not at all.
 
@@ -232,6 +242,21 @@ class Result(Pictures):
                     f"t = {self.time[late][k]:.6g} s, expected at most {below:g} m over the last "
                     f"{last:.0%} of {self.time[-1]:.6g} s{self._moments()} [{self.scene_title}]"
                 )
+
+    def assert_settled(self, within: float | str) -> None:
+        """Fail unless the rotor is balanced from a time on, as `summary` judges it.
+
+        Args:
+            within: latest time from which on the vibration may be less than 5 % of that without
+                balancers [s], or text with a unit such as "3 s".
+
+        Raises:
+            UserError: the result does not know its scene.
+        """
+        __tracebackhide__ = True  # pytest then shows the caller's line
+        latest, found = si_number(within, "s", "within"), self.summary()
+        if found.after is None or not found.after <= latest:
+            raise AssertionError(f"not settled within {latest:g} s: {found} [{self.scene_title}]")
 
     def residual_moment(self, balancer: str) -> Signal:
         """Static moment of a balancer's weights |sum m R e^{i theta}|, (T,) [kg m]."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING, Literal, overload
 
 import numpy as np
 from numpy.typing import NDArray
@@ -38,12 +38,20 @@ class Pictures(_Result):
     kind, or what it needs was not recorded.
     """
 
-    def plot(self, path: str | Path) -> Path:
-        """Draw the time history into a picture file.
+    @overload
+    def plot(self) -> Picture: ...
+
+    @overload
+    def plot(self, path: str | Path) -> Path: ...
+
+    def plot(self, path: str | Path | None = None) -> Picture | Path:
+        """The time history as a `Picture`, or drawn into a picture file where a path is given.
 
         Raises:
             UserError: the file cannot be written, or nothing that can be drawn was recorded.
         """
+        if path is None:
+            return self.plot_history()
         try:
             return self.plot_history().save(path)
         except UserError as error:

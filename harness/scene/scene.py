@@ -143,6 +143,10 @@ class Scene(Table):
                 return self._path.read_text(encoding="utf-8-sig")
         return dumps(self._document)
 
+    def __repr__(self) -> str:
+        balancers = ", ".join(f"{b.kind} {b.label!r}" for b in self.balancer) or "no balancer"
+        return f"<Scene {self.heading!r}: {self.rotor.kind} rotor, {balancers}>"
+
     @property
     def heading(self) -> str:
         """What tables and pictures call the scene: its title, else its name."""

@@ -63,3 +63,6 @@ def test_failing_assertion_says_what_was_wrong(with_scene):
             "*'rotor.mas': unknown (did you mean \"mass\"?)*",
         ]
     )
+    # no line of the library stands between the test and the message
+    outcome.stdout.no_fnmatch_line("*scene.py:*")
+    outcome.stdout.no_fnmatch_line("*pytest_plugin.py:*")

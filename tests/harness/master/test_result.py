@@ -38,6 +38,13 @@ def test_unknown_signal_lists_what_was_recorded(result):
     assert "recorded: rotor.x, rotor.y, weights.moment_xi" in str(caught.value)
 
 
+def test_a_result_is_told_in_a_line_draws_itself_and_completes_its_signals(result):
+    said = "<Result of 'a decaying circle': 4 signals at 1001 times to 10 s>"
+    assert repr(result) == said
+    assert result.plot().title == "a decaying circle"
+    assert result._ipython_key_completions_()[:2] == ["rotor.x", "rotor.y"]
+
+
 def test_assert_close_passes_within_and_names_the_worst_time_beyond(result):
     exact = np.exp(-result.time) * np.cos(6.0 * result.time)
     result.assert_close("rotor.x", exact, 1e-12)

@@ -127,3 +127,16 @@ def test_run_prints_the_summary_and_bookkeeping_only_when_asked(invoke, tmp_path
     assert "Left out" not in outcome.output
     assert "Balanced after 22 s" in (tmp_path / "report.html").read_text(encoding="utf-8")
     assert "Left out: " in invoke("run", "two_balls", "--verbose").output
+
+
+def test_assert_settled_takes_the_time_of_the_summary_and_says_why_not():
+    run = cosimulate(drum())
+    run.assert_settled(within="2.5 s")
+    with pytest.raises(AssertionError, match=r"not settled within 1 s: Balanced after 2\.\d+ s"):
+        run.assert_settled(within=1.0)
+    with pytest.raises(AssertionError, match="not settled within 9 s: Not balanced: capacity"):
+        cosimulate(drum(rotor__unbalance=0.05)).assert_settled(within=9.0)
+
+
+def test_a_scene_is_told_in_a_line():
+    assert repr(drum()) == "<Scene 'scene': planar rotor, balls 'balls'>"
