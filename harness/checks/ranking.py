@@ -46,7 +46,6 @@ def check_ranking(
         starts=starts,
         workers=workers,
         progress=lambda done: progress(share * done),
-        separate="checks are of the FMUs",
     )
     yield from _order(data, rows)
     found = data.decays

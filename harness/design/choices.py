@@ -10,8 +10,6 @@ import numpy as np
 
 from ...models.papers import capacity as theory
 from ...models.papers.settling import settling_time, slow_root
-from ..master.one_file import why_separate
-from ..master.schedule import at_fixed_steps
 from ..output.workers import Progress, Workers, in_order
 from ..scene import Scene
 from .decay import Decay
@@ -27,7 +25,7 @@ from .scenes import (
     weights_of,
     with_balls,
 )
-from .settling import SETTLED, SettlingRun, median_interval, refuse_few, run_batch, run_batch_in_c
+from .settling import SETTLED, SettlingRun, median_interval, refuse_few, run_batch
 
 
 @dataclass(frozen=True)
@@ -85,7 +83,6 @@ class Design:
     Attributes:
         unbalance: the largest to be balanced [kg m].
         choices: by number of weights.
-        separate: why separate FMUs ran; empty where the starts ran in C as one composite.
         reserve: capacity that is asked for, over the unbalance.
         least: the smallest unbalance that occurs [kg m].
     """
@@ -95,7 +92,6 @@ class Design:
     unbalance: float
     race: float
     choices: tuple[Choice, ...]
-    separate: str = ""
     reserve: float = 1.0
     least: float = 0.0
 
@@ -109,12 +105,6 @@ class Design:
         """Ends of all runs, where the closed forms hold."""
         return [run.decay for c in self.with_capacity for run in c.runs if run.decay]
 
-    @property
-    def units(self) -> list[str]:
-        """Names of the FMUs that were loaded."""
-        loaded = (name for c in self.choices for run in c.runs for name in run.units)
-        return list(dict.fromkeys(loaded))
-
 
 def design(
     scene: Scene,
@@ -127,13 +117,12 @@ def design(
     starts: int = 200,
     workers: Workers = 1,
     progress: Progress | None = None,
-    separate: str = "",
     reserve: float = 1.0,
     least: float = 0.0,
 ) -> Design:
     """Compare numbers of weights on the rotor of a scene.
 
-    Starts run in C as one composite where the scene's coupling allows it.
+    Starts run in C as one file.
 
     Args:
         unbalance: the largest to be balanced [kg m], by default the scene's.
@@ -143,13 +132,13 @@ def design(
         starts: random starts for every number of weights.
         workers: processes, or an executor.
         progress: called with the finished fraction.
-        separate: why separate FMUs are to run all the same; empty: they are not.
         reserve: capacity over the unbalance that a number must have.
         least: the smallest unbalance that occurs [kg m].
 
     Raises:
         SceneError: the scene is not a planar rotor at constant speed with one set of balls or
-            rollers, or none, and no gravity; or race or width is not known.
+            rollers, or none, and no gravity; race or width is not known; or one file does not
+            have its coupling or units.
         SimulationError: a run cannot be completed, or the starts are too few.
     """
     refuse_few(starts)  # before the work
@@ -160,14 +149,12 @@ def design(
     race = race_of(balls) if race is None else race
     scenes = sized(scene, counts, amount, race, width, density)
     work = [batch for n in counts for batch in batches(scenes[n], amount, starts, reserve=reserve)]
-    separate = separate or why_separate(at_fixed_steps(scene))
-    run = run_batch if separate else run_batch_in_c
-    outcomes = in_order(run, work, workers, progress)
+    outcomes = in_order(run_batch, work, workers, progress)
     runs: dict[int, list[SettlingRun]] = {n: [] for n in counts}
     for batch, outcome in zip(work, outcomes, strict=True):
         runs[weights_of(batch.scene, any_supports=True).count] += outcome
     choices = tuple(_choice(scenes[n], reserve * amount, runs[n]) for n in counts)
-    return Design(scene.title, balls.kind, amount, race, choices, separate, reserve, least)
+    return Design(scene.title, balls.kind, amount, race, choices, reserve, least)
 
 
 def _choice(scene: Scene, required: float, runs: list[SettlingRun]) -> Choice:

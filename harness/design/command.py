@@ -106,8 +106,6 @@ def command(
 
             rate = ASSUMED_RATE * loaded.profile().end
             say(f"Drag is ASSUMED: a ball loses its speed within {1.0 / rate:.3g} s. {MEASURE}")
-        if data.separate:
-            say(f"Separate units ran: {data.separate}")
     for path in filter(None, (output, page.picture(f"{loaded.name}_design"))):
         from .plot import plot_capacity, plot_design
 

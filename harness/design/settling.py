@@ -12,8 +12,7 @@ import numpy as np
 from ...models.papers.settling import settling_time
 from ...models.weights import alignment
 from ..errors import SimulationError
-from ..master.cosimulation import CoSimulation
-from ..master.one_file import composition
+from ..master.one_file import composition_in_c
 from ..master.schedule import at_fixed_steps, schedule, steps_per_rev
 from ..scene import Scene
 from ..scene.balancer import WeightBalancer
@@ -55,7 +54,6 @@ class SettlingRun:
             isotropic.
         unconverged, steps: communication steps whose loop left more than `LOOSE` of the force; of
             all.
-        units: names of the FMUs loaded for it; none where it ran in C as one composite.
     """
 
     seconds: float
@@ -63,7 +61,6 @@ class SettlingRun:
     decay: Decay | None
     unconverged: int = 0
     steps: int = 0
-    units: tuple[str, ...] = ()
 
     @property
     def predicted(self) -> float:
@@ -102,30 +99,10 @@ def facing_start(count: int, alpha: float, rng: random.Random) -> Start:
 
 
 def run_batch(batch: Batch) -> list[SettlingRun]:
-    """Every start of a batch, by separate units."""
-    balls = _balls(batch)
-    with CoSimulation(at_fixed_steps(batch.scene)) as units:
-        return [_run(units, batch, balls, start) for start in batch.starts]
-
-
-def _run(units: CoSimulation, batch: Batch, balls: WeightBalancer, start: Start) -> SettlingRun:
-    units.start({balls.label: dict(zip(_start_names(balls), start, strict=True))})
-    unit, numbers = units.units[balls.label], set(_read_after(batch.scene))
-    group = unit.group(_read_names(balls))
-    samples = (
-        (units.time, unit.get(group))
-        for number, _ in enumerate(units.run(), start=1)
-        if number in numbers
-    )
-    readings = _until_settled(batch, samples)
-    files = tuple(path.name for path in dict.fromkeys(units.paths))
-    return _settling_run(batch, balls, readings, units.unconverged, units.steps, files)
-
-
-def run_batch_in_c(batch: Batch) -> list[SettlingRun]:
-    """Every start of a batch, by the scene's composite: the same runs, of full length.
+    """Every start of a batch, run in C as the scene's one file.
 
     Raises:
+        SceneError: one file does not have the scene's coupling or units.
         SimulationError: a run has failed.
     """
     from ...fmus.composite.batch import BatchRuns  # compiles where it has to
@@ -135,7 +112,7 @@ def run_batch_in_c(batch: Batch) -> list[SettlingRun]:
         [f"{balls.label}.{name}" for name in of(balls)] for of in (_start_names, _read_names)
     )
     ((length, count),) = schedule(scene)
-    runs = BatchRuns(composition(scene), changed, [*asked, *_COUNTS], count)
+    runs = BatchRuns(composition_in_c(scene), changed, [*asked, *_COUNTS], count)
     signals, reasons = runs(np.array(batch.starts), np.full(len(batch.starts), length * count))
     if any(reasons):
         raise SimulationError(f"{scene.name}: {next(filter(None, reasons))}")
@@ -192,7 +169,6 @@ def _settling_run(
     readings: Readings,
     unconverged: int,
     steps: int,
-    units: tuple[str, ...] = (),
 ) -> SettlingRun:
     times, residuals, places = readings
     assembly, speed = batch.scene.assembly(), batch.scene.profile().speed(0.0)
@@ -205,7 +181,6 @@ def _settling_run(
         end,
         unconverged,
         steps,
-        units,
     )
 
 

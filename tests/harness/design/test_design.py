@@ -226,32 +226,11 @@ def test_contact_converges_at_its_order_in_the_communication_step(case):
     assert len(rows) == 2
 
 
-@pytest.mark.parametrize("name", ["finite_weights", "goncharov_balls"])
-def test_starts_in_c_end_as_with_separate_units(name):
-    """Weights collide on the way, and both schemes of a composite are in it."""
-    scene = load_scene(name).replace({"run.revolutions": 40})
-    in_c, separate = (
-        design(scene, counts=[3], starts=6, separate=why).choices[0].runs for why in ("", "asked")
-    )
-    assert not any(run.units for run in in_c)
-    for one, other in zip(in_c, separate, strict=True):
-        assert other.units
-        assert one.seconds == pytest.approx(other.seconds, rel=1e-9)
-        # impacts reach the rotor as pulses, one to two steps late, where units are separate
-        assert one.alignment == pytest.approx(other.alignment, abs=1e-4)
-        assert (one.decay.excluded, one.decay.touching) == (
-            other.decay.excluded,
-            other.decay.touching,
-        )
-        assert one.unconverged == other.unconverged
-
-
-def test_a_scheme_that_a_composite_does_not_have_runs_separate_units_and_says_why():
+def test_a_scheme_that_one_file_does_not_have_is_refused():
     changes = {"coupling.scheme": "gauss-seidel", "coupling.corrections": None}
     scene = load_scene("finite_weights").replace({"run.revolutions": 5, **changes})
-    data = design(scene, counts=[3], starts=6)
-    assert "gauss-seidel" in data.separate
-    assert data.units == ["RotorOnSupports.fmu", "BallBalancer-weights-3.fmu"]
+    with pytest.raises(SceneError, match="gauss-seidel"):
+        design(scene, counts=[3], starts=6)
 
 
 def test_two_weights_without_unbalance_are_named_not_failed():
