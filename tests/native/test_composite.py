@@ -261,3 +261,12 @@ def test_within_a_step_the_rotor_is_where_a_step_as_short_would_take_it(hosted, 
     size = np.abs(runs[1]).max(axis=0)
     assert (size > 0.0).all()
     assert (np.abs(runs[0] - runs[1]).max(axis=0) <= 1e-11 * size).all()
+
+
+def test_a_liquid_shows_its_mass_and_the_mass_that_it_adds():
+    """rho pi (r1^2 - r2^2) h, and rho pi r1^2 h (Dubovik 2006)."""
+    scene = load_scene("liquid_disc").replace({"run.revolutions": 0.1})
+    run = cosimulate(scene, record=["liquid.liquid_mass", "liquid.added_mass"])
+    whole = 1000.0 * math.pi * 0.1**2 * 0.05
+    assert run["liquid.added_mass"][-1] == pytest.approx(whole, rel=1e-12)
+    assert run["liquid.liquid_mass"][-1] == pytest.approx(whole - 0.9**2 * whole, rel=1e-12)

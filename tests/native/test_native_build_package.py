@@ -200,9 +200,9 @@ def test_a_unit_that_a_tool_compiles_from_its_sources_gives_the_same_bits(fmi, o
 # --- wheel ------------------------------------------------------------------------------------
 
 
-def test_the_wheel_carries_libraries_and_sources_in_at_most_1_5_million_bytes(wheel):
+def test_the_wheel_carries_libraries_and_sources_in_at_most_1_7_million_bytes(wheel):
     assert wheel.name.endswith("-py3-none-any.whl")
-    assert wheel.stat().st_size <= 1_500_000
+    assert wheel.stat().st_size <= 1_700_000
     home = "autobalancer/fmus/native"
     with zipfile.ZipFile(wheel) as archive:
         for target, path in libraries().items():
