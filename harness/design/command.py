@@ -64,7 +64,7 @@ def command(
         bool, typer.Option("--details", help="Also compare Goncharov's theory with the runs.")
     ] = False,
 ) -> None:
-    """Find how many balls or rollers, of what size, balance the scene's rotor."""
+    """Find number and size of balls or rollers for a rotor."""
     from ..output.report import Report
     from ..scene.changes import changed_scene
     from .choices import design

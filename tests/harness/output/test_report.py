@@ -105,7 +105,7 @@ def test_a_changed_scene_is_written_as_it_was_run():
         ),
         (
             ("design", "finite_weights", "--starts", "6", "--most", "3"),
-            "radius mm", "Goncharov, V.",
+            "diameter mm", "Goncharov, V.",
         ),
     ],
     ids=["balance", "map", "scatter", "design"],
