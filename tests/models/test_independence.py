@@ -8,12 +8,12 @@ import autobalancer.models
 from autobalancer.fmus.python.package import imports
 
 ROOT = Path(autobalancer.models.__file__).parents[1]
-# what the machine is: parameters, matrices of the rotor, static masses
+# what the machine is: parameters, matrices of the rotor, static masses, numbers
 DESCRIPTION = {
     f"models.{name}"
     for name in (
-        *("arrays", "assembly", "liquid", "motor", "ranges", "rotor", "rotor_kinds", "shaft"),
-        "weights",
+        *("arrays", "assembly", "constants", "liquid", "motor", "ranges", "rotor", "rotor_kinds"),
+        *("shaft", "weights"),
     )
 }
 SCALES = "models.linear.modes"  # the fastest vibration, which limits the steps of an integration

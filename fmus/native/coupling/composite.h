@@ -100,6 +100,7 @@ typedef struct {
     double striking, strikes; /* still to take, and taken */
     double met;               /* when the step that met it began [s] */
     double worst;             /* residual of the step before them */
+    double ended;             /* when the last of them ended [s] */
     double learned_step;      /* `solved_step` before them */
 } Event;
 

@@ -55,6 +55,7 @@ static void end(Composite *c)
         c->accelerations[k].prediction_error = 0.0;
     }
     composite_drop_past(c);
+    c->course->event.ended = c->course->clock.time + c->course->clock.length;
 }
 
 static void relearn(Composite *c)

@@ -27,7 +27,7 @@ int prescribed_step(Unit *unit)
         step = smaller(step, pacing->points[pacing->next] - course->clock.time);
     }
     held = step > LONG * pacing->longest;
-    if (course->division.no_past > 0.0 && course->clock.time > 0.0 && !held) {
+    if (course->event.ended == course->clock.time && course->clock.time > 0.0 && !held) {
         step *= 0.5;
     }
     for (;;) {
