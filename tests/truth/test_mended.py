@@ -5,6 +5,7 @@ import pytest
 from autobalancer.harness.errors import SimulationError
 from autobalancer.harness.master.run import cosimulate
 from autobalancer.harness.scene import Scene
+from tests.truth.draw import draw
 from tests.truth.judge import RTOLS, deviations, motion, referred
 
 pytestmark = pytest.mark.slow
@@ -56,6 +57,12 @@ RIGHT = {
         ramp(0.0, 30.0, 6.0),
         {"revolutions": 14.0},
         tolerance=1e-4,
+    ),
+    "a rotor that its motor's shaft hardly moves": scene(
+        planar(27.91, [12.76, 6.757], [1.506, 0.3362], 0.0003092),
+        pendulums(4, 1.402, 0.0215, drag=0.0, angles=[4.363, 3.121, 3.872, 1.648]),
+        {"motor": {"inertia": 0.3011, "stall_torque": 5.393, "no_load_speed": 8.019, "from": 0.0}},
+        {"revolutions": 2.434},
     ),
     "two weights whose pulls cancel at the start": scene(
         planar(1.0, 100.0, 1.0, 0.004),
@@ -258,3 +265,11 @@ def test_given_steps_say_how_an_error_gathers_of_a_vibration_that_they_do_not_fo
     error = max(deviations(result, motion(stiff, result)).values())
     assert error > 0.1
     assert error / 3.0 < result.estimated_error < 3.0 * error
+
+
+def test_the_step_behind_a_corner_is_in_the_stated_error():
+    """It was the same in both runs, and erred by 16 times what they stated."""
+    drawn = Scene.from_document(draw("motor", 20261127, 24))
+    run = cosimulate(drawn)
+    right, _ = referred(drawn, run, RTOLS[0])
+    assert max(deviations(run, right).values()) <= 3.0 * run.estimated_error

@@ -79,13 +79,19 @@ static double error_of(const Composite *c, double step, double *largest_motion)
 {
     const Course *course = c->course;
     int k;
+    double scale;
     *largest_motion = course->adaptive.largest_motion;
     for (k = 0; k < c->planes; k++) {
         *largest_motion = larger(*largest_motion, magnitude(c->ends[k].value));
     }
+    scale = *largest_motion;
+    if (c->motor) { /* what the loop may leave of the shaft's force can move the rotor more than it moves */
+        scale = larger(scale, course->loop.tolerance * course->loop.reached /
+                                  (AIM * course->adaptive.allowed * course->resolution.mass));
+    }
     return larger(larger(1.0, course->loop.gain) *
                       worst(c->forces, c->answers, c->unknowns, c->orders, step, course->loop.reached),
-                  worst(c->accelerations, c->ends, c->planes, c->orders, step, *largest_motion));
+                  worst(c->accelerations, c->ends, c->planes, c->orders, step, scale));
 }
 
 /* Whole number of rungs in ratio^(1/4), of quintics in ratio^(1/6), rounded down. */
