@@ -31,7 +31,7 @@ DISTURBANCE = 1e-9  # of the start's scales: what chaos makes of it is no fault 
 CHAOTIC = 1e-3 / DISTURBANCE  # growth from which nobody knows the end to a tenth of RIGHT
 REFERENCE_BOUND = 1e-3  # the two integrations agree to a tenth of RIGHT
 RESOLVED = 1e-6  # of a signal's largest value: what the integrations know of it
-RTOLS = 1e-10, 1e-12  # of the reference; the finer before a run counts as a miss
+RTOLS = 1e-10, 1e-12  # of the reference; the finer before a run or its estimate counts as wrong
 LONGEST_RUN = 120.0  # s of processor time
 
 OUTCOMES = {
@@ -143,7 +143,7 @@ def _compared(scene: Scene, verdict: Verdict, verify: bool, separate: bool) -> V
             return replace(verdict, outcome="unknown", words=str(error))
         verdict = _against(scene, result, verdict, right, own)
         outcome = classify(verdict, scene.coupling.tolerance if scene.asks_for_coupling else None)
-        if outcome not in MISSES and verdict.measured is not False:
+        if outcome not in MISSES and verdict.measured is not False and verdict.within:
             break
     if outcome in MISSES and growth(scene, result.time) > CHAOTIC:
         outcome = "chaotic"
