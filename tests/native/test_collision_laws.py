@@ -6,7 +6,7 @@ import cmath
 import math
 
 import pytest
-from hypothesis import assume, example, given
+from hypothesis import assume, example, given, settings
 from hypothesis import strategies as st
 
 from autobalancer.models.weights import Weights
@@ -109,6 +109,7 @@ def test_pooled_accelerations_ascend_and_keep_the_sum_of_the_drives(core, drives
     assert max(map(abs, held)) <= max(map(abs, free)) + 1e-12
 
 
+@settings(derandomize=True)  # some drawn motions take minutes
 @given(
     st.lists(st.floats(0.0, 1.0), min_size=2, max_size=6),
     st.lists(st.floats(-3.0, 3.0), min_size=6, max_size=6),
