@@ -145,18 +145,19 @@ def correct(
     if len(largest) not in (0, 1, planes):
         raise UserError(f"largest mass of {len(largest)} planes: must be one, or {planes}")
     method = "least maximum" if min_max else "least squares"
-    if min_max or largest:
+    limited = min_max or bool(largest)
+    if limited:
         bounds = np.broadcast_to(largest, planes) if largest else None
         exact = limited_correction(coefficients, before, bounds, min_max)
     else:
         exact = -unbalance_from_response(coefficients, before)
-    pieces = split(coefficients, before, exact, angles, limited=bool(min_max or largest))
+    pieces = split(coefficients, before, exact, angles, limited)
     mounted = np.zeros(planes, complex)
     for piece in pieces:
         mounted[piece.plane] += piece.mass * np.exp(1j * piece.angle)
     missed = before + coefficients @ exact
     spread = np.full(planes, math.nan)
-    if readings > planes and not (min_max or largest):
+    if readings > planes and not limited:
         variance = float((np.abs(missed) ** 2).sum()) / (readings - planes)
         inverse = np.linalg.inv(coefficients.conj().T @ coefficients)
         spread = np.sqrt(variance * inverse.diagonal().real)

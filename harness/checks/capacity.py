@@ -10,7 +10,7 @@ import numpy as np
 
 from ...models.papers import capacity as theory
 from ...models.papers.settling import plane_response
-from ..design.scenes import capacity_of, only_finite_weights
+from ..design.scenes import only_finite_weights
 from ..errors import SceneError
 from ..master.result import Result
 from ..master.run import cosimulate
@@ -55,7 +55,7 @@ def check_capacity(scene: Scene, check: CapacityCheck, progress: Progress) -> It
             f"{scene.name}: check capacity: needs a planar rotor with equal stiffness and damping "
             "in x and y at constant speed, and one set of weights with weight_radius"
         )
-    weights, limit = balls.device, capacity_of(balls)
+    weights, limit = balls.device, balls.capacity
     speed = scene.profile().speed(0.0)
     response = plane_response(scene.assembly().loaded_rotor, speed)
     rows = Rows(scene.name, check.kind)

@@ -11,7 +11,6 @@ import numpy as np
 
 from ...models.arrays import Array
 from ...models.harmonic_balance import NoResponse, unbalance_response
-from ...models.papers.capacity import capacity
 from ..scene import Scene
 from ..scene.balancer import WeightBalancer
 from ..scene.grade import GRADES, moments, residual_unbalance
@@ -167,9 +166,8 @@ def _used(scene: Scene, held: dict[str, float]) -> tuple[tuple[str, float, float
     used = []
     for one in scene.balancer:
         assert isinstance(one, WeightBalancer)
-        most = capacity(one.mass, one.track_radius, one.weight_radius or 0.0, one.count)
         moment = math.hypot(*(held[f"{one.label}.moment_{axis}"] for axis in ("xi", "eta")))
-        used.append((one.label, moment / most, most))
+        used.append((one.label, moment / one.capacity, one.capacity))
     return tuple(used)
 
 

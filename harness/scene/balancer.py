@@ -10,6 +10,7 @@ from pydantic import Field, model_validator
 
 from ...models.assembly import Mounted
 from ...models.liquid import Liquid
+from ...models.papers.capacity import capacity
 from ...models.rotor import LinearRotor
 from ...models.spacing import closest, fits, half_angle, largest_radius
 from ...models.weights import KAPPA, Weights
@@ -166,6 +167,11 @@ class WeightBalancer(Balancer):
     def half_angle(self) -> float:
         """Half the angle between weights that touch [rad]; 0 for points."""
         return half_angle(self.weight_radius or 0.0, self.track_radius)
+
+    @property
+    def capacity(self) -> float:
+        """Largest unbalance that the weights balance, Goncharov 2017 (5) [kg m]."""
+        return capacity(self.mass, self.track_radius, self.weight_radius or 0.0, self.count)
 
     @property
     def can_meet(self) -> bool:

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ...models.papers.capacity import capacity
+from ...models.papers.capacity import weight_mass
 from ..units import engineers, in_both, readable_unbalance, rounded
 from .balancer import WeightBalancer
 
@@ -42,7 +42,7 @@ def understood(scene: Scene) -> str:
         )
     for one in scene.balancer:
         if isinstance(one, WeightBalancer):
-            most = readable_unbalance(_capacity(one))
+            most = readable_unbalance(one.capacity)
             parts.append(f"{one.count} {one.kind} of {rounded(1e3 * one.mass, 3)} g hold {most}")
             if one.weight_radius and one.kind == "balls":
                 parts[-1] += f", density {_density(one) / 1e3:.3g} g/cm^3"
@@ -108,7 +108,7 @@ def _implausible(scene: Scene) -> Iterator[str]:
 def _short_of_capacity(scene: Scene) -> Iterator[str]:
     assembly, needed, most = scene.assembly(), _unbalance(scene), 0.0
     if scene.rotor.kind == "planar":
-        most = sum(_capacity(one) for one in scene.balancer if isinstance(one, WeightBalancer))
+        most = sum(one.capacity for one in scene.balancer if isinstance(one, WeightBalancer))
     elif assembly.weights:
         from ...models.linear.balanced import CannotBalance, WeightTable, check_reach
 
@@ -136,13 +136,9 @@ def _unbalance(scene: Scene) -> float:
     return rotor.unbalance if rotor.kind == "planar" else sum(u.amount for u in rotor.unbalances)
 
 
-def _capacity(one: WeightBalancer) -> float:
-    return capacity(one.mass, one.track_radius, one.weight_radius or 0.0, one.count)
-
-
 def _density(one: WeightBalancer) -> float:
     """Of a ball [kg/m^3]."""
-    return one.mass / (4.0 / 3.0 * math.pi * (one.weight_radius or 0.0) ** 3)
+    return one.mass / weight_mass("balls", one.weight_radius or 0.0, density=1.0)
 
 
 def tell(scene: Scene) -> None:

@@ -1,6 +1,5 @@
 /* How well the machine is balanced: what is left of the unbalance, and what the weights can hold. */
 
-const GRADES = [0.4, 1, 2.5, 6.3, 16, 40, 100, 250, 630, 1600, 4000]; // mm/s, ISO 21940-11
 const SETTLED = 0.01; // of the unbalance
 const FADED = 0.95; // of what was left before, each time that it is said
 
@@ -10,20 +9,12 @@ function factorOf({ data, settings }, label) {
   return k < 0 ? 1 : settings.factors[k];
 }
 
-/* Largest unbalance that the weights can hold [kg m], as their packed group has it; of one plane. */
+/* Largest unbalance that the weights can hold [kg m]; of one plane. */
 function capacity(machine) {
   const { data, settings } = machine;
-  let sum = 0;
-  data.tracks.forEach((labels, k) => {
-    const count = data.tokens[settings.variant].weights[k];
-    for (const balancer of data.balancers.filter(({ label }) => labels.includes(label))) {
-      const named = data.tracks.length > 1 ? `Mass of a weight: ${labels[0]}` : "Mass of a weight";
-      const moment = balancer.mass * factorOf(machine, named) * balancer.track_radius;
-      const alpha = Math.asin(Math.min(1, (balancer.weight_radius ?? 0) / balancer.track_radius));
-      sum += moment * (alpha && count > 1 ? Math.sin(count * alpha) / Math.sin(alpha) : count);
-    }
-  });
-  return sum;
+  const label = (labels) => data.tracks.length > 1 ? `Mass of a weight: ${labels[0]}` : "Mass of a weight";
+  return data.tokens[settings.variant].capacities.reduce(
+    (sum, held, k) => sum + held * factorOf(machine, label(data.tracks[k])), 0);
 }
 
 /* The rotor's unbalance, as its slider has it, in its axes [kg m]. */
@@ -52,8 +43,8 @@ function balanceWords(machine) {
   if (whole > holds) {
     return `The weights are used up: they can hold ${moment(holds)} of ${moment(whole)}.`;
   }
-  const reached = GRADES.find((g) => g >= (1000 * machine.left * now.speed) / data.mass);
-  const grade = reached ? `G${reached}` : `worse than G${GRADES.at(-1)}`;
+  const reached = data.grades.find((g) => g >= (1000 * machine.left * now.speed) / data.mass);
+  const grade = reached ? `G${reached}` : `worse than G${data.grades.at(-1)}`;
   const used = `the weights use ${shown((100 * whole) / holds)} % of what they can hold`;
   return machine.left <= SETTLED * whole
     ? `Balanced: ${moment(machine.left)} left of ${moment(whole)}, ${grade}; ${used}.`

@@ -16,6 +16,7 @@ from ..master.one_file import composition
 from ..master.plan import plan
 from ..scene import Scene
 from ..scene.balancer import WeightBalancer
+from ..scene.grade import GRADES
 from ..units import shown_in
 from .window import window
 
@@ -53,8 +54,8 @@ def content(scene: Scene) -> dict[str, Any]:
         "units": {symbol: shown_in(symbol) for symbol in ("rad/s", "m", "kg m")},
         "tracks": _tracks(scene),
         "tokens": [
-            {"weights": counts, "token": each.token(stamp())}
-            for counts, each in _variants(scene, made)
+            {"weights": counts, "capacities": capacities, "token": each.token(stamp())}
+            for counts, capacities, each in _variants(scene, made)
         ],
         "motor": scene.operation.motor is not None,
         "speed": profile.end,
@@ -69,6 +70,7 @@ def content(scene: Scene) -> dict[str, Any]:
         "sliders": list(_sliders(scene, made)),
         "pace": max(1.0, scene.run.revolutions / SHOWN_IN),
         "mass": scene.rotor.mass,
+        "grades": GRADES,
         "unbalance": _single_unbalance(scene, made),
         "kick": KICK * _moment(scene, made) * profile.end,
         "stations": scene.rotor.stations,
@@ -86,12 +88,15 @@ def _tracks(scene: Scene) -> list[list[str]]:
     return [labels] if alike else [[label] for label in labels]
 
 
-def _variants(scene: Scene, own: Composition) -> Iterator[tuple[list[int], Composition]]:
-    """Numbers of weights on each of `_tracks`: the scene's, then all others; what has them."""
+def _variants(
+    scene: Scene, own: Composition
+) -> Iterator[tuple[list[int], list[float], Composition]]:
+    """Numbers of weights on each of `_tracks`: the scene's, then all others; with them what the
+    weights of each of the tracks hold [kg m], and what has them."""
     tracks, bare = _tracks(scene), scene.without()
     there = {b.label: b.count for b in scene.balancer if isinstance(b, WeightBalancer)}
     counts = [there[labels[0]] for labels in tracks]
-    yield counts, own
+    yield counts, _capacities(scene, tracks), own
     most = min(MOST_WEIGHTS, int(MOST_VARIANTS ** (1.0 / max(1, len(tracks))) + 1e-9))
     choices = [
         sorted({n, *_fitting(bare, labels, most)}) for n, labels in zip(counts, tracks, strict=True)
@@ -99,7 +104,14 @@ def _variants(scene: Scene, own: Composition) -> Iterator[tuple[list[int], Compo
     for numbers in product(*choices):
         if list(numbers) != counts:
             each = {k: n for labels, n in zip(tracks, numbers, strict=True) for k in labels}
-            yield list(numbers), composition(_with_numbers(bare, each))
+            other = _with_numbers(bare, each)
+            yield list(numbers), _capacities(other, tracks), composition(other)
+
+
+def _capacities(scene: Scene, tracks: list[list[str]]) -> list[float]:
+    """What the weights on each of the tracks hold together [kg m]."""
+    each = {b.label: b.capacity for b in scene.balancer if isinstance(b, WeightBalancer)}
+    return [sum(each[label] for label in labels) for labels in tracks]
 
 
 def _fitting(scene: Scene, labels: list[str], most: int) -> Iterator[int]:
@@ -182,7 +194,7 @@ def _balancers(scene: Scene) -> Iterator[dict[str, Any]]:
     """Geometry of every balancer, under the names that its scene gives it."""
     planes = plan(scene).planes
     sizes = [
-        *("count", "mass", "track_radius", "weight_radius", "track_offset_xi", "track_offset_eta"),
+        *("track_radius", "weight_radius", "track_offset_xi", "track_offset_eta"),
         *("chamber_radius", "float_radius"),
     ]
     for balancer in scene.balancer:
