@@ -17,7 +17,7 @@ from ..scene import Scene
 from .row import Row, Rows
 
 ORDER, WITHIN = 4.0, 0.3
-REFERENCE = 1280  # steps a revolution of the run that the others are compared with
+REFERENCE = 1280  # steps per revolution of the run that the others are compared with
 RUNS = 8  # from different starts
 START = [1.0, 2.0]  # rad
 
@@ -36,7 +36,7 @@ class Case(NamedTuple):
 
 
 # collisions: with finer steps the error of the short steps at a collision shows; 0.094 rad is what
-# the balls approach in a twentieth of a revolution
+# the balls approach within 0.05 revolutions
 CASES = (
     Case("no contact", {}),
     Case(

@@ -8,7 +8,7 @@ from collections.abc import Iterator
 from ...models.papers import capacity as theory
 from ...models.papers.settling import settling_time, slow_root
 from ...models.papers.touching import facing_measure
-from ..design.scenes import drag_limit, sized, weights_of
+from ..design.scenes import drag_limit, sized, weights_of, weights_with_slow_root
 from ..design.settling import SETTLED, Batch, run_batch
 from ..output.workers import Progress, Workers, in_order
 from ..scene import Scene
@@ -31,7 +31,8 @@ def check_largest_spread(
 ) -> Iterator[Row]:
     """The slower of both ways in which the unbalance changes a little, for every number."""
     rows = Rows(scene.name, "largest_spread")
-    scene, kind = scene.replace({"run.revolutions": revolutions}), weights_of(scene).kind
+    kind = weights_with_slow_root(scene).kind
+    scene = scene.replace({"run.revolutions": revolutions})
     scenes = sized(scene, range(2, most + 1), 0.0, width=WIDTH[kind])
     work = [b for s in scenes.values() for b in _both_ways(s)]
     seconds = [run.seconds for (run,) in in_order(run_batch, work, workers, progress)]

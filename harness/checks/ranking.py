@@ -10,7 +10,7 @@ import numpy as np
 from ...models.papers.capacity import fastest_count
 from ..design.choices import Design, design
 from ..design.recommendation import by_measure, by_median, contradicted, order, rivals
-from ..design.scenes import batches, weights_of
+from ..design.scenes import batches, weights_with_slow_root
 from ..design.settling import run_batch
 from ..master.schedule import steps_per_rev
 from ..output.workers import Progress, Workers, in_order
@@ -41,7 +41,7 @@ def check_ranking(
     share = 1.0 - 2.0 * halved / (starts + 2.0 * halved)
     data = design(
         scene,
-        width=WIDTH[weights_of(scene).kind],
+        width=WIDTH[weights_with_slow_root(scene).kind],
         counts=range(2, most + 1),
         starts=starts,
         workers=workers,

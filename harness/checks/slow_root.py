@@ -6,7 +6,7 @@ from collections.abc import Iterator, Sequence
 
 from ..design.decay import Decay
 from ..design.recommendation import deviations, excluded
-from ..design.scenes import batches, sized, weights_of
+from ..design.scenes import batches, sized, weights_with_slow_root
 from ..design.settling import facing_start, run_batch
 from ..output.workers import Progress, Workers, in_order
 from ..scene import Scene
@@ -29,7 +29,7 @@ def check_slow_root(
     revolutions: float = REVOLUTIONS,
 ) -> Iterator[Row]:
     """Fitted rates of runs from two groups face to face, where p is large and (1) decides."""
-    rows, kind = Rows(scene.name, "slow_root"), weights_of(scene).kind
+    rows, kind = Rows(scene.name, "slow_root"), weights_with_slow_root(scene).kind
     amount, scene = UNBALANCE[kind], scene.replace({"run.revolutions": revolutions})
     scenes = sized(scene, range(2, most + 1), amount, width=WIDTH[kind])
     work = [b for s in scenes.values() for b in batches(s, amount, starts, facing_start)]

@@ -16,7 +16,6 @@ from .decay import Decay
 from .scenes import (
     STEEL,
     batches,
-    capacity_of,
     drag_limit,
     is_isotropic,
     race_of,
@@ -144,7 +143,7 @@ def design(
     refuse_few(starts)  # before the work
     scene.refuse_gravity("a design")
     scene = with_balls(scene, race, width)
-    balls = weights_of(scene, any_supports=True)
+    balls = weights_of(scene)
     amount = unbalance_of(scene) if unbalance is None else unbalance
     race = race_of(balls) if race is None else race
     scenes = sized(scene, counts, amount, race, width, density)
@@ -152,16 +151,16 @@ def design(
     outcomes = in_order(run_batch, work, workers, progress)
     runs: dict[int, list[SettlingRun]] = {n: [] for n in counts}
     for batch, outcome in zip(work, outcomes, strict=True):
-        runs[weights_of(batch.scene, any_supports=True).count] += outcome
+        runs[weights_of(batch.scene).count] += outcome
     choices = tuple(_choice(scenes[n], reserve * amount, runs[n]) for n in counts)
     return Design(scene.title, balls.kind, amount, race, choices, reserve, least)
 
 
 def _choice(scene: Scene, required: float, runs: list[SettlingRun]) -> Choice:
-    balls = weights_of(scene, any_supports=True)
+    balls = weights_of(scene)
     radius, alpha = balls.weight_radius or 0.0, balls.half_angle
     largest = theory.largest_alignment(balls.count, alpha)
-    limit = capacity_of(balls)
+    limit = balls.capacity
     times, predicted = [run.seconds for run in runs], math.nan
     if is_isotropic(scene):
         predicted = settling_time(slow_root(balls.device, largest, drag_limit(scene)), SETTLED)

@@ -138,7 +138,7 @@ def _critical(data: Design) -> list[str]:
     """What three weights that touch do where two of them face the third."""
     lines = []
     for choice in data.with_capacity:
-        balls = weights_of(choice.scene, any_supports=True)
+        balls = weights_of(choice.scene)
         if choice.count != 3:
             continue
         amount = critical_unbalance(balls.mass, balls.track_radius, balls.weight_radius or 0.0)

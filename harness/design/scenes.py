@@ -32,7 +32,7 @@ def sized(
     The weights have the radius of largest capacity that the space allows; the drag keeps its ratio
     to the mass.
     """
-    balls = weights_of(scene, any_supports=True)
+    balls = weights_of(scene)
     race = race_of(balls) if race is None else race
     width = 2.0 * (balls.weight_radius or 0.0) if width is None else width
     return {n: _variant(scene, balls, n, unbalance, race, width, density) for n in counts}
@@ -90,18 +90,13 @@ def batches(
     Args:
         start: makes one from count, alpha and a random generator.
     """
-    balls = weights_of(scene, any_supports=True)
-    if capacity_of(balls) < reserve * unbalance:
+    balls = weights_of(scene)
+    if balls.capacity < reserve * unbalance:
         return []
     rng = random.Random(1000 * SEED + balls.count)
     positions = [start(balls.count, balls.half_angle, rng) for _ in range(starts)]
-    scale = unbalance or capacity_of(balls)
+    scale = unbalance or balls.capacity
     return [Batch(scene, tuple(positions[k : k + BATCH]), scale) for k in range(0, starts, BATCH)]
-
-
-def capacity_of(balls: WeightBalancer) -> float:
-    """S [kg m]."""
-    return theory.capacity(balls.mass, balls.track_radius, balls.weight_radius or 0.0, balls.count)
 
 
 def with_balls(scene: Scene, race: float | None, width: float | None) -> Scene:
@@ -127,11 +122,8 @@ def with_balls(scene: Scene, race: float | None, width: float | None) -> Scene:
     return Scene.from_document(document, path=scene.path, label=scene.label)
 
 
-def weights_of(scene: Scene, any_supports: bool = False) -> WeightBalancer:
+def weights_of(scene: Scene) -> WeightBalancer:
     """The scene's weights, if it is one for a design.
-
-    Args:
-        any_supports: also where Goncharov's closed forms do not hold.
 
     Raises:
         SceneError: it is not; every reason is named.
@@ -146,14 +138,29 @@ def weights_of(scene: Scene, any_supports: bool = False) -> WeightBalancer:
     if any(reasons.values()):
         wrong = "; ".join(reason for reason, is_so in reasons.items() if is_so)
         raise SceneError(f"{scene.name}: design: {wrong}")
-    if is_isotropic(scene) or not any_supports:
-        try:
-            drag_limit(scene)
-        except ValueError as error:
-            raise SceneError(f"{scene.name}: design: {error}") from error
+    if is_isotropic(scene):
+        _refuse_without_slow_root(scene)
     (one,) = scene.balancer
     assert isinstance(one, WeightBalancer)
     return one
+
+
+def weights_with_slow_root(scene: Scene) -> WeightBalancer:
+    """`weights_of` a scene for which Goncharov's slow root (1) holds.
+
+    Raises:
+        SceneError: as `weights_of`, or it does not hold.
+    """
+    weights = weights_of(scene)
+    _refuse_without_slow_root(scene)
+    return weights
+
+
+def _refuse_without_slow_root(scene: Scene) -> None:
+    try:
+        drag_limit(scene)
+    except ValueError as error:
+        raise SceneError(f"{scene.name}: design: {error}") from error
 
 
 def is_isotropic(scene: Scene) -> bool:
