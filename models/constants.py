@@ -59,7 +59,7 @@ KINK = 1e-6  # of a step: it errs by less than 1e-7, and rounding does not spoil
 RESIDUAL_SHARE = 0.2  # of what a step may err: it may stay in the loop
 
 # Whether steps resolve the motion
-SAID = 0.01  # of the motion: estimated error from which the run says so
+STATED_ERROR = 0.01  # of the motion: a run states an estimated error from here on
 REFUSED = 0.3  # of the motion: within the estimate's factor of three, all of it
 UNRESOLVED = 0.05  # of a signal's largest value: error of a cubic that no longer follows it
 PERSISTENT = 20  # such steps in all: a transient that dies sooner is left to the estimate

@@ -6,7 +6,7 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
-from ...models.constants import LOOSE, SAID
+from ...models.constants import LOOSE, STATED_ERROR
 from ..errors import LoopError
 from ..scene import Scene
 from ..scene.run import LOOSEST_TOLERANCE
@@ -100,7 +100,7 @@ def events(facts: Facts) -> list[str]:
                 f"{_looser(facts.estimated_error)}a smaller run.revolutions, or verify, which "
                 "measures every signal's error and says whether neighbouring motions part"
             )
-    elif facts.estimated_error >= SAID:
+    elif facts.estimated_error >= STATED_ERROR:
         notes.append(
             "steps too long for signals that vary faster: the motion errs by about "
             f"{facts.estimated_error:.1g} of itself: use more coupling.steps_per_rev, or a "

@@ -40,8 +40,8 @@ class Result(Pictures):
         scene_title: title of the scene.
         time: (T,) communication points [s].
         signals: (T,) each, by name, in SI units.
-        velocity: the same of every station's vibration velocity, rms over a revolution, such as
-            `rotor.velocity_rms` [m/s]: found by its name whether it was asked for or not.
+        velocity: (T,) each, vibration velocity of every station, rms over the last revolution, such
+            as `rotor.velocity_rms` [m/s]; `result[name]` finds it also where it was not recorded.
         seconds: wall-clock time of the run without building and loading [s].
         left_out: what the run did without because the scene does not need it.
         units: names of the FMUs loaded, or of the one file as it is built.

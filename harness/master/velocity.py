@@ -1,4 +1,4 @@
-"""Vibration velocity, rms over a revolution, as a signal: what ISO 20816 judges machines by."""
+"""Vibration velocity as a signal, rms over the last revolution: ISO 20816 rates machines by it."""
 
 from __future__ import annotations
 

@@ -139,7 +139,7 @@ class Refused(Exception):
 
 
 class Core:
-    """The equations in C, with arrays for what C takes as pointers.
+    """The equations in C; arrays take the place of pointers.
 
     Attributes:
         structures: the C structures, by name.

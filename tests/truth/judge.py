@@ -20,7 +20,7 @@ from autobalancer.harness.master.run import cosimulate
 from autobalancer.harness.scene import Scene
 from autobalancer.harness.scene.plausible import ImplausibleWarning
 from autobalancer.models.assembly import Assembly
-from autobalancer.models.constants import SAID
+from autobalancer.models.constants import STATED_ERROR
 from autobalancer.models.monolith import reference, simulate
 from tests.truth.draw import draw
 
@@ -156,7 +156,7 @@ def _against(
     """The verdict with how far a result is off, and what it says of that."""
     errors = deviations(result, right)
     where = max(errors, key=lambda name: errors[name])
-    said = scene.coupling.tolerance or SAID
+    said = scene.coupling.tolerance or STATED_ERROR
     estimate = result.estimated_error
     return replace(
         verdict,

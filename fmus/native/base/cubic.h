@@ -1,4 +1,4 @@
-/* Cubics over a step, told by value and derivatives 1 to 3 at its start. */
+/* Cubics over a step, given by the value and the derivatives 1 to 3 at its start. */
 #ifndef AUTOBALANCER_CUBIC_H
 #define AUTOBALANCER_CUBIC_H
 

@@ -1,4 +1,4 @@
-/* Quintics over a step, told by value and derivatives 1 to 5 at its start. */
+/* Quintics over a step, given by the value and the derivatives 1 to 5 at its start. */
 #ifndef AUTOBALANCER_QUINTIC_H
 #define AUTOBALANCER_QUINTIC_H
 

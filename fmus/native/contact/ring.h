@@ -1,6 +1,6 @@
 /* The weights of a track in the order in which they stand on it, and who touches whom.
 
-   Weights that are linked are a run of neighbours, told by its first weight and its size; it may
+   Weights that are linked are a run of neighbours, given by its first weight and its size; it may
    pass the last weight and go on with the first. */
 #ifndef AUTOBALANCER_RING_H
 #define AUTOBALANCER_RING_H

@@ -323,7 +323,7 @@ int resolution_check(Unit *unit, double step)
             text_put(reason, " times as far as they move at all");
             return advise_shorter(reason);
         }
-        if (worst >= SAID) {
+        if (worst >= STATED_ERROR) {
             unit_warn_once(unit, TOO_LONG, course->clock.time,
                            "steps too long for signals that vary faster: coupling.error says by how "
                            "much of itself the motion errs; use more coupling.steps_per_rev, or a "

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ....models.constants import SAID
+from ....models.constants import STATED_ERROR
 from ....models.monolith import reference
 from ....models.reference.oscillator import forced_motion
 from ...errors import SimulationError
@@ -133,7 +133,7 @@ def against_closed_form(scene: Scene, allowed: float) -> Outcome:
 
 def stated_error(result: Result) -> float:
     """By how much of its motion a run says it errs for too coarse steps; 0 if it does not."""
-    return result.estimated_error if result.estimated_error >= SAID else 0.0
+    return result.estimated_error if result.estimated_error >= STATED_ERROR else 0.0
 
 
 ErrorOf = Callable[[Scene, float, bool], tuple[float, Result]]  # scene, error allowed, separate

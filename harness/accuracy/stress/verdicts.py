@@ -14,7 +14,7 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from itertools import product
 
-from ....models.constants import REFUSED, SAID
+from ....models.constants import REFUSED, STATED_ERROR
 from ....models.monolith import ReferenceDisagreement
 from ...errors import SimulationError
 from ...master import facts
@@ -112,7 +112,7 @@ def main(scenes: Sequence[str]) -> None:
         row = rows[-1]
         real = "-" if row.error is None else f"{row.error:.1e}"
         print(f"{name:20} {spin:3} {steps:3} {real:>8} {row.estimate:.1e} {row.verdict}")
-    print(f"\nSaid from {SAID:g}, refused from {REFUSED:g} of the motion\n\n{table(rows)}")
+    print(f"\nSaid from {STATED_ERROR:g}, refused from {REFUSED:g} of the motion\n\n{table(rows)}")
 
 
 if __name__ == "__main__":
