@@ -20,8 +20,9 @@ pytestmark = pytest.mark.slow
 
 ROOT = Path(__file__).parent.parent
 README = (ROOT / "README.md").read_text(encoding="utf-8")
-UNITS = (ROOT / "fmus" / "README.md").read_text(encoding="utf-8")
-NUMBERS = (ROOT / "harness" / "numbers.md").read_text(encoding="utf-8")
+MANUAL = ROOT / "harness" / "manual"
+UNITS = (MANUAL / "how-to" / "fmi.md").read_text(encoding="utf-8")
+NUMBERS = (MANUAL / "results" / "numbers.md").read_text(encoding="utf-8")
 
 
 def cells(text: str) -> list[list[str]]:
@@ -45,7 +46,7 @@ def test_pytest_check_of_the_readme_fails_with_the_message_shown(installed, tmp_
 
 
 def test_the_self_check_prints_the_numbers_shown():
-    shown = {name: text for _, name, text in blocks(ROOT / "harness" / "README.md")}["check"]
+    shown = {name: text for _, name, text in blocks(MANUAL / "harness.md")}["check"]
     named = [name for name in bundled_scenes() if shown.startswith(f"{name} (")]
     assert len(named) == 1
     rows = check(named[0])

@@ -2,7 +2,7 @@
 
 Every run is in C, as the scene's composite.  *expected* is the rig's or the authors', *measured*
 the co-simulation's.  Tolerances hold the scatter of the measurement and what the model leaves out:
-harness/bristol.md.
+harness/manual/results/bristol.md.
 """
 
 from __future__ import annotations

@@ -21,7 +21,7 @@ from .messages import kinds_of, quoted, show, tables_in
 from .quantities import LARGEST, Table, unit_of
 from .scene import Scene
 
-README = Path(__file__).parents[1] / "README.md"
+README = Path(__file__).parents[1] / "manual" / "harness.md"
 COMMAND = "python -m autobalancer.harness.scene.reference --write"
 BEGIN = f"<!-- keys of a scene: written by `{COMMAND}` -->"
 END = "<!-- end of the keys -->"

@@ -97,7 +97,7 @@ def test_balance_is_gained_where_balls_begin_to_help_and_lost_where_they_end():
 
 
 def test_what_was_fitted_to_one_and_three_washers_holds_for_the_others(monkeypatch):
-    """Which quantities do not, and what is known of them: harness/bristol.md.
+    """Which quantities do not, and what is known of them: harness/manual/results/bristol.md.
 
     Every tenth speed; with balls: `python -m tests.rig.quantities`.
     """

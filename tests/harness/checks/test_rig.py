@@ -11,7 +11,7 @@ pytestmark = pytest.mark.slow
 
 
 def test_every_row_holds_but_the_authors_curve_without_balls():
-    """That one misses by little, where modes cancel: harness/bristol.md.
+    """That one misses by little, where modes cancel: harness/manual/results/bristol.md.
 
     The way down takes a minute more; `autobalancer check bristol` has it too.
     """
