@@ -32,7 +32,7 @@ LOADED = [  # by some command or other, which would otherwise load it anew each 
     *["matplotlib.backends.backend_agg", "matplotlib.backends.backend_svg", "scipy.stats"],
     *["matplotlib.backends.backend_pdf", "scipy.signal", "scipy.optimize", "scipy.integrate"],
     *["autobalancer.harness.master.run", "autobalancer.harness.stability.map_command"],
-    *["autobalancer.harness.accuracy.precision.runner", "autobalancer.harness.checks.registry"],
+    *["autobalancer.harness.accuracy.precision.methods", "autobalancer.harness.checks.registry"],
     *["tomli_w", "rich.progress", "rich.table", "rich.markdown", "typer.rich_utils", "jinja2"],
 ]
 WRONG = "wrong"

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
 import typer
 
@@ -11,14 +11,6 @@ from ...output import costs, options
 from ...output.files import write_json, write_whole
 from ...output.machine import machine
 from ...output.terminal import progress_bar, say, show
-
-if TYPE_CHECKING:
-    from .measure import Point, Precision
-    from .time_shares import Split
-
-PROFILED_STEPS = 20  # a revolution, or the scene's first measured step
-PROFILED_TOLERANCE = 1e-5
-SLOW = 0.3  # s: a run that needs no repeating to be told from noise
 
 
 def command(
@@ -51,10 +43,7 @@ def command(
     limit = costs.limited(at_most, f"run.revolutions = {loaded.run.revolutions:g}")
     with limit, progress_bar(f"measuring {loaded.name}") as move:
         study = precision(loaded, seconds=seconds, progress=lambda what, done: move(done, what))
-        move(1.0, "where the time goes")
-        splits = _splits(study)
     show(report.table(study))
-    show(report.split_table(splits))
     say(report.reference_words(study))
     say(machine())
     if csv_file is not None:
@@ -63,7 +52,7 @@ def command(
         write_json(report.as_json(study), json_file)
     if markdown_file is not None:
         with write_whole(markdown_file) as stream:
-            stream.write(report.markdown(study, splits))
+            stream.write(report.markdown(study))
     if output is not None:
         from .plot import plot_precision
 
@@ -71,20 +60,3 @@ def command(
     if words := report.one_file_words(study):
         say(words, style="bold")
     say(report.cheapest_words(study), style="bold")
-
-
-def _splits(study: Precision) -> list[Split]:
-    """One coupling of every family that ran."""
-    from .time_shares import split_time
-
-    chosen: dict[str, Point] = {}
-    for point in study.points:
-        method = point.method
-        usual = method.steps_per_rev == PROFILED_STEPS or method.tolerance == PROFILED_TOLERANCE
-        ours = not (method.in_one_piece or method.one_file)
-        if ours and point.counts and (usual or method.family not in chosen):
-            chosen[method.family] = point
-    return [
-        split_time(study.scene, p.method, study.signals, 1 if (p.seconds or 0.0) > SLOW else 3)
-        for p in chosen.values()
-    ]

@@ -10,6 +10,7 @@ from __future__ import annotations
 import math
 import time as clock
 from collections.abc import Mapping, Sequence
+from contextlib import ExitStack
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -23,13 +24,14 @@ from ...scene.balancer import LiquidBalancer
 from .methods import (
     UNDER_A_MOTOR,
     Method,
+    Runner,
+    TimedRun,
     coupling_methods,
     monolith_methods,
     one_file_methods,
     ready,
 )
 from .reference import refuse_without_reference, right_motion, signal_ranges
-from .runner import Runner, TimedRun
 
 TWO_DECADES = 100.0  # the reference must be that much better than a point whose error counts
 ASYMPTOTIC = 0.03  # an error above it says nothing of a method's order
@@ -125,13 +127,11 @@ def precision(
     refuse_without_reference(scene)
     names = tuple(recorded(scene))
     chosen = list(methods) if methods is not None else all_methods(scene)
-    bench = _Bench(scene, names, seconds, progress or (lambda _what, _part: None))
-    try:
+    with ExitStack() as opened:
+        bench = _Bench(scene, names, seconds, progress or (lambda _what, _part: None), opened)
         bench.warm_up(chosen)
         right, own = right_motion(scene, names, [run.time for run in bench.first.values()])
         rounds = bench.rounds()
-    finally:
-        bench.close()
     ranges = signal_ranges(scene, right, names)
     points = tuple(_point(scene, m, bench, right, ranges, own) for m in chosen)
     return Precision(scene, points, names, own, rounds, observed_orders(points, own))
@@ -152,9 +152,14 @@ class _Bench:
     """All methods made ready, warmed up once, then timed in turns."""
 
     def __init__(
-        self, scene: Scene, names: Sequence[str], seconds: float, progress: ItemProgress
+        self,
+        scene: Scene,
+        names: Sequence[str],
+        seconds: float,
+        progress: ItemProgress,
+        opened: ExitStack,
     ) -> None:
-        self._scene, self._names, self._progress = scene, names, progress
+        self._scene, self._names, self._progress, self._opened = scene, names, progress, opened
         self._begun, self._seconds = clock.perf_counter(), seconds
         self._ready: dict[Method, Runner] = {}
         self.first: dict[Method, TimedRun] = {}
@@ -171,13 +176,12 @@ class _Bench:
                 self.status[method] = f"left out: takes more than {limit:.2g} s a run (--seconds)"
                 continue
             try:
-                self._ready[method] = ready(self._scene, method, self._names)
-                run = self._ready[method].run()
+                runner = ready(self._scene, method, self._names, self._opened)
+                run = runner()
             except (SimulationError, ArithmeticError) as error:
                 self.status[method] = f"failed: {error}"
-                if method in self._ready:
-                    self._ready.pop(method).close()
                 continue
+            self._ready[method] = runner
             slowest[method.family] = run.seconds
             self.first[method], self.status[method] = run, run.note or "ok"
 
@@ -188,17 +192,13 @@ class _Bench:
             for number, (method, runner) in enumerate(self._ready.items()):
                 used = (done - 1 + number / len(self._ready)) / MOST_ROUNDS
                 self._progress(f"round {done}", 0.5 + 0.5 * used)
-                seconds = runner.run().seconds
+                seconds = runner().seconds
                 self.best[method] = min(self.best.get(method, math.inf), seconds)
             now = clock.perf_counter()
             late = now + (now - begun) > self._begun + self._seconds
             if late and done >= FEWEST_ROUNDS:
                 break
         return done
-
-    def close(self) -> None:
-        for runner in self._ready.values():
-            runner.close()
 
 
 def _point(

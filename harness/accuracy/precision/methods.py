@@ -1,20 +1,26 @@
-"""The methods whose error and run time are compared, each behind the same three calls."""
+"""The methods whose error and run time are compared, each made ready as one call."""
 
 from __future__ import annotations
 
 import time as clock
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from contextlib import ExitStack
 from dataclasses import dataclass
+from typing import TypeAlias
 
+import numpy as np
+
+from ....fmus.composite.batch import BatchRuns
+from ....models.arrays import Array
 from ....models.monolith import equations, integrate, trajectory
+from ...errors import SimulationError
 from ...master.cosimulation import CoSimulation
 from ...master.global_error import Controlled
+from ...master.one_file import composition
 from ...master.recorder import Recorder
 from ...master.runtime import Backend
 from ...master.schedule import end_time
 from ...scene import Scene
-from .composite import CompositeRunner
-from .runner import Runner, TimedRun
 
 EXPLICIT_STEPS = (10, 20, 40, 80, 160)
 ITERATED_STEPS = (8, 10, 14, 20, 28, 40, 80)
@@ -30,7 +36,23 @@ SOLVERS: dict[str, tuple[float, ...]] = {
     "LSODA": tuple(10.0**-k for k in range(3, 11)),
     "Radau": tuple(10.0**-k for k in range(3, 9)),
 }
+MORE = 16  # points than steps of the composite: of those at the start and at jumps
+REPEATS = 10  # of the composite in one call, which takes less than a ms
 UNDER_A_MOTOR = ("auto", "jacobi", "gauss-seidel", "iterated")  # the others know the speed ahead
+
+
+@dataclass(frozen=True, eq=False)
+class TimedRun:
+    """A finished run: seconds without loading, its points, and its work (steps, evaluations)."""
+
+    seconds: float
+    time: Array
+    signals: dict[str, Array]
+    work: int
+    note: str = ""
+
+
+Runner: TypeAlias = Callable[[], TimedRun]  # raises SimulationError, ArithmeticError
 
 
 @dataclass(frozen=True)
@@ -85,55 +107,64 @@ class Method:
         return f"tolerance {self.tolerance:g}"
 
 
-class CoSimulationRunner:
+def _separate(scene: Scene, names: Sequence[str], opened: ExitStack) -> Runner:
     """The FMUs of a scene under one coupling, loaded once."""
+    cosim = opened.enter_context(CoSimulation(scene))
 
-    def __init__(self, scene: Scene, names: Sequence[str]) -> None:
-        self.cosim = CoSimulation(scene)
-        self.names = list(names)
-
-    def run(self) -> TimedRun:
-        recorder = Recorder(self.cosim.units, self.names)
+    def run() -> TimedRun:
+        recorder = Recorder(cosim.units, names)
         begun = clock.process_time()
-        if self.cosim.coupled and self.cosim.scene.coupling.tolerance is not None:
-            recorder = Controlled(self.cosim, self.names).run(None)
+        if cosim.coupled and cosim.scene.coupling.tolerance is not None:
+            recorder = Controlled(cosim, names).run(None)
         else:
-            self.cosim.start()
-            self.cosim.record(recorder, None)
+            cosim.start()
+            cosim.record(recorder, None)
         seconds = clock.process_time() - begun
-        facts = self.cosim.facts()
+        facts = cosim.facts()
         note = f"{facts.unconverged} steps not converged" if facts.unconverged else ""
         time, signals = recorder.columns()
-        asked = {name: signals[name] for name in self.names}
-        return TimedRun(seconds, time, asked, facts.steps, note)
+        return TimedRun(seconds, time, {name: signals[name] for name in names}, facts.steps, note)
 
-    def close(self) -> None:
-        self.cosim.close()
+    return run
 
 
-class MonolithRunner:
+def _one_file(scene: Scene, names: Sequence[str], _opened: ExitStack) -> Runner:
+    """The composite of a scene, called once for a whole run, read where its steps end."""
+    made, end = composition(scene), np.full(REPEATS, end_time(scene))
+    counted, (reason, _) = BatchRuns(made, [], ["coupling.steps"], 1)(np.empty((2, 0)), end[:2])
+    if reason:
+        raise SimulationError(reason)
+    points = int(counted[0, -1, 0]) + MORE
+    runs = BatchRuns(made, [], [*names, "coupling.steps"], points, own_steps=True)
+
+    def run() -> TimedRun:
+        begun = clock.process_time()
+        records, (reason, *_) = runs(np.empty((REPEATS, 0)), end)
+        seconds = (clock.process_time() - begun) / REPEATS
+        if reason:
+            raise SimulationError(reason)
+        time, *signals, steps = records[0, ~np.isnan(records[0, :, 0])].T
+        return TimedRun(seconds, time, dict(zip(names, signals, strict=True)), int(steps[-1]))
+
+    return run
+
+
+def _monolith(scene: Scene, names: Sequence[str], method: str, rtol: float) -> Runner:
     """The monolith by one of SciPy's methods; only the integration is timed.
 
     Its points are those of its own steps, as with the couplings: dense output would cost extra.
     """
+    start = scene.run.initial.motion()
+    system = equations(scene.assembly(), scene.operation.drive(), start.angle)
 
-    def __init__(self, scene: Scene, names: Sequence[str], method: str, rtol: float) -> None:
-        start = scene.run.initial.motion()
-        self._system = equations(scene.assembly(), scene.operation.drive(), start.angle)
-        self._start, self._method, self._rtol = start, method, rtol
-        self._names, self._end = list(names), end_time(scene)
-
-    def run(self) -> TimedRun:
+    def run() -> TimedRun:
         begun = clock.process_time()
-        time, states, evaluations = integrate(
-            self._system, self._end, self._start, method=self._method, rtol=self._rtol
-        )
+        time, states, work = integrate(system, end_time(scene), start, method=method, rtol=rtol)
         seconds = clock.process_time() - begun
-        motion = trajectory(self._system, time, states)
-        return TimedRun(seconds, time, {n: motion.signal(n) for n in self._names}, evaluations)
+        motion = trajectory(system, time, states)
+        return TimedRun(seconds, time, {name: motion.signal(name) for name in names}, work)
 
-    def close(self) -> None:
-        pass
+    return run
 
 
 def coupling_methods(exchanges_force: bool) -> list[Method]:
@@ -183,8 +214,8 @@ def coupled_scene(scene: Scene, method: Method) -> Scene:
     return scene.replace({f"coupling.{key}": value for key, value in keys.items()})
 
 
-def ready(scene: Scene, method: Method, names: Sequence[str]) -> Runner:
-    """Load what a method needs.
+def ready(scene: Scene, method: Method, names: Sequence[str], opened: ExitStack) -> Runner:
+    """Load what a method needs; `opened` closes it.
 
     Raises:
         UserError: an FMU cannot be loaded.
@@ -193,6 +224,6 @@ def ready(scene: Scene, method: Method, names: Sequence[str]) -> Runner:
     if method.in_one_piece:
         assert method.tolerance is not None
         solver = method.name.removeprefix("monolith ")
-        return MonolithRunner(scene, names, solver, method.tolerance)
-    runner = CompositeRunner if method.one_file else CoSimulationRunner
-    return runner(coupled_scene(scene, method), names)
+        return _monolith(scene, names, solver, method.tolerance)
+    load = _one_file if method.one_file else _separate
+    return load(coupled_scene(scene, method), names, opened)

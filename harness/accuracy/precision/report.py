@@ -8,13 +8,11 @@ from typing import Any
 
 from ...output.table import Sheet
 from .measure import TARGETS, TWO_DECADES, Point, Precision
-from .time_shares import Split
 
 KEYS = (
     "scene", "method", "order", "steps_per_rev", "corrections", "tolerance",
     "error", "seconds", "status",
 )  # fmt: skip
-SHARES = ("steps", "FMI calls", "us a step", "rotor", "balancers", "master")
 
 
 def row(point: Point) -> dict[str, Any]:
@@ -71,19 +69,6 @@ def _number(value: float | None) -> str:
     return "-" if value is None else f"{value:.1e}"
 
 
-def split_table(splits: Sequence[Split]) -> Sheet:
-    """Where the time goes."""
-    rows = [[s.method.family, s.method.setting, *_shares(s)] for s in splits]
-    columns = ("method", "step or tolerance", *SHARES)
-    return Sheet(columns, rows, "llrrrrrr", "Where the time goes")
-
-
-def _shares(split: Split) -> list[str]:
-    parts = [f"{s / split.total:.0%}" for s in (split.rotor, split.balancers, split.master)]
-    each = f"{1e6 * split.total / split.steps:.0f}"
-    return [str(split.steps), str(split.calls), each, *parts]
-
-
 def reference_words(study: Precision) -> str:
     """What the errors are measured against, and down to where they mean something."""
     return (
@@ -125,11 +110,8 @@ def _way(point: Point) -> str:
     return f"{name}, {point.method.setting} ({1e3 * point.seconds:.3g} ms, {point.error:.1e})"
 
 
-def markdown(study: Precision, splits: Sequence[Split]) -> str:
+def markdown(study: Precision) -> str:
     """Everything as Markdown."""
-    rows = [[f"{s.method.family}, {s.method.setting}", *_shares(s)] for s in splits]
-    shares = Sheet(("where the time goes", *SHARES), rows, "lrrrrrr")
-    compared = [line for line in (one_file_words(study), "") if one_file_words(study)]
-    lines = [f"### {study.scene.name}", "", reference_words(study), "", table(study).markdown()]
-    lines += ["", shares.markdown(), "", *compared, cheapest_words(study), ""]
-    return "\n".join(lines)
+    words = (reference_words(study), table(study).markdown(), one_file_words(study))
+    parts = [f"### {study.scene.name}", *filter(None, words), cheapest_words(study)]
+    return "\n\n".join(parts) + "\n"

@@ -32,7 +32,6 @@ from autobalancer.harness.accuracy.precision.report import (
     table,
     write_csv,
 )
-from autobalancer.harness.accuracy.precision.time_shares import split_time
 from autobalancer.harness.errors import SimulationError
 from autobalancer.models.monolith import simulate
 
@@ -92,7 +91,7 @@ def test_a_method_that_cannot_run_is_named_with_its_reason(measured):
     assert point.seconds is None
     assert "unstable" in point.status
     assert "loop gain" in point.status
-    assert "unstable" in markdown(measured, [])
+    assert "unstable" in markdown(measured)
 
 
 def test_methods_too_slow_for_the_time_given_are_left_out_by_name(short):
@@ -140,16 +139,6 @@ def test_points_at_the_reference_own_error_do_not_count_for_the_order():
         for n, error in ((10, 1e-4), (20, 1e-4 / 16), (40, 1e-4 / 256), (80, 1e-7))
     ]
     assert observed_orders(points, own=1e-8)["iterated cubic 1 pass"] == pytest.approx(4.0)
-
-
-def test_time_splits_into_units_and_master_and_counts_every_call(short):
-    split = split_time(short, CUBIC[0], ["rotor.x"], runs=2)
-    assert split.steps == 80
-    # two passes a step: set, step, get of both units, two saves, restores; freed without a count
-    assert split.calls >= 2 * 6 * split.steps
-    assert 0.0 < split.rotor < split.total
-    assert 0.0 < split.balancers < split.total
-    assert split.master > 0.0
 
 
 def test_scene_without_force_exchange_is_measured_once_a_step():
@@ -228,5 +217,5 @@ def test_the_composite_errs_as_the_separate_units_do(short):
     assert [p.error for p in pair] == pytest.approx([one.error, other.error], rel=1e-6)
     assert [p.work for p in pair] == [one.work, other.work]
     words = one_file_words(found)
-    assert words in markdown(found, [])
+    assert words in markdown(found)
     assert " at 0.001 (" in words

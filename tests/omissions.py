@@ -1,6 +1,6 @@
 """What each omission saves in calls, time and memory.
 
-    python -m autobalancer.harness.accuracy.precision.omissions
+    python -m tests.omissions
 
 Every row is one scene twice: with something that a run usually leaves out, and without it.  Times
 are the processor's for a run without loading, both ways taking turns, the smallest of several;
@@ -20,15 +20,14 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
-from ...master.cosimulation import CoSimulation
-from ...master.facts import result
-from ...master.recorder import Recorder, recorded
-from ...output.machine import machine
-from ...output.table import Sheet
-from ...scene import Scene, load_scene
+from autobalancer.harness.master.cosimulation import CoSimulation
+from autobalancer.harness.master.facts import result
+from autobalancer.harness.master.recorder import Recorder, recorded
+from autobalancer.harness.output.machine import machine
+from autobalancer.harness.output.table import Sheet
+from autobalancer.harness.scene import Scene, load_scene
 
 ROUNDS = 7  # of time, both ways in turns
-_MODULE = "autobalancer.harness.accuracy.precision.omissions"
 
 
 @dataclass(frozen=True)
@@ -148,12 +147,8 @@ class _Prepared:
         return sum(sum(unit.calls.values()) for unit in self.cosim.units.values())
 
 
-def calls(omission: Omission) -> tuple[float, float]:
-    """FMI calls a step with what is left out and without it."""
-    return _calls(omission.full), _calls(omission.lean)
-
-
-def _calls(way: Way) -> float:
+def calls(way: Way) -> float:
+    """FMI calls a step."""
     prepared = _Prepared(way)
     with prepared.cosim:
         return prepared.run().calls
@@ -178,7 +173,7 @@ def measure(omission: Omission) -> tuple[Cost, Cost]:
 def in_a_process(omission: Omission, kind: str) -> tuple[int, int]:
     """Memory [bytes] and number of modules of a fresh process; `kind` is "full" or "lean"."""
     done = subprocess.run(
-        [sys.executable, "-m", _MODULE, omission.what, kind],
+        [sys.executable, "-m", "tests.omissions", omission.what, kind],
         capture_output=True,
         text=True,
         timeout=300,
@@ -197,8 +192,9 @@ def _child(what: str, kind: str) -> None:
     prepared.cosim.close()
 
 
-def row(omission: Omission, full: Cost, lean: Cost) -> list[str]:
+def row(omission: Omission) -> list[str]:
     """The cells of an omission."""
+    full, lean = measure(omission)
     calls = (f"{full.calls:.1f}", f"{lean.calls:.1f}")
     ratio, less = full.seconds / lean.seconds, (full.memory - lean.memory) / 1e6
     numbers = (f"{ratio:.2f}", f"{less:.2f}", str(full.modules - lean.modules))
@@ -209,7 +205,7 @@ def main() -> None:
     """Print the table."""
     costs = ("time with/without", "MB less", "modules less")
     columns = ("left out", "scene", "FMI calls a step with", "without", *costs)
-    rows = [row(omission, *measure(omission)) for omission in omissions()]
+    rows = [row(omission) for omission in omissions()]
     print(f"{Sheet(columns, rows, 'llrrrrr').markdown()}\n\n{machine()}")
 
 
