@@ -7,7 +7,7 @@ they differ by 2^p - 1 times the error of the second, where p is the order: 4, w
 6.  It is taken for 1 where weights can collide, or a jump falls within a step; for 2 where weights
 or supports stick or slide, or a motor meets a corner of its characteristic, at the end of a step
 and two runs are all there are; for 1 from where steps at rest have held their signals.  Two runs
-state their error by an order less.  If it is more than the tolerance, every step is divided again,
+state their error by an order less, under a motor by two.  If it is more than the tolerance, every step is divided again,
 into as many parts as it takes.
 
 Hairer, Norsett & Wanner 1993, II.4: Richardson's extrapolation, here of the run as a whole.
@@ -43,14 +43,17 @@ ORDER_OF_JUMPS = 1
 ORDER_OF_EVENTS = 2
 ORDER_HELD = 1  # and all that follows
 LEFT = 2  # power of the parts with which what is left in the loop shrinks at least
-MOTOR_LEFT = 0.01  # of that under a motor, whose acceleration can be far the largest of the forces
+# of that, under a motor, whose acceleration can be far the largest of the forces, and where weights
+# collide: impacts amplify what is left, and by chance two runs can then agree
+LEFT_OF_JUMPS = 0.01
 ATTEMPTS = 3  # at a first run, each in finer steps
 # of the tolerance: what further parts are to leave, and two runs may say, for they do not tell by
 # which order errors shrink; if by 1.3 already, the tolerance is still kept within a factor of 3
 AIM = 0.3
 # by so much lower is the order by which two runs state their error: by the full order 6 of 328 runs
-# of the truth study erred by 3 to 6.6 times what they stated
-CAUTION = 1
+# of the truth study erred by 3 to 6.6 times what they stated; under a motor by more: it starts in
+# a few steps that are too long for their order to show
+CAUTION, MOTOR_CAUTION = 1, 2
 MOST_TIMES = 4  # as many parts as in the run before, which is to be confirmed
 MOST_PARTS = 128  # of a step of the first run
 PARTING = 32  # parts that should be enough to see runs come together
@@ -83,7 +86,8 @@ class Controlled:
         jumping = touching or (cosim.scene.has_events and not cosim.meets_events)
         jumping = jumping or (bent and not cosim.ends_steps_at_corners)
         self._ends_at_events = cosim.scene.has_events or bent
-        self._left = MOTOR_LEFT if motor else 1.0
+        self._left = LEFT_OF_JUMPS if motor or touching else 1.0
+        self._caution = MOTOR_CAUTION if motor else CAUTION
         self.highest_order = ORDER_OF_JUMPS if jumping else ORDER[cosim.order]
         self._steepest = max(self.highest_order, ORDER_OF_EVENTS) if bent else math.inf
         self.order: float = self.highest_order
@@ -136,7 +140,7 @@ class Controlled:
         elif order > ORDER_OF_JUMPS:
             enough *= AIM
             order = min(order, ORDER_OF_EVENTS if self._ends_at_events else order)
-            cautious = max(ORDER_OF_EVENTS, order - CAUTION)
+            cautious = max(ORDER_OF_EVENTS, order - self._caution)
         # where a corner lies in its step, two runs can agree by chance
         least = self._judged / times**self._steepest if self._apart else 0.0
         self._judged = self.error = max(apart, at_rest)
