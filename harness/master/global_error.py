@@ -7,8 +7,8 @@ they differ by 2^p - 1 times the error of the second, where p is the order: 4, w
 6.  It is taken for 1 where weights can collide, or a jump falls within a step; for 2 where weights
 or supports stick or slide, or a motor meets a corner of its characteristic, at the end of a step
 and two runs are all there are; for 1 from where steps at rest have held their signals.  Two runs
-state their error by an order less, under a motor by two.  If it is more than the tolerance, every step is divided again,
-into as many parts as it takes.
+state their error by an order less, under a motor by two.  If it is more than the tolerance, every
+step is divided again, into as many parts as it takes.
 
 Hairer, Norsett & Wanner 1993, II.4: Richardson's extrapolation, here of the run as a whole.
 """
