@@ -6,9 +6,11 @@ unit serve those who have neither NumPy nor pythonfmu.
 
 from __future__ import annotations
 
+import re
 import sys
 from collections.abc import Callable, Mapping
 from importlib import import_module
+from pathlib import Path
 from typing import Any
 
 
@@ -19,14 +21,23 @@ def lazy_names(
 
     Args:
         package: its `__name__`.
-        homes: relative module of every public name.
+        homes: module of every public name, relative or not; after a colon its name there.
     """
 
     def get(name: str) -> Any:
         if name not in homes:
             raise AttributeError(f"module {package!r} has no attribute {name!r}")
-        value = getattr(import_module(homes[name], package), name)
+        home, _, there = homes[name].partition(":")
+        value = getattr(import_module(home, package), there or name)
         setattr(sys.modules[package], name, value)
         return value
 
     return get, lambda: sorted({*vars(sys.modules[package]), *homes})
+
+
+def names_in(stub: Path) -> dict[str, str]:
+    """`homes` of a stub file, which has lines `from MODULE import NAME as NAME` alone."""
+    lines = re.findall(
+        r"^from (\S+) import (\w+) as (\w+)$", stub.read_text(encoding="utf-8"), re.MULTILINE
+    )
+    return {name: f"{home}:{there}" for home, there, name in lines}

@@ -34,7 +34,7 @@ def draw_pictures(scene: Scene, directory: Path, name: str | None = None) -> lis
     """
     return [
         _PICTURES[check.kind](scene, check, directory / f"{name or scene.name}_{check.kind}.png")
-        for check in scene.check
+        for check in scene.checks
         if check.kind in _PICTURES
     ]
 

@@ -87,7 +87,7 @@ def parts_of(scene: Scene) -> list[CheckPart]:
     Raises:
         SceneError: gravity acts, and a check knows of none.
     """
-    for number, check in enumerate(scene.check, start=1):
+    for number, check in enumerate(scene.checks, start=1):
         if scene.operation.gravity and check.kind not in UNDER_GRAVITY:
             raise SceneError(
                 f'{scene.name}: check[{number}].kind = "{check.kind}": its theory knows no '
@@ -95,7 +95,7 @@ def parts_of(scene: Scene) -> list[CheckPart]:
             )
     return [
         CheckPart(scene, check, options)
-        for check in scene.check
+        for check in scene.checks
         for options in SPLIT.get(check.kind, [{}])
     ]
 

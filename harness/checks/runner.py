@@ -43,7 +43,7 @@ def check(source: Scene | str | Path, progress: Progress | None = None) -> list[
 def checked_scenes() -> list[Scene]:
     """The bundled scenes that have something to check, but for those checked only on request."""
     scenes = map(load_scene, bundled_scenes())
-    return [scene for scene in scenes if scene.check and not scene.on_request]
+    return [scene for scene in scenes if scene.checks and not scene.on_request]
 
 
 def check_all(
@@ -98,7 +98,7 @@ def unique_names(scenes: Sequence[Scene]) -> list[str]:
 
 
 def _refuse_unchecked(scene: Scene) -> None:
-    if not scene.check:
+    if not scene.checks:
         raise SceneError(
             f"{scene.path or scene.name}: nothing to check: add a [[check]] table, for example "
             'kind = "liquid_window"'

@@ -11,6 +11,7 @@ from typing import Any
 from ..errors import SceneError, UserError
 from ..master.alike import refuse_unvaried
 from ..scene import Scene
+from ..scene.replace import in_full
 
 SCATTER = 0.1  # of a measured difference, where nobody says
 FARTHEST = 1e6  # times the start: as good as no limit
@@ -159,7 +160,7 @@ def value_at(scene: Scene, path: str) -> float:
     Raises:
         UserError: there is none.
     """
-    first, *parts = path.split(".")
+    first, *parts = in_full(path).split(".")
     holders = {"rotor": scene.rotor, "run": scene.run, **{b.label: b for b in scene.balancer}}
     found: Any = holders.get(first)
     try:

@@ -14,7 +14,7 @@ from typing import Any, Literal, NamedTuple
 from ...fmus.catalogue import sized_unit
 from ..scene import Scene
 from ..scene.balancer import Balancer
-from ..scene.run import LimitedMotor
+from ..scene.run import Motor
 from .names import AXES, components, plane, stations
 
 ROTOR, MOTOR = "rotor", "motor"
@@ -174,7 +174,7 @@ def plan(scene: Scene, frame: str = "rotor", order: int | None = None) -> Plan:
     return Plan(tuple(units), tuple(connections), number, AXES[frame], scale)
 
 
-def _motor(motor: LimitedMotor, angle: float) -> UnitPlan:
+def _motor(motor: Motor, angle: float) -> UnitPlan:
     points = enumerate(motor.points, start=1)
     line = {
         f"point[{k}].{what}": value

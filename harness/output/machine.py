@@ -6,6 +6,7 @@ import platform
 from importlib.metadata import version
 from pathlib import Path
 
+VERSION = version("autobalancer")  # as pyproject.toml says it
 PACKAGES = ("numpy", "scipy", "fmpy", "pythonfmu")
 
 
@@ -25,4 +26,4 @@ def machine() -> str:
 
 def program_version() -> str:
     """Name and version of this program."""
-    return f"autobalancer {version('autobalancer')}"
+    return f"autobalancer {VERSION}"

@@ -9,7 +9,7 @@ import numpy as np
 from pydantic import Field, model_validator
 
 from ...models.assembly import Mounted
-from ...models.liquid import Liquid
+from ...models.liquid import Liquid as LiquidModel
 from ...models.papers.capacity import capacity
 from ...models.rotor import LinearRotor
 from ...models.spacing import closest, fits, half_angle, largest_radius
@@ -89,7 +89,6 @@ class WeightBalancer(Balancer):
     driven: ClassVar[bool] = True
     exchanges_force: ClassVar[bool] = True
 
-    kind: Literal["balls", "rollers", "pendulums"]
     count: Annotated[Whole, Field(ge=1, le=MOST_WEIGHTS)]
     """Number of weights."""
     mass: Annotated[Positive, SI("kg"), Feeds()]
@@ -113,19 +112,12 @@ class WeightBalancer(Balancer):
     speeds: Annotated[tuple[Real, ...], SI("rad/s"), Feeds("weight[{n}].speed0")] = ()
     """In the rotor, one a weight; default: 0."""
 
-    @model_validator(mode="before")
-    @classmethod
-    def _evenly_spread_at_rest(cls, values: Any) -> Any:
-        count = values.get("count") if isinstance(values, dict) else None
-        if type(count) is not int or not 0 < count <= MOST_WEIGHTS:
-            return values
-        given = {key: value for key, value in values.items() if value is not None}
-        angles = [math.tau * k / count for k in range(count)]
-        return {"angles": angles, "speeds": [0.0] * count, **given}
-
     @model_validator(mode="after")
     def _fits_together(self) -> WeightBalancer:
-        for key in ("angles", "speeds"):
+        spread = tuple(math.tau * k / self.count for k in range(self.count))
+        for key, value in (("angles", spread), ("speeds", (0.0,) * self.count)):
+            if key not in self.model_fields_set:
+                self.__dict__[key] = value  # it is frozen
             refuse_other_length(key, getattr(self, key), self.count, "weight")
         if self.weight_radius is not None:
             self._refuse_tight(self.weight_radius)
@@ -226,7 +218,25 @@ class WeightBalancer(Balancer):
         )
 
 
-class LiquidBalancer(Balancer):
+class Balls(WeightBalancer):
+    """Equal balls that roll on one circular track, Filimonikhina 2017 (4)."""
+
+    kind: Literal["balls"] = "balls"
+
+
+class Rollers(WeightBalancer):
+    """Equal rollers on one circular track, Filimonikhina 2017 (4)."""
+
+    kind: Literal["rollers"] = "rollers"
+
+
+class Pendulums(WeightBalancer):
+    """Equal pendulums on one axis, Filimonikhina 2017 (4)."""
+
+    kind: Literal["pendulums"] = "pendulums"
+
+
+class Liquid(Balancer):
     """Chamber, float, and liquid in the gap, Dubovik 2006."""
 
     model: ClassVar[str] = "LiquidBalancer"
@@ -235,7 +245,7 @@ class LiquidBalancer(Balancer):
     can_meet: ClassVar[bool] = False
     can_stick: ClassVar[bool] = False
 
-    kind: Literal["liquid"]
+    kind: Literal["liquid"] = "liquid"
     chamber_radius: Annotated[Positive, SI("m"), Feeds()]
     """Inner radius of the chamber."""
     float_radius: Annotated[Positive, SI("m"), Feeds()]
@@ -251,7 +261,7 @@ class LiquidBalancer(Balancer):
         return self.inertia_as_force
 
     @model_validator(mode="after")
-    def _fits_the_chamber(self) -> LiquidBalancer:
+    def _fits_the_chamber(self) -> Liquid:
         if self.float_radius >= self.chamber_radius:
             raise refusal(
                 "float_radius", f"must be less than chamber_radius = {self.chamber_radius!r} m"
@@ -260,8 +270,8 @@ class LiquidBalancer(Balancer):
 
     def build(self) -> Mounted:
         """The liquid on its plane."""
-        device = Liquid(self.chamber_radius, self.float_radius, self.height, self.density)
+        device = LiquidModel(self.chamber_radius, self.float_radius, self.height, self.density)
         return Mounted(self.label, device, self.at - 1)
 
 
-AnyBalancer = Annotated[WeightBalancer | LiquidBalancer, Field(discriminator="kind")]
+AnyBalancer = Annotated[Balls | Rollers | Pendulums | Liquid, Field(discriminator="kind")]

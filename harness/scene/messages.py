@@ -129,7 +129,7 @@ def _unknown_key(location: Location, document: Any, root: type[BaseModel]) -> st
 def _wrong_kind(location: Location, document: Any, root: type[BaseModel]) -> str:
     place = locate(location, document, root)
     parent = locate(location[:1], document, root).table or root
-    field = parent.model_fields[str(location[0])]
+    field = fields_of(parent)[str(location[0])]
     kinds = [kind for table in tables_in(field.annotation) for kind in kinds_of(table)]
     given = place.value.get("kind") if isinstance(place.value, dict) else None
     allowed = f"must be one of {quoted(kinds)}"

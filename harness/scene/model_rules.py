@@ -13,7 +13,7 @@ from ...models.rotor import LinearRotor
 from .balancer import AnyBalancer
 from .check import AnyCheck
 from .rotor import Rotor
-from .run import LimitedMotor, Operation
+from .run import Motor, Operation
 
 # keys of a balancer by what is then true of it
 _WITHOUT_SECOND_DERIVATIVES = {
@@ -70,7 +70,7 @@ def with_quintics(without: Mapping[str, str]) -> list[str]:
     ]
 
 
-def under_a_motor(motor: LimitedMotor | None, rotor: LinearRotor, scheme: str) -> list[str]:
+def under_a_motor(motor: Motor | None, rotor: LinearRotor, scheme: str) -> list[str]:
     """What a motor of limited power cannot drive, and which scheme does not know it."""
     if motor is None:
         return []

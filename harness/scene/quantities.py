@@ -4,12 +4,21 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
-from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Field, WithJsonSchema
+from pydantic import (
+    AfterValidator,
+    BaseModel,
+    BeforeValidator,
+    ConfigDict,
+    Field,
+    ValidationError,
+    WithJsonSchema,
+)
 from pydantic.fields import FieldInfo
 from pydantic_core import PydanticCustomError, core_schema
 
+from ..errors import SceneError
 from ..units import to_si
 
 LARGEST_ANGLE = 1e9  # rad: doubles that large lie 1e-7 rad apart
@@ -35,6 +44,28 @@ class Table(BaseModel):
     """One table of a scene file: frozen, and no key that it does not know."""
 
     model_config = ConfigDict(frozen=True, extra="forbid")
+
+    if not TYPE_CHECKING:  # type checkers derive it from the keys
+
+        def __init__(self, /, **values: Any) -> None:
+            """A table by its keys.
+
+            Raises:
+                SceneError: one line for every problem there is.
+            """
+            try:
+                super().__init__(**values)
+            except ValidationError as error:
+                from .messages import problems
+
+                name = type(self).__name__
+                lines = problems(error, values, type(self))
+                raise SceneError("\n".join(f"{name}: {line}" for line in lines)) from None
+
+        __init__.__pydantic_base_init__ = True  # tables within it report to it
+
+    def __eq__(self, other: object) -> bool:
+        return type(self) is type(other) and dict(self) == dict(other)
 
 
 def refusal(key: str, words: str) -> PydanticCustomError:

@@ -11,14 +11,14 @@ import inspect
 import sys
 from collections.abc import Iterator
 from functools import cache
-from itertools import pairwise
+from itertools import groupby, pairwise
 from pathlib import Path
 from typing import Any
 
 from pydantic import BaseModel
 
 from .messages import kinds_of, quoted, show, tables_in
-from .quantities import LARGEST, Table, unit_of
+from .quantities import LARGEST, Table, fields_of, unit_of
 from .scene import Scene
 
 README = Path(__file__).parents[1] / "manual" / "harness.md"
@@ -31,7 +31,7 @@ HEAD = ("| key | unit | default | allowed | meaning |", "|---|---|---|---|---|")
 @cache
 def reference() -> str:
     """Every table of a scene with its keys, as Markdown."""
-    nested = {name: tables_in(f.annotation) for name, f in Scene.model_fields.items()}
+    nested = {key: tables_in(f.annotation) for key, f in fields_of(Scene).items()}
     plain = [name for name, tables in nested.items() if not tables]
     lines = ["### At the top of the file", "", *HEAD, *_rows(Scene, plain), ""]
     for key, tables in nested.items():
@@ -51,9 +51,14 @@ def _section(key: str, tables: list[type[BaseModel]]) -> Iterator[str]:
     common = [name for name in tables[0].model_fields if name in shared - {"kind"}]
     if common:
         yield from ("Of every kind:", "", *HEAD, *_rows(tables[0], common), "")
-    for table in tables:
-        own = [name for name in table.model_fields if name not in shared]
-        yield from (f"**`kind = {quoted(kinds_of(table))}`** {_summary(table)}", "")
+
+    def own_keys(table: type[BaseModel]) -> list[str]:
+        return [name for name in table.model_fields if name not in shared]
+
+    for own, alike in groupby(tables, own_keys):
+        table, *others = alike
+        kinds = quoted([kind for each in (table, *others) for kind in kinds_of(each)])
+        yield from (f"**`kind = {kinds}`** {_summary(table.__mro__[1] if others else table)}", "")
         if own:
             yield from (*HEAD, *_rows(table, own), "")
 

@@ -27,6 +27,7 @@ _ALTERNATIVES = {
     "coupling.tolerance": ("steps_per_rev", "corrections"),
 }
 SPEED = "operation.speed"
+_AXES = re.compile(r"\b(\w*(?:stiffness|damping|damping_ratio|limit)(?:\[\d+\])?)\[([xy])\]")
 _PART = re.compile(r"(?P<key>[A-Za-z_][A-Za-z0-9_-]*)(?P<indices>(?:\[\d+\])*)$")
 
 Document = dict[str, Any]
@@ -34,8 +35,10 @@ TableType = type[BaseModel]
 
 
 def in_full(path: str) -> str:
-    """A path with `speed`, which is short for operation.speed, in full."""
-    return SPEED if path == "speed" else path
+    """A path with `speed`, short for operation.speed, in full, and [x] and [y] as [1] and [2]."""
+    if path == "speed":
+        return SPEED
+    return _AXES.sub(lambda found: f"{found[1]}[{'xy'.index(found[2]) + 1}]", path)
 
 
 def replaced(
@@ -118,7 +121,10 @@ def _put(holder: Document, table: TableType, path: str, rest: list[str], value: 
 def plain(value: Any) -> Any:
     """A copy as `tomllib` gives it: of table objects, tuples, and NumPy's scalars and arrays."""
     if isinstance(value, BaseModel):
-        value = value.model_dump(by_alias=True, exclude_unset=True)
+        given = value.model_fields_set | {"kind"}
+        fields = fields_of(type(value)).items()
+        names = zip(type(value).model_fields, fields, strict=True)
+        value = {key: getattr(value, name) for name, (key, _) in names if name in given}
     if isinstance(value, Mapping):
         return {key: plain(inner) for key, inner in value.items()}
     if hasattr(value, "tolist"):

@@ -34,10 +34,10 @@ from .rotor_table import (
 )
 
 
-class PlanarRotor(RotorTable):
+class Planar(RotorTable):
     """Disc in one plane: Filimonikhina 2017 (4), Dubovik 2006 (5)."""
 
-    kind: Literal["planar"]
+    kind: Literal["planar"] = "planar"
     mass: Annotated[Positive, SI("kg"), Feeds()]
     """Without weights and liquid."""
     stiffness: Annotated[PositivePair, SI("N/m"), Feeds("stiffness_{axis}")]
@@ -61,7 +61,7 @@ class PlanarRotor(RotorTable):
     centre: ClassVar[float] = 0.0
 
     @model_validator(mode="after")
-    def _damped(self) -> PlanarRotor:
+    def _damped(self) -> Planar:
         self._damp_by_ratio()
         return self
 
@@ -79,10 +79,10 @@ class PlanarRotor(RotorTable):
         return self._with_friction(LinearRotor.planar(**self._arguments()))
 
 
-class TwoSupportRotor(RotorTable):
+class TwoSupport(RotorTable):
     """Rigid body on two supports; positions are measured from support 1."""
 
-    kind: Literal["two_support"]
+    kind: Literal["two_support"] = "two_support"
     mass: Annotated[Positive, SI("kg"), Feeds()]
     """Without weights and liquid."""
     inertia: Annotated[Positive, SI("kg m^2"), Feeds()]
@@ -109,7 +109,7 @@ class TwoSupportRotor(RotorTable):
     supports: ClassVar[tuple[int, ...]] = (1, 2)
 
     @model_validator(mode="after")
-    def _is_a_body(self) -> TwoSupportRotor:
+    def _is_a_body(self) -> TwoSupport:
         if self.polar_inertia > 2.0 * self.inertia:
             raise refusal(
                 "polar_inertia", f"no body has more than 2 inertia = {2.0 * self.inertia:g} kg m^2"
@@ -136,10 +136,10 @@ class TwoSupportRotor(RotorTable):
         return self._with_friction(LinearRotor.two_support(**self._arguments()))
 
 
-class FlexibleRotor(RotorTable):
+class Flexible(RotorTable):
     """Discs on a massless shaft with two supports, which are stations of the shaft."""
 
-    kind: Literal["flexible"]
+    kind: Literal["flexible"] = "flexible"
     stations: Annotated[tuple[Real, ...], Field(min_length=2), SI("m"), Feeds("station[{n}].z")]
     """Positions along the shaft, rising."""
     masses: Annotated[tuple[NotNegative, ...], SI("kg"), Feeds("station[{n}].mass")]
@@ -171,7 +171,7 @@ class FlexibleRotor(RotorTable):
         return value
 
     @model_validator(mode="after")
-    def _fits_together(self) -> FlexibleRotor:
+    def _fits_together(self) -> Flexible:
         count = len(self.stations)
         refuse_other_length("masses", self.masses, count, "station")
         if self.supports[0] == self.supports[1] or not all(1 <= s <= count for s in self.supports):
@@ -226,4 +226,4 @@ class FlexibleRotor(RotorTable):
         return self._with_friction(LinearRotor.flexible(**self._arguments()))
 
 
-Rotor = Annotated[PlanarRotor | TwoSupportRotor | FlexibleRotor, Field(discriminator="kind")]
+Rotor = Annotated[Planar | TwoSupport | Flexible, Field(discriminator="kind")]

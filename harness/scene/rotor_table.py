@@ -13,7 +13,8 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import Field, model_validator
 
-from ...models.rotor import LinearRotor, Slider
+from ...models.rotor import LinearRotor
+from ...models.rotor import Slider as LinearSlider
 from .feeds import Feeds, Start, fed
 from .quantities import (
     SI,
@@ -42,7 +43,7 @@ class Unbalance(Table):
 Unbalances = tuple[Unbalance, ...]
 
 
-class SliderTable(Table):
+class Slider(Table):
     """Dry friction in a support, in parallel with its spring, each axis for itself."""
 
     support: Annotated[Whole, Field(ge=1, le=2), Feeds()] = 1
@@ -54,7 +55,7 @@ class SliderTable(Table):
 
 
 _NO_ARGUMENTS = ("kind", "friction", "damping_ratio")  # of a constructor of `LinearRotor`
-Friction = Annotated[tuple[SliderTable, ...], Feeds("slider[{n}].")]
+Friction = Annotated[tuple[Slider, ...], Feeds("slider[{n}].")]
 SupportStiffness = Annotated[
     tuple[PositivePair, PositivePair], SI("N/m"), Feeds("support[{n}].stiffness_{axis}")
 ]
@@ -92,7 +93,7 @@ class RotorTable(Table):
     model: ClassVar[str] = "RotorOnSupports"
     kind: str
     if TYPE_CHECKING:  # a key of one kind, a property of another
-        friction: tuple[SliderTable, ...]
+        friction: tuple[Slider, ...]
         damping_ratio: tuple[float, float] | None
 
         @property
@@ -214,7 +215,7 @@ class RotorTable(Table):
     def _with_friction(self, rotor: LinearRotor) -> LinearRotor:
         """The same rotor with the sliders in its supports."""
         sliders = [
-            Slider(self.supports[s.support - 1] - 1, axis, s.limit[axis],
+            LinearSlider(self.supports[s.support - 1] - 1, axis, s.limit[axis],
                         s.stiffness[axis] if s.stiffness else 0.0)
             for s in self.friction
             for axis in (0, 1)

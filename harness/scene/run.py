@@ -38,7 +38,7 @@ class RunUp(Table):
     """Duration of the rise."""
 
 
-class LimitedMotor(Table):
+class Motor(Table):
     """A motor of limited power, whose torque depends on the speed."""
 
     inertia: Annotated[Positive, SI("kg m^2")]
@@ -53,7 +53,7 @@ class LimitedMotor(Table):
     """Speed at the start."""
 
     @model_validator(mode="after")
-    def _one_of_both(self) -> LimitedMotor:
+    def _one_of_both(self) -> Motor:
         line = (self.stall_torque, self.no_load_speed)
         if bool(self.table) == (None not in line) or (self.table and line != (None, None)):
             raise refusal(
@@ -89,7 +89,7 @@ class Operation(Table):
     """Constant speed; this, `run_up` or `motor`."""
     run_up: RunUp | None = None
     """A speed that rises; this, `speed` or `motor`."""
-    motor: LimitedMotor | None = None
+    motor: Motor | None = None
     """A speed that the torques make; this, `speed` or `run_up`."""
     gravity: Annotated[NotNegative, SI("m/s^2")] = 0.0
     """Across the axis: 9.81 for a horizontal rotor, 0 for a vertical one."""
@@ -229,7 +229,7 @@ def _enough(revolutions: float) -> float:
     return revolutions
 
 
-class RunTable(Table):
+class Run(Table):
     """How long, from where, and what is recorded."""
 
     revolutions: Annotated[Positive, AfterValidator(_enough)] = 20.0

@@ -8,14 +8,14 @@ from __future__ import annotations
 
 import copy
 import re
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from dataclasses import replace
 from functools import cached_property
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-from pydantic import Field, PrivateAttr, ValidationError
+from pydantic import BaseModel, Field, PrivateAttr, ValidationError
 
 from ...models.assembly import Assembly, SpeedProfile
 from ...models.rotor import LinearRotor
@@ -37,7 +37,7 @@ from .quantities import Flag, Table, Text
 from .replace import in_full, plain, replaced
 from .rotor import Rotor
 from .rules import TABLES, across, plane_count
-from .run import Coupling, Operation, RunTable
+from .run import Coupling, Operation, Run
 
 __all__ = ["Scene", "bundled_scenes", "load_scene"]
 
@@ -60,9 +60,9 @@ class Scene(Table):
     """How the rotor is driven, and gravity."""
     coupling: Coupling = Coupling()
     """How the units exchange signals."""
-    run: RunTable = RunTable()
+    run: Run = Field(default_factory=Run)
     """How long, from where, and what is recorded."""
-    check: tuple[AnyCheck, ...] = Field(default=())
+    checks: tuple[AnyCheck, ...] = Field(default=(), alias="check")
     """A list of tables, by kind: what is compared with theory and measurement."""
     on_request: Flag = False
     """Long: checked only when it is named, not by the self-check."""
@@ -73,10 +73,41 @@ class Scene(Table):
     _path: Path | None = PrivateAttr(default=None)
     _label: str = PrivateAttr(default="scene")
 
-    def __init__(self, /, **tables: Any) -> None:
-        """As `from_document`; a table is a mapping or an object such as `scene.rotor`."""
-        refuse_deep(tables, "scene")
-        self._fill(plain(tables), None, "scene")
+    if TYPE_CHECKING:
+
+        def __init__(
+            self,
+            *,
+            rotor: Rotor | Mapping[str, Any],
+            balancer: Sequence[AnyBalancer | Mapping[str, Any]] = (),
+            speed: float | str = ...,
+            operation: Operation | Mapping[str, Any] = ...,
+            coupling: Coupling | Mapping[str, Any] = ...,
+            run: Run | Mapping[str, Any] = ...,
+            balancing: Balancing | Mapping[str, Any] = ...,
+            check: Sequence[AnyCheck | Mapping[str, Any]] = (),
+            title: str = "",
+            source: str = "",
+            on_request: bool = False,
+        ) -> None: ...
+
+    else:
+
+        def __init__(self, /, **tables: Any) -> None:
+            """A scene by its tables: objects such as `Planar`, or mappings as in a file.
+
+            Args:
+                speed: short for operation.speed, rad/s or text such as "1200 rpm".
+
+            Raises:
+                SceneError: one line for every problem there is.
+            """
+            refuse_deep(tables, "scene")
+            tables = plain(tables)
+            if "speed" in tables:
+                speed = tables.pop("speed")
+                tables["operation"] = {"speed": speed, **tables.get("operation", {})}
+            self._fill(tables, None, "scene")
 
     @classmethod
     def from_document(
@@ -103,7 +134,7 @@ class Scene(Table):
 
     def _fill(self, document: dict[str, Any], path: Path | None, label: str) -> None:
         try:
-            super().__init__(**document)
+            BaseModel.__init__(self, **document)
         except ValidationError as error:
             planes = plane_count(document.get("rotor"))
             lines = [*problems(error, document, Scene), *across(document, planes)]
@@ -142,6 +173,23 @@ class Scene(Table):
             if self._path is not None and read(self._path) == self._document:
                 return self._path.read_text(encoding="utf-8-sig")
         return dumps(self._document)
+
+    def save(self, path: str | Path) -> Path:
+        """Write the scene as a TOML file, from which `load` makes an equal one.
+
+        Raises:
+            UserError: the file cannot be written.
+
+        >>> drum = ab.load("drum").replace({"speed": "900 rpm"})
+        >>> path = drum.save("slow_drum.toml")
+        >>> ab.load("slow_drum.toml") == drum
+        True
+        """
+        from ..output.files import write_whole
+
+        with write_whole(Path(path)) as stream:
+            stream.write(self.toml)
+        return Path(path)
 
     def __repr__(self) -> str:
         balancers = ", ".join(f"{b.kind} {b.label!r}" for b in self.balancer) or "no balancer"
@@ -186,10 +234,11 @@ class Scene(Table):
         """A validated copy with values replaced, for example {"rotor.unbalance": 0.1}.
 
         Paths begin with rotor, operation, coupling, run, or a balancer's name; `speed` is short for
-        operation.speed; elements of lists count from 1 ("rotor.stiffness[2]").  None takes a key
-        out, back to its default.  Speed and run_up, steps_per_rev and tolerance take each other's
-        place; a tolerance, or a scheme that takes one pass, takes that of corrections.  Two of
-        them given at once are refused.
+        operation.speed; elements of lists count from 1 ("balls.angles[2]"), of a pair
+        also [x] and [y] ("rotor.stiffness[x]", of two supports "rotor.stiffness[1][x]").  None
+        takes a key out, back to its default.  Speed and run_up, steps_per_rev and tolerance take
+        each other's place; a tolerance, or a scheme that takes one pass, takes that of corrections.
+        Two of them given at once are refused.
 
         Raises:
             SceneError: a path is unknown (says what is possible), or a value is wrong.
@@ -266,7 +315,7 @@ class Scene(Table):
         lines += in_python(self.native_alone) if self.coupling.units == "python" else []
         lines += with_quintics(self._without_second_derivatives) if self.coupling.order == 5 else []
         lines += self.balancing.problems(self.rotor) if self.balancing else []
-        return lines + liquid_windows(self.check, self.rotor, rotor, self.balancer)
+        return lines + liquid_windows(self.checks, self.rotor, rotor, self.balancer)
 
     @property
     def native_alone(self) -> list[str]:

@@ -92,7 +92,7 @@ def test_without_a_scene_all_bundled_scenes_with_checks_are_checked(invoke, monk
     outcome = invoke("check")
     assert outcome.exit_code == 0
     scenes = [load_scene(name) for name in bundled_scenes()]
-    assert checked == [scene.name for scene in scenes if scene.check and not scene.on_request]
+    assert checked == [scene.name for scene in scenes if scene.checks and not scene.on_request]
     assert {n for n in checked if n.startswith("liquid_")} == {
         "liquid_closed",
         "liquid_disc",

@@ -20,7 +20,7 @@ from ...errors import SimulationError
 from ...master.recorder import recorded
 from ...output.workers import ItemProgress
 from ...scene import Scene
-from ...scene.balancer import LiquidBalancer
+from ...scene.balancer import Liquid
 from .methods import (
     UNDER_A_MOTOR,
     Method,
@@ -139,7 +139,7 @@ def precision(
 
 def all_methods(scene: Scene) -> list[Method]:
     """Every method that could run the scene."""
-    exchanges = any(not isinstance(b, LiquidBalancer) or b.inertia_as_force for b in scene.balancer)
+    exchanges = any(not isinstance(b, Liquid) or b.inertia_as_force for b in scene.balancer)
     methods = coupling_methods(exchanges)
     if exchanges and scene.takes_quintics:
         methods += one_file_methods(5)

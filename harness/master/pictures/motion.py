@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Protocol
@@ -119,7 +119,7 @@ class Motion:
         return float(np.angle(-unbalance[0])) if alone else None
 
 
-def with_weights(scene: Scene) -> list[WeightBalancer]:
+def with_weights(scene: Scene) -> Sequence[WeightBalancer]:
     """Balancers that have them.
 
     Raises:

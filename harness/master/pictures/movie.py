@@ -24,7 +24,7 @@ from ...output.files import movie_format, write_whole
 from ...output.picture import GREY, colour, unbroken
 from ...output.plot import harmless, metres
 from ...scene import Scene
-from ...scene.balancer import LiquidBalancer, WeightBalancer
+from ...scene.balancer import Liquid, WeightBalancer
 from .motion import Motion
 
 if TYPE_CHECKING:
@@ -160,7 +160,7 @@ def views(motion: Motion, times: Array, axes: Axes) -> tuple[float, list[View]]:
     return factor, seen
 
 
-def _radius(balancer: WeightBalancer | LiquidBalancer) -> float:
+def _radius(balancer: WeightBalancer | Liquid) -> float:
     """Of the track, or of the chamber [m]."""
     if isinstance(balancer, WeightBalancer):
         return balancer.track_radius

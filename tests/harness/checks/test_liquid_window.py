@@ -17,7 +17,7 @@ pytestmark = pytest.mark.slow
 SCENES = [
     name
     for name in bundled_scenes()
-    if any(check.kind == "liquid_window" for check in load_scene(name).check)
+    if any(check.kind == "liquid_window" for check in load_scene(name).checks)
 ]
 
 

@@ -95,7 +95,7 @@ def test_a_scene_without_checks_is_refused():
 
 
 def test_every_kind_of_check_has_one_function():
-    kinds = {check.kind for name in SCENES for check in load_scene(name).check}
+    kinds = {check.kind for name in SCENES for check in load_scene(name).checks}
     assert kinds <= {*registry.CHECKS, *registry.PAPERS, *registry.SHARING}
 
 

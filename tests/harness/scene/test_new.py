@@ -18,7 +18,7 @@ def test_a_new_scene_is_commented_and_balances_above_its_critical_speeds(name, i
     assert text.count("#") > 8
     scene = load_scene(path)
     assert scene.source
-    assert not scene.check
+    assert not scene.checks
     assert not scene.on_request
     speed = scene.profile().end
     near = critical_speeds(scene.assembly().loaded_rotor)[: 2 * len(scene.rotor.supports)]

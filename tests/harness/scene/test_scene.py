@@ -186,7 +186,7 @@ def test_byte_order_mark_and_windows_line_ends_are_read(tmp_path):
 
 def test_bare_rotor_has_neither_balancer_nor_check():
     bare = load_scene("liquid_disc").without_balancers()
-    assert (bare.balancer, bare.check) == ((), ())
+    assert (bare.balancer, bare.checks) == ((), ())
     assert bare.rotor == load_scene("liquid_disc").rotor
     assert bare.replace({"operation.speed": 10.0}).balancer == ()
 
