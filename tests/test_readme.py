@@ -120,7 +120,7 @@ def test_every_package_in_the_tree_is_installed():
         for top in ("models", "fmus", "harness")
         for path in (ROOT / top).rglob("__init__.py")
     }
-    assert listed == found
+    assert listed == found - {"harness.api"}  # that is autobalancer itself
 
 
 def test_what_a_run_leaves_out_is_not_loaded():
