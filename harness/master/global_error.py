@@ -7,8 +7,9 @@ they differ by 2^p - 1 times the error of the second, where p is the order: 4, w
 6.  It is taken for 1 where weights can collide, or a jump falls within a step; for 2 where weights
 or supports stick or slide, or a motor meets a corner of its characteristic, at the end of a step
 and two runs are all there are; for 1 from where steps at rest have held their signals.  Two runs
-state their error by an order less, under a motor by two.  If it is more than the tolerance, every
-step is divided again, into as many parts as it takes.
+state their error by an order less, under a motor by two; three runs by the order that they show,
+and as two do where it is higher than can be.  If it is more than the tolerance, every step is
+divided again, into as many parts as it takes.
 
 Hairer, Norsett & Wanner 1993, II.4: Richardson's extrapolation, here of the run as a whole.
 """
@@ -54,6 +55,7 @@ AIM = 0.3
 # of the truth study erred by 3 to 6.6 times what they stated; under a motor by more: it starts in
 # a few steps that are too long for their order to show
 CAUTION, MOTOR_CAUTION = 1, 2
+STEEPER = 1.0  # than the highest order, by three runs: the first of them shows nothing
 MOST_TIMES = 4  # as many parts as in the run before, which is to be confirmed
 MOST_PARTS = 128  # of a step of the first run
 PARTING = 32  # parts that should be enough to see runs come together
@@ -132,22 +134,23 @@ class Controlled:
         """Whether a run keeps the tolerance so far `apart` from the one before, and `at_rest`."""
         times, enough = parts / self.parts, self.tolerance
         order: float = self.highest_order
-        cautious = order  # by which the error is stated
+        stated = max(ORDER_OF_EVENTS, order - self._caution) if order > ORDER_OF_JUMPS else order
         if self._apart and apart:  # three runs show by which order errors shrink
             shown = math.log1p(self._apart / apart) / math.log(self._times)
             self.order = order = min(self.highest_order, max(shown, ORDER_OF_JUMPS))
-            cautious = order
+            # by a higher one than there is: the first was no run yet whose errors shrink so
+            stated = order if shown <= self.highest_order + STEEPER else min(order, stated)
         elif order > ORDER_OF_JUMPS:
             enough *= AIM
-            order = min(order, ORDER_OF_EVENTS if self._ends_at_events else order)
-            cautious = max(ORDER_OF_EVENTS, order - self._caution)
+            if self._ends_at_events:
+                order = stated = ORDER_OF_EVENTS
         # where a corner lies in its step, two runs can agree by chance
         least = self._judged / times**self._steepest if self._apart else 0.0
         self._judged = self.error = max(apart, at_rest)
         if self.error < ASYMPTOTIC:
             rested = at_rest / (times**ORDER_HELD - 1.0)
             self._judged = max(apart / (times**order - 1.0), rested, least)
-            self.error = max(apart / (times**cautious - 1.0), rested, least)
+            self.error = max(apart / (times**stated - 1.0), rested, least)
         self.parts, self._times, self._apart = parts, times, apart
         # two runs that hide a fast vibration between their points can agree by chance
         watched = self.cosim.facts().estimated_error
