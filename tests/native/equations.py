@@ -115,18 +115,6 @@ class Track:
         )  # fmt: skip
         return complex(found[0].re, found[0].im), complex(found[1].re, found[1].im)
 
-    def reaction_change(
-        self, state: Sequence[Sequence[float]], drive: Sequence[Any], by: Sequence[Any]
-    ) -> tuple[complex, complex]:
-        """Change of force and slope by a change of acceleration, slope, speed and w'."""
-        found, seen = (Complex(), Complex()), [Complex(z.real, z.imag) for z in by[:2]]
-        changed = byref(self.core.structures.Instant(*seen, by[2]))
-        self.core.demand(
-            "track_reaction_change", byref(self.native), *_arrays(*state), *drive, changed, by[3],
-            0.0, *map(byref, found), self._scratch,
-        )  # fmt: skip
-        return complex(found[0].re, found[0].im), complex(found[1].re, found[1].im)
-
     def first_contacts(self, angles: Sequence[float], speeds: Sequence[float]) -> list[float]:
         """Contacts of weights that touch and move alike."""
         contacts = np.empty(self.weights.count)

@@ -44,33 +44,6 @@ TRACKS = {
 }
 
 
-@pytest.mark.parametrize("name", TRACKS)
-def test_changes_of_the_force_are_the_differences_of_forces(track_of, name):
-    count, share, resistance, offset = TRACKS[name]
-    random = np.random.default_rng(len(name))
-    radius = share * 0.05 * (math.sin(math.pi / count) if count > 1 else 1.0)
-    track = track_of(Weights(count, 0.01, 0.05, 0.05, 1.4), radius, 0.3, resistance, offset)
-    for _ in range(40):
-        state = _start(random, track)
-        size = 10.0 ** random.uniform(-1.0, 3.0)  # the larger ones load both walls of the race
-        drive = np.array([*_signal(random, size), *random.uniform(-99.0, 99.0, 2)])
-        by = np.array([*_signal(random, 1.0), *random.normal(size=2)])
-        # what holds, touches or slides must be the same on both sides: differences that short
-        steps = 1e-4, 2e-4
-
-        def force_at(t, state=state, drive=drive, by=by):
-            a, slope, speed, spin_up = (drive + t * by).tolist()
-            return np.array(track.reaction(*state, a, slope, speed.real, spin_up.real))
-
-        near, far = ((force_at(t) - force_at(-t)) / (2.0 * t) for t in steps)
-        exact = (4.0 * near - far) / 3.0  # polynomials of degree 3 at most: no error but rounding
-        a, slope, speed, spin_up = drive.tolist()
-        change = a, slope, speed.real, spin_up.real
-        found = track.reaction_change(state, change, [*by[:2].tolist(), *by[2:].real.tolist()])
-        scale = np.maximum(np.abs(exact), np.abs(force_at(0.0)) * 1e-4 + 1e-6)
-        assert (np.abs(np.array(found) - exact) / scale).max() < 1e-6
-
-
 def test_a_step_may_end_behind_its_first_collision(track_of):
     track = track_of(Weights(2, 0.01, 0.05, 0.0, 1.4), 0.005, 0.5)
     state = [0.0, 2.0 * track.alpha + 0.01], [3.0, -2.0], [0.0, 0.0]

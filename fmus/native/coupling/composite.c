@@ -598,13 +598,6 @@ static size_t composite_signals(const Layout *layout, size_t *first)
     return 0;
 }
 
-static int composite_directional(Unit *unit, const double *seed, double *change)
-{
-    (void)seed;
-    (void)change;
-    return refuse_coupling(unit, "a composite has no directional derivatives");
-}
-
 static int composite_slope(Unit *unit, size_t reference, double *value)
 {
     (void)unit;
@@ -618,4 +611,4 @@ const Equations COMPOSITE_EQUATIONS = {
     .parameters = composite_parameters, .begin = composite_begin, .step = composite_step_unit,
     .outputs = composite_outputs, .observe = composite_observe,
     .observe_torques = composite_observe_torques, .is_torque = composite_is_torque,
-    .signals = composite_signals, .directional = composite_directional, .slope = composite_slope};
+    .signals = composite_signals, .slope = composite_slope};

@@ -54,8 +54,8 @@ typedef struct {
     int (*is_torque)(const Unit *unit, size_t reference);
     /* Signals come as value and derivatives: their number, and their first value reference. */
     size_t (*signals)(const Layout *layout, size_t *first);
-    /* How all outputs change, by value reference, when the inputs change by `seed`. */
-    int (*directional)(Unit *unit, const double *seed, double *change);
+    /* How far beside an input outputs are smooth; NULL: see derivatives.c. */
+    double (*reach)(const Unit *unit, size_t input);
     /* Time derivative of an output that is no signal; 1 when it has none. */
     int (*slope)(Unit *unit, size_t reference, double *value);
 } Equations;
@@ -76,9 +76,9 @@ struct Unit {
     double *memory; /* state of the equations */
     size_t memory_count;
     double *before; /* `memory` before a step, for one that fails */
-    double *seed;   /* direction of the inputs, */
-    double *change; /* change of the outputs, */
-    double *kept;   /* and the computed outputs while it is found */
+    double *change; /* change of the outputs by the inputs, */
+    double *beside; /* by one of them, */
+    double *kept;   /* and the outputs while it is found */
     const unsigned *asked; /* outputs that are read, where others need not be computed; else NULL */
     size_t asked_count;
     double time;    /* communication point reached [s] */
@@ -89,6 +89,7 @@ struct Unit {
     int may_end_early; /* whether the host takes a step that ends early, */
     int leaves_impacts; /* and lets weights collide itself: a composite, which knows the whole machine */
     int phase, stale;
+    int frozen; /* whether outputs keep to what they found to stick, for derivatives */
     int warned; /* warnings given, a bit each */
     void *own;
     void *allocated; /* list of all memory */
@@ -145,7 +146,7 @@ Status unit_set_derivatives(Unit *unit, const unsigned *references, size_t count
                             const int *orders, const double *values);
 Status unit_get_derivatives(Unit *unit, const unsigned *references, size_t count,
                             const int *orders, double *values);
-/* Exact change of `unknowns` (outputs) for a change `seed` of `knowns` (inputs). */
+/* Change of `unknowns` (outputs) for a change `seed` of `knowns` (inputs). */
 Status unit_directional(Unit *unit, const unsigned *unknowns, size_t unknown_count,
                         const unsigned *knowns, size_t known_count, const double *seed,
                         double *change);

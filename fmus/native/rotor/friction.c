@@ -569,7 +569,7 @@ int friction_plane_motion(FrictionStep *method, const double *state, double *hel
     }
     matrix_product(1, planes, dof, 1, smooth->planes, rates + dof, acceleration);
     matrix_product(1, planes, dof, 1, smooth->planes, jerks, jerk);
-    for (k = 0; k < method->count && state; k++) {
+    for (k = 0; k < method->count; k++) {
         held[2 * k + HOLDS] = method->forces[k];
     }
     return FINE;

@@ -102,22 +102,13 @@ static size_t liquid_signals(const Layout *layout, size_t *first)
     return LIQUID_SIGNALS;
 }
 
-static int liquid_directional(Unit *unit, const double *seed, double *change)
+/* The gap bends over the displacement; all else is linear. */
+static double liquid_reach(const Unit *unit, size_t input)
 {
-    const Own *own = unit->own;
-    const size_t orders = orders_of(unit), behind = LIQUID_SIGNALS * orders;
-    const double *in = unit->real + unit->layout.inputs.first + behind;
-    const double bending = magnitude(complex_of(in[X], in[Y]));
-    size_t k;
-    for (k = 0; k < LIQUID_SIGNALS * (orders / 2); k++) {
-        *change++ = -own->sent * seed[k];
-    }
-    seed += behind;
-    change[OUT_ADDED_MASS] = change[OUT_LIQUID_MASS] = 0.0;
-    /* at rest in the middle every direction closes the gap alike, and there is no derivative */
-    change[OUT_CLEARANCE] =
-        bending > 0.0 ? -(in[X] / bending * seed[X] + in[Y] / bending * seed[Y]) : 0.0;
-    return 0;
+    const size_t behind = unit->layout.inputs.first + LIQUID_SIGNALS * orders_of(unit);
+    const double *place = unit->real + behind;
+    return input < behind ? larger(1.0, absolute(unit->real[input]))
+                          : 1e-3 * magnitude(complex_of(place[X], place[Y]));
 }
 
 static int liquid_slope(Unit *unit, size_t reference, double *value)
@@ -131,5 +122,5 @@ static int liquid_slope(Unit *unit, size_t reference, double *value)
 const Equations LIQUID_EQUATIONS = {
     .name = "LiquidBalancer", .own_size = sizeof(Own), .parameters = liquid_parameters,
     .begin = liquid_begin, .step = liquid_step_unit, .outputs = liquid_outputs,
-    .observe = liquid_observe, .signals = liquid_signals, .directional = liquid_directional,
+    .observe = liquid_observe, .signals = liquid_signals, .reach = liquid_reach,
     .slope = liquid_slope};

@@ -95,19 +95,6 @@ static size_t motor_signals(const Layout *layout, size_t *first)
     return MOTOR_SIGNALS;
 }
 
-static int motor_directional(Unit *unit, const double *seed, double *change)
-{
-    const Motor *own = unit->own;
-    int k;
-    for (k = OUT_SPEED; k <= OUT_POWER; k++) {
-        change[k] = 0.0;
-    }
-    change[OUT_ACCELERATION] = seed[0] / own->inertia;
-    change[OUT_ACCELERATION_SLOPE] =
-        (motor_slope(own, unit->memory[MEMORY_SPEED]) * change[OUT_ACCELERATION] + seed[1]) / own->inertia;
-    return 0;
-}
-
 static int motor_output_slope(Unit *unit, size_t reference, double *value)
 {
     const double *out = unit->real + unit->layout.computed.first;
@@ -120,4 +107,4 @@ const Equations MOTOR_EQUATIONS = {
     .name = "Motor", .own_size = sizeof(Motor), .memory_size = motor_memory_size,
     .starts = motor_starts, .parameters = motor_parameters, .begin = motor_begin,
     .step = motor_step_unit, .outputs = motor_outputs, .observe = motor_observe,
-    .signals = motor_signals, .directional = motor_directional, .slope = motor_output_slope};
+    .signals = motor_signals, .slope = motor_output_slope};

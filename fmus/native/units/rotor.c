@@ -94,10 +94,6 @@ static int rotor_allocate(Unit *unit)
         doubled->grown = doubles(unit, square);
         missing |= !doubled->scaled || !doubled->grown;
     }
-    for (k = 0; k < 4; k++) {
-        own->ends[k] = doubles(unit, 4 * planes);
-        missing |= !own->ends[k];
-    }
     return missing || !own->sag || !own->sag_of.added_mass || !own->rotor_memory || !own->loaded_mass || !own->values || !own->ports ||
            !own->unsorted || !own->rates.of.added_mass || !own->rates.first || !own->rates.column ||
            !own->rates.value || !own->rates.work || !own->matrix_scratch || !own->operand || !own->result ||
@@ -221,9 +217,41 @@ static size_t rotor_signals(const Layout *layout, size_t *first)
     return 2 * (size_t)layout->sizes.planes;
 }
 
+static int rotor_slope(Unit *unit, size_t reference, double *value)
+{
+    const Rotor *own = unit->own;
+    const size_t n = 2 * (size_t)own->stations, p = 2 * (size_t)own->planes;
+    const double *velocity = unit->memory + MOTION + n;
+    const size_t output = reference - unit->layout.observed.first;
+    if (reference < unit->layout.observed.first) {
+        return 1;
+    }
+    if (reference == unit->layout.real_count - 2) {
+        const int wrong = unit_refresh(unit, FRESH);
+        *value = unit->real[reference + 1];
+        return wrong;
+    }
+    if (output == 0) {
+        *value = unit->memory[MOTION + 2 * n];
+        return 0;
+    }
+    if (output <= n) {
+        *value = velocity[output - 1];
+        return 0;
+    }
+    if (output > 2 * n && output <= 2 * n + p) {
+        const size_t k = output - 2 * n - 1;
+        double both[2];
+        rotor_vectors_at(own->rotor.planes + k / 2 * (n / 2), 1, own->stations, velocity, both);
+        *value = both[k % 2];
+        return 0;
+    }
+    return 1;
+}
+
 const Equations ROTOR_EQUATIONS = {
     .name = "RotorOnSupports", .own_size = sizeof(Rotor), .memory_size = rotor_memory_size,
     .starts = rotor_starts, .allocate = rotor_allocate, .parameters = rotor_parameters,
     .begin = rotor_begin, .step = rotor_step_unit, .outputs = rotor_outputs,
     .observe = rotor_observe, .observe_torques = rotor_observe_torques, .is_torque = unit_ends_with,
-    .signals = rotor_signals, .directional = rotor_directional, .slope = rotor_slope};
+    .signals = rotor_signals, .slope = rotor_slope};

@@ -71,11 +71,9 @@ typedef struct {
     Slider *sliders;
     FrictionStep friction;
     double *friction_memory, *held; /* held: as it is after what was propagated last */
-    int frozen; /* whether outputs keep to how the sliders were found, for derivatives */
     Rates rates;
     double reached;  /* length of the step as far as it came: it ends behind an event of a slider [s] */
     double whole;    /* length of the step within which the unit is moved, 0: over all of it [s] */
-    double *ends[4]; /* outputs at other speeds, for derivatives */
 } Rotor;
 
 /* -- rotor_kinds.c: the parameters of each kind ----------------------------------------- */
@@ -126,9 +124,6 @@ void rotor_rotated(const double *pairs, size_t count, double c, double s, double
    the jerk's derivative as well. */
 void rotor_put(Rotor *own, const double *planes, double angle, double speed, double spin_up,
                double *out);
-/* Change of acceleration and jerk of the planes, in own->result behind the stations, by a change of
-   the forces' values and slopes, (2p,) each. */
-int rotor_friction_response(Unit *unit, const double *values, const double *slopes);
 /* The computed outputs as they are with the present inputs. */
 int rotor_outputs_now(Unit *unit, double *out);
 /* Torque on the shaft and its slope at the present time; 1 with the reason. */
@@ -151,10 +146,5 @@ int rotor_rates(Unit *unit);
 /* As rotor_apply with the matrix of a step to `time` [s] within own->whole; 0 where the state
    changes too fast for that, and own->operand is lost. */
 int rotor_within(Rotor *own, double time);
-
-/* -- rotor_derivatives.c: as in `Equations` --------------------------------------------- */
-
-int rotor_directional(Unit *unit, const double *seed, double *change);
-int rotor_slope(Unit *unit, size_t reference, double *value);
 
 #endif

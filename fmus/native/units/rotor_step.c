@@ -179,7 +179,7 @@ static int friction_move(Unit *unit, const Drive *drive, double step, Failure *f
 {
     Rotor *own = unit->own;
     to_axes(unit->memory + MOTION, 2, 2, own->stations, own->state);
-    if (own->frozen) {
+    if (unit->frozen) {
         return FINE;
     }
     memcpy(own->held, rotor_held(unit), 2 * (size_t)own->slider_count * sizeof(double));
@@ -212,27 +212,6 @@ static int propagate_friction(Unit *unit, double step)
     return 0;
 }
 
-int rotor_friction_response(Unit *unit, const double *values, const double *slopes)
-{
-    Rotor *own = unit->own;
-    const int p = own->planes;
-    const size_t size = 2 * (size_t)p * sizeof(double);
-    double *planes = own->result + 4 * own->stations, *forces = own->operand;
-    static const double steady[4] = {0.0, 0.0, 0.0, 0.0};
-    const Drive drive = friction_drive(unit, forces, steady, 0.0);
-    Failure failure;
-    memset(forces, 0, 4 * size);
-    memcpy(forces, values, size);
-    memcpy(forces + 2 * p, slopes, size);
-    if (friction_plane_motion(&own->friction, NULL, own->held, &drive, 0.0, own->acceleration,
-                              own->jerk, &failure)) {
-        return unit_failed(unit, &failure, NULL, 0);
-    }
-    from_axes(own->acceleration, 2, 1, p, planes);
-    from_axes(own->jerk, 2, 1, p, planes + 2 * p);
-    return 0;
-}
-
 /* rotor_torque_now of a rotor with friction. */
 static int friction_torque(Unit *unit, double ago, double *torque)
 {
@@ -243,10 +222,10 @@ static int friction_torque(Unit *unit, double ago, double *torque)
     double *rates = own->variable_scratch, *jerks = rates + 4 * own->stations;
     Failure failure;
     to_axes(unit->memory + MOTION, 2, 2, own->stations, own->state);
-    if (!own->frozen) {
+    if (!unit->frozen) {
         memcpy(own->held, rotor_held(unit), 2 * (size_t)own->slider_count * sizeof(double));
     }
-    if ((ago == 0.0 && !own->frozen &&
+    if ((ago == 0.0 && !unit->frozen &&
          friction_resolve(&own->friction, own->state, own->held, &drive, 0.0, &failure)) ||
         friction_motion(&own->friction, own->state, own->held, &drive, ago, rates, jerks,
                         &failure)) {

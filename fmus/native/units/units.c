@@ -66,11 +66,11 @@ int unit_build_arrays(Unit *unit, const char *name)
     unit->boolean = unit_allocate(unit, unit->layout.boolean_count, 1);
     unit->memory = unit_allocate(unit, unit->memory_count, sizeof(double));
     unit->before = unit_allocate(unit, unit->memory_count, sizeof(double));
-    unit->seed = unit_allocate(unit, unit->layout.inputs.count, sizeof(double));
     unit->change = unit_allocate(unit, outputs, sizeof(double));
-    unit->kept = unit_allocate(unit, unit->layout.computed.count, sizeof(double));
+    unit->beside = unit_allocate(unit, outputs, sizeof(double));
+    unit->kept = unit_allocate(unit, outputs, sizeof(double));
     if (!unit->real || !unit->name || !unit->boolean || !unit->memory || !unit->before ||
-        !unit->seed || !unit->change || !unit->kept ||
+        !unit->change || !unit->beside || !unit->kept ||
         (unit->equations->allocate && unit->equations->allocate(unit))) {
         text_put(unit_reason(unit), NO_MEMORY);
         return 1;

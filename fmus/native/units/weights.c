@@ -346,10 +346,40 @@ static size_t weights_signals(const Layout *layout, size_t *first)
     return SIGNALS;
 }
 
+/* Weights that touch or stick let go beyond. */
+static double weights_reach(const Unit *unit, size_t input)
+{
+    const Track *track = &((const Balls *)unit->own)->track;
+    const double size = larger(1.0, absolute(unit->real[input]));
+    return text_equal(unit->layout.reals[input].declared->name, "angle") ? 1e-3
+           : track->eventful                                             ? 1e-2 * size
+                                                                         : size;
+}
+
+static int weights_slope(Unit *unit, size_t reference, double *value)
+{
+    const size_t count = (size_t)((const Balls *)unit->own)->count;
+    const size_t output = reference - unit->layout.observed.first;
+    *value = 0.0;
+    if (reference == unit->layout.observed.first - 1) { /* the added mass */
+        return 0;
+    }
+    if (reference == unit->layout.real_count - 2) { /* the torque, whose slope is beside it */
+        const int wrong = unit_refresh(unit, FRESH);
+        *value = unit->real[reference + 1];
+        return wrong;
+    }
+    if (reference < unit->layout.observed.first || output >= count) {
+        return 1;
+    }
+    *value = unit->memory[count + output];
+    return 0;
+}
+
 const Equations WEIGHTS_EQUATIONS = {
     .name = "BallBalancer", .own_size = sizeof(Balls), .memory_size = weights_memory_size,
     .starts = weights_starts, .allocate = weights_allocate, .parameters = weights_parameters,
     .begin = weights_begin, .step = weights_step_unit, .outputs = weights_outputs,
     .observe = weights_observe, .observe_torques = weights_observe_torques,
-    .is_torque = unit_ends_with, .signals = weights_signals, .directional = weights_directional,
+    .is_torque = unit_ends_with, .signals = weights_signals, .reach = weights_reach,
     .slope = weights_slope};

@@ -60,9 +60,4 @@ Complex weights_rotating_second(double angle, double speed, double spin_up, Comp
    rotor's part in it: they do not feel how the plane answers the pulse. */
 RotorMotion weights_motion_now(const Unit *unit);
 
-/* -- weights_derivatives.c: as in `Equations` -------------------------------------------- */
-
-int weights_directional(Unit *unit, const double *seed, double *change);
-int weights_slope(Unit *unit, size_t reference, double *value);
-
 #endif
