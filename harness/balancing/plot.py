@@ -7,10 +7,13 @@ from typing import Any
 
 import numpy as np
 from matplotlib.figure import Figure
+from matplotlib.layout_engine import ConstrainedLayoutEngine
 
 from ..output.plot import readable, save
 from .cycles import BalancingReport, Technology
 
+# h_pad [inches]: the layout does not see titles that give way to the labels of angles
+LAYOUT = ConstrainedLayoutEngine(h_pad=0.2)
 _COLOURS = {"complex": "tab:blue", "scalar": "tab:orange"}
 _MARKERS = {"complex": "o", "scalar": "s"}
 _PREFIXES = ((1.0, "kg m"), (1e-3, "g m"), (1e-6, "g mm"), (1e-9, "mg mm"))
@@ -30,7 +33,7 @@ def plot_corrections(result: BalancingReport, path: Path) -> Path:
     vectors = [needed, *(cycle.mounted for t in shown for cycle in t.cycles)]
     largest = float(np.abs(vectors).max())
     factor, unit = moment(largest)
-    figure = Figure(figsize=(5.4 * count, 6.4), layout="constrained")
+    figure = Figure(figsize=(5.4 * count, 6.4), layout=LAYOUT)
     for i, plane in enumerate(result.planes):
         axes: Any = figure.add_subplot(1, count, i + 1, projection="polar")
         for technology in result.technologies:

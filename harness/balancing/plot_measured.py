@@ -7,19 +7,16 @@ from typing import Any
 
 import numpy as np
 from matplotlib.figure import Figure
-from matplotlib.layout_engine import ConstrainedLayoutEngine
 
 from ..output.plot import save
 from .correction import Correction
-
-# h_pad [inches]: the layout does not see titles that give way to the labels of angles
-_LAYOUT = ConstrainedLayoutEngine(h_pad=0.2)
+from .plot import LAYOUT
 
 
 def plot_correction(result: Correction, path: Path) -> Path:
     """One polar diagram a plane, and one of the sensors."""
     measured, count = result.measured, len(result.exact)
-    figure = Figure(figsize=(5.2 * (count + 1), 6.4), layout=_LAYOUT)
+    figure = Figure(figsize=(5.2 * (count + 1), 6.4), layout=LAYOUT)
     panels: list[Any] = [
         figure.add_subplot(1, count + 1, i + 1, projection="polar") for i in range(count + 1)
     ]

@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from ..output.workers import Progress
     from ..scene import Scene
     from .pictures.motion import Motion
+    from .summary import Summary
 
     class _Result:
         time: NDArray[np.float64]
@@ -26,6 +27,8 @@ if TYPE_CHECKING:
         scene: Scene | None
 
         def __getitem__(self, name: str) -> NDArray[np.float64]: ...
+
+        def summary(self) -> Summary: ...
 else:
     _Result = object
 
@@ -62,13 +65,15 @@ class Pictures(_Result):
         """Everything recorded against time."""
         from .pictures.over_time import history
 
-        return history(self.time, self.signals, self.signal_units, self.scene_title or "run")
+        judged = self.summary() if self.scene else None
+        title = self.scene_title or "run"
+        return history(self.time, self.signals, self.signal_units, title, judged)
 
     def plot_weights(self) -> Picture:
         """Displacement of every station and angles of all weights against time."""
         from .pictures.over_time import motion_with_weights
 
-        return motion_with_weights(self._motion())
+        return motion_with_weights(self._motion(), self.summary())
 
     def plot_weights_over_speed(self) -> Picture:
         """Angles of all weights in the rotor against speed, over time where that is constant."""

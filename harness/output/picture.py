@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any, Literal
 import numpy as np
 
 from ...models.arrays import Array
-from ..units import shown_in
+from ..units import in_words, shown_in
 from .files import PAGE
 
 if TYPE_CHECKING:
@@ -147,8 +147,9 @@ class Picture:
 
 
 def in_units(picture: Picture) -> Picture:
-    """The same with axes of SI units in the units that are shown."""
-    return replace(picture, panels=[_in_units(panel) for panel in picture.panels])
+    """The same with axes and words of SI units in the units that are shown."""
+    panels = [_in_units(panel) for panel in picture.panels]
+    return replace(picture, title=in_words(picture.title), panels=panels)
 
 
 def _in_units(panel: Panel) -> Panel:
@@ -164,13 +165,18 @@ def _in_units(panel: Panel) -> Panel:
     )
     factors = [1.0 if panel.kind == "polar" and not k else f for k, (_, f) in enumerate(units)]
     lines = [
-        replace(line, points=tuple(f * p for f, p in zip(factors, line.points, strict=True)))
+        replace(
+            line,
+            points=tuple(f * p for f, p in zip(factors, line.points, strict=True)),
+            label=in_words(line.label),
+            texts=tuple(map(in_words, line.texts)),
+        )
         for line in panel.lines
     ]
     field = panel.field
     if field is not None:
         field = replace(field, x=factors[0] * field.x, y=factors[1] * field.y)
-    return replace(panel, axes=axes, lines=lines, field=field)
+    return replace(panel, axes=axes, lines=lines, field=field, title=in_words(panel.title))
 
 
 def unbroken(angle: Any) -> Array:

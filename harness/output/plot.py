@@ -18,7 +18,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
 from ..errors import UserError
-from ..units import shown_in
+from ..units import in_words, shown_in
 from .files import picture_format, write_whole
 from .picture import Field, Line, Panel, Picture, PlotAxis, in_units
 from .words import printable
@@ -32,7 +32,7 @@ _STYLES: dict[str, dict[str, Any]] = {
     "marks": {"ls": "", "marker": "o", "ms": 5.0},
 }
 _VIEW = {"elev": 22.0, "azim": -62.0}  # degrees, from where space is looked at
-_MOST_OVER, _MOST_BESIDE = 2, 12  # entries of a legend, over the lines and beside them
+_MOST_WITHIN, _MOST_BESIDE = 6, 12  # entries of a legend, within the axes and beside them
 _RESOLUTION = 150  # dots an inch
 
 
@@ -64,15 +64,20 @@ def as_png(figure: Figure) -> bytes:
 
 
 def harmless(figure: Figure) -> None:
-    """Have titles shown as they are: a user's text may hold what obeys or looks like formulas."""
+    """Have titles shown as they are, and whole: a user's text may hold what looks like formulas."""
     for text in (figure._suptitle, *(axes.title for axes in figure.axes)):  # type: ignore[attr-defined]
         if text is not None:
             text.set_parse_math(False)  # a title's $ is a $
             text.set_text(printable(text.get_text()))
+            text.set_wrap("$" not in text.get_text())  # to wrap, Matplotlib parses formulas again
 
 
 def _relabel(figure: Figure) -> None:
-    """Show axes that name an SI unit, such as `speed [rad/s]`, in the unit that is shown."""
+    """Show axes, titles and legends that name an SI unit in the unit that is shown."""
+    legends = [*figure.legends, *(each for axes in figure.axes if (each := axes.get_legend()))]
+    titles = [figure._suptitle, *(axes.title for axes in figure.axes)]  # type: ignore[attr-defined]
+    for text in (*filter(None, titles), *(text for each in legends for text in each.get_texts())):
+        text.set_text(in_words(text.get_text()))
     for axis in [each for axes in figure.axes for each in (axes.xaxis, axes.yaxis)]:
         name, _, symbol = axis.get_label_text().removesuffix("]").rpartition(" [")
         unit, factor = shown_in(symbol, name)
@@ -135,7 +140,7 @@ def _draw(figure: Figure, axes: Any, panel: Panel) -> None:
         axes.set_title(panel.title, fontsize="medium")
     if panel.kind == "space":
         axes.view_init(**_VIEW)
-        axes.set_box_aspect((1.8, 1.0, 1.0), zoom=1.1)
+        axes.set_box_aspect((1.8, 1.0, 1.0), zoom=1.2)
         axes.locator_params(nbins=5)
     elif panel.equal:
         axes.set_aspect("equal")
@@ -146,17 +151,17 @@ def _draw(figure: Figure, axes: Any, panel: Panel) -> None:
 
 
 def _legend(figure: Figure, axes: Any, panel: Panel) -> None:
-    """Where it hides nothing: in a corner of space, beside many lines, else over a few."""
+    """Where it hides least: in a corner of space, beside many lines, else among a few."""
     count = sum(bool(line.label) for line in panel.lines)
     look: dict[str, Any] = {"fontsize": "small", "ncols": 1 + count // (2 * _MOST_BESIDE)}
     if panel.kind == "polar":
-        figure.legend(*axes.get_legend_handles_labels(), loc="outside right upper", **look)
+        figure.legend(*axes.get_legend_handles_labels(), loc="outside lower center", **look)
     elif panel.kind == "space":
         axes.legend(loc="upper left", **look)
-    elif count > _MOST_OVER:
+    elif count > _MOST_WITHIN:
         axes.legend(loc="upper left", bbox_to_anchor=(1.0, 1.03), **look)
     else:
-        axes.legend(loc="upper right", **look)
+        axes.legend(loc="best", **look)
 
 
 def _colours(figure: Figure, axes: Any, field: Field) -> None:

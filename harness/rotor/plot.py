@@ -15,6 +15,7 @@ from ...models.linear.modes import Campbell
 from ..master.pictures.over_speed import polar_picture
 from ..output.picture import Picture, PlotAxis
 from ..output.plot import metres, save
+from ..units import in_words
 from .study import UnbalanceResponse
 
 COLOURS = ("tab:blue", "tab:orange", "tab:green", "tab:purple", "tab:brown", "tab:pink")
@@ -33,16 +34,18 @@ def plot_campbell(data: Campbell, critical: Array, title: str, path: Path) -> Pa
         colour = COLOURS[k % len(COLOURS)]
         _by_whirl(above, data.speeds, frequency[:, k], data.whirl[:, k], colour)
         _by_whirl(below, data.speeds, damping[:, k], data.whirl[:, k], colour)
-    above.plot(data.speeds, data.speeds, color="gray", lw=1.0)
+    for order, line in ((1, "-"), (2, "-.")):
+        above.plot(data.speeds, order * data.speeds, line, color="gray", lw=1.0)
     for number, speed in enumerate(critical):
         above.plot(speed, speed, "o", color=CRITICAL, ms=7, mfc="none", mew=1.8)
         # neighbours may be close: one label below, the next above
         where, side = ((8, -12), "left") if number % 2 == 0 else ((-8, 6), "right")
         above.annotate(
-            f"{speed:.4g}", (speed, speed), textcoords="offset points", xytext=where, ha=side,
-            color=CRITICAL, fontsize="small",
+            in_words(f"{speed:.4g} rad/s"), (speed, speed), textcoords="offset points",
+            xytext=where, ha=side, color=CRITICAL, fontsize="small",
         )  # fmt: skip
-    _campbell_legend(above)
+    senses = [_sense(whirl) for whirl in data.whirl.T]
+    _campbell_legend(above, np.unique(senses))
     above.set_ylim(0.0, _top(frequency, data.speeds))
     above.set_ylabel("natural frequency $|\\lambda|$ [rad/s]")
     below.axhline(0.0, color="black", lw=0.8)
@@ -63,7 +66,7 @@ def _top(frequency: Array, speeds: Array) -> float:
 
 def _by_whirl(axes: Any, x: Array, y: Array, whirl: Array, colour: str) -> None:
     """One mode, its line telling the sense of its whirl at each speed."""
-    sense = np.where(np.abs(whirl) < _STRAIGHT, 0, np.sign(whirl))
+    sense = _sense(whirl)
     for value, line in zip((1, -1, 0), _LINES.values(), strict=True):
         inside = sense == value
         # one more point on, so that a change of sense leaves no gap
@@ -72,9 +75,19 @@ def _by_whirl(axes: Any, x: Array, y: Array, whirl: Array, colour: str) -> None:
             axes.plot(x, np.where(shown, y, np.nan), line, color=colour, lw=1.5)
 
 
-def _campbell_legend(axes: Any) -> None:
-    lines = [Line2D([], [], color="black", ls=ls, label=f"{n} motion") for n, ls in _LINES.items()]
+def _sense(whirl: Array) -> Array:
+    """Of each whirl: 1 forward, -1 backward, 0 planar."""
+    return np.where(np.abs(whirl) < _STRAIGHT, 0, np.sign(whirl))
+
+
+def _campbell_legend(axes: Any, senses: Array) -> None:
+    lines = [
+        Line2D([], [], color="black", ls=ls, label=f"{name} motion")
+        for value, (name, ls) in zip((1, -1, 0), _LINES.items(), strict=True)
+        if value in senses
+    ]
     lines.append(Line2D([], [], color="gray", lw=1.0, label="frequency = speed"))
+    lines.append(Line2D([], [], color="gray", lw=1.0, ls="-.", label="frequency = 2 x speed"))
     ring = Line2D([], [], color=CRITICAL, ls="", marker="o", mfc="none", mew=1.8)
     ring.set_label("critical speed, undamped")
     axes.legend(handles=[*lines, ring], loc="upper left", fontsize="small")

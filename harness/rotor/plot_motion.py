@@ -9,6 +9,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from ..output.plot import metres, save
+from ..units import brief
 from .plot import COLOURS, mark_critical
 from .study import Orbits, RunUpMotion
 
@@ -21,7 +22,7 @@ def plot_orbits(data: Orbits, path: Path) -> Path:
     count = len(data.stations)
     columns = min(count, _ACROSS)
     rows = -(-count // columns)
-    figure = Figure(figsize=(4.6 * columns, 1.2 + 4.7 * rows), layout="constrained")
+    figure = Figure(figsize=(max(6.8, 4.6 * columns), 1.2 + 4.7 * rows), layout="constrained")
     grid = figure.subplots(rows, columns, squeeze=False).ravel()
     factor, unit = metres(
         max(float(np.abs(part).max(initial=0.0)) for part in (data.alone, data.run))
@@ -34,7 +35,7 @@ def plot_orbits(data: Orbits, path: Path) -> Path:
         reach = 1.1 * max(peaks)
         axes.set(xlim=(-reach, reach), ylim=(-reach, reach), aspect="equal")
         axes.set(xlabel=f"x [{unit}]", ylabel=f"y [{unit}]")
-        shown = ", ".join(f"{peak:.3g}" for peak in peaks)
+        shown = ", ".join(brief(peak, 3) for peak in peaks)
         axes.set_title(f"{name}: 0-peak {shown} {unit}", fontsize="medium")
         axes.grid(alpha=0.3)
     figure.legend(
@@ -78,9 +79,7 @@ def plot_run_up(data: RunUpMotion, path: Path) -> Path:
         axes.grid(alpha=0.3)
         axes.legend(fontsize="small", loc="upper right")
     grid[-1].set_ylim(bottom=0.0)  # of all panels, now that every line is drawn
-    grid[-1].set_xlabel(
-        f"speed [rad/s], rising from {data.run[0][0]:.3g} to {data.run[0][-1]:.4g} "
-        f"within {data.seconds:.4g} s"
-    )
-    figure.suptitle(f"{data.title}\nrun-up by co-simulation")
+    grid[-1].set_xlabel("speed [rad/s]")
+    rise = f"{data.run[0][0]:.3g} to {data.run[0][-1]:.4g} rad/s within {data.seconds:.4g} s"
+    figure.suptitle(f"{data.title}\nrun-up by co-simulation, {rise}")
     return save(figure, path)

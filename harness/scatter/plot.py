@@ -14,6 +14,7 @@ from ..scene.grade import GRADES
 from .study import Scatter
 
 BINS = 60
+WIDE = 30.0  # largest over smallest residual: from here on the axis is logarithmic
 
 
 def plot_scatter(scatter: Scatter, said: Mapping[str, Any], path: Path) -> Path:
@@ -29,7 +30,12 @@ def plot_scatter(scatter: Scatter, said: Mapping[str, Any], path: Path) -> Path:
     left, middle, right = figure.subplots(1, 3)
     residual = scatter.residual[scatter.ran]
     factor, unit = metres(float(residual.max()))
-    left.hist(residual * factor, bins=BINS, color="C0")
+    low, high = factor * float(residual.min()), factor * float(residual.max())
+    bins: Any = BINS
+    if high > WIDE * low > 0.0:
+        bins = np.geomspace(low, high, BINS + 1)
+        left.set_xscale("log")
+    left.hist(residual * factor, bins=bins, color="C0")
     for name, style in (("0.5", "-"), ("0.95", "--"), ("0.99", ":")):
         label = f"{100 * float(name):g} % below"
         left.axvline(said["residual"][name] * factor, color="black", ls=style, lw=1.2, label=label)
@@ -50,7 +56,8 @@ def _grades(axes: Any, scatter: Scatter) -> None:
     grade = np.sort(scatter.grade[scatter.ran])
     axes.step(grade, np.arange(1, len(grade) + 1) / len(grade), where="post")
     low, high = grade[0], grade[-1]
-    shown = [g for g in GRADES if 0.5 * low <= g <= 2.0 * high]
+    next_above = min((g for g in GRADES if g >= high), default=high)
+    shown = [g for g in GRADES if 0.5 * low <= g <= next_above]
     for g in shown:
         axes.axvline(g, color="0.6", lw=0.8)
         axes.annotate(f"G{g:g}", (g, 0.02), rotation=90, va="bottom", ha="right", fontsize="small")
@@ -66,7 +73,9 @@ def _importance(axes: Any, said: Mapping[str, Any]) -> None:
     indexed = not said["no_first_order"]
     key = "first_order" if indexed else "rank_correlation"
     spread = [one["uncertainty"] for one in rows] if indexed else None
-    axes.barh([one["path"] for one in rows], [one[key] for one in rows], xerr=spread, color="C1")
+    names, shares = [one["path"] for one in rows], [one[key] for one in rows]
+    axes.barh(names, shares, 0.4, xerr=spread, color="C1")
+    axes.set_ylim(-0.8, len(rows) - 0.2)
     words = "share of the variance alone (Sobol, first order)" if indexed else "rank correlation"
     axes.set_xlabel(f"{words},\nof the residual amplitude")
     axes.axvline(0.0, color="black", lw=0.8)

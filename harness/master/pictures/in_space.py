@@ -60,7 +60,7 @@ def mode_shapes(scene: Scene, speed: float | None = None) -> Picture:
         ]
         lines += _shaft(moved[0], along)
         frequency, damping = eigen.natural_frequencies[number], eigen.damping_ratios[number]
-        title = f"{number + 1}: {frequency:.4g} rad/s, damping {damping:.3g}, {sense}"
+        title = f"{number + 1}: {frequency / math.tau:.4g} Hz, damping {damping:.3g}, {sense}"
         panels.append(_panel(lines, along, "", float(np.abs(moved).max()), title))
     title = f"{scene.heading}\nmodes of the rotor alone at {speed:g} rad/s, from the marks onwards"
     return Picture(title, panels, columns=2, height=3.4, width=5.6)
@@ -89,7 +89,8 @@ def _panel(
 ) -> Panel:
     limits = (-1.1 * reach, 1.1 * reach) if reach > 0.0 else None
     ticks = None if unit else (-1.0, 0.0, 1.0)
-    across = [PlotAxis(letter, unit, ticks, limits=limits) for letter in "xy"]
+    names = "xy" if unit else ("x, relative", "y, relative")
+    across = [PlotAxis(name, unit, ticks, limits=limits) for name in names]
     if len(along) == 1:
         return Panel(tuple(across), lines, title=title, equal=True)
     return Panel((PlotAxis("along the shaft", "m"), *across), lines, title=title, kind="space")

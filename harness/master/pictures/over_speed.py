@@ -5,6 +5,7 @@ At constant speed the same stand over time.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from typing import Any
 
@@ -21,6 +22,8 @@ SHOWN = 24  # spectra behind each other in space
 MARKED = 7  # speeds along a polar curve
 ORDERS = (1.0, 2.0, 3.0)
 _FRACTION = 1e-3  # of the largest amplitude: less is dark
+_BESIDE = 0.2  # of the largest amplitude: texts of closer marks cover each other
+ONE_TURN = PlotAxis("angle in the rotor", "deg", range(0, 361, 90), limits=(-5.0, 365.0))
 
 
 def waterfall(motion: Motion, signal: str | None = None) -> Picture:
@@ -38,10 +41,11 @@ def waterfall(motion: Motion, signal: str | None = None) -> Picture:
     axis, values = rising.across
     across = np.interp(spectrum.angle, rising.angle, values)
     speed = np.interp(spectrum.angle, rising.angle, rising.speed)
-    frequency = spectrum.orders * speed[:, None]
+    turns = speed / math.tau
+    frequency = spectrum.orders * turns[:, None]
     heights = spectrum.amplitude * factor
     amplitude = PlotAxis("amplitude, 0-peak", unit)
-    upward = PlotAxis("frequency", "rad/s", limits=(0.0, float(frequency.max())))
+    upward = PlotAxis("frequency", "Hz", limits=(0.0, float(frequency.max())))
     chosen = np.unique(np.linspace(0, len(across) - 1, SHOWN).round().astype(int))
     lines = [
         Line((frequency[k], np.full_like(frequency[k], across[k]), heights[k]), width=0.9)
@@ -52,8 +56,8 @@ def waterfall(motion: Motion, signal: str | None = None) -> Picture:
     middle = len(across) // 2
     lines = []
     for order in (1, 2):
-        at = across[middle : middle + 1], order * speed[middle : middle + 1]
-        lines.append(Line((across, order * speed), "", "#FFFFFF", "dotted", 0.9))
+        at = across[middle : middle + 1], order * turns[middle : middle + 1]
+        lines.append(Line((across, order * turns), "", "#FFFFFF", "dotted", 0.9))
         text = (f"order {order}",)
         lines.append(Line(at, "", "#FFFFFF", "dots", texts=text, text_colour="#FFFFFF"))
     flat = Panel((axis, upward), lines, field, title=f"{signal}: amplitude over frequency")
@@ -142,19 +146,23 @@ def polar_picture(
             lines.append(Line(points, label, colour(j)))
             if j == largest[column]:
                 marked = _apart(curve)
-                texts = tuple(f"{across[k]:.4g}" for k in marked)
+                texts = tuple(f"{across[k]:.3g} {axis.unit}" for k in marked)
                 there = points[0][marked], points[1][marked]
                 lines.append(Line(there, "", colour(j), "marks", texts=texts))
-        heading = f"along {letter}: 0-peak [{unit}], phase to the rotor; marks: {axis.label}"
+        heading = f"along {letter}: 0-peak [{unit}], phase to the rotor; marks: {axis.name}"
         axes = (PlotAxis("phase", "deg"), PlotAxis("amplitude, 0-peak", unit))
         panels.append(Panel(axes, lines, title=heading, kind="polar"))
     return Picture(title, panels, columns=2, height=5.4, width=6.4)
 
 
-def _apart(curve: Any) -> Array:
-    """Points of a curve at equal distances along it."""
+def _apart(curve: Any) -> list[int]:
+    """Points of a curve at equal distances along it, without those beside one before."""
     way = np.concatenate([[0.0], np.cumsum(np.abs(np.diff(curve)))])
-    return np.unique(np.searchsorted(way, np.linspace(0.0, way[-1], MARKED)))
+    kept: list[int] = []
+    for k in np.searchsorted(way, np.linspace(0.0, way[-1], MARKED)).tolist():
+        if all(abs(curve[k] - curve[other]) > _BESIDE * np.abs(curve).max() for other in kept):
+            kept.append(k)
+    return kept
 
 
 def weights(motion: Motion) -> Picture:
@@ -166,17 +174,15 @@ def weights(motion: Motion) -> Picture:
 
 def weight_panels(motion: Motion, axis: PlotAxis, across: Array) -> list[Panel]:
     """One panel a balancer, all weights in it."""
-    panels = []
+    panels, light = [], motion.light_side
     for balancer, angles in motion.weights():
         lines = [
             Line((across, unbroken(np.degrees(angle))), f"weight {k + 1}", colour(k), width=1.0)
             for k, angle in enumerate(angles)
         ]
-        light = motion.light_side
         if light is not None:
             ends = np.array([across[0], across[-1]])
             level = np.full(2, np.degrees(light) % 360.0)
             lines.append(Line((ends, level), "opposite the unbalance", GREY, "dashed"))
-        upward = PlotAxis("angle in the rotor", "deg", range(0, 361, 90), limits=(-5.0, 365.0))
-        panels.append(Panel((axis, upward), lines, title=balancer.label))
+        panels.append(Panel((axis, ONE_TURN), lines, title=balancer.label))
     return panels

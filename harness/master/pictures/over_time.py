@@ -2,29 +2,41 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from ....models.arrays import Array
 from ...errors import UserError
-from ...output.picture import Line, Panel, Picture, PlotAxis, colour
+from ...output.picture import GREY, Line, Panel, Picture, PlotAxis, colour, unbroken
 from ...output.plot import metres
 from .motion import Motion, station_names
-from .over_speed import weight_panels
+from .over_speed import ONE_TURN, weight_panels
 
+if TYPE_CHECKING:
+    from ..summary import Summary
+
+_DECADES = 5  # below the largest amplitude that are drawn
 _MOST_LINES = 12  # in one panel; more cannot be told apart
 
 
 def history(
-    time: Array, signals: Mapping[str, Array], units: Mapping[str, str], title: str
+    time: Array,
+    signals: Mapping[str, Array],
+    units: Mapping[str, str],
+    title: str,
+    judged: Summary | None = None,
 ) -> Picture:
     """Time history of everything recorded: displacements, weights' angles, the rest by quantity.
+
+    Below displacements stand their amplitudes, logarithmic, which show what is left.
 
     Args:
         time: (T,) [s].
         signals: (T,) each, by name.
         units: of measurement, by the signals' names.
+        judged: what the run comes to, marked in the amplitudes.
 
     Raises:
         UserError: nothing was recorded.
@@ -39,6 +51,12 @@ def history(
         _panel(time, {name: signals[name] for name in names}, *heading)
         for heading, names in groups.items()
     ]
+    pairs = [n[:-1] for n in signals if n.endswith(".x") and f"{n[:-1]}y" in signals]
+    if pairs:
+        del pairs[_MOST_LINES:]
+        sizes = [np.hypot(signals[f"{pair}x"], signals[f"{pair}y"]) for pair in pairs]
+        place = 1 + [quantity for quantity, _ in groups].index("displacement")
+        panels.insert(place, _amplitudes(time, sizes, [pair[:-1] for pair in pairs], judged))
     return Picture(title, panels, height=2.4)
 
 
@@ -47,8 +65,9 @@ def _quantity(name: str, unit: str) -> str:
     if unit == "m" and name.endswith((".x", ".y")):
         return "displacement"
     if ".weight[" in name and name.endswith(".angle"):
-        return "weights, angle in the rotor"
-    return name.rpartition(".")[2].removesuffix("_xi").removesuffix("_eta")
+        return ONE_TURN.name
+    last = name.rpartition(".")[2].removesuffix("_xi").removesuffix("_eta")
+    return "unbalance of the weights" if last == "moment" else last
 
 
 def _panel(time: Array, signals: Mapping[str, Array], quantity: str, unit: str) -> Panel:
@@ -59,27 +78,46 @@ def _panel(time: Array, signals: Mapping[str, Array], quantity: str, unit: str) 
         values, label = signals[name] * factor, name
         if quantity == "displacement":
             label += f", 0-peak {np.max(np.abs(values)):.3g} {shown}"
+        elif quantity == ONE_TURN.name:
+            values = unbroken(np.degrees(values))
         lines.append(Line((time, values), label, colour(number), width=1.0))
     if len(signals) > _MOST_LINES:
         nothing = np.full(1, np.nan)
         label = f"and {len(signals) - _MOST_LINES} more, not drawn"
         lines.append(Line((nothing, nothing), label, "none"))
-    return Panel((PlotAxis("time", "s"), PlotAxis(quantity, shown)), lines)
+    upward = ONE_TURN if quantity == ONE_TURN.name else PlotAxis(quantity, shown)
+    return Panel((PlotAxis("time", "s"), upward), lines)
 
 
-def motion_with_weights(motion: Motion) -> Picture:
-    """Displacement of every station, speed where it rises, and the angles of all weights."""
-    size = np.hypot(motion.displacement[:, 0], motion.displacement[:, 1])
-    factor, unit = metres(float(size.max()))
-    time = PlotAxis("time", "s")
+def _amplitudes(
+    time: Array, sizes: Sequence[Array], names: Sequence[str], judged: Summary | None
+) -> Panel:
+    """Distances from the axis (T,) [m], logarithmic: a decay is a straight line."""
+    alone, after = (judged.alone, judged.after) if judged and judged.balancers else (None, None)
+    largest = max(alone or 0.0, *(float(size.max()) for size in sizes))
+    factor, unit = metres(largest)
+    top = 1.5 * factor * largest or 1.0
+    low = top / 10.0**_DECADES
     lines = [
-        Line((motion.time, size[:, j] * factor), name, colour(j), width=1.0)
-        for j, name in enumerate(station_names(motion.scene))
+        Line((time, np.maximum(size * factor, low)), name, colour(j), width=1.0)
+        for j, (name, size) in enumerate(zip(names, sizes, strict=True))
     ]
-    panels = [Panel((time, PlotAxis("displacement, 0-peak", unit)), lines)]
+    if alone:
+        label = f"steady without balancers, {factor * alone:.3g} {unit}"
+        lines.append(Line((time[[0, -1]], np.full(2, factor * alone)), label, GREY, "dashed"))
+    if after:
+        label = f"balanced after {after:.3g} s"
+        lines.append(Line((np.full(2, after), np.array([low, top])), label, "#000000", "dotted"))
+    upward = PlotAxis("displacement, 0-peak", unit, log=True, limits=(low, top))
+    return Panel((PlotAxis("time", "s"), upward), lines)
+
+
+def motion_with_weights(motion: Motion, judged: Summary | None = None) -> Picture:
+    """Displacement of every station, speed where it rises, and the angles of all weights."""
+    size, time = np.hypot(motion.displacement[:, 0], motion.displacement[:, 1]), motion.time
+    panels = [_amplitudes(time, list(size.T), station_names(motion.scene), judged)]
+    axis = PlotAxis("time", "s")
     if motion.rises:
-        panels.append(
-            Panel((time, PlotAxis("speed", "rad/s")), [Line((motion.time, motion.speed))])
-        )
-    panels += weight_panels(motion, time, motion.time)
+        panels.append(Panel((axis, PlotAxis("speed", "rad/s")), [Line((time, motion.speed))]))
+    panels += weight_panels(motion, axis, time)
     return Picture(f"{motion.title}\nmotion and weights", panels, height=2.6)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import re
+
 import numpy as np
 
 from ....models.arrays import Array
@@ -46,7 +48,8 @@ def settling_map(
         limits = (0.0, limits[1] or end)
     degrees = np.degrees(angles)
     quantity = PlotAxis("settling time", "s", limits=limits)
-    axes = [PlotAxis(f"{name.removesuffix('.angle0')} starts at", "deg", _TICKS) for name in names]
+    words = [re.sub(r"(.*)\.weight\[(\d+)\].*", r"weight \2 of \1", name) for name in names]
+    axes = [PlotAxis(f"{weight} starts at", "deg", _TICKS) for weight in words]
     panel = Panel((axes[0], axes[1]), field=Field(degrees, degrees, seconds, quantity), equal=True)
     late = int(np.isnan(seconds).sum()) - failed
     said = f"{known.size} of {seconds.size} starts settle"

@@ -192,3 +192,13 @@ def test_units_are_those_of_the_option_or_of_the_users_file(kept, invoke, tmp_pa
     assert "rad/s" in invoke("rotor", "two_balls", "--units", "si").stdout.splitlines()[-1]
     last = invoke("rotor", "two_balls", "--units", "engineering").stdout.splitlines()[-1]
     assert "9.5493, 66.8451 rpm" in last
+
+
+def test_titles_legends_and_marks_of_pictures_follow_the_units_that_are_shown(engineers):
+    line = Line((np.zeros(2), np.zeros(2)), "at 10 rad/s", texts=("1 rad/s", "2 rad/s"))
+    panel = Panel((PlotAxis("time", "s"), PlotAxis("speed", "rad/s")), [line], title="5 rad/s")
+    picture = in_units(Picture("from 0.1 kg m", [panel]))
+    (panel,) = picture.panels
+    assert (picture.title, panel.title) == ("from 100000 g mm", "47.7465 rpm")
+    assert panel.lines[0].label == "at 95.493 rpm"
+    assert panel.lines[0].texts == ("9.5493 rpm", "19.0986 rpm")

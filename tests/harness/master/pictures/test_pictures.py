@@ -87,16 +87,16 @@ def test_waterfalls_ridge_at_order_one_is_the_linear_response(slow_run_up):
 def test_waterfall_draws_frequency_speed_and_amplitude(slow_run_up):
     picture = slow_run_up.plot_waterfall()
     assert [axis.label for axis in picture.panels[0].axes] == [
-        "frequency [rad/s]", "speed [rad/s]", "amplitude, 0-peak [mm]",
+        "frequency [Hz]", "speed [rad/s]", "amplitude, 0-peak [mm]",
     ]  # fmt: skip
     for line in lines(picture):
         frequency, speed, height = line.points
         top = height.argmax()
-        assert frequency[top] == pytest.approx(speed[0], rel=0.04)
+        assert math.tau * frequency[top] == pytest.approx(speed[0], rel=0.04)
         assert height[top] == pytest.approx(1e3 * abs(linear_response(speed[0])), rel=0.03)
     field = picture.panels[1].field
     column = int(np.searchsorted(field.x, 1.0))
-    ridge = field.y[np.nanargmax(field.values[:, column])]
+    ridge = math.tau * field.y[np.nanargmax(field.values[:, column])]
     assert ridge == pytest.approx(field.x[column], rel=0.03)
 
 
@@ -117,7 +117,7 @@ def test_polar_curve_of_a_slow_run_up_is_that_circle_and_its_marks_say_the_speed
     picture = slow_run_up.plot_polar()
     (line,), (marks,) = lines(picture, style="solid"), lines(picture, style="marks")
     curve = marks.points[1] * np.exp(1j * marks.points[0]) * 1e-3
-    speeds = np.array([float(text) for text in marks.texts])
+    speeds = np.array([float(text.removesuffix(" rad/s")) for text in marks.texts])
     np.testing.assert_allclose(on_circle(speeds, curve), 1.0, atol=0.02)
     np.testing.assert_allclose(curve, linear_response(speeds), atol=0.03 * U / C)
     assert len(line.points[0]) > 500
@@ -143,6 +143,19 @@ def test_two_weights_end_where_they_hold_the_unbalance():
     over_speed = result.plot_weights_over_speed().panels[0]
     assert over_speed.axes[0].label == "speed [rad/s]"
     assert over_speed.lines[0].points[0][-1] == pytest.approx(150.0)
+
+
+def test_history_marks_the_balanced_time_among_logarithmic_amplitudes_and_angles_within_a_turn():
+    names = ["rotor.x", "rotor.y", "weights.weight[1].angle", "weights.weight[2].angle"]
+    result = cosimulate("run_up", record=names)
+    (amplitudes,) = [panel for panel in result.plot().panels if panel.axes[1].log]
+    (mark,) = [line for line in amplitudes.lines if line.style == "dotted"]
+    assert mark.points[0].tolist() == [result.summary().after] * 2
+    (angles,) = [panel for panel in result.plot().panels if panel.axes[1].unit == "deg"]
+    turned = np.concatenate([line.points[1] for line in angles.lines])
+    assert 0.0 <= np.nanmin(turned) < np.nanmax(turned) < 360.0
+    without = next(line for line in amplitudes.lines if line.style == "dashed")
+    assert without.points[1][0] == pytest.approx(1e3 * result.summary().alone)  # drawn in mm
 
 
 def test_at_constant_speed_the_same_stand_over_time():
@@ -261,7 +274,7 @@ def test_pictures_of_a_motors_run_go_by_the_speed_that_it_makes():
     np.testing.assert_allclose(motion.angle, result["motor.angle"], atol=1e-4)
     panel = result.plot_waterfall().panels[1]
     assert panel.axes[0].label == "time [s]"
-    ridge = panel.field.y[np.nanargmax(panel.field.values, axis=0)]
+    ridge = math.tau * panel.field.y[np.nanargmax(panel.field.values, axis=0)]
     speed = np.interp(panel.field.x, result.time, result["motor.speed"])
     np.testing.assert_allclose(ridge / speed, 1.0, atol=1.5 / 32)  # lines are 1/32 apart
 
