@@ -18,6 +18,7 @@ from ..scene import Scene
 from ..scene.balancer import WeightBalancer
 from ..scene.grade import GRADES
 from ..units import shown_in
+from .saved import document, keys_of
 from .window import window
 
 MOST_WEIGHTS = 8  # that a slider adds to the scene's own number
@@ -67,6 +68,7 @@ def content(scene: Scene) -> dict[str, Any]:
             "kinds": bands.kinds,
             "words": bands.words,
         },
+        "scene": document(scene),
         "sliders": list(_sliders(scene, made)),
         "pace": max(1.0, scene.run.revolutions / SHOWN_IN),
         "mass": scene.rotor.mass,
@@ -134,14 +136,14 @@ def _sliders(scene: Scene, made: Composition) -> Iterator[dict[str, Any]]:
     """Sliders for what the scene has: factors of the variables' bases."""
     parameters = [v for v in made.described(scene.name).layout.variables if not v.boolean]
     tracks = _tracks(scene)
-    plots = list(_OF_ROTOR)
+    plots: list[tuple[_Slider, list[str]]] = [(slider, []) for slider in _OF_ROTOR]
     for labels in tracks:
         named = f": {labels[0]}" if len(tracks) > 1 else ""
         plots += [
-            (f"{label}{named}", unit, pattern.format("|".join(labels)), most, log)
+            ((f"{label}{named}", unit, pattern.format("|".join(labels)), most, log), labels)
             for label, unit, pattern, most, log in _OF_WEIGHTS
         ]
-    for label, unit, pattern, most, log in plots:
+    for (label, unit, pattern, most, log), labels in plots:
         base = {v.name: float(v.start or 0.0) for v in parameters if re.fullmatch(pattern, v.name)}
         value = 1.0
         if label == "Unbalance" and not any(base.values()):
@@ -152,6 +154,7 @@ def _sliders(scene: Scene, made: Composition) -> Iterator[dict[str, Any]]:
                 "label": label,
                 "unit": unit,
                 "base": base,
+                "keys": list(keys_of(scene, label, labels, _moment(scene, made))),
                 "value": value,
                 "range": [least, most],
                 "log": log,

@@ -66,6 +66,7 @@ class Page {
       restart: () => this.begun(() => this.machine.restart()),
       kick: () => this.machine.kick(),
       link: () => this.link(),
+      scene: () => saveScene(this.machine),
       csv: () => saveCsv(this.machine),
       picture: () => savePicture(element("machine")),
     };

@@ -285,13 +285,39 @@ def test_a_link_brings_the_values_of_the_sliders_to_another_page(opened):
     assert other("return [machine.settings.factors, machine.settings.variant]") == values
 
 
+KEPT = (
+    "window.kept = []; HTMLAnchorElement.prototype.click = function () {"
+    " kept.push([this.download, decodeURIComponent(this.href)]); };"
+)
+
+
+@pytest.mark.parametrize("name", ["two_balls", "three_mass_shaft", "drum", "run_up", "sommerfeld"])
+def test_a_saved_scene_file_runs_with_the_values_of_the_sliders(opened, invoke, tmp_path, name):
+    shown = opened(name)
+    ids = shown("return [...document.querySelectorAll('#controls input')].map(({ id }) => id)")
+    for slider in ids:
+        shown.slide(slider, 0.6)
+    shown(f"{KEPT} document.getElementById('scene').click()")
+    ((file, text),) = shown("return window.kept")
+    path = tmp_path / file
+    path.write_text(text.partition(",")[2], encoding="utf-8")
+    settings = shown("return machine.sliderValues(machine.settings)")
+    layout = composition(load_scene(path)).described("Composite").layout
+    starts = {variable.name: variable.start for variable in layout.variables}
+    assert settings
+    assert {key: starts[key] for key in settings} == pytest.approx(settings)
+    assert load_scene(path).profile().end == pytest.approx(shown("return machine.settings.speed"))
+    weights = shown("return machine.data.tokens[machine.settings.variant].weights")
+    assert {b.count for b in load_scene(path).balancer} == set(weights)
+    outcome = invoke("run", path, "--set", "run.revolutions=3")
+    assert outcome.exit_code == 0, outcome.output
+
+
 def test_signals_are_saved_as_the_page_remembers_them(opened):
     shown = opened("two_balls")
     shown("machine.advance(3, Infinity); machine.advance(machine.sampled + machine.step, Infinity)")
     shown(
-        "window.kept = []; HTMLAnchorElement.prototype.click = function () {"
-        " kept.push([this.download, decodeURIComponent(this.href)]); };"
-        "document.getElementById('csv').click(); document.getElementById('picture').click();"
+        f"{KEPT}document.getElementById('csv').click(); document.getElementById('picture').click();"
     )
     (csv, text), (picture, image) = shown("return window.kept")
     lines = text.partition(",")[2].splitlines()
