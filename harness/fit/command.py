@@ -13,7 +13,7 @@ from ..output.terminal import progress_bar, say, show
 _LIMITS = typer.Option(
     "--limit",
     metavar="PATH=LOW:HIGH,...",
-    help="Between which a free value stays; rotor.damping=2: has no upper limit.",
+    help="Between which a free value stays: balls.mass=40g:60g; rotor.damping=2: has no upper one.",
 )
 _PRIORS = typer.Option(
     "--prior",

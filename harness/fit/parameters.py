@@ -12,6 +12,7 @@ from ..errors import SceneError, UserError
 from ..master.alike import refuse_unvaried
 from ..scene import Scene
 from ..scene.replace import in_full
+from ..units import si_number
 
 SCATTER = 0.1  # of a measured difference, where nobody says
 FARTHEST = 1e6  # times the start: as good as no limit
@@ -77,9 +78,9 @@ def parse_free(
         raise UserError(f"--free {', '.join(sorted(repeated))}: given twice")
     found = [_parameter(group, scene) for group in groups]
     for text in _separated(limits):
-        found = _limited(found, text)
+        found = _limited(found, text, scene)
     for text in _separated(priors):
-        found = _with_prior(found, text, scatter)
+        found = _with_prior(found, text, scatter, scene)
     return found
 
 
@@ -94,30 +95,28 @@ def _place(parameters: list[Parameter], path: str, said: str) -> int:
     raise UserError(f"{said}: {path} is not free; must be of --free")
 
 
-def _with_prior(parameters: list[Parameter], text: str, scatter: float) -> list[Parameter]:
+def _with_prior(
+    parameters: list[Parameter], text: str, scatter: float, scene: Scene
+) -> list[Parameter]:
     path, _, deviation = text.partition("=")
     k = _place(parameters, path, f"--prior {text}")
-    try:
-        size = float(deviation)
-    except ValueError:
-        size = math.nan
+    size = si_number(deviation, scene.unit_of(path), f"--prior {text}: must be PATH=DEVIATION:")
     if not 0.0 < size < math.inf:
         raise UserError(f"--prior {text}: must be PATH=DEVIATION, a number above 0")
     parameters[k] = replace(parameters[k], pull=scatter * abs(parameters[k].start) / size)
     return parameters
 
 
-def _limited(parameters: list[Parameter], text: str) -> list[Parameter]:
+def _limited(parameters: list[Parameter], text: str, scene: Scene) -> list[Parameter]:
     path, _, ends = text.partition("=")
     k = _place(parameters, path, f"--limit {text}")
-    one = parameters[k]
-    try:
-        low, high = (
-            float(end) if end else far
-            for end, far in zip(ends.split(":"), (-math.inf, math.inf), strict=True)
-        )
-    except ValueError:
-        raise UserError(f"--limit {text}: must be PATH=LOW:HIGH, numbers or nothing") from None
+    one, example = parameters[k], f"--limit {text}: must be PATH=LOW:HIGH, numbers or nothing"
+    if ends.count(":") != 1:
+        raise UserError(example)
+    low, high = (
+        si_number(end, scene.unit_of(path), f"{example}:") if end else far
+        for end, far in zip(ends.split(":"), (-math.inf, math.inf), strict=True)
+    )
     if not low <= one.start <= high or low == high:
         raise UserError(f"--limit {text}: starts at {one.start:g}, outside: --set it")
     parameters[k] = replace(one, limits=(max(low, one.limits[0]), min(high, one.limits[1])))

@@ -72,7 +72,9 @@ def command(
     movie_axes: Annotated[
         drawings.MovieAxes, typer.Option(help="That the movie is seen from.")
     ] = drawings.MovieAxes.ROTOR,
-    movie_seconds: Annotated[float, typer.Option(metavar="S", help="Length of the movie.")] = 8.0,
+    movie_seconds: Annotated[
+        float, options.quantity("s", "Length of the movie, s.", "--movie-seconds")
+    ] = 8.0,
 ) -> None:
     """Run a scene by co-simulation.
 

@@ -143,12 +143,23 @@ def test_a_limit_that_was_asked_for_is_kept(rotor, file):
     assert any("rotor.damping: ended at its limit, 5" in text for text in found.warnings())
 
 
+def test_limits_and_priors_may_have_units(rotor):
+    free, plain = FREE, ("rotor.damping=2:3000", "rotor.damping=0.5")
+    texts = ("rotor.damping=2 N s/m:3 N s/mm", "rotor.damping=0.5e-3 N s/mm")
+    alone, named = (parse_free(free, rotor, [limit], [prior]) for limit, prior in (plain, texts))
+    for one, other in zip(alone, named, strict=True):
+        assert other.limits == pytest.approx(one.limits)
+        assert other.pull == pytest.approx(one.pull)
+    assert alone != parse_free(free, rotor)
+
+
 @pytest.mark.parametrize(
     ("limit", "words"),
     [
         ("rotor.mass=1:2", "rotor.mass is not free"),
         ("rotor.damping=1", "must be PATH=LOW:HIGH"),
         ("rotor.damping=1:x", "must be PATH=LOW:HIGH"),
+        ("rotor.damping=1 kg:5", "a damping or drag is expected"),
         ("rotor.damping=5:9", "starts at 4, outside"),
     ],
 )
