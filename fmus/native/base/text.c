@@ -158,7 +158,7 @@ static int put_special(Text *text, double value, const char *zero)
     return 0;
 }
 
-static void put_number(Text *text, double value, int digits, int widest, const char *whole_end)
+static void put_digits(Text *text, double value, int digits, int widest, const char *whole_end)
 {
     char found[MOST_DIGITS];
     int exponent, count;
@@ -171,12 +171,12 @@ static void put_number(Text *text, double value, int digits, int widest, const c
 
 void text_number(Text *text, double value)
 {
-    put_number(text, value, MOST_DIGITS, 16, ".0");
+    put_digits(text, value, MOST_DIGITS, 16, ".0");
 }
 
 void text_rounded(Text *text, double value, int digits)
 {
-    put_number(text, value, digits, digits, "");
+    put_digits(text, value, digits, digits, "");
 }
 
 void text_put_rounded(Text *text, const char *words, double value, int digits)
