@@ -146,8 +146,8 @@ def test_a_loop_without_a_digit_of_its_own_gain_is_refused():
 
 def test_a_motion_beyond_all_bounds_teaches_the_loop_nothing(recwarn):
     newton = QuasiNewton(np.zeros((4, 4)), 0.1)
-    far = [1e200 + 0j, 0j]
-    newton.learn(far, far, [-part for part in far])
+    far = np.array([1e200 + 0j, 0j])
+    newton.learn(far, far, -far)
     assert (newton.inverse == np.eye(4)).all()
     assert not recwarn
 
