@@ -132,7 +132,8 @@ class _Prepared:
         cosim.start()
         before = self._calls()
         begun = clock.process_time()
-        cosim.record(recorder, None)
+        for _ in cosim.rows(recorder):
+            pass
         seconds = clock.process_time() - begun
         calls = self._calls() - before
         self.result = result(recorder, cosim.facts(), seconds)

@@ -1,4 +1,4 @@
-"""Boundaries of balancing: speeds at which it begins or ends, by four methods side by side.
+"""Boundaries of balancing: speeds at which it begins or ends, by five methods side by side.
 
 A boundary is where the largest growth rate of a small deviation crosses 0 (a `Crossing`); the
 critical speeds of the rotor alone, its resonances, are another matter (`models.linear.modes`).
@@ -7,6 +7,8 @@ criterion: the closed formula of Filimonikhina 2017 for planar rotors.
 floquet: exact linear stability of the equations.
 cosim: largest multiplier of the coupled units' one-revolution map, no equation involved.
 cosim-run: growth fitted to a run of the coupled units, for many weights.
+proved: bands of speeds in which stability or instability is proved, for all machines within
+    tolerances (`proved`).
 """
 
 from __future__ import annotations
@@ -36,7 +38,7 @@ from .main_motion import MainMotion, NoMainMotion
 from .speeds import Speeds
 from .whirl import WhirlMotion, Whirls, has_map, whirls
 
-METHODS = ("criterion", "floquet", "cosim", "cosim-run")
+METHODS = ("criterion", "floquet", "cosim", "cosim-run", "proved")
 DEFAULT_METHODS = METHODS[:3]
 MOST_SPEEDS = 100_000  # of one scan: more is a slip of the keyboard
 SCAN = 60  # intervals of a co-simulated scan, unless other methods say where to look
@@ -54,6 +56,7 @@ def speeds(
     workers: Workers = 1,
     progress: Progress | None = None,
     whirl: bool = True,
+    within: str = "",
 ) -> Speeds:
     """Every speed within a range at which balancing begins or ends, by each method.
 
@@ -64,15 +67,18 @@ def speeds(
         range: low and high [rad/s], or text such as "300 rpm".
         methods: of `METHODS`.
         narrowest: width of a band that Floquet must not miss [rad/s]; a thousandth of the range.
+            Of undecided bands of the method proved; 1e-7 of the range, 1e-3 with tolerances.
         scan: intervals of the co-simulation's own scan: narrower bands can be missed.
         steps: communication steps a revolution; by default the scene's.
         workers: processes for the co-simulation, or an executor; a script that asks for more than
             one process needs `if __name__ == "__main__":`.
         progress: called with the finished fraction of the co-simulation.
         whirl: whether to look for the steady whirl that remains where weights cannot balance.
+        within: tolerances for the method proved: "rotor.stiffness=5%, rotor.damping=10 N s/m".
 
     Raises:
-        UserError: the range is empty, a method is unknown, or the supports have dry friction.
+        UserError: the range is empty, a method is unknown, tolerances are wrong, or python-flint is
+            missing.
         SceneError: gravity swings the weights.
         SimulationError: a co-simulation cannot be completed correctly, and no other method answers.
     """
@@ -87,8 +93,10 @@ def speeds(
     for method in wanted:
         if method not in METHODS:
             raise UserError(f"method {method!r}: must be one of {', '.join(METHODS)}")
+    if within and "proved" not in wanted:
+        raise UserError(f"within {within!r}: belongs to the method proved: ask for it")
     width = (high - low) / MOST_SPEEDS
-    if narrowest is not None and narrowest < width:
+    if narrowest is not None and narrowest < width and set(wanted) - {"proved"}:
         raise UserError(
             f"narrowest = {narrowest:g} rad/s: asks for {(high - low) / narrowest:.3g} speeds from "
             f"{low:g} to {high:g} rad/s; must be {width:.3g} rad/s or more: at most {MOST_SPEEDS}"
@@ -100,6 +108,8 @@ def speeds(
         _by_criterion(scene, result)
     if "floquet" in wanted:
         _by_floquet(scene, result, narrowest)
+    if "proved" in wanted:
+        result = _by_proof(scene, result, narrowest, within, progress)
     nodes = np.linspace(low, high, scan + 1)
     if "floquet" in result.methods:
         nodes = nodes_around([c.speed for c in result.methods["floquet"]], low, high)
@@ -152,6 +162,29 @@ def _by_floquet(scene: Scene, result: Speeds, narrowest: float | None) -> None:
         return
     result.methods["floquet"] = tuple(crossings)
     result.lowest["floquet"] = side(float(growth_rates(assembly, result.range[0])[0]))
+
+
+def _by_proof(
+    scene: Scene, result: Speeds, narrowest: float | None, within: str, progress: Progress | None
+) -> Speeds:
+    refuse_missing()
+    from ...models.proof.rotors import Unproved
+    from .proved import prove
+
+    try:
+        proof = prove(scene, *result.range, narrowest=narrowest, within=within, progress=progress)
+    except Unproved as error:
+        result.refused["proved"] = str(error)
+        return result
+    return replace(result, proof=proof)
+
+
+def refuse_missing() -> None:
+    """Raise UserError where python-flint is missing: with how to install it."""
+    try:
+        import flint  # noqa: F401
+    except ImportError as error:
+        raise UserError('a proof needs python-flint: pip install "autobalancer[proof]"') from error
 
 
 def _why_no_rest(scene: Scene) -> str:

@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from ...models.linear.boundaries import Crossing
 from .crossings import Side
 from .whirl import Whirls
+
+if TYPE_CHECKING:
+    from .proved import Proof
 
 
 @dataclass(frozen=True)
@@ -22,6 +25,7 @@ class Speeds:
         refused: why each other method gives no answer.
         whirl: what remains where the weights cannot balance; None where they can, or where the
             method floquet was not asked.
+        proof: what the method proved proves; None where it was not asked or gives no answer.
     """
 
     scene: str
@@ -30,16 +34,23 @@ class Speeds:
     lowest: dict[str, Side] = field(default_factory=dict)
     refused: dict[str, str] = field(default_factory=dict)
     whirl: Whirls | None = None
+    proof: Proof | None = None
 
     def as_json(self) -> dict[str, Any]:
         """Plain lists and numbers."""
+        methods = {
+            name: [{"speed": c.speed, "above": c.above} for c in crossings]
+            for name, crossings in self.methods.items()
+        }
+        proof: dict[str, Any] = {}
+        if self.proof is not None:
+            methods["proved"] = [band.as_json() for band in self.proof.bands]
+            proof = {"proof": self.proof.as_json()}
         return {
             "scene": self.scene,
             "range": list(self.range),
-            "methods": {
-                name: [{"speed": c.speed, "above": c.above} for c in crossings]
-                for name, crossings in self.methods.items()
-            },
+            "methods": methods,
+            **proof,
             "below_first": dict(self.lowest),
             "not_applicable": dict(self.refused),
             "whirl": None if self.whirl is None else self.whirl.as_json(),

@@ -1,4 +1,4 @@
-"""`autobalancer speeds`: critical speeds by criterion, Floquet and co-simulation side by side."""
+"""`autobalancer speeds`: critical speeds by several methods side by side."""
 
 from __future__ import annotations
 
@@ -17,6 +17,7 @@ from ..output.terminal import progress_bar, say, show
 from ..units import engineering, engineers, in_both
 
 if TYPE_CHECKING:
+    from .proved import Proof
     from .speeds import Speeds
     from .whirl import WhirlAt, Whirls
 
@@ -27,7 +28,8 @@ def command(
     scene: Annotated[str, options.SCENE],
     range_: Annotated[tuple[str, str], options.RANGE],
     method: Annotated[
-        str, typer.Option(help="criterion, floquet, cosim, cosim-run; several with commas.")
+        str,
+        typer.Option(help="criterion, floquet, cosim, cosim-run, proved; several with commas."),
     ] = DEFAULT,
     json_file: Annotated[Path | None, options.json("the speeds")] = None,
     scan: Annotated[
@@ -37,10 +39,14 @@ def command(
         float | None,
         options.quantity(
             "rad/s",
-            "Width of a band Floquet must not miss [rad/s]; default: range/1000.",
+            "Width of a band Floquet must not miss [rad/s]; default: range/1000. "
+            "Of undecided bands of --method proved.",
             "--narrowest",
         ),
     ] = None,
+    within: Annotated[
+        str, typer.Option(metavar="PATH=5%,...", help="Tolerances for --method proved.")
+    ] = "",
     changes: Annotated[list[str] | None, options.changes("rotor.mass=3.0")] = None,
     at_most: Annotated[str, options.AT_MOST] = costs.DEFAULT,
 ) -> None:
@@ -65,8 +71,14 @@ def command(
             scan=scan,
             workers=os.cpu_count() or 1,
             progress=costs.within(at_most, f"--range {low:g} {high:g} --scan {scan}", progress),
+            within=within,
         )
-    show(table(result, loaded.heading))
+    if result.methods or result.proof is None:
+        show(table(result, loaded.heading))
+    if result.proof is not None:
+        show(bands_table(result.proof, loaded.heading))
+        for line in result.proof.lines():
+            say(f"proved: {line}")
     for name, side in result.lowest.items():
         throughout = "" if result.methods[name] else ", and up to its end"
         say(f"{name}: {side} at the low end of the range{throughout}")
@@ -110,6 +122,20 @@ def table(result: Speeds, title: str) -> Sheet:
     heading = f"{title}: critical speeds from {span}"
     colours = {"above it": {"stable": GOOD, "unstable": "red"}}
     return Sheet(columns, rows, "ll" + "r" * (len(columns) - 2), heading, colours)
+
+
+def bands_table(proof: Proof, title: str) -> Sheet:
+    """Proved bands."""
+    columns = ["from [rad/s]", "to [rad/s]", "proved"]
+    rows = [[f"{b.low:.10g}", f"{b.high:.10g}", b.state] for b in proof.bands]
+    if not engineering.get():
+        columns.append("that is")
+        for row, b in zip(rows, proof.bands, strict=True):
+            row.append(f"{engineers(b.low, 'rad/s')} to {engineers(b.high, 'rad/s')}")
+    machines = f"for every machine within {proof.within}" if proof.within else "for this machine"
+    colours = {"proved": {"stable": GOOD, "unstable": "red", "undecided": "yellow"}}
+    aligned = "rrl" + "l" * (len(columns) - 3)
+    return Sheet(columns, rows, aligned, f"{title}: proved {machines}", colours)
 
 
 def whirl_table(whirl: Whirls) -> Sheet:

@@ -1,0 +1,277 @@
+"""A scene in ball arithmetic: decimal numbers as they are written, and parameters in intervals."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Iterable, Iterator
+from dataclasses import dataclass, replace
+from typing import Any
+
+from flint import arb
+
+from ...models.linear.balanced import CannotBalance, balanced_angles
+from ...models.papers.window import LiquidWindow
+from ...models.proof.balanced import WeightBalls, seen
+from ...models.proof.equations import Equations, equations
+from ...models.proof.rotors import KINDS, RotorBalls, Unproved
+from ...models.proof.window import WindowBalls
+from ...models.weights import KAPPA
+from ..errors import UserError
+from ..scene import Scene
+from ..scene.replace import SPEED, in_full
+from ..units import si_number
+
+_UNITS = arb(2) ** -48  # relative: what the conversion of units rounds in a dozen operations
+_DIGITS = 15  # of a double: a number written with more is known to its neighbours only
+
+
+@dataclass(frozen=True)
+class Change:
+    """An interval that a parameter takes.
+
+    Attributes:
+        path: as for `Scene.replace`.
+        low, high: of the value, or of what is added to it.
+        kind: "value"; "relative" to the value, or "added" to it.
+    """
+
+    path: str
+    low: float
+    high: float
+    kind: str = "value"
+
+    def __call__(self, value: arb) -> arb:
+        """The interval of a value."""
+        span = arb(repr(self.low)).union(arb(repr(self.high)))
+        return {"value": span, "relative": value * (1 + span), "added": value + span}[self.kind]
+
+    def halves(self) -> tuple[Change, Change]:
+        """The lower and the upper half."""
+        middle = 0.5 * (self.low + self.high)
+        return replace(self, high=middle), replace(self, low=middle)
+
+    @property
+    def middle(self) -> Change:
+        """The middle alone."""
+        middle = 0.5 * (self.low + self.high)
+        return replace(self, low=middle, high=middle)
+
+
+def tolerances(text: str, scene: Scene) -> tuple[Change, ...]:
+    """PATH=5%, PATH=0.2 N/m, several with commas: tolerances on both sides of the scene's values.
+
+    Raises:
+        UserError: it is not written like that, or a path names no number of the machine.
+    """
+    changes = []
+    for item in text.split(","):
+        path, _, amount = (part.strip() for part in item.partition("="))
+        if not path or not amount:
+            raise UserError(f"within {item!r}: must be PATH=5% or PATH=AMOUNT, as rotor.mass=2%")
+        percent = amount.removesuffix("%")
+        unit = "" if percent != amount else scene.unit_of(path)
+        size = si_number(percent, unit, f"within {path}:")
+        size = size / 100.0 if percent != amount else size
+        if not 0.0 <= size < 1e60:
+            raise UserError(f"within {item!r}: {size:g} must be 0 or more")
+        kind = "relative" if percent != amount else "added"
+        changes.append(Change(in_full(path), -size, size, kind))
+    Tables(scene).change(changes)
+    return tuple(changes)
+
+
+def _exact(value: float) -> arb:
+    """The decimal number that a float is written as."""
+    text = repr(float(value))
+    digits = len(re.sub(r"[-.]|e.*", "", text).strip("0"))
+    ball = arb(text)
+    return ball if digits <= _DIGITS else ball * (1 + arb(0, 2.0**-52))
+
+
+def _balls(value: Any, given: Any) -> Any:
+    """Numbers of a validated table as balls; `given` is what the document says of them.
+
+    A number that stands for several axes is one object.
+    """
+    if isinstance(value, dict):
+        inner = given if isinstance(given, dict) else {}
+        return {key: _balls(each, inner.get(key)) for key, each in value.items()}
+    if isinstance(value, (list, tuple)):
+        if isinstance(given, (list, tuple)):
+            return [_balls(v, g) for v, g in zip(value, given, strict=True)]
+        if given is not None and value:
+            return [_balls(value[0], given)] * len(value)
+        return [_balls(v, None) for v in value]
+    if not isinstance(value, float):
+        return value
+    ball = _exact(value)
+    return ball * (1 + arb(0, 1) * _UNITS) if isinstance(given, str) else ball
+
+
+class Tables:
+    """The rotor and the balancers of a scene, every number a ball."""
+
+    def __init__(self, scene: Scene) -> None:
+        document = scene.document
+        self.scene = scene
+        self.rotor = _balls(scene.rotor.model_dump(), document["rotor"])
+        given = document.get("balancer", [])
+        self.balancers = {
+            table.label: _balls(table.model_dump(), each)
+            for table, each in zip(scene.balancer, given, strict=True)
+        }
+
+    def change(self, changes: Iterable[Change]) -> None:
+        """Put intervals into the place of numbers.
+
+        Raises:
+            UserError: a path names no number of the rotor or of a balancer.
+        """
+        for change in changes:
+            first, *rest = change.path.split(".")
+            holder: Any = {"rotor": self.rotor, **self.balancers}.get(first)
+            keys: list[Any] = []
+            for part in rest:
+                keys += [re.sub(r"\[.*", "", part), *(int(n) - 1 for n in re.findall(r"\d+", part))]
+            try:
+                for key in keys[:-1]:
+                    holder = holder[key]
+                known: dict[int, arb] = {}
+                changed = _mapped(holder[keys[-1]], change, known)
+            except (KeyError, IndexError, TypeError):
+                known = {}
+            if not known:
+                raise UserError(
+                    f"{change.path}: an interval needs a number that the scene gives the rotor or "
+                    "a balancer, such as rotor.stiffness or "
+                    f"{next(iter(self.balancers), 'balls')}.mass"
+                )
+            holder[keys[-1]] = changed
+
+    def damp(self) -> None:
+        """Damping that `damping_ratio` stands for, 2 ratio sqrt(k m) of every support."""
+        table, kind = self.rotor, self.rotor["kind"]
+        if table["damping_ratio"] is None:
+            return
+        masses = table["masses"] if kind == "flexible" else [table["mass"]]
+        total, shares = sum(masses, arb(0)), [arb(1)]
+        if kind != "planar":
+            if kind == "flexible":
+                z = table["stations"]
+                centre = sum((m * p for m, p in zip(masses, z, strict=True)), arb(0)) / total
+                start, end = (z[s - 1] for s in table["supports"])
+            else:
+                start, end = arb(0), table["span"]
+                centre = end / 2 if table["com"] is None else table["com"]
+            part = (centre - start) / (end - start)
+            shares = [abs(1 - part), abs(part)]
+        key = "support_damping" if kind == "flexible" else "damping"
+        springs = table[key.replace("damping", "stiffness")]
+        known: dict[tuple[int, int], arb] = {}
+        rows = []
+        for share, pair in zip(shares, [springs] if kind == "planar" else springs, strict=True):
+            row = []
+            for ratio, spring in zip(table["damping_ratio"], pair, strict=True):
+                each = 2 * ratio * (spring * total * share).sqrt()
+                row.append(known.setdefault((id(ratio), id(spring)), each))
+            known.clear()
+            rows.append(row)
+        table[key] = rows[0] if kind == "planar" else rows
+
+    def equations(self) -> Equations:
+        """Small motions about the balanced motion.
+
+        Raises:
+            Unproved: a balanced motion is not proved to exist.
+        """
+        self.damp()
+        rotor: RotorBalls = KINDS[self.rotor["kind"]](self.rotor)
+        mass, weights = rotor.mass, []
+        angles = _angles(self.scene)
+        for table in self.balancers.values():
+            plane = table["at"] - 1
+            row = rotor.planes[plane]
+            if table["kind"] == "liquid":
+                added = _liquid_mass(table)
+            else:
+                count = table["count"]
+                added = table["mass"] * count
+                stand = tuple(next(angles) for _ in range(count))
+                each, radius, drag = (table[key] for key in ("mass", "track_radius", "drag"))
+                kappa = _exact(KAPPA[table["kind"]])
+                weights.append(WeightBalls(plane, count, each, radius, drag, kappa, stand))
+            mass = mass + row[:, None] * row * added
+        return equations(rotor, mass, seen(rotor, weights))
+
+
+def _mapped(value: Any, change: Callable[[arb], arb], known: dict[int, arb]) -> Any:
+    if isinstance(value, list):
+        return [_mapped(each, change, known) for each in value]
+    if not isinstance(value, arb):
+        raise TypeError
+    if id(value) not in known:
+        known[id(value)] = change(value)
+    return known[id(value)]
+
+
+def _angles(scene: Scene) -> Iterator[float]:
+    try:
+        return iter(balanced_angles(scene.assembly()).tolist())
+    except (CannotBalance, ArithmeticError) as error:
+        raise Unproved(str(error)) from error
+
+
+def refuse_unproved(scene: Scene) -> None:
+    """Raise Unproved for what is no linear motion about balance."""
+    for balancer in scene.balancer:
+        if balancer.can_stick:
+            raise Unproved(f"{balancer.label}.rolling_resistance: dry friction is not proved")
+        if balancer.can_meet:
+            raise Unproved(
+                f"{balancer.label}.weight_radius: contacts of weights are not proved; leave it "
+                "out for points that pass"
+            )
+    if scene.rotor.friction:
+        raise Unproved("rotor.friction: dry friction in the supports is not proved")
+    for mounted in scene.assembly().weights:
+        if mounted.offset:
+            raise Unproved(f"{mounted.name}: its track is off centre, where no rotor rests")
+
+
+def system(scene: Scene, changes: Iterable[Change] = ()) -> Equations:
+    """The equations of a scene whose parameters take intervals.
+
+    Raises:
+        Unproved: they have none, or a balanced motion is not proved to exist.
+    """
+    refuse_unproved(scene)
+    tables = Tables(scene)
+    tables.change(c for c in changes if c.path != SPEED)
+    return tables.equations()
+
+
+def window(scene: Scene, changes: Iterable[Change] = ()) -> WindowBalls | None:
+    """Dubovik's window; None where it does not apply.
+
+    Raises:
+        Unproved: its limits are not proved to exist.
+    """
+    tables = Tables(scene)
+    tables.change(changes)
+    tables.damp()
+    try:
+        LiquidWindow.of(scene.assembly())
+    except ValueError:
+        return None
+    rotor = tables.rotor
+    damping, stiffness = rotor["damping"], rotor["stiffness"]
+    if damping[0] is not damping[1] or stiffness[0] is not stiffness[1]:
+        return None  # axes that tolerances make different
+    (liquid,) = tables.balancers.values()
+    added = _liquid_mass(liquid)
+    return WindowBalls.of(rotor["mass"], added, stiffness[0], damping[0], rotor["internal_damping"])
+
+
+def _liquid_mass(table: dict[str, Any]) -> arb:
+    radius = table["chamber_radius"]
+    return table["density"] * arb.pi() * radius * radius * table["height"]

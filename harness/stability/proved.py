@@ -1,0 +1,305 @@
+"""Speeds at which balancing is proved to be stable or unstable, for all machines in tolerance.
+
+`models/proof` proves an interval of speeds and a box of parameters at once.  Here the range is
+divided until everything is decided, or what is undecided is narrow.
+"""
+
+from __future__ import annotations
+
+import functools
+import itertools
+import math
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+import flint
+
+from ...models.linear.boundaries import Crossing
+from ...models.proof.certificate import Certificate, State
+from ...models.proof.modes import POWERS
+from ...models.proof.rotors import Unproved
+from ...models.proof.window import WindowBalls, ends
+from ..output.workers import Progress
+from ..scene import Scene
+from .exact import Change, system, tolerances, window
+
+PRECISION = 128  # bits, of balls
+NARROWEST = 1e-7  # of the range: an undecided band, where nothing else is asked for
+NARROWEST_WITHIN = 1e-3  # of machines within tolerances: each has its own boundaries
+_LEVELS = 6  # halvings of an interval by one certificate
+_PLACE = 0.48  # of an interval: a certificate's speed; boundaries often lie in the middle
+_LESS = 0.6  # of an interval: what is narrower is begun anew
+_STUCK = 3  # halvings in a row whose middles are undecided themselves
+_MOST_BOXES = 64
+_MOST_SPLIT = 12  # parameters
+_CORNERS = 8
+_MOST_CERTIFICATES = 3000
+
+Box = tuple[Change, ...]
+
+
+@dataclass(frozen=True)
+class Band:
+    """Speeds [rad/s] and what is proved of all of them."""
+
+    low: float
+    high: float
+    state: State
+
+    def as_json(self) -> dict[str, Any]:
+        """Plain numbers."""
+        return {"from": self.low, "to": self.high, "state": self.state}
+
+
+@dataclass(frozen=True)
+class Proof:
+    """What is proved of a range of speeds.
+
+    Attributes:
+        bands: of the whole range, ascending, without gaps.
+        narrowest: width to which undecided bands were divided [rad/s].
+        certificates: number of speeds about which modes were computed.
+        boxes: largest number of boxes into which the tolerances were divided.
+        within: the tolerances, as they were given.
+        window: Dubovik's limits, where they apply.
+    """
+
+    bands: tuple[Band, ...]
+    narrowest: float
+    certificates: int
+    boxes: int = 1
+    within: str = ""
+    window: WindowBalls | None = None
+
+    @property
+    def undecided(self) -> float:
+        """Share of the range that is undecided."""
+        width = sum(b.high - b.low for b in self.bands if b.state == "undecided")
+        return width / (self.bands[-1].high - self.bands[0].low)
+
+    @property
+    def boundaries(self) -> list[tuple[Band, Crossing]]:
+        """Undecided bands between two states, each with the boundary in its middle."""
+        return [
+            (band, Crossing(0.5 * (band.low + band.high), after.state))
+            for before, band, after in zip(self.bands, self.bands[1:], self.bands[2:], strict=False)
+            if band.state == "undecided" and {before.state, after.state} == {"stable", "unstable"}
+            and after.state != "undecided"
+        ]  # fmt: skip
+
+    def lines(self) -> Iterator[str]:
+        """What the bands do not show."""
+        if self.window is not None:
+            limits = self.window.as_json()
+            yield (
+                f"the window is {limits['state']}: less bending than without liquid above "
+                f"{limits['less_bending_above']['ball']} rad/s"
+            )
+            if limits["stable_below"]:
+                yield f"stable below {limits['stable_below']['ball']} rad/s"
+        else:
+            boxes = f" and up to {self.boxes} boxes of parameters" if self.boxes > 1 else ""
+            yield f"{self.certificates} certificates{boxes}; {self.undecided:.2g} of it undecided"
+
+    def as_json(self) -> dict[str, Any]:
+        """The certificate's data."""
+        return {
+            "precision": PRECISION,
+            "narrowest": self.narrowest,
+            "certificates": self.certificates,
+            "boxes": self.boxes,
+            "within": self.within,
+            "undecided_share": self.undecided,
+            "boundaries": [
+                {"from": band.low, "to": band.high, "above": crossing.above}
+                for band, crossing in self.boundaries
+            ],
+            "window": None if self.window is None else self.window.as_json(),
+        }
+
+
+def prove(
+    scene: Scene,
+    low: float,
+    high: float,
+    *,
+    narrowest: float | None = None,
+    within: str = "",
+    progress: Progress | None = None,
+) -> Proof:
+    """Bands of stability and instability from `low` to `high` [rad/s].
+
+    Args:
+        narrowest: width to which undecided bands are divided [rad/s].
+        within: tolerances of parameters, see `exact.tolerances`.
+
+    Raises:
+        Unproved: nothing can be proved of the scene, and why.
+        UserError: the tolerances are wrong.
+    """
+    with flint.ctx.workprec(PRECISION):
+        changes = tolerances(within, scene) if within else ()
+        share = NARROWEST_WITHIN if within else NARROWEST
+        width = share * (high - low) if narrowest is None else narrowest
+        limits = window(scene, changes)
+        if limits is not None:
+            return Proof(_outside(limits, low, high), width, 0, 1, within, limits)
+        search = _Search(scene, changes, width, progress)
+        bands = _merged(search.bands(low, high))
+        return Proof(bands, width, search.certificates, search.most_boxes, within)
+
+
+def _outside(limits: WindowBalls, low: float, high: float) -> tuple[Band, ...]:
+    """Stable below Dubovik's upper limit, unstable above it."""
+    below, above = (math.inf, math.inf) if limits.upper is None else ends(limits.upper)
+    nodes = [low, min(max(low, below), high), min(max(low, above), high), high]
+    states: tuple[State, ...] = ("stable", "undecided", "unstable")
+    parts = (Band(a, b, s) for a, b, s in zip(nodes, nodes[1:], states, strict=False) if a < b)
+    return tuple(parts)
+
+
+class _Search:
+    def __init__(self, scene: Scene, box: Box, narrowest: float, progress: Progress | None) -> None:
+        self.scene, self.whole = scene, box
+        self.narrowest, self.progress = narrowest, progress
+        self.certificates, self.most_boxes = 0, 1
+        self.system = functools.cache(functools.partial(system, scene))
+        self.range = (0.0, 1.0)
+
+    def bands(self, low: float, high: float) -> Iterator[Band]:
+        """Bands of a range, ascending.
+
+        Raises:
+            Unproved: the machine in the middle of the box has no balanced motion.
+        """
+        self.range = low, high
+        self.system(_middle(self.whole))
+        return self._bands(low, high, [self.whole], 0)
+
+    def _bands(self, low: float, high: float, boxes: list[Box], stuck: int) -> Iterator[Band]:
+        """Bands of an interval; `stuck` counts what was divided in vain."""
+        if self.progress:
+            self.progress((low - self.range[0]) / (self.range[1] - self.range[0]))
+        self.most_boxes = max(self.most_boxes, len(boxes))
+        speed = low + _PLACE * (high - low)
+        certificates = [self._certificate(box, speed) for box in boxes]
+        for piece in _merged(_pieces(certificates, low, high, _LEVELS)):
+            width = piece.high - piece.low
+            spent = self.certificates > _MOST_CERTIFICATES or not low < speed < high
+            if piece.state != "undecided" or width <= self.narrowest or spent:
+                yield piece
+            elif width < _LESS * (high - low):
+                yield from self._bands(piece.low, piece.high, boxes, 0)
+            else:
+                inner = [_state([c], speed, speed) == "undecided" for c in certificates]
+                yield from self._divided(piece.low, piece.high, boxes, inner, stuck)
+
+    def _divided(
+        self, low: float, high: float, boxes: list[Box], unproved: list[bool], stuck: int
+    ) -> Iterator[Band]:
+        """Bands of an interval that no certificate decides: of halves, or with smaller boxes.
+
+        Args:
+            unproved: of which boxes nothing is proved at a single speed.
+        """
+        middle, vain = 0.5 * (low + high), stuck + any(unproved)
+        if self.whole and any(unproved):
+            both = [self._contradicts(low + f * (high - low)) for f in (0.1, 0.5, 0.9)]
+            if all(both):
+                yield Band(low, high, "undecided")
+                return
+            if not any(both) and len(boxes) < _MOST_BOXES:
+                smaller = [
+                    half for box, open_ in zip(boxes, unproved, strict=True)
+                    for half in (self._halves(box) if open_ else [box])
+                ]  # fmt: skip
+                yield from self._bands(low, high, smaller, stuck)
+                return
+        if vain > _STUCK:
+            yield Band(low, high, "undecided")
+            return
+        yield from self._bands(low, middle, boxes, vain)
+        yield from self._bands(middle, high, boxes, vain)
+
+    def _certificate(self, box: Box, speed: float, powers: int = POWERS) -> Certificate | None:
+        self.certificates += 1
+        try:
+            return Certificate.of(self.system(box), speed, powers)
+        except Unproved:
+            return None
+
+    def _contradicts(self, speed: float) -> bool:
+        """Whether one machine within the tolerances is stable and another one not."""
+        states: set[str] = set()
+        for corner in self._corners:
+            states.add(_state([self._certificate(corner, speed, 1)], speed, speed))
+            if {"stable", "unstable"} <= states:
+                return True
+        return False
+
+    @functools.cached_property
+    def _corners(self) -> list[Box]:
+        """Some machines at the ends of all tolerances."""
+        ends_of = [(replace(c, high=c.low), replace(c, low=c.high)) for c in self.whole]
+        corners = list(itertools.islice(itertools.product(*ends_of), 2**_MOST_SPLIT))
+        step = max(1, len(corners) // _CORNERS)
+        return [*corners[::step], corners[-1]]
+
+    def _halves(self, box: Box) -> tuple[Box, Box]:
+        """Both halves of a box across the parameter that matters most."""
+        shares = [
+            weight * (c.high - c.low) / (w.high - w.low)
+            for weight, c, w in zip(self._weights, box, self.whole, strict=True)
+        ]
+        k = shares.index(max(shares))
+        lower, upper = box[k].halves()
+        return (*box[:k], lower, *box[k + 1 :]), (*box[:k], upper, *box[k + 1 :])
+
+    @functools.cached_property
+    def _weights(self) -> list[float]:
+        """How much the interval of each parameter adds to what modes leave of the system."""
+        middle = _middle(self.whole)
+        weights = []
+        for k, change in enumerate(self.whole):
+            one = (*middle[:k], change, *middle[k + 1 :])
+            found = self._certificate(one, 0.5 * sum(self.range), 1)
+            weights.append(float(found.residual[0].max()) if found else math.inf)
+        return weights
+
+
+def _middle(box: Box) -> Box:
+    return tuple(change.middle for change in box)
+
+
+def _state(certificates: Sequence[Certificate | None], low: float, high: float) -> State:
+    """What all of them prove."""
+    first: State = "undecided"
+    for number, one in enumerate(certificates):
+        state = "undecided" if one is None else one.state(low, high)
+        if state == "undecided" or (number and state != first):
+            return "undecided"
+        first = state
+    return first
+
+
+def _pieces(
+    certificates: Sequence[Certificate | None], low: float, high: float, levels: int
+) -> Iterator[Band]:
+    """An interval in pieces, as far as these certificates decide them."""
+    state = _state(certificates, low, high)
+    middle = 0.5 * (low + high)
+    if state != "undecided" or not levels or not low < middle < high:
+        yield Band(low, high, state)
+        return
+    yield from _pieces(certificates, low, middle, levels - 1)
+    yield from _pieces(certificates, middle, high, levels - 1)
+
+
+def _merged(bands: Iterable[Band]) -> tuple[Band, ...]:
+    """Neighbours of one state as one band."""
+    return tuple(
+        Band(group[0].low, group[-1].high, state)
+        for state, members in itertools.groupby(bands, lambda band: band.state)
+        for group in [list(members)]
+    )

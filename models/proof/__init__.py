@@ -1,0 +1,10 @@
+"""Stability of the balanced motion, proved for whole intervals of speeds and parameters.
+
+Parameters are balls (python-flint) around their exact decimal values.
+
+`rotors`: balls of the rotor's matrices.  `balanced`: where the weights balance, and what the rotor
+sees of them.  `equations`: x' = A(w, beta) x from both.  `series`: sums and products of matrices in
+floating point with a bound of their error.  `modes`: approximate coordinates in which A is nearly
+diagonal, for a range of speeds.  `certificate`: what these coordinates prove.  `window`: Dubovik's
+limits in closed form.
+"""

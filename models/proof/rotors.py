@@ -1,0 +1,208 @@
+"""Matrices of the rotor in ball arithmetic: `rotor_kinds` derived once more, without rounding.
+
+Arrays hold python-flint's `arb`.  A parameter that both axes share is one object: its difference is
+0, not an interval around 0.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from flint import acb, arb, arb_mat
+from numpy.typing import NDArray
+
+from ..constants import SAME_PLACE
+
+Exact = NDArray[np.object_]
+
+
+class Unproved(ValueError):
+    """Nothing can be proved; the message says why."""
+
+
+@dataclass(frozen=True, eq=False)
+class RotorBalls:
+    """As `LinearRotor`, with the mean of both axes and half their difference.
+
+    Attributes:
+        places: (p,) of the planes [m].
+        unbalances: (place [m], complex moment [kg m]).
+        rigid: the displacement at a place follows from those at two others.
+    """
+
+    mass: Exact
+    stiffness: Exact
+    half_stiffness: Exact
+    damping: Exact
+    half_damping: Exact
+    internal: Exact
+    gyroscopic: Exact
+    planes: Exact
+    places: tuple[arb, ...]
+    unbalances: tuple[tuple[arb, acb], ...]
+    rigid: bool = False
+
+    def with_added_mass(self, plane: int, mass: arb) -> Exact:
+        """The mass matrix with `mass` [kg] at a plane."""
+        row = self.planes[plane]
+        return self.mass + np.outer(row, row) * mass
+
+    def at_planes(self, used: Sequence[int], loads: Sequence[tuple[arb, acb]]) -> list[acb]:
+        """Moments at `used` planes that do what `loads` at their places do.
+
+        Raises:
+            Unproved: no moments there do.
+        """
+        total = [acb(0) for _ in used]
+        span = max((abs(place).abs_upper() for place in self.places), default=arb(0))
+        slack = arb(0) if self.rigid else span * SAME_PLACE
+        for place, moment in loads:
+            same = [
+                k for k, p in enumerate(used)
+                if self.places[p] is place or _at_most(self.places[p] - place, slack)
+            ]  # fmt: skip
+            if same:
+                total[same[0]] += moment
+            elif self.rigid and len(used) == 2:
+                first, second = (self.places[p] for p in used)
+                share = (place - first) / (second - first)
+                total[0] += moment * (1 - share)
+                total[1] += moment * share
+            elif not moment.is_zero():
+                raise Unproved(
+                    f"an unbalance at {float(place):g} m is not proved to be one in the planes "
+                    "that carry weights: put it in such a plane, or weights in two planes"
+                )
+        return total
+
+
+def _at_most(difference: arb, slack: arb) -> bool:
+    return bool(abs(difference) <= slack + arb(2) ** -100)
+
+
+def balls(values: Any) -> Exact:
+    """An array of balls."""
+    given = np.array(values, object)
+    flat = [arb(x) if isinstance(x, (int, float)) else x for x in given.ravel()]
+    out = np.empty(len(flat), object)
+    out[:] = flat
+    return out.reshape(given.shape)
+
+
+def product(*factors: Exact) -> Exact:
+    """Matrix product."""
+    result = arb_mat(factors[0].tolist())
+    for factor in factors[1:]:
+        result = result * arb_mat(factor.tolist())
+    return balls(result.tolist())
+
+
+def solve(matrix: Exact, right: Exact) -> Exact:
+    """matrix^-1 right.
+
+    Raises:
+        Unproved: the matrix is not proved to be regular.
+    """
+    try:
+        return balls(arb_mat(matrix.tolist()).solve(arb_mat(right.tolist())).tolist())
+    except ZeroDivisionError:
+        raise Unproved("a mass or compliance matrix is not proved to be regular") from None
+
+
+def _axes(pairs: Sequence[Sequence[arb]]) -> tuple[Exact, Exact]:
+    """Diagonal matrices: mean of x and y, and half their difference."""
+    mean, half = ([(x + y) / 2 for x, y in pairs], [(x - y) / 2 for x, y in pairs])
+    same = [x is y for x, y in pairs]
+    mean = [x if one else m for one, m, (x, _) in zip(same, mean, pairs, strict=True)]
+    half = [arb(0) if one else h for one, h in zip(same, half, strict=True)]
+    return _diagonal(mean), _diagonal(half)
+
+
+def _diagonal(values: Sequence[arb]) -> Exact:
+    result = balls(np.zeros((len(values), len(values))))
+    for k, value in enumerate(values):
+        result[k, k] = value
+    return result
+
+
+def _moments(unbalances: Sequence[Mapping[str, arb]]) -> tuple[tuple[arb, acb], ...]:
+    return tuple((u["position"], rotated(u["amount"], u["angle"])) for u in unbalances)
+
+
+def rotated(length: arb, angle: arb) -> acb:
+    """length e^{i angle}."""
+    return acb(length * angle.cos(), length * angle.sin())
+
+
+def planar(table: Mapping[str, Any]) -> RotorBalls:
+    """A disc in one plane."""
+    stiffness, half_stiffness = _axes([table["stiffness"]])
+    damping, half_damping = _axes([table["damping"]])
+    zero = arb(0)
+    return RotorBalls(
+        balls([[table["mass"]]]), stiffness, half_stiffness, damping, half_damping,
+        balls([[table["internal_damping"]]]), balls([[0]]), balls([[1]]), (zero,),
+        ((zero, rotated(table["unbalance"], table["unbalance_angle"])),),
+    )  # fmt: skip
+
+
+def two_support(table: Mapping[str, Any]) -> RotorBalls:
+    """A rigid body on two supports."""
+    span = table["span"]
+    share = arb(1) / 2 if table["com"] is None else table["com"] / span
+    centre, tilt = balls([1 - share, share]), balls([-1 / span, 1 / span])
+    stiffness, half_stiffness = _axes(table["stiffness"])
+    damping, half_damping = _axes(table["damping"])
+    rows = [[1 - a / span, a / span] for a in table["planes"]]
+    return RotorBalls(
+        np.outer(centre, centre) * table["mass"] + np.outer(tilt, tilt) * table["inertia"],
+        stiffness, half_stiffness, damping, half_damping, balls(np.zeros((2, 2))),
+        np.outer(tilt, tilt) * table["polar_inertia"], balls(rows).reshape(-1, 2),
+        tuple(table["planes"]), _moments(table["unbalances"]), rigid=True,
+    )  # fmt: skip
+
+
+def flexible(table: Mapping[str, Any]) -> RotorBalls:
+    """Discs on a massless shaft."""
+    z, ends = table["stations"], [s - 1 for s in table["supports"]]
+    inner = [k for k in range(len(z)) if k not in ends]
+    zero = balls(np.zeros((len(z), len(z))))
+    shaft, internal = zero, zero
+    if inner:
+        rows = zero.copy()
+        for k in inner:
+            share = (z[k] - z[ends[0]]) / (z[ends[1]] - z[ends[0]])
+            rows[k, k], rows[k, ends[0]], rows[k, ends[1]] = arb(1), share - 1, -share
+        rows = rows[inner]
+        if table["compliance"] is not None:
+            given = balls(table["compliance"])
+            delta = (given + given.T) / 2
+        else:
+            cubes = balls([[abs(a - b) * (a - b) * (a - b) for b in z] for a in z])
+            delta = product(rows, cubes, rows.T) / (12 * table["bending_stiffness"])
+        shaft = product(rows.T, solve(delta, rows))
+        softest = delta[0, 0]
+        for entry in delta.diagonal()[1:]:
+            softest = softest.max(entry)
+        internal = shaft * (table["internal_damping"] * softest)
+
+    def at_supports(pairs: Sequence[Sequence[arb]]) -> tuple[Exact, Exact]:
+        mean, half = _axes(pairs)
+        both = zero.copy(), zero.copy()
+        for matrix, small in zip(both, (mean, half), strict=True):
+            for k, end in enumerate(ends):
+                matrix[end, end] = small[k, k]
+        return both
+
+    stiffness, half_stiffness = at_supports(table["support_stiffness"])
+    damping, half_damping = at_supports(table["support_damping"])
+    return RotorBalls(
+        _diagonal(table["masses"]), stiffness + shaft, half_stiffness, damping, half_damping,
+        internal, zero, _diagonal([arb(1)] * len(z)), tuple(z), _moments(table["unbalances"]),
+    )  # fmt: skip
+
+
+KINDS = {"planar": planar, "two_support": two_support, "flexible": flexible}

@@ -1,0 +1,175 @@
+"""Bands that are proved: they agree with Floquet and closed forms, for all machines in a box."""
+
+from __future__ import annotations
+
+import json
+from fractions import Fraction
+from itertools import pairwise
+
+import mpmath
+import numpy as np
+import pytest
+
+flint = pytest.importorskip("flint", reason="the extra `proof` is not installed")
+
+from autobalancer.harness import UserError, load_scene, speeds  # noqa: E402
+from autobalancer.harness.checks.filimonikhina import TABLES, variant  # noqa: E402
+from autobalancer.harness.stability.exact import Tables  # noqa: E402
+from autobalancer.harness.stability.proved import Band, Proof, prove  # noqa: E402
+from autobalancer.models.linear.boundaries import balancing_boundaries  # noqa: E402
+from autobalancer.models.stability import growth_rates  # noqa: E402
+
+
+def proof_of(scene, low: float, high: float, **options) -> Proof:
+    result = speeds(scene, (low, high), ["proved"], **options)
+    assert not result.refused
+    return result.proof
+
+
+def refuted(bands: tuple[Band, ...], speed: float, growth: float) -> bool:
+    """Whether a growth rate contradicts the band that holds the speed."""
+    (state, *_) = (b.state for b in bands if b.low <= speed <= b.high)
+    return state == ("stable" if growth > 0.0 else "unstable")
+
+
+def holds(ball, value: Fraction) -> bool:
+    """Whether a ball contains an exact number."""
+    (m, e), (n, f) = (part.man_exp() for part in (ball.mid(), ball.rad()))
+    middle, radius = (int(k) * Fraction(2) ** int(x) for k, x in ((m, e), (n, f)))
+    return abs(value - middle) <= radius
+
+
+def test_numbers_are_the_decimals_that_are_written_and_units_are_enclosed():
+    changes = {"rotor.stiffness": 0.1, "weights.angles": ["30 deg", 1.0], "rotor.mass": "1 lb"}
+    with flint.ctx.workprec(128):
+        tables = Tables(load_scene("filimonikhina").replace(changes))
+    stiffness, mass = tables.rotor["stiffness"], tables.rotor["mass"]
+    assert stiffness[0] is stiffness[1]  # one number for both axes
+    assert holds(stiffness[0], Fraction(1, 10))
+    assert not holds(stiffness[0], Fraction(0.1))
+    assert holds(mass, Fraction("0.45359237"))
+    assert float(mass.rad()) < 1e-14
+    assert tables.balancers["weights"]["angles"][0].overlaps(flint.arb.pi() / 6)
+
+
+@pytest.mark.parametrize("index", [0, 3, 19])
+def test_boundaries_of_the_papers_tables_are_proved_within_1e_6(index):
+    scene, w_x = variant(load_scene("filimonikhina_tables"), TABLES[index])
+    low, high = TABLES[index].intervals[-1][0] - 0.1, TABLES[index].intervals[-1][1] + 0.1
+    proof = proof_of(scene, low * w_x, high * w_x, narrowest=1e-6)
+    (crossing,) = balancing_boundaries(scene.assembly(), low * w_x, high * w_x)
+    ((band, found),) = proof.boundaries
+    assert band.high - band.low <= 1e-6
+    assert band.low <= crossing.speed <= band.high
+    assert found.above == crossing.above
+
+
+def test_dubovik_s_limits_have_30_digits():
+    window = proof_of(load_scene("liquid_disc"), 50.0, 500.0).as_json()["window"]
+    with mpmath.workdps(40):
+        number = mpmath.mpf
+        added = number(1000) * mpmath.pi * number("0.1") ** 2 * number("0.05")
+        stiffness, mass = number("82081.5"), number(6)
+        limits = {
+            "less_bending_above": mpmath.sqrt(2 * stiffness / (2 * mass + added)),
+            "stable_below": (1 + number(36) / 12) * mpmath.sqrt(stiffness / (mass + added)),
+        }
+        for name, limit in limits.items():
+            digits, radius = window[name]["ball"].strip("[]").split(" +/- ")
+            assert abs(number(digits) - limit) <= number(radius) < limit * number(10) ** -30
+    assert window["state"] == "open"
+
+
+@pytest.mark.parametrize(
+    ("name", "state"), [("liquid_closed", "empty"), ("liquid_no_internal", "unbounded")]
+)
+def test_an_empty_and_an_unbounded_window_are_proved(name, state):
+    proof = proof_of(load_scene(name), 10.0, 500.0, within="rotor.stiffness=3%, liquid.height=2%")
+    assert proof.window.state == state
+    assert ({b.state for b in proof.bands} == {"stable"}) == (state == "unbounded")
+
+
+@pytest.mark.parametrize(
+    ("name", "low", "high", "within"),
+    [
+        ("liquid_disc", 50.0, 500.0, "rotor.damping=10%, rotor.internal_damping=10%"),
+        ("centrifuge", 11.0, 14.0, "rotor.stiffness=2%"),
+    ],
+)
+def test_no_machine_within_the_tolerances_contradicts_a_band(name, low, high, within):
+    scene = load_scene(name)
+    proof = proof_of(scene, low, high, within=within)
+    assert {"stable", "unstable"} <= {b.state for b in proof.bands}
+    assert all(a.high == b.low for a, b in pairwise(proof.bands))
+    random = np.random.default_rng(5)
+    for _ in range(12):
+        machine = {}
+        for item in within.split(","):
+            path, amount = (part.strip() for part in item.split("="))
+            table, key = path.removesuffix("[1]").split(".")
+            value = getattr(scene.rotor if table == "rotor" else scene.balancer[0], key)
+            value = value[0] if isinstance(value, tuple) else value
+            size = float(amount.rstrip("%").split()[0])
+            part = size / 100.0 * value if "%" in amount else size
+            machine[path] = value + random.choice([-1.0, random.uniform(-1, 1), 1.0]) * part
+        places = random.uniform(low, high, 40)
+        for speed, growth in zip(
+            places, growth_rates(scene.replace(machine).assembly(), places), strict=True
+        ):
+            assert not refuted(proof.bands, speed, growth), (machine, speed)
+
+
+def test_narrowest_is_the_width_of_undecided_bands():
+    scene = load_scene("three_mass_shaft")
+    for width in (1e-2, 1e-9):
+        proof = prove(scene, 1.5, 5.0, narrowest=width)
+        assert len(proof.boundaries) == 3
+        assert max(band.high - band.low for band, _ in proof.boundaries) <= width
+
+
+def test_the_command_writes_bands_without_gaps(invoke, tmp_path):
+    file = tmp_path / "speeds.json"
+    line = ("speeds", "fan", "--range", "300rpm", "3000rpm", "--method", "proved,floquet")
+    outcome = invoke(*line, "--json", file)
+    assert outcome.exit_code == 0, outcome.output
+    written = json.loads(file.read_text())
+    bands = written["methods"]["proved"]
+    assert [bands[0]["from"], bands[-1]["to"]] == written["range"]
+    assert all(a["to"] == b["from"] for a, b in pairwise(bands))
+    assert [b["state"] for b in bands] == ["unstable", "undecided", "stable"]
+    (crossing,) = written["methods"]["floquet"]
+    assert bands[1]["from"] <= crossing["speed"] <= bands[1]["to"]
+    assert written["proof"]["precision"] == 128
+    assert written["proof"]["undecided_share"] < 1e-6
+    assert "undecided" in outcome.output
+
+
+@pytest.mark.parametrize(
+    ("name", "words"),
+    [
+        ("optical_drive", "balls.weight_radius: contacts"),
+        ("sommerfeld", "2 weights can make at most 0.004 kg m"),
+    ],
+)
+def test_what_is_not_proved_is_refused_by_name(name, words):
+    result = speeds(load_scene(name), (10.0, 100.0), ["proved"])
+    assert result.proof is None
+    assert words in result.refused["proved"]
+
+
+@pytest.mark.parametrize(
+    ("within", "words"),
+    [
+        ("rotor.stiffness", "must be PATH=5%"),
+        ("rotor.kind=5%", "an interval needs a number"),
+        ("weights.count=5%", "an interval needs a number"),
+        ("speed=5%", "an interval needs a number"),
+        ("rotor.stiffness=-5%", "must be 0 or more"),
+        ("rotor.stiffness=5 kg", "a stiffness"),
+    ],
+)
+def test_wrong_tolerances_are_refused(within, words):
+    with pytest.raises(UserError, match=words):
+        speeds(load_scene("filimonikhina"), (1.0, 2.0), ["proved"], within=within)
+    with pytest.raises(UserError, match="belongs to the method proved"):
+        speeds(load_scene("filimonikhina"), (1.0, 2.0), ["floquet"], within="rotor.mass=1%")
