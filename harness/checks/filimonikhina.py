@@ -17,6 +17,7 @@ from ..scene import Scene
 from ..stability.boundaries import speeds
 from ..stability.speeds import Speeds
 from .critical_speeds import growth_row, rest_row, speed_rows
+from .proved import bracket_rows
 from .row import Row, Rows
 
 TABLES = (*TABLE_1, *TABLE_2)
@@ -103,6 +104,7 @@ def rows_of(number: int, scene: Scene, w_x: float, row: TableRow) -> Iterator[Ro
             limit,
         )
     yield from speed_rows(rows, found, label, w_x)
+    yield from bracket_rows(rows, scene, found, label, w_x)
     yield from _beyond(rows, scene, w_x, label, found, len(row.intervals))
 
 

@@ -18,6 +18,7 @@ from ..master.revolution import Revolution
 from ..output.workers import Progress
 from ..scene import Scene
 from ..scene.check import LiquidWindowCheck
+from .proved import window_rows
 from .row import Row, Rows
 from .sign_change import sign_change
 
@@ -102,6 +103,7 @@ def check_liquid_window(
                 "upper boundary w^* [rad/s]", window.upper, upper, BOUNDARY_TOLERANCE, UPPER
             )
             yield _window(rows, window, lower, upper)
+        yield from window_rows(rows, scene, window, lower, upper, BOUNDARY_TOLERANCE)
         progress(0.4)
         end = upper if upper and upper > lower else check.up_to or OPEN_END * lower
         speeds = np.linspace(lower, end, check.speeds)

@@ -17,6 +17,7 @@ import functools
 import itertools
 from collections.abc import Iterable
 from dataclasses import replace
+from importlib.util import find_spec
 from itertools import pairwise
 
 import numpy as np
@@ -167,7 +168,8 @@ def _by_floquet(scene: Scene, result: Speeds, narrowest: float | None) -> None:
 def _by_proof(
     scene: Scene, result: Speeds, narrowest: float | None, within: str, progress: Progress | None
 ) -> Speeds:
-    refuse_missing()
+    if not is_provable():
+        raise UserError('a proof needs python-flint: pip install "autobalancer[proof]"')
     from ...models.proof.rotors import Unproved
     from .proved import prove
 
@@ -179,12 +181,9 @@ def _by_proof(
     return replace(result, proof=proof)
 
 
-def refuse_missing() -> None:
-    """Raise UserError where python-flint is missing: with how to install it."""
-    try:
-        import flint  # noqa: F401
-    except ImportError as error:
-        raise UserError('a proof needs python-flint: pip install "autobalancer[proof]"') from error
+def is_provable() -> bool:
+    """Whether python-flint, which proofs need, is installed."""
+    return find_spec("flint") is not None
 
 
 def _why_no_rest(scene: Scene) -> str:

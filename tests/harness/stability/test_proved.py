@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 from fractions import Fraction
 from itertools import pairwise
 
@@ -14,6 +15,8 @@ flint = pytest.importorskip("flint", reason="the extra `proof` is not installed"
 
 from autobalancer.harness import UserError, load_scene, speeds  # noqa: E402
 from autobalancer.harness.checks.filimonikhina import TABLES, variant  # noqa: E402
+from autobalancer.harness.checks.proved import bracket_rows  # noqa: E402
+from autobalancer.harness.checks.row import Rows  # noqa: E402
 from autobalancer.harness.stability.exact import Tables  # noqa: E402
 from autobalancer.harness.stability.proved import Band, Proof, prove  # noqa: E402
 from autobalancer.models.linear.boundaries import balancing_boundaries  # noqa: E402
@@ -173,3 +176,13 @@ def test_wrong_tolerances_are_refused(within, words):
         speeds(load_scene("filimonikhina"), (1.0, 2.0), ["proved"], within=within)
     with pytest.raises(UserError, match="belongs to the method proved"):
         speeds(load_scene("filimonikhina"), (1.0, 2.0), ["floquet"], within="rotor.mass=1%")
+
+
+def test_a_check_s_row_holds_where_floquet_lies_in_the_proved_bracket_alone():
+    scene, w_x = variant(load_scene("filimonikhina_tables"), TABLES[17])
+    found = speeds(scene, (8.5 * w_x, 9.0 * w_x), ["floquet"])
+    (crossing,) = found.methods["floquet"]
+    moved = {"floquet": (replace(crossing, speed=crossing.speed * (1.0 + 1e-6)),)}
+    for speeds_found, holds in ((found, True), (replace(found, methods=moved), False)):
+        (row,) = bracket_rows(Rows("scene", "check"), scene, speeds_found, "", w_x)
+        assert row.holds is holds
