@@ -12,6 +12,8 @@ from contextlib import ExitStack
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 from ...models.constants import FIRST_CHANGE, FORCE_ROUNDING, KINK, MOST_HALVINGS, STEEP
 from ..errors import SceneError, SimulationError
 from ..scene import Scene
@@ -24,7 +26,7 @@ from .resolution import Resolution
 from .runtime import runtime
 from .scales import largest_force
 from .schedule import brief_step, end_time, fewest_chosen, milestones, schedule, step_size
-from .schemes import Scheme, choose, response_before
+from .schemes import Scheme, choose
 from .simulation import Repeated, refuse_loose_tolerance
 from .system import System
 from .unit_files import find_or_build
@@ -134,11 +136,10 @@ class CoSimulation(Closing):
     def _prepare(self, step: float) -> Scheme:
         """Bring the units to a consistent start, and make the scheme for this loop."""
         system, rounding = self.system, self._rounding
-        response = response_before(self.scene, system, step)
         jacobian = consistent_start(system, step, rounding)
         eigenvalues = value_eigenvalues(jacobian)
         self.gain = max(map(abs, eigenvalues), default=0.0)
-        scheme = choose(self.scene, system, jacobian, response, step, self.gain, rounding)
+        scheme = choose(self.scene, system, jacobian, step, self.gain, rounding)
         self.amplification = scheme.amplification(eigenvalues, system.order)
         return scheme
 
@@ -221,20 +222,15 @@ class CoSimulation(Closing):
                 yield self.time / end
             self.time = bound
 
-    def rows(self, recorder: Recorder) -> Iterator[float]:
-        """`run`, recorded at the start and after every step."""
-        recorder.take(self.time)
-        for part in self.run():
-            recorder.take(self.time)
-            yield part
-
     def record(self, recorder: Recorder, progress: Progress | None) -> None:
-        """`rows` to the end, with a report of `progress` now and then.
+        """`run` to the end; a row at the start and after every step, a report now and then.
 
         Raises:
             UserError: the record will not fit into memory.
         """
-        for count, part in enumerate(self.rows(recorder), start=1):
+        recorder.take(self.time)
+        for count, part in enumerate(self.run(), start=1):
+            recorder.take(self.time)
             if count % REPORTED == 0:
                 recorder.refuse_too_much(part)
                 if progress:
@@ -280,8 +276,8 @@ def doubling_steps(system: System, step: float, halvings: int = 0) -> list[float
     """
     if system.order == 0 or not system.coupled:
         return [step]
-    largest = max(max(abs(force.now[0]), force.largest) for force in system.forces)
-    change = step * max(abs(force.now[1]) for force in system.forces)
+    largest = max(*system.forces.largest, float(np.abs(system.forces.now[:, 0]).max()))
+    change = step * float(np.abs(system.forces.now[:, 1]).max())
     if change > STEEP * largest > 0.0:
         steep = math.ceil(math.log2(change / (FIRST_CHANGE * largest)))
         halvings = max(halvings, min(MOST_HALVINGS, steep))

@@ -1,14 +1,17 @@
 """The algebraic loop force <-> acceleration: consistent start values, loop gain, quasi-Newton.
 
 A map G takes forces (value and slope of each connection) to the forces that the balancers answer
-with; a consistent start and every implicit step solve u = G(u).
+with; a consistent start and every implicit step solve u = G(u).  A vector u has of each connection
+the force, and its slope times the step; matrices have real and imaginary parts of these alternate.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
+from functools import lru_cache
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ...models.constants import (
     LOOP_SINGULAR,
@@ -18,50 +21,38 @@ from ...models.constants import (
     START_TOLERANCE,
 )
 from ..errors import SimulationError
-from .signals import Knot, begun
+from .signals import Knots, begun
 from .system import System
 
-Vector = list[complex]  # of each connection the force, and its slope times the step
+Vector = NDArray[np.complex128]
 
 
-def pack(ends: Sequence[Knot], step: float) -> Vector:
+@lru_cache(maxsize=64)
+def _factors(slope: float) -> NDArray[np.float64]:
+    return np.array([1.0, slope])
+
+
+def pack(ends: Knots, step: float) -> Vector:
     """Forces and slopes as one vector."""
-    return [part for value, slope in ends for part in (value, step * slope)]
+    return np.asarray((ends * _factors(step)).ravel())
 
 
-def unpack(vector: Sequence[complex], step: float) -> list[Knot]:
+def unpack(vector: Vector, step: float) -> Knots:
     """Inverse of `pack`."""
-    per_step = 1.0 / step
-    return [(vector[i], per_step * vector[i + 1]) for i in range(0, len(vector), 2)]
+    return vector.reshape(-1, 2) * _factors(1.0 / step)
 
 
-def size(vector: Sequence[complex]) -> float:
+def size(vector: Vector) -> float:
     """Largest modulus."""
-    return max(map(abs, vector), default=0.0)
+    return max(map(abs, vector.tolist()), default=0.0)
 
 
-def difference(a: Sequence[complex], b: Sequence[complex]) -> Vector:
-    """a - b."""
-    return [x - y for x, y in zip(a, b, strict=True)]
-
-
-def components(vector: Sequence[complex]) -> np.ndarray:
-    """Real and imaginary parts, alternating."""
-    return np.array(vector, complex).view(float)
-
-
-def jacobian(g: Callable[[Vector], Vector], u: Vector, g_u: Vector, change: float) -> np.ndarray:
-    """dG/du by one-sided differences of size `change`; exact for the affine maps met here.
-
-    Real and imaginary parts alternate in rows and columns.
-    """
-    columns = []
-    for i in range(len(u)):
-        for moved_by in (change, 1j * change):
-            moved = list(u)
-            moved[i] += moved_by
-            columns.append(components(difference(g(moved), g_u)))
-    return np.array(columns).T / change
+def jacobian(
+    g: Callable[[Vector], Vector], u: Vector, g_u: Vector, change: float
+) -> NDArray[np.float64]:
+    """dG/du by one-sided differences of size `change`; exact for the affine maps met here."""
+    moves = np.eye(2 * len(u)).view(complex) * change
+    return np.array([(g(u + move) - g_u).view(float) for move in moves]).T / change
 
 
 class QuasiNewton:
@@ -79,7 +70,7 @@ class QuasiNewton:
         SimulationError: an eigenvalue is 1, so that u = G(u) has no unique solution.
     """
 
-    def __init__(self, jacobian: np.ndarray, step: float) -> None:
+    def __init__(self, jacobian: NDArray[np.float64], step: float) -> None:
         self.step = step
         try:
             self.inverse = np.linalg.inv(np.eye(len(jacobian)) - jacobian)
@@ -101,13 +92,13 @@ class QuasiNewton:
 
     def correction(self, residual: Vector) -> Vector:
         """The change of u that would make the residual G(u) - u vanish."""
-        return self.inverse.dot(components(residual)).view(complex).tolist()
+        return np.asarray(self.inverse.dot(residual.view(float)).view(complex))
 
     def learn(self, du: Vector, old: Vector, new: Vector) -> None:
         """Use how the residual changed over a change du (Broyden 1965, Sherman-Morrison)."""
-        moved = components(du)
+        moved = du.view(float)
         with np.errstate(over="ignore", invalid="ignore"):  # motion beyond bounds teaches nothing
-            expected = self.inverse @ components(difference(old, new))
+            expected = self.inverse @ (old - new).view(float)
             weight = moved @ expected
         if weight != 0.0 and np.isfinite(weight):
             self.inverse = self.inverse + np.outer(
@@ -118,28 +109,26 @@ class QuasiNewton:
 def rescaled(matrix: np.ndarray, ratio: float) -> np.ndarray:
     """A matrix between vectors as `pack` makes them, for steps `ratio` times as long."""
     rows, columns = (np.arange(n) // 2 % 2 for n in matrix.shape)
-    return matrix * ratio ** np.subtract.outer(rows, columns)
+    return np.asarray(matrix * ratio ** np.subtract.outer(rows, columns))
 
 
-def rotor_response(system: System, step: float) -> np.ndarray:
+def rotor_response(system: System, step: float) -> NDArray[np.float64]:
     """d(acceleration)/d(force) of a rotor in initialisation mode, (4 p, 4 c).
 
-    For p planes and c connections; leaves the rotor without forces.
+    For p planes and c connections; leaves the rotor with the forces that it has.
     """
-    if not system.exchanges:
-        return np.zeros((0, 0))
 
     def respond(u: Vector) -> Vector:
-        system.set_forces([begun(end) for end in unpack(u, step)])
+        system.set_forces(begun(unpack(u, step)))
         return pack(system.read_accelerations(), step)
 
-    nothing = [0j] * (2 * len(system.exchanges))
-    found = jacobian(respond, nothing, respond(nothing), 1.0)
-    respond(nothing)
+    now = pack(system.forces.now, step)
+    found = jacobian(respond, now, respond(now), max(1.0, size(now)))
+    respond(now)
     return found
 
 
-def consistent_start(system: System, step: float, rounding: float = 0.0) -> np.ndarray:
+def consistent_start(system: System, step: float, rounding: float = 0.0) -> NDArray[np.float64]:
     """Bring forces and accelerations of units in initialisation mode into agreement.
 
     Args:
@@ -156,25 +145,24 @@ def consistent_start(system: System, step: float, rounding: float = 0.0) -> np.n
         return np.zeros((0, 0))
 
     def respond(u: Vector) -> Vector:
-        system.set_forces([begun(end) for end in unpack(u, step)])
-        for state, knot in zip(system.accelerations, system.read_accelerations(), strict=True):
-            state.now = knot
-        return pack(system.answer([begun(a.now) for a in system.accelerations]), step)
+        system.set_forces(begun(unpack(u, step)))
+        system.accelerations.now = system.read_accelerations()
+        return pack(system.answer(begun(system.accelerations.now)), step)
 
     # slopes take squares of the values, but these converge before them
-    u = [0j] * (2 * len(system.forces))
+    u = np.zeros(2 * len(system.forces.now), complex)
     g_u = respond(u)
     slope_of_g = jacobian(respond, u, g_u, size(g_u) or 1.0)
     if not np.isfinite(slope_of_g).all():
         raise SimulationError("start values: the forces of the balancers are not finite at t = 0 s")
     newton = QuasiNewton(slope_of_g, step)
-    residual = difference(g_u, u)
+    residual = g_u - u
     tolerance = max(START_TOLERANCE, START_ROUNDING * newton.gain)
     for _ in range(START_ITERATIONS):
         du, before = newton.correction(residual), residual
-        u = [a + b for a, b in zip(u, du, strict=True)]
+        u = u + du
         g_u = respond(u)
-        residual = difference(g_u, u)
+        residual = g_u - u
         if size(residual) > SLOW * size(before):  # a weight sticks where the one before has slid
             newton.learn(du, before, residual)
         if size(residual) <= max(tolerance * max(size(u), size(g_u)), rounding):
@@ -185,22 +173,21 @@ def consistent_start(system: System, step: float, rounding: float = 0.0) -> np.n
             f"still change by {size(residual):.3g} N of {size(u):.3g} N; loop gain "
             f"{newton.gain:.3g}"
         )
-    for force, knot in zip(system.forces, unpack(g_u, step), strict=True):
-        force.now = knot
+    system.forces.now = unpack(g_u, step)
     system.drop_past()
     return slope_of_g
 
 
-def of_values(jacobian: np.ndarray) -> np.ndarray:
+def of_values(jacobian: NDArray[np.float64]) -> NDArray[np.bool_]:
     """Which rows and columns are of values."""
     return np.arange(len(jacobian)) % 4 < 2
 
 
-def value_eigenvalues(jacobian: np.ndarray) -> list[complex]:
+def value_eigenvalues(jacobian: NDArray[np.float64]) -> list[complex]:
     """Eigenvalues of the loop of values, 2 c of them; slopes answer slopes with the same ones.
 
     As double eigenvalues of the whole they would have half the digits.  The largest modulus is the
     loop gain, which explicit schemes need below 1.
     """
     values = of_values(jacobian)
-    return np.linalg.eigvals(jacobian[np.ix_(values, values)]).tolist()
+    return list(np.linalg.eigvals(jacobian[np.ix_(values, values)]).tolist())

@@ -42,7 +42,6 @@ from ...models.weights import Weights
 from ..errors import SimulationError
 from ..scene import Scene
 from .scales import largest_force
-from .signals import SignalState
 from .system import System
 
 LOST_PREDICTION = MISS_PER_ERROR * UNRESOLVED  # of a signal's largest value: then it is lost
@@ -59,7 +58,6 @@ class _Plane:
         swung: its errors over the steps of the last revolution [m/s2].
     """
 
-    state: SignalState
     name: str
     turned: float
     speed: complex = 0j
@@ -100,19 +98,17 @@ class Resolution:
         pull = (assembly.capacity + float(np.abs(rotor.unbalance).sum())) * self._speed**2
         out = math.hypot(start.x, start.y) + math.hypot(start.vx, start.vy) / self._pace
         self._reach = pull / (self._mass * self._pace**2) + out  # m: how far the rotor moves
-        forces = zip(system.forces, system.force_names, strict=True)
-        self._forces = list(forces)[: len(system.exchanges)]
+        self._system, self._force_names = system, system.force_names[: len(system.exchanges)]
         self._planes = [
-            _Plane(state, name, _turned(scene, system, plane, self._speed))
-            for plane, (state, name) in enumerate(
-                zip(system.accelerations, system.acceleration_names, strict=True)
-            )
+            _Plane(name, _turned(scene, system, plane, self._speed))
+            for plane, name in enumerate(system.acceleration_names)
         ]
         least = NOISE * assembly.capacity * self._speed**2
-        for state, _ in self._forces:
-            state.largest = max(least, abs(state.now[0]))
-        for plane in self._planes:
-            plane.state.largest = max(least / self._mass, abs(plane.state.now[0]))
+        for signals, smallest in (
+            (system.forces, least),
+            (system.accelerations, least / self._mass),
+        ):
+            signals.largest = [max(smallest, abs(value)) for value in signals.now[:, 0].tolist()]
         self._pushed, self._step, self._blind = 0.0, 0.0, True
         self._most, self._grown = BEYOND * largest_force(scene), 0
         self.estimate, self.unresolved = 0.0, 0
@@ -126,30 +122,32 @@ class Resolution:
         """
         if step != self._step:
             self._change(step)
-        lost, missed, beyond = None, 0.0, False
-        for state, name in self._forces:
-            if state.largest > self._most:
-                beyond = True
-            missed += state.prediction_error
-            if state.prediction_error > LOST_PREDICTION * state.largest:
-                lost = state, name
+        forces, accelerations = self._system.forces, self._system.accelerations
+        lost, missed = None, 0.0
+        named = zip(self._force_names, forces.prediction_error, forces.largest, strict=False)
+        for name, error, largest in named:
+            missed += error
+            if error > LOST_PREDICTION * largest:
+                lost = name, error / largest
         # a first step has no past to be judged by: the second one's miss is its miss too
         times = (2.0 if self._blind else 1.0) / self._miss_per_error
         self._blind = missed == 0.0
         self._pushed = self._kept * self._pushed + times * missed
         worst, cause = 0.0, ""
-        for plane in self._planes:
-            state = plane.state
-            plane.speed += self._new * (state.now[0] / self._pace - plane.speed)
+        values, errors = accelerations.now[:, 0].tolist(), accelerations.prediction_error
+        for plane, value, error, largest in zip(
+            self._planes, values, errors, accelerations.largest, strict=True
+        ):
+            plane.speed += self._new * (value / self._pace - plane.speed)
             plane.place += self._new * (plane.speed / self._pace - plane.place)
             self._reach = max(self._reach, abs(plane.place))
-            plane.swung = self._kept_turning * plane.swung + times * state.prediction_error
+            plane.swung = self._kept_turning * plane.swung + times * error
             if plane.swung * plane.turned * step > worst:
                 worst, cause = plane.swung * plane.turned * step, plane.name
-            if state.prediction_error > LOST_PREDICTION * state.largest:
-                lost = state, plane.name
+            if error > LOST_PREDICTION * largest:
+                lost = plane.name, error / largest
         if self._pushed * self._moved > worst * self._reach:
-            worst, cause = self._pushed * self._moved / self._reach, self._forces[0][1]
+            worst, cause = self._pushed * self._moved / self._reach, self._force_names[0]
         if worst > self.estimate:
             self.estimate = worst
             if worst >= REFUSED:
@@ -157,7 +155,7 @@ class Resolution:
                 self._refuse(time, f"what the cubics miss of {cause} {moved}")
         if lost:
             self._count(time, *lost)
-        self._stop_runaway(time, beyond)
+        self._stop_runaway(time)
 
     def _change(self, step: float) -> None:
         """Take over another length of the steps [s]."""
@@ -172,25 +170,24 @@ class Resolution:
         # m/N: a force that lasts longer than 1/pace moves the rotor no further
         self._moved = self._answered * min(step, 1.0 / self._pace) / (self._mass * self._pace)
 
-    def _stop_runaway(self, time: float, beyond: bool) -> None:
+    def _stop_runaway(self, time: float) -> None:
         """Refuse steps that repeat their own error: it grows along with all it is compared with."""
-        grows = beyond and any(map(self._grows, self._forces))
+        forces, count = self._system.forces, len(self._force_names)
+        if max(forces.largest[:count], default=0.0) <= self._most:
+            return
+        pairs = zip(forces.now[:count, 0].tolist(), forces.last[:count, 0].tolist(), strict=True)
+        grows = any(abs(now) > max(self._most, GROWTH * abs(last)) for now, last in pairs)
         self._grown = 1 + self._grown if grows else 0
         if self._grown >= RUNAWAY:
             self._refuse(
                 time,
-                f"{self._forces[0][1]} is beyond all that the scene can make of it and has grown "
+                f"{self._force_names[0]} is beyond all that the scene can make of it and has grown "
                 f"{GROWTH:g}-fold or more in each of the last {RUNAWAY} steps",
             )
 
-    def _grows(self, force: tuple[SignalState, str]) -> bool:
-        state, _ = force
-        return abs(state.now[0]) > max(self._most, GROWTH * abs(state.last[0]))
-
-    def _count(self, time: float, state: SignalState, name: str) -> None:
+    def _count(self, time: float, name: str, share: float) -> None:
         self.unresolved += 1
         if self.unresolved >= PERSISTENT:
-            share = state.prediction_error / state.largest
             self._refuse(
                 time,
                 f"{name} has ended {self.unresolved} steps far from where the one before led, now "

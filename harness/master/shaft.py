@@ -10,10 +10,13 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 
+import numpy as np
+from numpy.typing import ArrayLike
+
 from .fmu import Fmu
 from .names import derivatives
 from .plan import MOTOR, Plan
-from .signals import ZERO, Cubic, Knot, SignalState, interpolated
+from .signals import Knots, begun, interpolated
 
 
 class Shaft:
@@ -25,8 +28,7 @@ class Shaft:
         order: of the exchanged signals, 0, 1 or 3.
 
     Attributes:
-        spin: angular acceleration, counted as a force.
-        name: of this signal.
+        name: of its acceleration, counted as a force.
         speed: of the rotor at the present time [rad/s].
     """
 
@@ -34,7 +36,7 @@ class Shaft:
 
     def __init__(self, plan: Plan, units: Mapping[str, Fmu], order: int) -> None:
         self.motor, self.order, self._scale = units[MOTOR], order, plan.spin_scale
-        self.spin, slopes = SignalState(), min(order, 1)
+        slopes = min(order, 1)
         spin = ["speed", *derivatives("acceleration", order)]
         events = {one.name for one in plan.units if one.meets}
         driven = [units[c.target.unit] for c in plan.of_kind("spin")]
@@ -44,52 +46,55 @@ class Shaft:
         self._torque = self.motor.group(derivatives("torque", order))
         self._answer = self.motor.group([*derivatives("acceleration", slopes), "speed"])
         self.speed = self._next_speed = 0.0
-        self._now = self._end = ZERO  # torque on the shaft
+        self._now = self._end = np.zeros((1, 2), complex)  # torque on the shaft
 
     def restart(self) -> None:
         """The speed of a motor that was restarted."""
         self.motor.fetch(self._answer)
         self.speed = self._answer.reals[-1]
 
-    def write(self, spin: Cubic, step: float = 0.0) -> None:
+    def write(self, spin: np.ndarray, step: float = 0.0) -> None:
         """Write to all driven units how the rotor turns in the step to come [s].
 
         Weights that can touch or stick get the mean of its acceleration: of order 1, as contacts
         are.
         """
-        rates = [k.real / self._scale for k in spin[: self.order + 1]]
+        rates = (spin[: self.order + 1].real / self._scale).tolist()
         mean = sum(rate * step**k / math.factorial(k + 1) for k, rate in enumerate(rates))
         for unit, group, constant in self._driven:
             used = [mean] + [0.0] * self.order if constant else rates
             unit.set(group, [self.speed, *used])
 
-    def begin(self) -> Knot:
+    def begin(self) -> Knots:
         """The angular acceleration of units in initialisation mode, and its slope."""
         self._now = self._end = self._torques()
-        self.motor.set(self._torque, [k.real for k in (*self._now, 0j, 0j)[: self.order + 1]])
+        self._torque.reals[:] = begun(self._now)[0, : self.order + 1].real
+        self.motor.send(self._torque)
         self.motor.fetch(self._answer)
-        return self._knot()
+        return self._knots()
 
-    def step(self, time: float, step: float) -> Knot:
+    def step(self, time: float, step: float) -> Knots:
         """Step the motor once all others have done the step; its acceleration at the end."""
         self._end = self._torques()
         torque = interpolated(self._now, self._end, step, self.order)
-        self._torque.reals[:] = [k.real for k in torque[: self.order + 1]]
+        self._torque.reals[:] = torque[0, : self.order + 1].real
         self.motor.exchange(self._torque, self._answer, time, step)
-        return self._knot()
+        return self._knots()
 
     def accept(self) -> None:
         """Go on from the end of the step last taken."""
         self._now, self.speed = self._end, self._next_speed
 
-    def _torques(self) -> Knot:
-        value = slope = 0.0
-        for unit, group in self._sources:
-            found = unit.get(group)
-            value += found[0]
-            slope += found[1] if self.order else 0.0
-        return complex(value), complex(slope)
+    def _torques(self) -> Knots:
+        found = sum(np.array(unit.get(group)) for unit, group in self._sources)
+        return self._as_knots(found)
 
-    def _knot(self) -> Knot:
+    def _knots(self) -> Knots:
         *spin, self._next_speed = self._answer.reals.tolist()
-        return complex(self._scale * spin[0]), complex(self._scale * spin[1] if self.order else 0.0)
+        return self._as_knots(self._scale * np.array(spin))
+
+    @staticmethod
+    def _as_knots(found: ArrayLike) -> Knots:
+        knots = np.zeros((1, 2), complex)
+        knots[0, : np.size(found)] = found
+        return knots

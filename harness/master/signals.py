@@ -1,96 +1,97 @@
 """Signals between units: complex xi + i eta, a cubic over each communication step.
 
-A cubic is (value, first, second, third derivative) at the start of the step.  The exchange order
-says how much of it is used: 0 held, 1 linear, 3 cubic Hermite from values and exact slopes of both
-ends.
+Arrays have a row a signal.  A knot is value and slope at one point; a cubic is value, first, second
+and third derivative at the start of its step.  The exchange order says how much of it is used:
+0 held, 1 linear, 3 cubic Hermite from values and exact slopes of both ends.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+import math
+from functools import lru_cache
 
-Cubic = tuple[complex, complex, complex, complex]
-Knot = tuple[complex, complex]  # value and slope at one point
+import numpy as np
+from numpy.typing import NDArray
 
-ZERO: Knot = (0j, 0j)
-REST: Cubic = (0j, 0j, 0j, 0j)
-
-
-def begun(knot: Knot) -> Cubic:
-    """A signal of which the start alone is known."""
-    return (*knot, 0j, 0j)
+Knots = NDArray[np.complex128]  # (n, 2)
+Cubics = NDArray[np.complex128]  # (n, 4)
 
 
-def hermite(start: Knot, end: Knot, step: float) -> Cubic:
-    """The cubic through both ends of a step [s]; error step^4/384 f''''."""
-    (f0, d0), (f1, d1) = start, end
-    per_step = 1.0 / step
-    rise = (f1 - f0) * per_step
-    return (
-        f0,
-        d0,
-        (6.0 * rise - 4.0 * d0 - 2.0 * d1) * per_step,
-        (6.0 * (d0 + d1) - 12.0 * rise) * (per_step * per_step),
-    )
+def begun(knots: Knots) -> Cubics:
+    """Signals of which the start alone is known."""
+    return np.concatenate((knots, np.zeros_like(knots)), axis=1)
 
 
-def interpolated(start: Knot, end: Knot, step: float, order: int) -> Cubic:
-    """Signal over a step both of whose ends are known, of exchange order 0 (end value), 1 or 3."""
+@lru_cache(maxsize=64)
+def _hermite(h: float) -> NDArray[np.complex128]:
+    """What (value, slope) of the start and of the end after h [s] give to a cubic."""
+    start = [[1.0, 0.0, -6.0 / h**2, 12.0 / h**3], [0.0, 1.0, -4.0 / h, 6.0 / h**2]]
+    end = [[0.0, 0.0, 6.0 / h**2, -12.0 / h**3], [0.0, 0.0, -2.0 / h, 6.0 / h**2]]
+    return np.array(start + end, complex)
+
+
+@lru_cache(maxsize=64)
+def _taylor(h: float) -> NDArray[np.complex128]:
+    """What a cubic gives to the same cubic, told by value and derivatives h [s] later."""
+    rows = [
+        [h ** (j - i) / math.factorial(j - i) if j >= i else 0.0 for i in range(4)]
+        for j in range(4)
+    ]
+    return np.array(rows, complex)
+
+
+def interpolated(start: Knots, end: Knots, step: float, order: int = 3) -> Cubics:
+    """Signals over a step [s] both of whose ends are known; of order 3 err step^4/384 f''''."""
     if order == 3:
-        return hermite(start, end, step)
-    if order == 1:
-        return (start[0], (end[0] - start[0]) / step, 0j, 0j)
-    return (end[0], 0j, 0j, 0j)
+        return np.concatenate((start, end), axis=1).dot(_hermite(step))
+    cubics = np.zeros((len(start), 4), complex)
+    cubics[:, 0] = start[:, 0] if order else end[:, 0]
+    if order:
+        cubics[:, 1] = (end[:, 0] - start[:, 0]) / step
+    return cubics
 
 
-def extrapolated(start: Knot, past: Cubic, past_step: float, order: int) -> Cubic:
-    """Signal over a step of which only the start is known, and the cubic of the step before it."""
-    if order == 3:
-        return (*start, past[2] + past_step * past[3], past[3])
-    return (start[0], start[1] if order else 0j, 0j, 0j)
+def end_of(cubics: Cubics, step: float) -> Knots:
+    """Value and slope of cubics at the end of their step."""
+    return cubics.dot(_taylor(step))[:, :2]
 
 
-def end_of(cubic: Cubic, step: float) -> Knot:
-    """Value and slope of a cubic at the end of its step."""
-    f, d, d2, d3 = cubic
-    half, third = 0.5 * step, step / 3.0
-    return f + step * (d + half * (d2 + third * d3)), d + step * (d2 + half * d3)
-
-
-@dataclass(slots=True)
-class SignalState:
-    """One coupling signal: value and slope now, and its cubic over the step before.
+class Signals:
+    """Coupling signals of one kind: where they are, and what they did in the step before.
 
     Attributes:
-        last: the cubic of the step before; its length is `last_step` [s].
-        prediction_error: how far the last step ended from where the cubic before it led, where both
-            were of the same length.
-        largest: modulus of the largest value so far.
+        now: (n, 2) knots.
+        last: (n, 4) cubics of the step before; its length is `last_step` [s].
+        prediction_error: of each, how far the last step ended from where the cubic before it led,
+            where both were of the same length.
+        largest: of each, modulus of the largest value so far.
     """
 
-    now: Knot = ZERO
-    last: Cubic = REST
-    last_step: float = 0.0
-    prediction_error: float = 0.0
-    largest: float = 0.0
+    def __init__(self, count: int) -> None:
+        self.now, self.last = np.zeros((count, 2), complex), np.zeros((count, 4), complex)
+        self.last_step = 0.0
+        self.prediction_error, self.largest = [0.0] * count, [0.0] * count
 
-    def move(self, cubic: Cubic, end: Knot, step: float) -> None:
-        """Accept the signal of a finished step."""
-        self.prediction_error = 0.0
+    def predicted(self, order: int) -> Cubics:
+        """What they would do over the next step, by exchange order."""
+        cubics = self.last.dot(_taylor(self.last_step))
+        if order < 3:
+            cubics[:, order + 1 :] = 0.0
+        return cubics
+
+    def to(self, ends: Knots, step: float, order: int = 3) -> Cubics:
+        """What they do on their way to these ends after a step [s]."""
+        return interpolated(self.now, ends, step, order)
+
+    def move(self, cubics: Cubics, ends: Knots, step: float) -> None:
+        """Accept a finished step."""
+        values = led = ends[:, 0].tolist()
         if self.last_step == step:
-            self.prediction_error = abs(end[0] - end_of(self.last, 2.0 * step)[0])
-        self.largest = max(self.largest, abs(end[0]))
-        self.now, self.last, self.last_step = end, cubic, step
+            led = end_of(self.last, 2.0 * step)[:, 0].tolist()
+        self.prediction_error = [abs(a - b) for a, b in zip(values, led, strict=True)]
+        self.largest = [max(a, abs(b)) for a, b in zip(self.largest, values, strict=True)]
+        self.now, self.last, self.last_step = ends, cubics, step
 
-
-def predicted(signals: Sequence[SignalState], order: int) -> list[Cubic]:
-    """What the signals would do over the next step, by exchange order."""
-    return [extrapolated(s.now, s.last, s.last_step, order) for s in signals]
-
-
-def interpolations(
-    signals: Sequence[SignalState], ends: Sequence[Knot], step: float, order: int = 3
-) -> list[Cubic]:
-    """Signals from where they are to where a step [s] ended, with these ends."""
-    return [interpolated(s.now, end, step, order) for s, end in zip(signals, ends, strict=True)]
+    def drop_past(self) -> None:
+        """Drop what they did before now: it says nothing of what comes."""
+        self.last, self.last_step = begun(self.now), 0.0

@@ -1,23 +1,24 @@
 """The coupled units: rotor, balancers, and the signals between them at the present time.
 
-What a scheme needs of them: `rotor_pass`, `balancer_pass`, `saved` states with `restore`, and the
+What a scheme needs of them: `rotor_pass`, `balancer_pass`, `save` and `restore`, and the
 signals (`forces`, `accelerations`) with `accept` at the end of a step.
 """
 
 from __future__ import annotations
 
 from cmath import isfinite
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from ctypes import c_void_p
 from dataclasses import dataclass
+
+import numpy as np
 
 from ..errors import SimulationError
 from .fmu import Fmu, Variables
 from .names import components, signals
 from .plan import MOTOR, ROTOR, Plan, Port
-from .saved_states import SavedStates
 from .shaft import Shaft
-from .signals import Cubic, Knot, SignalState, begun
+from .signals import Cubics, Knots, Signals
 
 
 @dataclass(slots=True)
@@ -64,10 +65,10 @@ class System:
         self.shaft = Shaft(plan, units, order) if MOTOR in units else None
         self.members = [self.rotor, *(e.unit for e in self.exchanges)]
         if self.shaft:
-            self.forces.append(self.shaft.spin)
             self.force_names.append(self.shaft.name)
             self.members.append(self.shaft.motor)
-        self._spare: list[SavedStates] = []
+        self.forces = Signals(len(self.force_names))
+        self._states: list[c_void_p] = []
         self.watched: list[tuple[Fmu, Variables, Variables]] = []
         if watch:
             self._follow_places()
@@ -77,7 +78,7 @@ class System:
     @property
     def coupled(self) -> bool:
         """Whether there is a loop: something is assumed for a step and answered at its end."""
-        return bool(self.forces)
+        return bool(self.force_names)
 
     def _connect_planes(self) -> None:
         """Find the variables of forces and accelerations, of the rotor and of the balancers."""
@@ -97,7 +98,7 @@ class System:
         names = [acceleration_of[force] for force in planes]
         self._accelerations = self.rotor.group(signals(names, slopes, plan.axes))
         self.acceleration_names = [f"{ROTOR}.{name}" for name in names]
-        self.accelerations = [SignalState() for _ in planes]
+        self.accelerations = Signals(len(planes))
         self.exchanges = [
             Exchange(
                 units[name],
@@ -107,7 +108,6 @@ class System:
             )
             for name, force in targets.items()
         ]
-        self.forces = [SignalState() for _ in self.exchanges]
         self.force_names = [f"{exchange.unit.name}.F" for exchange in self.exchanges]
 
     def _follow_places(self) -> None:
@@ -130,18 +130,18 @@ class System:
             unit.send(target)
             unit.step(time, step)
 
-    def rotor_pass(self, forces: Sequence[Cubic], time: float, step: float) -> list[Knot]:
+    def rotor_pass(self, forces: Cubics, time: float, step: float) -> Knots:
         """Step the rotor under the cubics of `forces`; accelerations of the planes."""
         if self.shaft:
             self.shaft.write(forces[-1], step)
         if not self.exchanges:
             self.rotor.step(time, step)
-            return []
+            return self.accelerations.now
         self._sum_forces(forces)
         self.rotor.exchange(self._forces, self._accelerations, time, step)
         return self._knots(self._accelerations)
 
-    def balancer_pass(self, accelerations: Sequence[Cubic], time: float, step: float) -> list[Knot]:
+    def balancer_pass(self, accelerations: Cubics, time: float, step: float) -> Knots:
         """Step every exchanging balancer under its plane's acceleration; what `forces` become."""
         ends = []
         for exchange in self.exchanges:
@@ -151,10 +151,12 @@ class System:
                 exchange.unit.send(target)
             exchange.inputs.vectors[:] = accelerations[exchange.plane][: self.order + 1]
             exchange.unit.exchange(exchange.inputs, exchange.outputs, time, step)
-            ends += self._knots(exchange.outputs)
-        return [*ends, self.shaft.step(time, step)] if self.shaft else ends
+            ends.append(self._knots(exchange.outputs))
+        if self.shaft:
+            ends.append(self.shaft.step(time, step))
+        return np.concatenate(ends) if ends else self.forces.now
 
-    def answer(self, accelerations: Sequence[Cubic]) -> list[Knot]:
+    def answer(self, accelerations: Cubics) -> Knots:
         """What `forces` are of units in initialisation mode under accelerations of the planes."""
         knots = []
         for exchange in self.exchanges:
@@ -162,67 +164,67 @@ class System:
                 exchange.inputs, accelerations[exchange.plane][: self.order + 1]
             )
             exchange.unit.fetch(exchange.outputs)
-            knots += self._knots(exchange.outputs)
-        return [*knots, self.shaft.begin()] if self.shaft else knots
+            knots.append(self._knots(exchange.outputs))
+        return np.concatenate([*knots, self.shaft.begin()] if self.shaft else knots)
 
-    def set_forces(self, forces: Sequence[Cubic]) -> None:
+    def set_forces(self, forces: Cubics) -> None:
         """Write the sum of the forces on every plane that exchanges force, and how it turns."""
         if self.shaft:
             self.shaft.write(forces[-1])
         self._sum_forces(forces)
         self.rotor.send(self._forces)
 
-    def _sum_forces(self, forces: Sequence[Cubic]) -> None:
+    def _sum_forces(self, forces: Cubics) -> None:
         self._force_rows[:] = 0.0
         for exchange, cubic in zip(self.exchanges, forces, strict=False):
             self._force_rows[exchange.plane] += cubic[: self.order + 1]
 
-    def read_accelerations(self) -> list[Knot]:
+    def read_accelerations(self) -> Knots:
         """Acceleration and slope of every plane that exchanges force."""
         self.rotor.fetch(self._accelerations)
         return self._knots(self._accelerations)
 
-    def _knots(self, group: Variables) -> list[Knot]:
+    def _knots(self, group: Variables) -> Knots:
         """Signals' ends, from all their values and then, where they are exchanged, all slopes."""
-        vectors = group.vectors.tolist()
-        if not self.order:
-            return [(value, 0j) for value in vectors]
-        count = len(vectors) // 2
-        return list(zip(vectors[:count], vectors[count:], strict=True))
+        if self.order:
+            return group.vectors.reshape(2, -1).T.copy()
+        return np.column_stack((group.vectors, np.zeros_like(group.vectors)))
 
     def present(self) -> dict[Port, complex]:
         """Present values of the coupling signals by their source."""
-        values = {
-            Port(e.unit.name, "F"): f.now[0]
-            for e, f in zip(self.exchanges, self.forces, strict=False)
-        }
-        for name, state in zip(self.acceleration_names, self.accelerations, strict=True):
-            values[Port(ROTOR, name.removeprefix(f"{ROTOR}."))] = state.now[0]
-        return values
+        forces = [Port(exchange.unit.name, "F") for exchange in self.exchanges]
+        planes = [Port(ROTOR, n.removeprefix(f"{ROTOR}.")) for n in self.acceleration_names]
+        values = [*self.forces.now[: len(forces), 0], *self.accelerations.now[:, 0]]
+        return dict(zip(forces + planes, map(complex, values), strict=True))
 
     def drive(self, speed: float, acceleration: float) -> None:
         """Write the speed at the start of a step, and its rate of change, to units that need it."""
         for unit, group in self._driven:
             unit.set(group, (speed, acceleration))
 
-    def saved(self) -> SavedStates:
-        """States of all members of the coupling loop, for `restore`: `with system.saved() as s`."""
-        return self._spare.pop() if self._spare else SavedStates(self.members, self._spare)
+    def save(self) -> None:
+        """Keep the states of all members of the coupling loop, for `restore`."""
+        for number, unit in enumerate(self.members):
+            if number < len(self._states):
+                unit.save(self._states[number])  # over the former one
+            else:
+                self._states.append(unit.save())
+
+    def restore(self) -> None:
+        """Roll all members back to the states kept last."""
+        for unit, state in zip(self.members, self._states, strict=True):
+            unit.restore(state)
 
     def free_states(self) -> None:
-        """Give back the memory of saved states."""
-        while self._spare:
-            self._spare.pop().free()
-
-    def restore(self, states: Sequence[c_void_p]) -> None:
-        """Roll all members back."""
-        for unit, state in zip(self.members, states, strict=True):
-            unit.restore(state)
+        """Give back the memory of the states."""
+        for unit, state in zip(self.members, self._states, strict=False):  # saving may have failed
+            unit.free(state)
+        self._states = []
 
     def accept(
         self,
-        accelerations: tuple[Sequence[Cubic], Sequence[Knot]],
-        forces: tuple[Sequence[Cubic], Sequence[Knot]],
+        accelerations: tuple[Cubics, Knots],
+        forces: tuple[Cubics, Knots],
         time: float,
         step: float,
     ) -> None:
@@ -232,16 +234,12 @@ class System:
             SimulationError: a force is not finite.
         """
         self.has_no_past = False
-        for states, (cubics, ends) in (
-            (self.accelerations, accelerations),
-            (self.forces, forces),
-        ):
-            for state, cubic, end in zip(states, cubics, ends, strict=True):
-                state.move(cubic, end, step)
+        self.accelerations.move(*accelerations, step)
+        self.forces.move(*forces, step)
         if self.shaft:
             self.shaft.accept()
-        for force, name in zip(self.forces, self.force_names, strict=True):
-            if not isfinite(force.now[0]):
+        for value, name in zip(forces[1][:, 0].tolist(), self.force_names, strict=True):
+            if not isfinite(value):
                 raise SimulationError(
                     f"{name} is not finite at t = {time + step:g} s: the coupling diverged; "
                     'use scheme = "iterated" or smaller steps'
@@ -249,8 +247,8 @@ class System:
 
     def drop_past(self) -> None:
         """Drop what the signals did before now: it says nothing of what comes."""
-        for state in [*self.accelerations, *self.forces]:
-            state.last, state.last_step = begun(state.now), 0.0
+        self.accelerations.drop_past()
+        self.forces.drop_past()
         self.has_no_past = True
 
     def restart(self, changes: Mapping[str, Mapping[str, float | bool]]) -> None:
@@ -259,8 +257,8 @@ class System:
         Leaves the units in initialisation mode with the added masses handed to the rotor.
         """
         self.masses = {}
-        for state in [*self.accelerations, *self.forces]:
-            state.largest = 0.0
+        for each in (self.accelerations, self.forces):
+            each.largest = [0.0] * len(each.largest)
         carried = {c.source.unit: c for c in self.plan.of_kind("mass")}
         for one in reversed(self.plan.units):  # the rotor last: it needs the others' masses
             unit = self.units[one.name]

@@ -14,7 +14,7 @@ static const char *const WORDS[FAILURE_CROSSINGS + 1] = {
     [FAILURE_POLAR_INERTIA] = "polar_inertia = {0} kg m^2: must be 0 to 2 inertia = {1.6}",
     [FAILURE_STATIONS] = "stations = {l}: must be at least two, each beyond the last [m]",
     [FAILURE_STATION_MASS] = "masses = {0} at station {w}: must be a positive finite number [kg]",
-    [FAILURE_SUPPORTS] = "supports = [{0.17}, {1.17}]: must be two different stations, 1 to {w}",
+    [FAILURE_SUPPORTS] = "supports = [{0.12}, {1.12}]: must be two different stations, 1 to {w}",
     [FAILURE_UNBALANCE_PLACE] = "unbalances: position = {0} m: must be a disc's, one of {l}, or "
                                 "between them on a uniform shaft",
     [FAILURE_COMPLIANCE] = "compliance: must be finite and symmetric (Maxwell's reciprocity)",

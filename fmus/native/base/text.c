@@ -2,8 +2,9 @@
 
 #include <string.h>
 
-#include "base/decimal.h"
 #include "base/elementary.h"
+
+enum { MOST_DIGITS = 12, INTEGER_DIGITS = 20 };
 
 Text text_in(char *buffer, size_t size)
 {
@@ -34,13 +35,13 @@ void text_put(Text *text, const char *words)
 
 void text_integer(Text *text, unsigned long value)
 {
-    char digits[DECIMAL_DIGITS];
-    int at = DECIMAL_DIGITS;
+    char digits[INTEGER_DIGITS];
+    int at = INTEGER_DIGITS;
     do {
         digits[--at] = (char)('0' + value % 10);
         value /= 10;
     } while (value);
-    text_put_part(text, digits + at, (size_t)(DECIMAL_DIGITS - at));
+    text_put_part(text, digits + at, (size_t)(INTEGER_DIGITS - at));
 }
 
 void text_hexadecimal(Text *text, uint64_t value)
@@ -67,6 +68,37 @@ int text_equal(const char *a, const char *b)
         b++;
     }
     return *a == *b;
+}
+
+/* Digits of value > 0 = d.ddd 10^exponent, rounded to so many, without zeros at the end; returns how
+   many are left.  Divisions by ten round: no more than MOST_DIGITS are right. */
+static int find_digits(double value, int asked, char *digits, int *exponent)
+{
+    uint64_t whole;
+    int k;
+    *exponent = 0;
+    for (; value >= 10.0; value /= 10.0) {
+        ++*exponent;
+    }
+    for (; value < 1.0; value *= 10.0) {
+        --*exponent;
+    }
+    for (k = 1; k < asked; k++) {
+        value *= 10.0;
+    }
+    whole = (uint64_t)(value + 0.5);
+    for (k = asked - 1; k >= 0; k--) {
+        digits[k] = (char)('0' + whole % 10);
+        whole /= 10;
+    }
+    if (whole) { /* all were nines */
+        digits[0] = '1';
+        ++*exponent;
+    }
+    while (asked > 1 && digits[asked - 1] == '0') {
+        asked--;
+    }
+    return asked;
 }
 
 /* Digits with point or exponent, which begins at 10^`widest`. */
@@ -126,29 +158,25 @@ static int put_special(Text *text, double value, const char *zero)
     return 0;
 }
 
-void text_number(Text *text, double value)
+static void put_digits(Text *text, double value, int digits, int widest, const char *whole_end)
 {
-    char digits[DECIMAL_DIGITS];
+    char found[MOST_DIGITS];
     int exponent, count;
-    if (put_special(text, value, "0.0")) {
+    if (put_special(text, value, *whole_end ? "0.0" : "0")) {
         return;
     }
-    count = decimal(absolute(value), 0, digits, &exponent);
-    put_decimal(text, digits, count, exponent, 16, ".0");
+    count = find_digits(absolute(value), digits, found, &exponent);
+    put_decimal(text, found, count, exponent, widest, whole_end);
 }
 
-void text_rounded(Text *text, double value, int asked)
+void text_number(Text *text, double value)
 {
-    char digits[DECIMAL_DIGITS];
-    int exponent, count;
-    if (put_special(text, value, "0")) {
-        return;
-    }
-    count = decimal(absolute(value), asked, digits, &exponent);
-    while (count > 1 && digits[count - 1] == '0') {
-        count--;
-    }
-    put_decimal(text, digits, count, exponent, asked, "");
+    put_digits(text, value, MOST_DIGITS, 16, ".0");
+}
+
+void text_rounded(Text *text, double value, int digits)
+{
+    put_digits(text, value, digits, digits, "");
 }
 
 void text_put_rounded(Text *text, const char *words, double value, int digits)

@@ -20,13 +20,13 @@ void text_put_part(Text *text, const char *words, size_t length);
 void text_integer(Text *text, unsigned long value);
 /* Sixteen hexadecimal digits. */
 void text_hexadecimal(Text *text, uint64_t value);
-/* The shortest decimal number that is this one: Python's repr. */
+/* Twelve significant digits without zeros at the end, 1.0 for a whole number. */
 void text_number(Text *text, double value);
-/* So many significant digits: Python's format(value, ".6g"). */
+/* So many significant digits, 12 at most: Python's format(value, ".6g"). */
 void text_rounded(Text *text, double value, int digits);
 /* Words, and such a number behind them. */
 void text_put_rounded(Text *text, const char *words, double value, int digits);
-/* [1.0, 2.0]: Python's repr of a list. */
+/* [1.0, 2.0] */
 void text_list(Text *text, const double *values, size_t count);
 
 size_t text_length(const char *words);

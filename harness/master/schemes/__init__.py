@@ -1,7 +1,7 @@
 """Coupling schemes, one a file, and which one couples the units of a scene.
 
 `Scheme.step(system, time, step)` moves the coupled units one step with these calls of `System` and
-no others: `rotor_pass` and `balancer_pass` step them under cubics, `saved` and `restore` go back,
+no others: `rotor_pass` and `balancer_pass` step them under cubics, `save` and `restore` go back,
 the present signals are `forces` and `accelerations`, and `accept` goes on with those of the
 finished step.
 """
@@ -25,26 +25,18 @@ from .jacobi import Jacobi
 Scheme: TypeAlias = Explicit | Iterated
 
 
-def response_before(scene: Scene, system: System, step: float) -> np.ndarray:
-    """The rotor's response before its start, for the scheme that needs it; else empty."""
-    if scene.coupling.scheme == Compensated.name:
-        return rotor_response(system, step)
-    return np.zeros((0, 0))
-
-
 def choose(
     scene: Scene,
     system: System,
     jacobian: np.ndarray,
-    response: np.ndarray,
     step: float,
     gain: float,
     rounding: float = 0.0,
 ) -> Scheme:
-    """The scene's scheme; `auto` iterates, and no more than the loop gain asks for.
+    """The scene's scheme for units at their start; `auto` iterates as much as the gain asks for.
 
     Args:
-        jacobian, response: from `loop.consistent_start` and `response_before` with `step` [s].
+        jacobian: from `loop.consistent_start` with `step` [s].
         gain: of the loop.
         rounding: of forces that cancel [N].
     """
@@ -54,6 +46,7 @@ def choose(
     if coupling.scheme == GaussSeidel.name or not system.coupled:
         return GaussSeidel()
     if coupling.scheme == Compensated.name:
+        response = rotor_response(system, step)
         return Compensated(jacobian, response, step, scene.profile().speed)
     corrections = coupling.corrections
     given = coupling.tolerance is None and corrections is None

@@ -20,8 +20,8 @@ from functools import lru_cache
 
 import numpy as np
 
-from ..loop import QuasiNewton, components, difference, pack, rescaled, unpack
-from ..signals import Cubic, Knot, end_of, hermite, interpolations, predicted
+from ..loop import QuasiNewton, pack, rescaled, unpack
+from ..signals import Cubics, Knots, end_of, interpolated
 from ..system import System
 from .explicit import Explicit
 
@@ -29,8 +29,9 @@ from .explicit import Explicit
 _POINTS, _WEIGHTS = np.polynomial.legendre.leggauss(12)
 _NODES, _WEIGHTS = 0.5 + 0.5 * _POINTS, 0.5 * _WEIGHTS
 # cubics over a step of 1 that rise from nothing to a value or a slope, and that fall from them
-_RISING = np.array([hermite((0.0, 0.0), tuple(end), 1.0) for end in np.eye(2)]).T
-_FALLING = np.array([hermite(tuple(start), (0.0, 0.0), 1.0) for start in np.eye(2)]).T
+_NOTHING, _ONES = np.zeros((2, 2), complex), np.eye(2, dtype=complex)
+_RISING = interpolated(_NOTHING, _ONES, 1.0).real.T
+_FALLING = interpolated(_ONES, _NOTHING, 1.0).real.T
 _POWERS = _NODES ** np.arange(4)[:, None] / np.array([1.0, 1.0, 2.0, 6.0])[:, None]
 
 
@@ -57,7 +58,7 @@ class Compensated(Explicit):
         inverse = QuasiNewton(jacobian, step).inverse
         self._solution, self._solved_step = np.vstack([inverse, response @ inverse]), step
         self._speed = speed
-        self._missed: list[Knot] = []  # value, and slope times the step, of the step before
+        self._missed: Knots | None = None  # value, and slope times the step, of the step before
 
     @classmethod
     def amplification(cls, eigenvalues: Sequence[complex], order: int) -> float:
@@ -66,46 +67,36 @@ class Compensated(Explicit):
 
     def advance(self, system: System, time: float, step: float, jump: bool = False) -> None:
         """One step; what was missed before a jump of the drive says nothing after it."""
-        count, past = len(system.forces), system.forces[0].last_step
-        assumed, missed = predicted(system.forces, 3), self._missed
-        if jump or not past:
-            missed = []
-        turn = self._speed(time) * past
-        given = _added(assumed, missed[:count], turn, past, step)
+        count, past = len(system.force_names), system.forces.last_step
+        assumed, missed = system.forces.predicted(3), self._missed
+        if jump or not past or missed is None:
+            missed = np.zeros((count + len(system.acceleration_names), 2), complex)
+        given = _added(assumed, missed[:count], self._speed(time) * past, past, step)
         motion = system.rotor_pass(given, time, step)
-        accelerations = interpolations(system.accelerations, motion, step)
+        accelerations = system.accelerations.to(motion, step)
         given = _added(accelerations, missed[count:], 0.0, past, step)
         answers = system.balancer_pass(given, time, step)
         self.detect_divergence(system, assumed, answers, time, step)
 
-        gaps = pack(answers, step), pack([end_of(cubic, step) for cubic in assumed], step)
         if step != self._solved_step:
             self._solution = rescaled(self._solution, step / self._solved_step)
             self._solved_step = step
-        found = self._solution.dot(components(difference(*gaps))).view(complex).tolist()
-        self._missed = list(zip(found[::2], found[1::2], strict=True))
-        ends = [end_of(cubic, step) for cubic in assumed] + motion
-        ends = [
-            (value + more, slope + steeper)
-            for (value, slope), (more, steeper) in zip(ends, unpack(found, step), strict=True)
-        ]
-        forces, motion = ends[:count], ends[count:]
+        gap = pack(answers, step) - pack(end_of(assumed, step), step)
+        found = (self._solution @ gap.view(float)).view(complex)
+        self._missed = found.reshape(-1, 2)
+        more = unpack(found, step)
+        forces, motion = end_of(assumed, step) + more[:count], motion + more[count:]
         system.accept(
-            (interpolations(system.accelerations, motion, step), motion),
-            (interpolations(system.forces, forces, step), forces),
+            (system.accelerations.to(motion, step), motion),
+            (system.forces.to(forces, step), forces),
             time,
             step,
         )
 
 
-def _added(
-    cubics: Sequence[Cubic], missed: Sequence[Knot], turn: float, past: float, step: float
-) -> list[Cubic]:
+def _added(cubics: Cubics, missed: Knots, turn: float, past: float, step: float) -> Cubics:
     """Signals with what they missed in the past step, which `carried` makes good."""
-    if not missed:
-        return list(cubics)
-    more = np.array(missed) @ carried(turn, past, step).T
-    return [tuple(cubic) for cubic in (np.array(cubics) + more).tolist()]
+    return cubics + missed @ carried(turn, past, step).T if past else cubics
 
 
 @lru_cache(maxsize=64)

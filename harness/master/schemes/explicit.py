@@ -14,7 +14,7 @@ import numpy as np
 
 from ....models.constants import CALM, GROWN, JUMP_PARTS, LOST, MISSED
 from ...errors import SimulationError
-from ..signals import Cubic, Knot, end_of
+from ..signals import Cubics, Knots, end_of
 from ..system import System
 
 # value and slope at t = 2 of the cubic through values and slopes at t = 0 (BEFORE) and 1 (NOW)
@@ -72,8 +72,8 @@ class Explicit:
     def detect_divergence(
         self,
         system: System,
-        forces: Sequence[Cubic],
-        answers: Sequence[Knot],
+        forces: Cubics,
+        answers: Knots,
         time: float,
         step: float,
     ) -> None:
@@ -82,12 +82,11 @@ class Explicit:
         Raises:
             SimulationError: the coupling diverges.
         """
-        worst, name = 0.0, ""
-        for cubic, (answer, _), force in zip(forces, answers, system.force_names, strict=True):
-            missed = abs(answer - end_of(cubic, step)[0])
-            if not missed <= worst:
-                worst, name = missed, force
-            self.largest = max(self.largest, abs(answer))
+        if not system.coupled:
+            return
+        missed = np.abs(answers - end_of(forces, step))[:, 0]
+        worst, name = missed.max(), system.force_names[missed.argmax()]
+        self.largest = max(self.largest, np.abs(answers[:, 0]).max())
         if worst <= MISSED * self.largest:
             self._calm += 1
             if self._calm >= CALM:

@@ -13,7 +13,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from ..signals import begun, interpolations, predicted
+from ..signals import begun
 from ..system import System
 from .explicit import Explicit
 
@@ -34,13 +34,13 @@ class GaussSeidel(Explicit):
 
     def advance(self, system: System, time: float, step: float, jump: bool = False) -> None:
         """One step; over a jump of the drive a line from before it to after it says nothing."""
-        forces = predicted(system.forces, system.order)
+        forces = system.forces.predicted(system.order)
         motion = system.rotor_pass(forces, time, step)
-        accelerations = [begun(end) for end in motion]
+        accelerations = begun(motion)
         if not jump:
-            accelerations = interpolations(system.accelerations, motion, step, system.order)
+            accelerations = system.accelerations.to(motion, step, system.order)
         answers = system.balancer_pass(accelerations, time, step)
         self.detect_divergence(system, forces, answers, time, step)
         # the next extrapolation starts from what the balancers really did
-        forces = interpolations(system.forces, answers, step)
+        forces = system.forces.to(answers, step)
         system.accept((accelerations, motion), (forces, answers), time, step)

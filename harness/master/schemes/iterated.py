@@ -22,8 +22,8 @@ from ....models.constants import (
     SLOW,
 )
 from ...errors import LoopError
-from ..loop import QuasiNewton, Vector, difference, jacobian, of_values, pack, size, unpack
-from ..signals import Cubic, Knot, end_of, interpolations, predicted
+from ..loop import QuasiNewton, Vector, jacobian, of_values, pack, size, unpack
+from ..signals import Cubics, Knots, end_of
 from ..system import System
 
 
@@ -71,43 +71,42 @@ class Iterated:
     def _solve(self, system: System, time: float, step: float, passes: int) -> float:
         """Take a step with at most so many passes, and accept it."""
         self.newton.rescale(step)
-        forces = predicted(system.forces, system.order)
-        u = self._used([end_of(cubic, step) for cubic in forces], step)
+        u = self._used(end_of(system.forces.predicted(system.order), step), step)
         before: tuple[Vector, Vector, float] | None = None
-        with system.saved() as states:
-            for number in range(1, passes + 1):
-                accelerations, motion, answers = self._pass(system, u, time, step)
-                residual = difference(self._used(answers, step), u)
-                # of passes that are taken back none counts: they can be far too large
-                largest = max(self.largest, size(pack(answers, step)))
-                error = size(residual) / largest if largest else 0.0
-                if before and error > max(self.tolerance, SLOW * before[2]):
-                    self.newton.learn(before[0], before[1], residual)
-                if number == passes or not error > self.tolerance:
-                    break
-                du = self.newton.correction(residual)
-                before = du, residual, error
-                u = [a + b for a, b in zip(u, du, strict=True)]
-                system.restore(states)
+        system.save()
+        for number in range(1, passes + 1):
+            accelerations, motion, answers = self._pass(system, u, time, step)
+            residual = self._used(answers, step) - u
+            # of passes that are taken back none counts: they can be far too large
+            largest = max(self.largest, size(pack(answers, step)))
+            error = size(residual) / largest if largest else 0.0
+            if before and error > max(self.tolerance, SLOW * before[2]):
+                self.newton.learn(before[0], before[1], residual)
+            if number == passes or not error > self.tolerance:
+                break
+            du = self.newton.correction(residual)
+            before = du, residual, error
+            u = u + du
+            system.restore()
         self.largest = largest
         if self.order < 3:
-            accelerations = interpolations(system.accelerations, motion, step)
-        forces = interpolations(system.forces, answers, step)
+            accelerations = system.accelerations.to(motion, step)
+        forces = system.forces.to(answers, step)
         system.accept((accelerations, motion), (forces, answers), time, step)
         return error
 
     def _pass(
         self, system: System, u: Vector, time: float, step: float
-    ) -> tuple[list[Cubic], list[Knot], list[Knot]]:
+    ) -> tuple[Cubics, Knots, Knots]:
         """Step all units once under assumed ends of the forces; what they answer."""
-        forces = interpolations(system.forces, unpack(u, step), step, self.order)
+        forces = system.forces.to(unpack(u, step), step, self.order)
         motion = system.rotor_pass(forces, time, step)
-        accelerations = interpolations(system.accelerations, motion, step, self.order)
+        accelerations = system.accelerations.to(motion, step, self.order)
         return accelerations, motion, system.balancer_pass(accelerations, time, step)
 
-    def _used(self, ends: Sequence[Knot], step: float) -> Vector:
+    def _used(self, ends: Knots, step: float) -> Vector:
         """Ends of forces as a vector; below order 3 slopes take no part."""
-        return pack(ends if self.order == 3 else [(value, 0j) for value, _ in ends], step)
+        return pack(ends, step if self.order == 3 else 0.0)
 
     def after_start(self, system: System, time: float, step: float) -> None:
         """Take the loop's Jacobian from steps of this length, all of them taken back.
@@ -115,17 +114,17 @@ class Iterated:
         At the start the units answer without a step, which says little of what heavy drag lets
         through within one.
         """
-        u = self._used([end_of(begun, step) for begun in predicted(system.forces, 1)], step)
-        with system.saved() as states:
+        u = self._used(end_of(system.forces.predicted(1), step), step)
+        system.save()
 
-            def respond(assumed: Vector) -> Vector:
-                answers = self._pass(system, assumed, time, step)[-1]
-                system.restore(states)
-                return self._used(answers, step)
+        def respond(assumed: Vector) -> Vector:
+            answers = self._pass(system, assumed, time, step)[-1]
+            system.restore()
+            return self._used(answers, step)
 
-            g_u = respond(u)
-            change = CHANGE * max(size(g_u), size(u), self.largest)
-            self.newton = QuasiNewton(jacobian(respond, u, g_u, change), step)
+        g_u = respond(u)
+        change = CHANGE * max(size(g_u), size(u), self.largest)
+        self.newton = QuasiNewton(jacobian(respond, u, g_u, change), step)
 
     def amplification(self, eigenvalues: Sequence[complex], order: int) -> float:
         """0: the loop is solved, so that steps repeat no error, whatever its gain."""

@@ -7,7 +7,6 @@ cubic signals below 1/169 = (1/13)^2, since force and acceleration are both extr
 
 from __future__ import annotations
 
-from ..signals import interpolations, predicted
 from ..system import System
 from .explicit import Explicit
 
@@ -20,14 +19,11 @@ class Jacobi(Explicit):
 
     def advance(self, system: System, time: float, step: float, jump: bool = False) -> None:
         """One step, at a jump of the drive as anywhere."""
-        forces = predicted(system.forces, system.order)
-        accelerations = predicted(system.accelerations, system.order)
+        forces = system.forces.predicted(system.order)
+        accelerations = system.accelerations.predicted(system.order)
         motion = system.rotor_pass(forces, time, step)
         answers = system.balancer_pass(accelerations, time, step)
         self.detect_divergence(system, forces, answers, time, step)
-        system.accept(
-            (interpolations(system.accelerations, motion, step), motion),
-            (interpolations(system.forces, answers, step), answers),
-            time,
-            step,
-        )
+        accelerations = system.accelerations.to(motion, step)
+        forces = system.forces.to(answers, step)
+        system.accept((accelerations, motion), (forces, answers), time, step)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -12,7 +13,7 @@ from autobalancer.harness.master.cosimulation import CoSimulation
 from autobalancer.harness.master.loop import QuasiNewton, consistent_start, value_eigenvalues
 from autobalancer.harness.master.schemes.gauss_seidel import GaussSeidel
 from autobalancer.harness.master.schemes.iterated import Iterated
-from autobalancer.harness.master.system import SignalState
+from autobalancer.harness.master.system import Signals
 
 
 def started(scene) -> CoSimulation:
@@ -98,18 +99,17 @@ class LinearLoop:
 
     def __post_init__(self) -> None:
         self.coupled = True
-        self.forces = [SignalState() for _ in self.constant]
-        self.accelerations = [SignalState() for _ in self.constant]
+        self.forces = Signals(len(self.constant))
+        self.accelerations = Signals(len(self.constant))
 
     def set_forces(self, forces) -> None:
-        self.applied = np.array([cubic[:2] for cubic in forces])
+        self.applied = forces[:, :2]
 
     def read_accelerations(self):
-        answer = self.matrix @ self.applied + self.constant[:, None]
-        return [tuple(map(complex, row)) for row in answer]
+        return self.matrix @ self.applied + self.constant[:, None]
 
     def answer(self, accelerations):
-        return [cubic[:2] for cubic in accelerations]
+        return accelerations[:, :2]
 
     def drop_past(self) -> None:
         self.forgotten = True
@@ -123,7 +123,7 @@ def test_start_values_converge_for_affine_loops_of_any_gain_but_1(eigenvalue):
     loop = LinearLoop(matrix, constant)
     jacobian = consistent_start(loop, 0.01)
     expected = np.linalg.solve(np.eye(2) - matrix, constant)
-    found = np.array([force.now[0] for force in loop.forces])
+    found = loop.forces.now[:, 0]
     accuracy = 1e-12 * max(1.0, abs(eigenvalue), 1.0 / abs(1.0 - eigenvalue))
     assert np.abs(found - expected).max() <= 10.0 * accuracy * np.abs(expected).max()
     assert max(map(abs, value_eigenvalues(jacobian))) == pytest.approx(
@@ -146,8 +146,8 @@ def test_a_loop_without_a_digit_of_its_own_gain_is_refused():
 
 def test_a_motion_beyond_all_bounds_teaches_the_loop_nothing(recwarn):
     newton = QuasiNewton(np.zeros((4, 4)), 0.1)
-    far = [1e200 + 0j, 0j]
-    newton.learn(far, far, [-part for part in far])
+    far = np.array([1e200 + 0j, 0j])
+    newton.learn(far, far, -far)
     assert (newton.inverse == np.eye(4)).all()
     assert not recwarn
 
@@ -166,7 +166,7 @@ def test_a_start_that_does_not_settle_says_by_how_much():
 def test_start_of_a_liquid_as_force_is_that_of_the_loaded_rotor(liquid_of_gain, gain):
     scene = liquid_of_gain(gain)
     with started(scene) as cosim:
-        (force,) = [force.now[0] for force in cosim.system.forces]
+        (force,) = cosim.system.forces.now[:, 0]
         pull = scene.rotor.unbalance * scene.operation.speed**2
         acceleration = pull / (scene.rotor.mass * (1.0 + gain))  # along xi, rotor at rest
         assert force == pytest.approx(-gain * scene.rotor.mass * acceleration, rel=1e-9)
@@ -202,7 +202,7 @@ def test_a_step_refused_by_a_unit_names_time_signal_and_gain():
     with started(load_scene("liquid_heavy_force").replace({"coupling.steps_per_rev": 40})) as cosim:
         for _ in range(3):
             cosim.step(1e-3)
-        cosim.system.forces[0].now = (complex("nan"), 0j)
+        cosim.system.forces.now[0, 0] = math.nan
         with pytest.raises(SimulationError, match=r"t = 0\.003 s.*F_xi.*loop gain 19\b"):
             cosim.step(1e-3)
 

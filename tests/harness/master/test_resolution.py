@@ -19,8 +19,8 @@ def still():
     """The two-ball scene at its start, with signals at zero."""
     with CoSimulation(load_scene("two_balls")) as cosim:
         cosim.start()
-        for state in [*cosim.system.forces, *cosim.system.accelerations]:
-            state.now = (0j, 0j)
+        for signals in (cosim.system.forces, cosim.system.accelerations):
+            signals.now[:] = 0.0
         yield cosim
 
 
@@ -29,8 +29,8 @@ def watched(cosim, force=0.0, acceleration=0.0, revolutions=1.0):
     resolution = Resolution(cosim.scene, cosim.system, 120.0)
     resolution.strict = False
     # no miss at all would be a step without a past
-    cosim.system.forces[0].prediction_error = force or 1e-30
-    cosim.system.accelerations[0].prediction_error = acceleration
+    cosim.system.forces.prediction_error = [force or 1e-30]
+    cosim.system.accelerations.prediction_error = [acceleration]
     step = 2.0 * math.pi / (STEPS * cosim.scene.operation.speed)
     for number in range(round(revolutions * STEPS)):
         resolution.check(number * step, step)

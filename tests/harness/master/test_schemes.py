@@ -16,7 +16,7 @@ from autobalancer.harness.master.schemes.compensated import Compensated, carried
 from autobalancer.harness.master.schemes.explicit import BEFORE, NOW
 from autobalancer.harness.master.schemes.gauss_seidel import GaussSeidel
 from autobalancer.harness.master.schemes.jacobi import Jacobi
-from autobalancer.harness.master.signals import ZERO, SignalState, end_of, hermite
+from autobalancer.harness.master.signals import Signals, end_of, interpolated
 from autobalancer.models.monolith import reference
 from tests.scenes import driven_scenes
 
@@ -251,22 +251,22 @@ class Echo:
 
     def __init__(self, share: complex) -> None:
         self.share, self.has_no_past, self.force_names = share, False, ["unit.F"]
-        start, now = (1.0 + 0j, 0.3 + 0j), (0.8 + 0j, -0.2 + 0j)
-        self.forces = [SignalState(now=now, last=hermite(start, now, 1.0), last_step=1.0)]
-        self.accelerations = [SignalState(last_step=1.0)]
+        self.acceleration_names, self.coupled = ["rotor.a"], True
+        start, now = np.array([[1.0, 0.3]]), np.array([[0.8, -0.2]])
+        self.forces, self.accelerations = Signals(1), Signals(1)
+        self.forces.move(interpolated(start, now, 1.0), now, 1.0)
+        self.accelerations.last_step = 1.0
 
     def rotor_pass(self, forces, time, step):
-        self.assumed = end_of(forces[0], step)
-        return [ZERO]
+        self.assumed = end_of(forces, step)
+        return np.zeros((1, 2), complex)
 
     def balancer_pass(self, accelerations, time, step):
-        return [tuple(self.share * part for part in self.assumed)]
+        return self.share * self.assumed
 
     def accept(self, accelerations, forces, time, step):
-        for state, (cubics, ends) in zip(
-            (*self.forces, *self.accelerations), (forces, accelerations), strict=True
-        ):
-            state.move(cubics[0], ends[0], step)
+        self.forces.move(*forces, step)
+        self.accelerations.move(*accelerations, step)
 
 
 def test_compensated_stands_a_jacobian_that_is_wrong_by_a_thirteenth():
@@ -278,7 +278,7 @@ def test_compensated_stands_a_jacobian_that_is_wrong_by_a_thirteenth():
         scheme.detect_divergence = lambda *_: None
         for step in range(800):
             scheme.step(units, float(step), 1.0)
-            sizes.append(abs(units.forces[0].now[0]))
+            sizes.append(abs(units.forces.now[0, 0]))
         return max(sizes[-50:])
 
     assert size(0.97 / 13.0) < 1e-3
