@@ -8,6 +8,7 @@ from functools import cache
 
 from ...fmus.rotor.variables import station
 
+ANGLE = "angle in the rotor"  # of a weight
 AXES = {"rotor": ("xi", "eta"), "fixed": ("x", "y")}  # of coupling signals, by the units' frame
 _AXIS = re.compile(r"(^v?|_)(x|y|xi|eta)$")  # x, vx, a_x, F_xi: one part of a vector
 _POWER = re.compile(r"(?<=[a-z])(\d+)")
@@ -78,3 +79,13 @@ def by_unit(names: Iterable[str]) -> dict[str, list[str]]:
 def readable(unit: str) -> str:
     """A unit of measurement as people write it: `kg.m2/s2` is kg m^2/s^2."""
     return _POWER.sub(r"^\1", unit.replace(".", " "))
+
+
+def quantity(name: str, unit: str) -> str:
+    """What a signal in this unit is, for people; signals of one quantity are drawn together."""
+    if unit == "m" and name.endswith((".x", ".y")):
+        return "displacement"
+    if ".weight[" in name and name.endswith(".angle"):
+        return ANGLE
+    last = name.rpartition(".")[2].removesuffix("_xi").removesuffix("_eta").replace("_", " ")
+    return "unbalance of the weights" if last == "moment" else last

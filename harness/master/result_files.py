@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any
 from ..errors import UserError
 from ..output.files import write_whole
 from ..scene import Scene
+from .names import quantity
 from .velocity import VELOCITY
 
 if TYPE_CHECKING:
@@ -47,11 +48,12 @@ def to_xarray(result: Result) -> Dataset:
     xarray, error = _library("xarray"), result.error or {}
     signals = {}
     for name, values in result.signals.items():
-        said: dict[str, Any] = {"units": result.signal_units.get(name, "")}
+        unit = result.signal_units.get(name, "")
+        said: dict[str, Any] = {"units": unit, "long_name": f"{quantity(name, unit)} {name}"}
         if name in error:
             said["error"] = error[name]
         signals[name] = ("time", values, said)
-    time = {"time": ("time", result.time, {"units": "s", "long_name": "time of the run"})}
+    time = {"time": ("time", result.time, {"units": "s", "long_name": "time"})}
     return xarray.Dataset(signals, time, {"title": result.scene_title, FACTS: _facts(result)})
 
 

@@ -15,6 +15,7 @@ from ....models.arrays import Array
 from ...errors import UserError
 from ...output.picture import GREY, Field, Line, Panel, Picture, PlotAxis, colour, unbroken
 from ...output.plot import metres
+from ..names import ANGLE
 from .motion import Motion, station_names
 from .orders import spectra, tracked
 
@@ -23,7 +24,7 @@ MARKED = 7  # speeds along a polar curve
 ORDERS = (1.0, 2.0, 3.0)
 _FRACTION = 1e-3  # of the largest amplitude: less is dark
 _BESIDE = 0.2  # of the largest amplitude: texts of closer marks cover each other
-ONE_TURN = PlotAxis("angle in the rotor", "deg", range(0, 361, 90), limits=(-5.0, 365.0))
+ONE_TURN = PlotAxis(ANGLE, "deg", range(0, 361, 90), limits=(-5.0, 365.0))
 
 
 def waterfall(motion: Motion, signal: str | None = None) -> Picture:

@@ -11,6 +11,7 @@ from ....models.arrays import Array
 from ...errors import UserError
 from ...output.picture import GREY, Line, Panel, Picture, PlotAxis, colour, unbroken
 from ...output.plot import metres
+from ..names import ANGLE, quantity
 from .motion import Motion, station_names
 from .over_speed import ONE_TURN, weight_panels
 
@@ -44,48 +45,41 @@ def history(
     groups: dict[tuple[str, str], list[str]] = {}
     for name in signals:
         unit = units.get(name, "")
-        groups.setdefault((_quantity(name, unit), unit), []).append(name)
+        groups.setdefault((quantity(name, unit), unit), []).append(name)
     if not groups:
         raise UserError("nothing to draw: the run recorded no signal")
     panels = [
         _panel(time, {name: signals[name] for name in names}, *heading)
         for heading, names in groups.items()
     ]
-    pairs = [n[:-1] for n in signals if n.endswith(".x") and f"{n[:-1]}y" in signals]
+    shown = [
+        n for heading, names in groups.items() if heading == ("displacement", "m") for n in names
+    ]
+    pairs = [n[:-1] for n in shown if n.endswith("x") and f"{n[:-1]}y" in shown]
     if pairs:
         del pairs[_MOST_LINES:]
         sizes = [np.hypot(signals[f"{pair}x"], signals[f"{pair}y"]) for pair in pairs]
-        place = 1 + [quantity for quantity, _ in groups].index("displacement")
+        place = 1 + [title for title, _ in groups].index("displacement")
         panels.insert(place, _amplitudes(time, sizes, [pair[:-1] for pair in pairs], judged))
     return Picture(title, panels, height=2.4)
 
 
-def _quantity(name: str, unit: str) -> str:
-    """What belongs together stands together."""
-    if unit == "m" and name.endswith((".x", ".y")):
-        return "displacement"
-    if ".weight[" in name and name.endswith(".angle"):
-        return ONE_TURN.name
-    last = name.rpartition(".")[2].removesuffix("_xi").removesuffix("_eta")
-    return "unbalance of the weights" if last == "moment" else last
-
-
-def _panel(time: Array, signals: Mapping[str, Array], quantity: str, unit: str) -> Panel:
+def _panel(time: Array, signals: Mapping[str, Array], title: str, unit: str) -> Panel:
     largest = max(float(np.max(np.abs(values), initial=0.0)) for values in signals.values())
     factor, shown = metres(largest) if unit == "m" else (1.0, unit)
     lines = []
     for number, name in enumerate(list(signals)[:_MOST_LINES]):
         values, label = signals[name] * factor, name
-        if quantity == "displacement":
+        if title == "displacement":
             label += f", 0-peak {np.max(np.abs(values)):.3g} {shown}"
-        elif quantity == ONE_TURN.name:
+        elif title == ANGLE:
             values = unbroken(np.degrees(values))
         lines.append(Line((time, values), label, colour(number), width=1.0))
     if len(signals) > _MOST_LINES:
         nothing = np.full(1, np.nan)
         label = f"and {len(signals) - _MOST_LINES} more, not drawn"
         lines.append(Line((nothing, nothing), label, "none"))
-    upward = ONE_TURN if quantity == ONE_TURN.name else PlotAxis(quantity, shown)
+    upward = ONE_TURN if title == ANGLE else PlotAxis(title, shown)
     return Panel((PlotAxis("time", "s"), upward), lines)
 
 

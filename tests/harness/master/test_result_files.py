@@ -76,8 +76,9 @@ def test_tables_hold_signals_units_and_errors(result):
     np.testing.assert_array_equal(frame["rotor.x"].to_numpy(), result["rotor.x"])
     np.testing.assert_array_equal(frame.index.to_numpy(), result.time)
     assert frame.attrs["units"]["rotor.x"] == "m"
-    assert data["rotor.x"].attrs == {"units": "m", "error": result.error["rotor.x"]}
-    assert data["time"].attrs["units"] == "s"
+    named = {"units": "m", "long_name": "displacement rotor.x"}
+    assert data["rotor.x"].attrs == {**named, "error": result.error["rotor.x"]}
+    assert data["time"].attrs == {"units": "s", "long_name": "time"}
     late = data["weights.weight[1].angle"].sel(time=result.time[-1], method="nearest")
     assert float(late) == result["weights.weight[1].angle"][-1]
 
