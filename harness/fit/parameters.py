@@ -168,6 +168,7 @@ def value_at(scene: Scene, path: str) -> float:
             for number in re.findall(r"\[(\d+)\]", part):
                 found = found[int(number) - 1]
     except (AttributeError, IndexError, TypeError):
+        scene.replace({path: 1.0})  # refuses an unknown key with those that there are
         raise UserError(f"{path}: the scene has no such value") from None
     if isinstance(found, tuple) and found and all(one == found[0] for one in found):
         found = found[0]  # one number for both axes

@@ -66,10 +66,13 @@ def replaced(
         if len(rest) > MOST_LEVELS:
             raise SceneError(f"'{path[:57]}...': unknown; no path has {len(rest) + 1} parts")
         if first not in tables:
-            raise SceneError(
-                f"{path!r}: unknown{did_you_mean(first, list(tables))}; begins with one of: "
-                f"{', '.join(tables)}"
-            )
+            within = [
+                f"{name}.{path}" for name, table in tables.items() if path in fields_of(table)
+            ]
+            near = f" (did you mean {' or '.join(within)}?)" if within else ""
+            near = near or did_you_mean(first, list(tables))
+            known = ", ".join(tables)
+            raise SceneError(f"{path!r}: unknown{near}; begins with one of: {known}")
         if first in balancers:
             holder = document["balancer"][balancers[first]]
         else:

@@ -1,0 +1,182 @@
+"""What people mistake in scene files and commands gets a message or a warning that helps."""
+
+from __future__ import annotations
+
+import pytest
+
+DRUM = """\
+title = "Drum"
+[rotor]
+kind = "planar"
+mass = 8.0
+stiffness = 2e4
+damping = 80.0
+unbalance = 0.02
+[[balancer]]
+name = "balls"
+kind = "balls"
+count = 3
+mass = 0.05
+track_radius = 0.2
+drag = 0.2
+[operation]
+speed = 150.0
+[run]
+revolutions = 2
+"""
+# what is replaced in the file, by what, and what `autobalancer run` says
+IN_FILES = [
+    # units
+    ("speed = 150.0", "speed = 1430", "is the speed in rpm, or track_radius in mm?"),
+    ("speed = 150.0", "speed = 14300", "times the critical speed"),
+    ("speed = 150.0", 'speed = "1430"', 'such as "1200 rpm"'),
+    ("speed = 150.0", 'speed = "1430 rmp"', "unknown unit 'rmp'"),
+    ("speed = 150.0", 'speed = "3 kg"', "a speed is expected"),
+    ("speed = 150.0", "speed_rpm = 1430", 'did you mean "speed"'),
+    ("speed = 150.0", "speed = 1430 rpm", 'did you mean speed = "1430 rpm"'),
+    ("mass = 0.05", "mass = 50", 'is it in g? then write "50 g"'),
+    ("mass = 0.05", 'mass = "50 mm"', "a mass is expected"),
+    ("track_radius = 0.2", "track_radius = 200", "track_radius in mm?"),
+    ("unbalance = 0.02", "unbalance = 20000", 'is it in g mm? then write "20000 g mm"'),
+    ("unbalance = 0.02", "unbalance = 0.05", "take more or heavier weights"),
+    ("unbalance = 0.02", "unbalance = 0.2", "more than a tenth of the track radius"),
+    ("count = 3", "count = 3\nangles = [0, 120, 240]", "are they in degrees?"),
+    ("drag = 0.2", "drag = 0.2\nweight_radius = 0.01\nrestitution = 0.5\n#", "g/cm^3"),
+    ("damping = 80.0", "damping = 8000.0", "times the critical one"),
+    ("damping = 80.0", "damping_ratio = 5.0", "times the critical one"),
+    ("damping = 80.0", "damping = 80.0\ndamping_ratio = 0.1", "not both"),
+    # values
+    ("mass = 8.0", "mass = -8.0", "must be greater than 0"),
+    ("mass = 8.0", "mass = 0", "must be greater than 0"),
+    ("mass = 8.0", "mass = nan", "must be a finite number"),
+    ("mass = 8.0", "mass = inf", "must be a finite number"),
+    ("mass = 8.0", 'mass = "8.0"', "kg"),
+    ("mass = 8.0", "mass = true", "kg"),
+    ("mass = 8.0", "mass = [8.0, 8.0]", "must be a number in kg"),
+    ("stiffness = 2e4", "stiffness = 0", "must be greater than 0"),
+    ("stiffness = 2e4", "stiffness = [2e4, 2e4, 2e4]", "must be one number, or two: [x, y]"),
+    ("unbalance = 0.02", "unbalance = -0.02", "must be 0 or more"),
+    ("drag = 0.2", "drag = -0.2", "must be 0 or more"),
+    ("count = 3", "count = 0", "must be 1 or more"),
+    ("count = 3", "count = 3.5", "must be a whole number"),
+    ("count = 3", "count = 100000", "10000"),
+    ("count = 3", "count = 3\nangles = [0, 1]", "3"),
+    ("count = 3", "count = 3\nat = 2", "must be 1"),
+    ("drag = 0.2", "drag = 0.2\nweight_radius = 0.3", "must be less than track_radius"),
+    ("drag = 0.2", "drag = 0.2\nrestitution = 0.5", "weight_radius"),
+    ("drag = 0.2", "drag = 0.2\nweight_radius = 0.19", "track"),
+    ("revolutions = 2", "revolutions = 0", "must be greater than 0"),
+    ("revolutions = 2", "revolutions = -3", "must be greater than 0"),
+    ("revolutions = 2", 'revolutions = 2\nrecord = ["rotor.z"]', "rotor.z"),
+    ("[run]", "[coupling]\ntolerance = 2.0\n[run]", "tolerance"),
+    ("[run]", '[coupling]\nscheme = "jacoby"\n[run]', "must be one of 'auto', 'jacobi'"),
+    ("[run]", "[coupling]\nsteps_per_rev = 40\ntolerance = 1e-4\n[run]", "steps_per_rev"),
+    ("[run]", "[coupling]\norder = 2\n[run]", "order"),
+    # keys and tables
+    ("stiffness = 2e4", "stifness = 2e4", 'did you mean "stiffness"'),
+    ("stiffness = 2e4\n", "", "stiffness"),
+    ("track_radius = 0.2", "radius = 0.2", "track_radius"),
+    ("[rotor]", "[roter]", 'did you mean "rotor"'),
+    ("[[balancer]]", "[balancer]", "[[balancer]]"),
+    ("[[balancer]]", "[[balancers]]", 'did you mean "balancer"'),
+    ("[operation]\nspeed = 150.0\n", "", "operation"),
+    ("speed = 150.0", "", "speed"),
+    ("speed = 150.0", "speed = 150.0\nrun_up = {from = 0, to = 150, seconds = 3}", "not both"),
+    ("speed = 150.0", "run_up = {from = 0, to = 150}", "seconds"),
+    ('kind = "balls"', 'kind = "bals"', 'did you mean "balls"'),
+    ('kind = "planar"', 'kind = "plane"', 'did you mean "planar"'),
+    ('kind = "planar"', 'kind = "flexible"', "stations"),
+    ('name = "balls"', 'name = "1 ball"', "must begin with a letter"),
+    ('name = "balls"', 'name = "rotor"', "rotor"),
+    # TOML
+    ('kind = "planar"', "kind = planar", 'did you mean kind = "planar"'),
+    ("mass = 8.0", "mass = 8,0", "8.0"),
+    ("mass = 8.0", "mass = 8.0 kg", 'did you mean mass = "8.0 kg"'),
+    ("mass = 8.0", "mass = ", "line 4"),
+    ("mass = 8.0", "mass = 8.0\nmass = 9.0", "mass"),
+    ("mass = 8.0", "mass: 8.0", "line 4"),
+    ("[rotor]", "[rotor", "line 2"),
+    (DRUM, "", "rotor"),
+]
+
+
+# arguments, where {f} is a folder with drum.toml and CSV files, and what is said
+COMMANDS = [
+    ("rum {f}/drum.toml", "run"),
+    ("run {f}/drum.toml --sett speed=3", "--set"),
+    ("run {f}/drom.toml", "drom.toml"),
+    ("run two_bals", "two_balls"),
+    ("run {f}", "is a directory; a scene is a TOML file"),
+    ("run", "Missing argument"),
+    ("run {f}/drum.toml --set mass=3", "did you mean rotor.mass or balls.mass"),
+    ("run {f}/drum.toml --set rotor.mass 3", "KEY=VALUE"),
+    ("run {f}/drum.toml --set rotor.mass=3kN", "a mass is expected"),
+    ("run {f}/drum.toml --set rotor.mas=3", "mass"),
+    ("run {f}/drum.toml --set bals.mass=0.05", "balls"),
+    ("run {f}/drum.toml --set balls.angles[4]=0", "angles"),
+    ("run {f}/drum.toml --set rotor.mass", "must be KEY=VALUE"),
+    ("run {f}/drum.toml --plot {f}/out.jpg", ".png"),
+    ("run {f}/drum.toml --plot {f}/out", ".png"),
+    ("run {f}/drum.toml --plot {f}/none/out.png", "none"),
+    ("run {f}/drum.toml -o {f}/none/out.csv", "none"),
+    ("run {f}/drum.toml --movie {f}/a.avi", ".gif"),
+    ("run {f}/drum.toml --at-most 3x", "30m"),
+    ("run {f}/drum.toml --units metric", "engineering"),
+    ("show {f}/drum.toml -o {f}/drum.png", "must end in .html"),
+    ("build {f}/drum.toml --platform windows", "'x86_64-windows'"),
+    ("build {f}/drum.toml --fmi 4", "3"),
+    ("speeds {f}/drum.toml --range 500", "--range"),
+    ("speeds {f}/drum.toml --range 500 100", "rising"),
+    ("speeds {f}/drum.toml --range 0 300", "positive"),
+    ("speeds {f}/drum.toml --range 10kg 300", "a speed is expected"),
+    ("speeds {f}/drum.toml", "--range"),
+    ("speeds {f}/drum.toml --range 50 300 --method flouqet", "floquet"),
+    ("map {f}/drum.toml --x speed=0:300:20:log --y balls.drag=0.1:1:5", "must begin above 0"),
+    ("map {f}/drum.toml --x speed=10:300 --y balls.drag=0.1:1:5", "PATH=LOW:HIGH:N"),
+    ("map {f}/drum.toml --x speed=10:300:5 --y speed=10:300:5", "both axes are the same"),
+    ("scatter {f}/drum.toml --vary balls.drag=gauss(0.2,0.1) -n 9", "normal"),
+    ("scatter {f}/drum.toml --vary balls.drag=normaly(0.2,0.01) -n 9", "normal"),
+    ("scatter {f}/drum.toml --vary balls.drag=normal(0.2) -n 9", "normal"),
+    ("scatter {f}/drum.toml --vary balls.track_offset_xi=normal(0,5kg) -n 9", "length"),
+    ("scatter {f}/drum.toml -n 9", "--vary"),
+    ("fit {f}/drum.toml --measured {f}/rpm.csv --free balls.drag", "speed [rpm]"),
+    ("fit {f}/drum.toml --measured {f}/none.csv --free balls.drag", "none.csv"),
+    ("fit {f}/drum.toml --measured {f}/ok.csv --free balls.drug", "drag"),
+    ("fit {f}/drum.toml --measured {f}/ok.csv --free balls.drag --limit balls.drag=1kg:", "drag"),
+    ("balance {f}/phase.csv", "phase_lead_deg"),
+    ("balance {f}/ok.csv", "run"),
+    ("check {f}/drum.toml", "[[check]]"),
+    ("design {f}/drum.toml --track 180mm --unbalance 300kg", "an unbalance is expected"),
+    ("design {f}/drum.toml --track 180mm --reserve 0.5", "must be 1 or more"),
+    ("drag --ball 10kg --decay 30deg 10deg 1.2s", "a length is expected"),
+    ("new wash_machine", "wash_machine"),
+]
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    place = tmp_path_factory.mktemp("mistakes")
+    files = {
+        "drum.toml": DRUM,
+        "rpm.csv": "rpm,amplitude [mm]\n1200,0.5\n1500,0.4\n",
+        "ok.csv": "speed [rpm],amplitude [mm]\n1200,0.5\n1500,0.4\n",
+        "phase.csv": "run,sensor,amplitude_mm,phase_deg,mass_g[1],angle_deg[1]\n"
+        "a,X,1,30,,\nb,X,2,40,5,0\n",
+    }
+    for name, text in files.items():
+        (place / name).write_text(text, encoding="utf-8")
+    return place
+
+
+@pytest.mark.parametrize(("old", "new", "words"), IN_FILES, ids=[n for _, n, _ in IN_FILES])
+def test_a_mistake_in_a_scene_file_is_named(invoke, tmp_path, old, new, words):
+    assert DRUM.count(old) == 1
+    (tmp_path / "drum.toml").write_text(DRUM.replace(old, new), encoding="utf-8")
+    assert words in " ".join(invoke("run", tmp_path / "drum.toml").output.split())
+
+
+@pytest.mark.parametrize(("line", "words"), COMMANDS, ids=[line for line, _ in COMMANDS])
+def test_a_mistake_in_a_command_is_named_and_ends_it(invoke, folder, line, words):
+    outcome = invoke(*line.format(f=folder).split())
+    assert words in " ".join(outcome.output.split())
+    assert outcome.exit_code == 2
