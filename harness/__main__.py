@@ -50,6 +50,7 @@ def program() -> Typer:
     from .output.commands import Commands, with_common_options, without_command
     from .rotor import command as rotor
     from .scatter import command as scatter
+    from .scene import cite_command as cite
     from .scene import new_command as new
     from .show import command as show
     from .stability import map_command
@@ -67,7 +68,7 @@ def program() -> Typer:
     features = {"check": check, "build": build, "run": run, "speeds": speeds, "map": map_command}
     features |= {"balance": balance, "rotor": rotor, "design": design, "scatter": scatter}
     features |= {"fit": fit, "drag": drag, "precision": precision}
-    features |= {"show": show, "new": new, "stress": stress}
+    features |= {"show": show, "new": new, "cite": cite, "stress": stress}
     for name, feature in features.items():
         app.command(name)(with_common_options(feature.command))
     return app

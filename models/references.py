@@ -40,6 +40,11 @@ class Reference:
         parts += [f"doi:{known['doi']}"] if "doi" in known else []
         return ". ".join(parts).replace("\\&", "&")
 
+    def bibtex(self) -> str:
+        """As in a BibTeX file."""
+        lines = [f"  {name} = {{{value}}}," for name, value in self.fields.items()]
+        return "\n".join([f"@{self.kind}{{{self.key},", *lines, "}", ""])
+
 
 @cache
 def references() -> dict[str, Reference]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
@@ -80,7 +80,6 @@ def command(
     if unfit := [name for name, value in given.items() if value is not None]:
         raise UserError(f"{', '.join(unfit)}: belong to measured runs (FILE.csv), not to a scene")
     from ..output.report import Report
-    from .cycles import balance
 
     loaded = changed_scene(scene, changes)
     page = Report(report, f"Balancing: {loaded.heading}", [loaded])
@@ -88,18 +87,16 @@ def command(
         costs.limited(at_most, "balancing.revolutions"),
         progress_bar(f"balancing {loaded.name}") as progress,
     ):
-        result = balance(loaded, progress=progress)
+        result = loaded.balance(progress=progress)
     with page.keeping():
         _print(result)
     for path in filter(None, (output, page.picture(f"{loaded.name}_balance"))):
-        from .plot import plot_corrections
-
-        say(f"Picture: {plot_corrections(result, path)}")
+        say(f"Picture: {result.plot(path)}")
     page.cited = "Polushkin 2016; ISO 21940-11"
     page.write()
     if json_file is not None:
-        write_json(as_json(loaded.name, result), json_file)
-    if not all(t.actually_met for t in result.technologies):
+        write_json(result.as_json(), json_file)
+    if not result.met:
         raise typer.Exit(1)
 
 
@@ -166,47 +163,3 @@ def _degrees(value: complex) -> str:
     from math import degrees
 
     return f"{degrees(phase(value)):.1f}°"
-
-
-def as_json(scene: str, result: BalancingReport) -> dict[str, Any]:
-    """Everything found, SI units; for `write_json`."""
-    return {
-        "scene": scene,
-        "grade": result.grade,
-        "speed": result.speed,
-        "permissible": result.permissible,
-        "permissible_at_supports": result.at_supports,
-        "trial_unbalance": result.trial,
-        "planes": result.planes,
-        "runs": result.runs,
-        "coefficients": {
-            "measured": result.measured,
-            "uncertainty": result.uncertainty,
-            "analytic": result.analytic,
-            "difference": result.difference,
-        },
-        "technologies": [
-            {
-                "name": t.name,
-                "cycles": len(t.cycles),
-                "meets": t.meets,
-                "actually_meets": t.actually_met,
-                "note": t.note,
-                "coefficients": t.coefficients,
-                "runs": [_run(c) for c in t.cycles],
-            }
-            for t in result.technologies
-        ],
-    }
-
-
-def _run(cycle: Cycle) -> dict[str, Any]:
-    return {
-        "mounted": cycle.mounted,
-        "amplitude": cycle.reading.amplitude,
-        "uncertainty": cycle.reading.uncertainty,
-        "found": cycle.found,
-        "found_at_supports": cycle.at_supports,
-        "actual": cycle.actual,
-        "actual_at_supports": cycle.actual_at_supports,
-    }

@@ -9,6 +9,8 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from pydantic import ValidationError
@@ -22,8 +24,13 @@ from ...models.papers.influence import (
     unbalance_from_response,
 )
 from ..errors import UserError
+from ..output.outcome import Outcome
+from ..output.table import Sheet
 from ..scene.balancing import Balancing
-from .measured import MeasuredRuns
+from .measured import MeasuredRuns, read_measured
+
+if TYPE_CHECKING:
+    from ..output.plot import Drawing
 
 _SINGULAR = 1e4  # condition number: readings of three digits then say nothing of the masses
 
@@ -63,8 +70,8 @@ class Grade:
         return self.after <= self.permissible
 
 
-@dataclass(frozen=True, eq=False)
-class Correction:
+@dataclass(frozen=True, eq=False, repr=False)
+class Correction(Outcome):
     """What to mount, and what is expected of it.
 
     Attributes:
@@ -98,9 +105,27 @@ class Correction:
         """Root mean square of what is expected to remain."""
         return float(np.sqrt(np.mean(np.abs(self.after) ** 2)))
 
+    def table(self) -> Sheet:
+        """What to mount in addition to the run that is corrected, a row for every mass."""
+        planes = self.measured.planes
+        rows = [(planes[p.plane], p.mass, math.degrees(p.angle) % 360.0) for p in self.pieces]
+        return Sheet(("plane", "mass [g]", "angle [deg]"), rows, "lrr", self.corrected)
+
+    def plot(self, path: str | Path | None = None) -> Path | Drawing:
+        """One polar diagram a plane, and one of the sensors."""
+        from .plot_measured import plot_correction
+
+        return plot_correction(self, None if path is None else Path(path))
+
+    def as_json(self) -> dict[str, Any]:
+        """Everything found; angles in degrees, counted like the masses' in the file."""
+        from .documents import of_measured
+
+        return of_measured(self)
+
 
 def correct(
-    measured: MeasuredRuns,
+    measured: MeasuredRuns | str | Path,
     *,
     run: str | None = None,
     angles: Sequence[Sequence[float]] = (),
@@ -113,6 +138,7 @@ def correct(
     """Corrections by least squares, or those that make the largest reading least.
 
     Args:
+        measured: a CSV file of runs, see `read_measured`, or what that returns.
         run: whose vibration is corrected; by default the reference, the first one.
         angles: allowed angles [rad] of every plane, or of all by one list; by default any.
         grade: of ISO 21940-11, such as "G2.5"; needs the radii and
@@ -126,6 +152,8 @@ def correct(
             determine the corrections, allowed angles do not fit the planes, or something that the
             grade needs is missing.
     """
+    if not isinstance(measured, MeasuredRuns):
+        measured = read_measured(Path(measured))
     corrected = run or measured.runs[0]
     if corrected not in measured.runs:
         raise UserError(f"run {corrected!r}: must be one of {', '.join(measured.runs)}")

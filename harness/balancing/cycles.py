@@ -11,6 +11,8 @@ with what the grade permits there.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -23,10 +25,15 @@ from ...models.papers.influence import (
     unbalance_from_response,
 )
 from ..errors import SceneError
+from ..output.outcome import Outcome
+from ..output.table import Sheet
 from ..output.workers import Progress
 from ..scene import Scene
 from ..scene.grade import permissible
 from .machine import Machine
+
+if TYPE_CHECKING:
+    from ..output.plot import Drawing
 
 TRIAL = 10.0  # times what is permissible: seen clearly, and as harmless as the unbalance itself
 
@@ -73,12 +80,12 @@ class Technology:
     note: str = ""
 
 
-@dataclass(frozen=True, eq=False)
-class BalancingReport:
+@dataclass(frozen=True, eq=False, repr=False)
+class BalancingReport(Outcome):
     """Everything the machine found out about a scene.
 
     Attributes:
-        title, grade: of the scene.
+        name, title, grade: of the scene.
         speed: of the machine [rad/s].
         planes: numbers of the correction planes, from 1.
         permissible: U_per [kg m].
@@ -92,6 +99,7 @@ class BalancingReport:
         units: FMUs loaded.
     """
 
+    name: str
     title: str
     grade: str
     speed: float
@@ -105,6 +113,34 @@ class BalancingReport:
     technologies: tuple[Technology, ...]
     runs: int
     units: tuple[str, ...]
+
+    @property
+    def met(self) -> bool:
+        """Whether the grade is really met, by every technology."""
+        return all(technology.actually_met for technology in self.technologies)
+
+    def table(self) -> Sheet:
+        """A row for every cycle and plane: what was mounted in it, and what is really left."""
+        rows = [
+            (t.name, number, plane, *map(float, (abs(on), np.degrees(np.angle(on)), abs(left))))
+            for t in self.technologies
+            for number, cycle in enumerate(t.cycles, start=1)
+            for plane, on, left in zip(self.planes, cycle.mounted, cycle.actual, strict=True)
+        ]
+        columns = ("coefficients", "cycle", "plane", "mounted [kg m]", "at [deg]", "left [kg m]")
+        return Sheet(columns, rows, "lrrrrr", self.title)
+
+    def plot(self, path: str | Path | None = None) -> Path | Drawing:
+        """One polar diagram a plane: what was mounted in every cycle."""
+        from .plot import plot_corrections
+
+        return plot_corrections(self, None if path is None else Path(path))
+
+    def as_json(self) -> dict[str, Any]:
+        """Coefficients, and every run."""
+        from .documents import of_machine
+
+        return of_machine(self)
 
     @property
     def difference(self) -> float:
@@ -141,6 +177,7 @@ def balance(scene: Scene, *, progress: Progress | None = None) -> BalancingRepor
             done.append(_cycles(machine, name, used, first, levers, shares, unbalance))
             report(0.3 + 0.7 * len(done) / len(setup.technologies))
         return BalancingReport(
+            name=scene.name,
             title=scene.heading,
             grade=setup.grade,
             speed=machine.speed,

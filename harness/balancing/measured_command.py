@@ -29,7 +29,7 @@ def balance_measured(
     json_file: Path | None,
     report: Path | None,
 ) -> None:
-    """Read, correct, say.
+    """Find the corrections for a CSV file of measured runs, and print them.
 
     Args:
         given: the command's options by their names.
@@ -40,14 +40,13 @@ def balance_measured(
     """
     from ..output.report import Report
     from .correction import correct
-    from .measured import read_measured
 
     for name in ("--mass", "--service-speed"):
         value = given[name]
         if value is not None and not 0.0 < value < math.inf:
             raise UserError(f"{name} {value:g}: must be a finite number above 0")
     result = correct(
-        read_measured(path),
+        path,
         run=given["--correct"],
         angles=allowed_angles(given["--angles"]),
         grade=given["--grade"] or "",
@@ -60,13 +59,11 @@ def balance_measured(
     with page.keeping():
         _print(result, path)
     for picture in filter(None, (output, page.picture(f"{path.stem}_balance"))):
-        from .plot_measured import plot_correction
-
-        say(f"Picture: {plot_correction(result, picture)}")
+        say(f"Picture: {result.plot(picture)}")
     page.cited = "Feese & Grazier 2004; ISO 21940-11"
     page.write()
     if json_file is not None:
-        write_json(as_json(result), json_file)
+        write_json(result.as_json(), json_file)
     if result.grade is not None and not result.grade.met:
         raise typer.Exit(1)
 
@@ -164,48 +161,3 @@ def _readings(result: Correction) -> Sheet:
 
 def _degrees(value: complex) -> str:
     return f"{math.degrees(phase(value)) % 360.0:.1f}"
-
-
-def as_json(result: Correction) -> dict[str, Any]:
-    """Everything found; angles in degrees, counted like the masses' in the file."""
-    measured = result.measured
-    planes = [
-        {
-            "plane": name,
-            "mass_g": abs(exact),
-            "angle_deg": math.degrees(phase(exact)) % 360.0,
-            "radius_mm": None if measured.radii is None else measured.radii[j],
-            "uncertainty_g": None if math.isnan(spread) else spread,
-            "pieces": [
-                {"mass_g": p.mass, "angle_deg": math.degrees(p.angle) % 360.0}
-                for p in result.pieces
-                if p.plane == j
-            ],
-        }
-        for j, (name, exact, spread) in enumerate(
-            zip(measured.planes, result.exact.tolist(), result.uncertainty.tolist(), strict=True)
-        )
-    ]
-    grade = result.grade
-    return {
-        "runs": measured.runs,
-        "corrected": result.corrected,
-        "sensors": measured.sensors,
-        "unit": measured.unit,
-        "method": result.method,
-        "condition_number": result.condition,
-        "coefficients": result.coefficients,
-        "planes": planes,
-        "before": result.before,
-        "after": result.after,
-        "rms_after": result.rms,
-        "grade": grade
-        and {
-            "name": grade.name,
-            "permissible": grade.permissible,
-            "before": grade.before,
-            "after": grade.after,
-            "reached": grade.reached,
-            "met": grade.met,
-        },
-    }

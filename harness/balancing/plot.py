@@ -9,7 +9,7 @@ import numpy as np
 from matplotlib.figure import Figure
 from matplotlib.layout_engine import ConstrainedLayoutEngine
 
-from ..output.plot import readable, save
+from ..output.plot import Drawing, readable, save
 from .cycles import BalancingReport, Technology
 
 # h_pad [inches]: the layout does not see titles that give way to the labels of angles
@@ -24,7 +24,7 @@ def moment(largest: float) -> tuple[float, str]:
     return readable(largest, _PREFIXES)
 
 
-def plot_corrections(result: BalancingReport, path: Path) -> Path:
+def plot_corrections(result: BalancingReport, path: Path | None) -> Path | Drawing:
     """One polar diagram a plane: what was mounted after every cycle, and where it had to go."""
     count = len(result.planes)
     # a technology that diverges would shrink all else to a point

@@ -8,12 +8,12 @@ from typing import Any
 import numpy as np
 from matplotlib.figure import Figure
 
-from ..output.plot import save
+from ..output.plot import Drawing, save
 from .correction import Correction
 from .plot import LAYOUT
 
 
-def plot_correction(result: Correction, path: Path) -> Path:
+def plot_correction(result: Correction, path: Path | None) -> Path | Drawing:
     """One polar diagram a plane, and one of the sensors."""
     measured, count = result.measured, len(result.exact)
     figure = Figure(figsize=(5.2 * (count + 1), 6.4), layout=LAYOUT)

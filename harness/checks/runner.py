@@ -7,18 +7,22 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from itertools import chain, islice
 from pathlib import Path
+from typing import Any
 
 from ..errors import SceneError, SimulationError
 from ..master.left_out import left_out
 from ..master.plan import plan
+from ..output.outcome import Outcome
+from ..output.table import Sheet
 from ..output.workers import ItemProgress, Progress, Workers
 from ..scene import Scene, bundled_scenes, load_scene
 from .registry import parts_of, run_checks, run_parts
+from .report import as_json, table
 from .row import Row
 
 
-@dataclass(frozen=True)
-class SceneReport:
+@dataclass(frozen=True, repr=False)
+class SceneReport(Outcome):
     """Rows of one scene, its FMUs, and what the scene lets be left out."""
 
     scene: str
@@ -26,6 +30,19 @@ class SceneReport:
     rows: tuple[Row, ...]
     units: tuple[str, ...]
     left_out: tuple[str, ...]
+
+    @property
+    def holds(self) -> bool:
+        """Whether every row holds."""
+        return all(row.holds for row in self.rows)
+
+    def table(self) -> Sheet:
+        """What was expected and measured, row for row."""
+        return table(self.rows, self.title or self.scene)
+
+    def as_json(self) -> dict[str, Any]:
+        """The rows, and whether all hold."""
+        return as_json(self.rows)
 
 
 def check(source: Scene | str | Path, progress: Progress | None = None) -> list[Row]:

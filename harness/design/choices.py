@@ -5,11 +5,15 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from ...models.papers import capacity as theory
 from ...models.papers.settling import settling_time, slow_root
+from ..output.outcome import Outcome
+from ..output.table import Sheet
 from ..output.workers import Progress, Workers, in_order
 from ..scene import Scene
 from .decay import Decay
@@ -25,6 +29,9 @@ from .scenes import (
     with_balls,
 )
 from .settling import SETTLED, SettlingRun, median_interval, refuse_few, run_batch
+
+if TYPE_CHECKING:
+    from ..output.plot import Drawing
 
 
 @dataclass(frozen=True)
@@ -75,8 +82,8 @@ class Choice:
         return float(np.median([run.predicted for run in self.runs])) if self.runs else math.nan
 
 
-@dataclass(frozen=True)
-class Design:
+@dataclass(frozen=True, repr=False)
+class Design(Outcome):
     """All numbers of weights for one rotor and space.
 
     Attributes:
@@ -98,6 +105,24 @@ class Design:
     def with_capacity(self) -> list[Choice]:
         """Those with enough capacity."""
         return [c for c in self.choices if c.has_capacity]
+
+    def table(self) -> Sheet:
+        """One line for every number of weights."""
+        rows = [
+            (c.count, 2.0 * c.radius, c.count * c.mass, c.capacity, c.median, c.low, c.high)
+            for c in self.choices
+        ]
+        times = ("settling time [s]", "95 % from [s]", "to [s]")
+        columns = ("n", "diameter [m]", "mass of all [kg]", "capacity [kg m]", *times)
+        return Sheet(columns, rows, "r" * len(columns), self.title)
+
+    def plot(self, path: str | Path | None = None, *, theory: bool = False) -> Path | Drawing:
+        """Capacity over the number of weights, settling times below; or Goncharov's functions."""
+        from .plot import plot_capacity, plot_design
+
+        return (plot_design if theory else plot_capacity)(
+            self, None if path is None else Path(path)
+        )
 
     @property
     def decays(self) -> list[Decay]:

@@ -9,21 +9,16 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from ..errors import UserError
 from ..output import costs, options
 from ..output.table import Sheet
 from ..output.terminal import progress_bar, say, show
-from ..units import in_both, rounded, shown_in, si_number
+from ..units import in_both, rounded, shown_in
+from .space import MATERIALS
 
 if TYPE_CHECKING:
     from .choices import Design
 
-
 MEASURE = "Measure it (autobalancer drag) and give it in a [[balancer]] table: settling follows it."
-MATERIALS = {
-    "steel": 7800.0, "brass": 8500.0, "tungsten carbide": 14900.0, "ceramic": 3200.0,
-    "glass": 2500.0, "aluminium": 2700.0,
-}  # kg/m^3  # fmt: skip
 
 
 def command(
@@ -67,33 +62,23 @@ def command(
     """Find number and size of balls or rollers for a rotor."""
     from ..output.report import Report
     from ..scene.changes import changed_scene
-    from .choices import design
     from .recommendation import words
 
-    least, largest = _unbalances(unbalance)
-    for name, value in (("--race", race), ("--width", width)):
-        if value is not None and not 0.0 < value < math.inf:
-            raise UserError(f"{name} {value:g}: must be above 0")
-    if not 1.0 <= reserve < math.inf:
-        raise UserError(f"--reserve {reserve:g}: must be 1 or more, such as 1.3")
-    density = _density(material)
     loaded = changed_scene(scene, changes)
     page = Report(report, f"Design: {loaded.heading}", [loaded])
     key = f"--starts {starts} --most {most}, run.revolutions = {loaded.run.revolutions:g}"
     limit = costs.limited(at_most, key)  # one batch of runs may be too long by itself
     with limit, progress_bar(f"designing for {loaded.name}") as progress:
-        data = design(
-            loaded,
-            unbalance=largest,
+        data = loaded.design(
+            unbalance,
             race=race,
             width=width,
-            density=density,
-            counts=range(2, most + 1),
+            material=material,
+            reserve=reserve,
             starts=starts,
+            most=most,
             workers=os.cpu_count() or 1,
             progress=costs.within(at_most, key, progress),
-            reserve=reserve,
-            least=least,
         )
     with page.keeping():
         show(table(data, starts))
@@ -107,41 +92,9 @@ def command(
             rate = ASSUMED_RATE * loaded.profile().end
             say(f"Drag is ASSUMED: a ball loses its speed within {1.0 / rate:.3g} s. {MEASURE}")
     for path in filter(None, (output, page.picture(f"{loaded.name}_design"))):
-        from .plot import plot_capacity, plot_design
-
-        say(f"Picture: {(plot_design if details else plot_capacity)(data, path)}")
+        say(f"Picture: {data.plot(path, theory=details)}")
     page.cited = "Goncharov 2017"
     page.write()
-
-
-def _unbalances(given: str | None) -> tuple[float, float | None]:
-    """Smallest and largest unbalance [kg m] of "0..300 g mm"; None: the scene's."""
-    if given is None:
-        return 0.0, None
-    low, _, high = given.rpartition("..")
-    largest = si_number(high, "kg m", "--unbalance")
-    unit = high.strip().lstrip("+-.0123456789eE")
-    bare = low.strip() and not low.strip()[-1].isalpha()  # its unit is the other's
-    least = si_number(low + unit if bare else low, "kg m", "--unbalance") if low else 0.0
-    if not 0.0 <= least <= largest < math.inf:
-        raise UserError(f'--unbalance {given}: must be 0 or more, such as "0..300 g mm"')
-    return least, largest
-
-
-def _density(material: str) -> float:
-    """Of a material by its name, or as it is given [kg/m^3]."""
-    if material in MATERIALS:
-        return MATERIALS[material]
-    try:
-        density = si_number(material, "kg/m^3", "--material")
-    except UserError as error:
-        from ..scene.messages import did_you_mean
-
-        known = did_you_mean(material, list(MATERIALS))
-        raise UserError(f"{error}, or one of {', '.join(MATERIALS)}{known}") from None
-    if not 0.0 < density < math.inf:
-        raise UserError(f"--material {material}: must be above 0")
-    return density
 
 
 def table(data: Design, starts: int) -> Sheet:

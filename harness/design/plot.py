@@ -10,14 +10,14 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import LogLocator, NullLocator
 
-from ..output.plot import save
+from ..output.plot import Drawing, save
 from ..units import shown_in
 from .choices import Design
 
 CLOSED_FORM, MEASURED = "#1f5fa8", "#c03a2b"
 
 
-def plot_capacity(data: Design, path: Path) -> Path:
+def plot_capacity(data: Design, path: Path | None) -> Path | Drawing:
     """Capacity over n with the unbalance above, co-simulated settling times below."""
     figure, above, below = _panels(data)
     unit, factor = shown_in("kg m")
@@ -35,7 +35,7 @@ def plot_capacity(data: Design, path: Path) -> Path:
     return save(figure, path)
 
 
-def plot_design(data: Design, path: Path) -> Path:
+def plot_design(data: Design, path: Path | None) -> Path | Drawing:
     """Functions (15), (16) over n above, predicted and co-simulated settling times below."""
     figure, above, below = _panels(data)
     counts = [c.count for c in data.choices]

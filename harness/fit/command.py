@@ -72,32 +72,26 @@ def command(
     from ..output.files import write_json
     from ..output.report import Report
     from ..scene.changes import changed_scene
-    from .measured import read_measured
-    from .parameters import parse_free
-    from .report import document, lines, table
-    from .search import difference
-    from .study import fit, predicted_rms
+    from .report import lines, table
 
     loaded = changed_scene(scene, changes)
     loaded = loaded.without_balancers() if without_balancers else loaded
-    parameters = parse_free(free, loaded, limits or [], priors or [], scatter)
-    data = read_measured(measured, loaded)
-    others = read_measured(predict, loaded) if predict is not None else None
     page = Report(report, f"Fit: {loaded.heading}", [loaded])
     with costs.limited(at_most, f"--free {','.join(free)}"), progress_bar("fitting") as progress:
-        found = fit(
-            loaded,
-            data,
-            parameters,
-            logarithms=not values,
+        found = loaded.fit(
+            measured,
+            free,
+            limits=limits or (),
+            priors=priors or (),
+            scatter=scatter,
             harmonic=harmonic,
             starts=starts,
+            logarithms=not values,
             progress=progress,
         )
-        said = document(found, data, not values, loaded.heading)
-        if others is not None:
-            said["predicted"] = str(predict)
-            said["rms_predicted"] = predicted_rms(loaded, others, found, not values)
+        said = found.as_json()
+        if predict is not None:
+            said |= {"predicted": str(predict), "rms_predicted": found.predicted_rms(predict)}
     with page.keeping():
         show(table(said))
         for line in lines(said):
@@ -105,10 +99,7 @@ def command(
         together = ", ".join(u.label for u in loaded.balancer) or "the rotor"
         say(f"Run in C as one composite: {together}")
     for path in filter(None, (picture, page.picture(f"{loaded.name}_fit"))):
-        from .plot import plot_fit
-
-        plot_fit(found, data, difference(data.values, not values), loaded.heading, path)
-        say(f"Written: {path}")
+        say(f"Written: {found.plot(path)}")
     page.write()
     if json is not None:
         write_json(said, json)

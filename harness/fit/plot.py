@@ -7,24 +7,20 @@ from pathlib import Path
 import numpy as np
 from matplotlib.figure import Figure
 
-from ..output.plot import metres, save
-from .measured import SPEED, MeasuredAmplitudes
-from .search import Difference
+from ..output.plot import Drawing, metres, save
+from .measured import SPEED
+from .search import difference
 from .study import Fit
 
 
-def plot_fit(
-    found: Fit, measured: MeasuredAmplitudes, differ: Difference, title: str, path: Path
-) -> Path:
+def plot_fit(found: Fit, path: Path | None) -> Path | Drawing:
     """Amplitudes over the speed, or over their number where one speed was measured.
-
-    Args:
-        differ: by `difference`, of what was measured.
 
     Raises:
         UserError: the format is unknown, or the file cannot be written.
     """
-    values = measured.values
+    measured, values = found.measured, found.measured.values
+    differ = difference(values, found.logarithms)
     count = len(next(iter(measured.amplitudes.values())))
     places = measured.settings.get(SPEED, np.arange(1.0, count + 1.0))
     columns = [places[~np.isnan(column)] for column in measured.amplitudes.values()]
@@ -49,5 +45,7 @@ def plot_fit(
     )
     for axes in (upper, lower):
         axes.grid(which="both", alpha=0.25)
-    figure.suptitle(f"{title}\nrms {found.rms[0]:.3g} before, {found.rms[1]:.3g} after the fit")
+    figure.suptitle(
+        f"{found.start.heading}\nrms {found.rms[0]:.3g} before, {found.rms[1]:.3g} after the fit"
+    )
     return save(figure, path)

@@ -9,20 +9,17 @@ from typing import Any
 import numpy as np
 
 from ..output.table import Sheet
-from .measured import MeasuredAmplitudes
 from .study import Fit
 
 
-def document(
-    found: Fit, measured: MeasuredAmplitudes, logarithms: bool, scene: str
-) -> dict[str, Any]:
+def document(found: Fit) -> dict[str, Any]:
     """Everything that the command says."""
     names = [parameter.label for parameter in found.parameters]
     return {
-        "scene": scene,
-        "measured": str(measured.path),
-        "values": len(measured.values),
-        "difference": "logarithms" if logarithms else "values over their rms",
+        "scene": found.start.heading,
+        "measured": str(found.measured.path),
+        "values": len(found.measured.values),
+        "difference": "logarithms" if found.logarithms else "values over their rms",
         "rms_before": found.rms[0],
         "rms": found.rms[1],
         "rms_first_guess": found.guessed if math.isfinite(found.guessed) else None,

@@ -5,30 +5,37 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from ...models.arrays import Array
 from ...models.harmonic_balance import NoResponse
 from ..errors import UserError
+from ..output.outcome import Outcome
+from ..output.table import Sheet
 from ..scene import Scene
-from .measured import MeasuredAmplitudes
+from .measured import MeasuredAmplitudes, read_measured
 from .model import HarmonicModel, Model
 from .parameters import Parameter
 from .search import difference, first_guess, known, rms, search
 
 if TYPE_CHECKING:
+    from ..output.plot import Drawing
     from ..output.workers import Progress
 
 ALIKE = math.sqrt(10.0)  # a variance inflation of 10 is commonly taken for too much
 
 
-@dataclass(frozen=True, eq=False)
-class Fit:
+@dataclass(frozen=True, eq=False, repr=False)
+class Fit(Outcome):
     """What was found.
 
     Attributes:
+        start: the scene that was fitted.
+        measured: amplitudes.
+        logarithms: whether differences of logarithms were squared.
         parameters, values: (p,) what was free, and what it is.
         uncertainty: (p,) half the interval of 95 % confidence; infinite where the data do not tell,
             NaN where a value ended at its limit.
@@ -42,6 +49,9 @@ class Fit:
         ended: why the search has.
     """
 
+    start: Scene
+    measured: MeasuredAmplitudes
+    logarithms: bool
     parameters: tuple[Parameter, ...]
     values: Array
     uncertainty: Array
@@ -52,6 +62,43 @@ class Fit:
     guessed: float
     starts: int
     ended: str
+
+    @property
+    def scene(self) -> Scene:
+        """The scene with the values that were found."""
+        pairs = zip(self.parameters, self.values.tolist(), strict=True)
+        return self.start.replace({k: v for one, x in pairs for k, v in one.changes(x).items()})
+
+    def predicted_rms(self, measured: str | Path) -> float:
+        """Rms of the difference from other measurements, with the values that were found.
+
+        Raises:
+            UserError: the file is wrong.
+            SimulationError: a run has failed.
+        """
+        others = read_measured(Path(measured), self.start)
+        simulated = Model(self.start, self.parameters, others).amplitudes(self.values[None])[0]
+        return rms(difference(others.values, self.logarithms)(simulated))
+
+    def table(self) -> Sheet:
+        """A line a parameter, in SI units."""
+        starts = [parameter.start for parameter in self.parameters]
+        labels = [parameter.label for parameter in self.parameters]
+        columns = (labels, starts, self.values.tolist(), self.uncertainty.tolist())
+        rows = list(zip(*columns, strict=True))
+        return Sheet(("parameter", "start", "fitted", "± (95 %)"), rows, "lrrr", self.start.heading)
+
+    def plot(self, path: str | Path | None = None) -> Path | Drawing:
+        """Measured and fitted amplitudes, and what is left between them."""
+        from .plot import plot_fit
+
+        return plot_fit(self, None if path is None else Path(path))
+
+    def as_json(self) -> dict[str, Any]:
+        """Values, how well they are known, and what is left."""
+        from .report import document
+
+        return document(self)
 
     def warnings(self) -> list[str]:
         """What the data cannot tell."""
@@ -121,6 +168,9 @@ def fit(
     uncertainty = np.where(solution.active_mask == 0, uncertainty, math.nan)
     before, simulated = model.amplitudes(np.array([scale, solution.x * scale]))
     return Fit(
+        scene,
+        measured,
+        logarithms,
         tuple(parameters),
         solution.x * scale,
         uncertainty * np.abs(scale),
@@ -132,15 +182,3 @@ def fit(
         guess.starts if guess else 0,
         solution.message,
     )
-
-
-def predicted_rms(
-    scene: Scene, measured: MeasuredAmplitudes, found: Fit, logarithms: bool = True
-) -> float:
-    """Rms of the difference from other measurements, with the values that were found.
-
-    Raises:
-        SimulationError: a run has failed.
-    """
-    simulated = Model(scene, found.parameters, measured).amplitudes(found.values[None])[0]
-    return rms(difference(measured.values, logarithms)(simulated))

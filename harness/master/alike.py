@@ -73,6 +73,11 @@ def _common(scene: Scene, found: Plan) -> Any:
     return units, found.connections, scene.coupling, scene.run.revolutions, run_up
 
 
+def values_of(scene: Scene) -> dict[str, float]:
+    """Start values of a scene by the composite's names."""
+    return _start(scene, plan(scene))
+
+
 def _start(scene: Scene, found: Plan) -> dict[str, float]:
     """Start values by the composite's names."""
     values = {

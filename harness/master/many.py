@@ -26,6 +26,7 @@ _COPIES = 2  # outputs, and what is made of them
 SETTLED = 0.05  # of the largest amplitude: how far from the last one a settled rotor may be
 STEADY = 0.005  # of it: what the amplitude of a settled one may change by in the last revolution
 
+DEFAULTS = ("residual", "largest", "settling_time", "settled", "error")
 RESULTS = {
     "residual": "largest amplitude in the last revolution [m]; under gravity about its mean",
     "largest": "largest amplitude of the run [m]",
@@ -42,15 +43,16 @@ def cosimulate_many(
     scene: Scene,
     table: Any,
     *,
-    results: Sequence[str] = ("residual", "largest", "settling_time", "settled", "error"),
+    results: Sequence[str] = DEFAULTS,
     threads: int | None = None,
 ) -> Any:
     """Run a scene once for every row of a table.
 
     Args:
         scene: what every run has in common.
-        table: values of one number a run by the variables of the scene's composite FMU, such as
-            `balls.drag`, `rotor.stiffness_x` or `speed`: a mapping of arrays, or a pandas frame.
+        table: values by paths as in `Scene.replace`, such as `balls.drag`, `rotor.stiffness[x]` or
+            `speed`, or by the variables of the scene's composite FMU (`rotor.stiffness_x`): a
+            mapping of arrays, or a pandas frame.
         results: of `RESULTS`; of one station `rotor.station[1].residual`, or `rotor.residual` of a
             rotor's only one [m]; or outputs of the FMU, which are taken at the end of a run.
         threads: default: one a core.
@@ -68,13 +70,16 @@ def cosimulate_many(
     made = composition(scene)
     layout = made.layout
     columns = {str(name): np.asarray(table[name], float) for name in table}
-    _refuse_unknown(columns, [v.name for v in layout.variables if v.causality != "output"])
+    inputs = [v.name for v in layout.variables if v.causality != "output"]
     outputs = [v.name for v in layout.variables if v.causality == "output"]
     residuals = station_residuals(len(scene.rotor.stations))
     _refuse_unknown(results, [*RESULTS, *residuals, *outputs])
     shapes = {column.shape for column in columns.values()}
     if len(shapes) != 1 or len(shape := shapes.pop()) != 1 or not shape[0]:
         raise UserError("table: every column must have as many numbers as the others, at least 1")
+    if not columns.keys() <= set(inputs):
+        columns = _variables(scene, columns)
+    _refuse_unknown(columns, inputs)
     values, profile = np.array(list(columns.values())).T, scene.profile()
     asked = [
         f"rotor.{prefix}{axis}" for prefix in stations(len(scene.rotor.stations)) for axis in "xy"
@@ -111,6 +116,25 @@ def cosimulate_many(
         parts = list(executor.map(chunk, range(0, len(values), CHUNK)))
     found = {name: np.concatenate([part[name] for part in parts]) for name in parts[0]}
     return found if isinstance(table, Mapping) else table.assign(**found)
+
+
+def _variables(scene: Scene, columns: dict[str, NDArray]) -> dict[str, NDArray]:
+    """Columns by the composite's variables, of columns by the scene's paths."""
+    from .alike import table_of, values_of
+
+    found: dict[str, NDArray] = {}
+    for path, column in columns.items():
+        ends = column[[0, -1]] if column[0] != column[-1] else column[0] * np.array([1.0, 1.5])
+        pair = [values_of(scene.replace({path: float(value)})) for value in ends]
+        names = [name for name in pair[0] if pair[0][name] != pair[1][name]]
+        if not names or any([one[name] for one in pair] != ends.tolist() for name in names):
+            break  # a variable is made from it
+        found |= dict.fromkeys(names, column)
+    else:
+        return found
+    rows = zip(*(column.tolist() for column in columns.values()), strict=True)
+    scenes = [scene.replace(dict(zip(columns, row, strict=True))) for row in rows]
+    return {name: np.array(values) for name, values in table_of(scenes).items()}
 
 
 def _refuse_unknown(names: Any, known: Sequence[str]) -> None:

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any
 
 from ..errors import UserError
 from ..output.files import write_whole
+from ..output.outcome import library
 from ..scene import Scene
 from .names import quantity
 from .velocity import VELOCITY
@@ -37,7 +38,7 @@ _OWN = (
 
 def to_pandas(result: Result) -> DataFrame:
     """See `Result.to_pandas`."""
-    pandas = _library("pandas")
+    pandas = library("pandas")
     frame = pandas.DataFrame(result.signals, index=pandas.Index(result.time, name="time"))
     frame.attrs = {"title": result.scene_title, "units": dict(result.signal_units)}
     return frame
@@ -45,7 +46,7 @@ def to_pandas(result: Result) -> DataFrame:
 
 def to_xarray(result: Result) -> Dataset:
     """See `Result.to_xarray`."""
-    xarray, error = _library("xarray"), result.error or {}
+    xarray, error = library("xarray"), result.error or {}
     signals = {}
     for name, values in result.signals.items():
         unit = result.signal_units.get(name, "")
@@ -68,7 +69,7 @@ def save(result: Result, path: Path) -> Path:
 
 def load(path: Path, kind: type[Result]) -> Result:
     """See `Result.load`."""
-    xarray = _library("xarray")
+    xarray = library("xarray")
     try:
         # a time in seconds is no date
         stored = xarray.load_dataset(path, engine="scipy", decode_times=False)
@@ -122,10 +123,3 @@ def _verification(stored: dict[str, Any] | None) -> Any:
     stored["statistics"] = {name: tuple(Statistics(**one) for one in pair) for name, pair in pairs}
     stored["parting"] = stored["parting"] and Parting(**stored["parting"])
     return Verification(**stored)
-
-
-def _library(name: str) -> Any:
-    try:
-        return __import__(name)
-    except ImportError as error:
-        raise UserError(f'this needs {name}: pip install "autobalancer[data]"') from error

@@ -81,7 +81,7 @@ def command(
     Pictures are png, svg or pdf; all but --plot also html, to turn and to look into.
     """
     from ..output.report import Report
-    from .run import cosimulate, refuse_separate
+    from .run import refuse_separate
 
     wanted = {
         "weights": weights, "weights_over_speed": weights_over_speed, "waterfall": waterfall,
@@ -105,8 +105,8 @@ def command(
     with progress_bar(f"running {loaded.name}") as progress:
         key = f"run.revolutions = {loaded.run.revolutions:g}"
         limited = costs.within(at_most, key, progress)
-        result = cosimulate(
-            loaded, record=record, fmus=fmus, progress=limited, verify=verify, separate=separate
+        result = loaded.run(
+            record=record, fmus=fmus, progress=limited, verify=verify, separate=separate
         )
     page = Report(report, loaded.heading, [loaded])
     with page.keeping():

@@ -7,9 +7,10 @@ from __future__ import annotations
 
 import io
 from collections.abc import Sequence
+from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
-from typing import Any
+from typing import Any, overload
 
 import numpy as np
 from matplotlib.cm import ScalarMappable
@@ -36,15 +37,39 @@ _MOST_WITHIN, _MOST_BESIDE = 6, 12  # entries of a legend, within the axes and b
 _RESOLUTION = 150  # dots an inch
 
 
-def save(figure: Figure, path: Path) -> Path:
-    """Write a figure, completely or not at all.
+@dataclass(frozen=True)
+class Drawing:
+    """A figure of matplotlib that shows itself in a notebook."""
+
+    figure: Figure
+
+    def save(self, path: str | Path) -> Path:
+        """Write it, as `save`."""
+        return save(self.figure, Path(path))
+
+    def _repr_png_(self) -> bytes:
+        return as_png(self.figure)
+
+
+@overload
+def save(figure: Figure, path: Path) -> Path: ...
+
+
+@overload
+def save(figure: Figure, path: None) -> Drawing: ...
+
+
+def save(figure: Figure, path: Path | None) -> Path | Drawing:
+    """Write a figure, completely or not at all; without a path, as a `Drawing`.
 
     Raises:
         UserError: the format is unknown, the file cannot be written, or the numbers not drawn.
     """
-    kind = picture_format(path)
     harmless(figure)
     _relabel(figure)
+    if path is None:
+        return Drawing(figure)
+    kind = picture_format(path)
     with write_whole(path, "wb") as stream:
         try:
             figure.savefig(stream, format=kind, dpi=_RESOLUTION)

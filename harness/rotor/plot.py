@@ -14,7 +14,7 @@ from ...models.arrays import Array
 from ...models.linear.modes import Campbell
 from ..master.pictures.over_speed import polar_picture
 from ..output.picture import Picture, PlotAxis
-from ..output.plot import metres, save
+from ..output.plot import Drawing, metres, save
 from ..units import in_words
 from .study import UnbalanceResponse
 
@@ -24,7 +24,7 @@ _LINES = {"forward": "-", "backward": "--", "planar": ":"}  # senses of whirl
 _STRAIGHT = 1e-6  # |whirl| below it is no whirl, as in the modes
 
 
-def plot_campbell(data: Campbell, critical: Array, title: str, path: Path) -> Path:
+def plot_campbell(data: Campbell, critical: Array, title: str, path: Path | None) -> Path | Drawing:
     """Natural frequencies and damping ratios against speed, forward and backward whirl."""
     figure = Figure(figsize=(9.0, 8.0), layout="constrained")
     above, below = figure.subplots(2, 1, sharex=True, height_ratios=(2, 1))
@@ -93,7 +93,7 @@ def _campbell_legend(axes: Any, senses: Array) -> None:
     axes.legend(handles=[*lines, ring], loc="upper left", fontsize="small")
 
 
-def plot_response(data: UnbalanceResponse, path: Path) -> Path:
+def plot_response(data: UnbalanceResponse, path: Path | None) -> Path | Drawing:
     """Amplitude and phase of every station against speed, x and y side by side."""
     alike = np.allclose(data.amplitude[:, 1], -1j * data.amplitude[:, 0], rtol=1e-9, atol=0.0)
     axes_shown = (0,) if alike else (0, 1)

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from matplotlib.figure import Figure
 
-from ..output.plot import metres, save
+from ..output.plot import Drawing, metres, save
 from ..units import brief
 from .plot import COLOURS, mark_critical
 from .study import Orbits, RunUpMotion
@@ -17,7 +17,7 @@ ALONE, RUN = "tab:gray", "tab:blue"
 _ACROSS = 3  # panels in a row
 
 
-def plot_orbits(data: Orbits, path: Path) -> Path:
+def plot_orbits(data: Orbits, path: Path | None) -> Path | Drawing:
     """Orbit of every station, one panel each: steady without balancers, and at a run's end with."""
     count = len(data.stations)
     columns = min(count, _ACROSS)
@@ -58,7 +58,7 @@ def _orbit(axes: Any, orbit: Any, colour: str, label: str) -> float:
     return float(np.hypot(x, y).max())
 
 
-def plot_run_up(data: RunUpMotion, path: Path) -> Path:
+def plot_run_up(data: RunUpMotion, path: Path | None) -> Path | Drawing:
     """Displacement of every station while the speed rises, with and without balancers."""
     parts = [("without balancers", data.run)]
     if data.alone is not None:

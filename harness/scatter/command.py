@@ -40,29 +40,24 @@ def command(
     from ..output.files import write_json
     from ..output.report import Report
     from ..scene.changes import changed_scene
-    from .importance import importances
-    from .report import document, grade_table, importance_table, lines
-    from .study import scatter
-    from .vary import Variation
+    from .report import grade_table, importance_table, lines
 
     places = output or []
     stores = [path for path in places if options.is_store(path)]
     if len(stores) > 1:
         raise UserError(f"{stores[1]}: one store is enough")
     loaded = changed_scene(scene, changes)
-    variations = [Variation.parse(text, loaded) for text in vary]
     page = Report(report, f"Tolerances: {loaded.heading}", [loaded])
     with progress_bar(f"machines of {loaded.name}") as progress, who_works(cluster) as workers:
-        study = scatter(
-            loaded,
-            variations,
+        study = loaded.scatter(
+            vary,
             n,
             seed=seed,
             workers=workers,
             progress=costs.within(at_most, f"-n {n}", progress),
             store=stores[0] if stores else None,
         )
-    said = document(study, *importances(study))
+    said = study.as_json()
     with page.keeping():
         for line in lines(said):
             say(line)
@@ -76,9 +71,7 @@ def command(
         if path.suffix == options.TABLE:
             study.to_csv(path)
         elif path not in stores:
-            from .plot import plot_scatter
-
-            plot_scatter(study, said, path)
+            study.plot(path)
         say(f"Written: {path}")
     page.cited = "ISO 21940-11; Tissot & Prieur 2012"
     page.write()

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from matplotlib.figure import Figure
 
-from ..output.plot import metres, save
+from ..output.plot import Drawing, metres, save
 from ..scene.grade import GRADES
 from .study import Scatter
 
@@ -17,7 +17,7 @@ BINS = 60
 WIDE = 30.0  # largest over smallest residual: from here on the axis is logarithmic
 
 
-def plot_scatter(scatter: Scatter, said: Mapping[str, Any], path: Path) -> Path:
+def plot_scatter(scatter: Scatter, said: Mapping[str, Any], path: Path | None) -> Path | Drawing:
     """Histogram of residual vibration, cumulative share over the grade, importance of the values.
 
     Args:

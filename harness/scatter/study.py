@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,6 +16,7 @@ from ..errors import SceneError, SimulationError
 from ..master.alike import cosimulate_alike
 from ..master.merged import merged, names_of_states
 from ..master.one_file import composition
+from ..output.outcome import Outcome
 from ..output.table import Sheet
 from ..output.workers import Progress, Workers, in_order
 from ..scene import Scene
@@ -22,14 +24,17 @@ from ..scene.grade import moments, residual_unbalance
 from .store import open_scatter
 from .vary import Variation, drawn, refuse_drawn, refuse_wrong
 
+if TYPE_CHECKING:
+    from ..output.plot import Drawing
+
 CHUNK = 50  # machines worked on together: some seconds at most
 Vector = NDArray[np.float64]
 # residual, grade, settled, merged, failure
-Outcome = tuple[Vector, Vector, Vector, Vector, NDArray[np.object_]]
+Columns = tuple[Vector, Vector, Vector, Vector, NDArray[np.object_]]
 
 
-@dataclass(frozen=True, eq=False)
-class Scatter:
+@dataclass(frozen=True, eq=False, repr=False)
+class Scatter(Outcome):
     """Machines of a scene, and what came of each.
 
     Attributes:
@@ -61,12 +66,21 @@ class Scatter:
         """(n,) which runs did not fail."""
         return np.asarray(self.failure == "")
 
-    def to_csv(self, path: Path) -> Path:
-        """One line a machine.
+    def as_json(self) -> dict[str, Any]:
+        """Shares within the grades of ISO 21940-11, and what matters most."""
+        from .importance import importances
+        from .report import document
 
-        Raises:
-            UserError: the file cannot be written.
-        """
+        return document(self, *importances(self))
+
+    def plot(self, path: str | Path | None = None) -> Path | Drawing:
+        """Residual vibration, shares within the grades, and what matters most."""
+        from .plot import plot_scatter
+
+        return plot_scatter(self, self.as_json(), None if path is None else Path(path))
+
+    def table(self) -> Sheet:
+        """One line a machine."""
         heads = [one.path for one in self.variations]
         outcomes = (self.residual, self.grade, self.settled, self.merged)
         numbers = np.column_stack([self.values, *outcomes])
@@ -75,7 +89,7 @@ class Scatter:
             for row, failure in zip(numbers.tolist(), self.failure, strict=True)
         ]
         heads += ["residual amplitude [m]", "grade [mm/s]", "settled", "merged", "failure"]
-        return Sheet(heads, rows).write_csv(path)
+        return Sheet(heads, rows, title=self.title)
 
 
 def scatter(
@@ -129,7 +143,7 @@ def scatter(
     return study
 
 
-def _machines(job: tuple[Scene, list[str], Vector]) -> Outcome:
+def _machines(job: tuple[Scene, list[str], Vector]) -> Columns:
     """Outcomes of some machines; one that cannot be costs itself alone."""
     scene, paths, values = job
     failure = np.full(len(values), "", dtype=object)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from difflib import get_close_matches
 from typing import Any
@@ -87,6 +87,22 @@ class Variation:
     def typical(self) -> float:
         """The median."""
         return float(self.distribution.ppf(0.5))
+
+
+def variations(vary: Mapping[str, Any] | Iterable[str], scene: Scene) -> list[Variation]:
+    """What varies, of texts `PATH=NAME(...)` or of distributions, in words or SciPy's, by path.
+
+    Raises:
+        UserError: as `Variation.parse`.
+    """
+    if not isinstance(vary, Mapping):
+        return [Variation.parse(text, scene) for text in vary]
+    return [
+        Variation.parse(f"{path}={one}", scene)
+        if isinstance(one, str)
+        else Variation(in_full(path), f"{path}={one.dist.name}{one.args or one.kwds}", one)
+        for path, one in vary.items()
+    ]
 
 
 def drawn(variations: Sequence[Variation], count: int, seed: int) -> NDArray[np.float64]:

@@ -25,6 +25,7 @@ from .balancing import Balancing
 from .check import AnyCheck
 from .file import bundled_scenes, find, read, refuse_deep
 from .messages import locate, problems
+from .methods import Methods
 from .model_rules import (
     in_python,
     liquid_windows,
@@ -42,7 +43,7 @@ from .run import Coupling, Operation, Run
 __all__ = ["Scene", "bundled_scenes", "load_scene"]
 
 
-class Scene(Table):
+class Scene(Methods, Table):
     """A validated scene.
 
     Make one with `load_scene`, `Scene.from_document`, or `Scene(rotor={...}, operation={...})`.
@@ -143,6 +144,8 @@ class Scene(Table):
         if lines:
             raise SceneError("\n".join(f"{label}: {line}" for line in lines))
         self._document, self._path, self._label = document, path, label
+        for table in (self.run, self.rotor):  # these are called
+            table.__dict__["_scene"] = self
 
     @property
     def path(self) -> Path | None:

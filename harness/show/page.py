@@ -6,9 +6,12 @@ import base64
 import html
 import json
 from pathlib import Path
+from typing import NamedTuple
 
-from ...fmus.native.build.compile import page_library
-from ..output.files import plain
+from ...fmus.native.build.compile import NotCompiled, page_library
+from ..errors import UserError
+from ..master.recorder import recorded
+from ..output.files import plain, write_whole
 from ..scene import Scene
 from .content import content
 
@@ -25,6 +28,32 @@ _SCRIPTS = (
     "files",
     "main",
 )
+
+
+class Page(NamedTuple):
+    """A page that was written.
+
+    Attributes:
+        path: of the file.
+        summary: of the scene's run, which stands under the title.
+    """
+
+    path: Path
+    summary: str
+
+
+def write_page(scene: Scene, path: Path | None = None) -> Page:
+    """See `Scene.show`."""
+    path = path or Path(f"{scene.name}.html")
+    try:
+        whole = scene.replace({"run.record": None})
+        summary = str(whole.run(record=recorded(whole)).summary())
+        text = page(scene, summary)
+    except NotCompiled as error:
+        raise UserError(str(error)) from error
+    with write_whole(path) as stream:
+        stream.write(text)
+    return Page(path, summary)
 
 
 def page(scene: Scene, summary: str = "") -> str:

@@ -7,6 +7,7 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,6 +15,7 @@ from numpy.typing import NDArray
 from ...models.assembly import Assembly
 from ...models.stability import growth_map
 from ..errors import SimulationError
+from ..output.outcome import Outcome
 from ..output.table import Sheet
 from ..output.workers import Progress, Workers, in_order
 from ..scene import Scene
@@ -23,6 +25,9 @@ from .boundaries import criterion_of
 from .main_motion import MainMotion
 from .map_store import open_map
 from .whirl import whirl_at
+
+if TYPE_CHECKING:
+    from ..output.plot import Drawing
 
 Vector = NDArray[np.float64]
 Reasons = NDArray[np.object_]  # why points have no growth rate; empty where they have
@@ -46,8 +51,8 @@ class MapPoint:
     refusal: str = ""
 
 
-@dataclass(frozen=True)
-class StabilityMap:
+@dataclass(frozen=True, repr=False)
+class StabilityMap(Outcome):
     """Growth rates over two parameters.
 
     Attributes:
@@ -63,6 +68,8 @@ class StabilityMap:
             cannot balance [m]; NaN elsewhere, and where there is no steady whirl.
         whirl_growth: (len(y), len(x)) growth rate of deviations from it [1/s].
     """
+
+    dimensions: ClassVar[int] = 2
 
     title: str
     x: Axis
@@ -85,24 +92,26 @@ class StabilityMap:
             for p in self.points
         )
 
-    def to_csv(self, path: Path) -> Path:
-        """One line a point of the grid.
-
-        Raises:
-            UserError: the file cannot be written.
-        """
-        measured = {(p.y, p.x): f"{p.growth:.10g}" for p in self.points}
+    def table(self) -> Sheet:
+        """One line a point of the grid."""
+        measured = {(p.y, p.x): p.growth for p in self.points}
         rows = []
         for (j, i), growth in np.ndenumerate(self.growth):
-            numbers = (f"{n:.10g}" for n in (self.x.values[i], self.y.values[j], growth))
+            numbers = map(float, (self.x.values[i], self.y.values[j], growth))
             word = ""
             if self.criterion is not None:
                 word = "stable" if self.criterion[j, i] < 0.0 else "unstable"
-            whirls = (f"{each[j, i]:.10g}" for each in (self.whirl, self.whirl_growth))
+            whirls = (float(each[j, i]) for each in (self.whirl, self.whirl_growth))
             rows.append((*numbers, word, measured.get((j, i), ""), *whirls))
         growths = ("growth rate [1/s]", "criterion", "cosim growth rate [1/s]")
         heads = (*self.labels, *growths, "whirl [m]", "whirl growth rate [1/s]")
-        return Sheet(heads, rows).write_csv(path)
+        return Sheet(heads, rows, title=self.title)
+
+    def plot(self, path: str | Path | None = None) -> Path | Drawing:
+        """Blue where deviations decay, red where they grow; the boundaries by every method."""
+        from .plot import plot_map
+
+        return plot_map(self, None if path is None else Path(path))
 
 
 def stability_map(

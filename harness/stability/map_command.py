@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from enum import Enum
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
@@ -49,12 +49,8 @@ def command(
     from ..output.report import Report
     from ..scene.changes import changed_scene
     from .axis import Axis
-    from .map import stability_map
-    from .run_map import RunMap, run_map
+    from .run_map import RunMap
 
-    in_runs = method is MapMethod.COSIM_RUN
-    if in_runs and cosim:
-        raise UserError(f"--cosim {cosim}: belongs to --method floquet; here every point is run")
     stores = [path for path in output or () if options.is_store(path)]
     if len(stores) > 1:
         raise UserError(f"{stores[1]}: one store is enough")
@@ -73,18 +69,14 @@ def command(
     with progress_bar(f"mapping {loaded.name}") as progress, who_works(cluster) as workers:
         key = f"--x {x} --y {y}" + (f" --cosim {cosim}" if cosim else "")
         moved, store = costs.within(at_most, key, progress), stores[0] if stores else None
-        data: StabilityMap | RunMap
-        if in_runs:
-            data = run_map(loaded, *axes, workers=workers, progress=moved, store=store)
-            with page.keeping():
-                for line in data.lines():
-                    say(line)
+        form: dict[str, Any] = {"workers": workers, "progress": moved, "store": store}
+        data = loaded.map(axes[0], axes[1], method.value, cosim=cosim, **form)
+    with page.keeping():
+        if isinstance(data, RunMap):
+            for line in data.lines():
+                say(line)
         else:
-            data = stability_map(
-                loaded, *axes, cosim=cosim, workers=workers, progress=moved, store=store
-            )
-            with page.keeping():
-                _say(data)
+            _say(data)
     if cosim:
         from ..master.plan import plan
 
@@ -96,15 +88,8 @@ def command(
     drawn = page.picture(f"{loaded.name}_map")
     if drawn is not None:
         pictures.append(drawn)
-    if pictures:
-        from .plot import plot_map, plot_run_map
-
-        for picture in pictures:
-            if isinstance(data, RunMap):
-                plot_run_map(data, picture)
-            else:
-                plot_map(data, picture)
-            say(f"Picture: {picture}")
+    for picture in pictures:
+        say(f"Picture: {data.plot(picture)}")
     page.write()
 
 

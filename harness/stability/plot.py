@@ -13,14 +13,15 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
-from ..output.plot import metres, save
+from ..output.plot import Drawing, metres, save
 from .map import StabilityMap
 from .run_map import RunMap
+from .speeds import Speeds
 
 DECADES = 3.0  # of growth rates told apart on either side of zero
 
 
-def plot_map(data: StabilityMap, path: Path) -> Path:
+def plot_map(data: StabilityMap, path: Path | None) -> Path | Drawing:
     """Blue where deviations decay, red where they grow."""
     figure = Figure(figsize=(8.6, 5.6), layout="constrained")
     axes = figure.subplots()
@@ -69,7 +70,7 @@ def _whirls(axes: Any, data: StabilityMap) -> list[Artist]:
     return [Line2D([], [], color="tab:green", label=f"stable whirl that remains [{unit}]")]
 
 
-def plot_run_map(data: RunMap, path: Path) -> Path:
+def plot_run_map(data: RunMap, path: Path | None) -> Path | Drawing:
     """Residual amplitude as colour; runs that have not settled are dotted, failed ones hatched."""
     figure = Figure(figsize=(8.6, 5.6), layout="constrained")
     axes = figure.subplots()
@@ -95,6 +96,24 @@ def plot_run_map(data: RunMap, path: Path) -> Path:
     axes.set(xlabel=data.labels[0], ylabel=data.labels[1])
     if handles:
         figure.legend(handles=handles, loc="outside lower center", ncols=2, fontsize="small")
+    return save(figure, path)
+
+
+def plot_speeds(data: Speeds, path: Path | None) -> Path | Drawing:
+    """A bar for every method: green where it finds balancing stable, red where it does not."""
+    figure = Figure(figsize=(8.6, 1.6 + 0.5 * len(data.methods)), layout="constrained")
+    axes = figure.subplots()
+    colours = {"stable": "tab:green", "unstable": "tab:red"}
+    for row, (method, found) in enumerate(data.methods.items()):
+        ends = [data.range[0], *(crossing.speed for crossing in found), data.range[1]]
+        sides = [data.lowest[method], *(crossing.above for crossing in found)]
+        for side, low, high in zip(sides, ends, ends[1:], strict=False):
+            axes.barh(row, high - low, left=low, height=0.6, color=colours.get(side, "0.8"))
+        for speed in ends[1:-1]:
+            axes.annotate(f"{speed:.5g}", (speed, row), ha="center", va="center", fontsize="small")
+    axes.set_yticks(range(len(data.methods)), list(data.methods))
+    axes.set(xlabel="speed [rad/s]", xlim=data.range)
+    axes.set_title(f"{data.scene}: balancing is stable (green), unstable (red)")
     return save(figure, path)
 
 

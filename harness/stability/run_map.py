@@ -6,12 +6,14 @@ import itertools
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
+from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ..master.alike import cosimulate_alike, refuse_unvaried
 from ..master.one_file import composition
+from ..output.outcome import Outcome
 from ..output.table import Sheet
 from ..output.words import kinds_of
 from ..output.workers import Progress, Workers, in_order
@@ -19,12 +21,15 @@ from ..scene import Scene
 from .axis import Axis, refuse_axes
 from .map_store import open_run_map
 
+if TYPE_CHECKING:
+    from ..output.plot import Drawing
+
 _RESULTS = ("residual", "settled", "failure")
 Rows = NDArray[np.float64]
 
 
-@dataclass(frozen=True, eq=False)
-class RunMap:
+@dataclass(frozen=True, eq=False, repr=False)
+class RunMap(Outcome):
     """Runs over two parameters.
 
     Attributes:
@@ -35,6 +40,8 @@ class RunMap:
         settled: (len(y), len(x)) 1 where the last two revolutions are alike.
         failure: (len(y), len(x)) why a run failed; else empty.
     """
+
+    dimensions: ClassVar[int] = 2
 
     title: str
     x: Axis
@@ -58,20 +65,22 @@ class RunMap:
         for count, reason in kinds_of(failed)[:3]:
             yield f"{count} failed, such as: {reason}"
 
-    def to_csv(self, path: Path) -> Path:
-        """One line a point of the grid.
-
-        Raises:
-            UserError: the file cannot be written.
-        """
+    def table(self) -> Sheet:
+        """One line a point of the grid."""
         rows = []
         for (j, i), failure in np.ndenumerate(self.failure):
             numbers = (self.residual[j, i], self.settled[j, i])
-            shown = ("", "") if failure else (f"{number:.10g}" for number in numbers)
-            place = (f"{self.x.values[i]:.10g}", f"{self.y.values[j]:.10g}")
+            shown = ("", "") if failure else map(float, numbers)
+            place = (float(self.x.values[i]), float(self.y.values[j]))
             rows.append((*place, *shown, failure))
         heads = (*self.labels, "residual amplitude [m]", "settled", "failure")
-        return Sheet(heads, rows).write_csv(path)
+        return Sheet(heads, rows, title=self.title)
+
+    def plot(self, path: str | Path | None = None) -> Path | Drawing:
+        """Residual amplitude as colour; what has not settled is dotted, what failed hatched."""
+        from .plot import plot_run_map
+
+        return plot_run_map(self, None if path is None else Path(path))
 
 
 def run_map(

@@ -3,18 +3,22 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from ...models.linear.boundaries import Crossing
+from ..output.outcome import Outcome
+from ..output.table import Sheet
 from .crossings import Side
 from .whirl import Whirls
 
 if TYPE_CHECKING:
     from .proved import Proof
+    from ..output.plot import Drawing
 
 
-@dataclass(frozen=True)
-class Speeds:
+@dataclass(frozen=True, repr=False)
+class Speeds(Outcome):
     """Boundaries within a range by several methods.
 
     Attributes:
@@ -35,6 +39,17 @@ class Speeds:
     refused: dict[str, str] = field(default_factory=dict)
     whirl: Whirls | None = None
     proof: Proof | None = None
+
+    def table(self) -> Sheet:
+        """A row for every crossing of every method."""
+        rows = [(m, c.speed, c.above) for m, found in self.methods.items() for c in found]
+        return Sheet(("method", "speed [rad/s]", "above it"), rows, "lrl", self.scene)
+
+    def plot(self, path: str | Path | None = None) -> Path | Drawing:
+        """Where each method finds balancing stable, along the speed."""
+        from .plot import plot_speeds
+
+        return plot_speeds(self, None if path is None else Path(path))
 
     def as_json(self) -> dict[str, Any]:
         """Plain lists and numbers."""

@@ -53,7 +53,7 @@ def command(
     """Find the speeds at which balancing begins or ends."""
     from ..master.plan import plan
     from ..scene.changes import changed_scene
-    from .boundaries import METHODS, speeds
+    from .boundaries import METHODS
 
     if narrowest is not None and not narrowest > 0.0:
         raise UserError(f"--narrowest {narrowest:g} rad/s: must be positive")
@@ -63,9 +63,9 @@ def command(
     loaded = changed_scene(scene, changes)
     low, high = options.speed_range(range_)
     with progress_bar(f"critical speeds of {loaded.name}") as progress:
-        result = speeds(
-            loaded,
-            (low, high),
+        result = loaded.speeds(
+            low,
+            high,
             names,
             narrowest=narrowest,
             scan=scan,

@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 import doctest
+import inspect
 import subprocess
 import sys
-from collections.abc import Iterator
 
 import numpy as np
 import pytest
 
 import autobalancer as ab
+from autobalancer.harness.scene.methods import Methods
 
 ROTORS = {
     "planar": lambda: ab.Planar(mass=8.0, stiffness=(20e3, 30e3), unbalance="20 g m"),
@@ -109,17 +110,26 @@ def test_axes_of_a_pair_are_x_and_y():
         scene.replace({"rotor.planes[x]": 0.2})
 
 
-def examples() -> Iterator[doctest.DocTest]:
-    """Every docstring with examples of what `ab` has."""
+def examples() -> list[doctest.DocTest]:
+    """Every docstring with examples of what `ab` has, inherited methods included."""
     finder, names = doctest.DocTestFinder(), {"ab": ab, "np": np}
-    for name in ("__doc__", *ab.__all__):
-        found = ab if name == "__doc__" else getattr(ab, name)
-        if name != "__version__":
-            tests = finder.find(found, name.replace("__doc__", "ab"), globs=names)
-            yield from (one for one in tests if one.examples)
+    found = {"ab": ab, **{name: getattr(ab, name) for name in ab.__all__ if name[0] != "_"}}
+    for one in list(found.values()):
+        for base in getattr(one, "__mro__", ()):
+            if base.__module__.startswith("autobalancer"):
+                found.setdefault(base.__name__, base)
+    tests = [test for name, one in found.items() for test in finder.find(one, name, globs=names)]
+    return [test for test in tests if test.examples]
 
 
-@pytest.mark.parametrize("example", list(examples()), ids=lambda example: example.name)
+@pytest.mark.parametrize("name", [name for name in vars(Methods) if name[0] != "_"])
+def test_every_method_of_a_scene_has_an_example_and_says_what_it_refuses(name):
+    text = inspect.getdoc(getattr(ab.Scene, name))
+    assert ">>> " in text
+    assert "Raises:" in text or name == "cite"
+
+
+@pytest.mark.parametrize("example", examples(), ids=lambda example: example.name)
 def test_the_examples_of_docstrings_are_true(example, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     said: list[str] = []

@@ -37,26 +37,23 @@ def command(
     """Measure error against run time of every scheme."""
     from ...scene.changes import changed_scene
     from . import report
-    from .measure import precision
 
     loaded = changed_scene(scene, changes)
     limit = costs.limited(at_most, f"run.revolutions = {loaded.run.revolutions:g}")
     with limit, progress_bar(f"measuring {loaded.name}") as move:
-        study = precision(loaded, seconds=seconds, progress=lambda what, done: move(done, what))
+        study = loaded.precision(seconds, progress=lambda what, done: move(done, what))
     show(report.table(study))
     say(report.reference_words(study))
     say(machine())
     if csv_file is not None:
-        report.write_csv(study, csv_file)
+        study.to_csv(csv_file)
     if json_file is not None:
-        write_json(report.as_json(study), json_file)
+        write_json(study.as_json(), json_file)
     if markdown_file is not None:
         with write_whole(markdown_file) as stream:
             stream.write(report.markdown(study))
     if output is not None:
-        from .plot import plot_precision
-
-        say(f"Picture: {plot_precision(study, output, all_curves)}")
+        say(f"Picture: {study.plot(output, all_curves=all_curves)}")
     if words := report.one_file_words(study):
         say(words, style="bold")
     say(report.cheapest_words(study), style="bold")

@@ -12,12 +12,16 @@ import time as clock
 from collections.abc import Mapping, Sequence
 from contextlib import ExitStack
 from dataclasses import dataclass, field
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from ....models.reference.trajectory import Trajectory
 from ...errors import SimulationError
 from ...master.recorder import recorded
+from ...output.outcome import Outcome
+from ...output.table import Sheet
 from ...output.workers import ItemProgress
 from ...scene import Scene
 from ...scene.balancer import Liquid
@@ -32,6 +36,9 @@ from .methods import (
     ready,
 )
 from .reference import refuse_without_reference, right_motion, signal_ranges
+
+if TYPE_CHECKING:
+    from ...output.plot import Drawing
 
 TWO_DECADES = 100.0  # the reference must be that much better than a point whose error counts
 ASYMPTOTIC = 0.03  # an error above it says nothing of a method's order
@@ -70,8 +77,8 @@ class Point:
         return self.error is not None
 
 
-@dataclass(frozen=True)
-class Precision:
+@dataclass(frozen=True, repr=False)
+class Precision(Outcome):
     """Everything measured for one scene.
 
     Attributes:
@@ -86,6 +93,24 @@ class Precision:
     reference_error: float
     rounds: int
     orders: Mapping[str, float] = field(default_factory=dict)
+
+    def table(self) -> Sheet:
+        """A row for every method, step and tolerance: errors of the range, seconds."""
+        from .report import rows
+
+        return rows(self)
+
+    def as_json(self) -> dict[str, Any]:
+        """The rows."""
+        from .report import as_json
+
+        return as_json(self)
+
+    def plot(self, path: str | Path | None = None, *, all_curves: bool = False) -> Path | Drawing:
+        """Error over run time: the best method of each group, or all of them."""
+        from .plot import plot_precision
+
+        return plot_precision(self, None if path is None else Path(path), all_curves)
 
     def cheapest(
         self, error: float, *, coupled: bool | None = None, one_file: bool = False

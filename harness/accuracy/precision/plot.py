@@ -10,7 +10,7 @@ from typing import Any
 from matplotlib.figure import Figure
 
 from ...output.machine import machine
-from ...output.plot import save
+from ...output.plot import Drawing, save
 from .measure import TARGETS, TWO_DECADES, Point, Precision
 from .methods import Method
 
@@ -30,7 +30,7 @@ _MARKERS: dict[int | None, str] = {0: "v", 1: "s", 3: "o", 5: "*", None: "."}
 _TOLERANCE = "tab:green"
 
 
-def plot_precision(study: Precision, path: Path, all_curves: bool = False) -> Path:
+def plot_precision(study: Precision, path: Path | None, all_curves: bool = False) -> Path | Drawing:
     """Draw a measured scene: the best method of each group, or all of them."""
     figure = Figure(figsize=(10.5, 6.4), layout="constrained")
     axes = figure.subplots()

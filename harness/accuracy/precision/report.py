@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from pathlib import Path
 from typing import Any
 
 from ...output.table import Sheet
@@ -27,14 +26,11 @@ def as_json(study: Precision) -> dict[str, Any]:
     return {"rows": [row(point) for point in study.points]}
 
 
-def write_csv(study: Precision, path: Path) -> None:
-    """The rows with the error at the end, the error of x and y alone, and the work added.
-
-    Raises:
-        UserError: the file cannot be written.
-    """
-    rows = [[*row(point).values(), point.at_end, point.rotor, point.work] for point in study.points]
-    Sheet((*KEYS, "error_at_end", "error_of_rotor", "work"), rows).write_csv(path)
+def rows(study: Precision) -> Sheet:
+    """The rows with the error at the end, the error of x and y alone, and the work added."""
+    cells = [[*row(p).values(), p.at_end, p.rotor, p.work] for p in study.points]
+    columns = (*KEYS, "error_at_end", "error_of_rotor", "work")
+    return Sheet(columns, cells, title=study.scene.heading)
 
 
 def table(study: Precision) -> Sheet:

@@ -1,0 +1,141 @@
+"""FMU files of a scene, or of every unit: single ones, one that couples them, or an SSP."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from ...fmus.catalogue import CATALOGUE
+from ..errors import UserError, is_own_file
+from ..output.outcome import Outcome
+from ..output.table import Sheet
+from ..output.terminal import ready_to_write
+from ..output.workers import Progress
+from ..scene import Scene
+
+
+@dataclass(frozen=True, repr=False)
+class Built(Outcome):
+    """Files that were written.
+
+    Attributes:
+        files: their paths.
+        rows: what is in each, below `heads`.
+        left_out: units that the scene does without.
+    """
+
+    title: str
+    heads: tuple[str, ...]
+    files: tuple[Path, ...]
+    rows: tuple[tuple[str, ...], ...]
+    left_out: tuple[str, ...] = ()
+
+    def table(self) -> Sheet:
+        """A line for every file, with its size."""
+        rows = [
+            (str(path), *row, f"{path.stat().st_size / 1000:.0f}")
+            for path, row in zip(self.files, self.rows, strict=True)
+        ]
+        align = "l" * (len(self.heads) + 1) + "r"
+        return Sheet(("file", *self.heads, "kB"), rows, align, self.title)
+
+
+def build_files(
+    scene: Scene | None,
+    output: Path,
+    fmi: int = 2,
+    platforms: list[str] | None = None,
+    *,
+    python: bool = False,
+    one_file: bool = False,
+    ssp: bool = False,
+    progress: Progress | None = None,
+) -> Built:
+    """See `Scene.build`; without a scene, every unit there is."""
+    if ssp:
+        if scene is None or fmi != 2 or (one_file and python):
+            raise UserError(
+                "--ssp: give a scene, and neither --fmi 3, which SSP 1.0 does not have, nor "
+                "--python with --one-file"
+            )
+        return _build_ssp(scene, output, one_file, "python" if python else "native", platforms)
+    if one_file:
+        if scene is None:
+            raise UserError("--one-file: give the scene whose units are to be coupled")
+        if python:
+            raise UserError("--one-file: has no Python units; leave out --python")
+        return _build_one_file(scene, output, fmi, platforms)
+    from ...fmus.build import build
+
+    form = {"backend": "python" if python else "native", "fmi": fmi, "platforms": platforms}
+    wanted, left_out = _wanted(scene, python)
+    files, rows = [], []
+    for number, (name, (unit, sizes)) in enumerate(wanted.items(), start=1):
+        options = {**sizes, **form}
+        files.append(_written(output / name, lambda to, u=unit, o=options: build(u, to, **o)))  # type: ignore[misc]
+        rows.append((unit, ", ".join(f"{key} = {value}" for key, value in sizes.items()) or "-"))
+        if progress:
+            progress(number / len(wanted))
+    heads = ("unit", "options")
+    return Built("Units built", heads, tuple(files), tuple(rows), tuple(left_out))
+
+
+def _wanted(
+    scene: Scene | None, python: bool
+) -> tuple[dict[str, tuple[str, dict[str, Any]]], list[str]]:
+    """File name -> unit and options; and the units that the scene does without."""
+    if scene is None:
+        kinds = [unit for unit in CATALOGUE if not (python and CATALOGUE[unit].native)]
+        return {f"{unit}.fmu": (unit, {}) for unit in kinds}, [
+            f"{unit} (native only)" for unit in CATALOGUE if unit not in kinds
+        ]
+    from .plan import plan
+
+    units = plan(scene).units
+    wanted = {unit.file_name: (unit.model, dict(unit.sizes)) for unit in units}
+    used = {unit.model for unit in units}
+    return wanted, [f"{unit} (none in the scene)" for unit in CATALOGUE if unit not in used]
+
+
+def _build_one_file(scene: Scene, output: Path, fmi: int, platforms: list[str] | None) -> Built:
+    from .one_file import build_one_file
+
+    path = _written(
+        output / f"{scene.name}.fmu", lambda to: build_one_file(scene, to, fmi, platforms)
+    )
+    parts = ", ".join(["rotor", *(balancer.label for balancer in scene.balancer)])
+    return Built("Scene built", ("units", "coupling"), (path,), ((parts, scene.coupling.scheme),))
+
+
+def _build_ssp(
+    scene: Scene, output: Path, one_file: bool, backend: str, platforms: list[str] | None
+) -> Built:
+    from .ssp.build import build_ssp
+
+    path = output
+    if output.suffix != ".ssp":
+        path = output / f"{scene.name}.ssp"
+    form: dict[str, Any] = {"one_file": one_file, "backend": backend, "platforms": platforms}
+    _written(path, lambda to: build_ssp(scene, to, **form))
+    units = "coupled inside" if one_file else "connected, with slopes"
+    return Built("System structure package built", ("units",), (path,), ((units,),))
+
+
+def _written(path: Path, make: Callable[[Path], Path]) -> Path:
+    """An FMU made at a path; what prevents it is a UserError."""
+    from ...fmus.native.build.compile import NotCompiled
+
+    there = next(folder for folder in path.parents if folder.exists())  # the others are made
+    ready_to_write(there / path.name)  # compiling can take minutes
+    try:
+        return make(path)
+    except OSError as error:
+        if is_own_file(error):
+            raise
+        raise UserError(f"{path}: cannot be written: {error.strerror or error}") from error
+    except ValueError as error:
+        raise UserError(f"{path}: {error}") from error
+    except NotCompiled as error:
+        raise UserError(f"{error}; or build units that run Python: --python") from error

@@ -1,0 +1,123 @@
+"""What the methods of a scene give back: each is a table, most are a picture, and files of both."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, ClassVar
+
+from ..errors import UserError
+from .files import PAGE, PICTURES, write_json, write_whole
+from .table import Sheet
+
+if TYPE_CHECKING:
+    from pandas import DataFrame
+    from xarray import Dataset
+
+    from .picture import Picture
+    from .plot import Drawing
+
+_SHOWN = 20  # rows in a notebook
+_TABLE, _JSON, _ARRAYS = ".csv", ".json", ".nc"
+
+
+class Outcome(ABC):
+    """A result that is a table.
+
+    Attributes:
+        dimensions: how many leading columns of the table span a grid.
+    """
+
+    dimensions: ClassVar[int] = 0
+
+    @abstractmethod
+    def table(self) -> Sheet:
+        """Numbers under heads with their units; an empty cell where there is none."""
+
+    def plot(self, path: str | Path | None = None) -> Path | Drawing | Picture:
+        """The picture: written where a path is given, else shown in a notebook, `save(path)`.
+
+        Raises:
+            UserError: there is no picture of it, or the file cannot be written.
+        """
+        raise UserError(f"{type(self).__name__}: has no picture; save it as .csv or .json")
+
+    def as_json(self) -> dict[str, Any]:
+        """Everything, for JSON."""
+        sheet = self.table()
+        return {"rows": [dict(zip(sheet.columns, row, strict=True)) for row in sheet.rows]}
+
+    def to_csv(self, path: str | Path) -> Path:
+        """Write the table as CSV.
+
+        Raises:
+            UserError: the file cannot be written.
+        """
+        return self.table().write_csv(Path(path))
+
+    def to_pandas(self) -> DataFrame:
+        """The table as a frame, columns named with their units.
+
+        Raises:
+            UserError: pandas is not installed.
+        """
+        sheet = self.table()
+        rows = [[None if cell == "" else cell for cell in row] for row in sheet.rows]
+        frame = library("pandas").DataFrame(rows, columns=list(sheet.columns))
+        return frame.infer_objects()
+
+    def to_xarray(self) -> Dataset:
+        """The table as a data set, a grid where it is one.
+
+        Raises:
+            UserError: xarray is not installed.
+        """
+        library("xarray")
+        frame = self.to_pandas()
+        grid = list(frame.columns[: self.dimensions])
+        return (frame.set_index(grid) if grid else frame).to_xarray()
+
+    def save(self, path: str | Path) -> Path:
+        """Write .csv (the table), .json (everything), .nc (the data set), or the picture.
+
+        Raises:
+            UserError: the name has another end, or the file cannot be written.
+        """
+        path = Path(path)
+        suffix = path.suffix.lower()
+        if suffix == _TABLE:
+            return self.to_csv(path)
+        if suffix == _JSON:
+            write_json(self.as_json(), path)
+        elif suffix == _ARRAYS:
+            whole = self.to_xarray().to_netcdf(engine="scipy")
+            with write_whole(path, "wb") as stream:
+                stream.write(whole)
+        elif suffix == PAGE or suffix.removeprefix(".") in PICTURES:
+            self.plot(path)
+        else:
+            ends = ", ".join((_TABLE, _JSON, _ARRAYS, *(f".{kind}" for kind in PICTURES)))
+            raise UserError(f"{path}: must end in {ends}")
+        return path
+
+    def __repr__(self) -> str:
+        sheet = self.table()
+        title = f" {sheet.title!r}" if sheet.title else ""
+        return f"<{type(self).__name__}{title}: {len(sheet.rows)} rows>"
+
+    def _repr_html_(self) -> str:
+        sheet = self.table()
+        return replace(sheet, rows=sheet.rows[:_SHOWN]).html()
+
+
+def library(name: str) -> Any:
+    """A library that is not required.
+
+    Raises:
+        UserError: it is not installed.
+    """
+    try:
+        return __import__(name)
+    except ImportError as error:
+        raise UserError(f'this needs {name}: pip install "autobalancer[data]"') from error

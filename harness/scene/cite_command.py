@@ -1,0 +1,17 @@
+"""`autobalancer cite`: the papers and methods behind a scene's run."""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+from ..output import options
+from ..output.terminal import say
+from .changes import changed_scene
+
+
+def command(
+    scene: Annotated[str, options.SCENE],
+    changes: Annotated[list[str] | None, options.changes("coupling.scheme='\"jacobi\"'")] = None,
+) -> None:
+    """Print BibTeX of the papers and methods that a run of a scene uses."""
+    say(changed_scene(scene, changes, quietly=True).cite())

@@ -1,0 +1,368 @@
+"""What is done with a scene: its methods, each the same as a command.
+
+The work is in the folder of the feature, which is loaded when a method is called.  Numbers are in
+SI units; a speed or an amount may be text with a unit, such as "1200 rpm".  `progress` is called
+with the finished fraction; `workers` is a number of processes, for which a script needs
+`if __name__ == "__main__":`, or an executor.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, cast
+
+if TYPE_CHECKING:
+    from ..accuracy.precision.measure import Precision
+    from ..balancing.cycles import BalancingReport
+    from ..checks.runner import SceneReport
+    from ..design.choices import Design
+    from ..fit.study import Fit
+    from ..master.build import Built
+    from ..output.workers import ItemProgress, Progress, Workers
+    from ..scatter.study import Scatter
+    from ..show.page import Page
+    from ..stability.axis import Axis
+    from ..stability.map import StabilityMap
+    from ..stability.run_map import RunMap
+    from ..stability.speeds import Speeds
+    from .scene import Scene
+
+METHODS = ("criterion", "floquet", "cosim")  # of `speeds`, where nothing else is asked for
+
+
+class Methods:
+    """The methods; `Scene.run` and `Scene.rotor` are called as well, see `Run` and `Planar`."""
+
+    @property
+    def _scene(self) -> Scene:
+        return cast("Scene", self)
+
+    def speeds(
+        self,
+        low: float | str,
+        high: float | str,
+        methods: str | Iterable[str] = METHODS,
+        *,
+        narrowest: float | None = None,
+        scan: int = 60,
+        workers: Workers = 1,
+        progress: Progress | None = None,
+    ) -> Speeds:
+        """Speeds at which balancing begins or ends, by independent methods (Filimonikhina 2017).
+
+        Args:
+            low, high: ends of the range [rad/s].
+            methods: criterion (closed form), floquet (linear stability of the equations), cosim and
+                cosim-run (the coupled units); several with commas, or a list.
+            narrowest: width of a band that Floquet must not miss [rad/s]; default: range/1000.
+            scan: intervals that cosim looks at where Floquet is not asked.
+
+        Raises:
+            UserError: the range is empty, a method is unknown, or the supports have dry friction.
+            SceneError: gravity swings the weights.
+            SimulationError: a co-simulation fails, and no other method answers.
+
+        >>> found = ab.load("filimonikhina").speeds(0.5, 12.0, "criterion,floquet")
+        >>> [round(crossing.speed, 4) for crossing in found.methods["floquet"]]
+        [1.0143, 5.0499, 8.3223]
+        >>> found.to_pandas()["above it"].iloc[-1]
+        'stable'
+        """
+        from ..stability.boundaries import speeds
+
+        asked = methods.split(",") if isinstance(methods, str) else list(methods)
+        names = [name.strip() for name in asked if name.strip()]
+        options: dict[str, Any] = {"workers": workers, "progress": progress}
+        return speeds(self._scene, (low, high), names, narrowest=narrowest, scan=scan, **options)
+
+    def map(
+        self,
+        x: str | Axis,
+        y: str | Axis,
+        method: str = "floquet",
+        *,
+        cosim: int = 0,
+        workers: Workers = 1,
+        progress: Progress | None = None,
+        store: Path | None = None,
+    ) -> StabilityMap | RunMap:
+        """Where balancing is stable, over two values of the scene.
+
+        Args:
+            x, y: "PATH=LOW:HIGH:N" or "PATH=LOW:HIGH:N:log", or an `Axis`.
+            method: floquet (growth rates [1/s]), or cosim-run (vibration that a run leaves [m]).
+            cosim: points that floquet also co-simulates.
+            store: a .zarr folder that keeps every point; an interrupted map continues from it.
+
+        Returns:
+            Grids of shape (len(y), len(x)).
+
+        Raises:
+            UserError: a path or a method is unknown, or a value on an axis is wrong.
+            SceneError: gravity swings the weights (floquet).
+
+        >>> found = ab.load("filimonikhina").map("speed=1:6:4", "weights.drag=0.01:1:3:log")
+        >>> found.growth.shape, found.to_xarray().sizes["speed [rad/s]"]
+        ((3, 4), 4)
+        """
+        from ..errors import UserError
+        from ..stability.axis import Axis
+        from ..stability.map import stability_map
+        from ..stability.run_map import run_map
+
+        axes = [a if isinstance(a, Axis) else Axis.parse(a, self._scene) for a in (x, y)]
+        options: dict[str, Any] = {"workers": workers, "progress": progress, "store": store}
+        if method == "cosim-run":
+            if cosim:
+                raise UserError(f"cosim = {cosim}: belongs to floquet; here every point is run")
+            return run_map(self._scene, *axes, **options)
+        if method != "floquet":
+            raise UserError(f"method {method!r}: must be floquet or cosim-run")
+        return stability_map(self._scene, *axes, cosim=cosim, **options)
+
+    def scatter(
+        self,
+        vary: Mapping[str, Any] | Iterable[str],
+        n: int = 10_000,
+        *,
+        seed: int = 1,
+        workers: Workers = 1,
+        progress: Progress | None = None,
+        store: Path | None = None,
+    ) -> Scatter:
+        """Machines whose values scatter within tolerances, each run in C.
+
+        Args:
+            vary: a distribution for every path: text such as "normal(0.2,10%)", or one of
+                `scipy.stats` with its parameters; or texts "PATH=NAME(NUMBERS)".
+            n: machines.
+            seed: the same seed draws the same machines.
+            store: as in `map`.
+
+        Returns:
+            Residual amplitudes [m], ISO 21940-11 grades [mm/s] and more, (n,) each.
+
+        Raises:
+            UserError: a path is unknown or cannot vary, or a distribution is wrong.
+            SimulationError: every machine has failed.
+
+        >>> short = ab.load("two_balls").replace({"run.revolutions": 5})
+        >>> found = short.scatter({"weights.drag": "normal(0.06,10%)"}, n=8)
+        >>> found.residual.shape, list(found.to_pandas())[0]
+        ((8,), 'weights.drag')
+        """
+        from ..scatter.study import scatter
+        from ..scatter.vary import variations
+
+        options: dict[str, Any] = {"workers": workers, "progress": progress, "store": store}
+        return scatter(self._scene, variations(vary, self._scene), n, seed=seed, **options)
+
+    def design(
+        self,
+        unbalance: float | str | None = None,
+        *,
+        race: float | str | None = None,
+        width: float | str | None = None,
+        material: str | float = "steel",
+        reserve: float = 1.0,
+        starts: int = 200,
+        most: int = 8,
+        workers: Workers = 1,
+        progress: Progress | None = None,
+    ) -> Design:
+        """Number and size of balls or rollers for a rotor (Goncharov 2017).
+
+        Args:
+            unbalance: the largest one [kg m], or "LOW..HIGH" with a unit; default: the scene's.
+            race: radius of the race [m]; default: that of the scene's weights.
+            width: space along the axis [m]; default: the diameter of the scene's weights.
+            material: a name such as "brass", or a density [kg/m^3].
+            reserve: capacity over the unbalance that a choice must have.
+            starts: random starts of every choice, from which settling times are measured.
+            most: largest number of weights.
+
+        Raises:
+            UserError: a value is wrong.
+            SceneError: the scene is no planar rotor at constant speed without gravity, or its
+                race is not known.
+            SimulationError: a run fails.
+
+        >>> drum = ab.load("goncharov_balls").replace({"run.revolutions": 20})
+        >>> found = drum.design("2..5 g m", race="0.1 m", width="20 mm", starts=6, most=3)
+        >>> [choice.count for choice in found.choices]
+        [2, 3]
+        """
+        from ..design.choices import design
+        from ..design.space import read_space
+
+        space = read_space(unbalance, race, width, material, reserve)
+        options: dict[str, Any] = {"workers": workers, "progress": progress}
+        return design(self._scene, counts=range(2, most + 1), starts=starts, **space, **options)
+
+    def fit(
+        self,
+        measured: str | Path,
+        free: str | Sequence[str],
+        *,
+        limits: Sequence[str] = (),
+        priors: Sequence[str] = (),
+        scatter: float = 0.1,
+        harmonic: bool = False,
+        starts: int = 1,
+        logarithms: bool = True,
+        progress: Progress | None = None,
+    ) -> Fit:
+        """Values of the scene from measured amplitudes, by least squares.
+
+        Args:
+            measured: a CSV file with heads `speed [rpm]`, paths of values that were set, and
+                `amplitude [mm]`, `residual`, or `rotor.station[1].residual`.
+            free: paths to find, with commas or as a list; "PATH=PATH" is one value for both.
+            limits: "PATH=LOW:HIGH", between which a value stays.
+            priors: "PATH=DEVIATION", how far off the start may be.
+            scatter: standard deviation of a difference, against which priors are weighed.
+            harmonic: search by harmonic balance alone; runs judge the result.
+            starts: of harmonic balance.
+            logarithms: compare logarithms of amplitudes, not amplitudes.
+
+        Returns:
+            Values with 95 % intervals; `scene` is the scene with them.
+
+        Raises:
+            UserError: the file or a path is wrong, or there are too few measurements.
+            SimulationError: a run has failed.
+
+        >>> rotor = ab.load("two_balls").without_balancers()
+        >>> rows = ["speed [rad/s],amplitude [mm]", "0.5,0.5", "1.5,2.0", "2.5,1.2"]
+        >>> text = open("measured.csv", "w").write("\\n".join(rows))
+        >>> found = rotor.fit("measured.csv", "rotor.unbalance", harmonic=True)
+        >>> found.scene.rotor.unbalance == float(found.values[0]), len(found.to_pandas())
+        (True, 1)
+        """
+        from ..fit.measured import read_measured
+        from ..fit.parameters import parse_free
+        from ..fit.study import fit
+
+        paths = [free] if isinstance(free, str) else free
+        parameters = parse_free(paths, self._scene, limits, priors, scatter)
+        data = read_measured(Path(measured), self._scene)
+        options: dict[str, Any] = {"harmonic": harmonic, "starts": starts, "progress": progress}
+        return fit(self._scene, data, parameters, logarithms=logarithms, **options)
+
+    def balance(self, *, progress: Progress | None = None) -> BalancingReport:
+        """Balance the rotor on the virtual machine of [balancing] (Polushkin 2016, ISO 21940-11).
+
+        Returns:
+            Influence coefficients (supports, planes) [1/kg], and every run of the machine.
+
+        Raises:
+            SceneError: there is no table [balancing], or the planes cannot be told apart.
+            SimulationError: the rotor does not run steadily.
+
+        >>> ab.load("balancing_machine").balance().met
+        True
+        """
+        from ..balancing.cycles import balance
+
+        return balance(self._scene, progress=progress)
+
+    def build(
+        self,
+        output: str | Path = ".",
+        *,
+        fmi: int = 2,
+        platforms: Iterable[str] | None = None,
+        python: bool = False,
+        one_file: bool = False,
+        ssp: bool = False,
+        progress: Progress | None = None,
+    ) -> Built:
+        """Write the FMUs of the scene.
+
+        Args:
+            output: folder; with `ssp` also a file.
+            fmi: version, 2 or 3.
+            platforms: such as "x86_64-linux"; default: all.
+            python: units that run Python instead of native ones.
+            one_file: the units and their coupling as a single FMU.
+            ssp: a system structure package instead of single files.
+
+        Raises:
+            UserError: the options do not go together, or a file cannot be written.
+
+        >>> built = ab.load("two_balls").build("units", platforms=["x86_64-linux"])
+        >>> [path.name for path in built.files]
+        ['RotorOnSupports.fmu', 'BallBalancer-weights-2.fmu']
+        """
+        from ..master.build import build_files
+
+        form: dict[str, Any] = {"python": python, "one_file": one_file, "ssp": ssp}
+        wanted = None if platforms is None else list(platforms)
+        return build_files(self._scene, Path(output), fmi, wanted, progress=progress, **form)
+
+    def show(self, output: str | Path | None = None) -> Page:
+        """Write a web page, one file, that runs the scene.
+
+        Args:
+            output: the file; default: NAME.html in the current folder.
+
+        Raises:
+            UserError: the scene cannot be shown, or the file cannot be written.
+
+        >>> page = ab.load("two_balls").show("two_balls.html")
+        >>> page.path.stat().st_size > 100_000
+        True
+        """
+        from ..show.page import write_page
+
+        return write_page(self._scene, None if output is None else Path(output))
+
+    def check(self, *, verify: bool = False, progress: ItemProgress | None = None) -> SceneReport:
+        """Every [[check]] of the scene: its theory and measurements beside runs.
+
+        Args:
+            verify: also measure the error of the scene's own run.
+            progress: called with the scene's name and the finished fraction.
+
+        Raises:
+            UserError: there is nothing to check.
+
+        >>> ab.load("liquid_touch").check().holds
+        True
+        """
+        from ..checks.runner import check_all
+
+        scene = self._scene
+        scene = scene.with_check({"kind": "measured_error"}) if verify else scene
+        return check_all([scene], progress, workers=1)[0]
+
+    def precision(
+        self, seconds: float = 75.0, *, progress: Callable[[str, float], None] | None = None
+    ) -> Precision:
+        """Error against run time of every coupling scheme; errors in parts of a signal's range.
+
+        Args:
+            seconds: about how long the measuring may take.
+            progress: called with what is measured and the finished fraction.
+
+        Raises:
+            UserError: nothing can be measured with the scene.
+
+        >>> short = ab.load("liquid_closed").replace({"run.revolutions": 0.5})
+        >>> bool(short.precision(1.0).to_pandas()["error"].min() < 1e-6)
+        True
+        """
+        from ..accuracy.precision.measure import precision
+
+        return precision(self._scene, seconds=seconds, progress=progress)
+
+    def cite(self) -> str:
+        """BibTeX of the papers and methods that a run of the scene uses.
+
+        >>> [line for line in ab.load("drum").cite().splitlines() if line.startswith("@")][0]
+        '@article{Filimonikhina2017,'
+        """
+        from .citations import bibtex
+
+        return bibtex(self._scene)
