@@ -125,6 +125,7 @@ README_COMMANDS = {  # of the table, with the options shown there
         "two_balls --separate",
     ],
     "new": ["fan -o fan.toml"],
+    "cite": ["drum"],
     "show": ["two_balls -o page.html --set weights.drag=0.1"],
     "speeds": ["two_balls --range 1 4 --method criterion,floquet,cosim"],
     "map": ["two_balls --x speed=1:4:3 --y weights.drag=0.01:0.1:3:log -o map.png"],

@@ -10,7 +10,7 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import ClassVar
 
 import numpy as np
 from pydantic import ValidationError
@@ -28,9 +28,6 @@ from ..output.outcome import Outcome
 from ..output.table import Sheet
 from ..scene.balancing import Balancing
 from .measured import MeasuredRuns, read_measured
-
-if TYPE_CHECKING:
-    from ..output.plot import Drawing
 
 _SINGULAR = 1e4  # condition number: readings of three digits then say nothing of the masses
 
@@ -88,6 +85,9 @@ class Correction(Outcome):
         grade: None where it was not asked.
     """
 
+    drawn_by: ClassVar[str] = "..balancing.plot_measured:plot_correction"
+    document_by: ClassVar[str] = "..balancing.documents:of_measured"
+
     measured: MeasuredRuns
     corrected: str
     coefficients: Complex
@@ -110,18 +110,6 @@ class Correction(Outcome):
         planes = self.measured.planes
         rows = [(planes[p.plane], p.mass, math.degrees(p.angle) % 360.0) for p in self.pieces]
         return Sheet(("plane", "mass [g]", "angle [deg]"), rows, "lrr", self.corrected)
-
-    def plot(self, path: str | Path | None = None) -> Path | Drawing:
-        """One polar diagram a plane, and one of the sensors."""
-        from .plot_measured import plot_correction
-
-        return plot_correction(self, None if path is None else Path(path))
-
-    def as_json(self) -> dict[str, Any]:
-        """Everything found; angles in degrees, counted like the masses' in the file."""
-        from .documents import of_measured
-
-        return of_measured(self)
 
 
 def correct(

@@ -11,8 +11,7 @@ with what the grade permits there.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import ClassVar
 
 import numpy as np
 
@@ -31,9 +30,6 @@ from ..output.workers import Progress
 from ..scene import Scene
 from ..scene.grade import permissible
 from .machine import Machine
-
-if TYPE_CHECKING:
-    from ..output.plot import Drawing
 
 TRIAL = 10.0  # times what is permissible: seen clearly, and as harmless as the unbalance itself
 
@@ -99,6 +95,9 @@ class BalancingReport(Outcome):
         units: FMUs loaded.
     """
 
+    drawn_by: ClassVar[str] = "..balancing.plot:plot_corrections"
+    document_by: ClassVar[str] = "..balancing.documents:of_machine"
+
     name: str
     title: str
     grade: str
@@ -130,18 +129,6 @@ class BalancingReport(Outcome):
         columns = ("coefficients", "cycle", "plane", "mounted [kg m]", "at [deg]", "left [kg m]")
         return Sheet(columns, rows, "lrrrrr", self.title)
 
-    def plot(self, path: str | Path | None = None) -> Path | Drawing:
-        """One polar diagram a plane: what was mounted in every cycle."""
-        from .plot import plot_corrections
-
-        return plot_corrections(self, None if path is None else Path(path))
-
-    def as_json(self) -> dict[str, Any]:
-        """Coefficients, and every run."""
-        from .documents import of_machine
-
-        return of_machine(self)
-
     @property
     def difference(self) -> float:
         """Largest relative difference of a measured coefficient from its analytic value."""
@@ -149,16 +136,7 @@ class BalancingReport(Outcome):
 
 
 def balance(scene: Scene, *, progress: Progress | None = None) -> BalancingReport:
-    """Balance the rotor of a scene on the virtual machine.
-
-    Args:
-        progress: called with the finished fraction.
-
-    Raises:
-        SceneError: the scene has no table [balancing], or its supports' vibration does not tell the
-            planes apart.
-        SimulationError: the rotor does not run steadily.
-    """
+    """See `Scene.balance`."""
     report = progress or (lambda done: None)
     with Machine(scene) as machine:
         setup = machine.setup

@@ -5,8 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
-from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import ClassVar
 
 import numpy as np
 
@@ -29,9 +28,6 @@ from .scenes import (
     with_balls,
 )
 from .settling import SETTLED, SettlingRun, median_interval, refuse_few, run_batch
-
-if TYPE_CHECKING:
-    from ..output.plot import Drawing
 
 
 @dataclass(frozen=True)
@@ -93,6 +89,8 @@ class Design(Outcome):
         least: the smallest unbalance that occurs [kg m].
     """
 
+    drawn_by: ClassVar[str] = "..design.plot:plot_capacity"
+
     title: str
     kind: str
     unbalance: float
@@ -115,14 +113,6 @@ class Design(Outcome):
         times = ("settling time [s]", "95 % from [s]", "to [s]")
         columns = ("n", "diameter [m]", "mass of all [kg]", "capacity [kg m]", *times)
         return Sheet(columns, rows, "r" * len(columns), self.title)
-
-    def plot(self, path: str | Path | None = None, *, theory: bool = False) -> Path | Drawing:
-        """Capacity over the number of weights, settling times below; or Goncharov's functions."""
-        from .plot import plot_capacity, plot_design
-
-        return (plot_design if theory else plot_capacity)(
-            self, None if path is None else Path(path)
-        )
 
     @property
     def decays(self) -> list[Decay]:
@@ -148,22 +138,8 @@ def design(
 
     Starts run in C as one file.
 
-    Args:
-        unbalance: the largest to be balanced [kg m], by default the scene's.
-        race: radius of the race [m], by default that of the scene's weights.
-        width: of the space along the axis [m]: height of rollers, largest diameter of balls; by
-            default the diameter of the scene's weights.
-        starts: random starts for every number of weights.
-        workers: processes, or an executor.
-        progress: called with the finished fraction.
-        reserve: capacity over the unbalance that a number must have.
-        least: the smallest unbalance that occurs [kg m].
-
-    Raises:
-        SceneError: the scene is not a planar rotor at constant speed with one set of balls or
-            rollers, or none, and no gravity; race or width is not known; or one file does not
-            have its coupling or units.
-        SimulationError: a run cannot be completed, or the starts are too few.
+    Arguments are those of `Scene.design`, which says what is raised, as numbers in SI units;
+    `width` is the height of rollers, or the largest diameter of balls.
     """
     refuse_few(starts)  # before the work
     scene.refuse_gravity("a design")

@@ -17,8 +17,10 @@ from .choices import Design
 CLOSED_FORM, MEASURED = "#1f5fa8", "#c03a2b"
 
 
-def plot_capacity(data: Design, path: Path | None) -> Path | Drawing:
-    """Capacity over n with the unbalance above, co-simulated settling times below."""
+def plot_capacity(data: Design, path: Path | None, theory: bool = False) -> Path | Drawing:
+    """Capacity over n with the unbalance above, settling times below; or `plot_design`."""
+    if theory:
+        return plot_design(data, path)
     figure, above, below = _panels(data)
     unit, factor = shown_in("kg m")
     counts = [c.count for c in data.choices]

@@ -6,7 +6,7 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 
@@ -22,7 +22,6 @@ from .parameters import Parameter
 from .search import difference, first_guess, known, rms, search
 
 if TYPE_CHECKING:
-    from ..output.plot import Drawing
     from ..output.workers import Progress
 
 ALIKE = math.sqrt(10.0)  # a variance inflation of 10 is commonly taken for too much
@@ -48,6 +47,9 @@ class Fit(Outcome):
         starts: from how many harmonic balance found values.
         ended: why the search has.
     """
+
+    drawn_by: ClassVar[str] = "..fit.plot:plot_fit"
+    document_by: ClassVar[str] = "..fit.report:document"
 
     start: Scene
     measured: MeasuredAmplitudes
@@ -88,18 +90,6 @@ class Fit(Outcome):
         rows = list(zip(*columns, strict=True))
         return Sheet(("parameter", "start", "fitted", "± (95 %)"), rows, "lrrr", self.start.heading)
 
-    def plot(self, path: str | Path | None = None) -> Path | Drawing:
-        """Measured and fitted amplitudes, and what is left between them."""
-        from .plot import plot_fit
-
-        return plot_fit(self, None if path is None else Path(path))
-
-    def as_json(self) -> dict[str, Any]:
-        """Values, how well they are known, and what is left."""
-        from .report import document
-
-        return document(self)
-
     def warnings(self) -> list[str]:
         """What the data cannot tell."""
         labels = [parameter.label for parameter in self.parameters]
@@ -134,15 +124,7 @@ def fit(
     A rotor alone is fitted by harmonic balance first, in a hundredth of the time of runs; these
     go on from there, and have the last word.
 
-    Args:
-        harmonic: the search ends with harmonic balance; runs say what is left with its values.
-        starts: of harmonic balance: the scene's, and others drawn about it.
-        progress: called with the finished fraction, at most.
-
-    Raises:
-        UserError: there are no more measured values than parameters; harmonic balance is asked for
-            and has no answer; or as `Model`.
-        SimulationError: a run has failed.
+    Arguments are those of `Scene.fit`, which says what is raised.
     """
     values = measured.values
     if len(values) <= len(parameters):

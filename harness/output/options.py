@@ -120,13 +120,6 @@ def _refuse_ending(path: Path, others: str, known: Sequence[str]) -> None:
         raise UserError(f"{path}: must end in {kinds}, or {others}")
 
 
-def _writable_or_store(path: Path | None) -> Path | None:
-    if is_store(path):
-        _storable(path)
-        return path
-    return _writable(path)
-
-
 def _kept(help: str, callback: Callable[[Any], Any]) -> Any:
     """`--output`, which can be a store."""
     return typer.Option("--output", "-o", metavar="FILE", help=help, callback=callback)
@@ -139,15 +132,6 @@ def pictures_or_store() -> Any:
         "command goes on where it was ended. Can be given several times."
     )
     return _kept(help, _drawable_or_store)
-
-
-def table_or_store(of: str) -> Any:
-    """A table, or a store of the same."""
-    help = (
-        f"Every {of} as CSV; or in FILE.zarr as it comes: the same command goes on where it was "
-        "ended."
-    )
-    return _kept(help, _writable_or_store)
 
 
 def _any_place(paths: list[Path] | None) -> list[Path] | None:

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
+from collections.abc import Callable
 from dataclasses import replace
+from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar
 
@@ -27,24 +29,36 @@ class Outcome(ABC):
 
     Attributes:
         dimensions: how many leading columns of the table span a grid.
+        drawn_by: module and function of its picture; called with it and a path.
+        document_by: of its document for JSON; default: the rows of its table.
     """
 
     dimensions: ClassVar[int] = 0
+    drawn_by: ClassVar[str] = ""
+    document_by: ClassVar[str] = ""
 
     @abstractmethod
     def table(self) -> Sheet:
         """Numbers under heads with their units; an empty cell where there is none."""
 
-    def plot(self, path: str | Path | None = None) -> Path | Drawing | Picture:
+    def plot(self, path: str | Path | None = None, **options: Any) -> Path | Drawing | Picture:
         """The picture: written where a path is given, else shown in a notebook, `save(path)`.
+
+        Args:
+            options: of the function `drawn_by`.
 
         Raises:
             UserError: there is no picture of it, or the file cannot be written.
         """
-        raise UserError(f"{type(self).__name__}: has no picture; save it as .csv or .json")
+        if not self.drawn_by:
+            raise UserError(f"{type(self).__name__}: has no picture; save it as .csv or .json")
+        found: Path | Drawing = _function(self.drawn_by)(self, path and Path(path), **options)
+        return found
 
     def as_json(self) -> dict[str, Any]:
         """Everything, for JSON."""
+        if self.document_by:
+            return dict(_function(self.document_by)(self))
         sheet = self.table()
         return {"rows": [dict(zip(sheet.columns, row, strict=True)) for row in sheet.rows]}
 
@@ -109,6 +123,12 @@ class Outcome(ABC):
     def _repr_html_(self) -> str:
         sheet = self.table()
         return replace(sheet, rows=sheet.rows[:_SHOWN]).html()
+
+
+def _function(place: str) -> Callable[..., Any]:
+    module, _, name = place.partition(":")
+    found: Callable[..., Any] = getattr(import_module(module, __package__), name)
+    return found
 
 
 def library(name: str) -> Any:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Literal, get_args
+from typing import TYPE_CHECKING, Any, ClassVar, Literal, get_args
 
 from ...models.arrays import Array
 from ...models.linear.modes import Campbell, Modes, critical_speeds, speeds_of_interest
@@ -36,6 +36,8 @@ class RotorAnalysis(Outcome):
             balancers' masses fixed to it [rad/s].
     """
 
+    drawn_by: ClassVar[str] = "..rotor.analysis:draw"
+
     scene: Scene
     low: float
     high: float
@@ -58,33 +60,6 @@ class RotorAnalysis(Outcome):
     def run_up(self) -> study.RunUpMotion:
         """Displacement while the speed rises through the range, with and without balancers."""
         return study.run_up_of(self.scene, self.low, self.high)
-
-    def plot(
-        self, path: str | Path | None = None, kind: Kind = "campbell"
-    ) -> Path | Drawing | Picture:
-        """A picture of a kind: modes, campbell, response, polar, orbit, or run-up.
-
-        Raises:
-            UserError: the kind is unknown, or the rotor has nothing of it to show.
-        """
-        from ..master.pictures.in_space import mode_shapes
-        from . import plot, plot_motion
-
-        to = None if path is None else Path(path)
-        if kind == "campbell":
-            found = study.campbell_of(self.scene, self.low, self.high)
-            return plot.plot_campbell(*found, self.scene.heading, to)
-        if kind == "response":
-            return plot.plot_response(self.response(), to)
-        if kind == "orbit":
-            return plot_motion.plot_orbits(self.orbits(), to)
-        if kind == "run-up":
-            return plot_motion.plot_run_up(self.run_up(), to)
-        if kind not in ("modes", "polar"):
-            raise UserError(f"kind {kind!r}: must be one of {', '.join(get_args(Kind))}")
-        in_space = kind == "modes"
-        picture = mode_shapes(self.scene) if in_space else plot.polar_response(self.response())
-        return picture if to is None else picture.save(to)
 
     def table(self) -> Sheet:
         """Natural frequency, damping and whirl of every mode."""
@@ -129,3 +104,30 @@ def analyse(scene: Scene, low: float | str | None, high: float | str | None) -> 
         )
     critical = [critical_speeds(rotor) for rotor in (assembly.rotor, assembly.loaded_rotor)]
     return RotorAnalysis(scene, first, last, study.modes_at(scene), *critical)
+
+
+def draw(
+    found: RotorAnalysis, path: Path | None, kind: Kind = "campbell"
+) -> Path | Drawing | Picture:
+    """A picture of a kind: modes, campbell, response, polar, orbit, or run-up.
+
+    Raises:
+        UserError: the kind is unknown, or the rotor has nothing of it to show.
+    """
+    from ..master.pictures.in_space import mode_shapes
+    from . import plot, plot_motion
+
+    if kind == "campbell":
+        curves = study.campbell_of(found.scene, found.low, found.high)
+        return plot.plot_campbell(*curves, found.scene.heading, path)
+    if kind == "response":
+        return plot.plot_response(found.response(), path)
+    if kind == "orbit":
+        return plot_motion.plot_orbits(found.orbits(), path)
+    if kind == "run-up":
+        return plot_motion.plot_run_up(found.run_up(), path)
+    if kind not in ("modes", "polar"):
+        raise UserError(f"kind {kind!r}: must be one of {', '.join(get_args(Kind))}")
+    in_space = kind == "modes"
+    picture = mode_shapes(found.scene) if in_space else plot.polar_response(found.response())
+    return picture if path is None else picture.save(path)

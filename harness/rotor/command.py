@@ -52,7 +52,7 @@ def command(
         for kind, path in wanted.items():
             if path is not None:
                 task = bars.add_task(f"drawing {kind}", total=None)
-                found.plot(path, kind)  # type: ignore[arg-type]
+                found.plot(path, kind=kind)
                 bars.remove_task(task)
                 say(f"Picture: {path}")
     if json_file is not None:

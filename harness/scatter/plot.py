@@ -17,16 +17,14 @@ BINS = 60
 WIDE = 30.0  # largest over smallest residual: from here on the axis is logarithmic
 
 
-def plot_scatter(scatter: Scatter, said: Mapping[str, Any], path: Path | None) -> Path | Drawing:
+def plot_scatter(scatter: Scatter, path: Path | None) -> Path | Drawing:
     """Histogram of residual vibration, cumulative share over the grade, importance of the values.
-
-    Args:
-        said: by `report.document`.
 
     Raises:
         UserError: the format is unknown, or the file cannot be written.
     """
     figure = Figure(figsize=(12.0, 4.2), layout="constrained")
+    said = scatter.as_json()
     left, middle, right = figure.subplots(1, 3)
     residual = scatter.residual[scatter.ran]
     factor, unit = metres(float(residual.max()))

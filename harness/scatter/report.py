@@ -11,12 +11,17 @@ from ..master.merged import SHORT
 from ..output.table import Sheet
 from ..output.words import kinds_of
 from ..scene.grade import GRADES
-from .importance import Importance
+from .importance import Importance, importances
 from .study import Scatter
 
 QUANTILES = (0.05, 0.5, 0.95, 0.99)
 CONFIDENCE = 0.95
 MOST_REASONS = 5  # said; the table has all
+
+
+def whole_document(scatter: Scatter) -> dict[str, Any]:
+    """`document` with what is important."""
+    return document(scatter, *importances(scatter))
 
 
 def document(scatter: Scatter, important: Sequence[Importance], missing: str) -> dict[str, Any]:

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,9 +23,6 @@ from ..scene import Scene
 from ..scene.grade import moments, residual_unbalance
 from .store import open_scatter
 from .vary import Variation, drawn, refuse_drawn, refuse_wrong
-
-if TYPE_CHECKING:
-    from ..output.plot import Drawing
 
 CHUNK = 50  # machines worked on together: some seconds at most
 Vector = NDArray[np.float64]
@@ -50,6 +47,9 @@ class Scatter(Outcome):
         left_out: why there are no grades; else empty.
     """
 
+    drawn_by: ClassVar[str] = "..scatter.plot:plot_scatter"
+    document_by: ClassVar[str] = "..scatter.report:whole_document"
+
     title: str
     variations: tuple[Variation, ...]
     seed: int
@@ -65,19 +65,6 @@ class Scatter(Outcome):
     def ran(self) -> NDArray[np.bool_]:
         """(n,) which runs did not fail."""
         return np.asarray(self.failure == "")
-
-    def as_json(self) -> dict[str, Any]:
-        """Shares within the grades of ISO 21940-11, and what matters most."""
-        from .importance import importances
-        from .report import document
-
-        return document(self, *importances(self))
-
-    def plot(self, path: str | Path | None = None) -> Path | Drawing:
-        """Residual vibration, shares within the grades, and what matters most."""
-        from .plot import plot_scatter
-
-        return plot_scatter(self, self.as_json(), None if path is None else Path(path))
 
     def table(self) -> Sheet:
         """One line a machine."""
@@ -104,14 +91,7 @@ def scatter(
 ) -> Scatter:
     """Draw machines and run each; the same seed draws the same ones.
 
-    Args:
-        count: machines.
-        workers, progress, store: as `stability.map.stability_map`.
-
-    Raises:
-        UserError: a path is unknown or cannot be varied, the scene cannot be run in C, or the store
-            is another's.
-        SimulationError: every machine has failed.
+    Arguments are those of `Scene.scatter`, which says what is raised.
     """
     typical = refuse_wrong(scene, variations)
     composition(typical)

@@ -65,15 +65,9 @@ def speeds(
     both ends of the range; without Floquet it scans the range itself.
 
     Args:
-        range: low and high [rad/s], or text such as "300 rpm".
-        methods: of `METHODS`.
-        narrowest: width of a band that Floquet must not miss [rad/s]; a thousandth of the range.
-            Of undecided bands of the method proved; 1e-7 of the range, 1e-3 with tolerances.
-        scan: intervals of the co-simulation's own scan: narrower bands can be missed.
+        range, methods, narrowest, scan, workers, progress: as `Scene.speeds`, which says what is
+            raised.
         steps: communication steps a revolution; by default the scene's.
-        workers: processes for the co-simulation, or an executor; a script that asks for more than
-            one process needs `if __name__ == "__main__":`.
-        progress: called with the finished fraction of the co-simulation.
         whirl: whether to look for the steady whirl that remains where weights cannot balance.
         within: tolerances for the method proved: "rotor.stiffness=5%, rotor.damping=10 N s/m".
 

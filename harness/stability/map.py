@@ -7,7 +7,7 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import TYPE_CHECKING, ClassVar
+from typing import ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -25,9 +25,6 @@ from .boundaries import criterion_of
 from .main_motion import MainMotion
 from .map_store import open_map
 from .whirl import whirl_at
-
-if TYPE_CHECKING:
-    from ..output.plot import Drawing
 
 Vector = NDArray[np.float64]
 Reasons = NDArray[np.object_]  # why points have no growth rate; empty where they have
@@ -70,6 +67,7 @@ class StabilityMap(Outcome):
     """
 
     dimensions: ClassVar[int] = 2
+    drawn_by: ClassVar[str] = "..stability.plot:plot_map"
 
     title: str
     x: Axis
@@ -107,12 +105,6 @@ class StabilityMap(Outcome):
         heads = (*self.labels, *growths, "whirl [m]", "whirl growth rate [1/s]")
         return Sheet(heads, rows, title=self.title)
 
-    def plot(self, path: str | Path | None = None) -> Path | Drawing:
-        """Blue where deviations decay, red where they grow; the boundaries by every method."""
-        from .plot import plot_map
-
-        return plot_map(self, None if path is None else Path(path))
-
 
 def stability_map(
     scene: Scene,
@@ -126,17 +118,7 @@ def stability_map(
 ) -> StabilityMap:
     """Growth rates by Floquet over two parameters, and by co-simulation at some points.
 
-    Args:
-        cosim: how many points of the grid, spread evenly, are also co-simulated.
-        workers: processes, or an executor; a script that asks for more than one needs
-            `if __name__ == "__main__":`.
-        progress: called with the finished fraction.
-        store: keeps every outcome as it comes; what it holds already is not computed again.
-
-    Raises:
-        UserError: a path is unknown, a value on an axis is wrong, both axes are the same, or the
-            store is another map's.
-        SceneError: gravity swings the weights.
+    Arguments are those of `Scene.map`, which says what is raised.
     """
     scene.refuse_friction("a map of growth rates is that")
     refuse_axes(x, y)

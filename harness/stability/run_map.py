@@ -6,7 +6,7 @@ import itertools
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, ClassVar
+from typing import ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,9 +20,6 @@ from ..output.workers import Progress, Workers, in_order
 from ..scene import Scene
 from .axis import Axis, refuse_axes
 from .map_store import open_run_map
-
-if TYPE_CHECKING:
-    from ..output.plot import Drawing
 
 _RESULTS = ("residual", "settled", "failure")
 Rows = NDArray[np.float64]
@@ -42,6 +39,7 @@ class RunMap(Outcome):
     """
 
     dimensions: ClassVar[int] = 2
+    drawn_by: ClassVar[str] = "..stability.plot:plot_run_map"
 
     title: str
     x: Axis
@@ -75,12 +73,6 @@ class RunMap(Outcome):
             rows.append((*place, *shown, failure))
         heads = (*self.labels, "residual amplitude [m]", "settled", "failure")
         return Sheet(heads, rows, title=self.title)
-
-    def plot(self, path: str | Path | None = None) -> Path | Drawing:
-        """Residual amplitude as colour; what has not settled is dotted, what failed hatched."""
-        from .plot import plot_run_map
-
-        return plot_run_map(self, None if path is None else Path(path))
 
 
 def run_map(

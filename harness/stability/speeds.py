@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any, ClassVar
 
 from ...models.linear.boundaries import Crossing
 from ..output.outcome import Outcome
@@ -14,7 +13,6 @@ from .whirl import Whirls
 
 if TYPE_CHECKING:
     from .proved import Proof
-    from ..output.plot import Drawing
 
 
 @dataclass(frozen=True, repr=False)
@@ -32,6 +30,8 @@ class Speeds(Outcome):
         proof: what the method proved proves; None where it was not asked or gives no answer.
     """
 
+    drawn_by: ClassVar[str] = "..stability.plot:plot_speeds"
+
     scene: str
     range: tuple[float, float]
     methods: dict[str, tuple[Crossing, ...]] = field(default_factory=dict)
@@ -44,12 +44,6 @@ class Speeds(Outcome):
         """A row for every crossing of every method."""
         rows = [(m, c.speed, c.above) for m, found in self.methods.items() for c in found]
         return Sheet(("method", "speed [rad/s]", "above it"), rows, "lrl", self.scene)
-
-    def plot(self, path: str | Path | None = None) -> Path | Drawing:
-        """Where each method finds balancing stable, along the speed."""
-        from .plot import plot_speeds
-
-        return plot_speeds(self, None if path is None else Path(path))
 
     def as_json(self) -> dict[str, Any]:
         """Plain lists and numbers."""

@@ -12,8 +12,7 @@ import time as clock
 from collections.abc import Mapping, Sequence
 from contextlib import ExitStack
 from dataclasses import dataclass, field
-from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import ClassVar
 
 import numpy as np
 
@@ -36,9 +35,6 @@ from .methods import (
     ready,
 )
 from .reference import refuse_without_reference, right_motion, signal_ranges
-
-if TYPE_CHECKING:
-    from ...output.plot import Drawing
 
 TWO_DECADES = 100.0  # the reference must be that much better than a point whose error counts
 ASYMPTOTIC = 0.03  # an error above it says nothing of a method's order
@@ -87,6 +83,9 @@ class Precision(Outcome):
         orders: observed order by family of methods: error ~ work^-order.
     """
 
+    drawn_by: ClassVar[str] = "..accuracy.precision.plot:plot_precision"
+    document_by: ClassVar[str] = "..accuracy.precision.report:as_json"
+
     scene: Scene
     points: tuple[Point, ...]
     signals: tuple[str, ...]
@@ -99,18 +98,6 @@ class Precision(Outcome):
         from .report import rows
 
         return rows(self)
-
-    def as_json(self) -> dict[str, Any]:
-        """The rows."""
-        from .report import as_json
-
-        return as_json(self)
-
-    def plot(self, path: str | Path | None = None, *, all_curves: bool = False) -> Path | Drawing:
-        """Error over run time: the best method of each group, or all of them."""
-        from .plot import plot_precision
-
-        return plot_precision(self, None if path is None else Path(path), all_curves)
 
     def cheapest(
         self, error: float, *, coupled: bool | None = None, one_file: bool = False
