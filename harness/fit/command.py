@@ -72,10 +72,13 @@ def command(
     from ..output.files import write_json
     from ..output.report import Report
     from ..scene.changes import changed_scene
+    from .measured import read_measured
     from .report import lines, table
 
     loaded = changed_scene(scene, changes)
     loaded = loaded.without_balancers() if without_balancers else loaded
+    if predict is not None:
+        read_measured(predict, loaded)  # what is wrong with it is said before the work
     page = Report(report, f"Fit: {loaded.heading}", [loaded])
     with costs.limited(at_most, f"--free {','.join(free)}"), progress_bar("fitting") as progress:
         found = loaded.fit(
