@@ -46,6 +46,7 @@ class Methods:
         *,
         narrowest: float | None = None,
         scan: int = 60,
+        within: str = "",
         workers: Workers = 1,
         progress: Progress | None = None,
     ) -> Speeds:
@@ -54,9 +55,10 @@ class Methods:
         Args:
             low, high: ends of the range [rad/s].
             methods: criterion (closed form), floquet (linear stability of the equations), cosim and
-                cosim-run (the coupled units); several with commas, or a list.
+                cosim-run (the coupled units), proved (bands); several with commas, or a list.
             narrowest: width of a band that Floquet must not miss [rad/s]; default: range/1000.
             scan: intervals that cosim looks at where Floquet is not asked.
+            within: tolerances for proved, such as "rotor.stiffness=5%".
 
         Raises:
             UserError: the range is empty, a method is unknown, or the supports have dry friction.
@@ -73,7 +75,7 @@ class Methods:
 
         asked = methods.split(",") if isinstance(methods, str) else list(methods)
         names = [name.strip() for name in asked if name.strip()]
-        options: dict[str, Any] = {"workers": workers, "progress": progress}
+        options: dict[str, Any] = {"workers": workers, "progress": progress, "within": within}
         return speeds(self._scene, (low, high), names, narrowest=narrowest, scan=scan, **options)
 
     def map(
