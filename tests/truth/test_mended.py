@@ -273,6 +273,7 @@ def test_given_steps_say_how_an_error_gathers_of_a_vibration_that_they_do_not_fo
         pytest.param("motor", 20261127, 49, id="a step behind a corner"),
         pytest.param("motor", 20261129, 98, id="a motor that starts in a few long steps"),
         pytest.param("motor", 20261201, 66, id="a first run whose errors do not shrink by order"),
+        pytest.param("motor", 20261201, 227, id="a motor that vibrates faster than its steps"),
         pytest.param("impacts", 20261125, 149, id="impacts amplify what is left in the loop"),
     ],
 )
