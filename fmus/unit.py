@@ -24,6 +24,11 @@ def order_of_signals() -> Any:
     return field(default=3, metadata={"words": (3, 5), "of": (), "silent": 3, "native": True})
 
 
+def option() -> Any:
+    """1 where the unit has it; 0 is the default, not written down, the only one of Python units."""
+    return field(default=0, metadata={"words": (0, 1), "of": (), "silent": 0, "native": True})
+
+
 def count(default: int, of: tuple[str, ...] = ()) -> Any:
     """A whole number, at least 1; when `of` is given, of these kinds of the unit only.
 

@@ -24,7 +24,8 @@ class Mounted:
         angles, speeds: weights' angles in the rotor [rad] and their rates [rad/s] at the start;
             empty for a liquid.
         offset: of the weights' track from the plane's centre, rotor frame, xi + i eta [m].
-        half_angle: half the angle between weights that touch [rad]; 0 where they pass.
+        half_angle: half the angle between weights that touch [rad]; 0 where they pass; of unequal
+            ones that of the mean radius.
         restitution: of two weights that collide on the free rotor.
         rolling_resistance: over load; 0: none.
     """

@@ -26,6 +26,11 @@ def half_angle(radius: float, track: float) -> float:
     return math.asin(min(1.0, radius / track))
 
 
+def touching(first: float, second: float, track: float) -> float:
+    """Angle between neighbours of these radii that touch [rad]."""
+    return 2.0 * half_angle(0.5 * (first + second), track)
+
+
 def largest_radius(count: int, track: float) -> float:
     """Radius at which `count` weights fill a track [m]; one weight: that of the track."""
     return track * math.sin(math.pi / count) if count > 1 else track

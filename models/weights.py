@@ -14,15 +14,16 @@ KAPPA = {"balls": 7.0 / 5.0, "rollers": 3.0 / 2.0, "pendulums": 1.0}
 
 @dataclass(frozen=True)
 class Weights:
-    """N equal weights on one circular track.
+    """N weights on one circular track, alike or each with its own mass, drag and radius.
 
     Attributes:
         count: number N of weights.
-        mass: of each [kg].
+        mass: of each [kg]; of unequal ones the mean, and so for drag and radius.
         track_radius: of the weights' centres R [m].
         drag: viscous force per speed along the track, of each, b [N s/m].
         kappa: 7/5 ball, 3/2 roller, 1 pendulum (`KAPPA`).
         radius: of a body that rolls, r [m].
+        masses, drags, radii: (N,) of each, where they differ.
 
     Raises:
         ValueError: a value is not finite or out of its range.
@@ -34,6 +35,9 @@ class Weights:
     drag: float = 0.0
     kappa: float = 1.0
     radius: float = 0.0
+    masses: tuple[float, ...] = ()
+    drags: tuple[float, ...] = ()
+    radii: tuple[float, ...] = ()
 
     def __post_init__(self) -> None:
         if self.count < 1:
@@ -42,6 +46,37 @@ class Weights:
         demand("drag", self.drag, least=0.0)
         demand("radius", self.radius, least=0.0)
         demand("kappa", self.kappa, least=1.0)
+
+    @property
+    def unequal(self) -> bool:
+        """Whether the weights differ."""
+        return bool(self.masses or self.drags or self.radii)
+
+    @cached_property
+    def each(self) -> tuple[Weights, ...]:
+        """The weights one by one."""
+        columns = (
+            values or (value,) * self.count
+            for values, value in (
+                (self.masses, self.mass), (self.drags, self.drag), (self.radii, self.radius)
+            )
+        )  # fmt: skip
+        return tuple(
+            Weights(1, mass, self.track_radius, drag, self.kappa, radius)
+            for mass, drag, radius in zip(*columns, strict=True)
+        )
+
+    def refuse_unequal(self, what: str) -> None:
+        """Raise ValueError where the weights differ, for what is of equal ones.
+
+        Args:
+            what: is refused, such as "Goncharov's slow root".
+        """
+        if self.unequal:
+            raise ValueError(
+                f"{what}: only for equal weights, and those of this balancer differ; give single "
+                "values of mass, drag and weight_radius"
+            )
 
     @property
     def added_mass(self) -> float:

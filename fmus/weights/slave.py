@@ -40,8 +40,10 @@ class BallBalancer(Slave):
 
     def parameters(self) -> None:
         given = self.parameter_values()
-        values = (given[name] for name in ("mass", "track_radius", "drag", "kappa"))
-        self.model = Weights(self.sizes.weights, *values)
+        mass, radius, drag, kappa = (
+            given[name] for name in ("mass", "track_radius", "drag", "kappa")
+        )
+        self.model = Weights(self.sizes.weights, mass, radius, drag, kappa)
         self.carried = 0.0 if self.flag("inertia_as_force") else self.model.added_mass
         self.sent = self.model.added_mass - self.carried
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from ..unit import SignalSizes, Unit, count
+from ..unit import SignalSizes, Unit, count, option
 from ..variables import (
     SPIN,
     Variable,
@@ -27,6 +27,7 @@ _FORCE = (
 )  # fmt: skip
 _TORQUE = "On the rotor about the plane's centre, without that of rolling resistance"
 _START = "in the rotor at the start"
+_OWN = {"mass": "mass", "drag": "drag", "radius": "weight_radius"}
 
 
 @dataclass(frozen=True)
@@ -35,9 +36,11 @@ class WeightSizes(SignalSizes):
 
     Attributes:
         weights: their number.
+        unequal: 1: each has a mass, drag and radius of its own.
     """
 
     weights: int = count(2)
+    unequal: int = option()
 
 
 def variables(sizes: WeightSizes) -> list[Variable]:
@@ -48,6 +51,13 @@ def variables(sizes: WeightSizes) -> list[Variable]:
     angles = tuple(f"weight[{k}].angle0" for k in numbers)
     speeds = tuple(f"weight[{k}].speed0" for k in numbers)
     begins = (*_FORCE, *angles, *speeds)
+    ratios = [
+        parameter(f"weight[{k}].{what}_ratio", 1.0, "1", f"Of its own {what}, over {all_of}",
+                  minimum=0.0, above=what != "drag", native=True)
+        for what, all_of in _OWN.items() for k in numbers if sizes.unequal
+    ]  # fmt: skip
+    begins += tuple(ratio.name for ratio in ratios)
+    masses = tuple(r.name for r in ratios if r.name.endswith("mass_ratio"))
     # seen in the rotor's axes the force does not depend on the rotor's angle
     drive = (*(() if sizes.frame == "rotor" else ("angle",)), "speed", SPIN[0])
     values, slopes = (*a, *drive), (*a, *(f"der({name})" for name in a), *drive)
@@ -59,6 +69,7 @@ def variables(sizes: WeightSizes) -> list[Variable]:
             for k, name in enumerate(angles)
         ),
         *(parameter(name, 0.0, "rad/s", f"Speed {_START}") for name in speeds),
+        *ratios,
         *signal_inputs(a, "acceleration", "Acceleration of the track's centre", sizes.order),
         plain_input("angle", 0.0, "rad", "Angle of the rotor at the start of the step"),
         *spin_inputs(),
@@ -73,8 +84,10 @@ def variables(sizes: WeightSizes) -> list[Variable]:
             else (),
             begins=begins,
         ),
-        output("added_mass", "kg", "Mass N m to be carried by the rotor", begins=_CARRIED),
-        *_observed(angles, speeds),
+        output(
+            "added_mass", "kg", "Mass N m to be carried by the rotor", begins=(*_CARRIED, *masses)
+        ),
+        *_observed(angles, speeds, masses),
         *torque_outputs(values, slopes, begins, _TORQUE),
     ]
 
@@ -140,7 +153,9 @@ def _parameters() -> list[Variable]:
     ]
 
 
-def _observed(angles: tuple[str, ...], speeds: tuple[str, ...]) -> list[Variable]:
+def _observed(
+    angles: tuple[str, ...], speeds: tuple[str, ...], masses: tuple[str, ...]
+) -> list[Variable]:
     """Outputs for people and records, computed when they are read."""
     moment = "Sum of m (e + R e^{i theta}), in the rotor"
     spread = "|sum of e^{2 i theta}|/N: 0 evenly spread, 1 in line"
@@ -152,7 +167,7 @@ def _observed(angles: tuple[str, ...], speeds: tuple[str, ...]) -> list[Variable
         ),
         *(
             observed(f"moment_{axis}", "kg.m", moment,
-                     ("mass", "track_radius", f"track_offset_{axis}", *angles))
+                     ("mass", "track_radius", f"track_offset_{axis}", *masses, *angles))
             for axis in ("xi", "eta")
         ),
         observed("spread", "1", spread, angles),
@@ -161,7 +176,7 @@ def _observed(angles: tuple[str, ...], speeds: tuple[str, ...]) -> list[Variable
 
 BALLS = Unit(
     name="BallBalancer",
-    summary="N equal weights on one track: the acceleration of the track's centre in, force out.",
+    summary="N weights on one track: the acceleration of the track's centre in, force out.",
     sizes=WeightSizes,
     variables=variables,
 )

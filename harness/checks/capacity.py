@@ -50,10 +50,10 @@ def check_capacity(scene: Scene, check: CapacityCheck, progress: Progress) -> It
             weights of finite size.
     """
     balls = only_finite_weights(scene)
-    if balls is None or balls.weight_radius is None:
+    if balls is None or balls.weight_radius is None or balls.unequal:
         raise SceneError(
             f"{scene.name}: check capacity: needs a planar rotor with equal stiffness and damping "
-            "in x and y at constant speed, and one set of weights with weight_radius"
+            "in x and y at constant speed, and one set of equal weights with weight_radius"
         )
     weights, limit = balls.device, balls.capacity
     speed = scene.profile().speed(0.0)

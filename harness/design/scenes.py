@@ -134,6 +134,9 @@ def weights_of(scene: Scene) -> WeightBalancer:
         "[operation]: must have a constant speed": scene.profile().rises,
         "[[balancer]]: must be one set of balls or rollers, or none": len(scene.balancer) != 1
         or getattr(scene.balancer[0], "kind", "") not in ("balls", "rollers"),
+        "mass, drag, weight_radius: must be single values, of equal weights": any(
+            getattr(one, "unequal", False) for one in scene.balancer
+        ),
     }
     if any(reasons.values()):
         wrong = "; ".join(reason for reason, is_so in reasons.items() if is_so)

@@ -110,7 +110,8 @@ def merged_runs(scene: Scene, ends: Mapping[str, NDArray[np.float64]]) -> NDArra
 
 
 def _can_merge(balancer: WeightBalancer) -> bool:
-    return balancer.count > 1 and not balancer.weight_radius
+    rates = [one.damping_rate for one in balancer.device.each]
+    return not balancer.weight_radius and len(set(rates)) < balancer.count
 
 
 def _states(balancer: WeightBalancer) -> list[str]:

@@ -23,7 +23,7 @@ def command(
             help="A value and its distribution: normal(mean,deviation[,low,high]), "
             "uniform(low,high), triangular(low,mode,high), lognormal(median,deviation), or one of "
             "scipy.stats such as weibull_min(c=1.8,scale=0.02); with units and percentages, such "
-            "as normal(50g,10%). Can be given several times.",
+            "as normal(50g,10%). [*] in the path: every weight alone. Can be given several times.",
         ),
     ],
     n: Annotated[int, typer.Option("-n", min=1, help="Machines.")] = 10_000,

@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from ..errors import SceneError, UserError
 from ..master.alike import refuse_unvaried
 from ..scene import Scene
+from ..scene.balancer import WeightBalancer
 from ..scene.replace import in_full
 from ..units import si_number
 
@@ -83,6 +84,25 @@ class Variation:
             raise UserError(f"{text}: no distribution has these parameters: {', '.join(names)}")
         return cls(in_full(path), text.strip(), distribution)
 
+    @classmethod
+    def parse_each(cls, text: str, scene: Scene) -> list[Variation]:
+        """As `parse`; `[*]` in the path stands for every weight, each of which has its own draw.
+
+        Raises:
+            UserError: as `parse`, or the path is not one of weights.
+        """
+        before, star, after = text.partition("[*]")
+        if not star:
+            return [cls.parse(text, scene)]
+        counts = {b.label: b.count for b in scene.balancer if isinstance(b, WeightBalancer)}
+        label = before.strip().partition(".")[0]
+        if label not in counts:
+            raise UserError(
+                f"{text}: [*] stands for every weight of a balancer; must begin with one of: "
+                f"{', '.join(counts) or 'none, as the scene has no weights'}"
+            )
+        return [cls.parse(f"{before}[{k}]{after}", scene) for k in range(1, counts[label] + 1)]
+
     @property
     def typical(self) -> float:
         """The median."""
@@ -93,15 +113,18 @@ def variations(vary: Mapping[str, Any] | Iterable[str], scene: Scene) -> list[Va
     """What varies, of texts `PATH=NAME(...)` or of distributions, in words or SciPy's, by path.
 
     Raises:
-        UserError: as `Variation.parse`.
+        UserError: as `Variation.parse_each`.
     """
     if not isinstance(vary, Mapping):
-        return [Variation.parse(text, scene) for text in vary]
+        return [one for text in vary for one in Variation.parse_each(text, scene)]
     return [
-        Variation.parse(f"{path}={one}", scene)
-        if isinstance(one, str)
-        else Variation(in_full(path), f"{path}={one.dist.name}{one.args or one.kwds}", one)
+        each
         for path, one in vary.items()
+        for each in (
+            Variation.parse_each(f"{path}={one}", scene)
+            if isinstance(one, str)
+            else [Variation(in_full(path), f"{path}={one.dist.name}{one.args or one.kwds}", one)]
+        )
     ]
 
 
@@ -128,7 +151,7 @@ def refuse_wrong(scene: Scene, variations: Sequence[Variation]) -> Scene:
         refuse_unvaried(scene, path)
         if paths.count(path) > 1:
             raise UserError(f"--vary {path}: given {paths.count(path)} times")
-    return scene.replace({one.path: one.typical for one in variations})
+    return scene.replace({one.path: one.typical for one in variations if not _is_start(one)})
 
 
 def refuse_drawn(
@@ -140,6 +163,8 @@ def refuse_drawn(
         UserError: it has one; the message says how to cut it off.
     """
     for one, column in zip(variations, values.T, strict=True):
+        if _is_start(one):
+            continue
         for value in (float(column.min()), float(column.max())):
             try:
                 typical.replace({one.path: value})
@@ -148,6 +173,11 @@ def refuse_drawn(
                     f"--vary {one.text}: draws {value:.6g}, which is not allowed: {error}; "
                     "cut the distribution off, such as by normal(mean,deviation,low,high)"
                 ) from None
+
+
+def _is_start(one: Variation) -> bool:
+    """Whether it is a start angle: weights overlap in single machines, not at its ends."""
+    return ".angles[" in one.path
 
 
 Maker = tuple[tuple[str, ...], dict[str, float], Callable[..., Any]]  # names, defaults

@@ -10,14 +10,15 @@ from pydantic import Field, model_validator
 
 from ...models.assembly import Mounted
 from ...models.liquid import Liquid as LiquidModel
-from ...models.papers.capacity import capacity
+from ...models.papers.capacity import capacity, moment_range
 from ...models.rotor import LinearRotor
-from ...models.spacing import closest, fits, half_angle, largest_radius
+from ...models.spacing import closest, fits, half_angle, largest_radius, touching
 from ...models.weights import KAPPA, Weights
 from .feeds import Feeds, Start, fed
 from .quantities import (
     SI,
     Angle,
+    Each,
     Flag,
     NotNegative,
     Positive,
@@ -25,10 +26,12 @@ from .quantities import (
     Table,
     Text,
     Whole,
+    each_of,
     refusal,
     refuse_other_length,
 )
 
+_OWN = {"mass": "mass", "drag": "drag", "weight_radius": "radius"}  # key, and name in the unit
 MOST_WEIGHTS = 10_000  # a slip of the keyboard, not a balancer
 
 
@@ -83,7 +86,7 @@ class Balancer(Table):
 
 
 class WeightBalancer(Balancer):
-    """Equal weights on one circular track, Filimonikhina 2017 (4)."""
+    """Weights on one circular track, Filimonikhina 2017 (4)."""
 
     model: ClassVar[str] = "BallBalancer"
     driven: ClassVar[bool] = True
@@ -91,14 +94,14 @@ class WeightBalancer(Balancer):
 
     count: Annotated[Whole, Field(ge=1, le=MOST_WEIGHTS)]
     """Number of weights."""
-    mass: Annotated[Positive, SI("kg"), Feeds()]
-    """Of each."""
+    mass: Annotated[Positive, Each(), SI("kg"), Feeds()]
+    """Of each; or a list, one a weight."""
     track_radius: Annotated[Positive, SI("m"), Feeds()]
     """Of the path of the weights' centres."""
-    drag: Annotated[NotNegative, SI("N s/m"), Feeds()] = 0.0
-    """Of each, on its speed along the track; [where to get it](how-to/drag.md)."""
-    weight_radius: Annotated[Positive | None, SI("m"), Feeds()] = None
-    """Weights of this size collide and pack, and must fit; default: points that pass."""
+    drag: Annotated[NotNegative, Each(), SI("N s/m"), Feeds()] = 0.0
+    """Of each, on its speed along the track; [where to get it](how-to/drag.md); or a list."""
+    weight_radius: Annotated[Annotated[Positive, Each()] | None, SI("m"), Feeds()] = None
+    """Weights of this size collide and pack, and must fit; or a list; default: points that pass."""
     restitution: Annotated[NotNegative, Field(le=1.0), SI(""), Feeds()] = 0.0
     """Of two weights that collide on the free rotor; needs `weight_radius`."""
     rolling_resistance: Annotated[NotNegative, SI(""), Feeds()] = 0.0
@@ -119,7 +122,12 @@ class WeightBalancer(Balancer):
             if key not in self.model_fields_set:
                 self.__dict__[key] = value  # it is frozen
             refuse_other_length(key, getattr(self, key), self.count, "weight")
-        if self.weight_radius is not None:
+        for key in _OWN:
+            if given := each_of(getattr(self, key)):
+                refuse_other_length(key, given, self.count, "weight")
+        if radii := each_of(self.weight_radius):
+            self._refuse_overlap(radii)
+        elif self.weight_radius is not None:
             self._refuse_tight(self.weight_radius)
         elif self.restitution > 0.0:
             raise refusal(
@@ -150,6 +158,26 @@ class WeightBalancer(Balancer):
                 f"at least {2.0 * self.half_angle:.6g} rad for their weight_radius",
             )
 
+    def _refuse_overlap(self, radii: tuple[float, ...]) -> None:
+        """Of unequal weights, at their start angles, which tell their order."""
+        order, track = self._order, self.track_radius
+        if max(radii) >= track:
+            raise refusal("weight_radius", f"must be less than track_radius = {track!r} m")
+        room = math.tau
+        for k, i in enumerate(order):
+            j = order[(k + 1) % self.count]
+            needed = touching(radii[i], radii[j], track)
+            apart = (self.angles[j] - self.angles[i]) % math.tau
+            room -= needed
+            if apart < needed * (1.0 - 1e-9):
+                raise refusal(
+                    "angles",
+                    f"weights {i + 1} and {j + 1} overlap: {apart:.6g} rad apart, must be at least "
+                    f"{needed:.6g} rad for their weight_radius",
+                )
+        if room < 1e-9:
+            raise refusal("weight_radius", "unequal weights fill the track: make it larger")
+
     @property
     def kappa(self) -> float:
         """7/5 ball, 3/2 roller, 1 pendulum."""
@@ -157,13 +185,32 @@ class WeightBalancer(Balancer):
 
     @property
     def half_angle(self) -> float:
-        """Half the angle between weights that touch [rad]; 0 for points."""
+        """Half the angle between weights that touch, of the mean radius [rad]; 0 for points."""
         return half_angle(self.weight_radius or 0.0, self.track_radius)
 
     @property
     def capacity(self) -> float:
         """Largest unbalance that the weights balance, Goncharov 2017 (5) [kg m]."""
+        if self.unequal:
+            return self.moment_range[1]
         return capacity(self.mass, self.track_radius, self.weight_radius or 0.0, self.count)
+
+    @property
+    def unequal(self) -> bool:
+        """Whether values are given for each weight."""
+        return any(each_of(getattr(self, key)) for key in _OWN)
+
+    @property
+    def moment_range(self) -> tuple[float, float]:
+        """Least and largest unbalance that the weights balance [kg m]."""
+        each = [self.device.each[k] for k in self._order]
+        sines = [one.radius / one.track_radius for one in each]
+        return moment_range([one.moment for one in each], sines)
+
+    @property
+    def _order(self) -> list[int]:
+        """Weights as they stand on the track at the start."""
+        return sorted(range(self.count), key=lambda k: self.angles[k] % math.tau)
 
     @property
     def can_meet(self) -> bool:
@@ -183,7 +230,7 @@ class WeightBalancer(Balancer):
 
     def sizes(self) -> dict[str, Any]:
         """What the unit is built for."""
-        return {"weights": self.count}
+        return {"weights": self.count} | ({"unequal": 1} if self.unequal else {})
 
     def start(self, loaded_rotor: LinearRotor) -> Start:
         """Parameters and start values of the unit.
@@ -192,6 +239,10 @@ class WeightBalancer(Balancer):
         collision.
         """
         values: Start = {**fed(self), "kappa": self.kappa}
+        for key, what in _OWN.items():
+            if own := each_of(mean := getattr(self, key)):
+                for k, value in enumerate(own, start=1):
+                    values[f"weight[{k}].{what}_ratio"] = value / mean if mean else 1.0
         if self.can_meet:
             row = loaded_rotor.planes[self.at - 1]
             values["track_mobility"] = float(row @ np.linalg.solve(loaded_rotor.mass, row))
@@ -201,7 +252,10 @@ class WeightBalancer(Balancer):
     def device(self) -> Weights:
         """The weights, for the models."""
         radius = self.weight_radius or 0.0
-        return Weights(self.count, self.mass, self.track_radius, self.drag, self.kappa, radius)
+        own = (each_of(getattr(self, key)) for key in _OWN)
+        return Weights(
+            self.count, self.mass, self.track_radius, self.drag, self.kappa, radius, *own
+        )
 
     def build(self) -> Mounted:
         """The weights on their plane."""
@@ -219,19 +273,19 @@ class WeightBalancer(Balancer):
 
 
 class Balls(WeightBalancer):
-    """Equal balls that roll on one circular track, Filimonikhina 2017 (4)."""
+    """Balls that roll on one circular track, Filimonikhina 2017 (4)."""
 
     kind: Literal["balls"] = "balls"
 
 
 class Rollers(WeightBalancer):
-    """Equal rollers on one circular track, Filimonikhina 2017 (4)."""
+    """Rollers on one circular track, Filimonikhina 2017 (4)."""
 
     kind: Literal["rollers"] = "rollers"
 
 
 class Pendulums(WeightBalancer):
-    """Equal pendulums on one axis, Filimonikhina 2017 (4)."""
+    """Pendulums on one axis, Filimonikhina 2017 (4)."""
 
     kind: Literal["pendulums"] = "pendulums"
 

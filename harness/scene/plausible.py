@@ -12,6 +12,7 @@ import numpy as np
 from ...models.papers.capacity import weight_mass
 from ..units import engineers, in_both, readable_unbalance, rounded
 from .balancer import WeightBalancer
+from .quantities import each_of
 
 if TYPE_CHECKING:
     from .scene import Scene
@@ -43,8 +44,10 @@ def understood(scene: Scene) -> str:
     for one in scene.balancer:
         if isinstance(one, WeightBalancer):
             most = readable_unbalance(one.capacity)
-            parts.append(f"{one.count} {one.kind} of {rounded(1e3 * one.mass, 3)} g hold {most}")
-            if one.weight_radius and one.kind == "balls":
+            each = each_of(one.mass) or (one.mass,)
+            grams = " to ".join(rounded(1e3 * m, 3) for m in sorted({min(each), max(each)}))
+            parts.append(f"{one.count} {one.kind} of {grams} g hold {most}")
+            if one.weight_radius and one.kind == "balls" and not one.unequal:
                 parts[-1] += f", density {_density(one) / 1e3:.3g} g/cm^3"
     return "; ".join(parts)
 
@@ -86,7 +89,8 @@ def _implausible(scene: Scene) -> Iterator[str]:
             f'heavier than the rotor, {mass:g} kg; is it in g? then write "{heaviest.mass:g} g"'
         )
     for one in weights:
-        density = _density(one) if one.kind == "balls" and one.weight_radius else None
+        known = one.kind == "balls" and one.weight_radius and not one.unequal
+        density = _density(one) if known else None
         if density is not None and not LIGHTEST <= density <= DENSEST:
             yield (
                 f"{one.label}.mass = {one.mass:g} kg: a density of {density / 1e3:.3g} g/cm^3 with "

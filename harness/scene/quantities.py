@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Annotated, Any
@@ -41,6 +42,61 @@ class SI:
         if isinstance(value, (list, tuple)):
             return [self._read(inner) for inner in value]
         return to_si(value, self.symbol) if isinstance(value, str) else value
+
+
+class Mean(float):
+    """The mean of values that are given one by one, which it keeps."""
+
+    each: tuple[float, ...]
+
+    def __new__(cls, each: Sequence[float]) -> Mean:
+        """Of the values."""
+        mean = super().__new__(cls, math.fsum(each) / len(each))
+        mean.each = tuple(each)
+        return mean
+
+    def tolist(self) -> list[float]:
+        """The values."""
+        return list(self.each)
+
+    def __getnewargs__(self) -> Any:
+        """For copies: what it was made from."""
+        return (self.each,)
+
+    def __eq__(self, other: object) -> bool:
+        """Of the same values."""
+        return isinstance(other, Mean) and self.each == other.each
+
+    def __hash__(self) -> int:
+        """Of the values."""
+        return hash(self.each)
+
+
+def each_of(value: float | None) -> tuple[float, ...]:
+    """Values that were given one by one; none where one value stands for all."""
+    return value.each if isinstance(value, Mean) else ()
+
+
+@dataclass(frozen=True)
+class Each:
+    """Metadata of a number for which a list can stand, a value for each of several."""
+
+    def __get_pydantic_core_schema__(self, source: Any, handler: Any) -> Any:
+        values = core_schema.no_info_before_validator_function(
+            lambda value: value if isinstance(value, (list, tuple)) else [value],
+            core_schema.tuple_variable_schema(handler(source), min_length=1),
+        )
+        return core_schema.no_info_after_validator_function(
+            lambda read: read[0] if len(read) == 1 else Mean(read),
+            values,
+            serialization=core_schema.plain_serializer_function_ser_schema(
+                lambda value: list(each_of(value)) or value
+            ),
+        )
+
+    def __get_pydantic_json_schema__(self, schema: Any, handler: Any) -> Any:
+        listed = handler(schema)
+        return {"anyOf": [listed["items"], listed]}
 
 
 class Table(BaseModel):

@@ -226,6 +226,8 @@ def refuse_unproved(scene: Scene) -> None:
     for balancer in scene.balancer:
         if balancer.can_stick:
             raise Unproved(f"{balancer.label}.rolling_resistance: dry friction is not proved")
+        if getattr(balancer, "unequal", False):
+            raise Unproved(f"{balancer.label}: proofs are of equal weights, and these differ")
         if balancer.can_meet:
             raise Unproved(
                 f"{balancer.label}.weight_radius: contacts of weights are not proved; leave it "

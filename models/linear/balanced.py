@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..assembly import Assembly
-from ..papers.capacity import packed_sine
+from ..papers.capacity import moment_range, packed_sine
 from ..weights import Weights
 from .room import Gaps, nearest_with_room
 
@@ -58,8 +58,8 @@ class WeightTable:
         moment: m R [kg m].
         kappa_radius: kappa R [m].
         damping_rate: d = b/(kappa m) [1/s].
-        tracks: rows of the weights of each balancer, and half the angle between those that touch
-            [rad]; 0 where weights pass.
+        tracks: rows of the weights of each balancer, and radius over track radius of each; 0 where
+            weights pass.
     """
 
     angle: NDArray[np.float64]
@@ -67,7 +67,7 @@ class WeightTable:
     moment: NDArray[np.float64]
     kappa_radius: NDArray[np.float64]
     damping_rate: NDArray[np.float64]
-    tracks: tuple[tuple[NDArray[np.int_], float], ...]
+    tracks: tuple[tuple[NDArray[np.int_], NDArray[np.float64]], ...]
 
     @classmethod
     def of(cls, assembly: Assembly) -> WeightTable:
@@ -82,9 +82,14 @@ class WeightTable:
                     f"{mounted.name}: {len(mounted.angles)} angles for {device.count} weights"
                 )
             kappa_radius = device.kappa * device.track_radius
-            same = (mounted.plane, device.moment, kappa_radius, device.damping_rate)
-            tracks.append((len(rows) + np.arange(device.count), mounted.half_angle))
-            rows += [(angle, *same) for angle in mounted.angles]
+            sines = np.full(device.count, math.sin(mounted.half_angle))
+            if device.radii:
+                sines = np.array(device.radii) / device.track_radius
+            tracks.append((len(rows) + np.arange(device.count), sines))
+            rows += [
+                (angle, mounted.plane, one.moment, kappa_radius, one.damping_rate)
+                for angle, one in zip(mounted.angles, device.each, strict=True)
+            ]
         angle, plane, *others = np.array(rows, float).reshape(-1, 5).T.copy()
         moment, kappa_radius, damping_rate = others
         return cls(angle, plane.astype(int), moment, kappa_radius, damping_rate, tuple(tracks))
@@ -118,12 +123,10 @@ def check_reach(assembly: Assembly, table: WeightTable) -> dict[int, complex]:
         return {}
     moments: dict[int, complex] = {}
     for plane, moment in zip(used.tolist(), needed, strict=True):
-        tracks = [(rows, alpha) for rows, alpha in table.tracks if table.plane[rows[0]] == plane]
-        packed = [float(table.moment[rows[0]]) * packed_sine(len(rows), a) for rows, a in tracks]
-        # several weights on one track can undo each other, a single one cannot
-        single = [p for p, (rows, _) in zip(packed, tracks, strict=True) if len(rows) == 1]
-        most, size = sum(packed), abs(moment)
-        least = max(0.0, 2.0 * max(single, default=0.0) - most)
+        tracks = [(rows, sines) for rows, sines in table.tracks if table.plane[rows[0]] == plane]
+        ranges = [_range_of(table, rows, sines) for rows, sines in tracks]
+        most, size = sum(high for _, high in ranges), abs(moment)
+        least = max(0.0, *(low + high - most for low, high in ranges))
         if size > most * (1.0 + _BALANCED) or size < least * (1.0 - _BALANCED):
             span = f"at most {most:g}" if size > most else f"no less than {least:g}"
             raise CannotBalance(
@@ -134,6 +137,17 @@ def check_reach(assembly: Assembly, table: WeightTable) -> dict[int, complex]:
             )
         moments[plane] = complex(moment)
     return moments
+
+
+def _range_of(
+    table: WeightTable, rows: NDArray[np.int_], sines: NDArray[np.float64]
+) -> tuple[float, float]:
+    """As `moment_range`, of the weights of one track in the order in which they stand."""
+    moments = table.moment[rows]
+    if len(rows) > 1 and np.ptp(moments) == np.ptp(sines) == 0.0:
+        return 0.0, float(moments[0]) * packed_sine(len(rows), math.asin(min(1.0, sines[0])))
+    order = np.argsort(table.angle[rows] % math.tau, kind="stable")
+    return moment_range(moments[order].tolist(), sines[order].tolist())
 
 
 def _newton(assembly: Assembly, table: WeightTable, angles: NDArray) -> NDArray | None:
@@ -179,16 +193,19 @@ def _has_room(table: WeightTable, angles: NDArray, clearance: float) -> bool:
 
 
 def _pairs_apart(table: WeightTable, moments: dict[int, complex], angles: NDArray) -> NDArray:
-    """Angles with all pairs of equal weights where they undo a plane's unbalance exactly.
+    """Angles with all pairs of weights where they undo a plane's unbalance exactly: a triangle.
 
     A pair that has next to nothing to undo stands almost in line, where Newton's method creeps.
     """
     angles = angles.copy()
     for plane, moment in moments.items():
         on = np.flatnonzero(table.plane == plane)
-        if len(on) == 2 and table.moment[on[0]] == table.moment[on[1]]:
-            half = math.acos(min(1.0, abs(moment) / (2.0 * table.moment[on[0]])))
-            angles[on] = np.angle(moment) + np.array([-half, half])
+        if len(on) == 2:
+            (a, b), size = table.moment[on].tolist(), abs(moment)
+            more = (a * a - b * b) / size if a != b else 0.0
+            sides = [math.acos(max(-1.0, min(1.0, c)))
+                     for c in ((size + more) / (2.0 * a), (size - more) / (2.0 * b))]  # fmt: skip
+            angles[on] = np.angle(moment) + np.array([-sides[0], sides[1]])
     return angles
 
 
@@ -238,7 +255,7 @@ def balanced_angles(assembly: Assembly) -> NDArray[np.float64]:
     table, rotor = WeightTable.of(assembly), assembly.rotor
     if len(table.angle) == 0:
         return table.angle
-    sizes = np.array([(len(rows), half_angle) for rows, half_angle in table.tracks])
+    sizes = np.concatenate([np.append(sines, len(sines)) for _, sines in table.tracks])
     decides = (rotor.unbalance, rotor.planes, table.angle, table.plane, table.moment, sizes)
     return _found(_Task(tuple(array.tobytes() for array in decides), assembly, table)).copy()
 

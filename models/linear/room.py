@@ -26,23 +26,26 @@ class Gaps:
     offset: Array
 
     @classmethod
-    def of(cls, tracks: Iterable[tuple[NDArray[np.int_], float]], angles: Array) -> Gaps:
+    def of(cls, tracks: Iterable[tuple[NDArray[np.int_], Array]], angles: Array) -> Gaps:
         """Gaps of weights in the order in which they stand on their tracks.
 
         Args:
-            tracks: rows of the weights of each, and the half angle of those that can touch [rad].
+            tracks: rows of the weights of each, and radius over track radius of those that can
+                touch; 0: points.
             angles: (K,) of all weights [rad].
         """
         rows, offsets = [np.zeros((0, len(angles)))], [np.zeros(0)]
-        for track, half_angle in tracks:
-            if len(track) < 2 or half_angle == 0.0:
+        for track, sines in tracks:
+            if len(track) < 2 or not sines.any():
                 continue
-            order = track[np.argsort(angles[track] % math.tau, kind="stable")]
+            places = np.argsort(angles[track] % math.tau, kind="stable")
+            order, beside = track[places], sines[places]
             after = np.roll(order, -1)
+            apart = 2.0 * np.arcsin(np.minimum(1.0, 0.5 * (beside + np.roll(beside, -1))))
             unit = np.eye(len(angles))
             rows.append(unit[after] - unit[order])
             ahead = (angles[after] - angles[order]) % math.tau  # of equal angles the last is a turn
-            offsets.append(ahead - (angles[after] - angles[order]) - 2.0 * half_angle)
+            offsets.append(ahead - (angles[after] - angles[order]) - apart)
         return cls(np.vstack(rows), np.concatenate(offsets))
 
     def smallest(self, angles: Array) -> float:

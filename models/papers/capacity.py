@@ -15,11 +15,12 @@ of 5, 7 and 8 rollers (195, 205, 208 degrees) should read 195.8, 204.5 and 207.5
 
 from __future__ import annotations
 
+import cmath
 import math
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 
 from ..constants import TRACK_SLACK
-from ..spacing import half_angle
+from ..spacing import half_angle, touching
 from ..weights import Weights
 
 _KINDS = ("balls", "rollers")
@@ -59,6 +60,38 @@ def capacity(mass: float, track: float, radius: float, count: int) -> float:
     alpha = half_angle(radius, track)
     demand_fit(count, alpha)
     return mass * track * packed_sine(count, alpha)
+
+
+def moment_range(moments: Sequence[float], sines: Sequence[float]) -> tuple[float, float]:
+    """Least and largest static moment that weights on one track can have together [kg m].
+
+    The largest is that of all in contact.  The polygon of the moments closes unless one of them is
+    larger than the others in contact.
+
+    Args:
+        moments: m R of each, in the order in which they stand [kg m].
+        sines: radius over track radius of each; 0: points.
+    """
+    largest = max(moments)
+    k = list(moments).index(largest)
+    others = [*moments[k + 1 :], *moments[:k]], [*sines[k + 1 :], *sines[:k]]
+    least = largest - _most(*others) if others[0] else largest
+    return max(0.0, least), _most(moments, sines)
+
+
+def _most(moments: Sequence[float], sines: Sequence[float]) -> float:
+    """Largest moment of weights in contact, whichever is the first [kg m]."""
+    if not any(sines):
+        return math.fsum(moments)
+    found, n = [], len(moments)
+    for first in range(n):
+        at, total = 0.0, 0j
+        for j in range(n):
+            k, after = (first + j) % n, (first + j + 1) % n
+            total += cmath.rect(moments[k], at)
+            at += touching(sines[k], sines[after], 1.0)
+        found.append(abs(total))
+    return max(found)
 
 
 def capacity_shape(kind: str, ratio: float, count: int) -> float:
@@ -152,6 +185,7 @@ def residual_unbalance(weights: Weights, radius: float, unbalance: float) -> flo
 
     U - S beyond the capacity S, 0 up to it; a single weight can only balance U = S.
     """
+    weights.refuse_unequal("the residual unbalance")
     limit = capacity(weights.mass, weights.track_radius, radius, weights.count)
     excess = unbalance - limit
     return abs(excess) if weights.count == 1 else max(0.0, excess)

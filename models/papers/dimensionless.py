@@ -58,6 +58,7 @@ class Dimensionless:
             raise ValueError("the dimensionless form knows no internal damping")
         device = weights[0].device
         assert isinstance(device, Weights)
+        device.refuse_unequal("the dimensionless form")
         total = float(rotor.mass[0, 0]) + device.added_mass
         w_x = math.sqrt(float(rotor.stiffness_x[0, 0]) / total)
         return cls(

@@ -74,6 +74,7 @@ def slow_root(
         critical_factor: b_cr, `critical_drag_factor`.
         count: n_g of weights that touch (`touching.joint_alignment`, with its p), instead of n.
     """
+    weights.refuse_unequal("the slow root")
     d = weights.damping_rate
     number = weights.count if count is None else count
     stiffness = (1.0 - alignment) * weights.mass * number * critical_factor**2

@@ -107,6 +107,7 @@ def merged(assembly: Assembly, alpha: float, groups: Sequence[Packed], at: int =
     device = mounted.device
     if not isinstance(device, Weights):
         raise ValueError(f"{mounted.name}: has no weights")
+    device.refuse_unequal("a packed group as one weight")
     singles = []
     for number, group in enumerate(groups, start=1):
         f = group_factor(group.size, alpha)

@@ -42,23 +42,26 @@ class Colliding:
         self.first = 4 * system.stations
         self.count = system.weights
         self.pairs: list[Pair] = []
-        # of a pair: restitution, and inertia kappa m R^2 of either weight
         self.restitution: dict[Pair, float] = {}
-        self.inertia: dict[Pair, float] = {}
+        inertia: list[float] = []  # kappa m R^2 of every weight
         begin = 0
         for m in system.assembly.weights:
             n = len(m.angles)
             if m.half_angle and n > 1:
                 order = sorted(range(n), key=lambda k, m=m: m.angles[k] % math.tau)  # type: ignore[misc]
-                device = weights_of(m)
+                radii, track = weights_of(m).radii, weights_of(m).track_radius
                 for a, b in zip(order, [*order[1:], order[0]], strict=True):
                     apart = (m.angles[b] - m.angles[a]) % math.tau
                     turns = apart - (m.angles[b] - m.angles[a])
-                    pair = (begin + a, begin + b, 2.0 * m.half_angle, turns)
+                    touching = 2.0 * m.half_angle
+                    if radii:
+                        touching = 2.0 * math.asin((radii[a] + radii[b]) / (2.0 * track))
+                    pair = (begin + a, begin + b, touching, turns)
                     self.pairs.append(pair)
                     self.restitution[pair] = m.restitution
-                    self.inertia[pair] = device.kappa * device.moment * device.track_radius
+            inertia += [d.kappa * d.moment * d.track_radius for d in weights_of(m).each]
             begin += n
+        self.inertia = np.array(inertia)
 
     def gap(self, pair: Pair, y: Array) -> float:
         """Angle between the surfaces of two neighbours [rad]."""
@@ -76,7 +79,7 @@ class Colliding:
         return [2.0 * gap / rate for gap, rate in gaps if gap > 0.0 and rate > 0.0]
 
     def pushes(self, t: float, y: Array, joined: Sequence[Pair]) -> tuple[Array, Array]:
-        """Pushes between joined neighbours (J,), and on every weight (N,) [rad/s^2]."""
+        """Pushes of joined neighbours (J,) [N m], and by them on every weight (N,) [rad/s^2]."""
         if not joined:
             return np.zeros(0), np.zeros(self.count)
         free = self.system.accelerations(t, y)[1]
@@ -85,20 +88,22 @@ class Colliding:
     def responses(
         self, t: float, y: Array, pairs: Sequence[Pair], free: Array
     ) -> tuple[Array, Array]:
-        """Rows of opening speeds in the rates (J, N), and the speeds' response to pushes (J, J)."""
+        """Rates by unit pushes on a held rotor (J, N), and opening speeds by them (J, J)."""
         rows = np.zeros((len(pairs), self.count))
         for row, (a, b, *_) in zip(rows, pairs, strict=True):
             row[a], row[b] = -1.0, 1.0
-        answers = [self.system.accelerations(t, y, row)[1] - free for row in rows]
-        return rows, rows @ np.array(answers).T
+        pushed = rows / self.inertia
+        answers = [self.system.accelerations(t, y, push)[1] - free for push in pushed]
+        return pushed, rows @ np.array(answers).T
 
     def _against(
         self, t: float, y: Array, joined: Sequence[Pair], motion: Array, free: Array
     ) -> tuple[Array, Array]:
         """Pushes, as of `pushes`, by which joined neighbours lose their differences in `motion`."""
-        rows, response = self.responses(t, y, joined, free)
-        sizes = np.asarray(np.linalg.lstsq(response, -rows @ motion, rcond=None)[0], float)
-        return sizes, sizes @ rows
+        pushed, response = self.responses(t, y, joined, free)
+        opening = np.array([motion[b] - motion[a] for a, b, *_ in joined])
+        sizes = np.asarray(np.linalg.lstsq(response, -opening, rcond=None)[0], float)
+        return sizes, sizes @ pushed
 
     def struck(self, t: float, y: Array, held: Array) -> Array:
         """The state after a blow that changes rates by `held` (N,) on a rotor that is held."""
@@ -126,18 +131,17 @@ class Colliding:
             ArithmeticError: they do not come to an end.
         """
         free = self.system.accelerations(t, y)[1]
-        rows, response = self.responses(t, y, touching, free)
-        inertia = np.array([self.inertia[pair] for pair in touching])
-        factor = np.linalg.cholesky(response / inertia).T  # pushes are per inertia of a weight
+        pushed, response = self.responses(t, y, touching, free)
+        factor = np.linalg.cholesky(response).T
         e = np.array([self.restitution[pair] for pair in touching])
         for _ in range(MOST_IMPACTS):
             rates = y[self.first + self.count :]
-            opening = rows @ rates
+            opening = np.array([rates[b] - rates[a] for a, b, *_ in touching])
             if opening.min() >= -1e-13 * np.abs(rates).max():
                 return y
             right = solve_triangular(factor, (1.0 + e) * opening, trans="T")
             impulses = nnls(factor, -right)[0]
-            y = self.struck(t, y, impulses / inertia @ rows)
+            y = self.struck(t, y, impulses @ pushed)
         raise ArithmeticError(f"impacts at {t:g} s do not come to an end")
 
     def settle(self, t: float, y: Array, touching: Sequence[Pair]) -> tuple[Array, list[Pair]]:

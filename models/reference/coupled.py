@@ -57,7 +57,7 @@ class Monolith:
         self.assembly, self.profile, self.angle = assembly, profile, angle
         self.stations = rotor.stations
         mounted = [m for m in assembly.weights for _ in range(weights_of(m).count)]
-        devices = [weights_of(m) for m in mounted]
+        devices = [one for m in assembly.weights for one in weights_of(m).each]
         self._plane = np.array([m.plane for m in mounted], int)
         self._of_plane = (self._plane[:, None] == np.arange(rotor.plane_count)).astype(float)
         self._pull = np.array([d.mass * d.track_radius for d in devices])

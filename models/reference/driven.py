@@ -49,7 +49,7 @@ class Driven:
         self.size, self.shaft = self._begun.size + 2, 2 * self.stations
         liquids = tuple(m for m in assembly.balancers if isinstance(m.device, Liquid))
         self._mass = replace(assembly, balancers=liquids).loaded_rotor.mass
-        self._each = [(m, weights_of(m)) for m in assembly.weights for _ in m.angles]
+        self._each = [(m, one) for m in assembly.weights for one in weights_of(m).each]
 
     @property
     def dry(self) -> bool:

@@ -58,8 +58,9 @@ class Trajectory:
         mounted = self._mounted(balancer)
         device = mounted.device
         assert isinstance(device, Weights)
-        arms = np.exp(1j * self.theta[balancer]).sum(axis=1)
-        return device.mass * (device.track_radius * arms + device.count * mounted.offset)
+        masses = np.array([one.mass for one in device.each])
+        arms = np.exp(1j * self.theta[balancer]) @ masses
+        return device.track_radius * arms + masses.sum() * mounted.offset
 
     def plane_acceleration(self, plane: int) -> NDArray[np.complex128]:
         """Acceleration of a plane (from 0), less gravity, in the rotor frame, (T,) [m/s^2]."""
@@ -78,10 +79,10 @@ class Trajectory:
             return np.zeros(len(self.time), complex)
         phi1 = self.angle_rate[balancer] + self.speed[:, None]
         phi2 = self.angle_acceleration[balancer] + self.angular_acceleration[:, None]
-        arms = ((phi1**2 - 1j * phi2) * np.exp(1j * self.theta[balancer])).sum(axis=1)
+        masses = np.array([one.mass for one in device.each])
+        arms = ((phi1**2 - 1j * phi2) * np.exp(1j * self.theta[balancer])) @ masses
         whirl = self.speed**2 - 1j * self.angular_acceleration
-        mass, radius = device.mass, device.track_radius
-        return mass * (radius * arms + device.count * mounted.offset * whirl)
+        return device.track_radius * arms + masses.sum() * mounted.offset * whirl
 
     def signal(self, name: str) -> Array:
         """A signal over time, (T,), by the name the units give it.

@@ -16,7 +16,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ..arrays import Array
-from ..assembly import Assembly
+from ..assembly import Assembly, weights_of
 from ..linear.balanced import WeightTable, balanced_angles
 from ..linear.boundaries import MARGIN, Crossing, growth_boundaries, scan_speeds
 from ..papers.touching import merged, packed_groups
@@ -189,6 +189,8 @@ def _apart(assembly: Assembly, whirl: Whirl) -> Whirl:
     Raises:
         NoWhirl: it is lost on the way, or groups of weights overlap in it or are driven apart.
     """
+    if any(m.half_angle and weights_of(m).unequal for m in assembly.weights):
+        raise NoWhirl("the whirl of weights of unequal size is not computed: run the scene")
     joined, angles = assembly, whirl.angles.tolist()
     tracks: list[tuple[float, list[int]]] = []  # half angle, and sizes of the groups
     for mounted in assembly.weights:

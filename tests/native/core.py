@@ -84,6 +84,7 @@ Weights = _struct(
     "Weights",
     count=c_int,
     **dict.fromkeys(["mass", "track_radius", "drag", "kappa", "radius"], c_double),
+    each=_D,
 )
 Quadrature = _struct("Quadrature", damping_rate=c_double, step=c_double, response=c_double * 10)
 Track = _struct(

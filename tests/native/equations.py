@@ -63,6 +63,11 @@ class Track:
         self.restitution, self.rolling_resistance = restitution, rolling_resistance
         w = weights
         points = core.structures.Weights(w.count, w.mass, w.track_radius, w.drag, w.kappa)
+        if w.unequal:
+            ratios = [[one.mass / w.mass, one.drag / (w.drag or 1.0)] for one in w.each]
+            sizes = [one.radius / w.radius if w.radius else 1.0 for one in w.each]
+            self._each = np.array([*np.transpose(ratios), sizes])
+            points.each = _pointer(self._each)
         self.native = core.structures.Track(
             points, weight_radius, restitution, mobility, rolling_resistance,
             Complex(offset.real, offset.imag),
@@ -145,17 +150,17 @@ class Pools(ctypes.Structure):
     _fields_ = (
         ("count", c_int),
         *((name, POINTER(c_int)) for name in ("first", "size")),
-        *((name, POINTER(c_double)) for name in ("drive", "limit", "value")),
+        *((name, POINTER(c_double)) for name in ("drive", "limit", "mass", "value")),
     )
 
 
 def pooled(core: Core, drives: Sequence[float], limits: Sequence[float] | None) -> list[float]:
     """Accelerations of a chain of touching weights, by the principle of least constraint."""
     n = len(drives)
-    pools = Pools(0, *((c_int * n)() for _ in range(2)), *((c_double * n)() for _ in range(3)))
+    pools = Pools(0, *((c_int * n)() for _ in range(2)), *((c_double * n)() for _ in range(4)))
     values = np.empty(n)
     held = None if limits is None else np.array(limits, float)
-    core("pool", byref(pools), np.array(drives, float), held, n, 0.0)
+    core("pool", byref(pools), np.array(drives, float), held, None, n, 0.0)
     core("expand", byref(pools), values)
     return values.tolist()
 

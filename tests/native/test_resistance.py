@@ -172,8 +172,17 @@ class Group(ctypes.Structure):
     _fields_ = (
         *((name, c_double) for name in ("radius", "lever", "grip", "damping_rate")),
         ("count", ctypes.c_int),
-        *((name, c_double) for name in ("alpha", "spin_share")),
+        *((name, c_double) for name in ("spin_share", "factor", "inertia")),
+        *((name, ctypes.POINTER(c_double)) for name in ("mass", "offset")),
     )
+
+    @classmethod
+    def of(cls, grip, damping_rate, masses, offsets, spin_share):
+        """Weights on a track of radius 1 m, whose offsets are from where their moment points to."""
+        n, inertia = len(masses), sum(masses)
+        factor = sum(m * math.cos(x) for m, x in zip(masses, offsets, strict=True)) / inertia
+        arrays = [(c_double * n)(*values) for values in (masses, offsets)]
+        return cls(1.0, -1 / 1.4, grip, damping_rate, n, spin_share, factor, inertia, *arrays)
 
 
 def drive_of(core, group, a, slope, angle, rate, speed, spin_up):
@@ -188,19 +197,22 @@ def drive_of(core, group, a, slope, angle, rate, speed, spin_up):
 
 
 def test_a_sliding_group_feels_the_mean_of_its_weights_also_when_loads_change_sides(core):
-    alpha, n, angle, rate, w, grip = 0.2, 4, 0.7, 0.4, 1.0, 0.05
+    angle, rate, w, grip = 0.7, 0.4, 1.0, 0.05
+    masses, offsets = [1.0, 0.6, 1.3], [-0.4, 0.1, 0.0]
+    tilt = cmath.phase(sum(m * cmath.rect(1.0, x) for m, x in zip(masses, offsets, strict=True)))
+    offsets = [x - tilt for x in offsets]
     for a in (0.5 + 0.3j, 1.9 - 0.8j):  # below and above the centrifugal acceleration
-        group = Group(1.0, -1 / 1.4, grip, 0.2, n, alpha, 0.6)
+        group = Group.of(grip, 0.2, masses, offsets, 0.6)
         found, _ = drive_of(core, group, a, 0j, angle, rate, w, 0.1)
         total = 0.0
-        for k in range(n):
-            z = a * cmath.exp(-1j * (angle + (2 * k - n + 1) * alpha))
-            total += -z.imag / 1.4 - grip * abs((w + rate) ** 2 - z.real) - 0.6 * 0.1
-        assert found == pytest.approx(total / n, rel=1e-13)
+        for m, x in zip(masses, offsets, strict=True):
+            z = a * cmath.exp(-1j * (angle + x))
+            total += m * (-z.imag / 1.4 - grip * abs((w + rate) ** 2 - z.real) - 0.6 * 0.1)
+        assert found == pytest.approx(total / sum(masses), rel=1e-13)
 
 
 def test_slope_of_the_sliding_drive_is_its_derivative(core):
-    group, h = Group(1.0, -1 / 1.4, -0.04, 0.3, 2, 0.2, 0.6), 1e-4
+    group, h = Group.of(-0.04, 0.3, [1.0, 1.0], [-0.2, 0.2], 0.6), 1e-4
     for a0, da in ((0.5 + 0.3j, 0.2 - 0.1j), (9.0 + 1.0j, -1.0 + 2.0j)):
         x, v, w, spin = 0.7, -0.4, 2.0, 0.3
         g0, slope = drive_of(core, group, a0, da, x, v, w, spin)

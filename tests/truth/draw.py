@@ -248,6 +248,25 @@ def motor(generator: random.Random) -> Document:
     return {**document, "operation": {"motor": drive}}
 
 
+def unequal(generator: random.Random) -> Document:
+    """Any kind of scene with weights that have their own masses, drags, and sizes where they meet.
+
+    The draw is repeated until there are two weights.
+    """
+    makers = (planar, run_up, two_support, heavy, finite, impacts, offset, sticking, motor)
+    document: Document = {}
+    while not any(one.get("count", 1) > 1 for one in document.get("balancer", ())):
+        document = generator.choice(makers)(generator)
+    for balancer in document["balancer"]:
+        for key in ("mass", "drag", "weight_radius"):
+            if key in balancer:  # smaller ones than those that fit, fit
+                balancer[key] = [
+                    float(f"{balancer[key] * generator.uniform(0.4, 1.0):.4g}")
+                    for _ in range(balancer["count"])
+                ]
+    return document
+
+
 FAMILIES: dict[str, Callable[[random.Random], Document]] = {
     "planar": planar,
     "run_up": run_up,
@@ -262,6 +281,7 @@ FAMILIES: dict[str, Callable[[random.Random], Document]] = {
     "friction": friction,
     "gravity": gravity,
     "motor": motor,
+    "unequal": unequal,
 }
 
 

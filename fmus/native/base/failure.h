@@ -26,6 +26,7 @@ enum {
     FAILURE_WEIGHT_RADIUS,     /* weight_radius; value[1]: track radius; value[2]: largest */
     FAILURE_RESTITUTION,       /* restitution: must be within 0 to 1 */
     FAILURE_MOBILITY,          /* track_mobility; value[1]: 1/(N m), which it must stay below */
+    FAILURE_NO_ROOM,           /* weights of unequal radii that fill the track */
     FAILURE_RIGID_SLIDERS,     /* two rigid sliders at one support and axis */
     FAILURE_SPIN,              /* der(acceleration): must be 0 */
     FAILURE_QUINTIC_WEIGHTS,   /* order: must be 3 for weights that meet or stick */

@@ -28,6 +28,8 @@ static const char *const WORDS[FAILURE_CROSSINGS + 1] = {
     [FAILURE_RESTITUTION] = "restitution = {0}: must be within 0 to 1",
     [FAILURE_MOBILITY] = "track_mobility = {0} 1/kg: must be 0 or more and less than {1.6} 1/kg, "
                          "one over the mass of all weights",
+    [FAILURE_NO_ROOM] = "weight_radius: {w} weights of unequal radii need {0.6} rad of a track of radius "
+                        "{1} m, must be less than a turn",
     [FAILURE_RIGID_SLIDERS] = "sliders: two rigid ones at one support and axis are one with the "
                               "sum of their limits; give that, or a stiffness",
     [FAILURE_SPIN] = "der(acceleration) = {0} rad/s3: must be 0 for weights that touch or stick, "

@@ -42,7 +42,7 @@ _CUBIC: tuple[tuple[str, dict[str, Any]], ...] = (
     ("RotorOnSupports", {**_ROTOR, "kind": "flexible", "shaft": "uniform"}),
     ("RotorOnSupports", {**_ROTOR, "kind": "flexible", "shaft": "compliance"}),
     ("LiquidBalancer", {}),
-    ("BallBalancer", {"weights": _WEIGHTS}),
+    ("BallBalancer", {"weights": _WEIGHTS, "unequal": 1}),
 )
 # what the C library holds: unit, and options of the sizes looked at
 TABLES = (
@@ -181,7 +181,8 @@ def _blocks(unit: str, options: dict[str, Any]) -> list[_Block]:
     """Variables of a unit in order, those that repeat together in one block."""
     turning, fixed = (_layout(unit, frame=frame, **options).reals for frame in ("rotor", "fixed"))
     patterns = [_without_axis(a.name, b.name) for a, b in zip(turning, fixed, strict=True)]
-    smooth = _layout(unit, frame="rotor", **{k: v for k, v in options.items() if k != "sliders"})
+    left_out = ("sliders", "unequal")
+    smooth = _layout(unit, frame="rotor", **{k: v for k, v in options.items() if k not in left_out})
     blocks: list[_Block] = []
     i = 0
     while i < len(patterns):
@@ -192,9 +193,10 @@ def _blocks(unit: str, options: dict[str, Any]) -> list[_Block]:
             block = _Block("SIZE_TRIANGLE", [_shared(patterns[i])], [list(found)])
         elif repeats > 1:
             shown = [_shared(pattern) for pattern in patterns[i : i + length]]
-            block = _Block(
-                _REPEATS[repeats], shown, [list(found[k::length]) for k in range(length)]
-            )
+            repeat = _REPEATS[repeats]
+            if repeat == "SIZE_WEIGHTS" and found[0].name not in smooth.index:
+                repeat = "SIZE_UNEQUAL"
+            block = _Block(repeat, shown, [list(found[k::length]) for k in range(length)])
         else:
             repeat = "SIZE_ONE" if found[0].name in smooth.index else "SIZE_SLIDING"
             block = _Block(repeat, patterns[i : i + size], [[v] for v in found])

@@ -33,25 +33,28 @@ static double shrunk(double drive, double limit)
     return larger(drive - limit, 0.0) + smaller(drive + limit, 0.0);
 }
 
-void pool(Pools *pools, const double *drives, const double *limits, int length, double slack)
+void pool(Pools *pools, const double *drives, const double *limits, const double *masses,
+          int length, double slack)
 {
     int count = 0, k;
     for (k = 0; k < length; k++) {
         int first = k, size = 1;
         double drive = drives[k], limit = limits ? limits[k] : 0.0;
-        double value = shrunk(drive, limit);
+        double mass = masses ? masses[k] : 1.0, value = shrunk(drive, limit) / mass;
         while (count && pools->value[count - 1] >= value - slack) {
             count--;
             first = pools->first[count];
             size += pools->size[count];
             drive = pools->drive[count] + drive;
             limit = pools->limit[count] + limit;
-            value = shrunk(drive, limit) / size;
+            mass = pools->mass[count] + mass;
+            value = shrunk(drive, limit) / mass;
         }
         pools->first[count] = first;
         pools->size[count] = size;
         pools->drive[count] = drive;
         pools->limit[count] = limit;
+        pools->mass[count] = mass;
         pools->value[count] = value;
         count++;
     }

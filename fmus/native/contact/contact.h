@@ -9,6 +9,7 @@ typedef struct {
     int count;              /* of pools; the entries beyond it mean nothing */
     int *first, *size;      /* (N,) first weight of the chain in a pool, and how many it has */
     double *drive, *limit;  /* (N,) sums over its weights */
+    double *mass;           /* (N,) */
     double *value;          /* (N,) what its weights share */
 } Pools;
 
@@ -22,8 +23,10 @@ void pressure_factors(int count, double alpha, Complex *factors);
 /* Set `pools` to the accelerations of a chain of touching weights: Gauss's principle.
 
    drives: (length,) free accelerations along increasing angle; limits: (length,) resistance of
-   weights at rest, or NULL; slack: tension that is taken for rounding. */
-void pool(Pools *pools, const double *drives, const double *limits, int length, double slack);
+   weights at rest, or NULL; both times the masses (length,), NULL: 1; slack: tension that is taken
+   for rounding. */
+void pool(Pools *pools, const double *drives, const double *limits, const double *masses,
+          int length, double slack);
 
 /* Give every weight of a chain the value of its pool. */
 void expand(const Pools *pools, double *values);

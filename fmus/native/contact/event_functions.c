@@ -17,13 +17,13 @@ static double slack_of(const WeightsInOrder *weights, int i, const Instant *now,
 }
 
 /* Least of the sums of `count` values one after the other, and after which of them. */
-static double least_sum(int count, const double *values, double less, int *where)
+static double least_sum(int count, const double *values, int *where)
 {
     double least = infinity(), sum = 0.0;
     int j;
     *where = 0;
     for (j = 0; j < count; j++) {
-        sum += values[j] - less;
+        sum += values[j];
         if (sum < least) {
             least = sum;
             *where = j;
@@ -57,18 +57,29 @@ static double common_pressure(WeightsInOrder *weights, int i, double middle, Com
     return least;
 }
 
-/* Set `drives` to those of a sliding group's weights without contact, but for common parts. */
-static void fill_sliding_drives(WeightsInOrder *weights, int i, double middle, double centrifugal,
-                                Complex acceleration)
+/* Set `drives` to what pulls a group's weights apart: their mass times what they would be accelerated by
+   beyond the group's mean. */
+static void fill_relative_drives(WeightsInOrder *weights, int i, double middle, double angle_rate,
+                                 double centrifugal, Complex acceleration, double spin_up)
 {
     const Track *track = weights->track;
-    const int size = weights->groups.runs.size[i];
-    const double grip = weights->groups.sign[i] * track->grip;
+    const Groups *groups = &weights->groups;
+    const int first = groups->runs.first[i], size = groups->runs.size[i];
+    const double grip = groups->sign[i] * track->grip;
+    double mean = 0.0;
     int k;
     for (k = 0; k < size; k++) {
-        const double angle = -middle - (2 * k - size + 1) * track->alpha;
+        const int j = (first + k) % weights->count;
+        const double angle = -middle - weights->offset[first + k];
         const Complex z = complex_product(acceleration, rect(1.0, angle));
-        weights->drives[k] = track->lever * z.im - grip * absolute(centrifugal - z.re);
+        weights->drives[k] = track->lever * z.im - grip * absolute(centrifugal - z.re) -
+                             (weights->damping_rate[j] - groups->damping_rate[i]) * angle_rate -
+                             (weights->spin_share[j] - groups->spin_share[i]) * spin_up;
+        mean += weights->mass[j] * weights->drives[k];
+    }
+    mean /= groups->mass[i];
+    for (k = 0; k < size; k++) {
+        weights->drives[k] = weights->mass[first + k] * (weights->drives[k] - mean);
     }
 }
 
@@ -81,20 +92,18 @@ static double pressure_of(const EventFunctions *functions, int i, double middle,
     const int size = groups->runs.size[i];
     const double turning = now->rotor_speed + angle_rate;
     const double centrifugal = weights->track->weights.track_radius * (turning * turning);
-    double least, mean = 0.0;
-    int k;
+    double least;
     *where = 0;
     if (groups->resting[i]) {
         return 1.0;
     }
-    if (groups->sign[i] == 0.0 || magnitude(now->acceleration) < centrifugal) {
+    if (!weights->track->weights.each &&
+        (groups->sign[i] == 0.0 || magnitude(now->acceleration) < centrifugal)) {
         least = common_pressure(weights, i, middle, now->acceleration, where);
     } else {
-        fill_sliding_drives(weights, i, middle, centrifugal, now->acceleration);
-        for (k = 0; k < size; k++) {
-            mean += weights->drives[k];
-        }
-        least = least_sum(size - 1, weights->drives, mean / size, where);
+        fill_relative_drives(weights, i, middle, angle_rate, centrifugal, now->acceleration,
+                             functions->motion->angular_acceleration);
+        least = least_sum(size - 1, weights->drives, where);
     }
     return least + slack_of(weights, i, now, functions->motion->angular_acceleration);
 }

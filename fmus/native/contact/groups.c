@@ -8,13 +8,13 @@ void fill_drives(WeightsInOrder *weights, int first, int size, const Instant *no
                  double angular_acceleration)
 {
     const Track *track = weights->track;
-    const double lag = track->spin_share * angular_acceleration;
     int j;
     for (j = 0; j < size; j++) {
         const int k = (first + j) % weights->count;
         const Complex z = complex_product(now->acceleration, rect(1.0, -weights->angle[k]));
         const double rate = weights->angle_rate[k], turning = now->rotor_speed + rate;
-        double g = track->lever * z.im - lag - track->damping_rate * rate;
+        double g = track->lever * z.im - weights->spin_share[k] * angular_acceleration -
+                   weights->damping_rate[k] * rate;
         double f = 0.0;
         if (track->grip != 0.0) {
             const double centrifugal = track->weights.track_radius * (turning * turning);
@@ -24,8 +24,28 @@ void fill_drives(WeightsInOrder *weights, int first, int size, const Instant *no
                 f = 0.0;
             }
         }
-        weights->drives[j] = g;
-        weights->limits[j] = f;
+        weights->drives[j] = weights->mass[k] * g;
+        weights->limits[j] = weights->mass[k] * f;
+    }
+}
+
+/* Mass of group i, and means of what its weights have of their own. */
+static void find_means(WeightsInOrder *weights, int i)
+{
+    Groups *groups = &weights->groups;
+    const int first = groups->runs.first[i], size = groups->runs.size[i];
+    double mass = 0.0, damping = 0.0, share = 0.0;
+    int j;
+    groups->mass[i] = size;
+    groups->damping_rate[i] = weights->track->damping_rate;
+    groups->spin_share[i] = weights->track->spin_share;
+    for (j = first; weights->track->weights.each && j < first + size; j++) {
+        mass += weights->mass[j];
+        damping += weights->mass[j] * weights->damping_rate[j % weights->count];
+        share += weights->mass[j] * weights->spin_share[j % weights->count];
+        groups->mass[i] = mass;
+        groups->damping_rate[i] = damping / mass;
+        groups->spin_share[i] = share / mass;
     }
 }
 
@@ -37,7 +57,9 @@ static void append_group(WeightsInOrder *weights, int first, int size, double an
     const double rate = weights->angle_rate[first];
     groups->runs.first[i] = first;
     groups->runs.size[i] = size;
-    groups->middle[i] = weights->angle[first] + (size - 1) * weights->track->alpha;
+    groups->factor[i] = find_offsets(weights, first, size);
+    groups->middle[i] = weights->angle[first] - weights->offset[first];
+    find_means(weights, i);
     groups->angle_rate[i] = rate;
     groups->sign[i] = 0.0;
     groups->resting[i] = 0;
@@ -66,7 +88,7 @@ static void append_groups(WeightsInOrder *weights, int first, int size, const In
         }
         length = 1;
     }
-    pool(pools, weights->drives, weights->limits, length, slack);
+    pool(pools, weights->drives, weights->limits, weights->mass + first, length, slack);
     for (j = 0; j < pools->count; j++) {
         const int begin = pools->first[j];
         if (begin) {
@@ -103,25 +125,27 @@ SlidingGroup sliding_group(const WeightsInOrder *weights, int i)
     group.radius = track->weights.track_radius;
     group.lever = track->lever;
     group.grip = weights->groups.sign[i] * track->grip;
-    group.damping_rate = track->damping_rate;
+    group.damping_rate = weights->groups.damping_rate[i];
     group.count = weights->groups.runs.size[i];
-    group.alpha = track->alpha;
-    group.spin_share = track->spin_share;
+    group.spin_share = weights->groups.spin_share[i];
+    group.factor = weights->groups.factor[i];
+    group.inertia = weights->groups.mass[i];
+    group.mass = weights->mass + weights->groups.runs.first[i];
+    group.offset = weights->offset + weights->groups.runs.first[i];
     return group;
 }
 
 /* -1/(kappa R) times the factor of group i [1/m]. */
 static double group_lever(const WeightsInOrder *weights, int i)
 {
-    return weights->track->lever *
-           group_factor(weights->groups.runs.size[i], weights->track->alpha);
+    return weights->track->lever * weights->groups.factor[i];
 }
 
 void group_moved(WeightsInOrder *weights, int i, const Instant *now, const Instant *later,
            double angular_acceleration, double step, double *middle, double *rate)
 {
     const Groups *groups = &weights->groups;
-    const double lag[4] = {weights->track->spin_share * angular_acceleration, 0.0, 0.0, 0.0};
+    const double lag[4] = {groups->spin_share[i] * angular_acceleration, 0.0, 0.0, 0.0};
     const double *response;
     Complex ends[4];
     *middle = groups->middle[i];
@@ -137,7 +161,7 @@ void group_moved(WeightsInOrder *weights, int i, const Instant *now, const Insta
     ends[1] = now->slope;
     ends[2] = later->acceleration;
     ends[3] = later->slope;
-    response = quadrature(&weights->quadrature, weights->track->damping_rate, step);
+    response = quadrature(&weights->quadrature, groups->damping_rate[i], step);
     if (groups->sign[i] != 0.0) {
         const SlidingGroup group = sliding_group(weights, i);
         sliding_substep(&group, middle, rate, ends, now->rotor_speed, angular_acceleration,
@@ -152,7 +176,7 @@ void group_acceleration(WeightsInOrder *weights, int i, double middle, double an
                         const Instant *now, double angular_acceleration, double *acceleration,
                         double *slope)
 {
-    const double damping_rate = weights->track->damping_rate;
+    const double damping_rate = weights->groups.damping_rate[i];
     double drive, drive_slope;
     if (weights->groups.resting[i]) {
         *acceleration = *slope = 0.0;
@@ -167,10 +191,24 @@ void group_acceleration(WeightsInOrder *weights, int i, double middle, double an
     } else {
         along_track(now->acceleration, now->slope, middle, angle_rate, group_lever(weights, i),
                     &drive, &drive_slope);
-        drive -= weights->track->spin_share * angular_acceleration;
+        drive -= weights->groups.spin_share[i] * angular_acceleration;
     }
     *acceleration = drive - damping_rate * angle_rate;
     *slope = drive_slope - damping_rate * *acceleration;
+}
+
+/* How many times theta'' of group i counts in `weights_unhindered`. */
+static double group_arm(const WeightsInOrder *weights, int i)
+{
+    const Weights *all = &weights->track->weights;
+    const int first = weights->groups.runs.first[i], size = weights->groups.runs.size[i];
+    double sum = 0.0;
+    int j;
+    for (j = first; all->each && j < first + size; j++) {
+        const Weights one = weights_single(all, weights->order[j % weights->count]);
+        sum += weights_arm(&one) / weights_arm(all);
+    }
+    return all->each ? sum : size;
 }
 
 void ring_turning(WeightsInOrder *weights, const Instant *now, double angular_acceleration,
@@ -184,8 +222,8 @@ void ring_turning(WeightsInOrder *weights, const Instant *now, double angular_ac
         double acceleration, slope;
         group_acceleration(weights, i, groups->middle[i], groups->angle_rate[i], now,
                            angular_acceleration, &acceleration, &slope);
-        turned[0] += groups->runs.size[i] * acceleration;
-        turned[1] += groups->runs.size[i] * slope;
+        turned[0] += group_arm(weights, i) * acceleration;
+        turned[1] += group_arm(weights, i) * slope;
     }
 }
 
@@ -193,7 +231,7 @@ void ring_reaction(WeightsInOrder *weights, const Instant *now, double angular_a
                    Complex *force, Complex *force_slope)
 {
     const Groups *groups = &weights->groups;
-    const double speed = now->rotor_speed, alpha = weights->track->alpha;
+    const double speed = now->rotor_speed;
     const double scale = -weights->track->moment;
     const Complex turn = {0.0, 2.0 * speed}, pull = {-speed * speed, angular_acceleration};
     const Complex pull_slope = {pull.re, 3.0 * angular_acceleration};
@@ -202,8 +240,7 @@ void ring_reaction(WeightsInOrder *weights, const Instant *now, double angular_a
     find_groups(weights, now, angular_acceleration);
     for (i = 0; i < groups->runs.count; i++) {
         const double nu = groups->angle_rate[i];
-        const int size = groups->runs.size[i];
-        const Complex unit = rect(size * group_factor(size, alpha), groups->middle[i]);
+        const Complex unit = rect(groups->mass[i] * groups->factor[i], groups->middle[i]);
         double theta_2, theta_3;
         group_acceleration(weights, i, groups->middle[i], nu, now, angular_acceleration, &theta_2,
                            &theta_3);

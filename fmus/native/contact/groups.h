@@ -5,9 +5,9 @@
    weight with a smaller gain.  Which contacts last follows from Gauss's principle of least constraint:
    the accelerations y of a chain are
 
-       min sum (y_k - g_k)^2/2 + f_k |y_k|,     y_1 <= y_2 <= ... <= y_n,
+       min sum m_k ((y_k - g_k)^2/2 + f_k |y_k|),     y_1 <= y_2 <= ... <= y_n,
 
-   with free accelerations g_k and, for weights at rest, limits f_k of rolling resistance.  It has one
+   with masses m_k, free accelerations g_k and, for weights at rest, limits f_k of rolling resistance.  It has one
    solution, pooling of adjacent violators finds it exactly, and a contact between two pools opens. */
 #ifndef AUTOBALANCER_GROUPS_H
 #define AUTOBALANCER_GROUPS_H
@@ -18,7 +18,7 @@
 
 #define PULL 1e-12 /* of the largest drive: tension that is rounding */
 
-/* Set `drives` and `limits`: accelerations g of a run of weights, limits f of those at rest. */
+/* Set `drives` and `limits`: m g of a run of weights, m f of those at rest. */
 void fill_drives(WeightsInOrder *weights, int first, int size, const Instant *now,
                  double angular_acceleration);
 
@@ -37,7 +37,7 @@ void group_acceleration(WeightsInOrder *weights, int i, double middle, double an
                         const Instant *now, double angular_acceleration, double *acceleration,
                         double *slope);
 
-/* Sum of theta'' of all weights and its slope [rad/s^2, rad/s^3]. */
+/* As weights_unhindered, of weights that touch and stick [rad/s^2, rad/s^3]. */
 void ring_turning(WeightsInOrder *weights, const Instant *now, double angular_acceleration,
                   double *turned);
 

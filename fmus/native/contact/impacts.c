@@ -34,9 +34,10 @@ void impact_add(Impact *impact, const WeightsInOrder *weights, int plane, int cl
     int k;
     for (k = 0; k < n; k++) {
         const int i = first + k;
-        const double inertia = track->weights.kappa * track->moment * track->weights.track_radius;
+        const double moment = weights->mass[k] * track->moment;
+        const double inertia = track->weights.kappa * moment * track->weights.track_radius;
         impact->rate[i] = weights->angle_rate[k];
-        impact->weights[i] = (ImpactWeight){plane, inertia, track->moment, weights->angle_rate[k],
+        impact->weights[i] = (ImpactWeight){plane, inertia, moment, weights->angle_rate[k],
                                             rect(1.0, weights->angle[k])};
     }
     impact->count += n;
@@ -65,7 +66,7 @@ static const double *accelerations_of(WeightsInOrder *weights, const Instant *no
     for (i = 0; i < chains->count; i++) {
         const int first = chains->first[i], size = chains->size[i];
         fill_drives(weights, first, size, now, angular_acceleration);
-        pool(&weights->pools, weights->drives, weights->limits, size, 0.0);
+        pool(&weights->pools, weights->drives, weights->limits, weights->mass + first, size, 0.0);
         expand(&weights->pools, weights->drives);
         for (j = 0; j < size; j++) {
             weights->sides[(first + j) % weights->count] = weights->drives[j];

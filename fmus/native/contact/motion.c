@@ -30,6 +30,7 @@ int track_first_contacts(const Track *track, const double *angles, const double 
 {
     const int n = track->weights.count;
     WeightsInOrder weights;
+    double room = 0.0;
     int k, code;
     fill_doubles((size_t)n, 0.0, contacts);
     if (!track->solid) {
@@ -39,6 +40,11 @@ int track_first_contacts(const Track *track, const double *angles, const double 
     for (k = 0; k < n && !code; k++) {
         const int alike = weights.angle_rate[k] == weights.angle_rate[(k + 1) % n];
         contacts[weights.order[k]] = alike && gap(&weights, k) <= TOUCH ? 1.0 : 0.0;
+        room += gap(&weights, k);
+    }
+    if (!code && !track->full && !(room > n * TOUCH)) { /* which depends on their order */
+        code = fail(failure, FAILURE_NO_ROOM, "weight_radius", n, TAU - room,
+                    track->weights.track_radius, 0.0, 0.0);
     }
     return code;
 }
@@ -145,12 +151,6 @@ Complex track_reaction_second(const Track *track, const double *angles, const do
     return complex_difference(second, complex_product(whirls[2], carried));
 }
 
-double track_arm(const Track *track)
-{
-    const Weights *body = &track->weights;
-    return track->moment * (body->track_radius - (body->kappa - 1.0) * body->radius);
-}
-
 /* What rolling resistance adds to the torque. */
 static int add_resistance(const Track *track, const double *angles, const double *speeds,
                           const double *contacts, const Complex *centre, double rotor_speed,
@@ -171,7 +171,7 @@ static int add_resistance(const Track *track, const double *angles, const double
     weights_unhindered(&track->weights, angles, speeds, centre, angular_acceleration, 0.0, free);
     ring_turning(&weights, &now, angular_acceleration, left);
     for (k = 0; k < 2; k++) {
-        torque[k] += track_arm(track) * (free[k] - left[k]);
+        torque[k] += weights_arm(&track->weights) * (free[k] - left[k]);
     }
     return FINE;
 }

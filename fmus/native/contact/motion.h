@@ -53,10 +53,6 @@ Complex track_reaction_second(const Track *track, const double *angles, const do
                               const Complex *motion, double rotor_speed, const double *spin_up,
                               Turned *turned);
 
-/* Torque on the rotor by what resistance takes of a weight's theta'' [N m s^2]: kappa m R^2, less what
-   the body's own turning gives back. */
-double track_arm(const Track *track);
-
 /* Torque of the weights on the rotor about the plane's centre and its slope, without impulses.
 
    motion, force: acceleration of the plane's centre, force of track_reaction, and their slopes. */

@@ -6,12 +6,6 @@
 #include "contact/contact.h"
 #include "weights/weights.h"
 
-/* Angle of weight k from the middle. */
-static double turn_of(const SlidingGroup *group, int k)
-{
-    return (2 * k - group->count + 1) * group->alpha;
-}
-
 int find_sides(const SlidingGroup *group, Complex acceleration, double angle, double angle_rate,
                double rotor_speed, double *sides)
 {
@@ -22,7 +16,7 @@ int find_sides(const SlidingGroup *group, Complex acceleration, double angle, do
         return 0;
     }
     for (k = 0; k < group->count; k++) {
-        const Complex load = complex_product(acceleration, rect(1.0, -angle - turn_of(group, k)));
+        const Complex load = complex_product(acceleration, rect(1.0, -angle - group->offset[k]));
         sides[k] = centrifugal >= load.re ? 1.0 : -1.0;
     }
     return group->count;
@@ -36,21 +30,23 @@ void sliding_drive(const SlidingGroup *group, Complex acceleration, Complex slop
     const double centrifugal = group->radius * turning * turning;
     const Complex middle = rect(1.0, -angle);
     const int terms = side_count ? side_count : 1;
-    const double share = 1.0 / terms;
+    const double share = side_count ? 1.0 / group->inertia : 1.0;
     double g = 0.0, dg = 0.0, load = 0.0, angle_acceleration;
     int k;
     for (k = 0; k < terms; k++) {
-        double pull = group->grip;
+        double pull = group->grip, mass = 1.0;
         Complex unit, z, dz;
         if (side_count) {
-            unit = complex_product(middle, rect(1.0, -turn_of(group, k)));
+            unit = complex_product(middle, rect(1.0, -group->offset[k]));
+            mass = group->mass[k];
+            unit = complex_scaled(mass, unit);
             pull *= sides[k];
         } else { /* the sum over the group is known */
-            unit = complex_scaled(group_factor(group->count, group->alpha), middle);
+            unit = complex_scaled(group->factor, middle);
         }
         z = complex_product(acceleration, unit);
         dz = complex_product(slope, unit);
-        load += pull;
+        load += mass * pull;
         g += group->lever * z.im + pull * z.re;
         dg += group->lever * (dz.im - angle_rate * z.re) + pull * (dz.re + angle_rate * z.im);
     }

@@ -25,8 +25,10 @@ typedef struct {
     double grip;         /* sign(theta') mu/(kappa R) [1/m] */
     double damping_rate; /* d [1/s] */
     int count;
-    double alpha;      /* half the angle between neighbours [rad] */
     double spin_share; /* s of Track */
+    double factor;     /* of the mean drive, as of Groups */
+    double inertia;    /* sum of */
+    const double *mass, *offset; /* (count,) of each, and its angle from the middle [rad] */
 } SlidingGroup;
 
 /* Which wall of the race carries each weight: sides (count,) 1.0 outer, -1.0 inner.  Returns how

@@ -2,12 +2,14 @@
 
 #include "base/elementary.h"
 #include "base/matrix.h"
+#include "constants.h"
 #include "contact/impact_law.h"
+#include "contact/spacing.h"
 
 #define OVERLAP 1e-7  /* rad: of a start; rounding of angles after a million turns stays below */
 #define ALIGNED 1e-12 /* rad: contacts this exact are left alone, so that weights never creep */
 
-#define RING_DOUBLES 17 /* arrays of N doubles, and of N ints */
+#define RING_DOUBLES 29 /* arrays of N doubles, and of N ints */
 #define RING_INTS 9
 
 size_t ring_scratch(int count)
@@ -48,6 +50,16 @@ static void lay_out_scratch(int n, double *scratch, WeightsInOrder *w)
     w->pools.drive = next_doubles(&d, n);
     w->pools.limit = next_doubles(&d, n);
     w->pools.value = next_doubles(&d, n);
+    w->pools.mass = next_doubles(&d, n);
+    w->groups.mass = next_doubles(&d, n);
+    w->groups.factor = next_doubles(&d, n);
+    w->groups.damping_rate = next_doubles(&d, n);
+    w->groups.spin_share = next_doubles(&d, n);
+    w->mass = next_doubles(&d, 2 * n);
+    w->offset = next_doubles(&d, 2 * n);
+    w->damping_rate = next_doubles(&d, n);
+    w->spin_share = next_doubles(&d, n);
+    w->spacing = next_doubles(&d, n);
     w->drives = next_doubles(&d, n);
     w->limits = next_doubles(&d, n);
     w->sides = next_doubles(&d, n);
@@ -74,6 +86,28 @@ static void sort(int n, const double *within, int *order)
             order[j] = order[j - 1];
         }
         order[j] = weight;
+    }
+}
+
+/* What each weight has of its own, in the order in which they stand. */
+static void set_each(WeightsInOrder *w)
+{
+    const Track *track = w->track;
+    const Weights *all = &track->weights;
+    const int n = w->count;
+    int j;
+    for (j = 0; j < n; j++) {
+        w->mass[j] = w->mass[n + j] = weights_mass_ratio(all, w->order[j]);
+        w->damping_rate[j] = track->damping_rate;
+        w->spin_share[j] = track->spin_share;
+        w->spacing[j] = 2.0 * track->alpha;
+        if (all->each) {
+            const Weights one = weights_single(all, w->order[j]);
+            const Weights next = weights_single(all, w->order[(j + 1) % n]);
+            w->damping_rate[j] = weights_damping_rate(&one);
+            w->spin_share[j] = weights_spin_share(&one);
+            w->spacing[j] = 2.0 * half_angle(0.5 * (one.radius + next.radius), all->track_radius);
+        }
     }
 }
 
@@ -105,6 +139,7 @@ int put_in_order(const Track *track, const double *angles, const double *speeds,
         weights->joined[j] = track->full || (track->solid && contacts[k] != 0.0);
     }
     copy_doubles((size_t)n, weights->begin, weights->angle);
+    set_each(weights);
     return track->solid ? align(weights) : FINE;
 }
 
@@ -124,7 +159,7 @@ double gap(const WeightsInOrder *weights, int k)
 {
     const double *angle = weights->angle;
     const double ahead = k + 1 < weights->count ? angle[k + 1] : angle[0] + TAU;
-    return ahead - angle[k] - 2.0 * weights->track->alpha;
+    return ahead - angle[k] - weights->spacing[k];
 }
 
 void find_chains(WeightsInOrder *weights)
@@ -163,17 +198,52 @@ static int is_aligned(const WeightsInOrder *weights, int first, int size)
     return 1;
 }
 
+/* Angle of a vector [rad]. */
+static double angle_of(Complex vector)
+{
+    const double size = magnitude(vector), angle = size > 0.0 ? arc_sine(vector.im / size) : 0.0;
+    return vector.re < 0.0 ? copy_sign(PI, vector.im) - angle : angle;
+}
+
+double find_offsets(WeightsInOrder *weights, int first, int size)
+{
+    const double alpha = weights->track->alpha;
+    double *offset = weights->offset + first, at = 0.0, middle, mass = 0.0;
+    Complex moment = {0.0, 0.0};
+    int j;
+    if (!weights->track->weights.each) {
+        for (j = 0; j < size; j++) {
+            offset[j] = (2 * j - size + 1) * alpha;
+        }
+        return group_factor(size, alpha);
+    }
+    for (j = 0; j < size; j++) {
+        offset[j] = at;
+        mass += weights->mass[first + j];
+        moment = complex_sum(moment, rect(weights->mass[first + j], at));
+        at += weights->spacing[(first + j) % weights->count];
+    }
+    middle = angle_of(moment);
+    for (j = 0; j < size; j++) {
+        offset[j] -= middle;
+    }
+    return magnitude(moment) / mass;
+}
+
 /* Put the weights of a chain about the mean of their angles, with the mean of their rates. */
 static void place_about_mean(WeightsInOrder *weights, int first, int size)
 {
-    double middle = 0.0, rate = 0.0;
+    const int unequal = weights->track->weights.each != NULL;
+    double middle = 0.0, rate = 0.0, mass = 0.0;
     int j;
+    find_offsets(weights, first, size);
     for (j = first; j < first + size; j++) {
         const int k = j % weights->count;
-        middle += weights->angle[k] + (k < first ? TAU : 0.0);
-        rate += weights->angle_rate[k];
+        middle += weights->angle[k] + (k < first ? TAU : 0.0) - (unequal ? weights->offset[j] : 0.0);
+        rate += weights->mass[j] * weights->angle_rate[k];
+        mass += weights->mass[j];
     }
-    place(weights, first, size, middle / size, rate / size);
+    place(weights, first, size, middle / size, rate / mass);
 }
 
 int align(WeightsInOrder *weights)
@@ -208,7 +278,7 @@ void place(WeightsInOrder *weights, int first, int size, double middle, double r
     int j;
     for (j = 0; j < size; j++) {
         int k = first + j;
-        double angle = middle + (2 * j - size + 1) * weights->track->alpha;
+        double angle = middle + weights->offset[k];
         if (k >= weights->count) {
             k -= weights->count;
             angle -= TAU;

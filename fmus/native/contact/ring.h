@@ -24,6 +24,9 @@ typedef struct {
     double *sign;                  /* (N,) way it slides; 0 without resistance or at rest */
     int *resting;                  /* (N,) held by resistance */
     double *end_middle, *end_rate; /* (N,) after the stretch of time that is looked at */
+    double *mass;          /* (N,) of its weights */
+    double *factor;        /* (N,) mean drive in units of that of its mass at the middle */
+    double *damping_rate, *spin_share; /* (N,) means */
 } Groups;
 
 /* State of the weights, and the arrays that are needed to move them. */
@@ -35,6 +38,11 @@ typedef struct {
     double *begin;               /* (N,) the same in order and within a turn */
     double *angle, *angle_rate;  /* (N,) in order, ascending and within a turn [rad, rad/s] */
     int *joined;                 /* (N,) true where a weight lastingly touches the next */
+    double *mass;                /* (2 N,) in order, twice over, of each over `track->weights.mass` */
+    double *damping_rate, *spin_share; /* (N,) in order */
+    double *spacing;             /* (N,) angle to the next where they touch [rad] */
+    double *offset;              /* (2 N,) angle from the middle of the run it is in; beyond N: of runs
+                                    that pass the last weight [rad] */
     Runs chains;                 /* found last */
     Groups groups;               /* found last */
     Pools pools;
@@ -67,7 +75,11 @@ void find_chains(WeightsInOrder *weights);
 /* Exact distances and one rate in every chain of lasting contacts; refuse overlaps. */
 int align(WeightsInOrder *weights);
 
-/* Put a run of weights that touch about the angle `middle`. */
+/* Set the `offset` of a run of weights that touch; how many times the static moment of its mass at the
+   middle it has.  The middle is where that points to; of weights that are alike, half way. */
+double find_offsets(WeightsInOrder *weights, int first, int size);
+
+/* Put a run of weights that touch, whose offsets are set, about the angle `middle`. */
 void place(WeightsInOrder *weights, int first, int size, double middle, double rate);
 
 #endif

@@ -7,7 +7,7 @@ static int check_options(const Track *track, Failure *failure)
 {
     const double radius = track->weights.track_radius, size = track->weight_radius;
     const int count = track->weights.count;
-    int code = demand_not_negative("weight_radius", size, failure);
+    int k, code = demand_not_negative("weight_radius", size, failure);
     code = code ? code
                 : demand_not_negative("rolling_resistance", track->rolling_resistance, failure);
     if (code) {
@@ -25,7 +25,14 @@ static int check_options(const Track *track, Failure *failure)
         return fail(failure, FAILURE_NOT_FINITE, "offset", 0, track->offset.re, track->offset.im,
                     0.0, 0.0);
     }
-    if (!fits(count, size, radius)) {
+    for (k = 0; track->weights.each && k < count; k++) {
+        const Weights one = weights_single(&track->weights, k);
+        if (!(one.radius < radius)) {
+            return fail(failure, FAILURE_WEIGHT_RADIUS, "weight_radius", 1, one.radius, radius,
+                        radius, 0.0);
+        }
+    }
+    if (!track->weights.each && !fits(count, size, radius)) {
         return fail(failure, FAILURE_WEIGHT_RADIUS, "weight_radius", count, size, radius,
                     largest_radius(count, radius), 0.0);
     }
@@ -35,14 +42,15 @@ static int check_options(const Track *track, Failure *failure)
 int track_prepare(Track *track, Failure *failure)
 {
     Weights *weights = &track->weights;
-    int code = weights_check(weights, failure);
+    int code, k, sizes_differ = 0;
+    weights->radius = track->weight_radius;
+    code = weights_check(weights, failure);
     if (!code) {
         code = check_options(track, failure);
     }
     if (code) {
         return code;
     }
-    weights->radius = track->weight_radius;
     track->alpha = half_angle(track->weight_radius, weights->track_radius);
     track->lever = -1.0 / (weights->kappa * weights->track_radius);
     track->grip = -track->rolling_resistance * track->lever;
@@ -50,7 +58,11 @@ int track_prepare(Track *track, Failure *failure)
     track->moment = weights->mass * weights->track_radius;
     track->spin_share = weights_spin_share(weights);
     track->solid = track->alpha > 0.0 && weights->count > 1;
-    track->full = track->solid && weights->count * track->alpha >= PI - weights->count * TOUCH;
+    for (k = 0; weights->each && k < weights->count; k++) {
+        sizes_differ |= weights->each[2 * weights->count + k] != 1.0;
+    }
+    track->full = track->solid && !sizes_differ &&
+                  weights->count * track->alpha >= PI - weights->count * TOUCH;
     track->eventful =
         (track->weight_radius > 0.0 && weights->count > 1) || track->rolling_resistance > 0.0;
     return FINE;

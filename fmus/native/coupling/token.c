@@ -382,7 +382,7 @@ static int describe(Unit *unit, const char *own_starts)
 {
     const Composite *c = unit->own;
     const Table *table = table_of("Composite", c->motor ? "motor" : "", "", 3);
-    Sizes sizes = {1, 1, 1, 1, 0, 2, 0, 3};
+    Sizes sizes = {1, 1, 1, 1, 0, 2, 0, 3, 0};
     Layout own;
     Variable *reals;
     double *starts;

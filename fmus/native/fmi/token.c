@@ -45,7 +45,7 @@ int token_read(const char *token, const Table **table, Sizes *sizes, Text *reaso
 {
     char unit[WORD_SIZE], key[WORD_SIZE], value[WORD_SIZE], kind[WORD_SIZE], shaft[WORD_SIZE];
     const char *at;
-    const Sizes none = {1, 1, 1, 1, 0, 2, 0, 3};
+    const Sizes none = {1, 1, 1, 1, 0, 2, 0, 3, 0};
     *sizes = none;
     kind[0] = shaft[0] = 0;
     at = token ? word_until(token, '/', unit) : NULL;
@@ -76,6 +76,7 @@ int token_read(const char *token, const Table **table, Sizes *sizes, Text *reaso
                         : text_equal(key, "sliders")    ? &sizes->sliders
                         : text_equal(key, "points")     ? &sizes->points
                         : text_equal(key, "order")      ? &sizes->order
+                        : text_equal(key, "unequal")    ? &sizes->unequal
                                                         : NULL;
             if (!size) {
                 return refuse_token(reason, token, "has an option this library does not know");
@@ -140,6 +141,9 @@ static void put_options(Text *text, const Layout *layout)
             put_size(text, "unbalances=", sizes->unbalances);
         }
     } else if (text_equal(table->unit, "BallBalancer")) {
+        if (sizes->unequal) {
+            put_size(text, "unequal=", sizes->unequal);
+        }
         put_size(text, "weights=", sizes->weights);
     } else if (text_equal(table->unit, "Motor")) {
         put_size(text, "points=", sizes->points);

@@ -32,6 +32,8 @@ static size_t repeats(int repeat, const Sizes *sizes)
         return (size_t)sizes->unbalances;
     case SIZE_WEIGHTS:
         return (size_t)sizes->weights;
+    case SIZE_UNEQUAL:
+        return sizes->unequal ? (size_t)sizes->weights : 0;
     case SIZE_SLIDERS:
         return (size_t)sizes->sliders;
     case SIZE_SLIDING: /* once, where there are sliders */

@@ -11,7 +11,7 @@
 #include "base/text.h"
 
 /* How often a block of variables stands there. */
-enum { SIZE_ONE, SIZE_TWO, SIZE_STATIONS, SIZE_PLANES, SIZE_UNBALANCES, SIZE_WEIGHTS, SIZE_SLIDERS,
+enum { SIZE_ONE, SIZE_TWO, SIZE_STATIONS, SIZE_PLANES, SIZE_UNBALANCES, SIZE_WEIGHTS, SIZE_UNEQUAL, SIZE_SLIDERS,
        SIZE_SLIDING, SIZE_POINTS, SIZE_TRIANGLE };
 
 enum { HAS_MINIMUM = 1, ABOVE_MINIMUM = 2, START_VARIES = 4 };
@@ -55,6 +55,7 @@ typedef struct {
     int stations, planes, unbalances, weights, sliders, points;
     int fixed_frame; /* signals along fixed axes */
     int order;       /* of the signals: 3, or 5 */
+    int unequal;     /* weights each with a mass, drag and radius of its own */
 } Sizes;
 
 /* A Real's declaration, and its indices, from 1. */

@@ -69,6 +69,8 @@ static int weights_parameters(Unit *unit)
     track->weights.track_radius = real[TRACK_RADIUS];
     track->weights.kappa = real[KAPPA];
     track->weights.drag = real[DRAG];
+    track->weights.each =
+        unit->layout.sizes.unequal ? real + FIRST_ANGLE + 2 * (size_t)own->count : NULL;
     track->weight_radius = real[WEIGHT_RADIUS];
     track->restitution = real[RESTITUTION];
     track->mobility = real[MOBILITY];

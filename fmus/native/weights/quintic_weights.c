@@ -119,7 +119,16 @@ int quintic_weights_advance(const Weights *weights, const double *angles, const 
     const double *response;
     Driven begin, first; /* at the end of the first substep, mostly the only one */
     double h;
-    int k, j, code, count;
+    int k, j, code = FINE, count;
+    for (k = 0; weights->each && k < weights->count && !code; k++) {
+        const Weights one = weights_single(weights, k);
+        code = quintic_weights_advance(&one, angles + k, speeds + k, signal, spin_up, step,
+                                       new_angles + k, new_speeds + k, memory, turned + 2 * k,
+                                       failure);
+    }
+    if (weights->each) {
+        return code;
+    }
     code = weights_substeps(weights->count, angles, speeds, signal, lever, lag, damping_rate, step,
                             &count, failure);
     if (code) {
@@ -164,6 +173,15 @@ Complex quintic_weights_reaction_second(const Weights *weights, const double *an
     Complex total = {0.0, 0.0};
     Driven by;
     int k;
+    for (k = 0; weights->each && k < weights->count; k++) {
+        const Weights one = weights_single(weights, k);
+        total = complex_sum(total, quintic_weights_reaction_second(
+                                       &one, angles + k, speeds + k, motion, rotor_speed, spin_up,
+                                       turned + 2 * k));
+    }
+    if (weights->each) {
+        return total;
+    }
     for (k = 0; k < 3; k++) {
         by.motion[k] = motion[k];
     }

@@ -9,15 +9,46 @@
 
 #define NEARBY 0.16 /* rad: the series of a turn by less leave out less than 1e-16 */
 
+Weights weights_single(const Weights *weights, int k)
+{
+    const int n = weights->count;
+    Weights one = *weights;
+    one.count = 1;
+    one.each = NULL;
+    if (weights->each) {
+        one.mass *= weights->each[k];
+        one.drag *= weights->each[n + k];
+        one.radius *= weights->each[2 * n + k];
+    }
+    return one;
+}
+
+double weights_mass_ratio(const Weights *weights, int k)
+{
+    return weights->each ? weights->each[k] : 1.0;
+}
+
+double weights_arm(const Weights *weights)
+{
+    return weights->mass * weights->track_radius *
+           (weights->track_radius - (weights->kappa - 1.0) * weights->radius);
+}
+
 int weights_check(const Weights *weights, Failure *failure)
 {
-    int code;
+    int code, k;
     if (weights->count < 1) {
         return fail(failure, FAILURE_COUNT, "count", 0, weights->count, 0.0, 0.0, 0.0);
     }
     code = demand_positive("mass", weights->mass, failure);
     code = code ? code : demand_positive("track_radius", weights->track_radius, failure);
     code = code ? code : demand_not_negative("drag", weights->drag, failure);
+    for (k = 0; weights->each && k < 3 * weights->count && !code; k++) {
+        const int what = k / weights->count;
+        code = what == 1 ? demand_not_negative("drag_ratio", weights->each[k], failure)
+                         : demand_positive(what ? "radius_ratio" : "mass_ratio", weights->each[k],
+                                           failure);
+    }
     if (!code && !(is_finite(weights->kappa) && weights->kappa >= 1.0)) {
         code = fail(failure, FAILURE_KAPPA, "kappa", 0, weights->kappa, 0.0, 0.0, 0.0);
     }
@@ -26,7 +57,8 @@ int weights_check(const Weights *weights, Failure *failure)
 
 double weights_added_mass(const Weights *weights)
 {
-    return weights->count * weights->mass;
+    return weights->each ? weights->mass * sum_of(weights->each, weights->count)
+                         : weights->count * weights->mass;
 }
 
 double weights_spin_share(const Weights *weights)
@@ -51,7 +83,8 @@ Complex weights_static_moment(const Weights *weights, const double *angles, Turn
     Complex sum = {0.0, 0.0};
     int k;
     for (k = 0; k < weights->count; k++) {
-        sum = complex_sum(sum, unit_of(turned, angles, k));
+        const Complex unit = unit_of(turned, angles, k);
+        sum = complex_sum(sum, complex_scaled(weights_mass_ratio(weights, k), unit));
     }
     return complex_scaled(weights->mass * weights->track_radius, sum);
 }
@@ -285,7 +318,15 @@ int weights_advance(const Weights *weights, const double *angles, const double *
     const double share = weights_spin_share(weights);
     const double lag[4] = {share * spin_up[0], share * spin_up[1], share * spin_up[2],
                            share * spin_up[3]};
-    int k, count, far, code;
+    int k, count, far, code = FINE;
+    for (k = 0; weights->each && k < n && !code; k++) {
+        const Weights one = weights_single(weights, k);
+        code = weights_advance(&one, angles + k, speeds + k, signal, spin_up, step, new_angles + k,
+                               new_speeds + k, memory, turned ? turned + 2 * k : NULL, failure);
+    }
+    if (weights->each) {
+        return code;
+    }
     code = weights_substeps(n, angles, speeds, signal, lever, lag[0], damping_rate, step, &count,
                             failure);
     if (code) {
@@ -319,6 +360,19 @@ void weights_reaction(const Weights *weights, const double *angles, const double
     const Complex pull_slope = {pull.re, 3.0 * angular_acceleration};
     Complex moment = {0.0, 0.0}, first = moment, second = moment, third = moment, sum;
     int k;
+    *force = *force_slope = moment;
+    for (k = 0; weights->each && k < weights->count; k++) {
+        const Weights one = weights_single(weights, k);
+        Complex part, part_slope;
+        weights_reaction(&one, angles + k, speeds + k, acceleration, slope, speed,
+                         angular_acceleration, change, &part, &part_slope,
+                         turned ? turned + 2 * k : NULL);
+        *force = complex_sum(*force, part);
+        *force_slope = complex_sum(*force_slope, part_slope);
+    }
+    if (weights->each) {
+        return;
+    }
     acceleration = complex_scaled(lever, acceleration);
     slope = complex_scaled(lever, slope);
     for (k = 0; k < weights->count; k++) {
@@ -356,6 +410,18 @@ void weights_unhindered(const Weights *weights, const double *angles, const doub
     const double damping_rate = weights_damping_rate(weights);
     double rate = 0.0, sum = 0.0, jerk = 0.0;
     int k;
+    turned[0] = turned[1] = 0.0;
+    for (k = 0; weights->each && k < weights->count; k++) {
+        const Weights one = weights_single(weights, k);
+        const double share = weights_arm(&one) / weights_arm(weights);
+        double part[2];
+        weights_unhindered(&one, angles + k, speeds + k, motion, angular_acceleration, change, part);
+        turned[0] += share * part[0];
+        turned[1] += share * part[1];
+    }
+    if (weights->each) {
+        return;
+    }
     for (k = 0; k < weights->count; k++) {
         double drawn, drawn_slope;
         along_track(motion[0], motion[1], angles[k], speeds[k], lever, &drawn, &drawn_slope);
@@ -376,6 +442,16 @@ void weights_torque(const Weights *weights, const double *angles, const double *
     const double rolling = (weights->kappa - 1.0) * weights->mass * (size + body);
     double rate = 0.0, turned[2];
     int k;
+    torque[0] = torque[1] = 0.0;
+    for (k = 0; weights->each && k < weights->count; k++) {
+        const Weights one = weights_single(weights, k);
+        weights_torque(&one, angles + k, speeds + k, motion, angular_acceleration, change, turned);
+        torque[0] += turned[0];
+        torque[1] += turned[1];
+    }
+    if (weights->each) {
+        return;
+    }
     weights_unhindered(weights, angles, speeds, motion, angular_acceleration, change, turned);
     for (k = 0; k < weights->count; k++) {
         rate += speeds[k];

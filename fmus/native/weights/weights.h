@@ -6,7 +6,7 @@
 #include "base/elementary.h"
 #include "base/failure.h"
 
-/* N equal weights on one circular track. */
+/* N weights on one circular track. */
 typedef struct {
     int count;           /* N */
     double mass;         /* of each [kg] */
@@ -14,6 +14,7 @@ typedef struct {
     double drag;         /* viscous, of each, b [N s/m] */
     double kappa;        /* 7/5 ball, 3/2 roller, 1 pendulum */
     double radius;       /* of a body that rolls r [m] */
+    const double *each;  /* (3, N) mass, drag and radius of each over those above; NULL: all alike */
 } Weights;
 
 /* Exact response of angle and rate over a step, remembered for one damping rate and step. */
@@ -21,6 +22,14 @@ typedef struct {
     double damping_rate, step;
     double response[10];
 } Quadrature;
+
+/* Weight k alone, with its own mass, drag and radius. */
+Weights weights_single(const Weights *weights, int k);
+/* Mass of weight k over `mass`. */
+double weights_mass_ratio(const Weights *weights, int k);
+/* Torque on the rotor by what resistance takes of a weight's theta'' [N m s^2]: kappa m R^2, less what
+   the body's own turning gives back, m R (R - (kappa - 1) r). */
+double weights_arm(const Weights *weights);
 
 /* 0, or what is not allowed. */
 int weights_check(const Weights *weights, Failure *failure);
@@ -98,7 +107,8 @@ void weights_reaction(const Weights *weights, const double *angles, const double
                       double angular_acceleration, double change, Complex *force,
                       Complex *force_slope, Turned *turned);
 
-/* Sum of theta'' and its slope, of weights that nothing but drag hinders; as weights_torque has it. */
+/* Sum of theta'' and its slope, of weights that nothing but drag hinders; of unequal ones each times
+   its arm over `weights_arm`. */
 void weights_unhindered(const Weights *weights, const double *angles, const double *speeds,
                         const Complex *motion, double angular_acceleration, double change,
                         double *turned);

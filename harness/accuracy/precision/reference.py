@@ -10,6 +10,7 @@ import numpy as np
 from ....models.arrays import Array
 from ....models.monolith import ReferenceDisagreement, reference
 from ....models.reference.trajectory import Trajectory
+from ....models.spacing import touching
 from ...errors import SimulationError
 from ...master.names import weight
 from ...master.plan import plan
@@ -79,14 +80,15 @@ def _refuse_contacts(scene: Scene, right: Trajectory) -> None:
             continue
         names = [weight(k, "angle") for k in range(1, balancer.count + 1)]
         angles = np.array([right.signal(f"{balancer.label}.{name}") for name in names])
-        apart = 2.0 * balancer.half_angle
+        largest = max(one.radius for one in balancer.device.each)
+        apart = touching(largest, largest, balancer.track_radius)
         for k in range(1, len(angles)):
             gaps = np.abs((angles[k:] - angles[:-k] + math.pi) % (2.0 * math.pi) - math.pi)
-            touching = (gaps < apart).any(axis=0)
-            if touching.any():
+            touches = (gaps < apart).any(axis=0)
+            if touches.any():
                 raise SimulationError(
                     f"{scene.name}: no error can be told: weights of {balancer.label!r} touch at "
-                    f"t = {right.time[touching.argmax()]:g} s, which the reference does not know"
+                    f"t = {right.time[touches.argmax()]:g} s, which the reference does not know"
                 )
 
 
