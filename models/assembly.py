@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+import math
+from bisect import bisect_right
 from dataclasses import dataclass
 from functools import cached_property
+from itertools import accumulate, pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -81,41 +84,104 @@ class Assembly:
 
 @dataclass(frozen=True)
 class SpeedProfile:
-    """Speed that rises linearly from `start` to `end` [rad/s] within `seconds`, then stays.
+    """Speed on straight lines between corners, and as at the outer ones beyond them.
 
-    A constant speed has `start == end`.
+    A constant speed has one corner, a run-up two.
+
+    Attributes:
+        times: of the corners, ascending [s]; the angle is counted from the first.
+        speeds: at the corners, 0 or more [rad/s].
     """
 
-    start: float
-    end: float
-    seconds: float = 0.0
+    times: tuple[float, ...]
+    speeds: tuple[float, ...]
 
     @classmethod
     def constant(cls, speed: float) -> SpeedProfile:
         """The same speed throughout [rad/s]."""
-        return cls(speed, speed)
+        return cls((0.0,), (speed,))
+
+    @classmethod
+    def run_up(cls, start: float, end: float, seconds: float) -> SpeedProfile:
+        """From `start` to `end` [rad/s] within `seconds`."""
+        return cls((0.0, seconds), (start, end))
 
     @property
-    def rises(self) -> bool:
-        """Whether the speed changes."""
-        return self.start != self.end
+    def start(self) -> float:
+        """First speed [rad/s]."""
+        return self.speeds[0]
+
+    @property
+    def end(self) -> float:
+        """Speed of steady operation: the last one, or the highest where the rotor stops [rad/s]."""
+        return self.speeds[-1] or self.top
+
+    @property
+    def top(self) -> float:
+        """Highest speed [rad/s]."""
+        return max(self.speeds)
+
+    @property
+    def seconds(self) -> float:
+        """Time of the last corner [s]."""
+        return self.times[-1]
+
+    @property
+    def changes(self) -> bool:
+        """Whether the speed does."""
+        return len(set(self.speeds)) > 1
+
+    @property
+    def sweep(self) -> tuple[float, float]:
+        """Begin and end of the part in which the speed rises, or falls, by most [s]."""
+        found, begin = (0.0, 0.0, 0.0), 0
+        for k, (low, high) in enumerate(pairwise(self.speeds), start=1):
+            if (high - low) * (low - self.speeds[begin]) < 0.0 or low == self.speeds[begin]:
+                begin = k - 1
+            change = abs(high - self.speeds[begin])
+            if change > found[0]:
+                found = change, self.times[begin], self.times[k]
+        return found[1:]
+
+    @property
+    def steepest(self) -> float:
+        """Largest modulus of the angular acceleration [rad/s^2]."""
+        return max(abs(self.acceleration(time)) for time in self.times)
 
     def acceleration(self, time: float) -> float:
         """Angular acceleration just after `time` [rad/s^2]."""
-        if self.start == self.end or time >= self.seconds:
+        k = bisect_right(self.times, time)
+        if not 0 < k < len(self.times):
             return 0.0
-        return (self.end - self.start) / self.seconds
+        return (self.speeds[k] - self.speeds[k - 1]) / (self.times[k] - self.times[k - 1])
 
     def speed(self, time: float) -> float:
         """Speed [rad/s]."""
-        if self.start == self.end or time >= self.seconds:
-            return self.end
-        return self.start + (self.end - self.start) * time / self.seconds
+        k = bisect_right(self.times, time)
+        if not 0 < k < len(self.times):
+            return self.speeds[min(k, len(self.times) - 1)]
+        (begin, end), (low, high) = self.times[k - 1 : k + 1], self.speeds[k - 1 : k + 1]
+        return low + (high - low) * (time - begin) / (end - begin)
 
     def angle(self, time: float) -> float:
-        """Angle turned since time 0 [rad]."""
-        if self.start == self.end:
-            return self.end * time
-        ramp = min(time, self.seconds)
-        turned = ramp * (self.start + self.speed(ramp)) / 2.0
-        return turned + self.end * max(0.0, time - self.seconds)
+        """Angle turned since the first corner [rad]."""
+        k = max(1, bisect_right(self.times, time))
+        begin, last = self.times[k - 1], self.speeds[k - 1]
+        return self._turned[k - 1] + (time - begin) * (last + self.speed(time)) / 2.0
+
+    def time_of(self, angle: float) -> float:
+        """When the rotor has turned by `angle` [rad] since the first corner; infinite: never."""
+        k = max(1, bisect_right(self._turned, angle))
+        begin, low, left = self.times[k - 1], self.speeds[k - 1], angle - self._turned[k - 1]
+        # low t + a t^2/2 in the form that does not cancel
+        if left <= 0.0:
+            return begin
+        root = math.sqrt(max(0.0, low * low + 2.0 * self.acceleration(begin) * left))
+        return begin + 2.0 * left / (low + root) if low + root else math.inf
+
+    @cached_property
+    def _turned(self) -> list[float]:
+        """Angle turned at every corner [rad]."""
+        lines = zip(pairwise(self.times), pairwise(self.speeds), strict=True)
+        parts = [(end - begin) * (low + high) / 2.0 for (begin, end), (low, high) in lines]
+        return [0.0, *accumulate(parts)]

@@ -184,9 +184,7 @@ def reference(
         ReferenceDisagreement: they differ by more than `bound`.
     """
     if methods is None:
-        turning = max(
-            abs(profile.start), abs(profile.end), 1.0 / max(np.max(times), np.finfo(float).tiny)
-        )
+        turning = max(profile.top, 1.0 / max(np.max(times), np.finfo(float).tiny))
         turning = max([turning, *(abs(rate) for m in assembly.weights for rate in m.speeds)])
         stiff = equations(assembly, profile).fastest_mode > _STIFF_RATIO * turning
         methods = STIFF if stiff else NON_STIFF

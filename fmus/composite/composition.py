@@ -56,6 +56,7 @@ class Composition:
             as few as its gain asks for.
         start: of the coupling's own parameters and inputs: `coupling.steps_per_rev`, `speed` ...
         stop, step: of the run that a tool proposes [s].
+        corners: of a speed profile behind `rise_time`.
     """
 
     parts: tuple[Part, ...]
@@ -64,6 +65,7 @@ class Composition:
     start: Mapping[str, float] = field(default_factory=dict)
     stop: float = Unit.stop
     step: float = Unit.step
+    corners: int = 0
 
     def __post_init__(self) -> None:
         if self.scheme not in SCHEMES:
@@ -97,8 +99,10 @@ class Composition:
     @property
     def sizes(self) -> CompositeSizes:
         """Of the composite's own variables."""
-        kind = "motor" if self.parts[-1].model == "Motor" else "prescribed"
-        return CompositeSizes(kind=kind, planes=self.parts[0].unit.sizes.options["planes"])
+        planes = self.parts[0].unit.sizes.options["planes"]
+        if self.parts[-1].model == "Motor":
+            return CompositeSizes(kind="motor", planes=planes)
+        return CompositeSizes(planes=planes, corners=self.corners)
 
     @cached_property
     def layout(self) -> Layout:
@@ -135,6 +139,7 @@ class Composition:
         """
         passes = "-" if self.corrections is None else str(self.corrections)
         entries = [f"scheme={self.scheme}", f"corrections={passes}"]
+        entries += [f"corners={self.corners}"] * bool(self.corners)
         for part in self.parts:
             connected = "s" * part.exchanges_force + "v" * part.follows or "-"
             entries.append(f"part={part.name},{part.plane},{connected},{token(part.unit, stamp)}")

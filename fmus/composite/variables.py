@@ -16,10 +16,12 @@ class CompositeSizes(Sizes):
     Attributes:
         kind: of the drive: prescribed | motor (of limited power, a part of its own).
         planes: of the rotor's unit.
+        corners: of a prescribed speed behind `rise_time`.
     """
 
     kind: str = one_of("prescribed", "motor")
     planes: int = count(1)
+    corners: int = count(0, of=("prescribed",))
 
 
 def own_variables(sizes: CompositeSizes) -> list[Variable]:
@@ -55,7 +57,7 @@ def own_variables(sizes: CompositeSizes) -> list[Variable]:
             "Of the fastest revolution, where it is above the speed",
             minimum=0.0,
         ),
-        *(_drive() if sizes.kind == "prescribed" else []),
+        *(_drive(sizes.corners) if sizes.kind == "prescribed" else []),
         *(
             plain_input(
                 f"rotor.plane[{i}].F_{axis}",
@@ -79,8 +81,8 @@ def own_variables(sizes: CompositeSizes) -> list[Variable]:
     ]
 
 
-def _drive() -> list[Variable]:
-    """A speed that the host prescribes, or that rises by itself."""
+def _drive(corners: int) -> list[Variable]:
+    """A speed that the host prescribes, or that follows a profile by itself."""
     return [
         parameter(
             "rise_time",
@@ -89,6 +91,18 @@ def _drive() -> list[Variable]:
             "For which the rotor speeds up from `speed` by `acceleration`, both as they were at the"
             " start; 0: they are inputs",
             minimum=0.0,
+        ),
+        *(
+            parameter(f"corner[{k}].{key}", 0.0, unit, f"{text} of the speed profile", minimum=0.0)
+            for k in range(1, corners + 1)
+            for key, unit, text in (
+                (
+                    "time",
+                    "s",
+                    "Since the start, ascending; 0: not used, nor those behind: a corner",
+                ),
+                ("speed", "rad/s", "Of the rotor there: a corner"),
+            )
         ),
         plain_input("speed", 300.0, "rad/s", "Of the rotor, at the start of the step"),
         plain_input("acceleration", 0.0, "rad/s2", "Angular, of the rotor, over the step"),

@@ -131,7 +131,7 @@ def weights_of(scene: Scene) -> WeightBalancer:
     rotor = scene.rotor
     reasons = {
         f'rotor.kind = "{rotor.kind}": must be "planar"': rotor.kind != "planar",
-        "[operation]: must have a constant speed": scene.profile().rises,
+        "[operation]: must have a constant speed": scene.profile().changes,
         "[[balancer]]: must be one set of balls or rollers, or none": len(scene.balancer) != 1
         or getattr(scene.balancer[0], "kind", "") not in ("balls", "rollers"),
         "mass, drag, weight_radius: must be single values, of equal weights": any(
@@ -175,7 +175,7 @@ def only_finite_weights(scene: Scene) -> WeightBalancer | None:
     """The one set of weights of finite size on a planar isotropic rotor at constant speed."""
     profile = scene.profile()
     fits = scene.rotor.kind == "planar" and scene.assembly().rotor.isotropic
-    if not fits or profile.rises or len(scene.balancer) != 1:
+    if not fits or profile.changes or len(scene.balancer) != 1:
         return None
     one = scene.balancer[0]
     return one if isinstance(one, WeightBalancer) and one.weight_radius else None

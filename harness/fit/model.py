@@ -36,8 +36,8 @@ class Model:
     def __init__(
         self, scene: Scene, parameters: Sequence[Parameter], measured: MeasuredAmplitudes
     ) -> None:
-        if scene.operation.run_up is not None:
-            raise UserError(f"{scene.name}: operation.run_up: a fit takes runs at constant speed")
+        if scene.profile().changes:
+            raise UserError(f"{scene.name}: operation: a fit takes runs at constant speed")
         self._scene, self.parameters, self._measured = scene, parameters, measured
         others = {name: column for name, column in measured.settings.items() if name != SPEED}
         rows = np.array(list(others.values())).T.reshape(self._count, len(others))

@@ -69,8 +69,8 @@ def refuse_unvaried(scene: Scene, path: str) -> None:
 def _common(scene: Scene, found: Plan) -> Any:
     profile = scene.profile()
     units = [(unit.name, unit.model, unit.sizes) for unit in found.units]
-    run_up = None if profile.start == profile.end else profile
-    return units, found.connections, scene.coupling, scene.run.revolutions, run_up
+    changing = profile if profile.changes else None
+    return units, found.connections, scene.coupling, scene.run.revolutions, changing
 
 
 def values_of(scene: Scene) -> dict[str, float]:

@@ -181,7 +181,7 @@ class CoSimulation(Closing):
 
     def _drive_jumps(self) -> bool:
         """Write a changing speed to the units; whether its rate of change has jumped."""
-        if not self._acceleration:
+        if not self._acceleration and self.time >= self.profile.seconds:
             return False
         before, self._acceleration = self._acceleration, self.profile.acceleration(self.time)
         self.system.drive(self.profile.speed(self.time), self._acceleration)

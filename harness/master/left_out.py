@@ -25,7 +25,7 @@ def left_out(scene: Scene, recorded: Sequence[str]) -> list[str]:
         notes.append("corrector passes and rollback (explicit scheme)")
     if exchanging and coupling.order < 3:
         notes.append("slopes of the signals" if coupling.order == 0 else "second derivatives")
-    if profile.start == profile.end and not motor:
+    if not profile.changes and not motor:
         notes.append("variable speed")
     if scene.assembly().rotor.isotropic:
         notes.append("second axis of the rotor (isotropic: complex system of half the size)")

@@ -90,11 +90,15 @@ def cosimulate_many(
     asked += list(dict.fromkeys([*wanted, *states]))
     ends = np.full(len(values), end_time(scene))
     paced = "coupling.top_speed" if scene.operation.motor else "speed"
-    if paced in columns and profile.start == profile.end:
+    if paced in columns and not profile.changes:
         with np.errstate(divide="ignore"):  # the run refuses it
             ends = math.tau * scene.run.revolutions / np.abs(columns[paced])
-    turns = max(2, round(scene.run.revolutions))
+    turns = max(2, round(scene.revolutions))
     points = turns * (scene.coupling.steps_per_rev or POINTS_PER_REV)
+    if profile.changes:  # parts of equal length, none shorter than the last revolution
+        last = ends[0] - profile.time_of(max(0.0, profile.angle(ends[0]) - math.tau))
+        turns = max(2, min(turns, int(ends[0] / last)))
+        points = turns * math.ceil(points / turns)
     threads = threads or os.cpu_count() or 1
     needed = 8.0 * _COPIES * min(CHUNK, len(values)) * threads * (points + 1) * len(asked)
     what = f"run.revolutions = {scene.run.revolutions:g}: what many runs are read from needs"

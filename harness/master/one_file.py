@@ -61,6 +61,7 @@ def composition(scene: Scene, order: int | None = None) -> Composition:
             start,
             end_time(scene),
             step_size(scene),
+            max(0, len(scene.profile().times) - 2),
         )
     except ValueError as error:
         raise SceneError(f"{scene.name}: {error}") from None
@@ -97,10 +98,17 @@ def drive(scene: Scene) -> dict[str, float]:
     profile = scene.profile()
     if scene.operation.motor:
         return {"coupling.top_speed": profile.end}
+    corners = zip(profile.times[2:], profile.speeds[2:], strict=True)
+    own = {
+        f"corner[{k}].{key}": value
+        for k, corner in enumerate(corners, start=1)
+        for key, value in zip(("time", "speed"), corner, strict=True)
+    }
     return {
-        "rise_time": profile.seconds if profile.rises else 0.0,
+        "rise_time": profile.times[1] if profile.changes else 0.0,
         "speed": profile.speed(0.0),
         "acceleration": profile.acceleration(0.0),
+        **own,
     }
 
 

@@ -89,7 +89,7 @@ class Resolution:
         self._miss_per_error, self._answered = miss_per_error, 1.0 + gain
         assembly, profile, start = scene.assembly(), scene.profile(), scene.run.initial
         rotor = assembly.loaded_rotor
-        self._speed = max(profile.start, profile.end)
+        self._speed = profile.top
         # a push moves the rotor for 1/pace: stiff supports turn it back before the rotor turns
         soft = min(_slowest(rotor.mass, k) for k in (rotor.stiffness_x, rotor.stiffness_y))
         self._pace = max(self._speed, soft)

@@ -45,7 +45,7 @@ def refuse_movie(scene: Scene, axes: MovieAxes, seconds: float) -> None:
     """
     from .pictures.movie import refuse_unseen
 
-    refuse_unseen(scene, scene.run.revolutions, axes.value, seconds)
+    refuse_unseen(scene, scene.revolutions, axes.value, seconds)
 
 
 def refuse_pictures(scene: Scene, kinds: Collection[str]) -> None:

@@ -20,7 +20,7 @@ def largest_force(scene: Scene) -> float:
     """
     assembly, profile, start = scene.assembly(), scene.profile(), scene.run.initial
     rotor = assembly.rotor
-    speed, spin_up = max(profile.start, profile.end), abs(profile.acceleration(0.0))
+    speed, spin_up = profile.top, profile.steepest
     own = carried = 0.0
     for mounted in assembly.balancers:
         device = mounted.device
@@ -40,7 +40,7 @@ def largest_force(scene: Scene) -> float:
 def least_motion(scene: Scene) -> dict[str, float]:
     """By unit of measurement, values below which a signal is cancellation, not motion."""
     profile, mass = scene.profile(), float(scene.assembly().loaded_rotor.mass.sum())
-    speed, acceleration = max(profile.start, profile.end), STILL * largest_force(scene) / mass
+    speed, acceleration = profile.top, STILL * largest_force(scene) / mass
     least = {"m": acceleration / speed**2, "m/s": acceleration / speed, "m/s^2": acceleration}
     # an angle's error counts in rad
     return {**least, "kg m": STILL * scene.assembly().capacity, "rad": 1.0, "rad/s": STILL * speed}

@@ -31,7 +31,7 @@ def order_of_run(scene: Scene) -> int:
     The units that `build` writes are as the scene says: other tools connect cubics.
     """
     coupling = scene.coupling
-    pays = QUINTIC_RUN_UP if scene.operation.run_up else QUINTIC
+    pays = QUINTIC_RUN_UP if scene.profile().changes else QUINTIC
     if coupling.tolerance is None or coupling.tolerance > pays:
         return coupling.order
     exchanges = any(balancer.exchanges_force for balancer in scene.balancer)
@@ -74,7 +74,7 @@ def at_fixed_steps(scene: Scene) -> Scene:
 
 
 def steps_per_rev(scene: Scene) -> int:
-    """Communication steps a revolution (at the highest speed of a run-up)."""
+    """Communication steps in a revolution at the highest speed."""
     return scene.coupling.steps_per_rev or DEFAULT_STEPS
 
 
@@ -88,27 +88,20 @@ def step_size(scene: Scene, steps: int | None = None) -> float:
 
     `steps` a revolution are by default the scene's.
     """
-    profile = scene.profile()
-    return 2.0 * math.pi / (max(profile.start, profile.end) * (steps or steps_per_rev(scene)))
+    return 2.0 * math.pi / (scene.profile().top * (steps or steps_per_rev(scene)))
 
 
 def end_time(scene: Scene) -> float:
-    """Time after which the scene's number of revolutions is done [s]."""
-    profile = scene.profile()
-    turned = 2.0 * math.pi * scene.run.revolutions
-    ramp_turns = profile.angle(profile.seconds)
-    if turned > ramp_turns:
-        return profile.seconds * (ramp_turns > 0.0) + (turned - ramp_turns) / profile.end
-    # angle = start t + a t^2/2 on the ramp, solved in the form that does not cancel
-    start = profile.start
-    root = math.sqrt(start * start + 2.0 * profile.acceleration(0.0) * turned)
-    return 2.0 * turned / (start + root)
+    """Time after which the scene's run is done [s]."""
+    if scene.runs_its_profile:
+        return scene.profile().seconds
+    return scene.profile().time_of(2.0 * math.pi * scene.run.revolutions)
 
 
 def milestones(scene: Scene) -> list[float]:
-    """Times that must be communication points [s]: the end of a run-up, the end of the run."""
-    end, ramp = end_time(scene), scene.profile().seconds
-    return [ramp, end] if 0.0 < ramp < end else [end]
+    """Times that must be communication points [s]: corners of the speed, the end of the run."""
+    end = end_time(scene)
+    return [*(time for time in scene.profile().times if 0.0 < time < end), end]
 
 
 def schedule(scene: Scene, steps: int | None = None) -> list[tuple[float, int]]:

@@ -181,7 +181,8 @@ def _reason(result: Result, scene: Scene, speed: float, last: Array, share: floa
     if speed < critical:
         return f"below the critical speed, {in_both(critical, 'rad/s')}"
     if profile.acceleration(end):
-        return "the speed still rises at the end of the run"
+        way = "rises" if profile.acceleration(end) > 0.0 else "falls"
+        return f"the speed still {way} at the end of the run"
     if stuck := _stuck(result, scene, last):
         return f"{stuck} stuck: rolling resistance holds them"
     if scene.operation.gravity and assembly.weights:

@@ -177,8 +177,8 @@ def compared(
 def _rounding(scene: Scene) -> dict[str, float]:
     """By unit, motion of the rotor that is nothing but rounding, such as a balanced rotor's."""
     profile, mass = scene.profile(), float(scene.assembly().loaded_rotor.mass.sum())
-    length = NOISE * largest_force(scene) / (mass * max(profile.start, profile.end) ** 2)
-    return {"m": length, "m/s": length * max(profile.start, profile.end)}
+    length = NOISE * largest_force(scene) / (mass * profile.top**2)
+    return {"m": length, "m/s": length * profile.top}
 
 
 def _first(true: NDArray[np.bool_]) -> int:

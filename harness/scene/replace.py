@@ -13,13 +13,11 @@ from ..errors import SceneError
 from .file import MOST_LEVELS
 from .messages import choose_table, did_you_mean, tables_in
 from .quantities import fields_of
-from .run import UNCORRECTED
+from .run import DRIVES, UNCORRECTED
 
 # giving one of these takes the place of the others
 _ALTERNATIVES = {
-    "operation.speed": ("run_up", "motor"),
-    "operation.run_up": ("speed", "motor"),
-    "operation.motor": ("speed", "run_up"),
+    **{f"operation.{drive}": tuple(o for o in DRIVES if o != drive) for drive in DRIVES},
     "rotor.damping": ("damping_ratio",),
     "rotor.support_damping": ("damping_ratio",),
     "rotor.damping_ratio": ("damping", "support_damping"),

@@ -24,6 +24,8 @@ if TYPE_CHECKING:
 DEFAULT_TOLERANCE = 1e-4  # of the motion: no picture shows it
 UNCORRECTED = ("jacobi", "gauss-seidel", "compensated")  # schemes that take one pass
 STEPS = ("steps_per_rev", "tolerance")  # one or the other
+DRIVES = ("speed", "run_up", "profile", "motor")  # one of them
+MOST_CORNERS = 1000  # of a profile; the text of a one-file FMU holds them all
 FEWEST_CHOSEN = 8  # steps a revolution with a tolerance: fewer would not show one in a record
 LOOSEST_TOLERANCE = 0.1
 FEWEST_REVOLUTIONS = 1e-9  # a step's square must stay a number
@@ -42,6 +44,9 @@ class RunUp(Table):
     """Speed at the end of the rise, and from then on."""
     seconds: Annotated[Positive, SI("s")]
     """Duration of the rise."""
+
+
+Corner = tuple[Annotated[NotNegative, SI("s")], Annotated[NotNegative, SI("rad/s")]]
 
 
 class Motor(Table):
@@ -89,14 +94,17 @@ class Motor(Table):
 
 
 class Operation(Table):
-    """How the rotor is driven: at a constant speed, run up, or by a motor; and gravity."""
+    """How the rotor is driven: at a constant speed, by a run-up, a profile or a motor; gravity."""
 
     speed: Annotated[Positive | None, SI("rad/s")] = None
-    """Constant speed; this, `run_up` or `motor`."""
+    """Constant speed; this, `run_up`, `profile` or `motor`."""
     run_up: RunUp | None = None
-    """A speed that rises; this, `speed` or `motor`."""
+    """A speed that rises; this, `speed`, `profile` or `motor`."""
+    profile: Annotated[tuple[Corner, ...], Field(max_length=MOST_CORNERS)] = ()
+    """Corners `[time, speed]` (s, rad/s) joined by lines, from 0 s on, or the name of a CSV file
+    with a measured speed; this, `speed`, `run_up` or `motor`."""
     motor: Motor | None = None
-    """A speed that the torques make; this, `speed` or `run_up`."""
+    """A speed that the torques make; this, `speed`, `run_up` or `profile`."""
     gravity: Annotated[NotNegative, SI("m/s^2")] = 0.0
     """Across the axis: 9.81 for a horizontal rotor, 0 for a vertical one."""
     gravity_angle: Annotated[Angle | None, SI("rad")] = None
@@ -104,12 +112,22 @@ class Operation(Table):
 
     @model_validator(mode="after")
     def _one_of_them(self) -> Operation:
-        given = [drive for drive in (self.speed, self.run_up, self.motor) if drive is not None]
+        given = [key for key in DRIVES if getattr(self, key) not in (None, ())]
         if len(given) != 1:
             how = "not both" if given else "neither is there"
             raise refusal(
-                "run_up", f"give either speed (rad/s) or run_up: {how} (or a motor alone)"
+                "run_up",
+                f"give either speed (rad/s) or run_up: {how} (or a profile, or a motor alone)",
             )
+        return self
+
+    @model_validator(mode="after")
+    def _goes_on(self) -> Operation:
+        times, speeds = zip(*self.profile, strict=True) if self.profile else ((), ())
+        if self.profile and (times[0] != 0.0 or any(b <= a for a, b in pairwise(times))):
+            raise refusal("profile", "times must ascend from 0 s on")
+        if self.profile and (len(times) < 2 or not max(speeds) > 0.0):
+            raise refusal("profile", "must have two corners or more, one of them above 0 rad/s")
         return self
 
     @property
@@ -122,14 +140,17 @@ class Operation(Table):
     def drive(self) -> SpeedProfile | MotorDriven:
         """The speed against time, or the motor that makes it."""
         motor = self.motor
-        return MotorDriven(motor.build(), motor.start) if motor else self.profile()
+        return MotorDriven(motor.build(), motor.start) if motor else self.speeds()
 
-    def profile(self) -> SpeedProfile:
+    def speeds(self) -> SpeedProfile:
         """Speed against time; of a motor its no-load speed, which scales and steps go by."""
         if self.motor is not None:
             return SpeedProfile.constant(self.motor.top_speed)
         if self.run_up is not None:
-            return SpeedProfile(self.run_up.start, self.run_up.to, self.run_up.seconds)
+            return SpeedProfile.run_up(self.run_up.start, self.run_up.to, self.run_up.seconds)
+        if self.profile:
+            times, speeds = zip(*self.profile, strict=True)
+            return SpeedProfile(times, speeds)
         assert self.speed is not None
         return SpeedProfile.constant(self.speed)
 
@@ -239,7 +260,8 @@ class Run(Table):
     """How long, from where, and what is recorded."""
 
     revolutions: Annotated[Positive, AfterValidator(_enough)] = 20.0
-    """Length of the run; with a motor in time, as long as so many take at its no-load speed."""
+    """Length of the run; with a motor in time, as long as so many take at its no-load speed;
+    default of a profile: until its last corner."""
     record: tuple[Text, ...] | None = None
     """Signals, as `unit.variable`; `[]` records nothing; default: the rotor's `x` and `y`, angles
     and `moment_xi`, `moment_eta` of weights, `clearance` of a liquid."""

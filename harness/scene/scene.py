@@ -7,6 +7,7 @@ it with `Scene.replace`, which validates again.
 from __future__ import annotations
 
 import copy
+import math
 import re
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
@@ -39,6 +40,7 @@ from .replace import in_full, plain, replaced
 from .rotor import Rotor
 from .rules import TABLES, across, plane_count
 from .run import Coupling, Operation, Run
+from .trace import with_corners
 
 __all__ = ["Scene", "bundled_scenes", "load_scene"]
 
@@ -134,6 +136,7 @@ class Scene(Methods, Table):
         return scene
 
     def _fill(self, document: dict[str, Any], path: Path | None, label: str) -> None:
+        document = with_corners(document, path.parent if path else Path())
         try:
             BaseModel.__init__(self, **document)
         except ValidationError as error:
@@ -213,7 +216,7 @@ class Scene(Methods, Table):
 
     @cached_property
     def _profile(self) -> SpeedProfile:
-        return self.operation.profile()
+        return self.operation.speeds()
 
     def assembly(self) -> Assembly:
         """The rotor with its balancers, for the models."""
@@ -222,6 +225,11 @@ class Scene(Methods, Table):
     def profile(self) -> SpeedProfile:
         """Speed against time; of a motor its no-load speed, which scales and steps go by."""
         return self._profile
+
+    @property
+    def runs_its_profile(self) -> bool:
+        """Whether the run ends where its profile does, as `run.revolutions` is left open."""
+        return bool(self.operation.profile) and "revolutions" not in self.run.model_fields_set
 
     @property
     def asks_for_coupling(self) -> bool:
@@ -317,8 +325,27 @@ class Scene(Methods, Table):
         lines = under_a_motor(self.operation.motor, rotor, self.coupling.scheme)
         lines += in_python(self.native_alone) if self.coupling.units == "python" else []
         lines += with_quintics(self._without_second_derivatives) if self.coupling.order == 5 else []
+        lines += self._never_turned()
         lines += self.balancing.problems(self.rotor) if self.balancing else []
         return lines + liquid_windows(self.checks, self.rotor, rotor, self.balancer)
+
+    def _never_turned(self) -> list[str]:
+        """A length of the run that the profile does not reach, as it ends at rest."""
+        profile = self.profile()
+        if self.runs_its_profile or math.isfinite(profile.time_of(math.tau * self.run.revolutions)):
+            return []
+        turned = profile.angle(profile.seconds) / math.tau
+        return [
+            f"run.revolutions = {self.run.revolutions:g}: operation.profile ends at rest after "
+            f"{turned:.6g} revolutions; must be less, or left out: the run ends with the profile"
+        ]
+
+    @property
+    def revolutions(self) -> float:
+        """Of the whole run; with a motor as many as its no-load speed would make."""
+        if not self.runs_its_profile:
+            return self.run.revolutions
+        return self.profile().angle(self.profile().seconds) / math.tau
 
     @property
     def native_alone(self) -> list[str]:

@@ -60,7 +60,8 @@ def content(scene: Scene) -> dict[str, Any]:
         ],
         "motor": scene.operation.motor is not None,
         "speed": profile.end,
-        "rate": profile.acceleration(0.0) or profile.end**2 / (math.tau * CHANGED_IN),
+        "profile": [list(corner) for corner in zip(profile.times, profile.speeds, strict=True)],
+        "rate": max(0.0, profile.acceleration(0.0)) or profile.end**2 / (math.tau * CHANGED_IN),
         "window": {
             "low": min(bands.low, profile.end),
             "high": max(bands.high, profile.end),
@@ -70,7 +71,7 @@ def content(scene: Scene) -> dict[str, Any]:
         },
         "scene": document(scene),
         "sliders": list(_sliders(scene, made)),
-        "pace": max(1.0, scene.run.revolutions / SHOWN_IN),
+        "pace": max(1.0, scene.revolutions / SHOWN_IN),
         "mass": scene.rotor.mass,
         "grades": GRADES,
         "unbalance": _single_unbalance(scene, made),

@@ -63,6 +63,7 @@ class Machine {
     const { motor, rate } = this.data;
     const start = motor ? { "motor.speed0": 0 }
       : { speed: 0, acceleration: rate, rise_time: speed / rate };
+    if (this.data.profile.length > 2) start["corner[1].time"] = 0; // nor those behind
     this.begin(this.settings, start, 0);
     this.forget();
   }

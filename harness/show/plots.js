@@ -81,9 +81,27 @@ function plotVibration(canvas, colours, machine, place) {
   const area = axes(canvas, colours, `Displacement, within ± ${shown(largest, "m", true)}`,
     timesShown(machine, times), [-height, height], "s", "m");
   named(area, colours, [["x", colours.x], ["y", colours.y]]);
+  if (!machine.free) prescribed(area, colours, machine.data.profile, timesShown(machine, times));
   level(area, colours, 0, "");
   curve(area, times, xs, colours.x);
   curve(area, times, ys, colours.y);
+}
+
+/* The speed that the scene prescribes, from 0 at the bottom. */
+function prescribed(area, colours, profile, [begin, end]) {
+  const top = Math.max(...profile.map(([, speed]) => speed));
+  const at = (time) => {
+    const k = profile.findIndex(([corner]) => corner > time);
+    if (k < 1) return profile.at(k)[1];
+    const [[t1, w1], [t2, w2]] = [profile[k - 1], profile[k]];
+    return w1 + ((w2 - w1) * (time - t1)) / (t2 - t1);
+  };
+  const times = Array.from({ length: 201 }, (_, k) => begin + ((end - begin) * k) / 200);
+  const across = { ...area, py: (speed) => area.bottom - 0.9 * (speed / top) * (area.bottom - area.top) };
+  curve(across, times, times.map(at), colours.faint);
+  area.c.fillStyle = colours.faint;
+  area.c.textAlign = "right";
+  area.c.fillText(`speed, up to ${shown(top, "rad/s")}`, area.right - 4, area.bottom - 6);
 }
 
 /* Names in their colours behind the title. */

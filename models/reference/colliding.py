@@ -193,19 +193,20 @@ def integrate_contacts(
     """States at ascending times, (T, size).
 
     Raises:
-        ValueError: the speed varies.
         ArithmeticError: the method gave up, collisions do not come to an end, or one was missed.
     """
-    if system.profile.rises:
-        raise ValueError("weights that collide: only at constant speed")
+    stops = system.stops(float(time[-1]))
     bodies, y, t = Colliding(system), system.initial(initial), 0.0
     states = np.empty((len(time), system.size))
     states[time == 0.0] = y
     absolute = rtol * system.scales(initial)
     near = [p for p in bodies.pairs if bodies.gap(p, y) <= MARGIN and not bodies.approach(p, y)]
+    if not stops:
+        return states
+    bodies.system = system.between(t, stops[0])
     y, joined = bodies.settle(t, y, near)
     for _ in range(MOST_EVENTS):
-        fastest = max(system.profile.end, float(np.abs(y[bodies.first + bodies.count :]).max()))
+        fastest = max(system.profile.top, float(np.abs(y[bodies.first + bodies.count :]).max()))
 
         def solve(end: float, t: float = t, y: Array = y, joined: Sequence[Pair] = tuple(joined),
                   longest: float = LONGEST / fastest) -> OptimizeResult:  # fmt: skip
@@ -215,7 +216,7 @@ def integrate_contacts(
                 max_step=longest, first_step=min([end - t, longest, *bodies.closing(y)]),
             )  # fmt: skip
 
-        solved = solve(time[-1])
+        solved = solve(stops[0])
         dip = _first_dip(bodies, joined, solved)
         if dip is not None:  # it closed and opened within a step: stop between the two
             solved = solve(dip)
@@ -227,8 +228,12 @@ def integrate_contacts(
         t, y = float(solved.t[-1]), solved.y[:, -1]
         if any(bodies.gap(pair, y) < -OVERLAP for pair in bodies.pairs):
             raise ArithmeticError(f"weights pass through each other before {t:g} s")
-        if t == time[-1] and solved.status == 0:
-            return states
+        if t == stops[0] and solved.status == 0:
+            if not (stops := stops[1:]):
+                return states
+            bodies.system = system.between(t, stops[0])
+            y, joined = bodies.settle(t, y, joined)
+            continue
         happened = [i for i, times in enumerate(solved.t_events) if len(times)]
         y, joined = _after(bodies, t, y, joined, happened)
     raise ArithmeticError(f"more than {MOST_EVENTS} collisions and openings by {t:g} s")

@@ -119,7 +119,7 @@ class Monolith:
         rotor = self.assembly.rotor
         moment = max([float(np.abs(rotor.unbalance).max()), *self._pull])
         mass = float(np.abs(np.linalg.eigvalsh(self.assembly.loaded_rotor.mass)).max())
-        speed = max(abs(self.profile.start), abs(self.profile.end))
+        speed = self.profile.top
         state = np.abs(self.initial(start))
         n = self.stations
         length = max(moment / mass, float(state[: 2 * n].max()))
@@ -216,14 +216,15 @@ class Monolith:
         table = (self._pull, self._share, self._drag, self._lever, self._follow)
         rows = list(zip(*(column.tolist() for column in table), strict=True))
         first_rate, profile = 4 + len(rows), self.profile
-        steady, w = profile.start == profile.end, profile.end
+        steady, w = not profile.changes, profile.end
+        start_of_steady = start - w * profile.times[0]
         sin, cos = math.sin, math.cos
 
         def rhs(t: float, y: Array) -> list[float]:
             state = y.tolist()
             x, yy, v_x, v_y = state[:4]
             if steady:
-                speed, turned = w, start + w * t + u_angle
+                speed, turned = w, start_of_steady + w * t + u_angle
             else:
                 speed, turned = profile.speed(t), start + profile.angle(t) + u_angle
             c, s, pull, swirl = cos(turned), sin(turned), u * speed * speed, inner * speed
@@ -279,18 +280,12 @@ class Monolith:
         return max([self.fastest_vibration, *self._drag.tolist()])
 
     def stops(self, end: float) -> list[float]:
-        """Times up to which the motion is smooth [s]: the acceleration jumps after a run-up."""
-        profile = self.profile
-        kink = profile.seconds if profile.rises else 0.0
-        return [kink, end] if 0.0 < kink < end else [end] if end else []
+        """Times up to which the motion is smooth [s]: the acceleration jumps at corners."""
+        return [*(t for t in self.profile.times if 0.0 < t < end), *([end] if end else [])]
 
     def between(self, begin: float, stop: float) -> Monolith:
-        """The same up to `stop`, where the run-up's acceleration is the one before it."""
-        profile = self.profile
-        if profile.start == profile.end or begin >= profile.seconds:
-            ahead = SpeedProfile.constant(profile.end)
-            offset = profile.angle(begin) - profile.end * begin
-            return Monolith(self.assembly, ahead, self.angle + offset)
-        slope = profile.acceleration(begin)
-        ramp = SpeedProfile(profile.start, profile.start + 2.0 * slope * stop, 2.0 * stop)
-        return Monolith(self.assembly, ramp, self.angle)
+        """The same up to `stop`, where the profile's acceleration is the one before it."""
+        profile, beyond = self.profile, 2.0 * stop - begin
+        low, slope = profile.speed(begin), profile.acceleration(begin)
+        line = SpeedProfile((begin, beyond), (low, low + slope * (beyond - begin)))
+        return Monolith(self.assembly, line, self.angle + profile.angle(begin))

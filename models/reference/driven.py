@@ -30,6 +30,11 @@ class MotorDriven:
         """Without load [rad/s]."""
         return self.motor.top_speed
 
+    @property
+    def top(self) -> float:
+        """Highest speed that a load leaves [rad/s]."""
+        return max(abs(self.start), self.end)
+
 
 class Driven:
     """The coupled equations of `assembly` on the shaft of a motor.

@@ -149,7 +149,7 @@ def test_a_track_off_centre_is_an_unbalance_to_weights_that_cannot_move():
     moment = count * MASS * offset
     heavy = LinearRotor.planar(1.0 + count * MASS, STIFFNESS, 0.3, unbalance=moment)
     times = np.linspace(0.0, 5.0, 60)
-    profile = SpeedProfile(0.0, SPEED, 2.0)
+    profile = SpeedProfile.run_up(0.0, SPEED, 2.0)
     run = simulate(held, profile, times, method="Radau", rtol=1e-9)
     alone = simulate(Assembly(heavy), profile, times, rtol=1e-10)
     for name in ("rotor.x", "rotor.y"):
@@ -157,6 +157,16 @@ def test_a_track_off_centre_is_an_unbalance_to_weights_that_cannot_move():
     assert np.allclose(run["weights.moment_xi"], moment.real, atol=1e-5)
 
 
-def test_collisions_in_a_run_up_are_refused():
-    with pytest.raises(ValueError, match="only at constant speed"):
-        simulate(assembly(), SpeedProfile(0.0, SPEED, 1.0), [0.0, 1.0])
+def test_collisions_go_on_across_corners_of_the_speed():
+    """A corner on a straight line changes nothing, and one that is none of it does."""
+    machine, rise = assembly(unbalance=0.02, drag=0.05), SpeedProfile.run_up(0.0, SPEED, 1.5)
+    ends = [
+        simulate(machine, profile, [0.0, 1.5], rtol=1e-10).x[-1, 0]
+        for profile in (
+            rise,
+            SpeedProfile((0.0, 0.7, 1.2, 1.5), tuple(map(rise.speed, (0.0, 0.7, 1.2, 1.5)))),
+            SpeedProfile((0.0, 0.7, 1.5), (0.0, 0.3 * SPEED, SPEED)),
+        )
+    ]
+    assert ends[1] == pytest.approx(ends[0], rel=1e-6)
+    assert abs(ends[2] - ends[0]) > 0.01 * abs(ends[0])

@@ -44,7 +44,7 @@ def test_sliders_are_those_of_the_units_step(friction_of, gravity, ramp):
     body = replace(body, gravity=gravity, sliders=SLIDERS)
     start = Start((2e-4, -1e-4), (1e-4, 2e-4), (0.05, -0.02), (0.01, 0.04), 0.3)
     times = np.linspace(0.0, 0.1, 41)
-    profile = SpeedProfile(150.0, 150.0 + 0.2 * ramp, 0.2 if ramp else 0.0)
+    profile = SpeedProfile.run_up(150.0, 150.0 + 0.2 * ramp, 0.2 if ramp else 0.0)
     run = simulate(Assembly(body), profile, times, initial=start, rtol=1e-11)
     method = friction_of(body)
     state = np.array([*start.x, *start.y, *start.vx, *start.vy])
@@ -81,7 +81,9 @@ def test_weights_without_a_load_stay_in_space_when_the_rotor_starts_to_turn():
     mounted = Mounted("w", Weights(4, 0.06, 0.03, 0.0, 1.0), 0, angles, rolling_resistance=0.003)
     rotor = LinearRotor.planar(7.0, (800.0, 1250.0), unbalance=1e-6)
     times, rise = np.linspace(0.0, 0.3, 13), 270.0
-    run = simulate(Assembly(rotor, (mounted,)), SpeedProfile(0.0, 100.0, 100.0 / rise), times)
+    run = simulate(
+        Assembly(rotor, (mounted,)), SpeedProfile.run_up(0.0, 100.0, 100.0 / rise), times
+    )
     right = np.array(angles) - 0.5 * rise * times[:, None] ** 2
     np.testing.assert_allclose(run.theta["w"], right, atol=1e-3)  # the rotor moves by 1e-6 m
 

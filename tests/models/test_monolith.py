@@ -23,7 +23,8 @@ from autobalancer.models.weights import KAPPA, Weights
 pytestmark = pytest.mark.slow
 
 SPEED = SpeedProfile.constant(3.0)
-RUN_UP = SpeedProfile(0.5, 3.0, 4.0)
+RUN_UP = SpeedProfile.run_up(0.5, 3.0, 4.0)
+DIP = SpeedProfile((0.0, 1.0, 1.5, 2.0, 2.5, 3.0, 4.0), (0.0, 3.0, 3.0, 0.0, 0.0, 2.0, 0.0))
 
 
 def two_balls(drag: float = 0.0125) -> Assembly:
@@ -198,7 +199,7 @@ def hermite(h: float, start: tuple, end: tuple) -> tuple:
     return f0, g0, (6 * rise - 4 * g0 - 2 * g1) / h, (6 * (g0 + g1) - 12 * rise) / h**2
 
 
-@pytest.mark.parametrize("profile", [SPEED, SpeedProfile(2.0, 3.0, 8.0)])
+@pytest.mark.parametrize("profile", [SPEED, SpeedProfile.run_up(2.0, 3.0, 8.0)])
 def test_weights_follow_the_monolith_when_shown_its_acceleration(profile: SpeedProfile) -> None:
     assembly, h = mixed(), 0.01
     time = np.arange(0, 200) * h
@@ -270,20 +271,19 @@ def test_a_run_up_is_not_stepped_across_its_end() -> None:
     assert_allclose(end.theta["weights"][0], run.theta["weights"][-1], rtol=1e-8)
 
 
-@pytest.mark.parametrize(
-    "profile", [SPEED, RUN_UP, SpeedProfile(4.0, 1.0, 2.0), SpeedProfile(0.0, 5.0)]
-)
+@pytest.mark.parametrize("profile", [SPEED, RUN_UP, SpeedProfile.run_up(4.0, 1.0, 2.0), DIP])
 def test_speed_and_angle_of_a_profile_are_the_integrals_of_its_acceleration(
     profile: SpeedProfile,
 ) -> None:
     for t in (0.0, 0.5, 1.9999, 2.0, 4.0, 7.5):
-        kink = [profile.seconds] if 0.0 < profile.seconds < t else None
+        kink = [time for time in profile.times if 0.0 < time < t] or None
         turned = quad(profile.speed, 0.0, t, points=kink)[0]
         gained = quad(profile.acceleration, 0.0, t, points=kink)[0]
         assert_allclose(profile.angle(t), turned, atol=1e-12)
-        if profile.seconds:
-            assert_allclose(profile.speed(t), profile.start + gained, atol=1e-12)
-    assert profile.speed(1e9) == profile.end
+        assert_allclose(profile.speed(t), profile.start + gained, atol=1e-12)
+        if profile.speed(t) and t:
+            assert_allclose(profile.time_of(profile.angle(t)), t, rtol=1e-12)
+    assert profile.speed(1e9) == profile.speeds[-1]
     assert profile.acceleration(1e9) == 0.0
     assert profile.acceleration(profile.seconds) == 0.0
 

@@ -10,6 +10,7 @@ from tests.truth.sketch import (
     TURN,
     Document,
     Sketch,
+    along_profile,
     at_constant_speed,
     disc,
     even,
@@ -267,6 +268,19 @@ def unequal(generator: random.Random) -> Document:
     return document
 
 
+def profile(generator: random.Random) -> Document:
+    """Any kind of rotor along a speed profile, a third of them with gravity across the axis."""
+    kinds = (planar, two_support, flexible, liquid, finite, impacts, offset, sticking, friction)
+    document = generator.choice(kinds)(generator)
+    sketch = Sketch(generator)
+    operation = document["operation"]
+    sketch.speed = operation["speed"] if "speed" in operation else operation["run_up"]["to"]
+    document = along_profile(generator, sketch, document)
+    if generator.random() < 1 / 3:
+        document["operation"]["gravity"] = sized(generator, 0.1, 9.81)
+    return document
+
+
 FAMILIES: dict[str, Callable[[random.Random], Document]] = {
     "planar": planar,
     "run_up": run_up,
@@ -282,6 +296,7 @@ FAMILIES: dict[str, Callable[[random.Random], Document]] = {
     "gravity": gravity,
     "motor": motor,
     "unequal": unequal,
+    "profile": profile,
 }
 
 

@@ -9,6 +9,7 @@ from __future__ import annotations
 import math
 import random
 from collections.abc import Callable
+from itertools import accumulate, pairwise
 from typing import Any
 
 Document = dict[str, Any]
@@ -135,6 +136,27 @@ def at_constant_speed(
         "operation": {"speed": sketch.speed},
         "run": run,
     }
+
+
+def along_profile(generator: random.Random, sketch: Sketch, document: Document) -> Document:
+    """The scene with two to six lines of speed: it rises, dips, stays, runs down and stops."""
+    count = generator.randint(2, 6)
+    stops = [
+        sketch.speed * sometimes(generator, 0.75, generator.random()) for _ in range(count + 1)
+    ]
+    stops[generator.randrange(count + 1)] = sketch.speed
+    if generator.random() < 0.3:
+        k = generator.randrange(count)
+        stops[k + 1] = stops[k]
+    lengths = [sized(generator, 0.2, 1.0) for _ in range(count)]
+    turned = sum(
+        t * (low + high) / 2.0 for t, (low, high) in zip(lengths, pairwise(stops), strict=True)
+    )
+    wanted = 2.0 * math.pi * document["run"].pop("revolutions")
+    times = [0.0, *accumulate(t * wanted / turned for t in lengths)]
+    corners = zip(times, stops, strict=True)
+    profile = [[float(f"{time:.5g}"), float(f"{speed:.4g}")] for time, speed in corners]
+    return {**document, "operation": {"profile": profile}}
 
 
 def in_run_up(generator: random.Random, sketch: Sketch, document: Document) -> Document:

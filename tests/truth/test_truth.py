@@ -27,7 +27,7 @@ def test_drawn_scenes_are_valid_and_come_again(family):
     for number in range(40):
         scene = Scene.from_document(draw(family, 7, number))
         assert draw(family, 7, number) == draw(family, 7, number)
-        assert scene.run.revolutions > 0.0
+        assert scene.revolutions > 0.0
     assert draw(family, 7, 0) != draw(family, 8, 0)
 
 

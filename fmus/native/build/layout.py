@@ -49,7 +49,7 @@ TABLES = (
     *_CUBIC,
     *((unit, {**options, "order": 5, "sliders": 0}) for unit, options in _CUBIC),
     ("Motor", {"points": _POINTS}),
-    ("Composite", {"planes": _PLANES}),
+    ("Composite", {"planes": _PLANES, "corners": _POINTS}),
     ("Composite", {"planes": _PLANES, "kind": "motor"}),
 )
 

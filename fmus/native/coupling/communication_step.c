@@ -22,9 +22,8 @@ int composite_run_step(Unit *unit, double step)
     const double begin = course->clock.time;
     double ends = begin + step;
     c->loop_failed = 0;
-    if (course->drive.acceleration != 0.0 && course->drive.rises_until > 0.0 &&
-        course->clock.time >= course->drive.rises_until) {
-        composite_level_off(unit);
+    if (course->drive.next_corner > 0.0 && course->clock.time >= course->drive.next_corner) {
+        composite_pass_corner(unit);
     }
     do {
         c->pacing.step = course->adaptive.allowed > 0.0 ? ends - course->clock.time : step;

@@ -217,18 +217,34 @@ static void begin_scheme(Unit *unit, double step)
     }
 }
 
-/* The speed that is prescribed. */
-static void begin_drive(Unit *unit)
+/* The speed that is prescribed; 1 with the reason. */
+static int begin_drive(Unit *unit)
 {
-    Composite *c = unit->own;
-    Course *course = c->course;
-    course->drive.speed = course->drive.first_speed = unit->real[c->drive];
-    course->drive.acceleration = course->drive.first_acceleration = unit->real[c->drive + 1];
-    if (unit->real[c->rise] > 0.0) {
-        course->drive.rises_until = unit->time + unit->real[c->rise];
-        course->drive.fastest = larger(course->drive.fastest, absolute(course->drive.speed +
-                                 unit->real[c->rise] * course->drive.acceleration));
+    const Composite *c = unit->own;
+    const double *corner = unit->real + c->rise;
+    DriveSignal *drive = &c->course->drive;
+    double time = *corner++, speed;
+    size_t k;
+    drive->speed = drive->first_speed = unit->real[c->drive];
+    drive->acceleration = drive->first_acceleration = unit->real[c->drive + 1];
+    drive->steepest = absolute(drive->acceleration);
+    if (!(time > 0.0)) {
+        return 0;
     }
+    drive->began = unit->time;
+    drive->next_corner = unit->time + time;
+    speed = drive->speed + time * drive->acceleration;
+    drive->fastest = larger(drive->fastest, absolute(speed));
+    for (k = 0; k < c->corner_count && corner[0] > 0.0; k++, corner += 2) {
+        if (!(corner[0] > time)) {
+            return refuse_coupling(unit, "corner[k].time: must ascend, from above rise_time on; 0 s: not used, nor those behind");
+        }
+        drive->steepest = larger(drive->steepest, absolute((corner[1] - speed) / (corner[0] - time)));
+        drive->fastest = larger(drive->fastest, corner[1]);
+        time = corner[0];
+        speed = corner[1];
+    }
+    return 0;
 }
 
 static int start(Unit *unit)
@@ -241,8 +257,8 @@ static int start(Unit *unit)
     memset(c->accelerations, 0, (size_t)c->planes * sizeof(Signal));
     course->drive.fastest = unit->real[c->top_speed];
     course->clock.begin = course->clock.time = course->drive.told = unit->time;
-    if (!c->motor) {
-        begin_drive(unit);
+    if (!c->motor && begin_drive(unit)) {
+        return 1;
     }
     take_inputs(unit);
     if (!(course->drive.fastest > 0.0)) {
@@ -463,15 +479,22 @@ static int refuse_work(Unit *unit, double step)
     return 1;
 }
 
-void composite_level_off(Unit *unit)
+void composite_pass_corner(Unit *unit)
 {
-    Course *course = ((Composite *)unit->own)->course;
-    const double top = course->drive.rises_until;
-    course->drive.speed += (top - course->drive.told) * course->drive.acceleration;
-    course->drive.acceleration = 0.0;
-    course->drive.told = top;
-    course->drive.fastest = larger(course->drive.fastest, absolute(course->drive.speed));
-    begin_anew(unit, top);
+    const Composite *c = unit->own;
+    DriveSignal *drive = &c->course->drive;
+    const size_t passed = (size_t)drive->passed;
+    const double *next = unit->real + c->rise + 1 + 2 * passed, time = drive->next_corner;
+    /* where corners say the speed, rounding of the line up to it must not add up */
+    drive->speed = passed ? next[-1] : composite_speed(c, time);
+    drive->acceleration = drive->next_corner = 0.0;
+    drive->told = time;
+    if (passed < c->corner_count && next[0] > 0.0) {
+        drive->next_corner = drive->began + next[0];
+        drive->acceleration = (next[1] - drive->speed) / (drive->next_corner - time);
+    }
+    drive->passed += 1.0;
+    begin_anew(unit, time);
 }
 
 /* Step and move the units to a time. */
@@ -503,8 +526,7 @@ static int composite_step_unit(Unit *unit, double length)
 {
     const Composite *c = unit->own;
     Course *course = c->course;
-    const double end = unit->time + length, top = course->drive.rises_until;
-    int wrong;
+    const double end = unit->time + length;
     if (c->motor && pushed_anew(unit)) {
         take_inputs(unit);
         begin_anew(unit, unit->time);
@@ -514,22 +536,24 @@ static int composite_step_unit(Unit *unit, double length)
     if (!(length < MOST_STEPS * communication_length(unit))) {
         return refuse_length(unit, communication_length(unit));
     }
-    if (course->drive.acceleration != 0.0 && unit->time < top && top <= end) {
+    while (course->drive.next_corner > unit->time && course->drive.next_corner <= end) {
+        const double corner = course->drive.next_corner;
         const unsigned *asked = unit->asked;
+        int wrong;
         unit->asked = NULL; /* steps begin there: all units must be */
-        wrong = reach_time(unit, top);
+        wrong = reach_time(unit, corner);
         unit->asked = asked;
         if (wrong) {
             return 1;
         }
         if (unit->own_steps) {
-            if (unit->made < top - unit->time) { /* of the run-up one step, and not its last */
+            if (unit->made < corner - unit->time) { /* of the way there one step, and not its last */
                 return 0;
             }
-            unit->made = top - unit->time;
+            unit->made = corner - unit->time;
         }
-        composite_level_off(unit);
-        if (top == end || unit->own_steps) {
+        composite_pass_corner(unit);
+        if (corner == end || unit->own_steps) {
             return 0;
         }
     }

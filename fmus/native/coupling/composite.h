@@ -56,7 +56,10 @@ typedef struct {
 typedef struct {
     double told, speed, acceleration; /* time of the drive [s], and what it was then */
     double fastest;                   /* speed so far, and that of the parameter [rad/s] */
-    double first_speed, first_acceleration, rises_until; /* of a rotor that speeds up by itself */
+    double first_speed, first_acceleration;
+    double began, next_corner, passed; /* of a profile that the rotor follows by itself: its start [s], the
+                                          corner ahead [s], 0: none, and how many are behind */
+    double steepest;                   /* acceleration of the profile [rad/s^2] */
 } DriveSignal;
 
 /* Of shaft.c: the motor. */
@@ -173,6 +176,7 @@ typedef struct {
     Scheme scheme;
     int corrections; /* as given */
     size_t tolerance, steps_per_rev, fewest, top_speed, rise; /* value references of the coupling's parameters, */
+    size_t corner_count;                        /* of time and speed behind the last */
     size_t drive, outer;                        /* of speed (no motor) and forces from outside, */
     size_t results;                             /* and of the coupling's outputs */
     Pacing pacing;
@@ -216,8 +220,8 @@ int composite_build(Unit *unit, const char *token);
 size_t composite_memory(Composite *c, double *memory);
 /* One step of the coupling, from its end to the next; 1 with the reason. */
 int composite_go_on(Unit *unit);
-/* Begin a step where a rotor that speeds up by itself has reached its speed. */
-void composite_level_off(Unit *unit);
+/* Begin a step at the corner ahead of a profile that the rotor follows by itself. */
+void composite_pass_corner(Unit *unit);
 
 /* -- communication_step.c ---------------------------------- */
 

@@ -64,7 +64,7 @@ double composite_largest_force(const Composite *c)
 {
     const Rotor *rotor = c->parts->unit->own;
     const int n = rotor->stations;
-    const double speed = c->course->drive.fastest, spin_up = absolute(c->course->drive.acceleration);
+    const double speed = c->course->drive.fastest, spin_up = c->course->drive.steepest;
     double own = 0.0, carried = 0.0, mass = 0.0, weight;
     int k;
     for (k = 1; k < c->mounted; k++) {

@@ -251,6 +251,9 @@ static int read_parts(Unit *unit, const char *at, const char **own, const char *
                 parse_number(value, 10, &passes);
                 c->corrections = (int)(passes & 127);
             }
+        } else if ((value = text_after(at, "corners="))) {
+            wrong = *parse_number(value, 10, &passes) != ';' || passes > MOST_REALS;
+            c->corner_count = (size_t)passes;
         } else if ((value = text_after(at, "part="))) {
             if (read_part(unit, c->parts + c->part_count++, value)) {
                 return 1;
@@ -389,6 +392,7 @@ static int describe(Unit *unit, const char *own_starts)
     size_t count, total;
     int k;
     sizes.planes = c->parts->unit->layout.sizes.planes;
+    sizes.points = (int)c->corner_count;
     count = total = layout_count(table, &sizes, MOST_REALS);
     for (k = 0; k < c->part_count; k++) {
         const Layout *layout = &c->parts[k].unit->layout;

@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-import math
-
 from ...scene import Scene
+from ..schedule import end_time
 from .motion import with_weights
 from .orders import SHORTEST, TRACKED, refuse_few
 from .settling import first_weights
@@ -23,7 +22,7 @@ def refuse_impossible(scene: Scene, kind: str) -> None:
     elif kind == "settling":
         first_weights(scene)
     elif kind in _WINDOWS:
-        profile, turned = scene.profile(), math.tau * scene.run.revolutions
-        if profile.rises:
-            turned = min(turned, profile.angle(profile.seconds))
-        refuse_few(turned, _WINDOWS[kind])
+        profile, end = scene.profile(), end_time(scene)
+        part = profile.sweep if profile.changes else (0.0, end)
+        begin, last = (profile.angle(min(time, end)) for time in part)
+        refuse_few(last - begin, _WINDOWS[kind])

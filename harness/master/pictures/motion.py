@@ -65,22 +65,23 @@ class Motion:
         return begin + np.array([turned(t) for t in self.time.tolist()])
 
     @property
-    def rises(self) -> bool:
-        """Whether the speed does, all along a line: that of a motor may be caught."""
-        return self.scene.profile().rises
+    def changes(self) -> bool:
+        """Whether the speed does, as prescribed: that of a motor may be caught."""
+        return self.scene.profile().changes
 
     @cached_property
-    def rise(self) -> Motion:
-        """The run as long as the speed rises; all of it where the speed is constant."""
-        if not self.rises:
+    def sweep(self) -> Motion:
+        """The part in which the speed rises, or falls, by most; all where it is constant."""
+        if not self.changes:
             return self
-        last = self.time <= self.scene.profile().seconds * (1.0 + 1e-12)
-        return Motion(self.scene, self.time[last], _Part(self.recorded, last))
+        begin, end = self.scene.profile().sweep
+        part = (self.time >= begin * (1.0 - 1e-12)) & (self.time <= end * (1.0 + 1e-12))
+        return Motion(self.scene, self.time[part], _Part(self.recorded, part))
 
     @property
     def across(self) -> tuple[PlotAxis, Array]:
-        """Speed (T,) where it rises, else time."""
-        if self.rises:
+        """Speed (T,) where it changes, else time."""
+        if self.changes:
             return PlotAxis("speed", "rad/s"), self.speed
         return PlotAxis("time", "s"), self.time
 

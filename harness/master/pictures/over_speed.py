@@ -33,15 +33,15 @@ def waterfall(motion: Motion, signal: str | None = None) -> Picture:
     Args:
         signal: a displacement [m]; by default the largest.
     """
-    rising = motion.rise
-    signal = signal or _largest(rising)
-    spectrum = spectra(rising.angle, rising.recorded[signal])
+    swept = motion.sweep
+    signal = signal or _largest(swept)
+    spectrum = spectra(swept.angle, swept.recorded[signal])
     if not spectrum.amplitude.any():
         raise UserError(f"{signal}: does not vibrate: there is no spectrum to show")
     factor, unit = metres(float(spectrum.amplitude.max()))
-    axis, values = rising.across
-    across = np.interp(spectrum.angle, rising.angle, values)
-    speed = np.interp(spectrum.angle, rising.angle, rising.speed)
+    axis, values = swept.across
+    across = np.interp(spectrum.angle, swept.angle, values)
+    speed = np.interp(spectrum.angle, swept.angle, swept.speed)
     turns = speed / math.tau
     frequency = spectrum.orders * turns[:, None]
     heights = spectrum.amplitude * factor
@@ -82,11 +82,11 @@ def _largest(motion: Motion) -> str:
 
 def orders(motion: Motion, wanted: Sequence[float] = ORDERS) -> Picture:
     """Amplitude of the stations' orders, and the phase of the first of them."""
-    rising = motion.rise
-    rows = np.moveaxis(rising.displacement, 0, 2).reshape(-1, len(rising.time))
-    tracks = tracked(rising.angle, rows, wanted)
-    axis, values = rising.across
-    across = np.interp(tracks.angle, rising.angle, values)
+    swept = motion.sweep
+    rows = np.moveaxis(swept.displacement, 0, 2).reshape(-1, len(swept.time))
+    tracks = tracked(swept.angle, rows, wanted)
+    axis, values = swept.across
+    across = np.interp(tracks.angle, swept.angle, values)
     names = [f"{name}.{letter}" for letter in "xy" for name in station_names(motion.scene)]
     panels = []
     for m, order in enumerate(wanted):
@@ -116,11 +116,11 @@ def _curves(across: Array, rows: Any, names: Sequence[str], named: bool) -> list
 
 def polar(motion: Motion) -> Picture:
     """Synchronous amplitude and phase as one curve a station, along x and along y (Nyquist)."""
-    rising = motion.rise
-    rows = np.moveaxis(rising.displacement, 0, 2).reshape(-1, len(rising.time))
-    tracks = tracked(rising.angle, rows, (1.0,))
-    axis, values = rising.across
-    across = np.interp(tracks.angle, rising.angle, values)
+    swept = motion.sweep
+    rows = np.moveaxis(swept.displacement, 0, 2).reshape(-1, len(swept.time))
+    tracks = tracked(swept.angle, rows, (1.0,))
+    axis, values = swept.across
+    across = np.interp(tracks.angle, swept.angle, values)
     amplitude = tracks.amplitude[:, 0].reshape(len(across), 2, -1)
     return polar_picture(
         f"{motion.title}\nsynchronous vibration",
@@ -168,9 +168,9 @@ def _apart(curve: Any) -> list[int]:
 
 def weights(motion: Motion) -> Picture:
     """Angles of all weights in the rotor against speed."""
-    rising = motion.rise
-    axis, across = rising.across
-    return Picture(f"{motion.title}\nweights in the rotor", weight_panels(rising, axis, across))
+    swept = motion.sweep
+    axis, across = swept.across
+    return Picture(f"{motion.title}\nweights in the rotor", weight_panels(swept, axis, across))
 
 
 def weight_panels(motion: Motion, axis: PlotAxis, across: Array) -> list[Panel]:

@@ -107,11 +107,11 @@ def _amplitudes(
 
 
 def motion_with_weights(motion: Motion, judged: Summary | None = None) -> Picture:
-    """Displacement of every station, speed where it rises, and the angles of all weights."""
+    """Displacement of every station, speed where it changes, and the angles of all weights."""
     size, time = np.hypot(motion.displacement[:, 0], motion.displacement[:, 1]), motion.time
     panels = [_amplitudes(time, list(size.T), station_names(motion.scene), judged)]
     axis = PlotAxis("time", "s")
-    if motion.rises:
+    if motion.changes:
         panels.append(Panel((axis, PlotAxis("speed", "rad/s")), [Line((time, motion.speed))]))
     panels += weight_panels(motion, axis, time)
     return Picture(f"{motion.title}\nmotion and weights", panels, height=2.6)

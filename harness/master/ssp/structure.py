@@ -125,6 +125,6 @@ def _wires(scene: Scene, planned: Plan, slopes: bool) -> list[Wire]:
 
 def _drive(scene: Scene, driven: list[str]) -> list[Wire]:
     """Speed and acceleration from outside where they change; a constant speed is a start value."""
-    if not scene.profile().acceleration(0.0):
+    if not scene.profile().changes:
         return []
     return [Wire(Port("", name), Port(unit, name)) for name in DRIVE for unit in driven]

@@ -1,0 +1,84 @@
+"""A measured speed as a profile: lines through few of its readings, and how far they are off."""
+
+from __future__ import annotations
+
+import math
+import warnings
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ...models.arrays import Array
+from ..errors import SceneError, UserError
+from ..input_files import read_csv
+
+RPM = math.pi / 30.0  # rad/s
+COLUMNS = "time_s", "speed_rpm"
+NEAR = 2e-3  # of the highest speed: how far lines may pass a reading
+MOST_LINES = 200  # every corner ends a step; from there on lines may pass by more
+
+
+class TraceNote(UserWarning):
+    """How far the lines that stand for a measured speed are off."""
+
+
+def with_corners(document: dict[str, Any], folder: Path) -> dict[str, Any]:
+    """A scene's document, the CSV file that its profile names replaced by corners.
+
+    Raises:
+        SceneError: the file cannot be read, or is no speed against time.
+    """
+    operation = document.get("operation")
+    name = operation.get("profile") if isinstance(operation, dict) else None
+    if not isinstance(operation, dict) or not isinstance(name, str):
+        return document
+    try:
+        corners = corners_of(folder / name)
+    except UserError as error:
+        raise SceneError(f"operation.profile: {error}") from None
+    return {**document, "operation": {**operation, "profile": corners}}
+
+
+def corners_of(path: Path) -> list[list[float]]:
+    """Corners [s, rad/s] of lines through the readings of a file, the first of them at 0 s.
+
+    Warns:
+        TraceNote: with the number of lines, and the largest distance of a reading from them.
+
+    Raises:
+        UserError: the file cannot be read, or is no speed against time.
+    """
+    names, rows = read_csv(path)
+    if not set(COLUMNS) <= set(names):
+        raise UserError(f"{path}: needs the columns {' and '.join(COLUMNS)}")
+    time, speed = (np.array([row.number(name) for row in rows]) for name in COLUMNS)
+    if not np.isfinite([time, speed]).all() or (np.diff(time) <= 0.0).any() or len(time) < 2:
+        raise UserError(f"{path}: times must ascend, and every value must be a finite number")
+    if (speed < 0.0).any() or not speed.max() > 0.0:
+        raise UserError(f"{path}: speed_rpm must be 0 or more, and above 0 somewhere")
+    time, near = time - time[0], NEAR * float(speed.max())
+    while len(at := _corners(time, speed, near)) > MOST_LINES + 1:
+        near *= 2.0
+    off = float(np.abs(np.interp(time, time[at], speed[at]) - speed).max())
+    warnings.warn(
+        f"{path.name}: {len(time)} readings stand for {len(at) - 1} lines, which pass them by "
+        f"{off:.3g} rpm at most, {off / speed.max():.2g} of the highest speed",
+        TraceNote,
+        stacklevel=2,
+    )
+    return np.column_stack([time[at], RPM * speed[at]]).tolist()
+
+
+def _corners(time: Array, speed: Array, near: float) -> list[int]:
+    """Readings through which lines pass all others within `near` (Douglas and Peucker 1973)."""
+    kept, open_parts = {0, len(time) - 1}, [(0, len(time) - 1)]
+    while open_parts:
+        first, last = open_parts.pop()
+        inner = slice(first, last + 1)
+        line = np.interp(time[inner], time[[first, last]], speed[[first, last]])
+        farthest = first + int(np.argmax(off := np.abs(speed[inner] - line)))
+        if off.max() > near:
+            kept.add(farthest)
+            open_parts += [(first, farthest), (farthest, last)]
+    return sorted(kept)
