@@ -45,6 +45,7 @@ def program() -> Typer:
     from .design import command as design
     from .drag import command as drag
     from .fit import command as fit
+    from .manual import command as manual
     from .master import build_command as build
     from .master import run_command as run
     from .output.commands import Commands, with_common_options, without_command
@@ -68,7 +69,7 @@ def program() -> Typer:
     features = {"check": check, "build": build, "run": run, "speeds": speeds, "map": map_command}
     features |= {"balance": balance, "rotor": rotor, "design": design, "scatter": scatter}
     features |= {"fit": fit, "drag": drag, "precision": precision}
-    features |= {"show": show, "new": new, "cite": cite, "stress": stress}
+    features |= {"show": show, "new": new, "cite": cite, "stress": stress, "manual": manual}
     for name, feature in features.items():
         app.command(name)(with_common_options(feature.command))
     return app

@@ -9,9 +9,7 @@ import re
 from pathlib import Path
 
 import pytest
-from fmpy import read_model_description
 
-from autobalancer.fmus.build import build
 from autobalancer.harness import bundled_scenes, check
 from tests.omissions import calls, in_a_process, omissions
 from tests.test_pages import NUMBER, blocks, run
@@ -21,8 +19,7 @@ pytestmark = pytest.mark.slow
 ROOT = Path(__file__).parent.parent
 README = (ROOT / "README.md").read_text(encoding="utf-8")
 MANUAL = ROOT / "harness" / "manual"
-UNITS = (MANUAL / "how-to" / "fmi.md").read_text(encoding="utf-8")
-NUMBERS = (MANUAL / "results" / "numbers.md").read_text(encoding="utf-8")
+OMISSIONS = (MANUAL / "results" / "tables" / "omissions.md").read_text(encoding="utf-8")
 
 
 def cells(text: str) -> list[list[str]]:
@@ -46,7 +43,7 @@ def test_pytest_check_of_the_readme_fails_with_the_message_shown(installed, tmp_
 
 
 def test_the_self_check_prints_the_numbers_shown():
-    shown = {name: text for _, name, text in blocks(MANUAL / "harness.md")}["check"]
+    shown = {name: text for _, name, text in blocks(MANUAL / "results" / "self_check.md")}["check"]
     named = [name for name in bundled_scenes() if shown.startswith(f"{name} (")]
     assert len(named) == 1
     rows = check(named[0])
@@ -62,30 +59,7 @@ def test_the_self_check_prints_the_numbers_shown():
             assert float(line[4]) == pytest.approx(row.measured, rel=1e-6)
 
 
-@pytest.mark.parametrize(
-    "row", cells(UNITS.split("\n## ")[0]), ids=lambda row: row[0].split("`")[1]
-)
-def test_table_of_a_unit_names_its_variables_and_no_others(tmp_path, row):
-    unit = row[0].split("`")[1]
-    description = read_model_description(str(build(unit, tmp_path / f"{unit}.fmu")))
-    for column, causality in zip(row[1:], ("parameter", "input", "output"), strict=True):
-        items = re.findall("`(.+?)`", column.replace("`, `.", "/."))
-        shown = {name for item in items for name in spelled_out(item)}
-        declared = {
-            re.sub(r"\[\d+\]", "[1]", v.name)
-            for v in description.modelVariables
-            if v.causality == causality and not v.name.startswith("der(")
-        }
-        assert {name for name in declared if ".der(" not in name} == shown, causality
-
-
-def spelled_out(item: str) -> list[str]:
-    """`plane[i].F_xi/.F_eta` as two names, for i = 1."""
-    first, *endings = re.sub(r"\[[ijk]\]", "[1]", item).split("/")
-    return [first, *(first[: first.rindex(ending[0])] + ending for ending in endings)]
-
-
-SAVED = {row[0]: row for row in cells(NUMBERS.split("# What is left out")[1].split("\n# ")[0])}
+SAVED = {row[0]: row for row in cells(OMISSIONS)}
 
 
 @pytest.mark.parametrize("omission", omissions(), ids=lambda omission: omission.what)

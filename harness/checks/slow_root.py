@@ -45,7 +45,7 @@ def decay_rows(found: Sequence[Decay], rows: Rows) -> Iterator[Row]:
     shown = f"{len(chosen)} of {len(found)}, {touching} with weights that touch"
     if reasons := excluded(found):
         shown += f"; others: {reasons}"
-    source = "spectrum where the run ended; see harness/manual/explanation/weights.md"
+    source = "spectrum where the run ended; see harness/manual/results/goncharov.md"
     yield rows.statement("runs whose slow root is dominant", "some", shown, bool(chosen), source)
     for name, (middle, worst) in (deviations(chosen) if chosen else {}).items():
         label = f"{name}: worst of {len(chosen)} (median {middle:.2g})"

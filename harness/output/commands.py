@@ -104,7 +104,7 @@ def with_common_options(command: Callable[..., None]) -> Callable[..., None]:
         "units": Annotated[
             Units | None,
             typer.Option(
-                help="Show rpm, mm, g mm, deg and Hz; default: see the README of harness."
+                help="Show rpm, mm, g mm, deg and Hz; default: SI units, or as in config.toml."
             ),
         ],
         "quiet": Annotated[bool, typer.Option("--quiet", help="No line on the scene, no warning.")],

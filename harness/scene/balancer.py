@@ -99,7 +99,7 @@ class WeightBalancer(Balancer):
     track_radius: Annotated[Positive, SI("m"), Feeds()]
     """Of the path of the weights' centres."""
     drag: Annotated[NotNegative, Each(), SI("N s/m"), Feeds()] = 0.0
-    """Of each, on its speed along the track; [where to get it](how-to/drag.md); or a list."""
+    """Of each, on its speed along the track; [where to get it](../how-to/drag.md); or a list."""
     weight_radius: Annotated[Annotated[Positive, Each()] | None, SI("m"), Feeds()] = None
     """Weights of this size collide and pack, and must fit; or a list; default: points that pass."""
     restitution: Annotated[NotNegative, Field(le=1.0), SI(""), Feeds()] = 0.0

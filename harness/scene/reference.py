@@ -1,18 +1,12 @@
-"""The reference of a scene's keys in the harness's README, written from the scene's own types.
-
-python -m autobalancer.harness.scene.reference           says whether it is up to date
-python -m autobalancer.harness.scene.reference --write   writes it
-"""
+"""The reference of a scene's keys, made from the scene's own types."""
 
 from __future__ import annotations
 
 import ast
 import inspect
-import sys
 from collections.abc import Iterator
 from functools import cache
 from itertools import groupby, pairwise
-from pathlib import Path
 from typing import Any
 
 from pydantic import BaseModel
@@ -21,10 +15,6 @@ from .messages import kinds_of, quoted, show, tables_in
 from .quantities import LARGEST, Table, fields_of, unit_of
 from .scene import Scene
 
-README = Path(__file__).parents[1] / "manual" / "harness.md"
-COMMAND = "python -m autobalancer.harness.scene.reference --write"
-BEGIN = f"<!-- keys of a scene: written by `{COMMAND}` -->"
-END = "<!-- end of the keys -->"
 HEAD = ("| key | unit | default | allowed | meaning |", "|---|---|---|---|---|")
 
 
@@ -33,7 +23,7 @@ def reference() -> str:
     """Every table of a scene with its keys, as Markdown."""
     nested = {key: tables_in(f.annotation) for key, f in fields_of(Scene).items()}
     plain = [name for name, tables in nested.items() if not tables]
-    lines = ["### At the top of the file", "", *HEAD, *_rows(Scene, plain), ""]
+    lines = ["## At the top of the file", "", *HEAD, *_rows(Scene, plain), ""]
     for key, tables in nested.items():
         if tables:
             lines += _section(key, tables)
@@ -43,7 +33,7 @@ def reference() -> str:
 def _section(key: str, tables: list[type[BaseModel]]) -> Iterator[str]:
     """One table of a scene; of several kinds what all of them have comes first."""
     is_list = "array" in Scene.model_json_schema()["properties"][key].values()
-    yield from (f"### `[[{key}]]`" if is_list else f"### `[{key}]`", "")
+    yield from (f"## `[[{key}]]`" if is_list else f"## `[{key}]`", "")
     if len(tables) == 1:
         yield from (_summary(tables[0]), "", *HEAD, *_rows(tables[0], tables[0].model_fields), "")
         return
@@ -141,26 +131,3 @@ def _bounds(schema: dict[str, Any]) -> str:
         return f"{least:g} to {most:,.10g}".replace(",", " ")
     limits = ((">", above), ("≥", least), ("≤", most))
     return ", ".join(f"{sign} {limit:g}" for sign, limit in limits if limit is not None)
-
-
-def replaced(page: str) -> str:
-    """A page with its section between the markers written anew."""
-    before, _, rest = page.partition(BEGIN)
-    _, _, after = rest.partition(END)
-    return f"{before}{BEGIN}\n{reference()}{END}{after}"
-
-
-def main(arguments: list[str]) -> int:
-    """Write the section, or say whether it is what the types say: 0 if so, else 1."""
-    page = README.read_text(encoding="utf-8")
-    if arguments == ["--write"]:
-        README.write_text(replaced(page), encoding="utf-8")
-        return 0
-    if replaced(page) != page:
-        print(f"{README}: its keys of a scene are stale; write them with `{COMMAND}`")
-        return 1
-    return 0
-
-
-if __name__ == "__main__":
-    sys.exit(main(sys.argv[1:]))

@@ -1,11 +1,11 @@
-"""The reference of scene keys in the harness's README is what the scene's types say."""
+"""The reference of scene keys is what the scene's types say."""
 
 import pytest
 
 from autobalancer.harness.scene import Scene
 from autobalancer.harness.scene.messages import tables_in
 from autobalancer.harness.scene.quantities import fields_of, unit_of
-from autobalancer.harness.scene.reference import BEGIN, README, main, meanings, reference, replaced
+from autobalancer.harness.scene.reference import meanings, reference
 
 
 def tables():
@@ -19,22 +19,6 @@ def tables():
     return found
 
 
-def test_readme_is_up_to_date(capsys):
-    assert main([]) == 0, capsys.readouterr().out
-
-
-def test_a_stale_readme_is_said_and_written_anew(tmp_path, monkeypatch, capsys):
-    stale = tmp_path / "README.md"
-    page = README.read_text(encoding="utf-8")
-    stale.write_text(page.replace("| `stations` | m |", "| `stations` | mm |"), encoding="utf-8")
-    monkeypatch.setattr("autobalancer.harness.scene.reference.README", stale)
-    assert main([]) == 1
-    assert "reference --write" in capsys.readouterr().out
-    assert main(["--write"]) == 0
-    assert stale.read_text(encoding="utf-8") == page
-    assert replaced(page) == page
-
-
 @pytest.mark.parametrize("table", tables(), ids=lambda table: table.__name__)
 def test_every_key_stands_there_with_its_unit_and_meaning(table):
     text, said = reference(), meanings(table)
@@ -46,7 +30,3 @@ def test_every_key_stands_there_with_its_unit_and_meaning(table):
         row = f"{key}` | {unit} |" if unit else f"{key}` | |"
         assert row in text, f"{table.__name__}.{name}"
         assert said[name]
-
-
-def test_section_stands_between_its_markers():
-    assert README.read_text(encoding="utf-8").count(BEGIN) == 1

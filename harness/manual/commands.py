@@ -1,0 +1,29 @@
+"""Reference of the commands, from their options."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Any
+
+
+def page() -> str:
+    """Markdown of all commands."""
+    from typer.main import get_command
+
+    from ..__main__ import program
+
+    group: Any = get_command(program())
+    return "\n".join("\n".join(_command(n, c)) for n, c in group.commands.items())
+
+
+def _command(name: str, command: Any) -> Iterator[str]:
+    context = command.context_class(command, info_name=f"autobalancer {name}")
+    yield from (f"## {name}", "", f"    {command.get_usage(context).removeprefix('Usage: ')}", "")
+    yield from (*(command.help or "").strip().splitlines(), "")
+    yield from ("| option | meaning |", "|---|---|")
+    for parameter in command.params:
+        record = parameter.get_help_record(context)
+        if record:
+            names, meaning = (" ".join(cell.replace("|", "\\|").split()) for cell in record)
+            yield f"| `{names}` | {meaning} |"
+    yield ""

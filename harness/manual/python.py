@@ -1,0 +1,82 @@
+"""Reference of the Python interface, from signatures and docstrings."""
+
+from __future__ import annotations
+
+import importlib
+import inspect
+import re
+from collections.abc import Iterator
+from typing import Any
+
+from ..scene import Scene
+from ..scene.quantities import Table
+
+PACKAGE = "autobalancer"
+_SECTION = re.compile(r"^(Args|Returns|Raises|Attributes|Yields|Example|Examples):$")
+
+
+def page() -> str:
+    """Markdown of all public names."""
+    package = importlib.import_module(PACKAGE)
+    lines = [*_docstring(inspect.getdoc(package) or "")]
+    for name in sorted(package.__all__):
+        lines += _entry(name, getattr(package, name), "##")
+    return "\n".join(lines) + "\n"
+
+
+def _entry(name: str, thing: Any, level: str) -> Iterator[str]:
+    """A heading, the signature, the docstring; of a class also its public members."""
+    yield from (f"{level} {name}", "")
+    is_class = inspect.isclass(thing)
+    is_error = is_class and issubclass(thing, Exception)
+    is_table = is_class and issubclass(thing, Table)
+    if callable(thing) and not is_error:
+        yield from ("```python", _signature(name.split(".")[-1], thing, is_table), "```", "")
+    yield from _docstring(inspect.getdoc(thing) or "")
+    if is_table:
+        yield from ("Units and limits: [keys of a scene](scene.md).", "")
+    if is_class and not is_error and (not is_table or thing is Scene):
+        for key, member in _members(thing).items():
+            own = member.__func__ if isinstance(member, (classmethod, staticmethod)) else member
+            if inspect.getdoc(own) and (isinstance(own, property) or inspect.isfunction(own)):
+                yield from _entry(f"{name}.{key}", own, level + "#")
+
+
+def _members(thing: type) -> dict[str, Any]:
+    """Public members that a class or its own bases define."""
+    own = [base for base in thing.__mro__ if base.__module__.startswith("autobalancer")]
+    found = {key: each for base in reversed(own) for key, each in vars(base).items()}
+    return {key: each for key, each in found.items() if key[0] != "_" and key != "model_post_init"}
+
+
+def _signature(name: str, thing: Any, is_table: bool) -> str:
+    """A call with its parameters, one a line where they are many."""
+    signature = inspect.signature(thing)
+    given = [
+        p.replace(annotation=p.empty) if is_table else p for p in signature.parameters.values()
+    ]
+    shown = [str(p) for p in given if p.name not in ("self", "cls", "kind")]
+    result = signature.return_annotation
+    ends = f" -> {result}" if isinstance(result, str) and not inspect.isclass(thing) else ""
+    text = f"{name}({', '.join(shown)}){ends}"
+    if len(text) > 80:
+        text = f"{name}(\n" + "".join(f"    {each},\n" for each in shown) + f"){ends}"
+    return re.sub(r"\b(?:autobalancer|collections|pathlib)\.(?:\w+\.)*(?=[A-Z])", "", text)
+
+
+def _docstring(text: str) -> Iterator[str]:
+    """Paragraphs as they are; of a section every entry as an item."""
+    inside = False
+    for line in text.splitlines():
+        if _SECTION.match(line):
+            inside = True
+            yield from ("", f"**{line}**", "")
+        elif inside and re.match(r"    \S", line):
+            word, colon, rest = line.strip().partition(":")
+            yield f"- `{word}`:{rest}" if colon else f"- {line.strip()}"
+        elif inside and line.startswith("     "):
+            yield f"  {line.strip()}"
+        else:
+            inside = inside and not line.strip()
+            yield line
+    yield ""

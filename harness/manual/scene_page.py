@@ -1,0 +1,40 @@
+"""A bundled scene as a page: what it is, the scene running, its file."""
+
+from __future__ import annotations
+
+import html
+from pathlib import Path
+
+from ..errors import SimulationError, UserError
+from ..scene import load_scene
+from ..scene.file import find
+
+PAGE = """# {name}
+
+{title}
+
+Source: {source}
+
+<iframe class="live" src="../live/{name}.html" title="{name}, running" loading="lazy"></iframe>
+
+<a href="../live/{name}.html" target="_blank">The running scene alone</a>; to write it yourself:
+`autobalancer show {name} -o {name}.html`
+
+```toml title="{name}.toml"
+{file}```
+"""
+
+
+def page(name: str) -> str:
+    """Markdown of a bundled scene's page, with its live page in a frame."""
+    scene, file = load_scene(name), find(name).read_text(encoding="utf-8")
+    source = html.escape(scene.source or "an example")
+    return PAGE.format(name=name, title=html.escape(scene.title), source=source, file=file)
+
+
+def live(name: str, path: Path) -> None:
+    """Write the page that `autobalancer show` writes, or one that says why there is none."""
+    try:
+        load_scene(name).show(path)
+    except (SimulationError, UserError) as error:
+        path.write_text(f"<!DOCTYPE html><meta charset='utf-8'><p>{html.escape(str(error))}</p>")

@@ -1,0 +1,75 @@
+"""The site of the manual: complete, without a network, and found by its search."""
+
+import json
+import re
+import shutil
+
+import pytest
+from typer.main import get_command
+
+from autobalancer.harness.__main__ import program
+from autobalancer.harness.manual import site
+from autobalancer.harness.scene import bundled_scenes, load_scene
+
+pytestmark = pytest.mark.slow
+
+
+@pytest.fixture(scope="module")
+def built(tmp_path_factory):
+    pytest.importorskip("material", reason="mkdocs-material is not installed")
+    folder = tmp_path_factory.mktemp("manual") / "site"
+    page = load_scene("two_balls").show(folder.with_name("page.html")).path
+    with pytest.MonkeyPatch.context() as patch:  # one scene stands for all
+        patch.setattr(site.scene_page, "live", lambda _, path: shutil.copy(page, path))
+        site.write_site(folder, lambda names, description: names)
+    return folder
+
+
+def search(folder, *words):
+    """Places of the site with all words: what its search has to offer."""
+    index = json.loads((folder / "search" / "search_index.json").read_text(encoding="utf-8"))
+    text = [(each["location"], re.sub("<.*?>", "", each["text"])) for each in index["docs"]]
+    return {place for place, said in text if all(word in said for word in words)}
+
+
+@pytest.mark.parametrize(
+    ("words", "place"),
+    [
+        (("rolling_resistance", "Resistance over load"), "reference/scene.html"),
+        (("weights overlap by",), "reference/messages.html"),
+        (("steps too long",), "how-to/faq.html"),
+        (("Goncharov 2017", "Fig. 7", "design goncharov_balls"), "results/papers.html"),
+    ],
+)
+def test_search_finds(built, words, place):
+    assert any(found.startswith(place) for found in search(built, *words))
+
+
+def test_every_scene_runs_in_its_page(built):
+    for name in bundled_scenes():
+        assert f"../live/{name}.html" in (built / "scenes" / f"{name}.html").read_text("utf-8")
+        assert "WebAssembly" in (built / "live" / f"{name}.html").read_text("utf-8")
+
+
+def test_nothing_is_loaded_from_a_network(built):
+    for path in (*built.rglob("*.html"), *built.rglob("*.css")):
+        text = path.read_text(encoding="utf-8")
+        loaded = re.findall(
+            r"<(?:script|img|iframe|link)\b[^>]*(?:src|href)=\"?(https?:[^\" >]*)", text
+        )
+        assert loaded == [], path
+        assert not re.findall(r"(?:@import|url\()\s*[\"']?https?:", text), path
+
+
+def test_reference_has_every_command_with_its_options(built):
+    text = (built / "reference" / "commands.html").read_text(encoding="utf-8")
+    for name, command in get_command(program()).commands.items():
+        section = text.split(f'id="{name}"')[1].split("<h2")[0]
+        options = [p.opts[0] for p in command.params if p.opts[0][0] == "-" and not p.hidden]
+        assert [option for option in options if option not in section] == []
+
+
+def test_a_folder_with_something_else_is_refused(tmp_path):
+    (tmp_path / "thesis.tex").write_text("")
+    with pytest.raises(site.UserError, match=r"holds no site: name another folder"):
+        site.write_site(tmp_path, lambda names, description: names)
