@@ -16,6 +16,7 @@ from autobalancer.harness.output import options
 from autobalancer.harness.output.cluster import who_works
 from autobalancer.harness.output.commands import Commands, execute
 from autobalancer.harness.output.files import write_whole
+from autobalancer.harness.output.store import refuse_store
 from autobalancer.harness.output.terminal import progress_bar, say
 from tests.truth.draw import FAMILIES
 from tests.truth.store import Verdicts
@@ -23,6 +24,12 @@ from tests.truth.study import Study, every, line, misses, save, table, verdicts
 from tests.truth.study import kept as tolerance_kept
 
 SHARES = {"planar": 3}  # of the scenes; of every other family one
+
+
+def _storable(path: Path | None) -> Path | None:
+    if options.is_store(path):
+        refuse_store(path)
+    return path
 
 
 def command(
@@ -45,7 +52,17 @@ def command(
         Path | None, typer.Option("--save", metavar="DIR", help="Keep the scenes that went wrong.")
     ] = None,
     markdown: Annotated[Path | None, options.markdown("the table")] = None,
-    output: Annotated[Path | None, options.table_or_store("verdict")] = None,
+    output: Annotated[
+        Path | None,
+        typer.Option(
+            "--output",
+            "-o",
+            metavar="FILE",
+            help="Every verdict as CSV; or in FILE.zarr as it comes: the same command goes on "
+            "where it was ended.",
+            callback=_storable,
+        ),
+    ] = None,
     workers: Annotated[int | None, typer.Option(min=1, help="Processes.")] = None,
     cluster: Annotated[str | None, options.CLUSTER] = None,
 ) -> None:

@@ -1,6 +1,9 @@
 """The truth study: its scenes are valid and reproducible, its verdicts say what is so."""
 
 import math
+import subprocess
+import sys
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -18,6 +21,8 @@ from tests.truth.judge import (
     judge,
 )
 from tests.truth.study import Study, every, misses, save, table, verdicts
+
+ROOT = Path(__file__).parents[2]
 
 pytestmark = pytest.mark.slow
 
@@ -156,3 +161,10 @@ def test_a_sample_is_right_or_says_so():
     found = verdicts(Study({**dict.fromkeys(sorted(families), 2), "planar": 6}, seed=14))
     assert not misses(found)
     assert "| all | " in table(found).markdown()
+
+
+def test_the_command_writes_every_verdict(tmp_path):
+    made = tmp_path / "verdicts.csv"
+    words = ["--family", "planar=1", "--seed", "3", "--workers", "1", "-o", str(made)]
+    subprocess.run([sys.executable, "-m", "tests.truth", *words], cwd=ROOT, check=True)
+    assert made.read_text().splitlines()[1].startswith("planar,0,right")
