@@ -18,7 +18,7 @@ def command(
         bool, typer.Option("--live/--no-live", help="Bundled scenes that run in their pages.")
     ] = True,
 ) -> None:
-    """Write the manual as a static site with search; requires a checkout."""
+    """Write the manual as a static site with search."""
     from .site import write_site
 
     with progress_bars() as bars:

@@ -22,7 +22,6 @@ from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
-from scipy.linalg import eigvalsh
 
 from ...models.constants import LONG
 from ..errors import SimulationError
@@ -221,8 +220,8 @@ def _motion(scene: Scene) -> list[str]:
 def _fastest(scene: Scene) -> float:
     """Of the rotor's vibrations without damping [rad/s]."""
     rotor = scene.assembly().loaded_rotor
-    squares = [eigvalsh(k, rotor.mass).max() for k in (rotor.stiffness_x, rotor.stiffness_y)]
-    return math.sqrt(max(*squares, 0.0))
+    squares = (np.linalg.solve(rotor.mass, k) for k in (rotor.stiffness_x, rotor.stiffness_y))
+    return math.sqrt(max(0.0, *(np.linalg.eigvals(each).real.max() for each in squares)))
 
 
 def _first_held(scene: Scene, grid: Signal) -> int:

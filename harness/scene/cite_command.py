@@ -13,5 +13,5 @@ def command(
     scene: Annotated[str, options.SCENE],
     changes: Annotated[list[str] | None, options.changes("coupling.scheme='\"jacobi\"'")] = None,
 ) -> None:
-    """Print BibTeX of the papers and methods that a run of a scene uses."""
+    """Print what a run of a scene cites, as BibTeX."""
     say(changed_scene(scene, changes, quietly=True).cite())

@@ -143,8 +143,8 @@ def _assign(target: Document, key: str, indices: str, value: Any, path: str) -> 
     for number in map(int, re.findall(r"\d+", indices)):
         values = holder.get(last) if isinstance(holder, dict) else holder[last]
         if isinstance(values, (int, float, str)):
-            number = target.get("count", 2)  # of weights; else one number is for both axes
-            values = holder[last] = [values] * (number if isinstance(number, int) else 2)
+            length = target.get("count", 2)  # of weights; else one number is for both axes
+            values = holder[last] = [values] * (length if isinstance(length, int) else 2)
         count = len(values) if isinstance(values, list) else 0
         if not 1 <= number <= count:
             raise SceneError(f"{path!r}: the scene gives {count} values there, counted from 1")

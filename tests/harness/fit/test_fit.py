@@ -219,7 +219,7 @@ def test_a_file_that_is_wrong_is_refused_with_what_is_wrong(rotor, tmp_path, tex
     [
         (",", "nothing is free"),
         ("rotor.mass,rotor.mass", "given twice"),
-        ("rotor.mas", "rotor.mas: the scene has no such value"),
+        ("rotor.mas", "'rotor.mas': unknown"),
         ("run.revolutions", "cannot be varied"),
         ("rotor.unbalance_angle", "starts at 0"),
         ("rotor.kind", "must be a number"),
@@ -239,7 +239,7 @@ def test_a_run_up_and_too_few_values_are_refused(rotor, tmp_path):
         fit(rotor, measured, free)
     path.write_text("amplitude\n1e-4\n1e-4\n")
     rising = rotor.replace({"operation.run_up": {"from": 5.0, "to": 9.0, "seconds": 5.0}})
-    with pytest.raises(UserError, match="run_up: a fit takes runs at constant speed"):
+    with pytest.raises(UserError, match="operation: a fit takes runs at constant speed"):
         fit(rising, read_measured(path, rising), free)
 
 

@@ -55,6 +55,7 @@ def test_weights_that_part_balance_and_need_no_note():
     assert amplitude(result) < 1e-8
     base = drum()
     first = base.balancer[0].model_dump(exclude_none=True, exclude_defaults=True)
+    first["kind"] = base.balancer[0].kind
     apart = [
         {**first, "name": f"ball{k}", "count": 1, "angles": [0.1 + k], "speeds": [0.0],
          "drag": 2.0 * (1.0 + 1e-9 * k)}

@@ -148,5 +148,10 @@ def test_picture_formats_are_named(result, tmp_path):
 def test_picture_states_units_and_0_peak(result, tmp_path):
     text = result.plot(tmp_path / "out.svg").read_text(encoding="utf-8")
     # glyphs are drawn, but every text stands in a comment beside them
-    for words in ("displacement [m]", "moment [kg m]", "time [s]", "rotor.x, 0-peak 1 m"):
+    for words in (
+        "displacement [m]",
+        "unbalance of the weights [kg m]",
+        "time [s]",
+        "rotor.x, 0-peak 1 m",
+    ):
         assert f"<!-- {words} -->" in text

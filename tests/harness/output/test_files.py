@@ -118,7 +118,7 @@ def test_a_picture_that_cannot_be_measured_does_not_cost_the_report(tmp_path, mo
     outcome = CliRunner().invoke(program(), ["check", "liquid_touch", "--report", str(report)])
     assert outcome.exit_code == 0, outcome.output
     text = (report / "report.md").read_text(encoding="utf-8")
-    assert "All 7 rows hold." in text
+    assert "All 9 rows hold." in text
     assert "no steady state" in text
     assert (report / "report.json").exists()
 

@@ -68,7 +68,7 @@ def test_report_of_a_check_is_whole_and_takes_titles_for_text(invoke, evil, tmp_
     assert_whole(page, [picture])
     assert not page.all("b")
     assert '<script>alert("1")</script> & "' in page.text
-    assert "All 7 rows hold." in page.text
+    assert "All 9 rows hold." in page.text
     command = shlex.join(["autobalancer", "check", str(evil), "--report", str(directory)])
     assert page.pre[0].startswith(command)  # nothing to install: no package index has this version
     assert f"With autobalancer {version('autobalancer')} on " in page.text

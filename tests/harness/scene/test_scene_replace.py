@@ -154,3 +154,11 @@ def test_a_tolerance_takes_the_place_of_steps_and_corrections_unless_they_are_gi
         both = {**rival, "coupling.tolerance": 1e-3, "coupling.steps_per_rev": 20}
         with pytest.raises(SceneError, match="give either steps_per_rev or tolerance"):
             SCENE.replace(both)
+
+
+@pytest.mark.parametrize("axis", [1, 2])
+def test_an_entry_of_one_number_for_both_axes_is_put_where_it_belongs(axis):
+    scene = load_scene("two_balls").replace(
+        {"rotor.stiffness": 5.0, f"rotor.stiffness[{axis}]": 7.0}
+    )
+    assert scene.rotor.stiffness == ((7.0, 5.0) if axis == 1 else (5.0, 7.0))

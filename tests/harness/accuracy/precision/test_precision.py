@@ -30,7 +30,6 @@ from autobalancer.harness.accuracy.precision.report import (
     markdown,
     one_file_words,
     table,
-    write_csv,
 )
 from autobalancer.harness.errors import SimulationError
 from autobalancer.models.monolith import simulate
@@ -108,7 +107,7 @@ def test_json_has_the_pinned_keys_and_csv_the_same_rows(measured, tmp_path):
         "scene", "method", "order", "steps_per_rev", "corrections", "tolerance", "error",
         "seconds", "status",
     }  # fmt: skip
-    write_csv(measured, tmp_path / "rows.csv")
+    measured.to_csv(tmp_path / "rows.csv")
     with open(tmp_path / "rows.csv", newline="", encoding="utf-8") as stream:
         written = list(csv.DictReader(stream))
     assert len(written) == len(rows) == len(measured.points)
