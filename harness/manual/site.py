@@ -69,13 +69,13 @@ def write_site(output: Path, track: Callable[..., Iterable[Any]], live: bool = T
     Raises:
         UserError: MkDocs is not installed, or the folder holds something else.
     """
+    if output.exists() and not (output / "index.html").is_file() and any(output.iterdir()):
+        raise UserError(f"{output}: is not empty and holds no site: name another folder")
     try:
         from mkdocs.commands.build import build
         from mkdocs.config import load_config
     except ImportError as error:
         raise UserError("manual: requires MkDocs: pip install -e '.[docs]'") from error
-    if output.exists() and not (output / "index.html").is_file() and any(output.iterdir()):
-        raise UserError(f"{output}: is not empty and holds no site: name another folder")
     logging.getLogger("mkdocs").setLevel(logging.WARNING)
     with TemporaryDirectory() as scratch:
         pages = Path(scratch) / "pages"
