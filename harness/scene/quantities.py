@@ -17,7 +17,7 @@ from pydantic import (
     WithJsonSchema,
 )
 from pydantic.fields import FieldInfo
-from pydantic_core import PydanticCustomError, core_schema
+from pydantic_core import PydanticCustomError, PydanticKnownError, core_schema
 
 from ..errors import SceneError
 from ..units import to_si
@@ -77,6 +77,14 @@ def each_of(value: float | None) -> tuple[float, ...]:
     return value.each if isinstance(value, Mean) else ()
 
 
+def _one_or_mean(values: tuple[float, ...]) -> float:
+    # not by the schema, which counts wrong values as missing
+    if not values:
+        found = {"field_type": "Tuple", "min_length": 1, "actual_length": 0}
+        raise PydanticKnownError("too_short", found)
+    return values[0] if len(values) == 1 else Mean(values)
+
+
 @dataclass(frozen=True)
 class Each:
     """Metadata of a number for which a list can stand, a value for each of several."""
@@ -84,10 +92,10 @@ class Each:
     def __get_pydantic_core_schema__(self, source: Any, handler: Any) -> Any:
         values = core_schema.no_info_before_validator_function(
             lambda value: value if isinstance(value, (list, tuple)) else [value],
-            core_schema.tuple_variable_schema(handler(source), min_length=1),
+            core_schema.tuple_variable_schema(handler(source)),
         )
         return core_schema.no_info_after_validator_function(
-            lambda read: read[0] if len(read) == 1 else Mean(read),
+            _one_or_mean,
             values,
             serialization=core_schema.plain_serializer_function_ser_schema(
                 lambda value: list(each_of(value)) or value

@@ -146,3 +146,11 @@ def test_unequal_balls_on_a_held_track_collide_as_two_bodies_do(restitution):
     part = restitution * 30.0 / (LARGE + SMALL)
     ends = [result[f"balls.weight[{k}].speed"][-1] for k in (1, 2)]
     assert ends == pytest.approx([common - part * SMALL, common + part * LARGE], rel=1e-6)
+
+
+def test_one_wrong_value_is_one_problem():
+    with pytest.raises(SceneError) as refused:
+        unequal(mass=-1)
+    assert str(refused.value).splitlines() == [
+        "scene: balancer[1].mass = -1 kg: must be greater than 0"
+    ]
