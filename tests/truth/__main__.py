@@ -17,7 +17,7 @@ from autobalancer.harness.output.cluster import who_works
 from autobalancer.harness.output.commands import Commands, execute
 from autobalancer.harness.output.files import write_whole
 from autobalancer.harness.output.store import refuse_store
-from autobalancer.harness.output.terminal import progress_bar, say
+from autobalancer.harness.output.terminal import progress_bar, ready_to_write, say
 from tests.truth.draw import FAMILIES
 from tests.truth.store import Verdicts
 from tests.truth.study import Study, every, line, misses, save, table, verdicts
@@ -26,9 +26,8 @@ from tests.truth.study import kept as tolerance_kept
 SHARES = {"planar": 3}  # of the scenes; of every other family one
 
 
-def _storable(path: Path | None) -> Path | None:
-    if options.is_store(path):
-        refuse_store(path)
+def _ready(path: Path | None) -> Path | None:
+    refuse_store(path) if options.is_store(path) else ready_to_write(path)
     return path
 
 
@@ -60,7 +59,7 @@ def command(
             metavar="FILE",
             help="Every verdict as CSV; or in FILE.zarr as it comes: the same command goes on "
             "where it was ended.",
-            callback=_storable,
+            callback=_ready,
         ),
     ] = None,
     workers: Annotated[int | None, typer.Option(min=1, help="Processes.")] = None,
