@@ -140,20 +140,8 @@ class Controlled:
 
     def _kept(self, apart: float, at_rest: float, parts: int) -> bool:
         """Whether a run keeps the tolerance so far `apart` from the one before, and `at_rest`."""
-        times, enough = parts / self.parts, self.tolerance
-        order: float = self.highest_order
-        stated = max(ORDER_OF_EVENTS, order - self._caution) if order > ORDER_OF_JUMPS else order
-        if self._fastest * self._longest > FOLLOWED * parts:
-            order = stated = ORDER_OF_JUMPS
-        elif self._apart and apart:  # three runs show by which order errors shrink
-            shown = math.log1p(self._apart / apart) / math.log(self._times)
-            self.order = order = min(self.highest_order, max(shown, ORDER_OF_JUMPS))
-            # by a higher one than there is: the first was no run yet whose errors shrink so
-            stated = order if shown <= self.highest_order + STEEPER else min(order, stated)
-        elif order > ORDER_OF_JUMPS:
-            enough *= AIM
-            if self._ends_at_events:
-                order = stated = ORDER_OF_EVENTS
+        times = parts / self.parts
+        order, stated, enough = self._orders(apart, parts)
         # where a corner lies in its step, two runs can agree by chance
         least = self._judged / times**self._steepest if self._apart else 0.0
         self._judged = self.error = max(apart, at_rest)
@@ -167,6 +155,27 @@ class Controlled:
         kept = self._judged <= enough and watched <= self.tolerance
         self.error, self._judged = max(self.error, watched), max(self._judged, watched)
         return kept
+
+    def _orders(self, apart: float, parts: int) -> tuple[float, float, float]:
+        """Order of the errors, the order by which they are stated, and what may be left of them."""
+        highest = self.highest_order
+        if highest == ORDER_OF_JUMPS:
+            stated = highest
+        else:
+            stated = max(ORDER_OF_EVENTS, highest - self._caution)
+        if self._fastest * self._longest > FOLLOWED * parts:
+            return ORDER_OF_JUMPS, ORDER_OF_JUMPS, self.tolerance
+        if self._apart and apart:  # three runs show by which order errors shrink
+            shown = math.log1p(self._apart / apart) / math.log(self._times)
+            self.order = min(highest, max(shown, ORDER_OF_JUMPS))
+            # by a higher one than there is: the first was no run yet whose errors shrink so
+            steep = shown > highest + STEEPER
+            return self.order, min(self.order, stated) if steep else self.order, self.tolerance
+        if highest == ORDER_OF_JUMPS:
+            return highest, stated, self.tolerance
+        if self._ends_at_events:
+            return ORDER_OF_EVENTS, ORDER_OF_EVENTS, AIM * self.tolerance
+        return highest, stated, AIM * self.tolerance
 
     def _first(self, progress: Progress | None) -> Recorder:
         """The first run; where its steps are too long, in shorter ones."""
