@@ -35,6 +35,9 @@ inch = 0.0254 * meter = in; pound = 0.45359237 * kilogram = lb; ounce = pound / 
 """
 
 
+RPM = math.pi / 30.0  # rad/s
+
+
 class Quantity(NamedTuple):
     """What is measured in an SI unit, with two examples, and the unit that engineers read.
 

@@ -21,11 +21,11 @@ from ..master.names import station_residuals
 from ..master.sweep import sweep_alike
 from ..scene import Scene
 from ..scene.balancer import WeightBalancer
+from ..units import RPM
 
 Curve = tuple[Array, Array]  # speeds that rise, amplitudes
 
 SOURCE = "run as one composite, against Rodrigues, Champneys, Friswell, Wilson 2010"
-RPM = math.pi / 30.0  # rad/s
 WASHER = 12.4e-6  # kg m
 SETTLED = 200  # revolutions: the rotor alone, to 0.1 % at 5000 rpm
 RATE, RECORD = 25.0, 0.25  # rpm/s of the measured sweeps, s

@@ -80,8 +80,9 @@ def _recommendation(data: Design) -> list[str]:
         lines.append(f"As good, as far as {len(best.runs)} starts tell: {named}.")
     fewest = data.with_capacity[0]
     if fewest.count < best.count:
-        when = f"in {fewest.median:.3g} s" if math.isfinite(fewest.median) else "as a rule not"
-        lines.append(f"{fewest.count} have the capacity and settle {when}.")
+        settles = math.isfinite(fewest.median)
+        when = f"and settle in {fewest.median:.3g} s" if settles else "but usually do not settle"
+        lines.append(f"{fewest.count} have the capacity {when}.")
     return lines
 
 

@@ -16,6 +16,7 @@ from ..input_files import read_csv
 from ..master.alike import refuse_unvaried
 from ..master.names import station_residuals
 from ..scene import Scene
+from ..units import RPM
 from .parameters import value_at
 
 AMPLITUDE, LARGEST, SPEED = "amplitude", "residual", "speed"
@@ -23,7 +24,7 @@ Factors = dict[str | None, float]
 
 _HEAD = re.compile(r"(?P<name>\S+)(?:\s+\[(?P<unit>.*)\])?")
 _LENGTHS: Factors = {"m": 1.0, "mm": 1e-3, "um": 1e-6, "µm": 1e-6, None: 1.0}
-_SPEEDS: Factors = {"rad/s": 1.0, "rpm": math.pi / 30.0, "Hz": math.tau, None: 1.0}
+_SPEEDS: Factors = {"rad/s": 1.0, "rpm": RPM, "Hz": math.tau, None: 1.0}
 
 
 @dataclass(frozen=True, eq=False)

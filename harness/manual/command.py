@@ -18,7 +18,10 @@ def command(
         bool, typer.Option("--live/--no-live", help="Bundled scenes that run in their pages.")
     ] = True,
 ) -> None:
-    """Write the manual as a static site with search."""
+    """Write the manual as a static site with search.
+
+    Requires a checkout and the extra `docs`.
+    """
     from .site import write_site
 
     with progress_bars() as bars:

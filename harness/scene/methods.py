@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     from ..stability.speeds import Speeds
     from .scene import Scene
 
-METHODS = ("criterion", "floquet", "cosim")  # of `speeds`, where nothing else is asked for
+DEFAULT_METHODS = ("criterion", "floquet", "cosim")  # of `speeds`, where nothing else is asked for
 
 
 class Methods:
@@ -42,7 +42,7 @@ class Methods:
         self,
         low: float | str,
         high: float | str,
-        methods: str | Iterable[str] = METHODS,
+        methods: str | Iterable[str] = DEFAULT_METHODS,
         *,
         narrowest: float | None = None,
         scan: int = 60,

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 import warnings
 from pathlib import Path
 from typing import Any
@@ -12,8 +11,8 @@ import numpy as np
 from ...models.arrays import Array
 from ..errors import SceneError, UserError
 from ..input_files import read_csv
+from ..units import RPM
 
-RPM = math.pi / 30.0  # rad/s
 COLUMNS = "time_s", "speed_rpm"
 NEAR = 2e-3  # of the highest speed: how far lines may pass a reading
 MOST_LINES = 200  # every corner ends a step; from there on lines may pass by more

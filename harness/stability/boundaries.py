@@ -31,6 +31,7 @@ from ...models.stability import growth_rates
 from ..errors import SimulationError, UserError
 from ..output.workers import Progress, Workers, in_order
 from ..scene import Scene
+from ..scene.methods import DEFAULT_METHODS
 from ..scene.quantities import LARGEST
 from ..units import si_number
 from .crossings import Side, crossings, nodes_around, side
@@ -39,8 +40,7 @@ from .main_motion import MainMotion, NoMainMotion
 from .speeds import Speeds
 from .whirl import WhirlMotion, Whirls, has_map, whirls
 
-METHODS = ("criterion", "floquet", "cosim", "cosim-run", "proved")
-DEFAULT_METHODS = METHODS[:3]
+METHODS = (*DEFAULT_METHODS, "cosim-run", "proved")
 MOST_SPEEDS = 100_000  # of one scan: more is a slip of the keyboard
 SCAN = 60  # intervals of a co-simulated scan, unless other methods say where to look
 _PARTS = 8  # of a scan, so that progress is seen

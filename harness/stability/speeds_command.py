@@ -14,6 +14,7 @@ from ..output import costs, options
 from ..output.files import write_json
 from ..output.table import GOOD, Sheet
 from ..output.terminal import progress_bar, say, show
+from ..scene.methods import DEFAULT_METHODS
 from ..units import engineering, engineers, in_both
 
 if TYPE_CHECKING:
@@ -21,7 +22,7 @@ if TYPE_CHECKING:
     from .speeds import Speeds
     from .whirl import WhirlAt, Whirls
 
-DEFAULT = "criterion,floquet,cosim"
+DEFAULT = ",".join(DEFAULT_METHODS)
 
 
 def command(

@@ -16,7 +16,6 @@ from scipy.optimize import minimize
 
 from autobalancer.harness.checks.rig import BANDS, GROUPS
 from autobalancer.harness.checks.rig_data import (
-    RPM,
     WASHER,
     at,
     response,
@@ -28,6 +27,7 @@ from autobalancer.harness.checks.rig_sweeps import FITTED_DRAG, SWEPT, first_pea
 from autobalancer.harness.checks.row import Rows
 from autobalancer.harness.scene import Scene, load_scene
 from autobalancer.harness.scene.balancer import WeightBalancer
+from autobalancer.harness.units import RPM
 from autobalancer.models.arrays import Array
 from autobalancer.models.harmonic_balance import largest_displacement, unbalance_response
 from tests.rig.quantities import (

@@ -11,7 +11,6 @@ from autobalancer.harness import SceneError, check, load_scene
 from autobalancer.harness.checks.registry import parts_of
 from autobalancer.harness.checks.rig import BALLS_SETTLE, CRITICAL, HIGH
 from autobalancer.harness.checks.rig_data import (
-    RPM,
     at,
     bearings,
     chosen,
@@ -21,6 +20,7 @@ from autobalancer.harness.checks.rig_data import (
     with_washers,
 )
 from autobalancer.harness.checks.rig_sweeps import gained, lost
+from autobalancer.harness.units import RPM
 from autobalancer.models.harmonic_balance import largest_displacement, unbalance_response
 from autobalancer.models.papers.influence import influence
 from tests.rig import quantities
