@@ -58,6 +58,9 @@ def build(
         TypeError: no unit has such an option.
         NotCompiled: a native library is not of the present sources, and there is no compiler.
         OSError: the file cannot be written; nothing is left behind.
+
+    >>> ab.build("LiquidBalancer", "units", platforms=["x86_64-linux"]).name
+    'LiquidBalancer.fmu'
     """
     content = contents(unit, backend=backend, fmi=fmi, platforms=platforms, name=name, **options)
     return written(content, destination, name or unit)

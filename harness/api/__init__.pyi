@@ -6,6 +6,8 @@ from autobalancer.harness.balancing.cycles import BalancingReport as BalancingRe
 from autobalancer.harness.checks.runner import SceneReport as SceneReport
 from autobalancer.harness.checks.runner import check as check
 from autobalancer.harness.design.choices import Design as Design
+from autobalancer.harness.drag.estimate import Drag as Drag
+from autobalancer.harness.drag.estimate import find_drag as find_drag
 from autobalancer.harness.errors import SceneError as SceneError
 from autobalancer.harness.errors import SimulationError as SimulationError
 from autobalancer.harness.errors import UnitError as UnitError
@@ -15,6 +17,7 @@ from autobalancer.harness.master.build import Built as Built
 from autobalancer.harness.master.build import build_files as build_files
 from autobalancer.harness.master.result import Result as Result
 from autobalancer.harness.output.machine import VERSION as __version__
+from autobalancer.harness.output.outcome import Outcome as Outcome
 from autobalancer.harness.rotor.analysis import RotorAnalysis as RotorAnalysis
 from autobalancer.harness.scatter.study import Scatter as Scatter
 from autobalancer.harness.scene.balancer import Balls as Balls

@@ -139,6 +139,12 @@ def correct(
         UserError: there is no such run, the runs do not tell the planes apart, the readings do not
             determine the corrections, allowed angles do not fit the planes, or something that the
             grade needs is missing.
+
+    >>> rows = ["run,sensor,amplitude_um,phase_lead_deg,mass_g[a],angle_deg[a]"]
+    >>> rows += ["as found,A,10,0,,", "trial,A,8,60,5,90"]
+    >>> text = open("runs.csv", "w").write("\\n".join(rows))
+    >>> ab.correct("runs.csv", angles=[[0.0, 1.0, 2.0]]).rms < 10.0
+    True
     """
     if not isinstance(measured, MeasuredRuns):
         measured = read_measured(Path(measured))

@@ -51,6 +51,9 @@ def check(source: Scene | str | Path, progress: Progress | None = None) -> list[
     Raises:
         UserError: the scene is wrong, or has nothing to check.
         SimulationError: a run cannot be completed correctly.
+
+    >>> all(row.holds for row in ab.check("liquid_touch"))
+    True
     """
     scene = source if isinstance(source, Scene) else load_scene(source)
     _refuse_unchecked(scene)

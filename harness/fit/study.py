@@ -77,6 +77,13 @@ class Fit(Outcome):
         Raises:
             UserError: the file is wrong.
             SimulationError: a run has failed.
+
+        >>> rotor = ab.load("two_balls").without_balancers()
+        >>> rows = ["speed [rad/s],amplitude [mm]", "0.5,0.5", "1.5,2.0", "2.5,1.2"]
+        >>> text = open("measured.csv", "w").write("\\n".join(rows))
+        >>> found = rotor.fit("measured.csv", "rotor.unbalance", harmonic=True)
+        >>> found.predicted_rms("measured.csv") < 0.5  # of logarithms
+        True
         """
         others = read_measured(Path(measured), self.start)
         simulated = Model(self.start, self.parameters, others).amplitudes(self.values[None])[0]

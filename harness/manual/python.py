@@ -8,10 +8,16 @@ import re
 from collections.abc import Iterator
 from typing import Any
 
+from ..output.outcome import Outcome
 from ..scene import Scene
 from ..scene.quantities import Table
+from ..scene.rotor_table import RotorTable
+from ..scene.run import Run
 
 PACKAGE = "autobalancer"
+# used by the commands alone
+INTERNAL = {"Scene.refuse_friction", "Scene.refuse_gravity", "RunMap.lines", "Fit.warnings"}
+CALLED = {"Scene": {"run": Run.__call__, "run.many": Run.many, "rotor": RotorTable.__call__}}
 _SECTION = re.compile(r"^(Args|Returns|Raises|Attributes|Yields|Example|Examples):$")
 
 
@@ -35,18 +41,33 @@ def _entry(name: str, thing: Any, level: str) -> Iterator[str]:
     yield from _docstring(inspect.getdoc(thing) or "")
     if is_table:
         yield from ("Units and limits: [keys of a scene](scene.md).", "")
-    if is_class and not is_error and (not is_table or thing is Scene):
-        for key, member in _members(thing).items():
-            own = member.__func__ if isinstance(member, (classmethod, staticmethod)) else member
-            if inspect.getdoc(own) and (isinstance(own, property) or inspect.isfunction(own)):
-                yield from _entry(f"{name}.{key}", own, level + "#")
+    if is_class and issubclass(thing, Outcome) and thing is not Outcome:
+        yield from ("It also has the methods of [Outcome](#outcome).", "")
+    for key, member in members(thing).items():
+        yield from _entry(f"{name}.{key}", member, level + "#")
 
 
-def _members(thing: type) -> dict[str, Any]:
-    """Public members that a class or its own bases define."""
+def members(thing: Any) -> dict[str, Any]:
+    """Documented methods and properties of a class, without those that its page refers to."""
+    if not inspect.isclass(thing) or issubclass(thing, Exception):
+        return {}
+    if issubclass(thing, Table) and thing is not Scene:
+        return {}
     own = [base for base in thing.__mro__ if base.__module__.startswith("autobalancer")]
     found = {key: each for base in reversed(own) for key, each in vars(base).items()}
-    return {key: each for key, each in found.items() if key[0] != "_" and key != "model_post_init"}
+    found |= CALLED.get(thing.__name__, {})
+    inherits = issubclass(thing, Outcome) and thing is not Outcome
+    elsewhere = {"model_post_init", *(vars(Outcome) if inherits else ())}
+    bare = {key: getattr(each, "__func__", each) for key, each in found.items()}
+    return {
+        key: each
+        for key, each in bare.items()
+        if key[0] != "_"
+        and key not in elsewhere
+        and f"{thing.__name__}.{key}" not in INTERNAL
+        and inspect.getdoc(each)
+        and (isinstance(each, property) or inspect.isfunction(each))
+    }
 
 
 def _signature(name: str, thing: Any, is_table: bool) -> str:

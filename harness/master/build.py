@@ -53,7 +53,12 @@ def build_files(
     ssp: bool = False,
     progress: Progress | None = None,
 ) -> Built:
-    """See `Scene.build`; without a scene, every unit there is."""
+    """See `Scene.build`; without a scene, every unit there is.
+
+    >>> from pathlib import Path
+    >>> len(ab.build_files(None, Path("units"), platforms=["x86_64-linux"]).files)
+    4
+    """
     if ssp:
         if scene is None or fmi != 2 or (one_file and python):
             raise UserError(

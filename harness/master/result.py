@@ -84,6 +84,10 @@ class Result(Pictures):
 
         Raises:
             UserError: the result does not know its scene.
+
+        >>> run = ab.load("two_balls").run()
+        >>> run.summary().balanced, run.summary().after < 30.0
+        (True, True)
         """
         from .summary import summarise
 
@@ -122,6 +126,10 @@ class Result(Pictures):
 
         Raises:
             UserError: the file cannot be written.
+
+        >>> run = ab.load("two_balls").run()
+        >>> open(run.to_csv("run.csv")).readline()[:15]
+        'time,rotor.x,ro'
         """
         rows = np.column_stack([self.time, *self.signals.values()]).tolist()
         return Sheet(["time", *self.signals], rows).write_csv(Path(path))
@@ -131,6 +139,10 @@ class Result(Pictures):
 
         Raises:
             UserError: pandas is not installed.
+
+        >>> run = ab.load("two_balls").run()
+        >>> run.to_pandas()["rotor.x"].size == run.time.size
+        True
         """
         from .result_files import to_pandas
 
@@ -141,6 +153,10 @@ class Result(Pictures):
 
         Raises:
             UserError: xarray is not installed.
+
+        >>> run = ab.load("two_balls").run()
+        >>> run.to_xarray()["rotor.x"].attrs["units"]
+        'm'
         """
         from .result_files import to_xarray
 
@@ -151,6 +167,10 @@ class Result(Pictures):
 
         Raises:
             UserError: the file cannot be written, or xarray is not installed.
+
+        >>> run = ab.load("two_balls").run()
+        >>> ab.Result.load(run.save("run.nc")).scene == run.scene
+        True
         """
         from .result_files import save
 
@@ -162,6 +182,10 @@ class Result(Pictures):
 
         Raises:
             UserError: the file cannot be read or holds no result, or xarray is not installed.
+
+        >>> run = ab.load("two_balls").run()
+        >>> ab.Result.load(run.save("run.nc"))["rotor.x"].shape == run.time.shape
+        True
         """
         from .result_files import load
 
@@ -178,6 +202,9 @@ class Result(Pictures):
         Args:
             name: recorded signal.
             reference: (T,) values at `time`, or one number.
+
+        >>> run = ab.load("two_balls").run()
+        >>> run.assert_close("weights.moment_xi", run["weights.moment_xi"], 1e-9)
         """
         __tracebackhide__ = True  # pytest then shows the caller's line
         measured = self[name]
@@ -199,6 +226,9 @@ class Result(Pictures):
 
         Args:
             limit: in the signal's SI unit, or text with a unit such as "0.5 mm".
+
+        >>> run = ab.load("two_balls").run()
+        >>> run.assert_bounded("rotor.x", "1 mm", after="30 s")
         """
         __tracebackhide__ = True  # pytest then shows the caller's line
         limit = si_number(limit, self.signal_units.get(name, ""), f"{name}: limit")
@@ -221,6 +251,9 @@ class Result(Pictures):
             below: allowed largest sqrt(x^2 + y^2) of every recorded station [m], or text with a
                 unit such as "10 um".
             last: judged over this last fraction of the run.
+
+        >>> run = ab.load("two_balls").run()
+        >>> run.assert_balanced(below="0.1 mm")
         """
         __tracebackhide__ = True  # pytest then shows the caller's line
         below = si_number(below, "m", "below")
@@ -252,6 +285,9 @@ class Result(Pictures):
 
         Raises:
             UserError: the result does not know its scene.
+
+        >>> run = ab.load("two_balls").run()
+        >>> run.assert_settled(within="30 s")
         """
         __tracebackhide__ = True  # pytest then shows the caller's line
         latest, found = si_number(within, "s", "within"), self.summary()
@@ -259,7 +295,12 @@ class Result(Pictures):
             raise AssertionError(f"not settled within {latest:g} s: {found} [{self.scene_title}]")
 
     def residual_moment(self, balancer: str) -> Signal:
-        """Static moment of a balancer's weights |sum m R e^{i theta}|, (T,) [kg m]."""
+        """Static moment of a balancer's weights |sum m R e^{i theta}|, (T,) [kg m].
+
+        >>> run = ab.load("two_balls").run()
+        >>> round(float(run.residual_moment("weights")[-1]), 4)
+        0.025
+        """
         return np.hypot(self[f"{balancer}.moment_xi"], self[f"{balancer}.moment_eta"])
 
     def _moments(self) -> str:

@@ -52,6 +52,10 @@ class Pictures(_Result):
 
         Raises:
             UserError: the file cannot be written, or nothing that can be drawn was recorded.
+
+        >>> run = ab.load("two_balls").run()
+        >>> run.plot("history.png").name
+        'history.png'
         """
         if path is None:
             return self.plot_history()
@@ -62,7 +66,12 @@ class Pictures(_Result):
             raise UserError(said if str(path) in said else f"{path}: {said}") from error
 
     def plot_history(self) -> Picture:
-        """Everything recorded against time."""
+        """Everything recorded against time.
+
+        >>> run = ab.load("two_balls").run()
+        >>> run.plot_history().save("history.svg").name
+        'history.svg'
+        """
         from .pictures.over_time import history
 
         judged = self.summary() if self.scene else None
@@ -70,43 +79,78 @@ class Pictures(_Result):
         return history(self.time, self.signals, self.signal_units, title, judged)
 
     def plot_weights(self) -> Picture:
-        """Displacement of every station and angles of all weights against time."""
+        """Displacement of every station and angles of all weights against time.
+
+        >>> run = ab.load("two_balls").run()
+        >>> run.plot_weights().save("weights.png").name
+        'weights.png'
+        """
         from .pictures.over_time import motion_with_weights
 
         return motion_with_weights(self._motion(), self.summary())
 
     def plot_weights_over_speed(self) -> Picture:
-        """Angles of all weights in the rotor against speed, over time where that is constant."""
+        """Angles of all weights in the rotor against speed, over time where that is constant.
+
+        >>> run = ab.load("two_balls").run()
+        >>> run.plot_weights_over_speed().save("angles.png").name
+        'angles.png'
+        """
         from .pictures.over_speed import weights
 
         return weights(self._motion())
 
     def plot_waterfall(self, signal: str | None = None) -> Picture:
-        """Spectra of a signal over the speed; by default of the largest displacement."""
+        """Spectra of a signal over the speed; by default of the largest displacement.
+
+        >>> run = ab.load("two_balls").run()
+        >>> run.plot_waterfall("rotor.x").save("waterfall.png").name
+        'waterfall.png'
+        """
         from .pictures.over_speed import waterfall
 
         return waterfall(self._motion(), signal)
 
     def plot_orders(self, orders: Sequence[float] = (1.0, 2.0, 3.0)) -> Picture:
-        """Amplitude of the stations' orders (0.5, 1, ...) over the speed, phase of the first."""
+        """Amplitude of the stations' orders (0.5, 1, ...) over the speed, phase of the first.
+
+        >>> run = ab.load("two_balls").run()
+        >>> run.plot_orders([1.0, 2.0]).save("orders.png").name
+        'orders.png'
+        """
         from .pictures.over_speed import orders as picture
 
         return picture(self._motion(), orders)
 
     def plot_polar(self) -> Picture:
-        """Synchronous amplitude and phase as polar (Nyquist) curves over the speed."""
+        """Synchronous amplitude and phase as polar (Nyquist) curves over the speed.
+
+        >>> run = ab.load("two_balls").run()
+        >>> run.plot_polar().save("polar.png").name
+        'polar.png'
+        """
         from .pictures.over_speed import polar
 
         return polar(self._motion())
 
     def plot_orbits(self, revolutions: float = 2.0) -> Picture:
-        """Orbits along the shaft in three dimensions, over the last revolutions."""
+        """Orbits along the shaft in three dimensions, over the last revolutions.
+
+        >>> run = ab.load("two_balls").run()
+        >>> run.plot_orbits(revolutions=1.0).save("orbits.png").name
+        'orbits.png'
+        """
         from .pictures.in_space import orbits
 
         return orbits(self._motion(), revolutions)
 
     def plot_modes(self, speed: float | None = None) -> Picture:
-        """Mode shapes of the rotor alone with their whirl, at a speed [rad/s]: the scene's."""
+        """Mode shapes of the rotor alone with their whirl, at a speed [rad/s]: the scene's.
+
+        >>> run = ab.load("two_balls").run()
+        >>> run.plot_modes(speed=1.5).save("modes.png").name
+        'modes.png'
+        """
         from .pictures.in_space import mode_shapes
 
         return mode_shapes(self._scene(), speed)
@@ -115,6 +159,10 @@ class Pictures(_Result):
         """Settling time over the angles at which the first two weights start, `points` of each.
 
         The scene is run `points`^2 times, by the coupling in C.
+
+        >>> run = ab.load("two_balls").run()
+        >>> run.plot_settling(points=3).save("settling.png").name
+        'settling.png'
         """
         from .many import cosimulate_many
         from .pictures.settling import first_weights, settling_map
@@ -149,6 +197,10 @@ class Pictures(_Result):
 
         Raises:
             UserError: it cannot be made here or written, or frames are too few for fixed axes.
+
+        >>> run = ab.load("two_balls").run()
+        >>> run.movie("run.gif", seconds=0.5).name
+        'run.gif'
         """
         from .pictures.movie import write_movie
 

@@ -39,7 +39,12 @@ class Outcome(ABC):
 
     @abstractmethod
     def table(self) -> Sheet:
-        """Numbers under heads with their units; an empty cell where there is none."""
+        """Numbers under heads with their units; an empty cell where there is none.
+
+        >>> found = ab.load("filimonikhina").speeds(0.5, 12.0, "criterion")
+        >>> found.table().columns[0]
+        'method'
+        """
 
     def plot(self, path: str | Path | None = None, **options: Any) -> Path | Drawing | Picture:
         """The picture: written where a path is given, else shown in a notebook, `save(path)`.
@@ -49,6 +54,10 @@ class Outcome(ABC):
 
         Raises:
             UserError: there is no picture of it, or the file cannot be written.
+
+        >>> found = ab.load("filimonikhina").speeds(0.5, 12.0, "criterion")
+        >>> found.plot("speeds.png").name
+        'speeds.png'
         """
         if not self.drawn_by:
             raise UserError(f"{type(self).__name__}: has no picture; save it as .csv or .json")
@@ -56,7 +65,12 @@ class Outcome(ABC):
         return found
 
     def as_json(self) -> dict[str, Any]:
-        """Everything, for JSON."""
+        """Everything, for JSON.
+
+        >>> found = ab.load("filimonikhina").speeds(0.5, 12.0, "criterion")
+        >>> list(found.as_json())[0]
+        'scene'
+        """
         if self.document_by:
             return dict(_function(self.document_by)(self))
         sheet = self.table()
@@ -67,6 +81,10 @@ class Outcome(ABC):
 
         Raises:
             UserError: the file cannot be written.
+
+        >>> found = ab.load("filimonikhina").speeds(0.5, 12.0, "criterion")
+        >>> found.to_csv("speeds.csv").name
+        'speeds.csv'
         """
         return self.table().write_csv(Path(path))
 
@@ -75,6 +93,10 @@ class Outcome(ABC):
 
         Raises:
             UserError: pandas is not installed.
+
+        >>> found = ab.load("filimonikhina").speeds(0.5, 12.0, "criterion")
+        >>> len(found.to_pandas())
+        3
         """
         sheet = self.table()
         rows = [[None if cell == "" else cell for cell in row] for row in sheet.rows]
@@ -86,6 +108,10 @@ class Outcome(ABC):
 
         Raises:
             UserError: xarray is not installed.
+
+        >>> found = ab.load("filimonikhina").speeds(0.5, 12.0, "criterion")
+        >>> found.to_xarray().sizes["index"]
+        3
         """
         library("xarray")
         frame = self.to_pandas()
@@ -97,6 +123,10 @@ class Outcome(ABC):
 
         Raises:
             UserError: the name has another end, or the file cannot be written.
+
+        >>> found = ab.load("filimonikhina").speeds(0.5, 12.0, "criterion")
+        >>> found.save("speeds.json").name
+        'speeds.json'
         """
         path = Path(path)
         suffix = path.suffix.lower()

@@ -46,19 +46,39 @@ class RotorAnalysis(Outcome):
     critical_loaded: Array
 
     def campbell(self) -> Campbell:
-        """Modes over the range of speeds."""
+        """Modes over the range of speeds.
+
+        >>> found = ab.load("drum").rotor(5.0, 200.0)
+        >>> found.campbell().whirl.shape  # speeds, modes
+        (400, 4)
+        """
         return study.campbell_of(self.scene, self.low, self.high)[0]
 
     def response(self) -> study.UnbalanceResponse:
-        """Steady vibration by unbalance over the range, by equations and by the unit."""
+        """Steady vibration by unbalance over the range, by equations and by the unit.
+
+        >>> found = ab.load("drum").rotor(5.0, 200.0)
+        >>> found.response().amplitude.shape  # speeds, stations, axes
+        (400, 2, 2)
+        """
         return study.response_of(self.scene, self.low, self.high)
 
     def orbits(self) -> study.Orbits:
-        """Orbits of the stations at the operating speed."""
+        """Orbits of the stations at the operating speed.
+
+        >>> found = ab.load("drum").rotor(5.0, 200.0)
+        >>> found.orbits().run.shape  # points, stations, axes
+        (81, 2, 2)
+        """
         return study.orbits_of(self.scene)
 
     def run_up(self) -> study.RunUpMotion:
-        """Displacement while the speed rises through the range, with and without balancers."""
+        """Displacement while the speed rises through the range, with and without balancers.
+
+        >>> found = ab.load("drum").rotor(5.0, 200.0)
+        >>> found.run_up().seconds > 0.0
+        True
+        """
         return study.run_up_of(self.scene, self.low, self.high)
 
     def table(self) -> Sheet:

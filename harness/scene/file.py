@@ -35,7 +35,11 @@ _LONGEST_SHOWN = 200  # characters of a line
 
 
 def bundled_scenes() -> list[str]:
-    """Names of the scenes that come with the package."""
+    """Names of the scenes that come with the package.
+
+    >>> "two_balls" in ab.bundled_scenes()
+    True
+    """
     return sorted(path.stem for path in BUNDLED.glob("*.toml"))
 
 

@@ -124,6 +124,9 @@ class Scene(Methods, Table):
 
         Raises:
             SceneError: one line for every problem there is.
+
+        >>> ab.Scene.from_document(ab.load("drum").document) == ab.load("drum")
+        True
         """
         refuse_deep(document, label)
         return cls._of(plain(document), path, label)
@@ -219,11 +222,19 @@ class Scene(Methods, Table):
         return self.operation.speeds()
 
     def assembly(self) -> Assembly:
-        """The rotor with its balancers, for the models."""
+        """The rotor with its balancers, for the models.
+
+        >>> len(ab.load("two_balls").assembly().weights)
+        1
+        """
         return self._assembly
 
     def profile(self) -> SpeedProfile:
-        """Speed against time; of a motor its no-load speed, which scales and steps go by."""
+        """Speed against time; of a motor its no-load speed, which scales and steps go by.
+
+        >>> ab.load("run_up").profile().end
+        150.0
+        """
         return self._profile
 
     @property
@@ -253,6 +264,10 @@ class Scene(Methods, Table):
 
         Raises:
             SceneError: a path is unknown (says what is possible), or a value is wrong.
+
+        >>> drum = ab.load("drum").replace({"speed": "900 rpm", "front.count": 4})
+        >>> drum.balancer[0].count
+        4
         """
         refuse_deep(dict(changes), self._label)
         labels = {balancer.label: i for i, balancer in enumerate(self.balancer)}
@@ -267,7 +282,11 @@ class Scene(Methods, Table):
         return Scene._of(document, self._path, self._label)
 
     def unit_of(self, path: str) -> str:
-        """SI unit of the value at a path as in `replace`; empty where there is none."""
+        """SI unit of the value at a path as in `replace`; empty where there is none.
+
+        >>> ab.load("two_balls").unit_of("weights.drag")
+        'N s/m'
+        """
         first, *rest = in_full(path).split(".")
         labels = [balancer.label for balancer in self.balancer]
         location: list[str | int] = (
@@ -296,7 +315,11 @@ class Scene(Methods, Table):
             )
 
     def without_balancers(self) -> Scene:
-        """The bare rotor, with nothing to check."""
+        """The bare rotor, with nothing to check.
+
+        >>> ab.load("drum").without_balancers().balancer
+        ()
+        """
         return self.without(*(balancer.label for balancer in self.balancer))
 
     def with_check(self, table: Mapping[str, Any]) -> Scene:
@@ -304,13 +327,20 @@ class Scene(Methods, Table):
 
         Raises:
             SceneError: the table is wrong.
+
+        >>> len(ab.load("drum").with_check({"kind": "measured_error"}).checks)
+        2
         """
         document = copy.deepcopy(self._document)
         document["check"] = [*document.get("check", []), dict(table)]
         return Scene._of(document, self._path, self._label)
 
     def without(self, *names: str) -> Scene:
-        """The scene less the balancers of these names, with nothing to check."""
+        """The scene less the balancers of these names, with nothing to check.
+
+        >>> [each.label for each in ab.load("fan").without("shank").balancer]
+        ['fairing']
+        """
         document = {k: v for k, v in self._document.items() if k != "check"}
         kept = zip(self.balancer, document.get("balancer", ()), strict=True)
         document["balancer"] = [table for balancer, table in kept if balancer.label not in names]
@@ -367,6 +397,9 @@ def load_scene(source: str | Path) -> Scene:
 
     Raises:
         SceneError: the file is missing, not TOML, or wrong; one line for every problem.
+
+    >>> ab.load("drum").balancer[0].kind
+    'balls'
     """
     path = find(source)
     label = path.name if isinstance(source, str) and not Path(source).is_file() else str(source)

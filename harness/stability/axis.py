@@ -39,6 +39,9 @@ class Axis:
 
         Raises:
             UserError: it is not written like that, or the values are not rising.
+
+        >>> ab.Axis.parse("speed=1:6:3").values.tolist()
+        [1.0, 3.5, 6.0]
         """
         example = "must be PATH=LOW:HIGH:N[:log], such as speed=0.5:12:100"
         path, _, span = (part.strip() for part in text.partition("="))
@@ -63,7 +66,11 @@ class Axis:
         return cls(in_full(path), values, log)
 
     def label(self, scene: Scene) -> str:
-        """Name and unit, such as `weights.drag [N s/m]`."""
+        """Name and unit, such as `weights.drag [N s/m]`.
+
+        >>> ab.Axis.parse("weights.drag=1:6:3").label(ab.load("two_balls"))
+        'weights.drag [N s/m]'
+        """
         unit = scene.unit_of(self.path)
         name = "speed" if self.path == SPEED else self.path
         return f"{name} [{unit}]" if unit else name

@@ -70,6 +70,10 @@ class Speeds(Outcome):
 
         Each method's crossing joins the nearest one of the most exact method that leads to the
         same side; what finds no partner stands alone.
+
+        >>> found = ab.load("filimonikhina").speeds(0.5, 12.0, "criterion,floquet")
+        >>> [list(row) for row in found.rows()][0]
+        ['floquet', 'criterion']
         """
         order = [m for m in ("floquet", "cosim", "cosim-run", "criterion") if m in self.methods]
         rows: list[dict[str, Crossing]] = []

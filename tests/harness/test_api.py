@@ -6,11 +6,13 @@ import doctest
 import inspect
 import subprocess
 import sys
+from typing import Any
 
 import numpy as np
 import pytest
 
 import autobalancer as ab
+from autobalancer.harness.manual.python import members
 from autobalancer.harness.scene.methods import Methods
 
 ROTORS = {
@@ -122,11 +124,22 @@ def examples() -> list[doctest.DocTest]:
     return [test for test in tests if test.examples]
 
 
-@pytest.mark.parametrize("name", [name for name in vars(Methods) if name[0] != "_"])
-def test_every_method_of_a_scene_has_an_example_and_says_what_it_refuses(name):
-    text = inspect.getdoc(getattr(ab.Scene, name))
-    assert ">>> " in text
-    assert "Raises:" in text or name == "cite"
+def methods() -> dict[str, Any]:
+    """Functions and methods of the reference page, by name."""
+    found = {name: getattr(ab, name) for name in ab.__all__ if name[0] != "_"}
+    for name, one in list(found.items()):
+        found |= {f"{name}.{key}": each for key, each in members(one).items()}
+    return {name: one for name, one in found.items() if inspect.isfunction(one)}
+
+
+@pytest.mark.parametrize("name", methods())
+def test_every_method_of_the_reference_has_an_example(name):
+    assert ">>> " in inspect.getdoc(methods()[name])
+
+
+@pytest.mark.parametrize("name", sorted({n for n in vars(Methods) if n[0] != "_"} - {"cite"}))
+def test_every_method_of_a_scene_says_what_it_refuses(name):
+    assert "Raises:" in inspect.getdoc(getattr(ab.Scene, name))
 
 
 @pytest.mark.parametrize("example", examples(), ids=lambda example: example.name)

@@ -107,6 +107,10 @@ class Precision(Outcome):
         Args:
             coupled: only co-simulations, or only the monolith.
             one_file: only the composite; else all but that.
+
+        >>> short = ab.load("liquid_closed").replace({"run.revolutions": 0.5})
+        >>> short.precision(1.0).cheapest(1e-4, coupled=True).error <= 1e-4
+        True
         """
         exact = [p for p in self.points if p.error is not None and p.error <= error]
         asked = [

@@ -1,0 +1,124 @@
+"""Drag of a ball on its track, measured by a decay or bounded by the oil."""
+
+from __future__ import annotations
+
+import math
+import re
+from dataclasses import dataclass
+
+from ...models import drag as theory
+from ...models.papers.capacity import weight_mass
+from ...models.weights import KAPPA
+from ..errors import UserError
+from ..units import si_number, to_si
+
+STEEL = 7800.0  # kg/m^3
+_OIL = re.compile(r"\s*(?:ISO\s*)?VG\s*(\d+)\s*", re.IGNORECASE)
+_CELSIUS = re.compile(r"\s*([-+]?\d+(?:\.\d*)?)\s*(?:°|deg)\s*C\s*")
+_ZERO_CELSIUS = 273.15  # K
+_OIL_RANGE = (-40.0, 200.0)  # degC: where a mineral oil is liquid
+
+
+@dataclass(frozen=True)
+class Drag:
+    """Drag of one ball.
+
+    Attributes:
+        value: [N s/m], what a scene calls `drag`; from the oil a lower bound.
+        mass: of the ball [kg].
+        source: how it was found, in words.
+    """
+
+    value: float
+    mass: float
+    source: str
+
+    @property
+    def decay_time(self) -> float:
+        """Time in which the ball loses all but 1/e of its speed along the track [s]."""
+        return KAPPA["balls"] * self.mass / self.value
+
+
+def find_drag(
+    ball: float | str,
+    *,
+    decay: tuple[str, str, str] | None = None,
+    oil: str | None = None,
+    temperature: str = "40degC",
+    density: float = STEEL,
+) -> Drag:
+    """Drag of a ball: from a measured decay, or a lower bound from the oil.
+
+    Args:
+        ball: diameter [m].
+        decay: first and last amplitude of a ball that swings in the upright race, or speed of a
+            ball that runs around the level race, and the time between them.
+        oil: grade, such as "ISO VG 46".
+        temperature: of the oil.
+        density: of the ball [kg/m^3].
+
+    Raises:
+        UserError: a value is wrong, or not one of `decay` and `oil` is given.
+
+    >>> round(ab.find_drag("10 mm", decay=("30deg", "10deg", "1.2s")).value, 5)
+    0.01041
+    """
+    diameter = si_number(ball, "m", "--ball")
+    if not 0.0 < diameter < 1.0:
+        raise UserError("--ball: give the diameter of the ball, below 1 m, such as --ball 10mm")
+    if (decay is None) == (oil is None):
+        raise UserError("give either --decay, which is measured, or --oil, which gives a bound")
+    if not 0.0 < density < math.inf:
+        raise UserError(f"--density {density:g}: must be above 0")
+    mass = weight_mass("balls", 0.5 * diameter, density)
+    found = _measured(mass, *decay) if decay else _bound(diameter, str(oil), temperature)
+    return Drag(found[0], mass, found[1])
+
+
+def _measured(mass: float, first: str, last: str, time: str) -> tuple[float, str]:
+    """Drag from a decay [N s/m]."""
+    seconds = si_number(time, "s", "--decay: time")
+    unit, start, end = _in_one_unit(first, last)
+    if not (0.0 < end < start < math.inf and 0.0 < seconds < math.inf):
+        raise UserError(f"--decay {first} {last} {time}: LAST must be below FIRST, all above 0")
+    if unit == "rad" and start >= math.pi:
+        raise UserError(f"--decay {first}: a ball that swings stays below 180 deg")
+    formula = theory.from_swing if unit == "rad" else theory.from_slowing
+    found = formula(mass, KAPPA["balls"], start, end, seconds)
+    motion = "swings in the upright race" if unit == "rad" else "runs around the level race"
+    return found, f"Measured, by a ball that {motion}: {found:.3g} N s/m"
+
+
+def _in_one_unit(first: str, last: str) -> tuple[str, float, float]:
+    """Unit of a decay, and its two values in it."""
+    for unit in ("rad", "rad/s"):
+        try:
+            return unit, to_si(first, unit), to_si(last, unit)
+        except ValueError:
+            pass
+    raise UserError(
+        f"--decay {first} {last}: give two angles of a ball that swings, such as 30deg 10deg, or "
+        "two speeds of a ball that runs around, such as 90rpm 30rpm"
+    )
+
+
+def _bound(diameter: float, oil: str, temperature: str) -> tuple[float, str]:
+    """Lower bound of the drag from the oil [N s/m]."""
+    grade, celsius = _OIL.fullmatch(oil), _CELSIUS.fullmatch(temperature)
+    if grade is None:
+        raise UserError(f'--oil {oil}: must be an ISO grade, such as "ISO VG 46"')
+    low, high = _OIL_RANGE
+    if celsius is None or not low <= float(celsius[1]) <= high:
+        raise UserError(
+            f"--temperature {temperature}: must be from {low:g}degC to {high:g}degC, such as 40degC"
+        )
+    try:
+        kinematic = theory.oil_viscosity(float(grade[1]), float(celsius[1]) + _ZERO_CELSIUS)
+    except ValueError as error:
+        raise UserError(f"--oil {oil}: {error}") from None
+    found = theory.stokes(theory.OIL_DENSITY * kinematic, diameter)
+    return found, (
+        f"Viscosity: {1e6 * kinematic:.3g} mm^2/s, of a mineral oil of viscosity index 95\n"
+        f"Lower bound: {found:.3g} N s/m (Stokes: a ball deep in the oil, slower than "
+        f"{kinematic / diameter:.2g} m/s; the race, the film and more speed add to it)"
+    )
