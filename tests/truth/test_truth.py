@@ -158,13 +158,13 @@ def test_misses_are_saved_as_scenes_that_load(tmp_path):
 
 def test_a_sample_is_right_or_says_so():
     families = FAMILIES.keys() - {"flexible", "finite", "impacts", "sticking"}  # take longest
-    found = verdicts(Study({**dict.fromkeys(sorted(families), 2), "planar": 6}, seed=14))
+    found = verdicts(Study({**dict.fromkeys(sorted(families), 1), "planar": 6}, seed=14))
     assert not misses(found)
     assert "| all | " in table(found).markdown()
 
 
 def test_the_command_writes_every_verdict(tmp_path):
     made = tmp_path / "verdicts.csv"
-    words = ["--family", "planar=1", "--seed", "3", "--workers", "1", "-o", str(made)]
+    words = ["--family", "planar=1", "--seed", "14", "--workers", "1", "-o", str(made)]
     subprocess.run([sys.executable, "-m", "tests.truth", *words], cwd=ROOT, check=True)
     assert made.read_text().splitlines()[1].startswith("planar,0,right")
