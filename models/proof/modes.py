@@ -22,6 +22,7 @@ _MOST_HARMONICS = 40
 _TAIL = 1e-13  # of the modes: harmonics smaller than this may be left out
 _ALIKE = 0.5  # of the lesser decay rate: nearer modes stay in one block
 _INDEPENDENT = 1e-7  # part of a column outside of the others' span
+_CUT = 10.0  # the same by what its first and last harmonics leave out
 _NEWTON = 8
 
 
@@ -52,7 +53,7 @@ def modes(a: Complex, speed: float, powers: int = POWERS) -> Modes:
     """
     swings = a.shape[1] > 1 and bool(a[0, 2].any())
     steady = a if a.shape[1] == 1 else a[:, 1:2]
-    start = _hill(a[0], speed) if swings else _eigen(steady[0, 0])
+    start = _hill(a[0], speed, _HILL) if swings else _eigen(steady[0, 0])
     shapes, rates, same = _blocks(*start, speed)
     parts = a if swings else steady
     while True:
@@ -70,30 +71,32 @@ def _eigen(a: Complex) -> tuple[NDArray, Complex]:
     return values, vectors.T[:, None]
 
 
-def _hill(a: Complex, speed: float) -> tuple[NDArray, Complex]:
+def _hill(a: Complex, speed: float, side: int) -> tuple[NDArray, Complex]:
     """Exponents (d,) and harmonics (d, K, d) of the modes nearest to the middle of the spectrum."""
-    d, count = a.shape[1], 2 * _HILL + 1
+    d, count = a.shape[1], 2 * side + 1
     matrix = np.zeros((count, d, count, d), complex)
     for k in range(count):
         for j in range(max(0, k - 1), min(count, k + 2)):
             matrix[k, :, j] = a[1 + k - j]
-        matrix[k, :, k] -= 2j * (k - _HILL) * speed * np.eye(d)
+        matrix[k, :, k] -= 2j * (k - side) * speed * np.eye(d)
     values, vectors = np.linalg.eig(matrix.reshape(count * d, count * d))
     vectors = vectors.T.reshape(-1, count, d)
     weight = (np.abs(vectors) ** 2).sum(axis=2)
-    centre = weight @ np.arange(-_HILL, _HILL + 1) / weight.sum(axis=1)
+    centre = weight @ np.arange(-side, side + 1) / weight.sum(axis=1)
     chosen: list[int] = []
     span = np.zeros((0, d), complex)
     for i in np.argsort(np.abs(centre), kind="stable"):
         column = vectors[i].sum(axis=0)  # at beta = 0, where all shifts of a mode are alike
-        column = column / np.linalg.norm(column)
+        size = np.linalg.norm(column)
         rest = column - (span.conj() @ column) @ span
         rest = rest - (span.conj() @ rest) @ span
-        if np.linalg.norm(rest) > _INDEPENDENT:
+        if np.linalg.norm(rest) > _INDEPENDENT * size + _CUT * np.sqrt(weight[i, [0, -1]].max()):
             chosen.append(int(i))
             span = np.vstack([span, rest / np.linalg.norm(rest)])
         if len(chosen) == d:
             return values[chosen], vectors[chosen]
+    if side < _MOST_HARMONICS:
+        return _hill(a, speed, 2 * side)
     raise Unproved("the modes of the system cannot be told apart")
 
 

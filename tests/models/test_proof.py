@@ -127,6 +127,16 @@ def test_two_weights_without_unbalance_stand_on_a_line_and_are_judged_there():
         assert certificate.state(speed, speed) == ("unstable" if growth > 0.0 else "stable")
 
 
+def test_modes_with_many_harmonics_are_told_from_their_shifted_copies():
+    changes = {
+        "rotor.mass": 1.0, "rotor.stiffness": [1.36, 11.2], "rotor.damping": [2.95, 0.81],
+        "rotor.unbalance": 0.0046, "weights.mass": 0.0183, "weights.count": 4,
+        "weights.track_radius": 0.2, "weights.drag": 0.077, "weights.angles": [1.38, 1.78, 3.35, 4.3],
+    }  # fmt: skip
+    equations = system(load_scene("filimonikhina").replace(changes))
+    assert {Certificate.of(equations, w).state(w, w) for w in (0.6, 0.9, 1.1)} == {"unstable"}
+
+
 @pytest.mark.parametrize(
     ("name", "path"),
     [
