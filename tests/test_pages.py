@@ -102,7 +102,7 @@ def test_page_does_what_it_shows(page, installed, tmp_path):
 
 def test_pages_run_on_the_wheel_and_on_what_it_requires_alone(installed, tmp_path):
     code = "import autobalancer as ab, importlib.util as u; print(ab.Scene and ab.__file__)\n"
-    code += "print([name for name in ('hypothesis', 'plotly', 'ziglang') if u.find_spec(name)])"
+    code += "print([name for name in ('hypothesis', 'ziglang') if u.find_spec(name)])"
     home, besides = run(installed, tmp_path, "-c", code).splitlines()
     assert Path(home).is_relative_to(installed.parents[1])
     assert besides == "[]"

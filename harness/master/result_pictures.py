@@ -36,9 +36,8 @@ else:
 class Pictures(_Result):
     """What a result can draw.
 
-    A `Picture` is saved by `save(path)` (png, svg, pdf, html), is a figure of Plotly by `plotly()`,
-    and shows itself in a notebook.  Each raises `UserError` where the scene has nothing of the
-    kind, or what it needs was not recorded.
+    A `Picture` is saved by `save(path)` (png, svg, pdf) and shows itself in a notebook.  Each
+    raises `UserError` where the scene has nothing of the kind, or what it needs was not recorded.
     """
 
     @overload

@@ -46,20 +46,24 @@ def command(
         bool, typer.Option("--verbose", help="Also say which units ran, and what was left out.")
     ] = False,
     weights: Annotated[
-        Path | None, options.figure("Displacement and angles of all weights against time.")
+        Path | None, options.picture("Displacement and angles of all weights against time.")
     ] = None,
     weights_over_speed: Annotated[
-        Path | None, options.figure("Angles of all weights against speed.")
+        Path | None, options.picture("Angles of all weights against speed.")
     ] = None,
-    waterfall: Annotated[Path | None, options.figure("Spectra over the speed of a run-up.")] = None,
-    orders: Annotated[Path | None, options.figure("Amplitudes of orders over the speed.")] = None,
+    waterfall: Annotated[
+        Path | None, options.picture("Spectra over the speed of a run-up.")
+    ] = None,
+    orders: Annotated[Path | None, options.picture("Amplitudes of orders over the speed.")] = None,
     polar: Annotated[
-        Path | None, options.figure("Synchronous amplitude and phase (Nyquist).")
+        Path | None, options.picture("Synchronous amplitude and phase (Nyquist).")
     ] = None,
-    orbits: Annotated[Path | None, options.figure("Last orbits along the shaft, in space.")] = None,
+    orbits: Annotated[
+        Path | None, options.picture("Last orbits along the shaft, in space.")
+    ] = None,
     settling: Annotated[
         Path | None,
-        options.figure("Settling time over the start angles of two weights."),
+        options.picture("Settling time over the start angles of two weights."),
     ] = None,
     movie: Annotated[
         Path | None,
@@ -78,7 +82,7 @@ def command(
 ) -> None:
     """Run a scene by co-simulation.
 
-    Pictures are png, svg or pdf; all but --plot also html, to turn and to look into.
+    Pictures are png, svg or pdf.
     """
     from ..output.report import Report
     from .run import refuse_separate

@@ -22,7 +22,6 @@ _STANDARD = {"stdout": 1, "stderr": 2}
 _LONGEST_NAME = 255  # bytes, on every usual file system
 PICTURES = ("png", "svg", "pdf")
 MOVIES = ("gif", "webp", "mp4")
-PAGE = ".html"  # a picture to turn and to look into
 
 
 def picture_format(path: Path) -> str:

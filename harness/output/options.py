@@ -12,7 +12,7 @@ import typer
 
 from ..errors import UserError
 from ..units import si_number
-from .files import PAGE, PICTURES, is_stream, picture_format
+from .files import PICTURES, is_stream, picture_format
 from .terminal import ready_to_write
 
 typed: ContextVar[tuple[str, ...]] = ContextVar("typed", default=())  # after the program's name
@@ -80,20 +80,6 @@ def output(kind: str, help: str, *names: str) -> Any:
 def picture(help: str, *names: str) -> Any:
     """A picture to draw."""
     return typer.Option(*names, metavar="FILE.png", help=help, callback=_drawable)
-
-
-def _drawable_or_page(path: Path | None) -> Path | None:
-    if path is None or path.suffix.lower() != PAGE:
-        return _drawable(path)
-    from .interactive import refuse_missing
-
-    refuse_missing()
-    return _writable(path)
-
-
-def figure(help: str, *names: str) -> Any:
-    """A picture to draw, or a page to turn it in."""
-    return typer.Option(*names, metavar="FILE", help=help, callback=_drawable_or_page)
 
 
 def is_store(path: Path | None) -> TypeGuard[Path]:

@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar
 
 from ..errors import UserError
-from .files import PAGE, PICTURES, write_json, write_whole
+from .files import PICTURES, write_json, write_whole
 from .table import Sheet
 
 if TYPE_CHECKING:
@@ -138,7 +138,7 @@ class Outcome(ABC):
             whole = self.to_xarray().to_netcdf(engine="scipy")
             with write_whole(path, "wb") as stream:
                 stream.write(whole)
-        elif suffix == PAGE or suffix.removeprefix(".") in PICTURES:
+        elif suffix.removeprefix(".") in PICTURES:
             self.plot(path)
         else:
             ends = ", ".join((_TABLE, _JSON, _ARRAYS, *(f".{kind}" for kind in PICTURES)))

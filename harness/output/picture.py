@@ -1,4 +1,4 @@
-"""A picture as data: panels of lines and fields over labelled axes, drawn by a library of choice.
+"""A picture as data: panels of lines and fields over labelled axes, drawn by `plot`.
 
 Who makes one knows no drawing library, and what draws it knows no feature.
 """
@@ -6,18 +6,13 @@ Who makes one knows no drawing library, and what draws it knows no feature.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Literal
+from typing import Any, Literal
 
 import numpy as np
 
 from ...models.arrays import Array
-from ..units import in_words, shown_in
-from .files import PAGE
-
-if TYPE_CHECKING:
-    from plotly.graph_objects import Figure
 
 # Okabe and Ito's colours, told apart by colour-blind people and in grey
 COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#000000")
@@ -116,67 +111,19 @@ class Picture:
     width: float = 9.0
 
     def save(self, path: str | Path) -> Path:
-        """Write it, completely or not at all; .html can be turned and looked into.
+        """Write it, completely or not at all.
 
         Raises:
-            UserError: the format is unknown, the file cannot be written, or Plotly is missing.
+            UserError: the format is unknown, or the file cannot be written.
         """
-        path = Path(path)
-        if path.suffix.lower() == PAGE:
-            from .interactive import save_html
-
-            return save_html(self, path)
         from .plot import drawn, save  # matplotlib is loaded only to plot
 
-        return save(drawn(self), path)
-
-    def plotly(self) -> Figure:
-        """As a figure of Plotly, for a notebook.
-
-        Raises:
-            UserError: Plotly is not installed.
-        """
-        from .interactive import figure
-
-        return figure(self)
+        return save(drawn(self), Path(path))
 
     def _repr_png_(self) -> bytes:
         from .plot import as_png, drawn
 
         return as_png(drawn(self))
-
-
-def in_units(picture: Picture) -> Picture:
-    """The same with axes and words of SI units in the units that are shown."""
-    panels = [_in_units(panel) for panel in picture.panels]
-    return replace(picture, title=in_words(picture.title), panels=panels)
-
-
-def _in_units(panel: Panel) -> Panel:
-    units = [shown_in(axis.unit, axis.name) for axis in panel.axes]
-    axes = tuple(
-        replace(
-            axis,
-            unit=unit,
-            ticks=axis.ticks if axis.ticks is None else [factor * tick for tick in axis.ticks],
-            limits=axis.limits and (factor * axis.limits[0], factor * axis.limits[1]),
-        )
-        for axis, (unit, factor) in zip(panel.axes, units, strict=True)
-    )
-    factors = [1.0 if panel.kind == "polar" and not k else f for k, (_, f) in enumerate(units)]
-    lines = [
-        replace(
-            line,
-            points=tuple(f * p for f, p in zip(factors, line.points, strict=True)),
-            label=in_words(line.label),
-            texts=tuple(map(in_words, line.texts)),
-        )
-        for line in panel.lines
-    ]
-    field = panel.field
-    if field is not None:
-        field = replace(field, x=factors[0] * field.x, y=factors[1] * field.y)
-    return replace(panel, axes=axes, lines=lines, field=field, title=in_words(panel.title))
 
 
 def unbroken(angle: Any) -> Array:

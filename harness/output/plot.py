@@ -21,7 +21,7 @@ from matplotlib.ticker import MaxNLocator
 from ..errors import UserError
 from ..units import in_words, shown_in
 from .files import picture_format, write_whole
-from .picture import Field, Line, Panel, Picture, PlotAxis, in_units
+from .picture import Field, Line, Panel, Picture, PlotAxis
 from .words import printable
 
 _PREFIXES = ((1.0, "m"), (1e-3, "mm"), (1e-6, "µm"), (1e-9, "nm"))
@@ -65,10 +65,10 @@ def save(figure: Figure, path: Path | None) -> Path | Drawing:
     Raises:
         UserError: the format is unknown, the file cannot be written, or the numbers not drawn.
     """
-    harmless(figure)
-    _relabel(figure)
     if path is None:
         return Drawing(figure)
+    harmless(figure)
+    _relabel(figure)
     kind = picture_format(path)
     with write_whole(path, "wb") as stream:
         try:
@@ -83,6 +83,7 @@ def save(figure: Figure, path: Path | None) -> Path | Drawing:
 def as_png(figure: Figure) -> bytes:
     """A figure as the bytes of a PNG file."""
     harmless(figure)
+    _relabel(figure)
     stream = io.BytesIO()
     figure.savefig(stream, format="png", dpi=_RESOLUTION)
     return stream.getvalue()
@@ -103,7 +104,8 @@ def _relabel(figure: Figure) -> None:
     titles = [figure._suptitle, *(axes.title for axes in figure.axes)]  # type: ignore[attr-defined]
     for text in (*filter(None, titles), *(text for each in legends for text in each.get_texts())):
         text.set_text(in_words(text.get_text()))
-    for axis in [each for axes in figure.axes for each in (axes.xaxis, axes.yaxis)]:
+    axes_in_space = [axes.zaxis for axes in figure.axes if hasattr(axes, "zaxis")]
+    for axis in [*axes_in_space, *(a for axes in figure.axes for a in (axes.xaxis, axes.yaxis))]:
         name, _, symbol = axis.get_label_text().removesuffix("]").rpartition(" [")
         unit, factor = shown_in(symbol, name)
         if factor != 1.0:
@@ -132,7 +134,6 @@ def readable(largest: float, units: Sequence[tuple[float, str]]) -> tuple[float,
 
 def drawn(picture: Picture) -> Figure:
     """A picture as a figure of matplotlib."""
-    picture = in_units(picture)
     rows = -(-len(picture.panels) // picture.columns)
     size = (picture.width * picture.columns, 1.0 + picture.height * rows)
     figure = Figure(figsize=size, layout="constrained")
@@ -205,7 +206,7 @@ def _line(axes: Any, line: Line) -> None:
     axes.plot(*line.points, color=line.colour, lw=line.width, label=label, **look)
     for *place, text in zip(*line.points, line.texts, strict=False):
         near = {"xytext": (5, 4), "textcoords": "offset points"}
-        axes.annotate(text, place, color=line.text_colour, fontsize="small", **near)
+        axes.annotate(in_words(text), place, color=line.text_colour, fontsize="small", **near)
 
 
 def _axis(axes: Any, letter: str, axis: PlotAxis) -> None:

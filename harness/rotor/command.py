@@ -28,10 +28,10 @@ def command(
     orbit: Annotated[Path | None, options.picture("Orbits of the stations.")] = None,
     run_up: Annotated[Path | None, options.picture("Displacement while the speed rises.")] = None,
     modes: Annotated[
-        Path | None, options.figure("Mode shapes along the shaft, with their whirl.")
+        Path | None, options.picture("Mode shapes along the shaft, with their whirl.")
     ] = None,
     polar: Annotated[
-        Path | None, options.figure("Amplitude and phase by unbalance as polar curves.")
+        Path | None, options.picture("Amplitude and phase by unbalance as polar curves.")
     ] = None,
     limits: Annotated[tuple[str, str] | None, options.RANGE] = None,
     changes: Annotated[list[str] | None, options.changes("rotor.mass=3.0")] = None,

@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import json
 import math
-import sys
 
 import numpy as np
 import pytest
@@ -15,7 +13,6 @@ from autobalancer.harness.master.pictures.motion import Motion
 from autobalancer.harness.master.pictures.orders import spectra, tracked
 from autobalancer.harness.master.result import UnknownSignalError
 from autobalancer.harness.output.picture import Picture
-from autobalancer.harness.output.plot import drawn
 from autobalancer.harness.rotor.plot import polar_response
 from autobalancer.harness.rotor.study import response_of
 from autobalancer.harness.scene import Scene
@@ -298,38 +295,6 @@ def test_a_rotor_at_rest_has_no_waterfall_and_all_other_pictures():
         result.plot_waterfall()
     for picture in (result.plot_orders(), result.plot_polar(), result.plot_orbits()):
         assert picture._repr_png_()
-
-
-def test_both_libraries_draw_the_same_points_under_the_same_words(slow_run_up):
-    pytest.importorskip("plotly")
-    for picture in (slow_run_up.plot_orders(), slow_run_up.plot_waterfall()):
-        ours, theirs = drawn(picture), picture.plotly()
-        first, trace = ours.axes[0].lines[0], theirs.data[0]
-        known = first.get_data_3d() if hasattr(first, "get_data_3d") else first.get_data()
-        for axis, values in zip("xyz", known, strict=False):
-            np.testing.assert_array_equal(np.asarray(trace[axis], float), np.asarray(values, float))
-        said = json.loads(theirs.to_json())["layout"]
-        assert ours.axes[0].get_ylabel() == picture.panels[0].axes[1].label
-        where = said["scene"] if hasattr(first, "get_data_3d") else said
-        assert where["yaxis"]["title"]["text"] == picture.panels[0].axes[1].label
-    names = {trace.type for trace in slow_run_up.plot_polar().plotly().data}
-    assert names == {"scatterpolar"}
-
-
-def test_a_page_takes_a_title_for_text(slow_run_up, tmp_path):
-    pytest.importorskip("plotly")
-    document = disc(8.0).document | {"title": "<script>alert(1)</script>"}
-    scene = Scene.from_document(document)
-    page = cosimulate(scene).plot_orders().save(tmp_path / "a.html").read_text(encoding="utf-8")
-    assert "<script>alert" not in page
-    assert "alert(1)" in page
-
-
-def test_without_plotly_a_page_is_refused_before_the_run(invoke, monkeypatch, tmp_path):
-    monkeypatch.setitem(sys.modules, "plotly.graph_objects", None)
-    done = invoke("run", "two_balls", "--orders", tmp_path / "a.html")
-    assert done.exit_code == 2
-    assert 'pip install "autobalancer[plotly]"' in done.output
 
 
 def test_run_draws_what_is_asked_for(invoke, tmp_path):
