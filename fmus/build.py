@@ -13,16 +13,19 @@ from typing import Any
 from xml.etree import ElementTree
 
 from .catalogue import equations, sized_unit
-from .native.build.layout import token
+from .native.build.compile import stamp
+from .native.build.layout import identity_of, start_entries, start_values, token
 from .native.build.package import native_files, platforms_of
-from .unit import SizedUnit, alternatives
+from .unit import SizedUnit, Unit, alternatives
 from .xml import fmi2, fmi3
 from .xml.archive import digest, unzipped, write, zipped
-from .xml.description import Capabilities, options_in
+from .xml.description import Capabilities, about_in, options_in
 from .xml.documentation import LICENCE, html
+from .xml.terminals import icon
 
 _DESCRIBED_BY = {2: fmi2.model_description, 3: fmi3.model_description}
 _DESCRIPTION = "modelDescription.xml"
+COMPOSITION = "resources/composition.txt"  # as fmi/front.c reads it
 
 
 def build(
@@ -33,6 +36,8 @@ def build(
     fmi: int = 2,
     platforms: Iterable[str] | None = None,
     name: str | None = None,
+    start: Mapping[str, float | bool] | None = None,
+    about: Mapping[str, Any] | None = None,
     **options: Any,
 ) -> Path:
     """Build one FMU.
@@ -45,6 +50,8 @@ def build(
         fmi: 2 or 3; Python units are of FMI 2.0 only.
         platforms: of native units, default: all.
         name: model name and file name, default: that of the unit.
+        start: start values of parameters and inputs in place of the unit's own; native units alone.
+        about: `summary`, `stop` and `step` of the description of a unit that has them.
         options: frame ("rotor", or "fixed" for signals along fixed axes), order (3, or 5 for
             quintic signals); of a rotor kind, stations, planes, unbalances and shaft; of a ball
             balancer weights.  `Sizes` of the
@@ -62,7 +69,8 @@ def build(
     >>> ab.build("LiquidBalancer", "units", platforms=["x86_64-linux"]).name
     'LiquidBalancer.fmu'
     """
-    content = contents(unit, backend=backend, fmi=fmi, platforms=platforms, name=name, **options)
+    form: dict[str, Any] = {"backend": backend, "fmi": fmi, "platforms": platforms, "name": name}
+    content = contents(unit, **form, start=start, about=about, **options)
     return written(content, destination, name or unit)
 
 
@@ -82,6 +90,8 @@ def contents(
     fmi: int = 2,
     platforms: Iterable[str] | None = None,
     name: str | None = None,
+    start: Mapping[str, float | bool] | None = None,
+    about: Mapping[str, Any] | None = None,
     **options: Any,
 ) -> dict[str, bytes]:
     """Files of an FMU by their names in it; arguments as of `build`."""
@@ -98,10 +108,19 @@ def contents(
             early_return=sized.returns_early,
         )
 
-        def identify(stamp: str) -> str:
-            return token(sized, stamp)
+        def whole(stamp: str) -> str:
+            end = sized.layout.inputs.stop
+            return ";".join([token(sized, stamp), *start_entries(sized.layout, start or {}, end)])
 
-        return native_contents(sized, identifier, identify, can, fmi, platforms)
+        if not start:
+            return native_contents(sized, identifier, whole, can, fmi, platforms)
+        shown = sized.started(start, about or {})
+        files = native_contents(
+            shown, identifier, lambda stamp: identity_of(whole(stamp)), can, fmi, platforms
+        )
+        return {**files, COMPOSITION: whole(stamp()).encode()}
+    if start:
+        raise ValueError("start: only native units have start values of a scene")
     if fmi != 2:
         raise ValueError(f"fmi = {fmi!r}: Python units are of FMI 2.0 only; build native ones")
     if platforms is not None:
@@ -118,9 +137,12 @@ def _refuse_wrong(identifier: str, fmi: int) -> None:
         raise ValueError(f"fmi = {fmi!r}: must be one of {alternatives(_DESCRIBED_BY)}")
 
 
-def _documented(unit: SizedUnit, identifier: str) -> dict[str, bytes]:
+def _documented(
+    unit: SizedUnit, identifier: str, machine: str = "", parts: Sequence[Unit] = ()
+) -> dict[str, bytes]:
+    texts = [equations(one) for one in (unit.unit, *parts)]
     return {
-        "documentation/index.html": html(unit, identifier, equations(unit.unit)),
+        "documentation/index.html": html(unit, identifier, machine, texts),
         "documentation/licenses/license.txt": LICENCE.encode(),
     }
 
@@ -129,7 +151,7 @@ def _python(unit: SizedUnit, identifier: str) -> dict[str, bytes]:
     """Files of a Python FMU; its GUID is a hash of all the others."""
     from .python.package import python_files
 
-    files = {**_documented(unit, identifier), **python_files(unit, identifier)}
+    files = {**_documented(unit, identifier), **icon(unit, 2), **python_files(unit, identifier)}
     draft = _described(unit, identifier, 2, "", Capabilities())
     content = digest({**files, _DESCRIPTION: draft})
     guid = f"{{{content[:8]}-{content[8:12]}-{content[12:16]}-{content[16:20]}-{content[20:32]}}}"
@@ -144,6 +166,8 @@ def native_contents(
     can: Capabilities,
     fmi: int,
     platforms: Iterable[str] | None,
+    machine: str = "",
+    parts: Sequence[Unit] = (),
 ) -> dict[str, bytes]:
     """Files of a native FMU by their names in it.
 
@@ -153,6 +177,8 @@ def native_contents(
         identify: its token, from the stamp of the sources.
         can: what it offers.
         fmi, platforms: as of `build`.
+        machine: what the documentation says first, HTML.
+        parts: units whose equations it has besides.
     """
     _refuse_wrong(identifier, fmi)
 
@@ -161,7 +187,7 @@ def native_contents(
 
     chosen = {} if platforms is None else {"platforms": platforms}
     files = native_files(identify, identifier, describe, fmi=fmi, **chosen)
-    return {**_documented(unit, identifier), **files}
+    return {**_documented(unit, identifier, machine, parts), **icon(unit, fmi), **files}
 
 
 def _described(unit: SizedUnit, identifier: str, fmi: int, token: str, can: Capabilities) -> bytes:
@@ -202,16 +228,25 @@ def content_id(path: Path | str) -> str:
 def is_present_build(path: Path | str, unit: str, **options: Any) -> bool:
     """Whether an FMU file is what `build` would write from the present sources, either backend.
 
+    Start values and description may be those of any scene.
+
     Raises:
         ValueError: the file is not an FMU.
         OSError: it cannot be read.
     """
-    files = opened(path)[0]
-    present = digest(files)
-    if any(name.startswith("resources/") for name in files):
+    files, root = opened(path)
+    present, text = digest(files), files.get(COMPOSITION, b"").decode()
+    if any(name.startswith("resources/") for name in files) and not text:
         return present == identity(unit, backend="python", **options)
     platforms = platforms_of(files)
-    return bool(platforms) and present == identity(unit, platforms=platforms, **options)
+    if not text:
+        return bool(platforms) and present == identity(unit, platforms=platforms, **options)
+    sized = sized_unit(unit, **options)
+    if not text.startswith(f"{token(sized, stamp())};"):
+        return False
+    start = start_values(sized.layout, text)
+    form: dict[str, Any] = {"platforms": platforms, "start": start, "about": about_in(root)}
+    return bool(platforms) and present == digest(contents(unit, **form, **options))
 
 
 def options_of(path: Path | str) -> dict[str, Any]:

@@ -6,12 +6,15 @@ declarations before NumPy or pythonfmu are installed.
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field, fields
+from dataclasses import dataclass, field, fields, replace
 from functools import cache
 from typing import Any
 
-from .variables import Layout, Variable
+from .variables import Layout, Variable, started
+
+LONGEST_NAME = 63  # of MATLAB, whose Simulink imports FMUs
 
 
 def one_of(*words: str, of: tuple[str, ...] = ()) -> Any:
@@ -134,16 +137,45 @@ class Unit:
 
 @dataclass(frozen=True)
 class SizedUnit:
-    """A unit of certain sizes, with its variables and their value references."""
+    """A unit of certain sizes, with its variables and their value references.
+
+    Attributes:
+        hidden: variables that descriptions leave out; the library has them all the same.
+        flat: whether descriptions name variables by letters, digits and underscores alone.
+    """
 
     unit: Unit
     sizes: Sizes
     layout: Layout = field(compare=False)
+    hidden: frozenset[str] = frozenset()
+    flat: bool = False
 
     @property
     def name(self) -> str:
         """Of the unit."""
         return self.unit.name
+
+    @property
+    def shown(self) -> tuple[Variable, ...]:
+        """Variables that descriptions have.
+
+        Raises:
+            ValueError: two of them have one flat name, or a name is longer than MATLAB allows.
+        """
+        shown = tuple(v for v in self.layout.variables if v.name not in self.hidden)
+        labels = [self.label(v.name) for v in shown]
+        if long := [label for label in labels if len(label) > LONGEST_NAME]:
+            raise ValueError(
+                f"{long[0]}: has {len(long[0])} characters, and MATLAB allows {LONGEST_NAME}: give "
+                "the balancer a shorter name"
+            )
+        if self.flat and (twice := [label for label in labels if labels.count(label) > 1]):
+            raise ValueError(f"{twice[0]}: is the flat name of two variables: rename the balancer")
+        return shown
+
+    def label(self, name: str) -> str:
+        """Name of a variable in descriptions: rotor_plane_1_F_x for rotor.plane[1].F_x if flat."""
+        return re.sub(r"\W+", "_", name).strip("_") if self.flat else name
 
     @property
     def returns_early(self) -> bool:
@@ -168,6 +200,16 @@ class SizedUnit:
                 )
         kept = [v for v in self.layout.variables if not (v.native and v.causality == "output")]
         return SizedUnit(self.unit, self.sizes, Layout(self.name, kept))
+
+    def started(self, start: Mapping[str, float | bool], about: Mapping[str, Any]) -> SizedUnit:
+        """The same with start values of its own, and what a description says of the unit then.
+
+        Args:
+            start: of parameters and inputs, by name.
+            about: any of `summary`, `stop` and `step` of `Unit`.
+        """
+        unit = replace(self.unit, **about)
+        return SizedUnit(unit, self.sizes, Layout(self.name, started(self.layout.variables, start)))
 
     @property
     def options(self) -> dict[str, Any]:

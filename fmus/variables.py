@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import hashlib
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import chain
 
@@ -64,7 +64,7 @@ class Variable:
     @property
     def boolean(self) -> bool:
         """True for a Boolean, False for a Real."""
-        return isinstance(self.start, bool)
+        return not self.unit
 
     @property
     def allowed(self) -> str:
@@ -95,6 +95,14 @@ class Variable:
     def shown(self, value: float) -> str:
         """Name, value and unit in words."""
         return f"{self.name} = {value!r}{'' if self.unit in ('', '1') else ' ' + self.unit}"
+
+
+def started(variables: Iterable[Variable], start: Mapping[str, float | bool]) -> list[Variable]:
+    """Variables with other start values, by name; those of others are left aside."""
+    return [
+        replace(v, start=start[v.name]) if v.name in start and v.causality != "output" else v
+        for v in variables
+    ]
 
 
 def parameter(name: str, start: float | bool, unit: str, description: str, **more) -> Variable:
@@ -138,8 +146,10 @@ SPIN = tuple(derivative("acceleration", k) for k in range(3))  # what outputs an
 
 def spin_inputs() -> list[Variable]:
     """How the rotor turns: its speed, and its angular acceleration as a cubic."""
-    speed = plain_input("speed", 300.0, "rad/s", "Of the rotor, at the start of the step")
-    first, *changes = signal_inputs(["acceleration"], "angular acceleration", "Of the rotor")
+    speed = plain_input("speed", 300.0, "rad/s", "Speed of the rotor at the start of the step")
+    first, *changes = signal_inputs(
+        ["acceleration"], "angular acceleration", "Angular acceleration of the rotor"
+    )
     return [speed, first, *(replace(change, native=True) for change in changes)]
 
 

@@ -5,12 +5,11 @@ from __future__ import annotations
 from collections.abc import Iterable
 from pathlib import Path
 
-from ..build import native_contents, written
+from ..build import COMPOSITION, native_contents, written
 from ..native.build.compile import stamp
 from ..xml.description import Capabilities
 from .composition import Composition
-
-COMPOSITION = "resources/composition.txt"  # as fmi/front.c reads it
+from .machine import page
 
 
 def build_composite(
@@ -45,5 +44,12 @@ def _contents(
     composition: Composition, name: str, fmi: int, platforms: Iterable[str] | None
 ) -> dict[str, bytes]:
     unit = composition.described(name)
-    files = native_contents(unit, name, composition.identity, Capabilities(), fmi, platforms)
+    identify, can, models = (
+        composition.identity,
+        Capabilities(),
+        dict.fromkeys(part.unit.unit for part in composition.parts),
+    )
+    files = native_contents(
+        unit, name, identify, can, fmi, platforms, page(composition, name), tuple(models)
+    )
     return {**files, COMPOSITION: composition.token(stamp()).encode()}

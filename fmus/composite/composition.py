@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any
 
 from ..catalogue import sized_unit
-from ..native.build.layout import bits, digest, hashed, token
+from ..native.build.layout import bits, digest, identity_of, start_entries, token
 from ..unit import SizedUnit, Unit, alternatives
-from ..variables import Layout
+from ..variables import Layout, Variable, started
 from .variables import CompositeSizes, variables
 
 SCHEMES = ("auto", "iterated", "compensated")
@@ -57,6 +57,9 @@ class Composition:
         start: of the coupling's own parameters and inputs: `coupling.steps_per_rev`, `speed` ...
         stop, step: of the run that a tool proposes [s].
         corners: of a speed profile behind `rise_time`.
+        title, source: of the machine and its numbers, for descriptions.
+        plain: whether descriptions leave out slopes and the coupling's figures.
+        flat: whether they name variables by letters, digits and underscores alone.
     """
 
     parts: tuple[Part, ...]
@@ -66,6 +69,10 @@ class Composition:
     stop: float = Unit.stop
     step: float = Unit.step
     corners: int = 0
+    title: str = ""
+    source: str = ""
+    plain: bool = False
+    flat: bool = False
 
     def __post_init__(self) -> None:
         if self.scheme not in SCHEMES:
@@ -114,22 +121,26 @@ class Composition:
         start = dict(self.start)
         for part in self.parts:
             start |= {f"{part.name}.{k}": v for k, v in part.start.items()}
-        declared = [
-            replace(v, start=float(start[v.name]))
-            if v.name in start and v.causality != "output"
-            else v
-            for v in variables(tuple((p.name, p.unit) for p in self.parts), self.sizes)
-        ]
+        own = variables(tuple((p.name, p.unit) for p in self.parts), self.sizes)
+        declared = started(own, {k: float(v) for k, v in start.items()})
         models = ", ".join(f"{part.name} ({part.model})" for part in self.parts)
         unit = Unit(
             name,
-            f"{models}, coupled",
+            "; ".join(filter(None, (self.title, self.source, f"{models}, coupled"))),
             CompositeSizes,
             lambda _: declared,
             stop=self.stop,
             step=self.step,
         )
-        return SizedUnit(unit, self.sizes, Layout(name, declared))
+        hidden = frozenset(v.name for v in declared if self._hides(v))
+        return SizedUnit(unit, self.sizes, Layout(name, declared), hidden, self.flat)
+
+    def _hides(self, variable: Variable) -> bool:
+        """Whether descriptions leave a variable out: what the coupling sets itself, figures."""
+        if variable.name.split(".")[-1] in ("track_mobility", "shortest_stopped_step"):
+            return True
+        figure = variable.name.startswith(("der(", "coupling."))
+        return self.plain and figure and variable.causality == "output"
 
     def token(self, stamp: str) -> str:
         """Text from which the library makes the composite: coupling/token.c has the form.
@@ -143,7 +154,8 @@ class Composition:
         for part in self.parts:
             connected = "s" * part.exchanges_force + "v" * part.follows or "-"
             entries.append(f"part={part.name},{part.plane},{connected},{token(part.unit, stamp)}")
-            entries += _starts(part)
+            own = part.unit.layout
+            entries += start_entries(own, part.start, own.parameters.stop)
         own = self.layout
         first = own.index["coupling.tolerance"]
         given = [f"{own.index[k] - first}:{bits(v)}" for k, v in self.start.items()]
@@ -152,16 +164,4 @@ class Composition:
 
     def identity(self, stamp: str) -> str:
         """GUID or instantiation token of the FMU, which has the text among its resources."""
-        return f"Composite/{hashed(self.token(stamp))}"
-
-
-def _starts(part: Part) -> list[str]:
-    """Entries of a part's start values and Booleans."""
-    layout = part.unit.layout
-    values = [
-        f"{layout.index[name]}:{bits(value)}"
-        for name, value in part.start.items()
-        if name in layout.index and layout.index[name] < layout.parameters.stop
-    ]
-    flags = [str(layout.boolean_index[k]) for k, v in part.start.items() if v is True]
-    return [f"{key}={','.join(v)}" for key, v in (("start", values), ("flags", flags)) if v]
+        return identity_of(self.token(stamp))

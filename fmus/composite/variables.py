@@ -8,6 +8,16 @@ from functools import cache
 from ..unit import SizedUnit, Sizes, Unit, count, one_of
 from ..variables import Variable, output, parameter, plain_input
 
+VIBRATION = "Half the largest travel of a station along x or y in the last complete revolution"
+RESIDUAL = "Static unbalance of rotor and weights together, the sum of all planes"
+CAPACITY = "Largest share that a balancer uses of the unbalance its weights can supply"
+BALANCED = "Whether the vibration is at most `vibration_limit`"
+_CORNER_TIME = (
+    "Time of a corner of the speed profile since the start, ascending;"
+    " 0: neither this corner nor those behind it are used"
+)
+_CORNER_SPEED = "Speed of the rotor at a corner of the speed profile"
+
 
 @dataclass(frozen=True)
 class CompositeSizes(Sizes):
@@ -31,7 +41,7 @@ def own_variables(sizes: CompositeSizes) -> list[Variable]:
             "coupling.tolerance",
             0.0,
             "1",
-            "Relative error a step may make, which chooses the steps; 0: not used",
+            "Relative error that a step of the coupling may make; 0: not used",
             minimum=0.0,
             maximum=0.1,
         ),
@@ -39,14 +49,14 @@ def own_variables(sizes: CompositeSizes) -> list[Variable]:
             "coupling.steps_per_rev",
             0.0,
             "1",
-            "Steps in the fastest revolution: a whole number, at least 4; 0: not used",
+            "Steps of the coupling in the fastest revolution, at least 4; 0: not used",
             minimum=0.0,
         ),
         parameter(
             "coupling.fewest_steps_per_rev",
             8.0,
             "1",
-            "Steps in the fastest revolution, at least, with a tolerance",
+            "Fewest steps of the coupling in the fastest revolution, with a tolerance",
             minimum=0.0,
             above=True,
         ),
@@ -54,8 +64,16 @@ def own_variables(sizes: CompositeSizes) -> list[Variable]:
             "coupling.top_speed",
             0.0,
             "rad/s",
-            "Of the fastest revolution, where it is above the speed",
+            "Speed of the fastest revolution, where it is above the speed at the start",
             minimum=0.0,
+        ),
+        parameter(
+            "vibration_limit",
+            0.0,
+            "m",
+            "Vibration up to which the machine counts as balanced; 0: it never does",
+            minimum=0.0,
+            quantity="Displacement",
         ),
         *(_drive(sizes.corners) if sizes.kind == "prescribed" else []),
         *(
@@ -68,16 +86,25 @@ def own_variables(sizes: CompositeSizes) -> list[Variable]:
             for i in range(1, sizes.planes + 1)
             for axis in "xy"
         ),
-        output("rotor.speed", "rad/s", "Of the rotor", observed=True),
-        output("coupling.loop_gain", "1", "Of the loop force - acceleration", observed=True),
-        output("coupling.steps", "1", "Taken by the coupling", observed=True),
-        output("coupling.error", "1", "Of the motion, estimated", observed=True),
+        output("rotor.speed", "rad/s", "Speed of the rotor", observed=True),
+        output(
+            "coupling.loop_gain",
+            "1",
+            "Gain of the loop between force and acceleration",
+            observed=True,
+        ),
+        output("coupling.steps", "1", "Steps taken by the coupling", observed=True),
+        output("coupling.error", "1", "Estimated error of the motion", observed=True),
         output(
             "coupling.unconverged",
             "1",
-            "Steps that left a residual above 1e-3 of the force",
+            "Steps of the coupling that left a residual above 1e-3 of the force",
             observed=True,
         ),
+        output("vibration", "m", VIBRATION, observed=True, quantity="Displacement"),
+        output("residual_unbalance", "kg.m", RESIDUAL, observed=True),
+        output("capacity_used", "1", CAPACITY, observed=True),
+        output("balanced", "", BALANCED, observed=True, variability="discrete"),
     ]
 
 
@@ -88,24 +115,19 @@ def _drive(corners: int) -> list[Variable]:
             "rise_time",
             0.0,
             "s",
-            "For which the rotor speeds up from `speed` by `acceleration`, both as they were at the"
-            " start; 0: they are inputs",
+            "Time for which the rotor speeds up by itself from `speed` by `acceleration`,"
+            " both as at the start; 0: they are inputs",
             minimum=0.0,
         ),
         *(
-            parameter(f"corner[{k}].{key}", 0.0, unit, f"{text} of the speed profile", minimum=0.0)
+            parameter(f"corner[{k}].{key}", 0.0, unit, text, minimum=0.0)
             for k in range(1, corners + 1)
-            for key, unit, text in (
-                (
-                    "time",
-                    "s",
-                    "Since the start, ascending; 0: not used, nor those behind: a corner",
-                ),
-                ("speed", "rad/s", "Of the rotor there: a corner"),
-            )
+            for key, unit, text in (("time", "s", _CORNER_TIME), ("speed", "rad/s", _CORNER_SPEED))
         ),
-        plain_input("speed", 300.0, "rad/s", "Of the rotor, at the start of the step"),
-        plain_input("acceleration", 0.0, "rad/s2", "Angular, of the rotor, over the step"),
+        plain_input("speed", 300.0, "rad/s", "Speed of the rotor at the start of the step"),
+        plain_input(
+            "acceleration", 0.0, "rad/s2", "Angular acceleration of the rotor over the step"
+        ),
     ]
 
 
@@ -129,6 +151,8 @@ def variables(parts: tuple[tuple[str, SizedUnit], ...], sizes: CompositeSizes) -
     for causality in ("parameter", "output"):
         chosen = [v for part in [*ours, own] for v in part if v.causality == causality]
         declared += [v for v in chosen if not v.boolean]
+        if causality == "output":
+            declared += [v for v in own if v.boolean]
         if causality == "parameter":
             declared += [v for v in own if v.causality == "input"]
     inputs = tuple(v.name for v in declared if v.causality != "output")
@@ -140,7 +164,7 @@ def _of_part(name: str, variable: Variable) -> Variable:
     return replace(
         variable,
         name=_named(name, variable.name),
-        description=f"{name}: {variable.description}",
+        description=f"{variable.description} ({name})",
         derivative_of=variable.derivative_of and _named(name, variable.derivative_of),
         depends=(),
         begins=(),

@@ -33,27 +33,30 @@ def variables(sizes: MotorSizes) -> list[Variable]:
     drive = ("speed0", *line)
     torque = ("torque", "der(torque)")
     return [
-        parameter("inertia", 0.1, "kg.m2", "Of all that turns, unbalance included", minimum=0.0,
-                  above=True),
+        parameter("inertia", 0.1, "kg.m2", "Inertia of all that turns, unbalance included",
+                  minimum=0.0, above=True),
         *(
             variable
             for k, point in enumerate(points)
             for variable in (
-                parameter(f"{point}.speed", 300.0 * k / last, "rad/s", "Ascending"),
-                parameter(f"{point}.torque", 10.0 * (last - k) / last, "N.m", "At this speed"),
+                parameter(f"{point}.speed", 300.0 * k / last, "rad/s",
+                          "Speed at the point, above the one before"),
+                parameter(f"{point}.torque", 10.0 * (last - k) / last, "N.m",
+                          "Torque of the motor at the point's speed"),
             )
         ),
         parameter("angle0", 0.0, "rad", "Angle of the rotor at the start"),
         parameter("speed0", 0.0, "rad/s", "Speed of the rotor at the start"),
-        *signal_inputs(["torque"], "torque", "Of all others on the shaft, their sum"),
+        *signal_inputs(["torque"], "torque", "Sum of all other torques on the shaft"),
         *signal_outputs(
-            ["acceleration"], "angular acceleration", "Of the rotor", [torque[:1]], [torque],
+            ["acceleration"], "angular acceleration", "Angular acceleration of the rotor",
+            [torque[:1]], [torque],
             begins=("inertia", *drive),
         ),
-        output("speed", "rad/s", "Of the rotor", begins=("speed0",)),
-        observed("angle", "rad", "Angle turned", ("angle0",)),
-        observed("drive_torque", "N.m", "Of the motor at this speed", drive),
-        observed("power", "W", "Of the motor", drive),
+        output("speed", "rad/s", "Speed of the rotor", begins=("speed0",)),
+        observed("angle", "rad", "Angle turned by the rotor", ("angle0",)),
+        observed("drive_torque", "N.m", "Torque of the motor at the present speed", drive),
+        observed("power", "W", "Power of the motor", drive),
     ]  # fmt: skip
 
 

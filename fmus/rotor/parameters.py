@@ -34,14 +34,18 @@ def planar(sizes: RotorSizes) -> list[Variable]:
     if sizes.stations != 1:
         raise ValueError(f"stations = {sizes.stations!r}: a planar rotor has exactly 1")
     return [
-        parameter("mass", 2.0, "kg", "Disc without weights or liquid", minimum=0.0, above=True),
-        parameter("stiffness_x", 8.0e4, "N/m", "Of the supports, along x", minimum=0.0),
-        parameter("stiffness_y", 8.0e4, "N/m", "Of the supports, along y", minimum=0.0),
-        parameter("damping_x", 40.0, "N.s/m", "Of the supports, along x", minimum=0.0),
-        parameter("damping_y", 40.0, "N.s/m", "Of the supports, along y", minimum=0.0),
-        parameter("internal_damping", 0.0, "N.s/m", "Of the turning shaft", minimum=0.0),
-        parameter("unbalance", DEFAULT_UNBALANCE, "kg.m", "Static moment", minimum=0.0),
-        parameter("unbalance_angle", 0.0, "rad", "Of the unbalance, in the rotor"),
+        parameter(
+            "mass", 2.0, "kg", "Mass of the disc without weights or liquid", minimum=0.0, above=True
+        ),
+        parameter("stiffness_x", 8.0e4, "N/m", "Stiffness of the supports along x", minimum=0.0),
+        parameter("stiffness_y", 8.0e4, "N/m", "Stiffness of the supports along y", minimum=0.0),
+        parameter("damping_x", 40.0, "N.s/m", "Damping of the supports along x", minimum=0.0),
+        parameter("damping_y", 40.0, "N.s/m", "Damping of the supports along y", minimum=0.0),
+        parameter(
+            "internal_damping", 0.0, "N.s/m", "Damping inside the turning shaft", minimum=0.0
+        ),
+        parameter("unbalance", DEFAULT_UNBALANCE, "kg.m", "Unbalance of the rotor", minimum=0.0),
+        parameter("unbalance_angle", 0.0, "rad", "Angle of the unbalance in the rotor"),
     ]
 
 
@@ -52,13 +56,33 @@ def two_support(sizes: RotorSizes) -> list[Variable]:
             f"stations = {sizes.stations!r}: a rotor on two supports has exactly 2, its supports"
         )
     places = [SPAN * i / (sizes.planes + 1) for i in range(1, sizes.planes + 1)]
-    where = "From support 1"
+    where = "Distance from support 1"
     return [
-        parameter("mass", 12.0, "kg", "Without weights or liquid", minimum=0.0, above=True),
-        parameter("inertia", 0.7, "kg.m2", "Transverse, about the centre", minimum=0.0, above=True),
-        parameter("polar_inertia", 0.1, "kg.m2", "About the axis of rotation", minimum=0.0),
-        parameter("span", SPAN, "m", "Between the supports", minimum=0.0, above=True),
-        parameter("com", SPAN / 2.0, "m", "Centre of mass from support 1"),
+        parameter(
+            "mass",
+            12.0,
+            "kg",
+            "Mass of the rotor without weights or liquid",
+            minimum=0.0,
+            above=True,
+        ),
+        parameter(
+            "inertia",
+            0.7,
+            "kg.m2",
+            "Transverse moment of inertia about the centre of mass",
+            minimum=0.0,
+            above=True,
+        ),
+        parameter(
+            "polar_inertia",
+            0.1,
+            "kg.m2",
+            "Moment of inertia about the axis of rotation",
+            minimum=0.0,
+        ),
+        parameter("span", SPAN, "m", "Distance between the supports", minimum=0.0, above=True),
+        parameter("com", SPAN / 2.0, "m", "Distance of the centre of mass from support 1"),
         *_supports(2.0e5, 150.0),
         *_planes(places, where),
         *_unbalances(sizes, places[0], where),
@@ -71,17 +95,29 @@ def flexible(sizes: RotorSizes) -> list[Variable]:
     if n < 2:
         raise ValueError(f"stations = {n!r}: a flexible rotor has at least 2, its supports")
     z = [SPACING * j for j in range(n)]
-    where = "Place on the shaft, that of a station"
+    where = "Place on the shaft, which is that of a station"
     discs = [
         v
         for j, place in enumerate(z, start=1)
         for v in (
-            parameter(f"station[{j}].z", place, "m", "Place on the shaft, beyond the one before"),
-            parameter(f"station[{j}].mass", 1.0, "kg", "Of its disc", minimum=0.0, above=True),
+            parameter(
+                f"station[{j}].z",
+                place,
+                "m",
+                "Place of the station on the shaft, beyond the one before",
+            ),
+            parameter(
+                f"station[{j}].mass",
+                1.0,
+                "kg",
+                "Mass of the disc at the station",
+                minimum=0.0,
+                above=True,
+            ),
         )
     ]
     places = [z[(i + n // 2) % n] for i in range(sizes.planes)]
-    softest = "Of the shaft, where it is softest"
+    softest = "Damping inside the turning shaft, where it is softest"
     return [
         *discs,
         parameter("support[1].position", z[0], "m", where),
@@ -96,20 +132,20 @@ def flexible(sizes: RotorSizes) -> list[Variable]:
 
 def friction(sizes: RotorSizes) -> list[Variable]:
     """Sliders in parallel with the supports' springs: dry friction, each axis for itself."""
-    text = "Of the spring in series along {}; 0: none, the slider is rigid"
+    text = "Stiffness of the spring in series with the slider along {}; 0: none"
     sliders = [
         v
         for k in range(1, sizes.sliders + 1)
         for v in (
-            parameter(f"slider[{k}].support", 1.0, "1", "Number of the support it is in",
+            parameter(f"slider[{k}].support", 1.0, "1", "Number of the support that has it",
                       minimum=1.0),
-            *(parameter(f"slider[{k}].limit_{axis}", 0.0, "N", f"Friction force along {axis}",
+            *(parameter(f"slider[{k}].limit_{axis}", 0.0, "N", f"Largest friction along {axis}",
                         minimum=0.0) for axis in "xy"),
             *(parameter(f"slider[{k}].stiffness_{axis}", 0.0, "N/m", text.format(axis),
                         minimum=0.0) for axis in "xy"),
         )
     ]  # fmt: skip
-    ends = "A step this long or longer ends where one sticks, lets go or turns; 0: none does"
+    ends = "Shortest step that ends where a slider sticks, lets go or turns; 0: none does"
     own = [parameter("shortest_stopped_step", 0.0, "s", ends, minimum=0.0)]
     return [*sliders, *own[: sizes.sliders]]
 
@@ -119,8 +155,8 @@ PARAMETERS = {"planar": planar, "two_support": two_support, "flexible": flexible
 
 def _supports(stiffness: float, damping: float) -> list[Variable]:
     return [
-        parameter(f"support[{s}].{what}_{axis}", start, unit, f"Along {axis}", minimum=0.0,
-                  above=above)
+        parameter(f"support[{s}].{what}_{axis}", start, unit,
+                  f"{what.capitalize()} of support {s} along {axis}", minimum=0.0, above=above)
         for s in (1, 2)
         for what, start, unit, above in (
             ("stiffness", stiffness, "N/m", True),
@@ -143,8 +179,8 @@ def _unbalances(sizes: RotorSizes, place: float, where: str) -> list[Variable]:
         for v in (
             parameter(f"unbalance[{k}].position", place, "m", where),
             parameter(f"unbalance[{k}].amount", DEFAULT_UNBALANCE * (k == 1), "kg.m",
-                      "Static moment", minimum=0.0),
-            parameter(f"unbalance[{k}].angle", 0.0, "rad", "In the rotor"),
+                      "Amount of the unbalance", minimum=0.0),
+            parameter(f"unbalance[{k}].angle", 0.0, "rad", "Angle of the unbalance in the rotor"),
         )
     ]  # fmt: skip
 
@@ -152,9 +188,9 @@ def _unbalances(sizes: RotorSizes, place: float, where: str) -> list[Variable]:
 def _shaft(sizes: RotorSizes, z: Sequence[float]) -> list[Variable]:
     """How the shaft bends, by one of the two descriptions."""
     if sizes.shaft == "uniform":
-        text = "E I of the uniform shaft"
+        text = "Bending stiffness E I of the uniform shaft"
         return [parameter("bending_stiffness", STEEL_20_MM, "N.m2", text, minimum=0.0, above=True)]
-    text = "Displacement at one by a unit force at the other of the stations that are no supports"
+    text = "Displacement of a station by a unit force at another, neither a support"
     inner = range(1, len(z) - 1)
     return [
         parameter(f"compliance[{j},{k}]", _compliance(z[j], z[k], z[-1]), "m/N", text)

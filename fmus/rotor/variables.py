@@ -52,7 +52,7 @@ def variables(sizes: RotorSizes) -> list[Variable]:
         (*changing, SPIN[2], *forces, *slopes, *(derivative(name, 2) for name in own))
         for own in along
     ]
-    text = "Mass of the balancers on this plane that the rotor carries; it keeps it over a step"
+    text = "Mass of the balancers on this plane that the rotor carries over the step"
     return [
         *parameters,
         *(plain_input(name, 0.0, "kg", text, minimum=0.0) for name in carried),
@@ -67,13 +67,13 @@ def variables(sizes: RotorSizes) -> list[Variable]:
         *_friction_forces(sizes),
         *torque_outputs(
             (*drive, *forces), (*changing, *forces, *slopes), names,
-            "Of unbalance and internal damping on the shaft",
+            "Torque of unbalance and internal damping on the shaft",
         ),
     ]  # fmt: skip
 
 
 def _gravity() -> list[Variable]:
-    text = "Of gravity across the axis: a horizontal rotor has -9.81 along y"
+    text = "Gravity across the axis; a horizontal rotor has -9.81 along y"
     return [parameter(f"gravity_{axis}", 0.0, "m/s2", text) for axis in "xy"]
 
 
@@ -81,8 +81,8 @@ def _initial(stations: int) -> list[Variable]:
     return [
         parameter("angle0", 0.0, "rad", "Angle of the rotor at the start"),
         *(
-            parameter(f"{station(j, stations)}{what}{axis}0", 0.0, unit, f"{text} at the start",
-                      quantity=text)
+            parameter(f"{station(j, stations)}{what}{axis}0", 0.0, unit,
+                      f"{text} of the rotor along {axis} at the start", quantity=text)
             for what, unit, text in (("", "m", "Displacement"), ("v", "m/s", "Velocity"))
             for j in range(1, stations + 1)
             for axis in "xy"
@@ -98,16 +98,31 @@ def _observed(stations: int, planes: int, own: list[Variable]) -> list[Variable]
     placed = any(v.name == "plane[1].position" for v in own)
     places = [f"{station(j, stations)}{axis}" for j in range(1, stations + 1) for axis in "xy"]
     starts = tuple(f"{place}0" for place in places)
-    outputs = [observed("angle", "rad", "Angle turned", ("angle0",))]
-    outputs += [_displacement(place, "Displacement", (f"{place}0",)) for place in places]
+    outputs = [observed("angle", "rad", "Angle turned by the rotor", ("angle0",))]
+    outputs += [
+        _displacement(place, f"Displacement of the rotor along {place[-1]}", (f"{place}0",))
+        for place in places
+    ]
     for place in places:
         speed = f"{place[:-1]}v{place[-1]}"
-        outputs.append(observed(speed, "m/s", "Velocity", (f"{speed}0",), derivative_of=place))
+        outputs.append(
+            observed(
+                speed,
+                "m/s",
+                f"Velocity of the rotor along {place[-1]}",
+                (f"{speed}0",),
+                derivative_of=place,
+            )
+        )
     for i in range(1, planes + 1):
         for axis in "xy":
             begins = tuple(start for start in starts if start.endswith(f"{axis}0"))
             begins += (*shaft, f"plane[{i}].position") if placed else ()
-            outputs.append(_displacement(f"plane[{i}].{axis}", "Displacement of the plane", begins))
+            outputs.append(
+                _displacement(
+                    f"plane[{i}].{axis}", f"Displacement of the plane along {axis}", begins
+                )
+            )
     begins = (*starts, *(shaft if supports else ()), *supports)
     return [*outputs, _displacement("bending", "Largest bending of the shaft", begins)]
 

@@ -25,7 +25,7 @@ _FORCE = (
     "mass", "track_radius", "kappa", "drag", "weight_radius", "restitution", "track_mobility",
     "rolling_resistance", "track_offset_xi", "track_offset_eta", "inertia_as_force",
 )  # fmt: skip
-_TORQUE = "On the rotor about the plane's centre, without that of rolling resistance"
+_TORQUE = "Torque of the weights on the rotor about the plane's centre, without rolling resistance"
 _START = "in the rotor at the start"
 _OWN = {"mass": "mass", "drag": "drag", "radius": "weight_radius"}
 
@@ -52,7 +52,7 @@ def variables(sizes: WeightSizes) -> list[Variable]:
     speeds = tuple(f"weight[{k}].speed0" for k in numbers)
     begins = (*_FORCE, *angles, *speeds)
     ratios = [
-        parameter(f"weight[{k}].{what}_ratio", 1.0, "1", f"Of its own {what}, over {all_of}",
+        parameter(f"weight[{k}].{what}_ratio", 1.0, "1", f"Ratio of its {what} to {all_of}",
                   minimum=0.0, above=what != "drag", native=True)
         for what, all_of in _OWN.items() for k in numbers if sizes.unequal
     ]  # fmt: skip
@@ -65,10 +65,10 @@ def variables(sizes: WeightSizes) -> list[Variable]:
     return [
         *_parameters(),
         *(
-            parameter(name, 2 * math.pi * k / sizes.weights, "rad", f"Angle {_START}")
+            parameter(name, 2 * math.pi * k / sizes.weights, "rad", f"Angle of the weight {_START}")
             for k, name in enumerate(angles)
         ),
-        *(parameter(name, 0.0, "rad/s", f"Speed {_START}") for name in speeds),
+        *(parameter(name, 0.0, "rad/s", f"Speed of the weight {_START}") for name in speeds),
         *ratios,
         *signal_inputs(a, "acceleration", "Acceleration of the track's centre", sizes.order),
         plain_input("angle", 0.0, "rad", "Angle of the rotor at the start of the step"),
@@ -95,18 +95,36 @@ def variables(sizes: WeightSizes) -> list[Variable]:
 def _parameters() -> list[Variable]:
     """What is common to all weights."""
     return [
-        parameter("mass", 0.01, "kg", "Of each weight m", minimum=0.0, above=True),
-        parameter("track_radius", 0.05, "m", "Of the weights' centres R", minimum=0.0, above=True),
-        parameter("kappa", 1.4, "1", "7/5 ball, 3/2 roller, 1 pendulum", minimum=1.0),
-        parameter("drag", 0.05, "N.s/m", "Viscous, of each weight, b", minimum=0.0),
+        parameter("mass", 0.01, "kg", "Mass m of each weight", minimum=0.0, above=True),
         parameter(
-            "weight_radius", 0.0, "m", "Of each weight; 0: point weights", minimum=0.0, native=True
+            "track_radius",
+            0.05,
+            "m",
+            "Radius R of the circle of the weights' centres",
+            minimum=0.0,
+            above=True,
+        ),
+        parameter(
+            "kappa",
+            1.4,
+            "1",
+            "Inertia factor of a weight: 7/5 ball, 3/2 roller, 1 pendulum",
+            minimum=1.0,
+        ),
+        parameter("drag", 0.05, "N.s/m", "Viscous drag coefficient b of each weight", minimum=0.0),
+        parameter(
+            "weight_radius",
+            0.0,
+            "m",
+            "Radius of each weight; 0: point weights",
+            minimum=0.0,
+            native=True,
         ),
         parameter(
             "restitution",
             0.0,
             "1",
-            "Of a collision of two weights: 0 to 1",
+            "Coefficient of restitution of a collision of two weights, 0 to 1",
             minimum=0.0,
             maximum=1.0,
             native=True,
@@ -124,13 +142,17 @@ def _parameters() -> list[Variable]:
             "rolling_resistance",
             0.0,
             "1",
-            "Resistance over load; 0: none",
+            "Rolling resistance of a weight over its load; 0: none",
             minimum=0.0,
             native=True,
         ),
         *(
             parameter(
-                f"track_offset_{axis}", 0.0, "m", "Of the track's centre, in the rotor", native=True
+                f"track_offset_{axis}",
+                0.0,
+                "m",
+                f"Offset of the track's centre along {axis}, in the rotor",
+                native=True,
             )
             for axis in ("xi", "eta")
         ),
@@ -138,7 +160,7 @@ def _parameters() -> list[Variable]:
             "shortest_stopped_step",
             0.0,
             "s",
-            "With stop_at_contact: a shorter step is whole",
+            "Shortest step that ends at a contact, with stop_at_contact",
             minimum=0.0,
             native=True,
         ),
@@ -157,12 +179,12 @@ def _observed(
     angles: tuple[str, ...], speeds: tuple[str, ...], masses: tuple[str, ...]
 ) -> list[Variable]:
     """Outputs for people and records, computed when they are read."""
-    moment = "Sum of m (e + R e^{i theta}), in the rotor"
-    spread = "|sum of e^{2 i theta}|/N: 0 evenly spread, 1 in line"
+    moment = "Static moment of the weights, sum of m (e + R e^{i theta}), in the rotor"
+    spread = "Alignment |sum of e^{2 i theta}|/N: 0 evenly spread, 1 in line"
     return [
-        *(observed(angle[:-1], "rad", "Angle in the rotor", (angle,)) for angle in angles),
+        *(observed(angle[:-1], "rad", "Angle of the weight", (angle,)) for angle in angles),
         *(
-            observed(speed[:-1], "rad/s", "Speed in the rotor", (speed,), derivative_of=angle[:-1])
+            observed(speed[:-1], "rad/s", "Speed of the weight", (speed,), derivative_of=angle[:-1])
             for angle, speed in zip(angles, speeds, strict=True)
         ),
         *(

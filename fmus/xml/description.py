@@ -48,14 +48,14 @@ def header(unit: SizedUnit, name: str, release: str) -> dict[str, str]:
         "license": "MIT, see documentation/licenses/license.txt",
         "generationTool": f"autobalancer {release}",
         "generationDateAndTime": DATE,
-        "variableNamingConvention": "structured",
+        "variableNamingConvention": "flat" if unit.flat else "structured",
     }
 
 
-def scalar(variable: Variable, reference: str) -> dict[str, str]:
+def scalar(variable: Variable, name: str, reference: str) -> dict[str, str]:
     """What a variable is, in both versions."""
     return {
-        "name": variable.name,
+        "name": name,
         "valueReference": reference,
         "description": described(variable),
         "causality": variable.causality,
@@ -67,11 +67,11 @@ def scalar(variable: Variable, reference: str) -> dict[str, str]:
 def value(variable: Variable, references: Mapping[str, str]) -> dict[str, str]:
     """Type, bounds and start value of a variable, in both versions; `references` by name."""
     if variable.boolean:
-        return {"start": flag(bool(variable.start))}
+        return {} if variable.start is None else {"start": flag(bool(variable.start))}
     attributes = {"declaredType": type_name(variable), "unit": variable.unit, **bounds(variable)}
     if variable.start is not None:
         attributes["start"] = repr(float(variable.start))
-    if variable.derivative_of:
+    if variable.derivative_of in references:
         attributes["derivative"] = references[variable.derivative_of]
     return attributes
 
@@ -79,7 +79,7 @@ def value(variable: Variable, references: Mapping[str, str]) -> dict[str, str]:
 def unknown(variable: Variable, references: Mapping[str, str], initially: bool) -> dict[str, str]:
     """Every dependency of an output, none left to a tool's guess."""
     names = {*variable.depends, *(variable.begins if initially else ())}
-    known = {references[name] for name in names}
+    known = {references[name] for name in names & references.keys()}  # some are hidden
     kind = "dependent" if initially else variable.kind
     return {
         "dependencies": " ".join(sorted(known, key=int)),
@@ -114,6 +114,14 @@ def options_in(root: Element) -> dict[str, Any]:
     if built is None:
         return {}
     return {key: int(v) if v.isdecimal() else v for key, v in built.attrib.items()}
+
+
+def about_in(root: Element) -> dict[str, Any]:
+    """What `SizedUnit.started` has been told, as a model description of either version says it."""
+    run = root.find("DefaultExperiment")
+    assert run is not None  # every description of `build` has it
+    times = {"stop": "stopTime", "step": "stepSize"}.items()
+    return {"summary": root.get("description", "")} | {k: float(run.attrib[n]) for k, n in times}
 
 
 def text_of(root: Element) -> bytes:

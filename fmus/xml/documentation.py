@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from html import escape
 
 from markdown_it import MarkdownIt
 
 from ..unit import SizedUnit
 from ..variables import Variable
+from .types import DISPLAY_UNITS
 
 _HEAD = (
     '<!DOCTYPE html>\n<html lang="en"><head><meta charset="utf-8"><title>{name}</title><style>'
@@ -15,6 +17,8 @@ _HEAD = (
     "table{{border-collapse:collapse}}td,th{{border:1px solid #bbb;padding:.2em .6em;"
     "text-align:left}}code,pre{{background:#f4f4f4}}pre{{padding:.6em}}</style></head><body>\n"
 )
+
+_ENGINEERING = {**DISPLAY_UNITS, "kg.m": ("g mm", 1e6), "N/m": ("N/mm", 1e-3)}
 
 _SIGNALS = """xi and eta are axes that turn with the rotor; seen in them a vector a of the fixed
 axes is a e^{-i beta}, with beta the rotor's angle. An input signal is a cubic over the
@@ -56,29 +60,31 @@ Copyright (c) 2019-2020 Safran SA
 {_MIT}"""
 
 
-def html(unit: SizedUnit, name: str, equations: str) -> bytes:
+def html(unit: SizedUnit, name: str, machine: str, equations: Sequence[str]) -> bytes:
     """documentation/index.html.
 
     Args:
         unit: with its sizes.
         name: of the model.
-        equations: the unit's README, Markdown.
+        machine: what comes first, HTML; a page of a machine has its variables before the equations.
+        equations: READMEs of the unit and its parts, Markdown.
     """
     options = ", ".join(f"{key} = {value}" for key, value in unit.options.items())
     built = f"{unit.name}, built with {escape(options)}."
-    parts = [
-        _HEAD.format(name=escape(name)),
-        MarkdownIt("commonmark").enable("table").render(equations),
-        f"<h2>Signals</h2>\n<p>{escape(_SIGNALS)}</p>\n" * _has_signals(unit),
-        f"<h2>Variables</h2>\n<p>{escape(name)}: {built}</p>\n",
-    ]
+    markdown = MarkdownIt("commonmark").enable("table")
+    texts = [markdown.render(text) for text in equations]
+    texts += [f"<h2>Signals</h2>\n<p>{escape(_SIGNALS)}</p>\n" * _has_signals(unit)]
+    head = _HEAD.format(name=escape(name))
+    parts = [head, machine, *([] if machine else texts)]
+    parts.append("<h2>Variables</h2>\n" + f"<p>{escape(name)}: {built}</p>\n" * (not machine))
     for causality in ("parameter", "input", "output"):
-        rows = [_row(v) for v in unit.layout.variables if v.causality == causality]
+        rows = [_row(unit.label(v.name), v) for v in unit.shown if v.causality == causality]
         parts.append(
             f"<h3>{causality.capitalize()}s</h3>\n<table><tr><th>Name</th><th>Unit</th>"
-            f"<th>Start</th><th>Allowed</th><th>Meaning</th></tr>\n{''.join(rows)}</table>\n"
+            f"<th>Start</th><th>That is</th><th>Allowed</th><th>Meaning</th></tr>\n{''.join(rows)}"
+            "</table>\n"
         )
-    return ("".join(parts) + "</body></html>\n").encode()
+    return "".join([*parts, *(texts if machine else []), "</body></html>\n"]).encode()
 
 
 def _has_signals(unit: SizedUnit) -> bool:
@@ -86,16 +92,24 @@ def _has_signals(unit: SizedUnit) -> bool:
     return any(v.causality == "input" and v.derivative_of for v in unit.layout.variables)
 
 
-def _row(variable: Variable) -> str:
+def _engineering(variable: Variable) -> str:
+    """Start value in the unit that drawings have."""
+    if not variable.start or variable.unit not in _ENGINEERING:
+        return ""
+    unit, factor = _ENGINEERING[variable.unit]
+    return f"{factor * variable.start:.4g} {unit}"
+
+
+def _row(name: str, variable: Variable) -> str:
     start = "" if variable.start is None else f"{variable.start!r}"
     allowed = variable.allowed
     if variable.boolean:
         start, allowed = start.lower(), "true, false"
     elif variable.causality == "output":
         allowed = ""
-    cells = [variable.unit, start, allowed, variable.description]
+    cells = [variable.unit, start, _engineering(variable), allowed, variable.description]
     return (
-        f"<tr><td><code>{escape(variable.name)}</code></td>"
+        f"<tr><td><code>{escape(name)}</code></td>"
         + "".join(f"<td>{escape(cell)}</td>" for cell in cells)
         + "</tr>\n"
     )

@@ -35,18 +35,20 @@ def model_description(
     common.experiment(root, unit.unit)
     tool = SubElement(SubElement(root, "VendorAnnotations"), "Tool", {"name": "autobalancer"})
     common.built(tool, unit)
-    layout = unit.layout
-    references = {**layout.index, **layout.boolean_index}
-    position = {v.name: str(i) for i, v in enumerate(layout.variables, 1)}
+    references = {**unit.layout.index, **unit.layout.boolean_index}
+    position = {v.name: str(i) for i, v in enumerate(unit.shown, 1)}
     variables = SubElement(root, "ModelVariables")
-    for v in layout.variables:
-        about = common.scalar(v, str(references[v.name]))
+    for v in unit.shown:
+        about = common.scalar(v, unit.label(v.name), str(references[v.name]))
         element = SubElement(variables, "ScalarVariable", about)
-        SubElement(element, "Boolean" if v.boolean else "Real", common.value(v, position))
+        about = common.value(v, position)
+        if v.causality == "output":  # OMSimulator takes such an output for a state's derivative
+            about.pop("derivative", None)
+        SubElement(element, "Boolean" if v.boolean else "Real", about)
     structure = SubElement(root, "ModelStructure")
     for tag in ("Outputs", "InitialUnknowns"):
         unknowns = SubElement(structure, tag)
-        for v in layout.variables:
+        for v in unit.shown:
             if v.causality == "output":
                 found = common.unknown(v, position, tag == "InitialUnknowns")
                 SubElement(unknowns, "Unknown", {"index": position[v.name], **found})

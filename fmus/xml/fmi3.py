@@ -60,15 +60,18 @@ def model_description(
         SubElement(definitions, "Float64Type", {"name": kind, **type_attributes(kind)})
     common.log_categories(root, "fmi3")
     common.experiment(root, unit.unit)
-    references = {k: str(v) for k, v in value_references(unit.layout).items()}
+    references = {
+        k: str(v) for k, v in value_references(unit.layout).items() if k not in unit.hidden
+    }
     variables = SubElement(root, "ModelVariables")
     _time(variables, references[TIME])
-    for v in unit.layout.variables:
-        about = {**common.scalar(v, references[v.name]), **common.value(v, references)}
+    for v in unit.shown:
+        about = common.scalar(v, unit.label(v.name), references[v.name])
+        about |= common.value(v, references)
         SubElement(variables, "Boolean" if v.boolean else "Float64", about)
     structure = SubElement(root, "ModelStructure")
     for tag in ("Output", "InitialUnknown"):
-        for v in unit.layout.variables:
+        for v in unit.shown:
             if v.causality == "output":
                 found = common.unknown(v, references, tag == "InitialUnknown")
                 SubElement(structure, tag, {"valueReference": references[v.name], **found})

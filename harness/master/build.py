@@ -51,6 +51,8 @@ def build_files(
     python: bool = False,
     one_file: bool = False,
     ssp: bool = False,
+    plain: bool = False,
+    flat: bool = False,
     progress: Progress | None = None,
 ) -> Built:
     """See `Scene.build`; without a scene, every unit there is.
@@ -59,6 +61,8 @@ def build_files(
     >>> len(ab.build_files(None, Path("units"), platforms=["x86_64-linux"]).files)
     4
     """
+    if (plain or flat) and (ssp or not one_file):
+        raise UserError("--plain, --flat-names: give --one-file and leave out --ssp")
     if ssp:
         if scene is None or fmi != 2 or (one_file and python):
             raise UserError(
@@ -71,14 +75,15 @@ def build_files(
             raise UserError("--one-file: give the scene whose units are to be coupled")
         if python:
             raise UserError("--one-file: has no Python units; leave out --python")
-        return _build_one_file(scene, output, fmi, platforms)
+        form: dict[str, Any] = {"fmi": fmi, "platforms": platforms, "plain": plain, "flat": flat}
+        return _build_one_file(scene, output, form)
     from ...fmus.build import build
 
     form = {"backend": "python" if python else "native", "fmi": fmi, "platforms": platforms}
     wanted, left_out = _wanted(scene, python)
     files, rows = [], []
-    for number, (name, (unit, sizes)) in enumerate(wanted.items(), start=1):
-        options = {**sizes, **form}
+    for number, (name, (unit, sizes, values)) in enumerate(wanted.items(), start=1):
+        options = {**sizes, **form, **values}
         files.append(_written(output / name, lambda to, u=unit, o=options: build(u, to, **o)))  # type: ignore[misc]
         rows.append((unit, ", ".join(f"{key} = {value}" for key, value in sizes.items()) or "-"))
         if progress:
@@ -89,27 +94,31 @@ def build_files(
 
 def _wanted(
     scene: Scene | None, python: bool
-) -> tuple[dict[str, tuple[str, dict[str, Any]]], list[str]]:
-    """File name -> unit and options; and the units that the scene does without."""
+) -> tuple[dict[str, tuple[str, dict[str, Any], dict[str, Any]]], list[str]]:
+    """File name -> unit, its options and values; and the units that the scene does without."""
     if scene is None:
         kinds = [unit for unit in CATALOGUE if not (python and CATALOGUE[unit].native)]
-        return {f"{unit}.fmu": (unit, {}) for unit in kinds}, [
+        return {f"{unit}.fmu": (unit, {}, {}) for unit in kinds}, [
             f"{unit} (native only)" for unit in CATALOGUE if unit not in kinds
         ]
-    from .plan import plan
+    from .plan import about, plan
+    from .start import start_values
 
-    units = plan(scene).units
-    wanted = {unit.file_name: (unit.model, dict(unit.sizes)) for unit in units}
+    units, start = plan(scene).units, {} if python else start_values(scene)
+    wanted = {}
+    for unit in units:
+        made = {"start": start[unit.name], "about": about(unit, scene)} if start else {}
+        # equal units differ in their values
+        name = unit.file_name if unit.file_name not in wanted else f"{unit.name}.fmu"
+        wanted[name] = (unit.model, dict(unit.sizes), made)
     used = {unit.model for unit in units}
     return wanted, [f"{unit} (none in the scene)" for unit in CATALOGUE if unit not in used]
 
 
-def _build_one_file(scene: Scene, output: Path, fmi: int, platforms: list[str] | None) -> Built:
+def _build_one_file(scene: Scene, output: Path, form: dict[str, Any]) -> Built:
     from .one_file import build_one_file
 
-    path = _written(
-        output / f"{scene.name}.fmu", lambda to: build_one_file(scene, to, fmi, platforms)
-    )
+    path = _written(output / f"{scene.name}.fmu", lambda to: build_one_file(scene, to, **form))
     parts = ", ".join(["rotor", *(balancer.label for balancer in scene.balancer)])
     return Built("Scene built", ("units", "coupling"), (path,), ((parts, scene.coupling.scheme),))
 

@@ -36,6 +36,13 @@ def command(
     one_file: Annotated[
         bool, options.one_file("The scene's units and their coupling as a single FMU.")
     ] = False,
+    plain: Annotated[
+        bool, typer.Option("--plain", help="With --one-file: without slopes and coupling figures.")
+    ] = False,
+    flat: Annotated[
+        bool,
+        typer.Option("--flat-names", help="With --one-file: rotor_plane_1_F_x, without dots."),
+    ] = False,
     ssp: Annotated[
         bool, typer.Option("--ssp", help="The scene as a system structure package, ready to run.")
     ] = False,
@@ -45,6 +52,7 @@ def command(
     from .build import build_files
 
     form: dict[str, Any] = {"python": python, "one_file": one_file, "ssp": ssp}
+    form |= {"plain": plain, "flat": flat}
     if scene is None and changes:
         raise UserError("--set: give the scene in which the value is to be replaced")
     loaded = None if scene is None else changed_scene(scene, changes)

@@ -16,6 +16,7 @@ from ..scene import Scene
 from ..scene.balancer import Balancer
 from ..scene.run import Motor
 from .names import AXES, components, plane, stations
+from .schedule import end_time, step_size
 
 ROTOR, MOTOR = "rotor", "motor"
 Kind = Literal["signal", "value", "mass", "torque", "spin"]
@@ -172,6 +173,12 @@ def plan(scene: Scene, frame: str = "rotor", order: int | None = None) -> Plan:
         connections += _shaft(units)
         units.append(_motor(motor, scene.run.initial.angle))
     return Plan(tuple(units), tuple(connections), number, AXES[frame], scale)
+
+
+def about(unit: UnitPlan, scene: Scene) -> dict[str, Any]:
+    """What the description of a unit with a scene's start values says."""
+    said = f"{unit.model} with the values of {unit.name} in: {scene.heading}"
+    return {"summary": said, "stop": end_time(scene), "step": step_size(scene)}
 
 
 def _motor(motor: Motor, angle: float) -> UnitPlan:

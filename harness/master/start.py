@@ -2,8 +2,17 @@
 
 from __future__ import annotations
 
+from ..scene import Scene
 from .cosimulation import CoSimulation
 from .plan import ROTOR
+
+
+def start_values(scene: Scene) -> dict[str, dict[str, float | bool]]:
+    """Parameters, and inputs at a consistent start, of every unit of a scene."""
+    with CoSimulation(scene) as cosim:
+        cosim.start()
+        held = start_inputs(cosim)
+        return {unit.name: {**unit.start, **held.get(unit.name, {})} for unit in cosim.plan.units}
 
 
 def start_inputs(cosim: CoSimulation) -> dict[str, dict[str, float]]:

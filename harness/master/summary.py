@@ -110,7 +110,7 @@ def summarise(result: Result, scene: Scene) -> Summary:
     speed = _speed_at_end(result, scene)
     alone, reason = None, ""
     try:
-        alone = _alone(scene, speed)
+        alone = vibration_alone(scene, speed)
         reason = "" if alone or not called else "the rotor has no unbalance"
     except NoResponse as error:
         reason = str(error)
@@ -147,7 +147,7 @@ def _speed_at_end(result: Result, scene: Scene) -> float:
     return scene.profile().speed(float(result.time[-1]))
 
 
-def _alone(scene: Scene, speed: float) -> float:
+def vibration_alone(scene: Scene, speed: float) -> float:
     """Largest distance of a station of the rotor without balancers from the middle [m]."""
     x, y = unbalance_response(scene.assembly().rotor, [speed])[0]
     squares = 0.5 * (np.abs(x) ** 2 + np.abs(y) ** 2 + np.abs(x**2 + y**2))  # longer half axis

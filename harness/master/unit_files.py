@@ -57,14 +57,14 @@ def find_or_build(
 
 
 def _found(unit: UnitPlan, fmus: Path) -> Path:
-    candidates = [fmus / unit.file_name, fmus / f"{unit.model}.fmu"]
+    candidates = [fmus / f"{name}.fmu" for name in (unit.name, unit.file_name[:-4], unit.model)]
     for candidate in candidates:
         if candidate.is_file():
             refuse_other_build(candidate, unit)
             return candidate
     raise UnitError(
-        f"{fmus}: no FMU for {unit.name!r}: expected {candidates[0].name} or "
-        f"{candidates[1].name}; `autobalancer build -o {fmus} SCENE` makes them"
+        f"{fmus}: no FMU for {unit.name!r}: expected {candidates[1].name} or "
+        f"{candidates[2].name}; `autobalancer build -o {fmus} SCENE` makes them"
     )
 
 

@@ -110,9 +110,9 @@ def test_a_tool_that_repeats_discarded_steps_ends_too(tmp_path, fmi):
 WRONG = [
     ({"coupling.steps_per_rev": 0.0}, "coupling.steps_per_rev"),
     ({"coupling.steps_per_rev": -1.0}, "coupling.steps_per_rev = -1.0: must be"),
-    ({"coupling.steps_per_rev": 3.0}, "coupling.steps_per_rev: must be 0 (not used) or a whole"),
-    ({"coupling.steps_per_rev": 20.5}, "coupling.steps_per_rev: must be 0 (not used) or a whole"),
-    ({"coupling.steps_per_rev": 0.0, "coupling.tolerance": 0.11}, "must be at most 0.1"),
+    ({"coupling.steps_per_rev": 3.0}, "coupling.steps_per_rev: must be 0 (not used) or at least 4"),
+    ({"coupling.steps_per_rev": 30.0, "coupling.tolerance": 1e-4}, "one must be above 0; set only"),
+    ({"coupling.tolerance": 0.11}, "must be at most 0.1"),
     ({"speed": 0.0, "coupling.top_speed": 0.0}, "coupling.top_speed: must be above 0 rad/s"),
     ({"rotor.mass": 0.0}, "rotor.mass = 0.0 kg: must be a finite number above 0 kg"),
     ({"weights.kappa": 0.5}, "weights.kappa = 0.5: must be a finite number, at least 1"),

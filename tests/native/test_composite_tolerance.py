@@ -35,20 +35,28 @@ def test_the_tool_may_ask_as_often_as_it_likes(instance, parts, tolerance):
 
 
 def test_the_file_takes_steps_or_a_tolerance_whatever_it_was_built_with(instance):
-    scene = loose("two_balls", 1e-4, 1)
-    host = instance(scene)
-    both = host.refused(lambda: host.begin({"coupling.steps_per_rev": 20.0}))
-    assert "one must be above 0, and the other 0" in both
-    host.slave.reset()
-    fixed = {"coupling.steps_per_rev": 20.0, "coupling.tolerance": 0.0}
-    host.begin(fixed).step(2.0 * math.pi / 3.0)
-    assert host.get("coupling.steps") == [20.0]
+    """Setting one of them is enough; a number of steps need not be whole."""
+    one = 2.0 * math.pi / 3.0
+    for built, given in ((1e-4, 20.0), (1e-4, 20.5)):
+        host = instance(loose("two_balls", built, 1)).begin({"coupling.steps_per_rev": given})
+        host.step(one)
+        assert host.get("coupling.steps", "coupling.tolerance") == [math.ceil(given), 0.0]
+    seen = []
+    fixed = load_scene("two_balls").replace({"coupling.steps_per_rev": 40})
+    for scene, given in (
+        (fixed, {"coupling.tolerance": 1e-4}),
+        (fixed, {"coupling.tolerance": 1e-4, "coupling.steps_per_rev": 0.0}),
+    ):
+        host = instance(scene).begin(given)
+        host.step(one)
+        assert host.get("coupling.steps")[0] != 40.0
+        seen.append(host.outputs())
+    assert seen[0] == seen[1]
 
 
 def test_a_scheme_that_keeps_no_tolerance_says_so(instance):
     host = instance(load_scene("goncharov_balls"))
-    values = {"coupling.steps_per_rev": 0.0, "coupling.tolerance": 1e-4}
-    assert "which keeps none" in host.refused(lambda: host.begin(values))
+    assert "which keeps none" in host.refused(lambda: host.begin({"coupling.tolerance": 1e-4}))
 
 
 @pytest.mark.parametrize("resistance", [0.0, 1e-3])

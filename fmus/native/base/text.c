@@ -203,3 +203,18 @@ int text_digit(char c)
            : c >= 'A' && c <= 'F' ? c - 'A' + 10
                                   : 16;
 }
+
+const char *text_after(const char *text, const char *begin)
+{
+    const size_t length = text_length(begin);
+    return strncmp(text, begin, length) ? NULL : text + length;
+}
+
+const char *text_whole(const char *at, int base, uint64_t *value)
+{
+    *value = 0;
+    for (; text_digit(*at) < base; at++) {
+        *value = *value * (uint64_t)base + (uint64_t)text_digit(*at);
+    }
+    return at;
+}

@@ -31,6 +31,10 @@ void text_list(Text *text, const double *values, size_t count);
 
 size_t text_length(const char *words);
 int text_equal(const char *a, const char *b);
+/* Where a text goes on behind what it begins with, or NULL. */
+const char *text_after(const char *text, const char *begin);
+/* A whole number in digits of a base, and where the text goes on. */
+const char *text_whole(const char *at, int base, uint64_t *value);
 /* Value of a hexadecimal digit; 16 for any other letter. */
 int text_digit(char c);
 

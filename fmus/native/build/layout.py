@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import re
 import struct
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
@@ -135,6 +135,34 @@ def token(unit: SizedUnit, stamp: str) -> str:
     """
     words = [unit.name, *(f"{key}={value}" for key, value in unit.options.items())]
     return "/".join([*words, f"{digest(unit.layout)}-{stamp}"])
+
+
+def start_entries(layout: Layout, start: Mapping[str, float | bool], end: int) -> list[str]:
+    """Entries `start=` and `flags=` of a token's text: variables below a value reference."""
+    values = [
+        f"{layout.index[name]}:{bits(value)}"
+        for name, value in start.items()
+        if layout.index.get(name, end) < end
+    ]
+    flags = [str(layout.boolean_index[k]) for k, v in start.items() if v is True]
+    return [f"{key}={','.join(v)}" for key, v in (("start", values), ("flags", flags)) if v]
+
+
+def start_values(layout: Layout, text: str) -> dict[str, float | bool]:
+    """What a token's text says by `start_entries`."""
+    entries = dict(entry.split("=", 1) for entry in text.split(";")[1:])
+    start: dict[str, float | bool] = {}
+    for pair in filter(None, entries.get("start", "").split(",")):
+        reference, value = pair.split(":")
+        start[layout.reals[int(reference)].name] = struct.unpack(">d", bytes.fromhex(value))[0]
+    for flag in filter(None, entries.get("flags", "").split(",")):
+        start[layout.booleans[int(flag)].name] = True
+    return start
+
+
+def identity_of(text: str) -> str:
+    """GUID or instantiation token of an FMU that has the text among its resources."""
+    return f"{re.split('[/;]', text, maxsplit=1)[0]}/{hashed(text)}"
 
 
 def digest(layout: Layout, text: str = "") -> str:

@@ -22,13 +22,13 @@ static size_t signal_doubles(size_t count)
 
 size_t composite_memory(Composite *c, double *memory)
 {
-    enum { BLOCKS = 11 };
+    enum { BLOCKS = 12 };
     const size_t e = (size_t)c->unknowns, p = (size_t)c->planes;
     const size_t outer = 2 * (size_t)c->parts->unit->layout.sizes.planes, o = (size_t)c->orders;
     const size_t counts[BLOCKS] = {
         sizeof(Course) / sizeof(double), outer, signal_doubles(e), signal_doubles(p),
         o * o * e * e, o * o * e * (e + p), o * (e + p), p * sizeof(Swung) / sizeof(double), c->state_count,
-        c->state_count, c->state_count};
+        c->state_count, verdict_doubles(c), c->state_count};
     size_t at[BLOCKS], total = 0, state;
     int k;
     for (k = 0; k < BLOCKS; k++) {
@@ -56,7 +56,8 @@ size_t composite_memory(Composite *c, double *memory)
         c->swung = (Swung *)(memory + at[7]);
         c->at_begin = memory + at[8];
         c->at_end = memory + at[9];
-        c->states = memory + at[10];
+        c->extent = memory + at[10];
+        c->states = memory + at[11];
     }
     return total;
 }
@@ -102,18 +103,33 @@ static int refuse_coupling(Unit *unit, const char *why)
     return 1;
 }
 
+/* Let the one of tolerance and steps count that a host has set; the other is 0 then, which is what a
+   host reads. */
+static void choose_given(Unit *unit)
+{
+    const Composite *c = unit->own;
+    const size_t given[] = {c->tolerance, c->steps_per_rev};
+    int k;
+    for (k = 0; k < 2 && unit->real[c->tolerance] > 0.0; k++) {
+        if (unit->real[given[1 - k]] > 0.0 && unit->real[given[k]] == unit->starts[given[k]]) {
+            unit->real[given[k]] = 0.0;
+        }
+    }
+}
+
 static int composite_parameters(Unit *unit)
 {
     Composite *c = unit->own;
-    const double steps = unit->real[c->steps_per_rev];
+    double steps;
     int k;
+    choose_given(unit);
+    steps = unit->real[c->steps_per_rev];
     if ((unit->real[c->tolerance] > 0.0) == (steps > 0.0)) {
-        return refuse_coupling(unit, "coupling.tolerance, coupling.steps_per_rev: one must be above 0, and "
-                            "the other 0 (not used)");
+        return refuse_coupling(unit, "coupling.tolerance, coupling.steps_per_rev: one must be above 0; set "
+                            "only that one");
     }
-    if (steps > 0.0 && !(steps >= FEWEST_STEPS && steps == nearest(steps))) {
-        return refuse_coupling(unit, "coupling.steps_per_rev: must be 0 (not used) or a whole number, at "
-                            "least 4");
+    if (steps > 0.0 && !(steps >= FEWEST_STEPS)) {
+        return refuse_coupling(unit, "coupling.steps_per_rev: must be 0 (not used) or at least 4");
     }
     if (unit->real[c->tolerance] > LOOSEST) {
         return refuse_coupling(unit, "coupling.tolerance: must be at most 0.1");
@@ -279,6 +295,7 @@ static int start(Unit *unit)
     if (course->adaptive.allowed > 0.0) {
         adaptive_begin(unit);
     }
+    verdict_begin(c);
     course->clock.started = 1.0;
     return 0;
 }
@@ -426,6 +443,7 @@ int composite_go_on(Unit *unit)
         return 1;
     }
     course->clock.time += course->clock.length;
+    verdict_follow(c, c->motor ? shaft_speed(c) : composite_speed(c, course->clock.time), course->clock.length);
     course->total.steps += crosses || strikes ? 0.0 : 1.0;
     return adapts ? 0 : startup_taken(unit, strikes);
 }
@@ -584,6 +602,8 @@ static void composite_observe(Unit *unit)
     results[2] = c->course->total.steps;
     results[3] = c->course->total.error;
     results[4] = c->course->total.unconverged;
+    results[VIBRATION] = verdict_vibration(c);
+    verdict_unbalance(c, results + RESIDUAL, results + RESIDUAL + 1);
 }
 
 static void composite_observe_torques(Unit *unit)
@@ -622,6 +642,12 @@ static size_t composite_signals(const Layout *layout, size_t *first)
     return 0;
 }
 
+static int composite_verdict(const Unit *unit)
+{
+    const Composite *c = unit->own;
+    return c->course->vibration.last > 0.0 && unit->real[c->results + VIBRATION] <= unit->real[c->limit];
+}
+
 static int composite_slope(Unit *unit, size_t reference, double *value)
 {
     (void)unit;
@@ -635,4 +661,4 @@ const Equations COMPOSITE_EQUATIONS = {
     .parameters = composite_parameters, .begin = composite_begin, .step = composite_step_unit,
     .outputs = composite_outputs, .observe = composite_observe,
     .observe_torques = composite_observe_torques, .is_torque = composite_is_torque,
-    .signals = composite_signals, .slope = composite_slope};
+    .signals = composite_signals, .slope = composite_slope, .verdict = composite_verdict};

@@ -15,6 +15,7 @@
 typedef enum { SCHEME_AUTO, SCHEME_ITERATED, SCHEME_COMPENSATED } Scheme;
 
 enum { UNTIL_CONVERGED = -1 }; /* corrections */
+enum { VIBRATION = 5, RESIDUAL = 6 }; /* of the outputs from `results` on; the capacity in use is behind */
 #define QUINTIC_MISS_PER_ERROR 1120.0 /* as MISS_PER_ERROR: (2 h)^3 h^3/720 over h^6/100800 */
 
 /* Value and slope of a signal at one point, and of a quintic its second derivative, else 0. */
@@ -127,6 +128,12 @@ typedef struct {
     double steps, passes, unconverged, worst_left, error; /* worst_left: residual of those */
 } Totals;
 
+/* Of verdict.c: half the largest extent of a station in the last complete revolution [m], and how far the
+   rotor has turned in this one [rad]. */
+typedef struct {
+    double last, turned;
+} Vibration;
+
 /* What changes while stepping, apart from signals and units; doubles alone, as the state is. */
 typedef struct {
     Clock clock;
@@ -139,6 +146,7 @@ typedef struct {
     Adaptation adaptive;
     Resolution resolution;
     Totals total;
+    Vibration vibration;
 } Course;
 
 /* What the acceleration of a plane moves: speed, place and errors of the last revolution. */
@@ -175,7 +183,7 @@ typedef struct {
     int *rotor_planes;     /* (planes,) which they are of the rotor's */
     Scheme scheme;
     int corrections; /* as given */
-    size_t tolerance, steps_per_rev, fewest, top_speed, rise; /* value references of the coupling's parameters, */
+    size_t tolerance, steps_per_rev, fewest, top_speed, limit, rise; /* value references of the coupling's parameters, */
     size_t corner_count;                        /* of time and speed behind the last */
     size_t drive, outer;                        /* of speed (no motor) and forces from outside, */
     size_t results;                             /* and of the coupling's outputs */
@@ -183,6 +191,7 @@ typedef struct {
     int loop_failed;                            /* whether the last failure was that of the loop */
     /* in the unit's memory */
     Course *course;
+    double *extent;       /* (2 n, 2) least and largest x, y of n stations in this revolution [m] */
     double *outer_forces; /* (rotor's planes, 2) as told last [N] */
     Signal *forces, *accelerations; /* (unknowns,), (planes,) */
     double *learned;  /* (o e, o e) for e unknowns and o orders: `solution` before an event */
@@ -208,9 +217,6 @@ typedef struct {
 /* -- token.c ----------------------------------------------------------------------- */
 
 int composite_named(const char *token);
-/* Whether a token is the identity alone, and the identity of a composite whose text this is. */
-int composite_abbreviated(const char *token);
-void composite_identity(const char *text, Text *identity);
 /* Parts, layout and start values of a composite; 1 with the reason. */
 int composite_build(Unit *unit, const char *token);
 
@@ -401,6 +407,17 @@ void contacts_begin(Unit *unit);
 int contacts_strike(Unit *unit);
 /* One brief step; its length in course->clock.length. */
 int contacts_step(Unit *unit);
+
+/* -- verdict.c ------------------------------------------------------------------------- */
+
+size_t verdict_doubles(const Composite *c);
+void verdict_begin(Composite *c);
+/* Look at the step just taken, at this speed. */
+void verdict_follow(Composite *c, double speed, double step);
+double verdict_vibration(const Composite *c);
+/* Static unbalance of rotor and weights together [kg m]; the largest share that a balancer uses of what
+   its weights can supply. */
+void verdict_unbalance(const Composite *c, double *left, double *used);
 
 /* -- startup.c ------------------------------------------------------------------------ */
 

@@ -183,7 +183,8 @@ int composite_asked(const Unit *unit, const Part *part)
     const size_t count = layout->real_count - layout->computed.first;
     size_t k;
     for (k = 0; k < unit->asked_count && unit->asked; k++) {
-        if (unit->asked[k] - part->observed < count) {
+        if (unit->asked[k] - part->observed < count ||
+            unit->asked[k] - ((const Composite *)unit->own)->results - RESIDUAL < 2) {
             return 1;
         }
     }

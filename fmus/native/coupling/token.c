@@ -18,22 +18,6 @@ enum { NAME_SIZE = 128, MOST_UNITS = 1000 };
 
 static const char STOP[] = "stop_at_contact"; /* flag of a unit */
 
-/* Where a text goes on behind what it begins with, or NULL. */
-static const char *text_after(const char *text, const char *begin)
-{
-    const size_t length = text_length(begin);
-    return strncmp(text, begin, length) ? NULL : text + length;
-}
-
-/* Where the next entry begins, or NULL. */
-static const char *next(const char *at)
-{
-    while (*at && *at != ';') {
-        at++;
-    }
-    return *at ? at + 1 : NULL;
-}
-
 static int has(const char *word, char letter)
 {
     while (*word && *word != letter) {
@@ -45,17 +29,6 @@ static int has(const char *word, char letter)
 int composite_named(const char *token)
 {
     return token && text_after(token, "Composite;");
-}
-
-int composite_abbreviated(const char *token)
-{
-    return token && text_after(token, "Composite/");
-}
-
-void composite_identity(const char *text, Text *identity)
-{
-    text_put(identity, "Composite/");
-    text_hexadecimal(identity, hash_bytes(hash_start(), text, text_length(text)));
 }
 
 static int refuse_composition(Unit *unit, const char *why)
@@ -78,50 +51,6 @@ static const char *word(const char *at, char end, char other, char *copy, size_t
     }
     copy[length] = 0;
     return at + length + (at[length] == end);
-}
-
-/* A whole number in digits of a base, and where the text goes on. */
-static const char *parse_number(const char *at, int base, uint64_t *value)
-{
-    *value = 0;
-    for (; text_digit(*at) < base; at++) {
-        *value = *value * (uint64_t)base + (uint64_t)text_digit(*at);
-    }
-    return at;
-}
-
-/* Start values "3:<bits>,5:<bits>" into an array; 1 where they are none. */
-static int read_starts(const char *at, double *starts, size_t count)
-{
-    for (;;) {
-        uint64_t reference, bits;
-        at = parse_number(at, 10, &reference);
-        if (*at != ':' || reference >= count) {
-            return 1;
-        }
-        at = parse_number(at + 1, 16, &bits);
-        memcpy(starts + reference, &bits, sizeof bits);
-        if (*at != ',') {
-            return *at != ';';
-        }
-        at++;
-    }
-}
-
-static int read_flags(const char *at, Unit *part)
-{
-    for (;;) {
-        uint64_t flag;
-        at = parse_number(at, 10, &flag);
-        if (flag >= part->layout.boolean_count) {
-            return 1;
-        }
-        part->boolean[flag] = 1;
-        if (*at != ',') {
-            return *at != ';';
-        }
-        at++;
-    }
 }
 
 /* A part's own message under the composite's name. */
@@ -147,7 +76,7 @@ static int reference(const Unit *part, const char *name)
 static int make_part(Unit *unit, Part *part, const char *name, const char *token)
 {
     Unit *made = unit_allocate(unit, 1, sizeof *made);
-    int k, wrong;
+    int wrong;
     if (!made) {
         return refuse_composition(unit, "there is not enough memory");
     }
@@ -164,9 +93,6 @@ static int make_part(Unit *unit, Part *part, const char *name, const char *token
     if (wrong) {
         return refuse_composition(unit, made->reason.at);
     }
-    for (k = 0; k < made->layout.table->flag_count; k++) {
-        made->boolean[k] = (unsigned char)made->layout.table->flags[k].start;
-    }
     return 0;
 }
 
@@ -178,7 +104,7 @@ static int read_part(Unit *unit, Part *part, const char *at)
     const int first = part == c->parts;
     uint64_t plane;
     at = word(at, ',', ';', name, sizeof name);
-    at = at ? parse_number(at, 10, &plane) : NULL;
+    at = at ? text_whole(at, 10, &plane) : NULL;
     at = at && *at == ',' ? word(at + 1, ',', ';', connections, sizeof connections) : NULL;
     at = at ? word(at, ';', ';', token, sizeof token) : NULL;
     if (!at) {
@@ -239,7 +165,7 @@ static int read_parts(Unit *unit, const char *at, const char **own, const char *
 {
     Composite *c = unit->own;
     uint64_t passes;
-    for (; at; at = next(at)) {
+    for (; at; at = token_next(at)) {
         Part *part = c->part_count ? c->parts + c->part_count - 1 : NULL;
         int wrong = 0;
         const char *value;
@@ -248,20 +174,20 @@ static int read_parts(Unit *unit, const char *at, const char **own, const char *
         } else if ((value = text_after(at, "corrections="))) {
             c->corrections = UNTIL_CONVERGED;
             if (*value != '-') {
-                parse_number(value, 10, &passes);
+                text_whole(value, 10, &passes);
                 c->corrections = (int)(passes & 127);
             }
         } else if ((value = text_after(at, "corners="))) {
-            wrong = *parse_number(value, 10, &passes) != ';' || passes > MOST_REALS;
+            wrong = *text_whole(value, 10, &passes) != ';' || passes > MOST_REALS;
             c->corner_count = (size_t)passes;
         } else if ((value = text_after(at, "part="))) {
             if (read_part(unit, c->parts + c->part_count++, value)) {
                 return 1;
             }
         } else if ((value = text_after(at, "start=")) && part) {
-            wrong = read_starts(value, part->unit->starts, part->unit->layout.parameters.count);
+            wrong = token_starts(value, part->unit->starts, part->unit->layout.parameters.count);
         } else if ((value = text_after(at, "flags=")) && part) {
-            wrong = read_flags(value, part->unit);
+            wrong = token_flags(value, part->unit->boolean, part->unit->layout.boolean_count);
         } else if ((value = text_after(at, "own="))) {
             *own = value;
         } else if ((value = text_after(at, "id="))) {
@@ -328,7 +254,8 @@ static void lay_out_variables(Unit *unit, const Layout *own, const double *start
     c->steps_per_rev = at + 1;
     c->fewest = at + 2;
     c->top_speed = at + 3;
-    c->rise = c->motor ? 0 : at + 4;
+    c->limit = at + 4;
+    c->rise = c->motor ? 0 : at + 5;
     at = copy_variables(unit, at, NULL, own, starts, 0, own->parameters.count);
     layout->parameters.count = layout->inputs.first = c->drive = at;
     c->outer = at + (c->motor ? 0 : 2);
@@ -407,7 +334,7 @@ static int describe(Unit *unit, const char *own_starts)
     }
     own = layout_in(reals, table, &sizes);
     layout_starts(&own, starts);
-    if (read_starts(own_starts, starts, own.computed.first)) {
+    if (token_starts(own_starts, starts, own.computed.first)) {
         return refuse_composition(unit, "it has start values of variables that are not its own");
     }
     lay_out_variables(unit, &own, starts);
@@ -422,7 +349,7 @@ int composite_build(Unit *unit, const char *token)
     uint64_t hash;
     Composite *c;
     size_t count = 0;
-    for (at = token; at; at = next(at)) {
+    for (at = token; at; at = token_next(at)) {
         count += text_after(at, "part=") != NULL;
     }
     unit->equations = &COMPOSITE_EQUATIONS;
@@ -451,7 +378,7 @@ int composite_build(Unit *unit, const char *token)
         return 1;
     }
     text = text_in(unit->token, sizeof unit->token);
-    composite_identity(token, &text);
+    token_identity(token, &text);
     unit->memory_count = composite_memory(c, NULL);
     return 0;
 }

@@ -5,12 +5,23 @@
 #include "base/signals.h"
 #include "fmi/unit.h"
 
+/* Part of a parameter by which it is moved: a difference of order 4 then errs by 1e-12. */
+static const double PARAMETER_REACH = 1e-3;
+
 /* The signal inputs' values, of which the derivatives follow in blocks of the same size. */
 static Range signal_values(const Unit *unit)
 {
     Range range;
     range.count = unit->equations->signals(&unit->layout, &range.first);
     return range;
+}
+
+static Range outputs_of(const Layout *layout)
+{
+    Range outputs;
+    outputs.first = layout->computed.first;
+    outputs.count = layout->real_count - outputs.first;
+    return outputs;
 }
 
 static int within(size_t reference, Range range)
@@ -84,32 +95,29 @@ Status unit_set_derivatives(Unit *unit, const unsigned *references, size_t count
 
 /* -- of outputs by time ---------------------------------------------------------------------- */
 
-/* The first derivative of an output; 1 when the unit has none. */
+/* The first derivative of an output; 0, as both standards have it, where the unit does not know it. */
 static int derivative_of(Unit *unit, size_t reference, double *value)
 {
-    Range signals = unit->layout.computed;
-    signals.count = signal_values(unit).count;
-    if (within(reference, signals)) {
-        *value = unit->real[reference + signals.count];
-        return 0;
-    }
-    if (reference < signals.first + (size_t)(unit->layout.sizes.order + 1) / 2 * signals.count) {
-        return 1;
-    }
-    return unit->equations->slope(unit, reference, value);
+    const size_t block = signal_values(unit).count;
+    Range known = unit->layout.computed, all = known;
+    all.count = (size_t)(unit->layout.sizes.order + 1) / 2 * block;
+    known.count = all.count - block;
+    *value = within(reference, known) ? unit->real[reference + block] : 0.0;
+    return within(reference, all) ? 0 : unit->equations->slope(unit, reference, value);
 }
 
 Status unit_get_derivatives(Unit *unit, const unsigned *references, size_t count,
                             const int *orders, double *values)
 {
     const char *what = "reading an output's derivative failed";
+    const Range outputs = outputs_of(&unit->layout);
     size_t k;
     if (unit_refresh(unit, OBSERVED)) {
         return unit_report(unit, STATUS_ERROR, what);
     }
     for (k = 0; k < count; k++) {
         const int known = references[k] < unit->layout.real_count;
-        if (!known || orders[k] != 1 || derivative_of(unit, references[k], values + k)) {
+        if (!within(references[k], outputs) || orders[k] != 1) {
             Text *reason = unit_reason(unit);
             if (known) {
                 layout_name(&unit->layout, references[k], reason);
@@ -118,14 +126,17 @@ Status unit_get_derivatives(Unit *unit, const unsigned *references, size_t count
             }
             text_put(reason, known && orders[k] != 1
                                  ? ": the order of an output's derivative must be 1"
-                                 : ": has no derivative to be read");
+                                 : ": is no output");
+            return unit_report(unit, STATUS_ERROR, what);
+        }
+        if (derivative_of(unit, references[k], values + k)) {
             return unit_report(unit, STATUS_ERROR, what);
         }
     }
     return STATUS_OK;
 }
 
-/* -- of outputs by inputs -------------------------------------------------------------------- */
+/* -- of outputs by inputs and parameters -------------------------------------------------------------------- */
 
 /* How far beside an input the outputs are computed: where they are cubics of it, as most are,
    differences of order 4 are exact, and err by rounding the less the farther.  Elsewhere they err by
@@ -134,18 +145,13 @@ static double reach_of(const Unit *unit, size_t input)
 {
     const char *name = unit->layout.reals[input].declared->name;
     const double size = larger(1.0, absolute(unit->real[input]));
+    if (within(input, unit->layout.parameters)) {
+        return PARAMETER_REACH * (unit->real[input] != 0.0 ? absolute(unit->real[input]) : 1.0);
+    }
     if (unit->equations->reach) {
         return unit->equations->reach(unit, input);
     }
     return text_equal(name, "angle") ? 1e-3 : text_equal(name, "plane[#].added_mass") ? 1e-3 * size : size;
-}
-
-static Range outputs_of(const Layout *layout)
-{
-    Range outputs;
-    outputs.first = layout->computed.first;
-    outputs.count = layout->real_count - outputs.first;
-    return outputs;
 }
 
 /* Add so many times the outputs with an input `by` more to unit->beside. */
@@ -156,7 +162,7 @@ static int add_beside(Unit *unit, size_t input, double by, double times)
     size_t k;
     int wrong;
     memcpy(unit->memory, unit->before, unit->memory_count * sizeof(double));
-    unit->stale = COMPUTED;
+    unit->stale = within(input, unit->layout.parameters) ? BEGINNING : COMPUTED;
     unit->real[input] = present + by;
     wrong = unit_refresh(unit, FRESH);
     unit->real[input] = present;
@@ -166,7 +172,27 @@ static int add_beside(Unit *unit, size_t input, double by, double times)
     return wrong;
 }
 
-/* Add the change of all outputs by an input to unit->change. */
+/* The same with a parameter: of points ahead alone where one behind is not allowed.  0 for one that may
+   not move, such as the number of a support or the place of a station. */
+static int add_parameter_beside(Unit *unit, size_t parameter, double reach)
+{
+    static const double ahead[] = {-22.0, 36.0, -18.0, 4.0}, around[] = {1.0, -8.0, 8.0, -1.0};
+    const size_t count = outputs_of(&unit->layout).count;
+    const double present = unit->real[parameter];
+    Text problem = text_in(unit->message_buffer, sizeof unit->message_buffer);
+    const int one_sided = layout_problem(&unit->layout, parameter, present - 2.0 * reach, &problem);
+    int k;
+    memset(unit->beside, 0, count * sizeof(double));
+    for (k = 0; k < 4; k++) {
+        const double by = one_sided ? k : k < 2 ? k - 2 : k - 1;
+        if (add_beside(unit, parameter, by * reach, one_sided ? ahead[k] : around[k])) {
+            return 0;
+        }
+    }
+    return 1;
+}
+
+/* Add the change of all outputs by an input or parameter to unit->change. */
 static int add_change(Unit *unit, size_t input, double seed)
 {
     const double reach = reach_of(unit, input);
@@ -176,7 +202,11 @@ static int add_change(Unit *unit, size_t input, double seed)
     if (!(reach > 0.0)) {
         return 0;
     }
-    if (add_beside(unit, input, reach, 8.0) || add_beside(unit, input, -reach, -8.0) ||
+    if (within(input, unit->layout.parameters)) {
+        if (!add_parameter_beside(unit, input, reach)) {
+            memset(unit->beside, 0, count * sizeof(double));
+        }
+    } else if (add_beside(unit, input, reach, 8.0) || add_beside(unit, input, -reach, -8.0) ||
         add_beside(unit, input, 2.0 * reach, -1.0) || add_beside(unit, input, -2.0 * reach, 1.0)) {
         return 1;
     }
@@ -192,8 +222,7 @@ static int find_change(Unit *unit, const unsigned *knowns, size_t count, const d
     const Range outputs = outputs_of(&unit->layout);
     const size_t size = outputs.count * sizeof(double);
     const size_t memory = unit->memory_count * sizeof(double);
-    const int stale = unit->stale;
-    int wrong;
+    int wrong, stale = unit->stale;
     size_t k;
     memcpy(unit->kept, unit->real + outputs.first, size);
     memcpy(unit->before, unit->memory, memory);
@@ -202,7 +231,10 @@ static int find_change(Unit *unit, const unsigned *knowns, size_t count, const d
     wrong = unit_refresh(unit, FRESH);
     unit->frozen = 1;
     for (k = 0; k < count && !wrong; k++) {
-        wrong = add_change(unit, knowns[k], seed[k]);
+        if (seed[k] != 0.0) {
+            wrong = add_change(unit, knowns[k], seed[k]);
+            stale = within(knowns[k], unit->layout.parameters) ? BEGINNING : stale;
+        }
     }
     memcpy(unit->real + outputs.first, unit->kept, size);
     memcpy(unit->memory, unit->before, memory);
@@ -223,8 +255,9 @@ static const char *wrong_sides(const Unit *unit, Range outputs, const unsigned *
         return "a unit with signals of order 5 gives none";
     }
     for (k = 0; k < known_count; k++) {
-        if (!within(knowns[k], unit->layout.inputs)) {
-            return "knowns must be inputs";
+        if (!within(knowns[k], unit->layout.inputs) &&
+            !(unit->phase == INITIALISING && within(knowns[k], unit->layout.parameters))) {
+            return "knowns must be inputs, before the end of initialisation also parameters";
         }
     }
     for (k = 0; k < unknown_count; k++) {

@@ -106,7 +106,7 @@ EXPORT fmi3Status fmi3Reset(fmi3Instance instance)
 
 static size_t time_reference(const Unit *unit)
 {
-    return unit->layout.real_count + unit->layout.boolean_count;
+    return unit->layout.real_count + (size_t)unit->layout.table->flag_count;
 }
 
 /* As front_allowed, for as many values as value references. */

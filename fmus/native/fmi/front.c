@@ -3,17 +3,17 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "coupling/composite.h"
 #include "fmi/resource.h"
 #include "fmi/state.h"
+#include "fmi/token.h"
 
-/* The text that a composite's identity is the hash of; NULL with the reason. */
+/* The text that an identity is the hash of; NULL with the reason. */
 static char *composition(const char *token, const char *resources, Text *reason)
 {
     char expected[TOKEN_SIZE], *text = resource_text(resources, COMPOSITION, reason);
     Text identity = text_in(expected, sizeof expected);
     if (text) {
-        composite_identity(text, &identity);
+        token_identity(text, &identity);
         if (!text_equal(expected, token)) {
             text_put(reason, "resources: " COMPOSITION ": its identity is ");
             text_put(reason, expected);
@@ -32,7 +32,7 @@ static Unit *instantiate(const char *name, const char *token, const char *resour
     char words[REASON_SIZE], *text;
     Text reason = text_in(words, sizeof words);
     Unit *unit;
-    if (!composite_abbreviated(token)) {
+    if (!token_abbreviated(token)) {
         return unit_instantiate(name, token, log, host);
     }
     text_put(&reason, "instantiation failed: ");

@@ -11,10 +11,10 @@ enum {
     SETTABLE_PHASES = INSTANTIATED | INITIALISING | RUNNING
 };
 
-/* The file that says what a composite is made of. */
+/* The file that says what a unit or a composite starts from, and what the latter is made of. */
 #define COMPOSITION "composition.txt"
 
-/* As unit_instantiate; what a composite is made of is read from the folder of the FMU's resources.
+/* As unit_instantiate; what a short token is the identity of is read from the folder of the FMU's resources.
    The instance is a copy of `host`, of that size, with the unit put in. */
 void *front_instantiate(const char *name, const char *token, const char *resources, Log log,
                         void *host, size_t size);

@@ -19,13 +19,14 @@ static const char *path_in(const char *uri)
     return at[0] == '/' && at[1] && at[2] == ':' ? at + 1 : at; /* a drive of Windows */
 }
 
-/* Path of a file in a folder named by a URI or a path; 1 where it is too long. */
-static int find(const char *folder, const char *name, char *path)
+/* Path of a file in a folder named by a URI or a path; 1 where it is too long.  `decodes`: %41 of a URI
+   is A. */
+static int find(const char *folder, const char *name, int decodes, char *path)
 {
     const int is_uri = !strncmp(folder, "file:", strlen("file:"));
     size_t length = 0;
     for (folder = is_uri ? path_in(folder) : folder; *folder; folder++) {
-        const int escaped = is_uri && *folder == '%' && text_digit(folder[1]) < 16 && text_digit(folder[2]) < 16;
+        const int escaped = decodes && is_uri && *folder == '%' && text_digit(folder[1]) < 16 && text_digit(folder[2]) < 16;
         if (length + strlen(name) + 2 >= MOST_PATH) {
             return 1;
         }
@@ -83,11 +84,14 @@ char *resource_text(const char *folder, const char *name, Text *reason)
     char *text;
     FILE *file;
     size_t length;
-    if (!folder || find(folder, name, path)) {
+    if (!folder || find(folder, name, 1, path)) {
         return refuse_resource(name, folder ? folder : "none", ": the folder that the host names must be one, "
                                                        "and its path short; it is ", reason);
     }
     file = opened(path);
+    if (!file && !find(folder, name, 0, path)) { /* some hosts write a path as a URI as it is */
+        file = opened(path);
+    }
     if (!file) {
         return refuse_resource(name, path, ": cannot be opened as ", reason);
     }

@@ -1,5 +1,7 @@
 #include "fmi/token.h"
 
+#include <string.h>
+
 #include "stamp.h"
 
 enum { WORD_SIZE = 32, MOST_OF_ANYTHING = 100000 };
@@ -183,4 +185,69 @@ int token_check(const char *token, const Layout *layout, uint64_t digest, Text *
     text_put(reason, expected);
     text_put(reason, "'");
     return 1;
+}
+
+/* -- start values ----------------------------------------------------------------------------- */
+
+int token_abbreviated(const char *token)
+{
+    size_t name = 0, digits = 1;
+    for (; token && token[name] && token[name] != '/'; name++) {
+    }
+    if (!token || !token[name]) {
+        return 0;
+    }
+    for (; text_digit(token[name + digits]) < 16; digits++) {
+    }
+    return digits == 17 && !token[name + digits];
+}
+
+void token_identity(const char *text, Text *identity)
+{
+    size_t name = 0;
+    for (; text[name] && text[name] != '/' && text[name] != ';'; name++) {
+    }
+    text_put_part(identity, text, name);
+    text_put(identity, "/");
+    text_hexadecimal(identity, hash_bytes(hash_start(), text, text_length(text)));
+}
+
+const char *token_next(const char *at)
+{
+    for (; *at && *at != ';'; at++) {
+    }
+    return *at ? at + 1 : NULL;
+}
+
+int token_starts(const char *at, double *starts, size_t count)
+{
+    for (;;) {
+        uint64_t reference, bits;
+        at = text_whole(at, 10, &reference);
+        if (*at != ':' || reference >= count) {
+            return 1;
+        }
+        at = text_whole(at + 1, 16, &bits);
+        memcpy(starts + reference, &bits, sizeof bits);
+        if (*at != ',') {
+            return *at && *at != ';';
+        }
+        at++;
+    }
+}
+
+int token_flags(const char *at, unsigned char *flags, size_t count)
+{
+    for (;;) {
+        uint64_t flag;
+        at = text_whole(at, 10, &flag);
+        if (flag >= count) {
+            return 1;
+        }
+        flags[flag] = 1;
+        if (*at != ',') {
+            return *at && *at != ';';
+        }
+        at++;
+    }
 }

@@ -2,7 +2,13 @@
 
        BallBalancer/frame=rotor/weights=3/<digest of the layout>-<stamp of the sources>
 
-   One library serves every unit and size, and refuses a model description that is not its own. */
+   One library serves every unit and size, and refuses a model description that is not its own.  A unit
+   with start values of its own has these behind its token in a text among the FMU's resources:
+
+       BallBalancer/...;start=0:3f847ae147ae147b,2:3ff0000000000000;flags=1
+
+   Value references and the bits of what they start from; Booleans that are true.  The identity is then
+   BallBalancer/<hash of the text>, which tools use as a name of files; so it is of a composite. */
 #ifndef AUTOBALANCER_TOKEN_H
 #define AUTOBALANCER_TOKEN_H
 
@@ -14,5 +20,13 @@ enum { TOKEN_SIZE = 192, MOST_REALS = 1000000 };
 int token_read(const char *token, const Table **table, Sizes *sizes, Text *reason);
 /* Compare a token with what it must be for this layout and library; as token_read. */
 int token_check(const char *token, const Layout *layout, uint64_t digest, Text *reason);
+/* Whether a token is the identity alone, and the identity that belongs to a text. */
+int token_abbreviated(const char *token);
+void token_identity(const char *text, Text *identity);
+/* Where the next entry of a text begins, or NULL. */
+const char *token_next(const char *at);
+/* Start values "3:<bits>,5:<bits>" into an array, and flags "0,2" into Booleans; 1 where they are none. */
+int token_starts(const char *at, double *starts, size_t count);
+int token_flags(const char *at, unsigned char *flags, size_t count);
 
 #endif

@@ -38,11 +38,8 @@ void unit_free(Unit *unit)
 
 void unit_reset(Unit *unit)
 {
-    size_t k;
     memcpy(unit->real, unit->starts, unit->layout.real_count * sizeof(double));
-    for (k = 0; k < unit->layout.boolean_count; k++) {
-        unit->boolean[k] = (unsigned char)unit->layout.table->flags[k].start;
-    }
+    memcpy(unit->boolean, unit->flags, unit->layout.boolean_count);
     memset(unit->memory, 0, unit->memory_count * sizeof(double));
     unit->time = 0.0;
     unit->stop = infinity();

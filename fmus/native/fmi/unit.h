@@ -56,8 +56,10 @@ typedef struct {
     size_t (*signals)(const Layout *layout, size_t *first);
     /* How far beside an input outputs are smooth; NULL: see derivatives.c. */
     double (*reach)(const Unit *unit, size_t input);
-    /* Time derivative of an output that is no signal; 1 when it has none. */
+    /* Time derivative of an output that is no signal; `value`, 0, is left where it is not known. */
     int (*slope)(Unit *unit, size_t reference, double *value);
+    /* Value of the one Boolean output, from observed outputs; NULL: there is none. */
+    int (*verdict)(const Unit *unit);
 } Equations;
 
 /* Writes a message for people; `host` is what the front keeps. */
@@ -72,7 +74,7 @@ struct Unit {
     char *name;
     double *real; /* values of all variables, */
     double *starts; /* and what they start from */
-    unsigned char *boolean;
+    unsigned char *boolean, *flags; /* Booleans, and what they start from */
     double *memory; /* state of the equations */
     size_t memory_count;
     double *before; /* `memory` before a step, for one that fails */
@@ -146,7 +148,8 @@ Status unit_set_derivatives(Unit *unit, const unsigned *references, size_t count
                             const int *orders, const double *values);
 Status unit_get_derivatives(Unit *unit, const unsigned *references, size_t count,
                             const int *orders, double *values);
-/* Change of `unknowns` (outputs) for a change `seed` of `knowns` (inputs). */
+/* Change of `unknowns` (outputs) for a change `seed` of `knowns`: inputs, before the end of initialisation
+   also parameters. */
 Status unit_directional(Unit *unit, const unsigned *unknowns, size_t unknown_count,
                         const unsigned *knowns, size_t known_count, const double *seed,
                         double *change);

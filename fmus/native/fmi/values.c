@@ -151,8 +151,16 @@ Status unit_set_reals(Unit *unit, const unsigned *references, size_t count, cons
 
 Status unit_get_boolean(Unit *unit, unsigned reference, int *value)
 {
-    if (unknown(unit, &reference, 1, unit->first_boolean, unit->layout.boolean_count)) {
+    const size_t settable = unit->layout.boolean_count;
+    if (unknown(unit, &reference, 1, unit->first_boolean, (size_t)unit->layout.table->flag_count)) {
         return unit_report(unit, STATUS_ERROR, "reading failed");
+    }
+    if (reference - unit->first_boolean >= settable) {
+        if (unit->stale > WITHOUT_TORQUES && unit_refresh(unit, WITHOUT_TORQUES)) {
+            return unit_report(unit, STATUS_ERROR, "reading failed");
+        }
+        *value = unit->equations->verdict(unit);
+        return STATUS_OK;
     }
     *value = unit->boolean[reference - unit->first_boolean];
     return STATUS_OK;

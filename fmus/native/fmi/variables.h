@@ -33,7 +33,7 @@ typedef struct {
     int count;
 } Block;
 
-/* A Boolean, always a parameter. */
+/* A Boolean: a parameter, of a composite an output. */
 typedef struct {
     const char *name;
     int start;

@@ -99,8 +99,14 @@ static int motor_output_slope(Unit *unit, size_t reference, double *value)
 {
     const double *out = unit->real + unit->layout.computed.first;
     const size_t output = reference - unit->layout.computed.first;
-    *value = output == OUT_SPEED ? out[OUT_ACCELERATION] : out[OUT_SPEED];
-    return output != OUT_SPEED && output != OUT_ANGLE;
+    if (output == OUT_SPEED || output == OUT_ANGLE) {
+        *value = output == OUT_SPEED ? out[OUT_ACCELERATION] : out[OUT_SPEED];
+    } else if (output >= OUT_DRIVE_TORQUE) {
+        const Motor *own = unit->own;
+        const double speed = unit->memory[MEMORY_SPEED], rise = motor_slope(own, speed) * out[OUT_ACCELERATION];
+        *value = output == OUT_POWER ? rise * speed + motor_torque(own, speed) * out[OUT_ACCELERATION] : rise;
+    }
+    return 0;
 }
 
 const Equations MOTOR_EQUATIONS = {

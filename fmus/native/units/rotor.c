@@ -223,9 +223,6 @@ static int rotor_slope(Unit *unit, size_t reference, double *value)
     const size_t n = 2 * (size_t)own->stations, p = 2 * (size_t)own->planes;
     const double *velocity = unit->memory + MOTION + n;
     const size_t output = reference - unit->layout.observed.first;
-    if (reference < unit->layout.observed.first) {
-        return 1;
-    }
     if (reference == unit->layout.real_count - 2) {
         const int wrong = unit_refresh(unit, FRESH);
         *value = unit->real[reference + 1];
@@ -233,20 +230,21 @@ static int rotor_slope(Unit *unit, size_t reference, double *value)
     }
     if (output == 0) {
         *value = unit->memory[MOTION + 2 * n];
-        return 0;
-    }
-    if (output <= n) {
+    } else if (output <= n) {
         *value = velocity[output - 1];
-        return 0;
-    }
-    if (output > 2 * n && output <= 2 * n + p) {
+    } else if (output <= 2 * n && own->stations == 1) {
+        /* a disc alone moves as its planes do, whose acceleration is less gravity's */
+        const double angle = unit->memory[REST], *seen = unit->real + unit->layout.computed.first;
+        double fixed[2];
+        rotor_rotated(seen, 1, own->turning ? cosine(angle) : 1.0, own->turning ? sine(angle) : 0.0, fixed);
+        *value = fixed[output - n - 1] + own->rotor.gravity[output - n - 1];
+    } else if (output > 2 * n && output <= 2 * n + p) {
         const size_t k = output - 2 * n - 1;
         double both[2];
         rotor_vectors_at(own->rotor.planes + k / 2 * (n / 2), 1, own->stations, velocity, both);
         *value = both[k % 2];
-        return 0;
     }
-    return 1;
+    return 0;
 }
 
 const Equations ROTOR_EQUATIONS = {

@@ -61,21 +61,26 @@ int unit_build_arrays(Unit *unit, const char *name)
 {
     const size_t count = unit->layout.real_count;
     const size_t outputs = unit->layout.computed.count + unit->layout.observed.count;
+    size_t k;
     unit->real = unit_allocate(unit, count, sizeof(double));
     unit->name = unit_allocate(unit, text_length(name) + 1, 1);
     unit->boolean = unit_allocate(unit, unit->layout.boolean_count, 1);
+    unit->flags = unit_allocate(unit, unit->layout.boolean_count, 1);
     unit->memory = unit_allocate(unit, unit->memory_count, sizeof(double));
     unit->before = unit_allocate(unit, unit->memory_count, sizeof(double));
     unit->change = unit_allocate(unit, outputs, sizeof(double));
     unit->beside = unit_allocate(unit, outputs, sizeof(double));
     unit->kept = unit_allocate(unit, outputs, sizeof(double));
-    if (!unit->real || !unit->name || !unit->boolean || !unit->memory || !unit->before ||
+    if (!unit->real || !unit->name || !unit->boolean || !unit->flags || !unit->memory || !unit->before ||
         !unit->change || !unit->beside || !unit->kept ||
         (unit->equations->allocate && unit->equations->allocate(unit))) {
         text_put(unit_reason(unit), NO_MEMORY);
         return 1;
     }
     memcpy(unit->name, name, text_length(name) + 1);
+    for (k = 0; k < unit->layout.boolean_count; k++) {
+        unit->boolean[k] = unit->flags[k] = (unsigned char)unit->layout.table->flags[k].start;
+    }
     return 0;
 }
 

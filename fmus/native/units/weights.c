@@ -360,21 +360,24 @@ static double weights_reach(const Unit *unit, size_t input)
 
 static int weights_slope(Unit *unit, size_t reference, double *value)
 {
-    const size_t count = (size_t)((const Balls *)unit->own)->count;
-    const size_t output = reference - unit->layout.observed.first;
-    *value = 0.0;
-    if (reference == unit->layout.observed.first - 1) { /* the added mass */
-        return 0;
-    }
+    const Balls *own = unit->own;
+    const size_t count = (size_t)own->count, output = reference - unit->layout.observed.first;
     if (reference == unit->layout.real_count - 2) { /* the torque, whose slope is beside it */
         const int wrong = unit_refresh(unit, FRESH);
         *value = unit->real[reference + 1];
         return wrong;
     }
-    if (reference < unit->layout.observed.first || output >= count) {
-        return 1;
+    if (output < count) {
+        *value = unit->memory[count + output];
+    } else if (output < 2 * count && own->plain) {
+        const RotorMotion now = weights_motion_now(unit);
+        const Complex motion[2] = {now.acceleration, now.slope};
+        const Weights one = weights_single(&own->track.weights, (int)(output - count));
+        double turned[2];
+        weights_unhindered(&one, unit->memory + output - count, unit->memory + output, motion,
+                           now.spin_up, now.change, turned);
+        *value = turned[0];
     }
-    *value = unit->memory[count + output];
     return 0;
 }
 

@@ -5,12 +5,13 @@ from __future__ import annotations
 import tempfile
 from collections.abc import Iterable
 from pathlib import Path
+from typing import Any
 
 from ....fmus.build import contents
 from ....fmus.xml.archive import write, zipped
 from ...scene import Scene
 from ..one_file import build_one_file
-from ..plan import plan
+from ..plan import about, plan
 from .documents import PARAMETERS, description, parameter_file, resource
 from .structure import coupled, separate
 
@@ -50,7 +51,10 @@ def build_ssp(
             files[resource(structure.elements[0])] = fmu.read_bytes()
     else:
         for unit, element in zip(plan(scene).units, structure.elements, strict=True):
-            made = contents(unit.model, backend=backend, platforms=platforms, **unit.sizes)
+            form: dict[str, Any] = {"backend": backend, "platforms": platforms, **unit.sizes}
+            if backend == "native":
+                form |= {"start": element.start, "about": about(unit, scene)}
+            made = contents(unit.model, **form)
             files[resource(element)] = zipped(made)
     write(destination, zipped(files))
     return destination

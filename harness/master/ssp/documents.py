@@ -9,7 +9,7 @@ from xml.etree.ElementTree import SubElement
 from ....fmus.variables import Variable
 from ....fmus.xml.description import flag, text_of
 from ....fmus.xml.types import SI_UNITS
-from .diagram import ROW, Box, placed
+from .diagram import Box, placed
 from .structure import Element, Structure
 
 _SSP = "http://ssp-standard.org/SSP1/SystemStructure"
@@ -57,9 +57,6 @@ def description(structure: Structure) -> bytes:
         end = {"endElement": target.unit, "endConnector": target.variable}
         ends = {**start, "startConnector": source.variable, **end}
         SubElement(connections, "ssd:Connection", ends)
-    right = max(x2 for _, x2 in (box.across for box in boxes.values()))
-    low = min(box.bottom for box in boxes.values())
-    SubElement(system, "ssd:SystemGeometry", _corners((-4 * ROW, right + 4 * ROW), low - ROW, ROW))
     _step_for_omsimulator(system, structure.step)
     _units(SubElement(root, "ssd:Units"), structure)
     run = {"startTime": "0", "stopTime": repr(structure.end)}

@@ -10,13 +10,12 @@ from ....fmus.catalogue import sized_unit
 from ....fmus.variables import Layout, derivative
 from ...errors import SceneError
 from ...scene import Scene
-from ..cosimulation import CoSimulation
 from ..names import by_unit
 from ..one_file import composition
 from ..plan import Plan, Port, plan
 from ..recorder import recorded
 from ..schedule import end_time, step_size
-from ..start import start_inputs
+from ..start import start_values
 
 DRIVE = ("speed", "acceleration")
 
@@ -69,15 +68,13 @@ def separate(scene: Scene, slopes: bool = True) -> Structure:
             "has one source: --one-file --ssp takes them"
         )
     planned, shown = plan(scene), by_unit(recorded(scene))
-    with CoSimulation(scene) as cosim:
-        cosim.start()
-        held = start_inputs(cosim)
+    start = start_values(scene)
     wires = _wires(scene, planned, slopes)
     elements = [
         Element(
             unit.name,
             sized_unit(unit.model, **unit.sizes).layout,
-            {**unit.start, **held.get(unit.name, {})},
+            start[unit.name],
             tuple(shown.get(unit.name, ())),
         )
         for unit in planned.units
@@ -95,7 +92,7 @@ def coupled(scene: Scene) -> Structure:
     made = composition(scene)
     layout = made.layout
     given = {f"{part.name}.{k}": v for part in made.parts for k, v in part.start.items()}
-    settable = {v.name for v in layout.variables if v.causality != "output"}
+    settable = {v.name for v in made.described(scene.name).shown if v.causality != "output"}
     start = {k: v for k, v in {**given, **made.start}.items() if k in settable}
     element = Element(scene.name, layout, start, tuple(recorded(scene)))
     return _structure(scene, [element], _drive(scene, [element.name]))

@@ -1,0 +1,115 @@
+"""What is in the file of a composite besides the library: names, descriptions, icon, pages."""
+
+from __future__ import annotations
+
+import cmath
+import math
+import zipfile
+from dataclasses import replace
+from pathlib import Path
+
+import fmpy
+import numpy as np
+import pytest
+from fmpy import platform_tuple
+from fmpy.validation import validate_fmu
+from lxml import etree
+
+from autobalancer.fmus.unit import LONGEST_NAME
+from autobalancer.harness import load_scene
+from autobalancer.harness.master.one_file import build_one_file, composition
+
+SCENES = ["two_balls", "sommerfeld"]
+
+
+def built(folder: Path, name: str, fmi: int = 2, **form) -> Path:
+    path = folder / f"{name}.fmu"
+    return build_one_file(load_scene(name), path, fmi, [platform_tuple], **form)
+
+
+@pytest.mark.parametrize("fmi", [2, 3])
+@pytest.mark.parametrize("name", SCENES)
+def test_every_variant_of_the_file_is_valid_and_runs_alike(tmp_path, name, fmi):
+    seen = []
+    for form in ({}, {"plain": True}, {"flat": True}, {"plain": True, "flat": True}):
+        path = built(tmp_path, name, fmi, **form)
+        assert validate_fmu(str(path)) == []
+        variables = fmpy.read_model_description(str(path), validate=True).modelVariables
+        names = [v.name for v in variables]
+        assert max(map(len, names)) <= LONGEST_NAME
+        assert not any(n.endswith(("track_mobility", "shortest_stopped_step")) for n in names)
+        slopes = [v for v in variables if "der" in v.name and v.causality == "output"]
+        assert bool(slopes) == ("plain" not in form)
+        assert all(n.isidentifier() for n in names) == ("flat" in form)
+        shown = "rotor_plane_1_x" if "flat" in form else "rotor.plane[1].x"
+        seen.append(fmpy.simulate_fmu(str(path), stop_time=0.1, output=[shown])[shown])
+    assert all((found == seen[0]).all() for found in seen)
+
+
+def test_descriptions_stand_alone(tmp_path):
+    """They begin with what is measured, not with "Of the rotor", and no two inputs share one."""
+    description = fmpy.read_model_description(str(built(tmp_path, "two_balls")))
+    texts = [v.description for v in description.modelVariables]
+    assert not [text for text in texts if text.split()[0] in ("Of", "Along", "In", "On", "With")]
+    assert load_scene("two_balls").heading in description.description
+
+
+def test_names_that_are_too_long_for_matlab_are_refused(tmp_path):
+    made = replace(composition(load_scene("two_balls")), flat=True).described("one")
+    assert made.label("der(rotor.plane[1].a_xi)") == "der_rotor_plane_1_a_xi"
+    long = load_scene("two_balls").document
+    long["balancer"][0]["name"] = "b" * 60
+    with pytest.raises(ValueError, match="characters, and MATLAB allows 63"):
+        build_one_file(type(load_scene("two_balls")).from_document(long), tmp_path / "one.fmu")
+
+
+def test_the_file_says_what_is_left_of_vibration_and_unbalance(hosted):
+    """Against the motion of the last revolution, the angles, and Goncharov's capacity."""
+    scene = load_scene("finite_weights")
+    host = hosted(scene)
+    turn, many = 2.0 * math.pi / scene.profile().end, 400
+    limit = host.get("vibration_limit")[0]
+    rows = []
+    flag = [v.valueReference for v in host.description.modelVariables if v.name == "balanced"]
+    assert host.slave.getBoolean(flag) == [False]
+    for _ in range(8):
+        rows = [host.step(turn / many) or host.get("rotor.x", "rotor.y") for _ in range(many)]
+    vibration, left, used = host.get("vibration", "residual_unbalance", "capacity_used")
+    assert vibration == pytest.approx(0.5 * np.ptp(np.array(rows), axis=0).max(), rel=0.02)
+    assert host.slave.getBoolean(flag) == [vibration <= limit]
+    one = scene.balancer[0]
+    moment = complex(*host.get(f"{one.label}.moment_xi", f"{one.label}.moment_eta"))
+    assert used == pytest.approx(abs(moment) / one.capacity, rel=1e-9)
+    own = cmath.rect(*host.get("rotor.unbalance", "rotor.unbalance_angle"))
+    assert left == pytest.approx(abs(own + moment), rel=1e-9)
+
+
+@pytest.mark.parametrize("name", SCENES)
+def test_a_terminal_a_plane_names_variables_that_there_are(tmp_path, name):
+    path = built(tmp_path, name, 3)
+    with zipfile.ZipFile(path) as archive:
+        text = archive.read("terminalsAndIcons/terminalsAndIcons.xml")
+        assert archive.read("terminalsAndIcons/icon.png")[:4] == b"\x89PNG"
+    schema = Path(fmpy.__file__).parent / "schema/fmi3/fmi3TerminalsAndIcons.xsd"
+    root = etree.fromstring(text)
+    etree.XMLSchema(file=str(schema)).assertValid(root)
+    names = {v.name for v in fmpy.read_model_description(str(path)).modelVariables}
+    assert {v.get("variableName") for v in root.iter("TerminalMemberVariable")} <= names
+    planes = composition(load_scene(name)).sizes.planes
+    assert len(root.findall("Terminals/Terminal")) == planes
+
+
+@pytest.mark.parametrize("name", SCENES)
+def test_the_documentation_shows_this_machine(tmp_path, name):
+    """Sketch, values in the units of drawings, and lines that run as printed."""
+    scene, path = load_scene(name), built(tmp_path, name)
+    with zipfile.ZipFile(path) as archive:
+        page = archive.read("documentation/index.html").decode()
+    etree.fromstring(page[page.index("<svg") : page.index("</svg>") + 6])
+    assert scene.source.split()[0] in page
+    assert all(f">{balancer.label}</text>" in page for balancer in scene.balancer)
+    assert " rpm</td>" in page
+    lines = page[page.index("<pre>") + 5 : page.index("</pre>")].replace("&quot;", '"')
+    kept = [line for line in lines.splitlines() if "plot" not in line]
+    code = "\n".join(["from fmpy import simulate_fmu", *kept]).replace(f"{name}.fmu", str(path))
+    exec(code.replace("stop_time=", "stop_time=0.01*"), {})
