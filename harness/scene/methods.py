@@ -278,6 +278,8 @@ class Methods:
         python: bool = False,
         one_file: bool = False,
         ssp: bool = False,
+        plain: bool = False,
+        flat: bool = False,
         progress: Progress | None = None,
     ) -> Built:
         """Write the FMUs of the scene.
@@ -289,6 +291,8 @@ class Methods:
             python: units that run Python instead of native ones.
             one_file: the units and their coupling as a single FMU.
             ssp: a system structure package instead of single files.
+            plain: with `one_file`, without slopes and figures of the coupling.
+            flat: with `one_file`, names without dots and brackets.
 
         Raises:
             UserError: the options do not go together, or a file cannot be written.
@@ -300,6 +304,7 @@ class Methods:
         from ..master.build import build_files
 
         form: dict[str, Any] = {"python": python, "one_file": one_file, "ssp": ssp}
+        form |= {"plain": plain, "flat": flat}
         wanted = None if platforms is None else list(platforms)
         return build_files(self._scene, Path(output), fmi, wanted, progress=progress, **form)
 
