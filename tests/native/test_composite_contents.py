@@ -63,9 +63,14 @@ def test_names_that_are_too_long_for_matlab_are_refused(tmp_path):
         build_one_file(type(load_scene("two_balls")).from_document(long), tmp_path / "one.fmu")
 
 
-def test_the_file_says_what_is_left_of_vibration_and_unbalance(hosted):
+UNEQUAL = {"mass": [0.13, 0.24, 0.31], "weight_radius": [0.01, 0.013, 0.015]}
+
+
+@pytest.mark.parametrize("weights", [{}, UNEQUAL], ids=["equal", "unequal"])
+def test_the_file_says_what_is_left_of_vibration_and_unbalance(hosted, weights):
     """Against the motion of the last revolution, the angles, and Goncharov's capacity."""
     scene = load_scene("finite_weights")
+    scene = scene.replace({f"balls.{key}": value for key, value in weights.items()})
     host = hosted(scene)
     turn, many = 2.0 * math.pi / scene.profile().end, 400
     limit = host.get("vibration_limit")[0]
