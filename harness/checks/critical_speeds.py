@@ -33,7 +33,7 @@ def check_critical_speeds(
     scene = scene.replace(check.set)
     rows = Rows(scene.name, check.kind)
     prefix = f"{check.case}: " if check.case else ""
-    result = speeds(scene, check.range, progress=lambda done: progress(0.6 * done))
+    result = speeds(scene, check.range, progress=lambda done: progress(0.6 * done), separate=True)
     for method in ("floquet", "cosim"):
         if method in result.refused:
             raise SceneError(f"{scene.name}: check critical_speeds: {result.refused[method]}")
@@ -78,7 +78,7 @@ def speed_rows(rows: Rows, result: Speeds, prefix: str, scale: float = 1.0) -> I
 
 def growth_row(rows: Rows, scene: Scene, speed: float, prefix: str) -> Row:
     expected = float(growth_rates(scene.assembly(), speed)[0])
-    with MainMotion(scene) as motion:
+    with MainMotion(scene, separate=True) as motion:
         measured = growth_in_run(motion, speed, int(needed_revolutions(expected, speed)))
     quantity = f"{prefix}growth rate in a run in time at {speed:g} rad/s [1/s]"
     return rows.number(quantity, expected, measured, GROWTH_TOLERANCE, FLOQUET)

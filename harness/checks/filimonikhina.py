@@ -87,7 +87,7 @@ def rows_of(number: int, scene: Scene, w_x: float, row: TableRow) -> Iterator[Ro
         f"{label}criterion, {len(roots)} roots", np.array(row.criterion), roots, PRINTED, source
     )
     low, high = RANGE[0] * w_x, RANGE[1] * w_x
-    found = speeds(scene, (low, high), narrowest=NARROWEST * w_x)
+    found = speeds(scene, (low, high), narrowest=NARROWEST * w_x, separate=True)
     exact = [c.speed / w_x for c in found.methods["floquet"]]
     for k, (begin, end) in enumerate(row.intervals):
         # speeds beyond the table's are findings, not the table's

@@ -78,7 +78,8 @@ def check_liquid_window(
     window = window_of(scene)
     rows = Rows(scene.name, check.kind)
     turned = np.exp(-1j * np.angle(scene.assembly().rotor.unbalance[0]))
-    with Revolution(scene) as loaded, Revolution(scene.without_balancers()) as bare:
+    alone = scene.without_balancers()
+    with Revolution(scene, separate=True) as loaded, Revolution(alone, separate=True) as bare:
 
         def bending(speed: float) -> float:
             return abs(steady_displacement(loaded, speed))

@@ -41,7 +41,7 @@ def draw_pictures(scene: Scene, directory: Path, name: str | None = None) -> lis
 
 def measured_bending(scene: Scene, speeds: NDArray[np.float64]) -> NDArray[np.float64]:
     """Steady bending of the coupled units at (k,) speeds [m]."""
-    with Revolution(scene) as units:
+    with Revolution(scene, separate=True) as units:
         return np.array([abs(steady_displacement(units, float(speed))) for speed in speeds])
 
 

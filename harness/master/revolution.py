@@ -3,6 +3,7 @@
 Nothing here knows an equation.  The units are started from perturbed start values, coupled for one
 revolution, and read; differences of the outcomes are the columns of the monodromy matrix.  Start
 values are used rather than an edited copy of the units' states because every FMI tool has them.
+The starts of one matrix run together in C, as one file each, where the scene's units allow it.
 """
 
 from __future__ import annotations
@@ -14,11 +15,13 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from ...fmus.composite.batch import BatchRuns
 from ..errors import SimulationError
 from ..scene import Scene
 from .cosimulation import CoSimulation
 from .fmu import Closing
 from .names import stations, weight
+from .one_file import composition_in_c, why_separate
 from .schedule import at_fixed_steps, steps_per_rev
 
 Vector = NDArray[np.float64]
@@ -63,19 +66,18 @@ def states(scene: Scene) -> list[State]:
 
 
 def derivative(
-    function: Callable[[Vector], Vector], state: Vector, directions: Matrix, scale: Vector
+    function: Callable[[Matrix], Matrix], state: Vector, directions: Matrix, scale: Vector
 ) -> Matrix:
     """Central differences of a function of the states along `directions` (n, d), one a column.
 
     Args:
+        function: values (k, m) of states (k, n).
         scale: (n,) size of each state; no state is moved by more than `PERTURBATION` of it.
     """
-    columns = []
-    for direction in directions.T:
-        step = PERTURBATION / np.abs(direction / scale).max()
-        ahead, behind = function(state + step * direction), function(state - step * direction)
-        columns.append((ahead - behind) / (2.0 * step))
-    return np.array(columns).T
+    steps = PERTURBATION / np.abs(directions.T / scale).max(axis=1, keepdims=True)
+    moves = steps * directions.T
+    ahead, behind = np.split(function(np.concatenate([state + moves, state - moves])), 2)
+    return ((ahead - behind) / (2.0 * steps)).T
 
 
 class Revolution(Closing):
@@ -84,12 +86,13 @@ class Revolution(Closing):
     Args:
         scene: its start values are the first guess of the main motion.
         steps: communication steps a revolution; by default the scene's.
+        separate: couple separate FMUs in Python even where the scene can run as one file.
 
     Attributes:
         rotor: parameters that every start gives the rotor on top of the scene's.
     """
 
-    def __init__(self, scene: Scene, *, steps: int | None = None) -> None:
+    def __init__(self, scene: Scene, *, steps: int | None = None, separate: bool = False) -> None:
         scene.refuse_friction("the map of one revolution and the steady response are those")
         # the map is that of a constant speed, and every start must meet the same points
         order = min(scene.coupling.order, 3)  # of separate units
@@ -97,6 +100,7 @@ class Revolution(Closing):
         self.scene = scene = at_fixed_steps(scene.replace(changes))
         self.steps = steps or steps_per_rev(scene)
         self.cosim = CoSimulation(scene, watch=False)
+        self._one_file = None if separate or why_separate(scene) else composition_in_c(scene)
         self.states = states(scene)
         self.rotor: dict[str, float] = {}
         self._drives = [one.name for one in self.cosim.plan.units if one.driven]
@@ -112,8 +116,24 @@ class Revolution(Closing):
         """Size of each state at a speed [rad/s]: lengths and angles, rates times the speed."""
         return np.array([s.scale * (abs(speed) if s.is_rate else 1.0) for s in self.states])
 
-    def __call__(self, state: Vector, speed: float) -> Vector:
-        """States one revolution later, rotor at the same angle."""
+    def __call__(self, states: Matrix, speed: float) -> Matrix:
+        """States (k, n) one revolution after each of (k, n), rotor at the same angle."""
+        if self._one_file is None:
+            return np.array([self._turned(state, speed) for state in states])
+        changed = {"coupling.steps_per_rev": float(self.steps), "speed": speed}
+        changed |= {f"rotor.{name}": value for name, value in self.rotor.items()}
+        starts, outputs = (
+            [f"{s.unit}.{name}" for s, name in zip(self.states, names, strict=True)]
+            for names in ([s.start for s in self.states], [s.output for s in self.states])
+        )
+        runs = BatchRuns(self._one_file, [*changed, *starts], outputs, 1)
+        values = np.hstack([np.tile([*changed.values()], (len(states), 1)), states])
+        found, reasons = runs(values, np.full(len(states), math.tau / abs(speed)))
+        for reason in filter(None, reasons):
+            raise SimulationError(f"{self.scene.name}: {reason}")
+        return found[:, -1]
+
+    def _turned(self, state: Vector, speed: float) -> Vector:
         self.begin(state, speed)
         return self.turn(speed)
 
@@ -178,7 +198,7 @@ class Revolution(Closing):
         scale = self.scale(speed)
         for _ in range(FIXED_POINT_ITERATIONS):
             slopes = self.monodromy(state, speed) if monodromy is None else monodromy
-            residual = (self(state, speed) - state) / scale
+            residual = (self(state[None], speed)[0] - state) / scale
             step = np.linalg.lstsq(np.eye(len(state)) - slopes, residual, rcond=RANK)[0]
             state = state + step * scale
             if np.abs(residual).max() <= FIXED_POINT_TOLERANCE * (1 + np.abs(state / scale).max()):

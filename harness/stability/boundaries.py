@@ -15,7 +15,7 @@ from __future__ import annotations
 
 import functools
 import itertools
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from dataclasses import replace
 from importlib.util import find_spec
 from itertools import pairwise
@@ -58,6 +58,7 @@ def speeds(
     progress: Progress | None = None,
     whirl: bool = True,
     within: str = "",
+    separate: bool = False,
 ) -> Speeds:
     """Every speed within a range at which balancing begins or ends, by each method.
 
@@ -70,6 +71,7 @@ def speeds(
         steps: communication steps a revolution; by default the scene's.
         whirl: whether to look for the steady whirl that remains where weights cannot balance.
         within: tolerances for the method proved: "rotor.stiffness=5%, rotor.damping=10 N s/m".
+        separate: co-simulate separate FMUs coupled in Python even where one file can run in C.
 
     Raises:
         UserError: the range is empty, a method is unknown, tolerances are wrong, or python-flint is
@@ -110,11 +112,12 @@ def speeds(
         nodes = nodes_around([c.speed for c in result.methods["floquet"]], low, high)
     why = _why_no_rest(scene) if "floquet" in wanted else ""
     failure = None
+    motion_of = functools.partial(MainMotion, steps=steps, separate=separate)
     for method in (m for m in wanted if m.startswith("cosim")):
         if why:
             result.refused[method] = why
         else:
-            failed = _by_units(scene, result, method, nodes, steps, workers, progress)
+            failed = _by_units(scene, result, method, nodes, motion_of, workers, progress)
             failure = failure or failed
     if failure and not result.methods:
         raise failure
@@ -122,7 +125,8 @@ def speeds(
         return result
     remaining = whirls(scene, result.range, why, narrowest, progress)
     if "floquet" in remaining.methods and "cosim" in wanted:
-        _whirl_by_units(scene, remaining, result.range, steps, workers, progress)
+        whirl_of = functools.partial(WhirlMotion, steps=steps, separate=separate)
+        _whirl_by_units(scene, remaining, result.range, whirl_of, workers, progress)
     return replace(result, whirl=remaining)
 
 
@@ -197,7 +201,7 @@ def _whirl_by_units(
     scene: Scene,
     whirl: Whirls,
     span: tuple[float, float],
-    steps: int | None,
+    motion_of: Callable[[Scene], MainMotion],
     workers: Workers,
     progress: Progress | None,
 ) -> None:
@@ -209,7 +213,7 @@ def _whirl_by_units(
         whirl.refused["cosim"] = (
             "where weights touch or drift in the whirl, and at the boundaries beside it"
         )
-    work = functools.partial(_search, scene, "cosim", steps, None, motion_of=WhirlMotion)
+    work = functools.partial(_search, scene, "cosim", motion_of, None)
     try:
         searched = in_order(work, spans, workers, progress)
     except SimulationError as error:
@@ -223,7 +227,7 @@ def _by_units(
     result: Speeds,
     method: str,
     nodes: NDArray,
-    steps: int | None,
+    motion_of: Callable[[Scene], MainMotion],
     workers: Workers,
     progress: Progress | None,
 ) -> SimulationError | None:
@@ -233,7 +237,7 @@ def _by_units(
     spans = [nodes[a : b + 1].tolist() for a, b in pairwise(cuts)]
     # within this process progress is told by every speed, across processes by every part
     inner, outer = (progress, None) if workers == 1 else (None, progress)
-    work = functools.partial(_search, scene, method, steps, inner)
+    work = functools.partial(_search, scene, method, motion_of, inner)
     try:
         searched = in_order(work, spans, workers, outer)
     except SimulationError as error:
@@ -247,11 +251,10 @@ def _by_units(
 def _search(
     scene: Scene,
     method: str,
-    steps: int | None,
+    motion_of: Callable[[Scene], MainMotion],
     progress: Progress | None,
     nodes: list[float],
-    motion_of: type[MainMotion] = MainMotion,
 ) -> tuple[list[Crossing], Side]:
-    with motion_of(scene, steps=steps) as motion:
+    with motion_of(scene) as motion:
         in_run = functools.partial(growth_in_run, motion)
         return crossings(motion.growth if method == "cosim" else in_run, nodes, progress)

@@ -52,7 +52,7 @@ class MainMotion(Closing):
 
     Args:
         scene: the weights' angles are the first guess of the balanced ones.
-        steps: communication steps a revolution; by default the scene's.
+        steps, separate: as of `Revolution`.
 
     Attributes:
         state: (n,) states of the units in the main motion.
@@ -63,9 +63,9 @@ class MainMotion(Closing):
         SceneError: gravity swings the weights.
     """
 
-    def __init__(self, scene: Scene, *, steps: int | None = None) -> None:
+    def __init__(self, scene: Scene, *, steps: int | None = None, separate: bool = False) -> None:
         scene.refuse_gravity("a main motion")
-        self.units = Revolution(scene, steps=steps)
+        self.units = Revolution(scene, steps=steps, separate=separate)
         try:
             self._speed = abs(scene.profile().end)  # any will do for what follows
             self._angles = self._places_of_angles()
@@ -81,10 +81,13 @@ class MainMotion(Closing):
         states = enumerate(self.units.states)
         return [i for i, s in states if s.unit != "rotor" and not s.is_rate]
 
-    def _read(self, state: Vector, groups: Outputs) -> Vector:
-        """Outputs of the units at the very start of a motion from a state."""
-        self.units.begin(state, self._speed)
-        return np.array([value for unit, group in groups for value in unit.get(group)])
+    def _read(self, states: Matrix, groups: Outputs) -> Matrix:
+        """Outputs (k, m) of the units at the very start of motions from states (k, n)."""
+        rows = []
+        for state in states:
+            self.units.begin(state, self._speed)
+            rows.append([value for unit, group in groups for value in unit.get(group)])
+        return np.array(rows)
 
     def _slopes(self, state: Vector, which: list[int], groups: Outputs) -> Matrix:
         """Derivative of outputs at the start by some states."""
@@ -128,7 +131,7 @@ class MainMotion(Closing):
 
     def _rests(self, state: Vector) -> bool:
         """Whether a revolution leaves a state as it is."""
-        end = self._resolved(lambda: self.units(state, self._speed))
+        end = self._resolved(lambda: self.units(state[None], self._speed)[0])
         moved = (end - state) / self.units.scale(self._speed)
         return bool(np.abs(moved).max() <= AT_REST)
 
@@ -136,7 +139,7 @@ class MainMotion(Closing):
         """Least turns that take away the planes' acceleration; None when that does not converge."""
         state = state.copy()
         for _ in range(_ITERATIONS):
-            acceleration = self._read(state, outputs)
+            acceleration = self._read(state[None], outputs)[0]
             near = np.abs(acceleration).max() <= BALANCED_ACCELERATION * scale
             slopes = self._slopes(state, self._angles, outputs)
             turn = np.linalg.lstsq(slopes, -acceleration, rcond=RANK)[0]

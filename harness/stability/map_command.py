@@ -77,10 +77,6 @@ def command(
                 say(line)
         else:
             _say(data)
-    if cosim:
-        from ..master.plan import plan
-
-        say(f"FMUs loaded: {', '.join(plan(loaded).files)}")
     if csv is not None:
         say(f"Points: {data.to_csv(csv)}")
     for store in stores:

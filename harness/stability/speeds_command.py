@@ -52,7 +52,6 @@ def command(
     at_most: Annotated[str, options.AT_MOST] = costs.DEFAULT,
 ) -> None:
     """Find the speeds at which balancing begins or ends."""
-    from ..master.plan import plan
     from ..scene.changes import changed_scene
     from .boundaries import METHODS
 
@@ -95,9 +94,6 @@ def command(
     for name in result.methods:
         if name.startswith("cosim"):
             say(f"{name}: {_looked(result, scan)}")
-    known = (*result.methods, *(result.whirl.methods if result.whirl else ()))
-    co_simulated = any(name.startswith("cosim") for name in known)
-    say(f"FMUs loaded: {', '.join(plan(loaded).files) if co_simulated else 'none'}")
     if json_file is not None:
         write_json(result.as_json(), json_file)
 

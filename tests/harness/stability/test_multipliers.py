@@ -76,3 +76,14 @@ def test_the_map_is_of_constant_speed_and_whole_revolutions_whatever_the_scene_r
         with Revolution(each, steps=20) as revolution:
             spectra.append(revolution.multipliers(6.0, revolution.first))
     assert spectra[0] == pytest.approx(spectra[1], abs=1e-12)
+
+
+@pytest.mark.parametrize("name", ["two_balls", "three_mass_shaft", "liquid_heavy_force"])
+def test_one_file_has_the_map_of_separate_fmus(name):
+    scene = load_scene(name)
+    speed = scene.profile().end
+    maps = []
+    for separate in (False, True):
+        with Revolution(scene, separate=separate) as revolution:
+            maps.append(revolution.monodromy(revolution.first, speed))
+    np.testing.assert_allclose(*maps, rtol=0.0, atol=1e-9 * np.abs(maps[0]).max())

@@ -112,11 +112,11 @@ class PulledBack(Revolution):
 
     share, places = 0.0, None
 
-    def __call__(self, state, speed):
-        end = super().__call__(state, speed)
+    def __call__(self, states, speed):
+        ends = super().__call__(states, speed)
         if self.places is not None:
-            end[4::2] -= self.share * (state[4::2] - self.places)
-        return end
+            ends[:, 4::2] -= self.share * (states[:, 4::2] - self.places)
+        return ends
 
 
 @pytest.mark.parametrize(("share", "refused"), [(1e-3, True), (3e-5, True), (3e-7, False)])
