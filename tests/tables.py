@@ -1,6 +1,6 @@
 """Tables of the manual's results: what a command prints, with the command, the day and the machine.
 
-`python -m tests.tables NAME...` writes harness/manual/results/tables/NAME.md in this checkout.
+`python -m tests.tables [NAME...]` writes NAME.md, or all, in harness/manual/results/tables.
 """
 
 from __future__ import annotations
@@ -23,6 +23,9 @@ COMMANDS = {
     "omissions": "python -m tests.omissions",
     "tools": "python -m tests.tools",
     "bristol_quantities": "python -m tests.rig.quantities",
+    "bristol_check": "python -m tests.studies bristol_check",
+    "one_piece": "python -m tests.studies one_piece",
+    "run_time": "python -m tests.studies run_time",
 }
 
 
@@ -45,5 +48,5 @@ def write(name: str) -> None:
 
 
 if __name__ == "__main__":
-    for each in sys.argv[1:] or sys.exit(f"tables: {', '.join(COMMANDS)}"):
+    for each in sys.argv[1:] or COMMANDS:
         write(each)

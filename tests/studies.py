@@ -1,0 +1,99 @@
+"""Tables of the manual that no command prints: `python -m tests.studies NAME` prints Markdown."""
+
+from __future__ import annotations
+
+import sys
+import time
+from collections.abc import Callable
+from itertools import product
+
+import autobalancer as ab
+from autobalancer.harness.accuracy.precision.measure import Point
+from autobalancer.harness.checks.report import text
+from autobalancer.harness.output.table import Sheet
+
+SCENES = ("two_balls", "three_mass_shaft", "two_plane_rodrigues", "drum", "balls_and_liquid")
+SECONDS = 60.0  # of measuring, per scene
+ROUNDS = 5  # of which the fastest counts
+CHOICES: dict[str, tuple[dict[str, object], dict[str, bool]]] = {
+    "`tolerance = 1e-3`": ({"coupling.tolerance": 1e-3}, {}),
+    "`tolerance = 1e-6`": ({"coupling.tolerance": 1e-6}, {}),
+    "`--verify`": ({}, {"verify": True}),
+    "`--separate`": ({}, {"separate": True}),
+    "`steps_per_rev = 40`": ({"coupling.steps_per_rev": 40}, {}),
+    '`units = "python"`, 40 steps': (
+        {"coupling.steps_per_rev": 40, "coupling.units": "python"},
+        {},
+    ),
+}
+
+
+def one_piece() -> Sheet:
+    """Cheapest way to an error: coupled in C, coupled in Python, SciPy on one system."""
+    rows = []
+    for name in (*SCENES, "liquid_disc"):
+        study = ab.load(name).precision(SECONDS)
+        for error in (1e-3, 1e-5, 1e-7, 1e-9):
+            whole = study.cheapest(error, coupled=False)
+            one = study.cheapest(error, coupled=True, one_file=True)
+            apart = study.cheapest(error, coupled=True)
+            fast = f"{whole.seconds / one.seconds:.0f}" if whole and one else "-"
+            rows.append((name, f"{error:.0e}", _way(one), _way(apart), _way(whole), fast))
+    columns = ("scene", "error", "one file", "separate FMUs", "SciPy in one piece", "times faster")
+    return Sheet(columns, rows, "lllllr")
+
+
+def _way(point: Point | None) -> str:
+    if point is None or point.seconds is None:
+        return "-"
+    family = point.method.family.removeprefix("monolith ").removesuffix(" in one file")
+    return f"{1e3 * point.seconds:.3g} ms: {family} {point.method.setting}"
+
+
+def bristol_check() -> Sheet:
+    """Every row of the measured rig."""
+    rows = [
+        (
+            each.quantity,
+            text(each.expected, 4),
+            text(each.measured, 4),
+            "-" if each.error is None else f"{each.error:.1%}",
+            "-" if each.tolerance is None else f"{each.tolerance:.0%}",
+            "yes" if each.holds else "**NO**",
+        )
+        for each in ab.load("bristol").check().rows
+    ]
+    columns = ("quantity", "rig or authors", "co-simulated", "error", "tolerance", "holds")
+    return Sheet(columns, rows, "lrrrrl")
+
+
+def run_time() -> Sheet:
+    """Time of `scene.run()` by what is chosen, over that with the default tolerance."""
+    rows = []
+    for name, choice in product(SCENES, CHOICES):
+        scene = ab.load(name).replace({"coupling.tolerance": 1e-4})
+        changes, options = CHOICES[choice]
+        base = _fastest(scene.run)
+        changed = scene.replace(changes)
+        spent = _fastest(lambda changed=changed, options=options: changed.run(**options))
+        rows.append(
+            (name, choice, f"{1e3 * base:.3g}", f"{1e3 * spent:.3g}", f"{spent / base:.2g}")
+        )
+    return Sheet(("scene", "choice", "default [ms]", "chosen [ms]", "ratio"), rows, "llrrr")
+
+
+def _fastest(run: Callable[[], object]) -> float:
+    """Seconds of the fastest of some runs, loading left out."""
+    run()
+    spent = []
+    for _ in range(ROUNDS):
+        start = time.perf_counter()
+        run()
+        spent.append(time.perf_counter() - start)
+    return min(spent)
+
+
+STUDIES = {study.__name__: study for study in (one_piece, bristol_check, run_time)}
+
+if __name__ == "__main__":
+    print(STUDIES[sys.argv[1]]().markdown())
