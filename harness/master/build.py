@@ -84,7 +84,7 @@ def build_files(
     files, rows = [], []
     for number, (name, (unit, sizes, values)) in enumerate(wanted.items(), start=1):
         options = {**sizes, **form, **values}
-        files.append(_written(output / name, lambda to, u=unit, o=options: build(u, to, **o)))  # type: ignore[misc]
+        files.append(written(output / name, lambda to, u=unit, o=options: build(u, to, **o)))  # type: ignore[misc]
         rows.append((unit, ", ".join(f"{key} = {value}" for key, value in sizes.items()) or "-"))
         if progress:
             progress(number / len(wanted))
@@ -118,7 +118,7 @@ def _wanted(
 def _build_one_file(scene: Scene, output: Path, form: dict[str, Any]) -> Built:
     from .one_file import build_one_file
 
-    path = _written(output / f"{scene.name}.fmu", lambda to: build_one_file(scene, to, **form))
+    path = written(output / f"{scene.name}.fmu", lambda to: build_one_file(scene, to, **form))
     parts = ", ".join(["rotor", *(balancer.label for balancer in scene.balancer)])
     return Built("Scene built", ("units", "coupling"), (path,), ((parts, scene.coupling.scheme),))
 
@@ -132,19 +132,19 @@ def _build_ssp(
     if output.suffix != ".ssp":
         path = output / f"{scene.name}.ssp"
     form: dict[str, Any] = {"one_file": one_file, "backend": backend, "platforms": platforms}
-    _written(path, lambda to: build_ssp(scene, to, **form))
+    written(path, lambda to: build_ssp(scene, to, **form))
     units = "coupled inside" if one_file else "connected, with slopes"
     return Built("System structure package built", ("units",), (path,), ((units,),))
 
 
-def _written(path: Path, make: Callable[[Path], Path]) -> Path:
-    """An FMU made at a path; what prevents it is a UserError."""
+def written(path: Path, make: Callable[[Path], object]) -> Path:
+    """A file made at a path; what prevents it is a UserError."""
     from ...fmus.native.build.compile import NotCompiled
 
     there = next(folder for folder in path.parents if folder.exists())  # the others are made
     ready_to_write(there / path.name)  # compiling can take minutes
     try:
-        return make(path)
+        make(path)
     except OSError as error:
         if is_own_file(error):
             raise
@@ -153,3 +153,4 @@ def _written(path: Path, make: Callable[[Path], Path]) -> Path:
         raise UserError(f"{path}: {error}") from error
     except NotCompiled as error:
         raise UserError(f"{error}; or build units that run Python: --python") from error
+    return path
