@@ -229,21 +229,21 @@ Complex rect(double size, double angle)
     }
 }
 
-Complex turned_by(Turned *kept, double angle)
+Complex turned_by(Turned *cache, double angle)
 {
-    if (!kept) {
+    if (!cache) {
         return rect(1.0, angle);
     }
-    if (kept[0].angle != angle) {
-        const Turned last = kept[0];
-        kept[0] = kept[1];
-        kept[1] = last;
-        if (kept[0].angle != angle) {
-            kept[0].angle = angle;
-            kept[0].turn = rect(1.0, angle);
+    if (cache[0].angle != angle) {
+        const Turned last = cache[0];
+        cache[0] = cache[1];
+        cache[1] = last;
+        if (cache[0].angle != angle) {
+            cache[0].angle = angle;
+            cache[0].turn = rect(1.0, angle);
         }
     }
-    return kept[0].turn;
+    return cache[0].turn;
 }
 
 double sine(double x)

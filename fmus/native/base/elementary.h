@@ -64,7 +64,7 @@ typedef struct {
 
 /* The same of the last two angles asked for, at first not a number: passes ask for the ends of a
    step again and again.  kept (2,), or NULL. */
-Complex turned_by(Turned *kept, double angle);
+Complex turned_by(Turned *cache, double angle);
 
 double natural_exp(double x);  /* e^x, below 1 ulp */
 double arc_sine(double x);     /* -1 to 1, below 1 ulp; NaN beyond */

@@ -154,7 +154,7 @@ static int part(EventStepper *stepper, double until)
     }
     for (i = 0; i < groups->runs.count; i++) {
         if (!groups->resting[i]) { /* rounding must not make resting weights creep */
-            place(weights, groups->runs.first[i], groups->runs.size[i], groups->end_middle[i],
+            place_group(weights, groups->runs.first[i], groups->runs.size[i], groups->end_middle[i],
                   groups->end_rate[i]);
         }
     }

@@ -10,7 +10,7 @@ static int closes(const WeightsInOrder *weights, int k, double soon)
 {
     const double closing =
         weights->angle_rate[k] - weights->angle_rate[(k + 1) % weights->count];
-    return closing > 0.0 && gap(weights, k) <= TOUCH + soon * closing;
+    return closing > 0.0 && gap(weights, k) <= TOUCHING_ANGLE + soon * closing;
 }
 
 int approaching(const WeightsInOrder *weights, double soon)
@@ -46,7 +46,7 @@ void impact_add(Impact *impact, const WeightsInOrder *weights, int plane, int cl
         /* the last contact of a full track follows from the others */
         const int lasts = track->full && k < n - 1;
         if (lasts || (!track->full && (k == closed || weights->joined[k] ||
-                                       gap(weights, k) <= TOUCH || closes(weights, k, soon)))) {
+                                       gap(weights, k) <= TOUCHING_ANGLE || closes(weights, k, soon)))) {
             impact->pairs[pair].behind = first + k;
             impact->pairs[pair].ahead = first + (k + 1) % n;
             impact->pairs[pair].restitution = track->restitution;

@@ -39,10 +39,10 @@ int track_first_contacts(const Track *track, const double *angles, const double 
     code = put_in_order(track, angles, speeds, contacts, scratch, &weights, failure);
     for (k = 0; k < n && !code; k++) {
         const int alike = weights.angle_rate[k] == weights.angle_rate[(k + 1) % n];
-        contacts[weights.order[k]] = alike && gap(&weights, k) <= TOUCH ? 1.0 : 0.0;
+        contacts[weights.order[k]] = alike && gap(&weights, k) <= TOUCHING_ANGLE ? 1.0 : 0.0;
         room += gap(&weights, k);
     }
-    if (!code && !track->full && !(room > n * TOUCH)) { /* which depends on their order */
+    if (!code && !track->full && !(room > n * TOUCHING_ANGLE)) { /* which depends on their order */
         code = fail(failure, FAILURE_NO_ROOM, "weight_radius", n, TAU - room,
                     track->weights.track_radius, 0.0, 0.0);
     }

@@ -21,16 +21,16 @@ size_t ring_scratch(int count)
 
 static double *next_doubles(double **free, int count)
 {
-    double *const taken = *free;
+    double *const block = *free;
     *free += count;
-    return taken;
+    return block;
 }
 
 static int *next_ints(int **free, int count)
 {
-    int *const taken = *free;
+    int *const block = *free;
     *free += count;
-    return taken;
+    return block;
 }
 
 /* Hand out the arrays of `scratch`. */
@@ -243,7 +243,7 @@ static void place_about_mean(WeightsInOrder *weights, int first, int size)
         rate += weights->mass[j] * weights->angle_rate[k];
         mass += weights->mass[j];
     }
-    place(weights, first, size, middle / size, rate / mass);
+    place_group(weights, first, size, middle / size, rate / mass);
 }
 
 int align(WeightsInOrder *weights)
@@ -251,12 +251,12 @@ int align(WeightsInOrder *weights)
     const Runs *chains = &weights->chains;
     int k, any = 0;
     for (k = 0; k < weights->count; k++) {
-        const double apart = gap(weights, k);
-        if (apart < -OVERLAP) {
-            return fail(weights->failure, FAILURE_OVERLAP, "weights", 0, -apart,
+        const double opening = gap(weights, k);
+        if (opening < -OVERLAP) {
+            return fail(weights->failure, FAILURE_OVERLAP, "weights", 0, -opening,
                         2.0 * weights->track->alpha, 0.0, 0.0);
         }
-        if (weights->joined[k] && apart > OVERLAP) {
+        if (weights->joined[k] && opening > OVERLAP) {
             weights->joined[k] = 0;
         }
         any |= weights->joined[k];
@@ -273,7 +273,7 @@ int align(WeightsInOrder *weights)
     return FINE;
 }
 
-void place(WeightsInOrder *weights, int first, int size, double middle, double rate)
+void place_group(WeightsInOrder *weights, int first, int size, double middle, double rate)
 {
     int j;
     for (j = 0; j < size; j++) {

@@ -80,6 +80,6 @@ int align(WeightsInOrder *weights);
 double find_offsets(WeightsInOrder *weights, int first, int size);
 
 /* Put a run of weights that touch, whose offsets are set, about the angle `middle`. */
-void place(WeightsInOrder *weights, int first, int size, double middle, double rate);
+void place_group(WeightsInOrder *weights, int first, int size, double middle, double rate);
 
 #endif

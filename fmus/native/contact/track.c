@@ -62,7 +62,7 @@ int track_prepare(Track *track, Failure *failure)
         sizes_differ |= weights->each[2 * weights->count + k] != 1.0;
     }
     track->full = track->solid && !sizes_differ &&
-                  weights->count * track->alpha >= PI - weights->count * TOUCH;
+                  weights->count * track->alpha >= PI - weights->count * TOUCHING_ANGLE;
     track->eventful =
         (track->weight_radius > 0.0 && weights->count > 1) || track->rolling_resistance > 0.0;
     return FINE;

@@ -6,7 +6,7 @@
 #include "base/failure.h"
 #include "weights/weights.h"
 
-#define TOUCH 1e-11 /* rad: neighbours this close collide together */
+#define TOUCHING_ANGLE 1e-11 /* rad: neighbours this close collide together */
 
 /* What ends a step: the first event, behind it; the first impact, before it. */
 enum { STOPS_AT_EVENTS = 1, STOPS_AT_IMPACTS = 2 };

@@ -67,10 +67,10 @@ static double worst(const Signal *signals, const Knot *ends, int count, int orde
     int k;
     for (k = 0; k < count; k++) {
         const double share = share_of_miss(orders, step, signals[k].last_step);
-        Complex ahead[QUINTIC_ORDERS], led;
+        Complex ahead[QUINTIC_ORDERS], extrapolated;
         signal_predicted(signals + k, orders, ahead);
-        led = knot_end(ahead, orders, step).value;
-        largest = larger(largest, share * magnitude(complex_difference(ends[k].value, led)));
+        extrapolated = knot_end(ahead, orders, step).value;
+        largest = larger(largest, share * magnitude(complex_difference(ends[k].value, extrapolated)));
     }
     return scale > 0.0 ? largest / scale : 0.0;
 }
@@ -181,9 +181,9 @@ int adaptive_step(Unit *unit, double longest)
         const double step = own >= remaining ? remaining : own > 0.5 * remaining ? 0.5 * remaining : own;
         double residual, error, ratio, largest_motion, shortened = own / step;
         int lower, higher, minute, still;
-        course->adaptive.held = rung < 0;
+        course->adaptive.constant_signals = rung < 0;
         residual = iterated_attempt(unit, step, MAX_PASSES);
-        course->adaptive.held = 0.0;
+        course->adaptive.constant_signals = 0.0;
         if (residual < 0.0 && contacts_ahead(unit, &remaining)) {
             /* a unit cannot follow a loop that diverges */
             if (rung + 2 * RUNGS > LOWEST) {
@@ -222,7 +222,7 @@ int adaptive_step(Unit *unit, double longest)
                 course->total.error = larger(course->total.error, error);
             }
             course->loop.residual = residual;
-            course->adaptive.held = rung < 0;
+            course->adaptive.constant_signals = rung < 0;
             course->adaptive.largest_motion = largest_motion;
             return iterated_go_on(unit, step, met && step == remaining);
         }

@@ -20,9 +20,9 @@ static const double SHARE[GAUSS_NODES / 2] = {
 void compensated_begin(Composite *c, double step)
 {
     const int e = c->orders * c->exchanges, p = c->orders * c->planes;
-    c->course->compensated.missed_step = 0.0;
+    c->course->compensated.compensated_step = 0.0;
     c->course->loop.largest = c->course->compensated.largest_before = 0.0;
-    c->course->compensated.lost = c->course->compensated.calm = 0.0;
+    c->course->compensated.lost_steps = c->course->compensated.calm_steps = 0.0;
     c->course->loop.solved_step = step;
     matrix_product(1, p, e, e, c->wide, c->solution, c->solution + e * e);
 }
@@ -47,7 +47,7 @@ static void falling_at(int parts, double s, double *falling)
 }
 
 /* Moments about the end of this step of what was missed, and of what can be given, per part. */
-static void moments(int parts, double turn, double ratio, Complex *missed, Complex *given)
+static void moments(int parts, double turn, double ratio, Complex *residuals, Complex *given)
 {
     int k, i, j;
     for (k = 0; k < GAUSS_NODES; k++) {
@@ -61,7 +61,7 @@ static void moments(int parts, double turn, double ratio, Complex *missed, Compl
         for (i = 0; i < parts; i++, past *= rest + ratio, now *= ratio * rest) {
             for (j = 0; j < parts; j++) {
                 const double rising = j == 1 ? -mirrored[j] : mirrored[j];
-                missed[parts * i + j] = plus(missed[parts * i + j], rising * past, before);
+                residuals[parts * i + j] = plus(residuals[parts * i + j], rising * past, before);
                 given[parts * i + j] = plus(given[parts * i + j], falling[j] * now, after);
             }
         }
@@ -69,22 +69,22 @@ static void moments(int parts, double turn, double ratio, Complex *missed, Compl
 }
 
 /* Signal over a step that gives a free mass what it missed in the step before. */
-static void carry(Carried *carried, int parts, double turn, double past, double step)
+static void update_carried(Carried *carried, int parts, double turn, double past, double step)
 {
     const Complex zero = {0.0, 0.0};
     const Knot nothing = {zero, zero, zero};
-    Complex missed[MOST_COMPONENTS * MOST_COMPONENTS], given[MOST_COMPONENTS * MOST_COMPONENTS];
+    Complex residuals[MOST_COMPONENTS * MOST_COMPONENTS], given[MOST_COMPONENTS * MOST_COMPONENTS];
     int k, i;
     if (carried->turn == turn && carried->past == past && carried->step == step) {
         return;
     }
-    memset(missed, 0, sizeof missed);
+    memset(residuals, 0, sizeof residuals);
     memset(given, 0, sizeof given);
-    moments(parts, turn, step / past, missed, given);
-    matrix_solve(2, parts, parts, (double *)given, (double *)missed);
+    moments(parts, turn, step / past, residuals, given);
+    matrix_solve(2, parts, parts, (double *)given, (double *)residuals);
     for (i = 0; i < parts; i++) {
         Complex signal[QUINTIC_ORDERS];
-        const Knot start = {missed[i], missed[parts + i], parts > 2 ? missed[2 * parts + i] : zero};
+        const Knot start = {residuals[i], residuals[parts + i], parts > 2 ? residuals[2 * parts + i] : zero};
         double power = 1.0;
         knot_hermite(&start, &nothing, 2 * parts, 1.0, signal);
         for (k = 0; k < 2 * parts; k++, power *= step) {
@@ -97,14 +97,14 @@ static void carry(Carried *carried, int parts, double turn, double past, double 
 }
 
 /* Signals over the step with what was missed in the past one added. */
-static void make_good(const Carried *carried, int parts, const Complex *missed, int count,
+static void make_good(const Carried *carried, int parts, const Complex *residuals, int count,
                       Complex *signals)
 {
     int j, k, i;
-    for (j = 0; j < count; j++, missed += parts, signals += 2 * parts) {
+    for (j = 0; j < count; j++, residuals += parts, signals += 2 * parts) {
         for (k = 0; k < 2 * parts; k++) {
             for (i = 0; i < parts; i++) {
-                signals[k] = complex_sum(signals[k], complex_product(carried->rows[k][i], missed[i]));
+                signals[k] = complex_sum(signals[k], complex_product(carried->rows[k][i], residuals[i]));
             }
         }
     }
@@ -122,21 +122,21 @@ static int diverges(Unit *unit, double step)
     for (k = 0; k < c->exchanges; k++) {
         const Complex expected = knot_end(c->assumed + c->orders * k, c->orders, step).value;
         const Complex value = c->answers[k].value;
-        const double missed = magnitude(complex_difference(value, expected));
-        worst = missed <= worst ? worst : missed;
+        const double residuals = magnitude(complex_difference(value, expected));
+        worst = residuals <= worst ? worst : residuals;
         course->loop.largest = larger(course->loop.largest, magnitude(value));
     }
     if (worst <= MISSED * course->loop.largest) {
-        course->compensated.calm += 1.0;
-        course->compensated.lost = course->compensated.calm >= CALM ? 0.0 : course->compensated.lost;
+        course->compensated.calm_steps += 1.0;
+        course->compensated.lost_steps = course->compensated.calm_steps >= CALM ? 0.0 : course->compensated.lost_steps;
         return 0;
     }
-    if (course->compensated.lost == 0.0) {
+    if (course->compensated.lost_steps == 0.0) {
         course->compensated.largest_before = course->loop.largest;
     }
-    course->compensated.calm = 0.0;
-    course->compensated.lost += 1.0;
-    if (course->compensated.lost < LOST || course->loop.largest < GROWN * course->compensated.largest_before) {
+    course->compensated.calm_steps = 0.0;
+    course->compensated.lost_steps += 1.0;
+    if (course->compensated.lost_steps < LOST || course->loop.largest < GROWN * course->compensated.largest_before) {
         return 0;
     }
     reason = unit_reason(unit);
@@ -164,16 +164,16 @@ static void solve(Composite *c, double step)
         gap.second = complex_difference(c->answers[k].second, expected.second);
         loop_pack(c, &gap, 1, step, c->residual + o * k);
     }
-    matrix_product(1, e + p, e, 1, c->solution, c->residual, &c->missed->re);
+    matrix_product(1, e + p, e, 1, c->solution, c->residual, &c->residuals->re);
 }
 
 /* A signal's end with what was missed added, each part over its power of the step. */
-static Knot righted(Knot end, int parts, const Complex *missed, double step)
+static Knot righted(Knot end, int parts, const Complex *residuals, double step)
 {
-    end.value = plus(end.value, 1.0, missed[0]);
-    end.slope = plus(end.slope, 1.0 / step, missed[1]);
+    end.value = plus(end.value, 1.0, residuals[0]);
+    end.slope = plus(end.slope, 1.0 / step, residuals[1]);
     if (parts > 2) {
-        end.second = plus(end.second, 1.0 / step / step, missed[2]);
+        end.second = plus(end.second, 1.0 / step / step, residuals[2]);
     }
     return end;
 }
@@ -185,20 +185,20 @@ static void bend(Signal *signal, const Complex *assumed, double step)
 {
     static const double bending[3][3] = {
         {-7.5, 7.5, -27.0 / 16.0}, {0.0, 0.0, 1.0}, {45.0, -45.0, 105.0 / 8.0}};
-    const Knot led = knot_end(assumed, QUINTIC_ORDERS, step);
-    Complex missed[3] = {
-        complex_difference(signal->now.value, led.value),
-        complex_scaled(step, complex_difference(signal->now.slope, led.slope)),
-        complex_scaled(step * step, complex_difference(signal->now.second, led.second))};
+    const Knot extrapolated = knot_end(assumed, QUINTIC_ORDERS, step);
+    Complex residuals[3] = {
+        complex_difference(signal->now.value, extrapolated.value),
+        complex_scaled(step, complex_difference(signal->now.slope, extrapolated.slope)),
+        complex_scaled(step * step, complex_difference(signal->now.second, extrapolated.second))};
     double power = step * step * step;
     int k, i;
     for (k = 0; k < 3; k++, power *= step) {
         signal->last[3 + k] = assumed[3 + k];
         for (i = 0; i < 3; i++) {
-            signal->last[3 + k] = plus(signal->last[3 + k], bending[k][i] / power, missed[i]);
+            signal->last[3 + k] = plus(signal->last[3 + k], bending[k][i] / power, residuals[i]);
         }
     }
-    signal->prediction_error = magnitude(missed[0]);
+    signal->prediction_error = magnitude(residuals[0]);
 }
 
 /* Right the ends of all signals, and go on from there. */
@@ -209,11 +209,11 @@ static int accept(Unit *unit, double past, double step)
     int k;
     for (k = 0; k < c->exchanges; k++) {
         const Knot end = knot_end(c->assumed + o * k, o, step);
-        c->answers[k] = righted(end, parts, c->missed + parts * k, step);
+        c->answers[k] = righted(end, parts, c->residuals + parts * k, step);
     }
     for (k = 0; k < c->planes; k++) {
-        signal_predicted(c->accelerations + k, o, c->felt + o * k);
-        c->ends[k] = righted(c->ends[k], parts, c->missed + parts * (c->exchanges + k), step);
+        signal_predicted(c->accelerations + k, o, c->plane_signals + o * k);
+        c->ends[k] = righted(c->ends[k], parts, c->residuals + parts * (c->exchanges + k), step);
     }
     if (composite_accept(unit, c->ends, c->answers, step)) {
         return 1;
@@ -222,7 +222,7 @@ static int accept(Unit *unit, double past, double step)
         bend(c->forces + k, c->assumed + o * k, step);
     }
     for (k = 0; k < c->planes && bends; k++) {
-        bend(c->accelerations + k, c->felt + o * k, step);
+        bend(c->accelerations + k, c->plane_signals + o * k, step);
     }
     return 0;
 }
@@ -232,7 +232,7 @@ int compensated_step(Unit *unit, double step, int jump)
     Composite *c = unit->own;
     Course *course = c->course;
     const int o = c->orders, parts = o / 2;
-    const double past = jump ? 0.0 : course->compensated.missed_step;
+    const double past = jump ? 0.0 : course->compensated.compensated_step;
     const double speed = c->parts->unit->real[c->parts->drive];
     int k;
     for (k = 0; k < c->exchanges; k++) {
@@ -240,28 +240,28 @@ int compensated_step(Unit *unit, double step, int jump)
     }
     copy_doubles((size_t)(2 * o * c->exchanges), &c->assumed->re, &c->sent->re);
     if (past > 0.0) {
-        carry(c->carried, parts, speed * past, past, step);
-        make_good(c->carried, parts, c->missed, c->exchanges, c->sent);
+        update_carried(c->carried, parts, speed * past, past, step);
+        make_good(c->carried, parts, c->residuals, c->exchanges, c->sent);
     }
     if (composite_rotor_pass(unit, c->sent, step)) {
         return 1;
     }
     for (k = 0; k < c->planes; k++) {
-        Complex *felt = c->felt + o * k;
+        Complex *plane_signals = c->plane_signals + o * k;
         if (jump && o == QUINTIC_ORDERS) {
-            knot_leading(c->ends + k, step, felt);
+            knot_leading(c->ends + k, step, plane_signals);
         } else {
-            knot_hermite(&c->accelerations[k].now, c->ends + k, o, step, felt);
+            knot_hermite(&c->accelerations[k].now, c->ends + k, o, step, plane_signals);
         }
     }
     if (past > 0.0) {
-        carry(c->carried + 1, parts, 0.0, past, step);
-        make_good(c->carried + 1, parts, c->missed + parts * c->exchanges, c->planes, c->felt);
+        update_carried(c->carried + 1, parts, 0.0, past, step);
+        make_good(c->carried + 1, parts, c->residuals + parts * c->exchanges, c->planes, c->plane_signals);
     }
-    if (composite_balancer_pass(unit, c->felt, step) || diverges(unit, step)) {
+    if (composite_balancer_pass(unit, c->plane_signals, step) || diverges(unit, step)) {
         return 1;
     }
     solve(c, step);
-    course->compensated.missed_step = jump ? 0.0 : step;
+    course->compensated.compensated_step = jump ? 0.0 : step;
     return accept(unit, past, step);
 }

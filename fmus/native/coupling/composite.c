@@ -52,7 +52,7 @@ size_t composite_memory(Composite *c, double *memory)
         c->accelerations = (Signal *)(memory + at[3]);
         c->learned = memory + at[4];
         c->solution = memory + at[5];
-        c->missed = (Complex *)(memory + at[6]);
+        c->residuals = (Complex *)(memory + at[6]);
         c->swung = (Swung *)(memory + at[7]);
         c->at_begin = memory + at[8];
         c->at_end = memory + at[9];
@@ -68,7 +68,7 @@ static int composite_allocate(Unit *unit)
     const size_t e = (size_t)c->unknowns, p = (size_t)c->planes, o = (size_t)c->orders;
     const size_t n = o * (e + p), square = o * o * e * e;
     const size_t stations = (size_t)c->parts->unit->layout.sizes.stations;
-    double **vectors[] = {&c->u, &c->g_u, &c->moved, &c->answered, &c->residual, &c->du, &c->old};
+    double **vectors[] = {&c->u, &c->g_u, &c->moved, &c->disturbed_answers, &c->residual, &c->du, &c->old};
     size_t k;
     int missing = 0;
     composite_memory(c, unit->memory);
@@ -79,7 +79,7 @@ static int composite_allocate(Unit *unit)
     }
     c->assumed = unit_allocate(unit, o * e, sizeof(Complex));
     c->sent = unit_allocate(unit, o * e, sizeof(Complex));
-    c->felt = unit_allocate(unit, o * p, sizeof(Complex));
+    c->plane_signals = unit_allocate(unit, o * p, sizeof(Complex));
     c->ends = unit_allocate(unit, p, sizeof(Knot));
     c->answers = unit_allocate(unit, e, sizeof(Knot));
     c->square = unit_allocate(unit, square, sizeof(double));
@@ -90,9 +90,9 @@ static int composite_allocate(Unit *unit)
     for (k = 0; k < (size_t)c->part_count; k++) {
         c->real_count += c->parts[k].unit->layout.real_count;
     }
-    c->kept = unit_allocate(unit, c->real_count, sizeof(double));
-    return missing || !c->assumed || !c->sent || !c->felt || !c->ends || !c->answers ||
-           !c->square || !c->wide || !c->work || !c->decay || !c->kept || !c->masses;
+    c->saved_reals = unit_allocate(unit, c->real_count, sizeof(double));
+    return missing || !c->assumed || !c->sent || !c->plane_signals || !c->ends || !c->answers ||
+           !c->square || !c->wide || !c->work || !c->decay || !c->saved_reals || !c->masses;
 }
 
 /* -- the start ------------------------------------------------------------------------------- */
@@ -169,7 +169,7 @@ static void take_inputs(Unit *unit)
     Composite *c = unit->own;
     Course *course = c->course;
     if (!c->motor && !(unit->real[c->rise] > 0.0)) {
-        course->drive.told = unit->time;
+        course->drive.set_at = unit->time;
         course->drive.speed = unit->real[c->drive];
         course->drive.acceleration = unit->real[c->drive + 1];
     }
@@ -272,7 +272,7 @@ static int start(Unit *unit)
     memset(c->forces, 0, (size_t)c->unknowns * sizeof(Signal));
     memset(c->accelerations, 0, (size_t)c->planes * sizeof(Signal));
     course->drive.fastest = unit->real[c->top_speed];
-    course->clock.begin = course->clock.time = course->drive.told = unit->time;
+    course->clock.begin = course->clock.time = course->drive.set_at = unit->time;
     if (!c->motor && begin_drive(unit)) {
         return 1;
     }
@@ -347,10 +347,10 @@ static int meet_inputs(Unit *unit)
     const Composite *c = unit->own;
     const Course *course = c->course;
     const double *drive = unit->real + c->drive;
-    const double led = composite_speed(c, unit->time);
+    const double extrapolated_speed = composite_speed(c, unit->time);
     const int rises = unit->real[c->rise] > 0.0;
     const int same = rises || (drive[1] == course->drive.acceleration &&
-                               absolute(drive[0] - led) <= SAME_SPEED * course->drive.fastest);
+                               absolute(drive[0] - extrapolated_speed) <= SAME_SPEED * course->drive.fastest);
     const int jumps = !same || pushed_anew(unit);
     if (rises && (drive[0] != course->drive.first_speed || drive[1] != course->drive.first_acceleration)) {
         return refuse_coupling(unit, "speed, acceleration: the rotor speeds up by itself, as rise_time is "
@@ -432,7 +432,7 @@ int composite_go_on(Unit *unit)
     memcpy(c->at_begin, c->states, size);
     course->clock.begin = course->clock.time;
     course->clock.length = step;
-    course->adaptive.held = 0.0;
+    course->adaptive.constant_signals = 0.0;
     composite_drive(unit, course->clock.begin);
     if (strikes  ? strike(unit)
         : adapts ? adapt(unit)
@@ -456,7 +456,7 @@ static int show_time(Unit *unit, double time, int end)
     Rotor *rotor = c->parts->unit->own;
     const size_t size = c->state_count * sizeof(double);
     /* under signals that do not change they can go on from where they stand */
-    const int goes_on = course->clock.within > 0.0 && course->adaptive.held > 0.0 && !end &&
+    const int goes_on = course->clock.within > 0.0 && course->adaptive.constant_signals > 0.0 && !end &&
                         course->drive.acceleration == 0.0 && !c->motor && time >= course->clock.shown;
     double from = course->clock.begin;
     int wrong;
@@ -473,7 +473,7 @@ static int show_time(Unit *unit, double time, int end)
     }
     course->clock.within = end ? 0.0 : 1.0;
     course->clock.shown = time;
-    rotor->whole = end ? 0.0 : course->adaptive.held > 0.0 ? time - from : course->clock.length;
+    rotor->whole = end ? 0.0 : course->adaptive.constant_signals > 0.0 ? time - from : course->clock.length;
     wrong = composite_move(unit, end ? course->clock.length : time - from);
     rotor->whole = 0.0;
     return wrong;
@@ -506,7 +506,7 @@ void composite_pass_corner(Unit *unit)
     /* where corners say the speed, rounding of the line up to it must not add up */
     drive->speed = passed ? next[-1] : composite_speed(c, time);
     drive->acceleration = drive->next_corner = 0.0;
-    drive->told = time;
+    drive->set_at = time;
     if (passed < c->corner_count && next[0] > 0.0) {
         drive->next_corner = drive->began + next[0];
         drive->acceleration = (next[1] - drive->speed) / (drive->next_corner - time);

@@ -28,7 +28,7 @@ typedef struct {
     Knot now;
     Complex last[QUINTIC_ORDERS];
     double last_step;        /* [s] */
-    double prediction_error; /* how far the last step ended from where the one before led */
+    double prediction_error; /* how far the last step ended from the extrapolation of the one before */
     double largest;          /* modulus so far */
 } Signal;
 
@@ -55,7 +55,7 @@ typedef struct {
 
 /* Of composite.c: how the rotor turns. */
 typedef struct {
-    double told, speed, acceleration; /* time of the drive [s], and what it was then */
+    double set_at, speed, acceleration; /* time of the drive [s], and what it was then */
     double fastest;                   /* speed so far, and that of the parameter [rad/s] */
     double first_speed, first_acceleration;
     double began, next_corner, passed; /* of a profile that the rotor follows by itself: its start [s], the
@@ -95,8 +95,8 @@ typedef struct {
 
 /* Of compensated.c: what the step before missed. */
 typedef struct {
-    double missed_step;                /* length of the step before [s], 0 when it missed nothing */
-    double largest_before, lost, calm; /* of a diverging loop */
+    double compensated_step;                /* length of the step before [s], 0 when it missed nothing */
+    double largest_before, lost_steps, calm_steps; /* of a diverging loop */
 } Compensation;
 
 /* Of contacts.c: brief steps behind an event. */
@@ -113,13 +113,13 @@ typedef struct {
     double allowed, rung;  /* tolerance, 0 for fixed steps; step as 2^(-rung/4) */
     double largest_motion; /* of a plane, so far */
     double rested;         /* steps of this length in which nothing has moved */
-    double held;           /* whether the step holds its signals at the values they end with */
+    double constant_signals;           /* whether the step holds its signals at the values they end with */
 } Adaptation;
 
 /* Of resolution.c: what the steps are judged by, as in harness/master/resolution.py. */
 typedef struct {
     double slowest; /* rate of the rotor's slowest motion [1/s] */
-    double top, mass, pace, reach, most, pushed, judged_step, blind, kept, kept_turning, renewed;
+    double top, mass, pace, reach, most, summed_error, judged_step, blind, decay, turn_decay, renewed;
     double moved, grown, unresolved;
 } Resolution;
 
@@ -196,17 +196,17 @@ typedef struct {
     Signal *forces, *accelerations; /* (unknowns,), (planes,) */
     double *learned;  /* (o e, o e) for e unknowns and o orders: `solution` before an event */
     double *solution; /* (o e, o e): inverse of 1 - dG/du; compensated: (o e + o p, o e) */
-    Complex *missed;  /* (e + p, o / 2): of a signal's end by a step, each part times its power of the step */
+    Complex *residuals;  /* (e + p, o / 2): of a signal's end by a step, each part times its power of the step */
     Swung *swung;     /* (p,) */
     double *states;   /* memories of all parts, one after the other, */
     double *at_begin, *at_end; /* and those at the ends of the last step */
     size_t state_count;
     size_t real_count; /* of all parts' variables, the rotor's first */
     /* scratch */
-    double *kept;      /* (real_count,) */
-    Complex *assumed, *sent, *felt; /* (e, o), (e, o), (p, o) signals over a step */
+    double *saved_reals;      /* (real_count,) */
+    Complex *assumed, *sent, *plane_signals; /* (e, o), (e, o), (p, o) signals over a step */
     Knot *ends, *answers;           /* (p,), (e,) */
-    double *u, *g_u, *moved, *answered, *residual, *du, *old; /* (o e,) as `pack` makes them */
+    double *u, *g_u, *moved, *disturbed_answers, *residual, *du, *old; /* (o e,) as `pack` makes them */
     double *square, *wide, *work;  /* (o e, o e), (o p, o e), 2 (o e, o e) */
     double *masses;                /* (rotor's planes,) */
     double *decay;                 /* 2 (4 n, 4 n) for n stations */
@@ -302,7 +302,7 @@ double shaft_speed(const Composite *c);
 /* -- signals.c ---------------------------------- */
 
 /* A signal of which the start alone is known. */
-void knot_begun(const Knot *start, int orders, Complex *signal);
+void knot_from_start(const Knot *start, int orders, Complex *signal);
 /* A signal held at a value. */
 void knot_held(const Knot *knot, int orders, Complex *signal);
 void knot_hermite(const Knot *start, const Knot *end, int orders, double step, Complex *signal);

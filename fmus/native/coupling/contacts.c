@@ -45,7 +45,7 @@ void contacts_begin(Unit *unit)
 }
 
 /* Behind the event: the jump is no error of a prediction. */
-static void end(Composite *c)
+static void end_event(Composite *c)
 {
     int k;
     for (k = 0; k < c->unknowns; k++) {
@@ -105,8 +105,8 @@ static void find_jumps(const Signal *signals, const Knot *ends, int count, doubl
     int k;
     for (k = 0; k < count; k++) {
         const Knot now = signals[k].now, end = ends[k];
-        const Complex led = complex_sum(now.value, complex_scaled(step, now.slope));
-        left = larger(left, magnitude(complex_difference(end.value, led)));
+        const Complex extrapolated = complex_sum(now.value, complex_scaled(step, now.slope));
+        left = larger(left, magnitude(complex_difference(end.value, extrapolated)));
         turn = larger(turn, step * magnitude(complex_difference(end.slope, now.slope)));
         grown = larger(grown, step * magnitude(end.slope));
     }
@@ -145,7 +145,7 @@ int contacts_step(Unit *unit)
         course->event.striking = smaller(course->event.striking, QUIET);
     }
     if (course->event.striking == 0.0) {
-        end(c);
+        end_event(c);
     } else if (course->event.strikes > MOST) {
         text_put(unit_reason(unit), "weights collide or stick without end");
         composite_put_time(&unit->reason, course->event.met);

@@ -122,12 +122,12 @@ static void push_rotor(Composite *c, const Impact *impact)
     }
     if (rotor->slider_count) { /* no friction holds against an impact */
         friction_at_jump(rotor->sliders, rotor->slider_count, velocity,
-                         rotor_held(c->parts->unit));
+                         rotor_slider_states(c->parts->unit));
     }
 }
 
 /* Take over rates and contacts; whether pairs that bounce too low are left to be solved again. */
-static int take(Composite *c, Impact *impact)
+static int apply_impact(Composite *c, Impact *impact)
 {
     int k, first = 0, low = 0;
     for (k = 1; k < c->mounted; k++) {
@@ -199,7 +199,7 @@ int impacts_strike(Unit *unit, double soon, int *struck)
         if (impact_solve(&impact, &c->impacts->failure)) {
             return unit_failed(unit, &c->impacts->failure, NULL, 0);
         }
-    } while (take(c, &impact));
+    } while (apply_impact(c, &impact));
     push_rotor(c, &impact);
     if (write_tracks(unit)) {
         return 1;

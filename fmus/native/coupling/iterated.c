@@ -41,9 +41,9 @@ static double measure(const Composite *c, double step)
 }
 
 /* A signal over a step that ends so. */
-static void led_to(const Composite *c, const Knot *start, const Knot *end, double step, Complex *signal)
+static void knot_continue(const Composite *c, const Knot *start, const Knot *end, double step, Complex *signal)
 {
-    if (c->course->adaptive.held > 0.0) {
+    if (c->course->adaptive.constant_signals > 0.0) {
         knot_held(end, c->orders, signal);
     } else if (leads(c)) {
         knot_leading(end, step, signal);
@@ -61,15 +61,15 @@ static int pass(Unit *unit, const double *u, double step)
     for (k = 0; k < c->unknowns; k++) {
         Knot end;
         loop_unpack(c, u + o * k, 1, measure(c, step), &end);
-        led_to(c, &c->forces[k].now, &end, step, c->sent + o * k);
+        knot_continue(c, &c->forces[k].now, &end, step, c->sent + o * k);
     }
     if (composite_rotor_pass(unit, c->sent, step)) {
         return 1;
     }
     for (k = 0; k < c->planes; k++) {
-        led_to(c, &c->accelerations[k].now, c->ends + k, step, c->felt + o * k);
+        knot_continue(c, &c->accelerations[k].now, c->ends + k, step, c->plane_signals + o * k);
     }
-    return composite_balancer_pass(unit, c->felt, step);
+    return composite_balancer_pass(unit, c->plane_signals, step);
 }
 
 /* Where signals are held only their values count. */
@@ -77,7 +77,7 @@ static void drop_slopes(const Composite *c, double *u)
 {
     const int o = c->orders, count = o * c->unknowns;
     int i;
-    for (i = 0; i < count && c->course->adaptive.held > 0.0; i++) {
+    for (i = 0; i < count && c->course->adaptive.constant_signals > 0.0; i++) {
         u[i] = i % o < 2 ? u[i] : 0.0;
     }
 }
@@ -96,7 +96,7 @@ double iterated_attempt(Unit *unit, double step, int passes)
     const double allowed = course->loop.tolerance;
     const double tolerance =
         course->event.striking > 0.0  ? smaller(allowed, closed(course))
-        : course->adaptive.held > 0.0 ? larger(GAIN_ROUNDING * course->loop.gain, HELD * allowed)
+        : course->adaptive.constant_signals > 0.0 ? larger(GAIN_ROUNDING * course->loop.gain, HELD * allowed)
                                       : allowed;
     const double counted = measure(c, step);
     double error = 0.0, error_before = 0.0;
@@ -105,7 +105,7 @@ double iterated_attempt(Unit *unit, double step, int passes)
     loop_rescale(c, count, counted);
     for (i = 0; i < c->unknowns; i++) {
         Knot ahead;
-        if (course->adaptive.held > 0.0) {
+        if (course->adaptive.constant_signals > 0.0) {
             knot_held(&c->forces[i].now, o, c->assumed + o * i);
         } else {
             signal_predicted(c->forces + i, o, c->assumed + o * i);
@@ -215,19 +215,19 @@ int iterated_after_start(Unit *unit, double step)
     const size_t states = c->state_count * sizeof(double), reals = c->real_count * sizeof(double);
     int k, wrong;
     for (k = 0; k < c->unknowns; k++) {
-        Complex begun[QUINTIC_ORDERS];
+        Complex from_start[QUINTIC_ORDERS];
         Knot end;
-        knot_begun(&c->forces[k].now, c->orders, begun);
-        end = knot_end(begun, c->orders, step);
+        knot_from_start(&c->forces[k].now, c->orders, from_start);
+        end = knot_end(from_start, c->orders, step);
         loop_pack(c, &end, 1, step, c->u + c->orders * k);
     }
     /* the host may still ask for a time within the last step, or for outputs at its end */
     memcpy(c->at_end, c->at_begin, states);
-    memcpy(c->kept, c->parts->unit->real, reals);
+    memcpy(c->saved_reals, c->parts->unit->real, reals);
     memcpy(c->at_begin, c->states, states);
     c->course->loop.ahead = -1.0;
     wrong = learn_anew(unit, step);
     memcpy(c->at_begin, c->at_end, states);
-    memcpy(c->parts->unit->real, c->kept, reals);
+    memcpy(c->parts->unit->real, c->saved_reals, reals);
     return wrong;
 }

@@ -113,11 +113,11 @@ int loop_jacobian(Unit *unit, Response response, const double *u, const double *
     for (j = 0; j < count; j++) {
         memcpy(c->moved, u, (size_t)count * sizeof(double));
         c->moved[j] += change;
-        if (response(unit, c->moved, step, c->answered)) {
+        if (response(unit, c->moved, step, c->disturbed_answers)) {
             return 1;
         }
         for (i = 0; i < rows; i++) {
-            matrix[i * count + j] = (c->answered[i] - g_u[i]) / change;
+            matrix[i * count + j] = (c->disturbed_answers[i] - g_u[i]) / change;
         }
     }
     return 0;
@@ -204,7 +204,7 @@ static int rotor_answer(Unit *unit, const double *u, double step)
     int k;
     for (k = 0; k < c->unknowns; k++) {
         loop_unpack(c, u + c->orders * k, 1, step, ends);
-        knot_begun(ends, c->orders, c->sent + c->orders * k);
+        knot_from_start(ends, c->orders, c->sent + c->orders * k);
     }
     if (c->motor) {
         shaft_tell(unit, c->sent + c->orders * c->exchanges, 0.0);

@@ -18,7 +18,7 @@ int prescribed_step(Unit *unit)
     Course *course = c->course;
     Pacing *pacing = &c->pacing;
     double step = pacing->step;
-    int measured = 0, met = 0, halved = 0, held;
+    int measured = 0, met = 0, halved = 0, constant_signals;
     while (pacing->next < pacing->count &&
            pacing->points[pacing->next] <= course->clock.time * (1.0 + TIME_ROUNDING)) {
         pacing->next++;
@@ -26,15 +26,15 @@ int prescribed_step(Unit *unit)
     if (pacing->next < pacing->count) {
         step = smaller(step, pacing->points[pacing->next] - course->clock.time);
     }
-    held = step > LONG * pacing->longest;
-    if (course->event.ended == course->clock.time && course->clock.time > 0.0 && !held) {
+    constant_signals = step > LONG * pacing->longest;
+    if (course->event.ended == course->clock.time && course->clock.time > 0.0 && !constant_signals) {
         step *= 0.5;
     }
     for (;;) {
         double residual;
-        course->adaptive.held = held;
+        course->adaptive.constant_signals = constant_signals;
         residual = iterated_attempt(unit, step, MAX_PASSES);
-        course->adaptive.held = 0.0;
+        course->adaptive.constant_signals = 0.0;
         if (residual < 0.0) {
             if (contacts_ahead(unit, &step)) {
                 return 1;
@@ -47,7 +47,7 @@ int prescribed_step(Unit *unit)
         }
         if (halved == POINT_HALVINGS || residual <= course->loop.tolerance) {
             course->loop.residual = residual;
-            course->adaptive.held = held;
+            course->adaptive.constant_signals = constant_signals;
             return iterated_go_on(unit, step, met);
         }
         composite_restore(c);

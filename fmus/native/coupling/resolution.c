@@ -33,14 +33,14 @@ static double left_of_vibration(Composite *c, double step)
     const Rotor *own = unit->own;
     const int n = 4 * own->stations;
     const size_t planes = (size_t)own->planes;
-    double *carried = unit->real + unit->layout.inputs.first, *kept = c->masses + planes;
+    double *carried = unit->real + unit->layout.inputs.first, *saved_motion = c->masses + planes;
     const double *matrix;
     int i, j;
     composite_added_masses(c, c->masses);
-    memcpy(kept, carried, planes * sizeof(double));
+    memcpy(saved_motion, carried, planes * sizeof(double));
     memcpy(carried, c->masses, planes * sizeof(double));
     matrix = rotor_matrix(unit, c->course->resolution.top, step);
-    memcpy(carried, kept, planes * sizeof(double));
+    memcpy(carried, saved_motion, planes * sizeof(double));
     for (i = 0; i < n && matrix; i++) {
         for (j = 0; j < n; j++) {
             /* a complex element is [re, -im; im, re] */
@@ -63,12 +63,12 @@ static double slowest_rate(Composite *c)
     const int n = 4 * own->stations;
     double *carried = unit->real + unit->layout.inputs.first, *inverse = c->decay + n * n;
     const size_t size = (size_t)own->planes * sizeof(double);
-    double *kept = c->masses + own->planes, radius;
+    double *saved_motion = c->masses + own->planes, radius;
     int i, k, wrong;
-    memcpy(kept, carried, size);
+    memcpy(saved_motion, carried, size);
     memcpy(carried, c->masses, size);
     wrong = rotor_rates(unit);
-    memcpy(carried, kept, size);
+    memcpy(carried, saved_motion, size);
     if (wrong) {
         return 0.0;
     }
@@ -165,7 +165,7 @@ void resolution_begin(Unit *unit)
         plane->turned = larger(plane->turned, turned(c->parts[c->members[k]].unit, top));
     }
     course->resolution.slowest = slowest_rate(c);
-    course->resolution.judged_step = course->resolution.pushed = 0.0;
+    course->resolution.judged_step = course->resolution.summed_error = 0.0;
     course->resolution.grown = course->resolution.unresolved = 0.0;
     course->total.error = 0.0;
 }
@@ -176,12 +176,12 @@ static void change_step(Composite *c, double step)
     Course *course = c->course;
     course->resolution.judged_step = step;
     course->resolution.blind = 1.0;
-    course->resolution.kept = natural_exp(-step * course->resolution.pace / TAU);
+    course->resolution.decay = natural_exp(-step * course->resolution.pace / TAU);
     if (course->loop.gain > WEAK_LOOP ||
         (course->resolution.pace > course->resolution.top && step * course->resolution.pace > UNFOLLOWED)) {
-        course->resolution.kept = larger(course->resolution.kept, left_of_vibration(c, step));
+        course->resolution.decay = larger(course->resolution.decay, left_of_vibration(c, step));
     }
-    course->resolution.kept_turning = natural_exp(-step * course->resolution.top / TAU);
+    course->resolution.turn_decay = natural_exp(-step * course->resolution.top / TAU);
     course->resolution.renewed = 1.0 - natural_exp(-step * course->resolution.pace);
     course->resolution.moved = (1.0 + course->loop.gain) * smaller(step, 1.0 / course->resolution.pace) /
                     (course->resolution.mass * course->resolution.pace);
@@ -258,12 +258,12 @@ static int count_lost(Unit *unit, int number, const Signal *signal)
 }
 
 /* Estimate of the error by the planes' motion and the forces' pushes; the signal it is of. */
-static double estimate(Composite *c, double step, double times, double missed, int *cause)
+static double estimate(Composite *c, double step, double times, double signal_error, int *cause)
 {
     Course *course = c->course;
     double worst = 0.0;
     int k;
-    course->resolution.pushed = course->resolution.kept * course->resolution.pushed + times * missed;
+    course->resolution.summed_error = course->resolution.decay * course->resolution.summed_error + times * signal_error;
     for (k = 0; k < c->planes; k++) {
         Swung *plane = c->swung + k;
         const Signal *signal = c->accelerations + k;
@@ -275,14 +275,14 @@ static double estimate(Composite *c, double step, double times, double missed, i
         plane->place = complex_sum(
             plane->place, complex_scaled(course->resolution.renewed, complex_difference(place, plane->place)));
         course->resolution.reach = larger(course->resolution.reach, magnitude(plane->place));
-        plane->swung = course->resolution.kept_turning * plane->swung + times * signal->prediction_error;
+        plane->swung = course->resolution.turn_decay * plane->swung + times * signal->prediction_error;
         if (plane->swung * plane->turned * step > worst) {
             worst = plane->swung * plane->turned * step;
             *cause = c->exchanges + k;
         }
     }
-    if (course->resolution.pushed * course->resolution.moved > worst * course->resolution.reach) {
-        worst = course->resolution.pushed * course->resolution.moved / course->resolution.reach;
+    if (course->resolution.summed_error * course->resolution.moved > worst * course->resolution.reach) {
+        worst = course->resolution.summed_error * course->resolution.moved / course->resolution.reach;
         *cause = 0;
     }
     return worst;
@@ -296,7 +296,7 @@ int resolution_check(Unit *unit, double step)
     const double quintic = c->scheme == SCHEME_COMPENSATED ? QUINTIC_EXPLICIT_MISS_PER_ERROR
                                                            : QUINTIC_MISS_PER_ERROR;
     const double share = c->orders == QUINTIC_ORDERS ? quintic : cubic;
-    double missed = 0.0, times, worst;
+    double signal_error = 0.0, times, worst;
     int k, cause = 0, lost = -1;
     if (step != course->resolution.judged_step) {
         change_step(c, step);
@@ -304,15 +304,15 @@ int resolution_check(Unit *unit, double step)
     for (k = 0; k < c->exchanges + c->planes; k++) {
         const Signal *signal =
             k < c->exchanges ? c->forces + k : c->accelerations + (k - c->exchanges);
-        missed += k < c->exchanges ? signal->prediction_error : 0.0;
+        signal_error += k < c->exchanges ? signal->prediction_error : 0.0;
         if (signal->prediction_error > MISS_PER_ERROR * UNRESOLVED * signal->largest) {
             lost = k;
         }
     }
     /* a first step has no past to be judged by: the second one's miss is its miss too */
     times = (course->resolution.blind > 0.0 ? 2.0 : 1.0) / share;
-    course->resolution.blind = missed == 0.0;
-    worst = estimate(c, step, times, missed, &cause);
+    course->resolution.blind = signal_error == 0.0;
+    worst = estimate(c, step, times, signal_error, &cause);
     if (worst > course->total.error) {
         course->total.error = worst;
         if (worst >= REFUSED) {

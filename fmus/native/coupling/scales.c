@@ -19,7 +19,7 @@ static double largest_row(int n, const double *matrix)
 }
 
 /* What unbalance and displaced supports push the rotor with at most [N]. */
-static double pushed(const Unit *unit, double speed, double spin_up)
+static double largest_rotor_force(const Unit *unit, double speed, double spin_up)
 {
     const LinearRotor *rotor = &((const Rotor *)unit->own)->rotor;
     const int n = rotor->stations;
@@ -82,5 +82,5 @@ double composite_largest_force(const Composite *c)
         mass += rotor->rotor.mass[k];
     }
     weight = mass * hypotenuse(rotor->rotor.gravity[0], rotor->rotor.gravity[1]);
-    return own + carried * (own + (pushed(c->parts->unit, speed, spin_up) + weight)) / mass;
+    return own + carried * (own + (largest_rotor_force(c->parts->unit, speed, spin_up) + weight)) / mass;
 }

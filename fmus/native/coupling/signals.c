@@ -2,7 +2,7 @@
 #include "base/quintic.h"
 #include "coupling/composite.h"
 
-void knot_begun(const Knot *start, int orders, Complex *signal)
+void knot_from_start(const Knot *start, int orders, Complex *signal)
 {
     int k;
     signal[0] = start->value;
@@ -16,7 +16,7 @@ void knot_begun(const Knot *start, int orders, Complex *signal)
 void knot_held(const Knot *knot, int orders, Complex *signal)
 {
     Knot flat = {knot->value, {0.0, 0.0}, {0.0, 0.0}};
-    knot_begun(&flat, orders, signal);
+    knot_from_start(&flat, orders, signal);
 }
 
 void knot_hermite(const Knot *start, const Knot *end, int orders, double step, Complex *signal)
@@ -38,7 +38,7 @@ void knot_leading(const Knot *end, double step, Complex *signal)
     Knot start = *end;
     start.slope = added(end->slope, -step, end->second);
     start.value = added(end->value, -step, added(end->slope, -0.5 * step, end->second));
-    knot_begun(&start, QUINTIC_ORDERS, signal);
+    knot_from_start(&start, QUINTIC_ORDERS, signal);
 }
 
 Knot knot_end(const Complex *signal, int orders, double step)
@@ -82,8 +82,8 @@ void signal_move(Signal *signal, const Knot *end, int orders, double step)
     const double modulus = magnitude(end->value);
     signal->prediction_error = 0.0;
     if (signal->last_step == step) {
-        const Knot led = knot_end(signal->last, orders, 2.0 * step);
-        signal->prediction_error = magnitude(complex_difference(end->value, led.value));
+        const Knot extrapolated = knot_end(signal->last, orders, 2.0 * step);
+        signal->prediction_error = magnitude(complex_difference(end->value, extrapolated.value));
     }
     signal->largest = larger(signal->largest, modulus);
     knot_hermite(&signal->now, end, orders, step, signal->last);

@@ -35,7 +35,7 @@ static void outer_signal(const Composite *c, int plane, double step, Complex *si
     if (step > 0.0) {
         knot_hermite(ends, ends + 1, c->orders, step, signal);
     } else {
-        knot_begun(ends, c->orders, signal);
+        knot_from_start(ends, c->orders, signal);
     }
 }
 
@@ -211,7 +211,7 @@ int composite_move(Unit *unit, double step)
 double composite_speed(const Composite *c, double time)
 {
     const DriveSignal *drive = &c->course->drive;
-    return drive->speed + (time - drive->told) * drive->acceleration;
+    return drive->speed + (time - drive->set_at) * drive->acceleration;
 }
 
 void composite_drive(Unit *unit, double time)
@@ -258,7 +258,7 @@ int composite_accept(Unit *unit, const Knot *accelerations, const Knot *forces, 
 
 static void forget(Signal *signal)
 {
-    knot_begun(&signal->now, QUINTIC_ORDERS, signal->last);
+    knot_from_start(&signal->now, QUINTIC_ORDERS, signal->last);
     signal->last_step = 0.0;
 }
 

@@ -224,7 +224,7 @@ static int find_change(Unit *unit, const unsigned *knowns, size_t count, const d
     const size_t memory = unit->memory_count * sizeof(double);
     int wrong, stale = unit->stale;
     size_t k;
-    memcpy(unit->kept, unit->real + outputs.first, size);
+    memcpy(unit->saved_outputs, unit->real + outputs.first, size);
     memcpy(unit->before, unit->memory, memory);
     memset(unit->change, 0, size);
     unit->stale = COMPUTED;
@@ -236,7 +236,7 @@ static int find_change(Unit *unit, const unsigned *knowns, size_t count, const d
             stale = within(knowns[k], unit->layout.parameters) ? BEGINNING : stale;
         }
     }
-    memcpy(unit->real + outputs.first, unit->kept, size);
+    memcpy(unit->real + outputs.first, unit->saved_outputs, size);
     memcpy(unit->memory, unit->before, memory);
     unit->stale = stale;
     unit->frozen = 0;

@@ -80,7 +80,7 @@ struct Unit {
     double *before; /* `memory` before a step, for one that fails */
     double *change; /* change of the outputs by the inputs, */
     double *beside; /* by one of them, */
-    double *kept;   /* and the outputs while it is found */
+    double *saved_outputs;   /* and the outputs while it is found */
     const unsigned *asked; /* outputs that are read, where others need not be computed; else NULL */
     size_t asked_count;
     double time;    /* communication point reached [s] */

@@ -7,7 +7,7 @@
 
 enum { TERMS = MOST_COEFFICIENTS - 1 }; /* 0.5^18/18! is far below rounding */
 enum { MOST_STRETCHES = 10000, SWEEPS = 10000 };
-static const double REACH = 0.5, SETTLED = 1e-15;
+static const double REACH = 0.5, SERIES_CONVERGED = 1e-15;
 static const double LIMIT_ROUNDING = 1e-12; /* of a limit: a force so near to it has reached it */
 
 /* How the rotor turns over a stretch: Taylor coefficients of its speed and its acceleration. */
@@ -53,7 +53,7 @@ size_t friction_size(int stations, int planes, int count)
            2 * m + 2 * dof + 2 * m + m;
 }
 
-static double *taken(double **memory, size_t count)
+static double *next_block(double **memory, size_t count)
 {
     double *first = *memory;
     *memory += count;
@@ -103,19 +103,19 @@ int friction_step(const LinearRotor *rotor, const VariableSpeedStep *smooth, con
     made->smooth = smooth;
     made->sliders = sliders;
     made->count = count;
-    made->push = taken(&memory, size * m);
-    made->motion = taken(&memory, series * 2 * size);
-    made->forces = taken(&memory, series * m);
-    made->pushes = taken(&memory, series * size);
-    made->turn = taken(&memory, series * 2);
-    made->drive = taken(&memory, series * (2 * (size_t)p + 2));
-    made->matrix = taken(&memory, 2 * size * size);
-    made->rate = taken(&memory, size);
-    made->mobility = taken(&memory, m * m);
-    made->hold = taken(&memory, 2 * m);
-    made->state = taken(&memory, 2 * size);
-    made->held = taken(&memory, 2 * m);
-    made->limits = taken(&memory, m);
+    made->push = next_block(&memory, size * m);
+    made->motion = next_block(&memory, series * 2 * size);
+    made->forces = next_block(&memory, series * m);
+    made->pushes = next_block(&memory, series * size);
+    made->turn = next_block(&memory, series * 2);
+    made->drive = next_block(&memory, series * (2 * (size_t)p + 2));
+    made->matrix = next_block(&memory, 2 * size * size);
+    made->rate = next_block(&memory, size);
+    made->mobility = next_block(&memory, m * m);
+    made->hold = next_block(&memory, 2 * m);
+    made->state = next_block(&memory, 2 * size);
+    made->slider_states = next_block(&memory, 2 * m);
+    made->limits = next_block(&memory, m);
     for (i = 0; i < count; i++) {
         for (j = 0; j < i; j++) {
             if (is_rigid(sliders + i) && is_rigid(sliders + j) &&
@@ -137,30 +137,30 @@ int friction_step(const LinearRotor *rotor, const VariableSpeedStep *smooth, con
     return FINE;
 }
 
-void friction_at_start(const Slider *sliders, int count, const double *rates, double *held)
+void friction_at_start(const Slider *sliders, int count, const double *rates, double *slider_states)
 {
     int j;
-    for (j = 0; j < count; j++, held += 2) {
+    for (j = 0; j < count; j++, slider_states += 2) {
         const double rate = rates[2 * sliders[j].station + sliders[j].axis];
-        held[SLIPS] = held[HOLDS] = 0.0;
+        slider_states[SLIPS] = slider_states[HOLDS] = 0.0;
         if (sliders[j].limit == 0.0) {
-            held[SLIPS] = 1.0; /* and never sticks */
+            slider_states[SLIPS] = 1.0; /* and never sticks */
         } else if (is_rigid(sliders + j) && rate != 0.0) {
-            held[SLIPS] = copy_sign(1.0, rate);
-            held[HOLDS] = -held[SLIPS] * sliders[j].limit;
+            slider_states[SLIPS] = copy_sign(1.0, rate);
+            slider_states[HOLDS] = -slider_states[SLIPS] * sliders[j].limit;
         }
     }
 }
 
-void friction_at_jump(const Slider *sliders, int count, const double *rates, double *held)
+void friction_at_jump(const Slider *sliders, int count, const double *rates, double *slider_states)
 {
     int j;
-    for (j = 0; j < count; j++, held += 2) {
+    for (j = 0; j < count; j++, slider_states += 2) {
         if (is_rigid(sliders + j)) {
-            friction_at_start(sliders + j, 1, rates, held);
+            friction_at_start(sliders + j, 1, rates, slider_states);
         } else if (sliders[j].limit != 0.0 &&
-                   held[SLIPS] * rates[2 * sliders[j].station + sliders[j].axis] < 0.0) {
-            held[SLIPS] = 0.0;
+                   slider_states[SLIPS] * rates[2 * sliders[j].station + sliders[j].axis] < 0.0) {
+            slider_states[SLIPS] = 0.0;
         }
     }
 }
@@ -271,20 +271,20 @@ static void set_pushes(FrictionStep *method, const Drive *drive, const Turning *
 }
 
 /* Forces of rigid sliders that stick, from the rates without them, which become 0 there. */
-static int stop(FrictionStep *method, const double *held, double *rate, double *forces)
+static int stop(FrictionStep *method, const double *slider_states, double *rate, double *forces)
 {
     const int m = method->count, dof = method->smooth->dof;
     int i, j, row = 0, stuck = 0;
     for (j = 0; j < m; j++) {
-        stuck += is_rigid(method->sliders + j) && held[2 * j + SLIPS] == 0.0;
+        stuck += is_rigid(method->sliders + j) && slider_states[2 * j + SLIPS] == 0.0;
     }
     for (i = 0; i < m; i++) {
         int column = 0;
-        if (!is_rigid(method->sliders + i) || held[2 * i + SLIPS] != 0.0) {
+        if (!is_rigid(method->sliders + i) || slider_states[2 * i + SLIPS] != 0.0) {
             continue;
         }
         for (j = 0; j < m; j++) {
-            if (is_rigid(method->sliders + j) && held[2 * j + SLIPS] == 0.0) {
+            if (is_rigid(method->sliders + j) && slider_states[2 * j + SLIPS] == 0.0) {
                 method->mobility[row * stuck + column++] = method->push[place_of(method, i) * m + j];
             }
         }
@@ -297,7 +297,7 @@ static int stop(FrictionStep *method, const double *held, double *rate, double *
         return 1;
     }
     for (j = 0, row = 0; j < m; j++) {
-        if (is_rigid(method->sliders + j) && held[2 * j + SLIPS] == 0.0) {
+        if (is_rigid(method->sliders + j) && slider_states[2 * j + SLIPS] == 0.0) {
             forces[j] = method->hold[row++];
             for (i = 0; i < dof; i++) {
                 rate[i] += method->push[i * m + j] * forces[j];
@@ -305,7 +305,7 @@ static int stop(FrictionStep *method, const double *held, double *rate, double *
         }
     }
     for (j = 0; j < m; j++) {
-        if (is_rigid(method->sliders + j) && held[2 * j + SLIPS] == 0.0) {
+        if (is_rigid(method->sliders + j) && slider_states[2 * j + SLIPS] == 0.0) {
             rate[place_of(method, j)] = 0.0;
         }
     }
@@ -314,7 +314,7 @@ static int stop(FrictionStep *method, const double *held, double *rate, double *
 
 /* Taylor coefficients of motion and friction over a stretch h from t on; those that the plane
    forces alone make when state is NULL. */
-static int set_series(FrictionStep *method, const double *state, const double *held,
+static int set_series(FrictionStep *method, const double *state, const double *slider_states,
                       const Drive *drive, double t, double h, int terms, Failure *failure)
 {
     const VariableSpeedStep *smooth = method->smooth;
@@ -336,12 +336,12 @@ static int set_series(FrictionStep *method, const double *state, const double *h
         double *forces = method->forces + k * m;
         for (j = 0; j < m; j++) {
             const Slider *slider = method->sliders + j;
-            const int sticks = held[2 * j + SLIPS] == 0.0;
+            const int sticks = slider_states[2 * j + SLIPS] == 0.0;
             const double *at = motion + place_of(method, j);
             if (k) {
                 forces[j] = sticks ? -slider->stiffness * *at : 0.0;
             } else {
-                forces[j] = !state || (sticks && is_rigid(slider)) ? 0.0 : held[2 * j + HOLDS];
+                forces[j] = !state || (sticks && is_rigid(slider)) ? 0.0 : slider_states[2 * j + HOLDS];
                 if (sticks && is_rigid(slider)) {
                     motion[dof + place_of(method, j)] = 0.0;
                 }
@@ -360,7 +360,7 @@ static int set_series(FrictionStep *method, const double *state, const double *h
                 }
             }
         }
-        if (stop(method, held, rate, forces)) {
+        if (stop(method, slider_states, rate, forces)) {
             return fail(failure, FAILURE_SINGULAR, "mobility", 0, 0.0, 0.0, 0.0, 0.0);
         }
         for (i = 0; i < dof && k < terms; i++) {
@@ -371,18 +371,18 @@ static int set_series(FrictionStep *method, const double *state, const double *h
     return FINE;
 }
 
-int friction_resolve(FrictionStep *method, const double *state, double *held, const Drive *drive,
+int friction_resolve(FrictionStep *method, const double *state, double *slider_states, const Drive *drive,
                      double t, Failure *failure)
 {
     const int m = method->count, dof = method->smooth->dof;
-    double *found = method->hold, *free = method->hold + m, *without = method->held;
+    double *found = method->hold, *free = method->hold + m, *without = method->slider_states;
     int j, k, resting = 0, sweep, code, settled = 0;
-    copy_doubles(2 * (size_t)m, held, without);
+    copy_doubles(2 * (size_t)m, slider_states, without);
     for (j = 0; j < m; j++) {
         method->limits[j] = 0.0;
         found[j] = 0.0;
         if (is_rigid(method->sliders + j) &&
-            (held[2 * j + SLIPS] == 0.0 || state[dof + place_of(method, j)] == 0.0)) {
+            (slider_states[2 * j + SLIPS] == 0.0 || state[dof + place_of(method, j)] == 0.0)) {
             method->limits[j] = method->sliders[j].limit;
             without[2 * j + SLIPS] = 1.0; /* as if without them */
             without[2 * j + HOLDS] = 0.0;
@@ -410,14 +410,14 @@ int friction_resolve(FrictionStep *method, const double *state, double *held, co
                 rate += mobility[k] * found[k];
             }
             found[j] = smaller(larger(before - rate / mobility[j], -limit), limit);
-            settled &= absolute(found[j] - before) <= SETTLED * limit;
+            settled &= absolute(found[j] - before) <= SERIES_CONVERGED * limit;
         }
     }
     for (j = 0; j < m; j++) {
         if (method->limits[j] > 0.0) {
-            held[2 * j + SLIPS] =
+            slider_states[2 * j + SLIPS] =
                 absolute(found[j]) < method->limits[j] ? 0.0 : -copy_sign(1.0, found[j]);
-            held[2 * j + HOLDS] = found[j];
+            slider_states[2 * j + HOLDS] = found[j];
         }
     }
     return FINE;
@@ -445,14 +445,14 @@ static double mobility_of(const FrictionStep *method, int j)
 }
 
 /* When, as a fraction of a stretch [s], which slider changes first: -1 for none. */
-static double first_event(const FrictionStep *method, const double *held, double stretch, int *which)
+static double first_event(const FrictionStep *method, const double *slider_states, double stretch, int *which)
 {
     const int m = method->count, dof = method->smooth->dof;
     double function[TERMS + 1], first = 1.0;
     int j, side;
     *which = -1;
     for (j = 0; j < m; j++) {
-        const double limit = method->sliders[j].limit, slips = held[2 * j + SLIPS];
+        const double limit = method->sliders[j].limit, slips = slider_states[2 * j + SLIPS];
         /* where a slider starts from rest the first acceleration may be rounding, too */
         const double still = LIMIT_ROUNDING * stretch * mobility_of(method, j);
         const double sticking[3] = {LIMIT_ROUNDING * limit, 0.0,
@@ -476,10 +476,10 @@ static double first_event(const FrictionStep *method, const double *held, double
 }
 
 /* The sliders after the event of slider j; `arrived`: by a motion, not at once. */
-static int change_sliders(FrictionStep *method, double *state, double *held, const Drive *drive, double t,
+static int change_sliders(FrictionStep *method, double *state, double *slider_states, const Drive *drive, double t,
                   int j, int arrived, Failure *failure)
 {
-    double *own = held + 2 * j;
+    double *own = slider_states + 2 * j;
     if (own[SLIPS] == 0.0) {
         own[SLIPS] = -copy_sign(1.0, own[HOLDS]);
         own[HOLDS] = -own[SLIPS] * method->sliders[j].limit;
@@ -488,7 +488,7 @@ static int change_sliders(FrictionStep *method, double *state, double *held, con
     own[SLIPS] = 0.0;
     state[method->smooth->dof + place_of(method, j)] = 0.0;
     return arrived && is_rigid(method->sliders + j)
-               ? friction_resolve(method, state, held, drive, t, failure)
+               ? friction_resolve(method, state, slider_states, drive, t, failure)
                : FINE;
 }
 
@@ -502,28 +502,28 @@ static double value_at(const double *from, int stride, double s)
     return total;
 }
 
-int friction_advance(FrictionStep *method, double *state, double *held, const Drive *drive,
+int friction_advance(FrictionStep *method, double *state, double *slider_states, const Drive *drive,
                      double step, int stops, double *reached, Failure *failure)
 {
     const int dof = method->smooth->dof, m = method->count;
     double time = 0.0;
-    int count, k, code = friction_resolve(method, state, held, drive, 0.0, failure);
+    int count, k, code = friction_resolve(method, state, slider_states, drive, 0.0, failure);
     for (count = 0; count < MOST_STRETCHES && !code; count++) {
         /* no longer than what is left: forces of short steps may have any slope */
         const double stretch = smaller(stretch_of(method, drive, time), step - time);
         const int last = stretch == step - time;
         double fraction;
         int which;
-        code = set_series(method, state, held, drive, time, stretch, TERMS, failure);
+        code = set_series(method, state, slider_states, drive, time, stretch, TERMS, failure);
         if (code) {
             return code;
         }
-        fraction = first_event(method, held, stretch, &which);
+        fraction = first_event(method, slider_states, stretch, &which);
         for (k = 0; k < 2 * dof; k++) {
             state[k] = value_at(method->motion + k, 2 * dof, fraction);
         }
         for (k = 0; k < m; k++) {
-            held[2 * k + HOLDS] = value_at(method->forces + k, m, fraction);
+            slider_states[2 * k + HOLDS] = value_at(method->forces + k, m, fraction);
         }
         if (which < 0 && last) {
             *reached = step;
@@ -531,7 +531,7 @@ int friction_advance(FrictionStep *method, double *state, double *held, const Dr
         }
         time += fraction * stretch;
         if (which >= 0) {
-            code = change_sliders(method, state, held, drive, time, which, fraction > 0.0, failure);
+            code = change_sliders(method, state, slider_states, drive, time, which, fraction > 0.0, failure);
             if (stops) {
                 *reached = time;
                 return code;
@@ -542,12 +542,12 @@ int friction_advance(FrictionStep *method, double *state, double *held, const Dr
                 : fail(failure, FAILURE_STRETCHES, "step", MOST_STRETCHES, step, time, 0.0, 0.0);
 }
 
-int friction_motion(FrictionStep *method, const double *state, const double *held,
+int friction_motion(FrictionStep *method, const double *state, const double *slider_states,
                     const Drive *drive, double t, double *rates, double *jerks, Failure *failure)
 {
     const int dof = method->smooth->dof;
     const double stretch = stretch_of(method, drive, t), *motion = method->motion;
-    int k, code = set_series(method, state, held, drive, t, stretch, 2, failure);
+    int k, code = set_series(method, state, slider_states, drive, t, stretch, 2, failure);
     for (k = 0; k < dof && !code; k++) {
         rates[k] = motion[dof + k];
         rates[dof + k] = motion[3 * dof + k] / stretch;
@@ -556,21 +556,21 @@ int friction_motion(FrictionStep *method, const double *state, const double *hel
     return code;
 }
 
-int friction_plane_motion(FrictionStep *method, const double *state, double *held,
+int friction_plane_motion(FrictionStep *method, const double *state, double *slider_states,
                           const Drive *drive, double t, double *acceleration, double *jerk,
                           Failure *failure)
 {
     const VariableSpeedStep *smooth = method->smooth;
     const int dof = smooth->dof, planes = 2 * smooth->plane_count;
     double *rates = method->state, *jerks = method->rate;
-    int k, code = friction_motion(method, state, held, drive, t, rates, jerks, failure);
+    int k, code = friction_motion(method, state, slider_states, drive, t, rates, jerks, failure);
     if (code) {
         return code;
     }
     matrix_product(1, planes, dof, 1, smooth->planes, rates + dof, acceleration);
     matrix_product(1, planes, dof, 1, smooth->planes, jerks, jerk);
     for (k = 0; k < method->count; k++) {
-        held[2 * k + HOLDS] = method->forces[k];
+        slider_states[2 * k + HOLDS] = method->forces[k];
     }
     return FINE;
 }

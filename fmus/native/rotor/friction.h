@@ -46,7 +46,7 @@ typedef struct {
     double *motion, *forces, *pushes; /* (terms + 1, 2 dof), (terms + 1, m), (terms + 1, dof) */
     double *turn, *drive;             /* (terms + 1, 2), (terms + 1, 2 p + 2) */
     double *matrix, *rate, *mobility, *hold; /* (dof, 2 dof), (dof,), (m, m), (2 m,) */
-    double *state, *held, *limits;    /* (2 dof,), (2 m,), (m,) */
+    double *state, *slider_states, *limits;    /* (2 dof,), (2 m,), (m,) */
 } FrictionStep;
 
 /* Doubles that a step takes, and one in such an array, for a rotor that is not isotropic.
@@ -59,28 +59,28 @@ int friction_step(const LinearRotor *rotor, const VariableSpeedStep *smooth, con
 /* Sliders with slack springs; rigid ones slip with the rotor where it moves.
 
    rates: velocities of the stations, x and y alternating. */
-void friction_at_start(const Slider *sliders, int count, const double *rates, double *held);
+void friction_at_start(const Slider *sliders, int count, const double *rates, double *slider_states);
 
 /* The same behind a jump of the velocities: springs keep their force. */
-void friction_at_jump(const Slider *sliders, int count, const double *rates, double *held);
+void friction_at_jump(const Slider *sliders, int count, const double *rates, double *slider_states);
 
 /* State (q, v), x before y, and sliders one `step` [s] later, in place; with `stops` behind the first
    event at most, such that *reached [s] is 0 for one at the start. */
-int friction_advance(FrictionStep *method, double *state, double *held, const Drive *drive,
+int friction_advance(FrictionStep *method, double *state, double *slider_states, const Drive *drive,
                      double step, int stops, double *reached, Failure *failure);
 
 /* Whether each rigid slider at rest sticks or slips at time t, in place. */
-int friction_resolve(FrictionStep *method, const double *state, double *held, const Drive *drive,
+int friction_resolve(FrictionStep *method, const double *state, double *slider_states, const Drive *drive,
                      double t, Failure *failure);
 
 /* Velocity and acceleration, (2 dof,), and jerk, (dof,), of the stations at time t, x before y; with
    state NULL what the forces alone add to them. */
-int friction_motion(FrictionStep *method, const double *state, const double *held,
+int friction_motion(FrictionStep *method, const double *state, const double *slider_states,
                     const Drive *drive, double t, double *rates, double *jerks, Failure *failure);
 
 /* Acceleration and jerk of the planes in fixed axes, (2 p,) each, x before y, and the friction
    forces, at time t; with state NULL what the forces alone add to them. */
-int friction_plane_motion(FrictionStep *method, const double *state, double *held,
+int friction_plane_motion(FrictionStep *method, const double *state, double *slider_states,
                           const Drive *drive, double t, double *acceleration, double *jerk,
                           Failure *failure);
 

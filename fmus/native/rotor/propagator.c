@@ -74,30 +74,30 @@ static void series(int parts, int size, int upper, const double *a, double *from
         from[i] = a[i] / TAYLOR_TERMS;
     }
     for (k = TAYLOR_TERMS - 1; k; k--) { /* an odd number of products: the last one ends in `to` */
-        double *const kept = from;
+        double *const cache = from;
         for (i = 0; i < (size_t)size; i++) {
             from[(i * size + i) * parts] += 1.0;
         }
         sparse_product(parts, size, upper, a, from, k, to);
         from = to;
-        to = kept;
+        to = cache;
     }
 }
 
 /* What has been doubled from this matrix, at most so often; else the one to be written over. */
-static Doubled *doubled_from(Doublings *kept, const double *scaled, size_t count, int most)
+static Doubled *doubled_from(Doublings *cache, const double *scaled, size_t count, int most)
 {
     int k;
     for (k = 0; k < KEPT_DOUBLINGS; k++) {
-        Doubled *one = kept->doubled + k;
+        Doubled *one = cache->doubled + k;
         if (one->used && !memcmp(one->scaled, scaled, count * sizeof(double))) {
             one->used = one->times <= most;
             return one;
         }
     }
-    kept->next = (kept->next + 1) % KEPT_DOUBLINGS;
-    kept->doubled[kept->next].used = 0;
-    return kept->doubled + kept->next;
+    cache->next = (cache->next + 1) % KEPT_DOUBLINGS;
+    cache->doubled[cache->next].used = 0;
+    return cache->doubled + cache->next;
 }
 
 /* Keep this, of which all rows are known. */
@@ -109,7 +109,7 @@ static void keep_doubled(Doubled *doubled, size_t count, const double *scaled, c
     doubled->used = 1;
 }
 
-int exponential(int parts, int size, int upper, double *matrix, double *scratch, Doublings *kept,
+int exponential(int parts, int size, int upper, double *matrix, double *scratch, Doublings *cache,
                 Failure *failure)
 {
     const size_t count = (size_t)size * size * parts;
@@ -130,7 +130,7 @@ int exponential(int parts, int size, int upper, double *matrix, double *scratch,
         scaled[i] = part * matrix[i];
     }
     if (doublings) {
-        doubled = doubled_from(kept, scaled, count, before);
+        doubled = doubled_from(cache, scaled, count, before);
     }
     known = doubled && doubled->used;
     if (known) {
@@ -265,7 +265,7 @@ int generator(const LinearRotor *rotor, double speed, int turning_force, int ord
 }
 
 int step_matrix(const LinearRotor *rotor, double speed, double step, int turning_force, int orders,
-                double *matrix, double *scratch, Doublings *kept, Failure *failure)
+                double *matrix, double *scratch, Doublings *cache, Failure *failure)
 {
     const int axes = linear_rotor_isotropic(rotor) ? 1 : 2, parts = 3 - axes;
     const int n = rotor->stations, p = rotor->plane_count, dof = axes * n, forces = axes * p;
@@ -281,7 +281,7 @@ int step_matrix(const LinearRotor *rotor, double speed, double step, int turning
     for (i = 0; i < count; i++) {
         propagated[i] = z[i] * step;
     }
-    code = exponential(parts, size, 2 * dof, propagated, work, kept, failure);
+    code = exponential(parts, size, 2 * dof, propagated, work, cache, failure);
     if (code) {
         return code;
     }
@@ -290,12 +290,12 @@ int step_matrix(const LinearRotor *rotor, double speed, double step, int turning
     matrix_product(parts, dof, size, size, propagated + dof * width, z, rates);
     matrix_per_axis(parts, axes, p, n, rotor->planes, planes);
     for (k = 0; k < orders / 2; k++) { /* of the acceleration, the jerk and so on */
-        double *kept = rates;
+        double *cache = rates;
         matrix_product(parts, forces, dof, size, planes, rates,
                        matrix + (2 * (size_t)dof + (size_t)k * forces) * width);
         matrix_product(parts, dof, size, size, rates, z, next);
         rates = next;
-        next = kept;
+        next = cache;
     }
     return FINE;
 }

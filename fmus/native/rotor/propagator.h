@@ -26,8 +26,8 @@ typedef struct {
 
 /* The first `upper` rows of e^matrix (size, size), in place, by a Taylor series and doubling of e^A - 1;
    rows from `upper` on have zeros in the columns before it.  scratch: 3 parts size^2 doubles.  What is
-   in `kept` saves time and changes no bit. */
-int exponential(int parts, int size, int upper, double *matrix, double *scratch, Doublings *kept,
+   in `cache` saves time and changes no bit. */
+int exponential(int parts, int size, int upper, double *matrix, double *scratch, Doublings *cache,
                 Failure *failure);
 
 /* Elements in a row and rows of a step matrix; in doubles it has rows * columns * parts.
@@ -50,6 +50,6 @@ int generator(const LinearRotor *rotor, double speed, int turning_force, int ord
    anisotropic rotor, complex for an isotropic one.  With `turning_force` 0 the f_k are derivatives
    in fixed axes.  With step = 0 it evaluates a and j at the start. */
 int step_matrix(const LinearRotor *rotor, double speed, double step, int turning_force, int orders,
-                double *matrix, double *scratch, Doublings *kept, Failure *failure);
+                double *matrix, double *scratch, Doublings *cache, Failure *failure);
 
 #endif

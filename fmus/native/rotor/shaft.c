@@ -34,8 +34,8 @@ int beam_compliance(int n, const double *z, const double *rows, double bending_s
         for (j = 0; j < n; j++) {
             double sum = 0.0;
             for (k = 0; k < n; k++) {
-                const double apart = absolute(z[k] - z[j]);
-                sum += rows[i * n + k] * (apart * apart * apart);
+                const double distance = absolute(z[k] - z[j]);
+                sum += rows[i * n + k] * (distance * distance * distance);
             }
             scratch[i * n + j] = sum;
         }

@@ -344,28 +344,28 @@ int variable_speed_advance(const VariableSpeedStep *method, double *state, const
                            double *scratch, Failure *failure)
 {
     const size_t length = 2 * (size_t)method->dof * method->parts;
-    double *begun = scratch, *whole = begun + length, *work = whole + length;
+    double *start_state = scratch, *coarser = start_state + length, *work = coarser + length;
     const double before = largest(method, state), rate = largest(method, state + length / 2);
     const double acceleration =
         first_acceleration(method, state, forces, angle, speed, spin_up, work);
     double error = 0.0;
     size_t k;
     int halving, status;
-    copy_doubles(length, state, begun);
+    copy_doubles(length, state, start_state);
     for (halving = 0; halving <= PART_HALVINGS; halving++) {
         const double part = step / (1 << halving);
         double reach;
-        copy_doubles(length, state, whole);
-        copy_doubles(length, begun, state);
+        copy_doubles(length, state, coarser);
+        copy_doubles(length, start_state, state);
         status = variable_speed_parts(method, state, forces, angle, speed, spin_up,
                                       step, 1 << halving, work, failure);
         if (status) {
             return status;
         }
         for (k = 0; k < length; k++) {
-            whole[k] -= state[k];
+            coarser[k] -= state[k];
         }
-        error = largest(method, whole) / HALVED_ERRORS;
+        error = largest(method, coarser) / HALVED_ERRORS;
         reach = larger(before, largest(method, state));
         if (halving && !(error > STEP_ACCURACY * reach) &&
             !(part * larger(rate, part * acceleration) > reach)) {

@@ -58,8 +58,8 @@ static int rotor_allocate(Unit *unit)
     if (own->slider_count) {
         own->sliders = unit_allocate(unit, (size_t)own->slider_count, sizeof(Slider));
         own->friction_memory = doubles(unit, friction_size(n, p, own->slider_count));
-        own->held = doubles(unit, 2 * (size_t)own->slider_count);
-        missing |= !own->sliders || !own->friction_memory || !own->held;
+        own->slider_states = doubles(unit, 2 * (size_t)own->slider_count);
+        missing |= !own->sliders || !own->friction_memory || !own->slider_states;
     }
     own->rotor_memory = doubles(unit, linear_rotor_size(n, p));
     own->loaded_mass = doubles(unit, stations * stations);
@@ -135,7 +135,7 @@ static int rotor_begin(Unit *unit)
     const double *start = unit->real + unit->layout.parameters.count - motion;
     angle_start(unit->memory, start[-1]);
     memcpy(unit->memory + MOTION, start, motion * sizeof(double));
-    friction_at_start(own->sliders, own->slider_count, start + motion / 2, rotor_held(unit));
+    friction_at_start(own->sliders, own->slider_count, start + motion / 2, rotor_slider_states(unit));
     return 0;
 }
 
@@ -156,7 +156,7 @@ static int rotor_step_unit(Unit *unit, double length)
     end_speed[0] = speed + spin_up * length + more.speed;
     end_speed[1] = length;
     if (own->slider_count) {
-        memcpy(rotor_held(unit), own->held, 2 * (size_t)own->slider_count * sizeof(double));
+        memcpy(rotor_slider_states(unit), own->slider_states, 2 * (size_t)own->slider_count * sizeof(double));
     }
     rotor_put(own, own->result + motion, unit->memory[REST], *end_speed, spin_up + more.acceleration,
         unit->real + unit->layout.computed.first);
@@ -199,7 +199,7 @@ static void rotor_observe(Unit *unit)
     out += 2 * own->planes;
     *out++ = largest_bending(own, motion);
     for (k = 0; k < own->slider_count; k++) {
-        *out++ = rotor_held(unit)[2 * k + HOLDS];
+        *out++ = rotor_slider_states(unit)[2 * k + HOLDS];
     }
 }
 

@@ -70,7 +70,7 @@ typedef struct {
     int slider_count; /* two for each of the unit's: along x and y */
     Slider *sliders;
     FrictionStep friction;
-    double *friction_memory, *held; /* held: as it is after what was propagated last */
+    double *friction_memory, *slider_states; /* held: as it is after what was propagated last */
     Rates rates;
     double reached;  /* length of the step as far as it came: it ends behind an event of a slider [s] */
     double whole;    /* length of the step within which the unit is moved, 0: over all of it [s] */
@@ -115,7 +115,7 @@ void rotor_apply(Rotor *own, const double *matrix);
    every body on the rotor feels: what an accelerometer would read. */
 int rotor_propagate(Unit *unit, double step);
 /* Directions and forces of the sliders in the unit's memory. */
-double *rotor_held(const Unit *unit);
+double *rotor_slider_states(const Unit *unit);
 /* The variable-speed step and the friction step for the masses that the planes carry now. */
 int rotor_make_variable(Unit *unit);
 /* Vectors (x, y alternating) turned by the angle with this cosine and sine; `to` may be `pairs`. */

@@ -96,7 +96,7 @@ static void from_axes(const double *values, int axes, int blocks, int size, doub
     }
 }
 
-double *rotor_held(const Unit *unit)
+double *rotor_slider_states(const Unit *unit)
 {
     return unit->memory + MOTION + 4 * ((const Rotor *)unit->own)->stations + 2;
 }
@@ -182,11 +182,11 @@ static int friction_move(Unit *unit, const Drive *drive, double step, Failure *f
     if (unit->frozen) {
         return FINE;
     }
-    memcpy(own->held, rotor_held(unit), 2 * (size_t)own->slider_count * sizeof(double));
+    memcpy(own->slider_states, rotor_slider_states(unit), 2 * (size_t)own->slider_count * sizeof(double));
     return step != 0.0
-               ? friction_advance(&own->friction, own->state, own->held, drive, step,
+               ? friction_advance(&own->friction, own->state, own->slider_states, drive, step,
                               stops(unit, step), &own->reached, failure)
-               : friction_resolve(&own->friction, own->state, own->held, drive, 0.0, failure);
+               : friction_resolve(&own->friction, own->state, own->slider_states, drive, 0.0, failure);
 }
 
 /* The same with friction, what it is after the step in own->held. */
@@ -202,7 +202,7 @@ static int propagate_friction(Unit *unit, double step)
         return 1;
     }
     if (friction_move(unit, &drive, step, &failure) ||
-        friction_plane_motion(&own->friction, own->state, own->held, &drive, own->reached,
+        friction_plane_motion(&own->friction, own->state, own->slider_states, &drive, own->reached,
                               own->acceleration, own->jerk, &failure)) {
         return unit_failed(unit, &failure, NULL, 0);
     }
@@ -223,11 +223,11 @@ static int friction_torque(Unit *unit, double ago, double *torque)
     Failure failure;
     to_axes(unit->memory + MOTION, 2, 2, own->stations, own->state);
     if (!unit->frozen) {
-        memcpy(own->held, rotor_held(unit), 2 * (size_t)own->slider_count * sizeof(double));
+        memcpy(own->slider_states, rotor_slider_states(unit), 2 * (size_t)own->slider_count * sizeof(double));
     }
     if ((ago == 0.0 && !unit->frozen &&
-         friction_resolve(&own->friction, own->state, own->held, &drive, 0.0, &failure)) ||
-        friction_motion(&own->friction, own->state, own->held, &drive, ago, rates, jerks,
+         friction_resolve(&own->friction, own->state, own->slider_states, &drive, 0.0, &failure)) ||
+        friction_motion(&own->friction, own->state, own->slider_states, &drive, ago, rates, jerks,
                         &failure)) {
         return unit_failed(unit, &failure, NULL, 0);
     }

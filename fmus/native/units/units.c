@@ -70,9 +70,9 @@ int unit_build_arrays(Unit *unit, const char *name)
     unit->before = unit_allocate(unit, unit->memory_count, sizeof(double));
     unit->change = unit_allocate(unit, outputs, sizeof(double));
     unit->beside = unit_allocate(unit, outputs, sizeof(double));
-    unit->kept = unit_allocate(unit, outputs, sizeof(double));
+    unit->saved_outputs = unit_allocate(unit, outputs, sizeof(double));
     if (!unit->real || !unit->name || !unit->boolean || !unit->flags || !unit->memory || !unit->before ||
-        !unit->change || !unit->beside || !unit->kept ||
+        !unit->change || !unit->beside || !unit->saved_outputs ||
         (unit->equations->allocate && unit->equations->allocate(unit))) {
         text_put(unit_reason(unit), NO_MEMORY);
         return 1;

@@ -159,7 +159,7 @@ static int weights_put_outputs(Unit *unit)
     }
     force[0] = complex_sum(force[0], weights_pulse(unit));
     if (own->sent != 0.0) {
-        const Complex whole = complex_sum(now.acceleration, now.answered);
+        const Complex whole = complex_sum(now.acceleration, now.pulse_acceleration);
         force[0] = complex_difference(force[0], complex_scaled(own->sent, whole));
         force[1] = complex_difference(force[1], complex_scaled(own->sent, now.slope));
     }

@@ -40,7 +40,7 @@ static inline const double *weights_drive(const Unit *unit)
 /* The rotor's motion at the present time. */
 typedef struct {
     Complex acceleration, slope; /* of the plane's centre, rotor frame, without */
-    Complex answered;            /* what the plane answers a pulse with */
+    Complex pulse_acceleration;            /* what the plane answers a pulse with */
     Complex second;              /* its second derivative, with quintic signals */
     double angle, speed, spin_up, change, curvature; /* each the next one's integral; the last three
                                                         side by side, derivatives of the speed */

@@ -61,7 +61,7 @@ RotorMotion weights_motion_now(const Unit *unit)
                                      now.second);
         weights_rotating(now.angle, now.speed, &now.acceleration, &now.slope);
     }
-    now.answered = complex_scaled(own->track.mobility, weights_pulse(unit));
-    now.acceleration = complex_difference(now.acceleration, now.answered);
+    now.pulse_acceleration = complex_scaled(own->track.mobility, weights_pulse(unit));
+    now.acceleration = complex_difference(now.acceleration, now.pulse_acceleration);
     return now;
 }

@@ -27,11 +27,11 @@ EXPORTED("room") void *page_room(size_t bytes)
 /* The last message since this was asked, and none if there was none. */
 EXPORTED("words") const char *page_words(void)
 {
-    static char told[MESSAGE_SIZE];
-    Text text = text_in(told, sizeof told);
+    static char message[MESSAGE_SIZE];
+    Text text = text_in(message, sizeof message);
     text_put(&text, message);
     message[0] = 0;
-    return told;
+    return message;
 }
 
 EXPORTED("instantiate") Unit *page_instantiate(const char *token)

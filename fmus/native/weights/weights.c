@@ -277,7 +277,7 @@ int weights_substeps(int number, const double *angles, const double *speeds, con
 }
 
 /* Move one weight over `count` substeps of h. */
-static int move(double *angle, double *speed, int count, double h, const Complex *signal,
+static int advance_substeps(double *angle, double *speed, int count, double h, const Complex *signal,
                 double lever, const double *lag, const double *response, Turned *turned,
                 Failure *failure)
 {
@@ -339,7 +339,7 @@ int weights_advance(const Weights *weights, const double *angles, const double *
     for (k = 0; k < n && !code; k++) {
         const double behind = far ? TAU * nearest(angles[k] / TAU) : 0.0;
         double angle = angles[k] - behind, speed = speeds[k];
-        code = move(&angle, &speed, count, h, signal, lever, lag, response,
+        code = advance_substeps(&angle, &speed, count, h, signal, lever, lag, response,
                     turned ? turned + 2 * k : NULL, failure);
         new_angles[k] = angle + behind;
         new_speeds[k] = speed;
