@@ -15,8 +15,8 @@ from numpy.typing import ArrayLike
 from .arrays import Array, Complex
 from .rotor import LinearRotor
 
-_STEPS, _HALVINGS = 100, 12  # of Newton's method, of one of its steps
-_SETTLED = 1e-9  # of the largest motion without sliders
+_STEPS, _NEWTON_HALVINGS = 100, 12  # of Newton's method, of one of its steps
+_SLIDERS_CONVERGED = 1e-9  # of the largest motion without sliders
 
 
 class NoResponse(ValueError):
@@ -77,7 +77,7 @@ def _describing(motion: Complex, spring: Array, slack: Array) -> tuple[Complex, 
 
 def _at_sliders(free: Complex, compliance: Complex, spring: Array, slack: Array) -> Complex:
     """a (k, m) with a + compliance N(a) a = free: Newton's method from where all stick."""
-    count, settled = free.shape[1], _SETTLED * abs(free).max()
+    count, settled = free.shape[1], _SLIDERS_CONVERGED * abs(free).max()
 
     def missing(motion: Complex) -> Complex:
         pull = _describing(motion, spring, slack)[0] * motion
@@ -90,7 +90,7 @@ def _at_sliders(free: Complex, compliance: Complex, spring: Array, slack: Array)
         if size.max() <= settled:
             return motion
         step, part = _newton_step(motion, left, compliance, spring, slack), np.ones((len(free), 1))
-        for _ in range(_HALVINGS):
+        for _ in range(_NEWTON_HALVINGS):
             left = missing(motion - part * step)
             less = np.linalg.norm(left, axis=1) <= (1.0 - 0.1 * part[:, 0]) * size
             if (less | (size <= settled)).all():

@@ -29,7 +29,7 @@ from ..output.table import Sheet
 from ..scene.balancing import Balancing
 from .measured import MeasuredRuns, read_measured
 
-_SINGULAR = 1e4  # condition number: readings of three digits then say nothing of the masses
+_LARGEST_CONDITION = 1e4  # readings of three digits then say nothing of the masses
 
 _NOTHING = 1e-9  # of the largest correction: a mass that rounding makes
 
@@ -157,11 +157,11 @@ def correct(
         raise UserError(str(error)) from error
     readings, planes = coefficients.shape
     condition = condition_number(coefficients)
-    if readings < planes or not condition < _SINGULAR:
+    if readings < planes or not condition < _LARGEST_CONDITION:
         raise UserError(
             f"{readings} readings, condition number {condition:.3g}: do not determine corrections "
             f"in {planes} planes; needs at least {planes} readings and a condition number below "
-            f"{_SINGULAR:g}: leave out a plane, or add a sensor or a speed"
+            f"{_LARGEST_CONDITION:g}: leave out a plane, or add a sensor or a speed"
         )
     before = measured.responses[measured.runs.index(corrected)]
     if len(largest) not in (0, 1, planes):

@@ -9,16 +9,16 @@ from ...models.papers import capacity as theory
 from ...models.papers.settling import settling_time, slow_root
 from ...models.papers.touching import facing_measure
 from ..design.scenes import drag_limit, sized, weights_of, weights_with_slow_root
-from ..design.settling import SETTLED, Batch, run_batch
+from ..design.settling import SETTLED_UNBALANCE, Batch, run_batch
 from ..output.workers import Progress, Workers, in_order
 from ..scene import Scene
 from .row import Row, Rows
 from .slow_root import MOST, WIDTH
 
 TIMES = 0.05  # of the predicted time: a change of 1e-3 of the capacity is not yet a small one
-ROUNDING = 1e-12  # of p, a sum of a few cosines
+SPREAD_ROUNDING = 1e-12  # of p, a sum of a few cosines
 SOURCE = "Goncharov 2017 (1), (10), (13)"
-CHANGE = 1e-3  # of the unbalance, either way, in capacities
+UNBALANCE_CHANGE = 1e-3  # of the unbalance, either way, in capacities
 REVOLUTIONS = 500
 
 
@@ -58,7 +58,7 @@ def _row(scene: Scene, fast: float, slow: float, rows: Rows) -> Row:
     number, p = facing_measure(balls.count, alpha)
     free = settling_time(slow_root(device, theory.largest_alignment(balls.count, alpha), limit))
     name = f"{balls.count} {balls.kind} at the largest p, slower way"
-    if p > 1.0 - ROUNDING:  # on one line, across which nothing drives them
+    if p > 1.0 - SPREAD_ROUNDING:  # on one line, across which nothing drives them
         return rows.statement(
             f"{name}: slow direction",
             "never settles",
@@ -66,7 +66,7 @@ def _row(scene: Scene, fast: float, slow: float, rows: Rows) -> Row:
             math.isinf(slow),
             f"{SOURCE}: {free:.3g} s without contact; the other way took {fast:.3g} s",
         )
-    expected = settling_time(slow_root(device, p, limit, number), SETTLED)
+    expected = settling_time(slow_root(device, p, limit, number), SETTLED_UNBALANCE)
     return rows.number(
         f"{name} [s] ({free:.3g} without contact)",
         expected,
@@ -84,7 +84,7 @@ def _both_ways(scene: Scene) -> list[Batch]:
     large = balls.count - small
     unit = balls.mass * balls.track_radius
     held = unit * (theory.packed_sine(large, alpha) - theory.packed_sine(small, alpha))
-    change = CHANGE * unit * theory.packed_sine(balls.count, alpha)
+    change = UNBALANCE_CHANGE * unit * theory.packed_sine(balls.count, alpha)
     angles = [math.pi + alpha * (2 * k - large + 1) for k in range(large)]
     angles += [alpha * (2 * k - small + 1) for k in range(small)]
     found = []

@@ -27,7 +27,7 @@ Curve = tuple[Array, Array]  # speeds that rise, amplitudes
 
 SOURCE = "run as one composite, against Rodrigues, Champneys, Friswell, Wilson 2010"
 WASHER = 12.4e-6  # kg m
-SETTLED = 200  # revolutions: the rotor alone, to 0.1 % at 5000 rpm
+SETTLING = 200  # revolutions: the rotor alone, to 0.1 % at 5000 rpm
 RATE, RECORD = 25.0, 0.25  # rpm/s of the measured sweeps, s
 WINDOW = 50.0  # rpm either side of a speed: what was measured there is the median
 _DATA = Path(__file__).parent / "data" / "rodrigues2010"
@@ -65,7 +65,7 @@ def with_washers(scene: Scene, washers: float) -> Scene:
 
 
 def bearings(
-    scene: Scene, washers: float, speeds: Sequence[float] | Array, revolutions: float = SETTLED
+    scene: Scene, washers: float, speeds: Sequence[float] | Array, revolutions: float = SETTLING
 ) -> Array:
     """Amplitudes (k, 2) of both bearings at constant speeds, co-simulated as a composite.
 
@@ -82,7 +82,7 @@ def bearings(
 
 
 def steady(
-    scene: Scene, washers: float, speeds: Sequence[float] | Array, revolutions: float = SETTLED
+    scene: Scene, washers: float, speeds: Sequence[float] | Array, revolutions: float = SETTLING
 ) -> Array:
     """Amplitude (k,) at constant speeds, co-simulated."""
     return bearings(scene, washers, speeds, revolutions).mean(axis=1)

@@ -13,7 +13,7 @@ from ..scene import Scene
 from ..scene.check import RuntimesCheck
 from .row import Row, Rows
 
-ROUNDING = 1e-12  # of a signal's range: sums in another order, over some ten thousand steps
+SIGNAL_ROUNDING = 1e-12  # of a signal's range: sums in another order, over some ten thousand steps
 SOURCE = "the same scene on the units in Python"
 
 
@@ -39,4 +39,4 @@ def check_runtimes(scene: Scene, check: RuntimesCheck, progress: Progress) -> It
         size = float(np.ptp(expected)) or float(np.abs(expected).max()) or 1.0
         worst = max(worst, float(np.abs(native[name] - expected).max()) / size)
     label = f"{quantity}: worst of {len(python.signals)} signals, of its range"
-    yield rows.number(label, 0.0, worst, ROUNDING, SOURCE, 1.0)
+    yield rows.number(label, 0.0, worst, SIGNAL_ROUNDING, SOURCE, 1.0)

@@ -27,7 +27,7 @@ from .scenes import (
     weights_of,
     with_balls,
 )
-from .settling import SETTLED, SettlingRun, median_interval, refuse_few, run_batch
+from .settling import SETTLED_UNBALANCE, SettlingRun, median_interval, refuse_few, run_batch
 
 
 @dataclass(frozen=True)
@@ -39,8 +39,8 @@ class Choice:
         count, radius, mass, capacity: n, r [m], m [kg], S [kg m].
         packed, largest: spread p of the packed group, and the largest one (10), (13).
         measure: function (15) or (16) at this radius.
-        predicted: time in which the slow root (1) falls to `SETTLED` at the largest p [s]; NaN on
-            anisotropic supports.
+        predicted: time in which the slow root (1) falls to `SETTLED_UNBALANCE` at the
+            largest p [s]; NaN on anisotropic supports.
         has_capacity: it reaches the unbalance with the reserve; where it does not, nothing is run.
         median, low, high: co-simulated settling time and its 95 % confidence interval [s]; NaN
             where nothing was run.
@@ -164,7 +164,9 @@ def _choice(scene: Scene, required: float, runs: list[SettlingRun]) -> Choice:
     limit = balls.capacity
     times, predicted = [run.seconds for run in runs], math.nan
     if is_isotropic(scene):
-        predicted = settling_time(slow_root(balls.device, largest, drag_limit(scene)), SETTLED)
+        predicted = settling_time(
+            slow_root(balls.device, largest, drag_limit(scene)), SETTLED_UNBALANCE
+        )
     return Choice(
         scene,
         balls.count,

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ...models.constants import LOOSE
+from ...models.constants import LOOSE_RESIDUAL
 from ...models.papers.touching import critical_unbalance
 from ..stability.whirl import whirl_at
 from .scenes import weights_of
@@ -191,7 +191,7 @@ def _steps(data: Design) -> list[str]:
         return []
     return [
         f"{left} of {sum(run.steps for run in runs)} communication steps, at contacts that "
-        f"open or close, left a residual above {LOOSE:g} of the force."
+        f"open or close, left a residual above {LOOSE_RESIDUAL:g} of the force."
     ]
 
 

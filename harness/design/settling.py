@@ -22,7 +22,7 @@ Start = tuple[float, ...]  # angles of the weights [rad]
 # times [s], residuals over the scale, and angles of all weights [rad]
 Readings = tuple[np.ndarray, np.ndarray, list[list[float]]]
 
-SETTLED = 0.01  # of the scale: residual unbalance that counts as balanced
+SETTLED_UNBALANCE = 0.01  # of the scale: residual unbalance that counts as balanced
 READINGS = 8  # about, in a revolution: enough to see when a residual falls below a limit for good
 CONFIDENCE = 0.95
 _COUNTS = ("coupling.unconverged", "coupling.steps")
@@ -48,12 +48,12 @@ class SettlingRun:
     """One run.
 
     Attributes:
-        seconds: until the residual stays below `SETTLED`; infinite where it did not.
+        seconds: until the residual stays below `SETTLED_UNBALANCE`; infinite where it did not.
         alignment: p at the end.
         decay: the linear end of the run against the slow root; None where the supports are not
             isotropic.
-        unconverged, steps: communication steps whose loop left more than `LOOSE` of the force; of
-            all.
+        unconverged, steps: communication steps whose loop left more than `LOOSE_RESIDUAL` of the
+            force; of all.
     """
 
     seconds: float
@@ -64,8 +64,8 @@ class SettlingRun:
 
     @property
     def predicted(self) -> float:
-        """Time in which the slow root of the position reached falls to `SETTLED` [s], or NaN."""
-        return settling_time(self.decay.root, SETTLED) if self.decay else math.nan
+        """Time in which the slow root there falls to `SETTLED_UNBALANCE` [s], or NaN."""
+        return settling_time(self.decay.root, SETTLED_UNBALANCE) if self.decay else math.nan
 
 
 def random_start(count: int, alpha: float, rng: random.Random) -> Start:
@@ -158,7 +158,7 @@ def _until_settled(batch: Batch, samples: Iterable[tuple[float, Sequence[float]]
         residuals.append(abs(unbalance + complex(xi, eta)) / batch.scale)
         places.append(angles)
         low_since = min(low_since, time) if residuals[-1] <= WINDOW[0] else math.inf
-        if time - low_since > turn:  # far below SETTLED for a whole revolution
+        if time - low_since > turn:  # far below SETTLED_UNBALANCE for a whole revolution
             break
     return np.array(times), np.array(residuals), places
 
@@ -185,8 +185,8 @@ def _settling_run(
 
 
 def settled_at(times: np.ndarray, residuals: np.ndarray) -> float:
-    """Time after which all residuals are below `SETTLED`; infinite if the last one is not [s]."""
-    begin = below(residuals, SETTLED)
+    """Time after which residuals stay below `SETTLED_UNBALANCE` [s]; infinite if they do not."""
+    begin = below(residuals, SETTLED_UNBALANCE)
     return math.inf if begin >= len(times) else float(times[begin])
 
 

@@ -16,7 +16,7 @@ from ..units import si_number
 
 SCATTER = 0.1  # of a measured difference, where nobody says
 FARTHEST = 1e6  # times the start: as good as no limit
-_HALVINGS = 60  # of the way to a value that the scene refuses
+_LIMIT_HALVINGS = 60  # of the way to a value that the scene refuses
 
 
 @dataclass(frozen=True)
@@ -147,7 +147,7 @@ def _farthest(taken: Callable[[float], bool], end: float) -> float:
     if taken(end):
         return math.copysign(math.inf, end)
     inside, outside = 1.0, 0.0 if not taken(0.0) and end < 0.0 else end
-    for _ in range(_HALVINGS):
+    for _ in range(_LIMIT_HALVINGS):
         middle = 0.5 * (inside + outside)
         inside, outside = (middle, outside) if taken(middle) else (inside, middle)
     return inside

@@ -14,7 +14,13 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ...models.constants import FIRST_CHANGE, FORCE_ROUNDING, KINK, MOST_HALVINGS, STEEP
+from ...models.constants import (
+    FIRST_CHANGE,
+    FORCE_ROUNDING,
+    KINK_STEP,
+    MOST_HALVINGS,
+    STEEP_FORCE_CHANGE,
+)
 from ..errors import SceneError, SimulationError
 from ..scene import Scene
 from .facts import Facts, advice
@@ -162,7 +168,7 @@ class CoSimulation(Closing):
         """A communication step: behind a jump of the drive, and divided where it has no past."""
         started, begin, left = self.system.has_no_past, self.time, step
         if self._drive_jumps():
-            negligible = min(KINK * step, brief_step(self.scene))
+            negligible = min(KINK_STEP * step, brief_step(self.scene))
             self.scheme.cross_jump(self.system, begin, negligible)
             self.system.drop_past()
             left -= negligible
@@ -278,7 +284,7 @@ def doubling_steps(system: System, step: float, halvings: int = 0) -> list[float
         return [step]
     largest = max(*system.forces.largest, float(np.abs(system.forces.now[:, 0]).max()))
     change = step * float(np.abs(system.forces.now[:, 1]).max())
-    if change > STEEP * largest > 0.0:
+    if change > STEEP_FORCE_CHANGE * largest > 0.0:
         steep = math.ceil(math.log2(change / (FIRST_CHANGE * largest)))
         halvings = max(halvings, min(MOST_HALVINGS, steep))
     first = math.ldexp(step, -halvings)

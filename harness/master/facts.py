@@ -6,7 +6,7 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
-from ...models.constants import LOOSE, STATED_ERROR
+from ...models.constants import LOOSE_RESIDUAL, STATED_ERROR
 from ..errors import LoopError
 from ..scene import Scene
 from ..scene.run import LOOSEST_TOLERANCE
@@ -88,8 +88,9 @@ def events(facts: Facts) -> list[str]:
     notes = [*filter(None, [facts.note]), *facts.messages]
     if facts.unconverged:
         notes.append(
-            f"{facts.unconverged} of {facts.steps} steps left a residual above {LOOSE:g} of the "
-            f"force (worst {facts.worst_residual:.2g}): use smaller steps or more corrections"
+            f"{facts.unconverged} of {facts.steps} steps left a residual above "
+            f"{LOOSE_RESIDUAL:g} of the force (worst {facts.worst_residual:.2g}): use smaller "
+            "steps or more corrections"
         )
     tolerance = facts.scene.coupling.tolerance
     if tolerance is not None:

@@ -23,7 +23,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ...models.constants import LONG
+from ...models.constants import BEYOND_LONGEST_STEP
 from ..errors import SimulationError
 from ..scene import Scene
 from .names import kin, stations
@@ -62,7 +62,7 @@ CAUTION, MOTOR_CAUTION = 1, 2
 FOLLOWED = 1.5
 STEEPER = 1.0  # than the highest order, by three runs: the first of them shows nothing
 MOST_TIMES = 4  # as many parts as in the run before, which is to be confirmed
-MOST_PARTS = 128  # of a step of the first run
+MOST_STEP_PARTS = 128  # of a step of the first run
 PARTING = 32  # parts that should be enough to see runs come together
 ASYMPTOTIC = 0.03  # of the motion: runs that differ by more need not differ by their order
 
@@ -135,7 +135,7 @@ class Controlled:
             at_rest = _apart(signals, finer, scale, slice(held, None))
             far, signals = max(apart, at_rest) >= ASYMPTOTIC, finer
             # of motions that part no run says more than the one before
-            if self._kept(apart, at_rest, parts) or parts >= (PARTING if far else MOST_PARTS):
+            if self._kept(apart, at_rest, parts) or parts >= (PARTING if far else MOST_STEP_PARTS):
                 return recorder
 
     def _kept(self, apart: float, at_rest: float, parts: int) -> bool:
@@ -236,7 +236,8 @@ def _fastest(scene: Scene) -> float:
 def _first_held(scene: Scene, grid: Signal) -> int:
     """The first point that a step with held signals led to; the number of points if none did."""
     lengths = np.append(np.diff(grid), math.inf)
-    return int(np.argmax(lengths > LONG * step_size(scene, fewest_chosen(scene)))) + 1
+    longest = BEYOND_LONGEST_STEP * step_size(scene, fewest_chosen(scene))
+    return int(np.argmax(lengths > longest)) + 1
 
 
 def _apart(

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from ...models.constants import (
     LOOP_SINGULAR,
-    SLOW,
+    SLOW_CONVERGENCE,
     START_ITERATIONS,
     START_ROUNDING,
     START_TOLERANCE,
@@ -163,7 +163,8 @@ def consistent_start(system: System, step: float, rounding: float = 0.0) -> NDAr
         u = u + du
         g_u = respond(u)
         residual = g_u - u
-        if size(residual) > SLOW * size(before):  # a weight sticks where the one before has slid
+        slow = SLOW_CONVERGENCE * size(before)  # a weight sticks where the one before has slid
+        if size(residual) > slow:
             newton.learn(du, before, residual)
         if size(residual) <= max(tolerance * max(size(u), size(g_u)), rounding):
             break

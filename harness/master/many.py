@@ -23,7 +23,7 @@ from .schedule import end_time
 POINTS_PER_REV = 20  # at which the amplitude is looked at, where a tolerance chooses the steps
 CHUNK = 32  # runs of a call: some MB of outputs
 _COPIES = 2  # outputs, and what is made of them
-SETTLED = 0.05  # of the largest amplitude: how far from the last one a settled rotor may be
+SETTLED_AMPLITUDE = 0.05  # of the largest: how far from the last amplitude a settled rotor may be
 STEADY = 0.005  # of it: what the amplitude of a settled one may change by in the last revolution
 
 DEFAULTS = ("residual", "largest", "settling_time", "settled", "error")
@@ -167,7 +167,7 @@ def _reduced(
     envelope = np.sqrt(of_all[:, 1:].reshape(len(ends), turns, -1).max(axis=2))
     residual = envelope[:, -1]
     largest = np.maximum(np.sqrt(of_all[:, 0]), envelope.max(axis=1))
-    away = np.abs(envelope - residual[:, None]) > SETTLED * largest[:, None]
+    away = np.abs(envelope - residual[:, None]) > SETTLED_AMPLITUDE * largest[:, None]
     last_away = turns - np.argmax(away[:, ::-1], axis=1)
     steady = np.abs(envelope[:, -2] - residual) <= STEADY * largest
     settling = np.where(away.any(axis=1), last_away, 0) / turns * np.where(steady, ends, math.nan)

@@ -26,15 +26,15 @@ from dataclasses import dataclass
 import numpy as np
 
 from ...models.constants import (
-    BEYOND,
-    GROWTH,
+    LARGEST_FORCE_FACTOR,
     MISS_PER_ERROR,
-    NOISE,
-    PERSISTENT,
-    REFUSED,
-    RUNAWAY,
-    UNFOLLOWED,
-    UNRESOLVED,
+    PERSISTENT_STEPS,
+    REFUSED_ERROR,
+    RUNAWAY_GROWTH,
+    RUNAWAY_STEPS,
+    SIGNAL_NOISE,
+    UNFOLLOWED_TURN,
+    UNRESOLVED_ERROR,
     WEAK_LOOP,
 )
 from ...models.rotor import LinearRotor
@@ -44,7 +44,7 @@ from ..scene import Scene
 from .scales import largest_force
 from .system import System
 
-LOST_PREDICTION = MISS_PER_ERROR * UNRESOLVED  # of a signal's largest value: then it is lost
+LOST_PREDICTION = MISS_PER_ERROR * UNRESOLVED_ERROR  # of a signal's largest value: then it is lost
 _TURN = 2.0 * math.pi
 
 
@@ -103,14 +103,14 @@ class Resolution:
             _Plane(name, _turned(scene, system, plane, self._speed))
             for plane, name in enumerate(system.acceleration_names)
         ]
-        least = NOISE * assembly.capacity * self._speed**2
+        least = SIGNAL_NOISE * assembly.capacity * self._speed**2
         for signals, smallest in (
             (system.forces, least),
             (system.accelerations, least / self._mass),
         ):
             signals.largest = [max(smallest, abs(value)) for value in signals.now[:, 0].tolist()]
         self._pushed, self._step, self._blind = 0.0, 0.0, True
-        self._most, self._grown = BEYOND * largest_force(scene), 0
+        self._most, self._grown = LARGEST_FORCE_FACTOR * largest_force(scene), 0
         self.estimate, self.unresolved = 0.0, 0
 
     def check(self, time: float, step: float) -> None:
@@ -150,7 +150,7 @@ class Resolution:
             worst, cause = self._pushed * self._moved / self._reach, self._force_names[0]
         if worst > self.estimate:
             self.estimate = worst
-            if worst >= REFUSED:
+            if worst >= REFUSED_ERROR:
                 moved = f"moves the units {worst:.2g} times as far as they move at all"
                 self._refuse(time, f"what the cubics miss of {cause} {moved}")
         if lost:
@@ -162,7 +162,7 @@ class Resolution:
         self._step, self._blind = step, True
         # a strong loop goes on pushing a rotor that hardly damps, and steps that do not follow its
         # vibration push it in time with that
-        gathers = self._strong or (self._pace > self._speed and step * self._pace > UNFOLLOWED)
+        gathers = self._strong or (self._pace > self._speed and step * self._pace > UNFOLLOWED_TURN)
         slowest = self._decay if gathers else math.inf
         self._kept = math.exp(-step * min(self._pace / _TURN, slowest))
         self._kept_turning = math.exp(-step * self._speed / _TURN)
@@ -176,18 +176,18 @@ class Resolution:
         if max(forces.largest[:count], default=0.0) <= self._most:
             return
         pairs = zip(forces.now[:count, 0].tolist(), forces.last[:count, 0].tolist(), strict=True)
-        grows = any(abs(now) > max(self._most, GROWTH * abs(last)) for now, last in pairs)
+        grows = any(abs(now) > max(self._most, RUNAWAY_GROWTH * abs(last)) for now, last in pairs)
         self._grown = 1 + self._grown if grows else 0
-        if self._grown >= RUNAWAY:
+        if self._grown >= RUNAWAY_STEPS:
             self._refuse(
                 time,
                 f"{self._force_names[0]} is beyond all that the scene can make of it and has grown "
-                f"{GROWTH:g}-fold or more in each of the last {RUNAWAY} steps",
+                f"{RUNAWAY_GROWTH:g}-fold or more in each of the last {RUNAWAY_STEPS} steps",
             )
 
     def _count(self, time: float, name: str, share: float) -> None:
         self.unresolved += 1
-        if self.unresolved >= PERSISTENT:
+        if self.unresolved >= PERSISTENT_STEPS:
             self._refuse(
                 time,
                 f"{name} has ended {self.unresolved} steps far from where the one before led, now "

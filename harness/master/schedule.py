@@ -5,7 +5,12 @@ from __future__ import annotations
 import math
 
 from ...models.assembly import weights_of
-from ...models.constants import BRIEF, DEFAULT_STEPS, LEAST, WIDE
+from ...models.constants import (
+    BRIEF_STEP,
+    DEFAULT_STEPS,
+    FULL_BRIEF_TOLERANCE,
+    SMALLEST_BRIEF_SHARE,
+)
 from ..scene import Scene
 from ..scene.run import FEWEST_CHOSEN, UNCORRECTED
 from .runtime import runtime
@@ -64,8 +69,14 @@ def meets_events(scene: Scene) -> bool:
 
 def brief_step(scene: Scene) -> float:
     """Step in which an event, its pulse or a jump of the drive errs by less than steps do [s]."""
-    share = min(1.0, max(LEAST, (scene.coupling.tolerance or WIDE) / WIDE))
-    return share * BRIEF * step_size(scene)
+    share = min(
+        1.0,
+        max(
+            SMALLEST_BRIEF_SHARE,
+            (scene.coupling.tolerance or FULL_BRIEF_TOLERANCE) / FULL_BRIEF_TOLERANCE,
+        ),
+    )
+    return share * BRIEF_STEP * step_size(scene)
 
 
 def at_fixed_steps(scene: Scene) -> Scene:

@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 
 BALANCED = 0.05  # of the vibration without balancers: a rotor that vibrates less is balanced
 STUCK = 1e-6  # rad that weights which stick may have turned by in the last revolution
-SETTLED = 10.0  # time constants after which nothing is left of how a run began
+TRANSIENT_TIME_CONSTANTS = 10.0  # time constants after which nothing is left of how a run began
 
 
 @dataclass(frozen=True)
@@ -202,7 +202,7 @@ def _reason(result: Result, scene: Scene, speed: float, last: Array, share: floa
         return str(error)
     if growth >= 0.0:
         return f"unstable at this speed, {in_both(speed, 'rad/s')}: see `autobalancer speeds`"
-    if end > -SETTLED / growth:
+    if end > -TRANSIENT_TIME_CONSTANTS / growth:
         return "another steady motion than the balanced one: see `autobalancer speeds`"
     longer = end + math.log(share / BALANCED) / -growth
     return (

@@ -28,7 +28,7 @@ _RADIANS = 1.25  # of the fastest motion per step: collocation then damps it by 
 _FEWEST = 8  # the harmonics of the anisotropy need them, whatever the natural frequencies
 MOST_STEPS = 2048  # resolves natural frequencies up to about 500 w
 _HELD_ANGLES = 8  # over half a turn, for the motions faster than that
-_ROUNDING = 64.0 * np.finfo(float).eps  # of an eigenvalue's modulus
+_MODULUS_ROUNDING = 64.0 * np.finfo(float).eps  # of an eigenvalue's modulus
 _CHUNK = 256  # points a batch: its matrices stay in the cache
 
 
@@ -176,7 +176,7 @@ def fast_growth(systems: list[Linearised], which: NDArray, speeds: NDArray) -> N
         order = np.lexsort((values.real, values.imag), axis=1)
         means = np.take_along_axis(values, order, axis=1).mean(axis=0)
         fast = means[np.abs(means) > limit]
-        rate = np.where(np.abs(fast.real) > _ROUNDING * np.abs(fast), fast.real, 0.0)
+        rate = np.where(np.abs(fast.real) > _MODULUS_ROUNDING * np.abs(fast), fast.real, 0.0)
         growth[i] = rate.max(initial=-math.inf)
     return growth
 

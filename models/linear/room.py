@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 
-_ROUNDING = 1e-12  # of the squared turns
+_TURN_ROUNDING = 1e-12  # of the squared turns
 
 
 @dataclass(frozen=True, eq=False)
@@ -80,6 +80,6 @@ def nearest_with_room(
                 "jac": lambda angles: gaps.matrix,
             },
         ],
-        options={"ftol": _ROUNDING, "maxiter": 300},
+        options={"ftol": _TURN_ROUNDING, "maxiter": 300},
     )
     return found.x if found.success else None

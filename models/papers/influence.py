@@ -14,7 +14,7 @@ from scipy.optimize import minimize
 from ..arrays import Complex
 from ..rotor import LinearRotor
 
-_SINGULAR = 1e-6  # of the largest singular value: readings have three digits
+_SMALLEST_SINGULAR_VALUE = 1e-6  # of the largest singular value: readings have three digits
 
 
 def influence(rotor: LinearRotor, speed: float, planes: NDArray | None = None) -> Complex:
@@ -89,7 +89,7 @@ def from_runs(responses: NDArray, mounted: NDArray) -> Complex:
     effects = np.asarray(responses[1:], complex) - responses[0]
     sizes = np.abs(changes).max(axis=0, initial=0.0)
     sizes[sizes == 0.0] = 1.0
-    k, _, rank, _ = np.linalg.lstsq(changes / sizes, effects, rcond=_SINGULAR)
+    k, _, rank, _ = np.linalg.lstsq(changes / sizes, effects, rcond=_SMALLEST_SINGULAR_VALUE)
     if rank < changes.shape[1]:
         raise ValueError(
             f"{len(changes)} runs beside the reference tell {rank} of {changes.shape[1]} planes "

@@ -19,7 +19,7 @@ from ..arrays import Array
 from .coupled import REST, Monolith, Start
 
 MARGIN = 1e-9  # of a limit: what holds may push by so much more, so that rounding frees nothing
-ROUNDING = 1e-14  # of the rate at which a weight turns in space
+TURN_RATE_ROUNDING = 1e-14  # of the rate at which a weight turns in space
 LONGEST = 0.3  # rad of the fastest turning in a step: nothing may stop and go within one
 MOST_EVENTS = 5000  # of a run
 
@@ -147,7 +147,7 @@ class Dry:
         forces = np.concatenate([pushes, y[self.system.size :]])
         room = limits * (1.0 + MARGIN) - np.abs(forces)
         # by rounding nothing that has just let go comes to rest
-        rests = phase.slips * self.rates(t, y) + ROUNDING * np.abs(y[self.places])
+        rests = phase.slips * self.rates(t, y) + TURN_RATE_ROUNDING * np.abs(y[self.places])
         stops = np.where(phase.slips == 0.0, room, rests)
         return np.concatenate([stops, limits[: len(self.weights)] / self._share])
 

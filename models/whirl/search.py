@@ -25,9 +25,9 @@ from .steady import NoWhirl, Whirl, whirl_near
 from .variation import growth_rate
 
 _ALIKE = 1e-6  # of the larger amplitude: the same whirl, found twice
-_SLOW = 1e-3  # rad of drift per radian of the rotor: no whirl to speak of
+_SLOW_DRIFT = 1e-3  # rad of drift per radian of the rotor: no whirl to speak of
 _RANK = 1e-9  # planes that act alike share what is needed
-_TOUCH = 1e-9  # rad
+_TOUCHING_ANGLE = 1e-9  # rad
 _GRID = 100  # intervals of a scan: a whirl costs a hundred times what a balanced position does
 _TOLERANCE = 1e-7  # of the speeds
 
@@ -78,7 +78,7 @@ def main_whirl(assembly: Assembly, speed: float) -> MainWhirl:
             whirl = _apart(assembly, near)
         except NoWhirl:
             continue
-        if whirl.drift > _SLOW * speed:
+        if whirl.drift > _SLOW_DRIFT * speed:
             continue
         size = float(whirl.amplitude.max())
         if any(abs(size - float(f.whirl.amplitude.max())) <= _ALIKE * size for f in whirls):
@@ -195,7 +195,7 @@ def _apart(assembly: Assembly, whirl: Whirl) -> Whirl:
     tracks: list[tuple[float, list[int]]] = []  # half angle, and sizes of the groups
     for mounted in assembly.weights:
         own, angles = angles[: len(mounted.angles)], angles[len(mounted.angles) :]
-        groups = packed_groups(own, mounted.half_angle, _TOUCH)
+        groups = packed_groups(own, mounted.half_angle, _TOUCHING_ANGLE)
         at = joined.balancers.index(mounted)
         if len(groups) < len(own):
             joined = merged(joined, mounted.half_angle, groups, at)
@@ -224,5 +224,5 @@ def _refuse_overlap(angles: Array, sizes: np.ndarray, alpha: float) -> None:
     order = np.argsort(angles % math.tau)
     middles, sizes = (angles % math.tau)[order], sizes[order]
     gaps = np.diff([*middles, middles[0] + math.tau])
-    if len(sizes) > 1 and (gaps < alpha * (sizes + np.roll(sizes, -1)) - _TOUCH).any():
+    if len(sizes) > 1 and (gaps < alpha * (sizes + np.roll(sizes, -1)) - _TOUCHING_ANGLE).any():
         raise NoWhirl("groups of weights that touch would overlap")

@@ -37,7 +37,7 @@ from tests.rig.quantities import (
     MOTOR,
     OTHERS,
     PROMINENT,
-    SETTLED,
+    SETTLING,
     STEPS,
     WASHERS,
     WITH_BALLS,
@@ -188,7 +188,7 @@ def _listed(values: Array, digits: int = 4) -> str:
 
 
 def _curve(scene: Scene, washers: int) -> np.ndarray:
-    return steady(scene.replace(STEPS), washers, GRID, SETTLED)
+    return steady(scene.replace(STEPS), washers, GRID, SETTLING)
 
 
 if __name__ == "__main__":

@@ -26,7 +26,7 @@ WHOLE = (*range(MOTOR, 3001, 20), *range(3800, 5201, 20))  # all that unbalance 
 GRID = np.arange(FIRST[0], BANDS["conical x"][1], 20.0)  # rpm, on which peaks are looked for
 WITH_BALLS = (3000.0, *HIGH)
 RUN_UP = (2400.0, 5050.0)  # rpm: balls leave the heavy side above the resonances, and settle
-SETTLED = 150  # revolutions of the rotor alone
+SETTLING = 150  # revolutions of the rotor alone
 SETTLED_SLOW = 100  # of its peaks' speeds: to 1e-4
 PROMINENT = 0.005  # mm, of a peak: few washers make small ones
 ROLLING = {"balls.rolling_resistance": 1.5e-4}  # chosen on 1 and 3 washers, among five values
@@ -71,7 +71,7 @@ def without_balls(scene: Scene) -> Iterator[Quantity]:
         ours = np.array([peak(curve, band, PROMINENT) for curve in grids])
         yield Quantity("critical speed", f"critical speed, {mode}", rig, ours)
     speeds = sorted({*CURVE, *WHOLE, *HIGH})
-    found = np.array([steady(scene, n, np.array(speeds, float), SETTLED) for n in WASHERS])
+    found = np.array([steady(scene, n, np.array(speeds, float), SETTLING) for n in WASHERS])
     for speed in HIGH:
         wide = np.array([at(response(n, 0), [speed])[0] for n in WASHERS])
         ours = found[:, speeds.index(speed)]

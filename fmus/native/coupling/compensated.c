@@ -126,9 +126,9 @@ static int diverges(Unit *unit, double step)
         worst = residuals <= worst ? worst : residuals;
         course->loop.largest = larger(course->loop.largest, magnitude(value));
     }
-    if (worst <= MISSED * course->loop.largest) {
+    if (worst <= MISSED_FORCE * course->loop.largest) {
         course->compensated.calm_steps += 1.0;
-        course->compensated.lost_steps = course->compensated.calm_steps >= CALM ? 0.0 : course->compensated.lost_steps;
+        course->compensated.lost_steps = course->compensated.calm_steps >= CALM_STEPS ? 0.0 : course->compensated.lost_steps;
         return 0;
     }
     if (course->compensated.lost_steps == 0.0) {
@@ -136,7 +136,7 @@ static int diverges(Unit *unit, double step)
     }
     course->compensated.calm_steps = 0.0;
     course->compensated.lost_steps += 1.0;
-    if (course->compensated.lost_steps < LOST || course->loop.largest < GROWN * course->compensated.largest_before) {
+    if (course->compensated.lost_steps < LOST_STEPS || course->loop.largest < DIVERGED_GROWTH * course->compensated.largest_before) {
         return 0;
     }
     reason = unit_reason(unit);

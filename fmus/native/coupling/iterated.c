@@ -26,7 +26,7 @@ void iterated_begin(Composite *c)
     Course *course = c->course;
     course->loop.tolerance = closed(course);
     course->loop.largest =
-        course->loop.rounding / (course->loop.corrections < 0.0 ? course->loop.tolerance : LOOSE);
+        course->loop.rounding / (course->loop.corrections < 0.0 ? course->loop.tolerance : LOOSE_RESIDUAL);
 }
 
 static int leads(const Composite *c)
@@ -126,7 +126,7 @@ double iterated_attempt(Unit *unit, double step, int passes)
         /* of passes and steps that are taken back none counts: they can be far too large */
         course->loop.reached = larger(course->loop.largest, loop_size(c->g_u, half));
         error = course->loop.reached > 0.0 ? loop_size(c->residual, half) / course->loop.reached : 0.0;
-        if (number > 1 && error > larger(tolerance, SLOW * error_before)) {
+        if (number > 1 && error > larger(tolerance, SLOW_CONVERGENCE * error_before)) {
             loop_learn(c, c->du, c->old, c->residual);
         }
         if (number >= passes || !(error > tolerance)) {
@@ -150,7 +150,7 @@ int iterated_judge(Unit *unit)
     const double residual = course->loop.residual;
     const int converges = course->loop.corrections < 0.0;
     Text *reason;
-    if (!(residual > (converges ? course->loop.tolerance : LOOSE))) {
+    if (!(residual > (converges ? course->loop.tolerance : LOOSE_RESIDUAL))) {
         return 0;
     }
     if (residual < 1.0 && !converges) {
@@ -200,7 +200,7 @@ static int learn_anew(Unit *unit, double step)
     int wrong = respond_to_pass(unit, c->u, step, c->g_u);
     if (!wrong) {
         change = larger(larger(loop_size(c->u, half), loop_size(c->g_u, half)), c->course->loop.largest);
-        wrong = loop_jacobian(unit, respond_to_pass, c->u, c->g_u, CHANGE * change, count, step, c->square);
+        wrong = loop_jacobian(unit, respond_to_pass, c->u, c->g_u, JACOBIAN_CHANGE * change, count, step, c->square);
     }
     if (wrong) {
         composite_restore(c);

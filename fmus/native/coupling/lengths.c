@@ -17,6 +17,6 @@ double communication_length(const Unit *unit)
 double brief_length(const Unit *unit)
 {
     const double tolerance = unit->real[((const Composite *)unit->own)->tolerance];
-    const double share = tolerance > 0.0 ? larger(LEAST, smaller(1.0, tolerance / WIDE)) : 1.0;
-    return share * BRIEF * communication_length(unit);
+    const double share = tolerance > 0.0 ? larger(SMALLEST_BRIEF_SHARE, smaller(1.0, tolerance / FULL_BRIEF_TOLERANCE)) : 1.0;
+    return share * BRIEF_STEP * communication_length(unit);
 }

@@ -294,7 +294,7 @@ static int solve_start(Unit *unit, double step)
         }
         before = left;
         left = loop_size(c->residual, half);
-        if (turn && left > SLOW * before) { /* a weight sticks where the one before has slid */
+        if (turn && left > SLOW_CONVERGENCE * before) { /* a weight sticks where the one before has slid */
             loop_learn(c, c->du, c->old, c->residual);
         }
         size = larger(loop_size(c->u, half), loop_size(c->g_u, half));

@@ -26,7 +26,7 @@ int prescribed_step(Unit *unit)
     if (pacing->next < pacing->count) {
         step = smaller(step, pacing->points[pacing->next] - course->clock.time);
     }
-    constant_signals = step > LONG * pacing->longest;
+    constant_signals = step > BEYOND_LONGEST_STEP * pacing->longest;
     if (course->event.ended == course->clock.time && course->clock.time > 0.0 && !constant_signals) {
         step *= 0.5;
     }

@@ -139,7 +139,7 @@ void resolution_begin(Unit *unit)
     const int n = own->stations;
     LinearRotor loaded;
     const double weights = capacity(c), top = course->drive.fastest;
-    double least = NOISE * weights * top * top, unbalance = 0.0;
+    double least = SIGNAL_NOISE * weights * top * top, unbalance = 0.0;
     int k;
     composite_added_masses(c, c->masses);
     loaded = linear_rotor_with_added_mass(&own->rotor, c->masses, own->loaded_mass);
@@ -151,7 +151,7 @@ void resolution_begin(Unit *unit)
     course->resolution.pace = larger(top, smaller(slowest(c, &loaded, loaded.stiffness_x),
                                        slowest(c, &loaded, loaded.stiffness_y)));
     course->resolution.reach = rotor_reach(c, (weights + unbalance) * top * top, course->resolution.pace);
-    course->resolution.most = BEYOND * composite_largest_force(c);
+    course->resolution.most = LARGEST_FORCE_FACTOR * composite_largest_force(c);
     for (k = 0; k < c->exchanges; k++) {
         c->forces[k].largest = larger(least, magnitude(c->forces[k].now.value));
     }
@@ -178,7 +178,7 @@ static void change_step(Composite *c, double step)
     course->resolution.blind = 1.0;
     course->resolution.decay = natural_exp(-step * course->resolution.pace / TAU);
     if (course->loop.gain > WEAK_LOOP ||
-        (course->resolution.pace > course->resolution.top && step * course->resolution.pace > UNFOLLOWED)) {
+        (course->resolution.pace > course->resolution.top && step * course->resolution.pace > UNFOLLOWED_TURN)) {
         course->resolution.decay = larger(course->resolution.decay, left_of_vibration(c, step));
     }
     course->resolution.turn_decay = natural_exp(-step * course->resolution.top / TAU);
@@ -228,10 +228,10 @@ static int runs_away(Unit *unit)
     for (k = 0; k < c->exchanges && beyond; k++) {
         const Signal *force = c->forces + k;
         grows |= magnitude(force->now.value) >
-                 larger(course->resolution.most, GROWTH * magnitude(force->last[0]));
+                 larger(course->resolution.most, RUNAWAY_GROWTH * magnitude(force->last[0]));
     }
     course->resolution.grown = grows ? course->resolution.grown + 1.0 : 0.0;
-    if (course->resolution.grown >= RUNAWAY) {
+    if (course->resolution.grown >= RUNAWAY_STEPS) {
         Text *reason = too_long(unit);
         put_name(c, 0, reason);
         text_put(reason, " is beyond all that the scene can make of it and has grown 2-fold or more "
@@ -246,7 +246,7 @@ static int count_lost(Unit *unit, int number, const Signal *signal)
 {
     Course *course = ((Composite *)unit->own)->course;
     course->resolution.unresolved += 1.0;
-    if (course->resolution.unresolved >= PERSISTENT) {
+    if (course->resolution.unresolved >= PERSISTENT_STEPS) {
         Text *reason = too_long(unit);
         put_name(unit->own, number, reason);
         text_put_rounded(reason, " has ended 20 steps far from where the one before led, now by ",
@@ -305,7 +305,7 @@ int resolution_check(Unit *unit, double step)
         const Signal *signal =
             k < c->exchanges ? c->forces + k : c->accelerations + (k - c->exchanges);
         signal_error += k < c->exchanges ? signal->prediction_error : 0.0;
-        if (signal->prediction_error > MISS_PER_ERROR * UNRESOLVED * signal->largest) {
+        if (signal->prediction_error > MISS_PER_ERROR * UNRESOLVED_ERROR * signal->largest) {
             lost = k;
         }
     }
@@ -315,7 +315,7 @@ int resolution_check(Unit *unit, double step)
     worst = estimate(c, step, times, signal_error, &cause);
     if (worst > course->total.error) {
         course->total.error = worst;
-        if (worst >= REFUSED) {
+        if (worst >= REFUSED_ERROR) {
             Text *reason = too_long(unit);
             text_put(reason, "what the cubics miss of ");
             put_name(c, cause, reason);

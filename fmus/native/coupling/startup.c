@@ -27,7 +27,7 @@ static int halvings(const Composite *c, double step, int least)
         largest = larger(largest, larger(magnitude(force->now.value), force->largest));
         change = larger(change, step * magnitude(force->now.slope));
     }
-    if (change > STEEP * largest && largest > 0.0) {
+    if (change > STEEP_FORCE_CHANGE * largest && largest > 0.0) {
         for (allowed = FIRST_CHANGE * largest; allowed < change && steep < MOST_HALVINGS; steep++) {
             allowed *= 2.0;
         }
@@ -63,7 +63,7 @@ double startup_length(Unit *unit)
         const double step = communication(unit);
         course->clock.changed = 0.0;
         course->division.crossing = compensates(c) ? JUMP_PARTS : 1;
-        course->division.negligible = smaller(KINK * step, brief_length(unit)) / course->division.crossing;
+        course->division.negligible = smaller(KINK_STEP * step, brief_length(unit)) / course->division.crossing;
         course->division.whole = step - course->division.crossing * course->division.negligible;
         course->division.ends = course->clock.time + step;
     }

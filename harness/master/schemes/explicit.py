@@ -12,7 +12,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from ....models.constants import CALM, GROWN, JUMP_PARTS, LOST, MISSED
+from ....models.constants import CALM_STEPS, DIVERGED_GROWTH, JUMP_PARTS, LOST_STEPS, MISSED_FORCE
 from ...errors import SimulationError
 from ..signals import Cubics, Knots, end_of
 from ..system import System
@@ -87,16 +87,16 @@ class Explicit:
         missed = np.abs(answers - end_of(forces, step))[:, 0]
         worst, name = missed.max(), system.force_names[missed.argmax()]
         self.largest = max(self.largest, np.abs(answers[:, 0]).max())
-        if worst <= MISSED * self.largest:
+        if worst <= MISSED_FORCE * self.largest:
             self._calm += 1
-            if self._calm >= CALM:
+            if self._calm >= CALM_STEPS:
                 self._lost = 0
             return
         if not self._lost:
             self._largest_before = self.largest
         self._calm = 0
         self._lost += 1
-        if self._lost >= LOST and self.largest >= GROWN * self._largest_before:
+        if self._lost >= LOST_STEPS and self.largest >= DIVERGED_GROWTH * self._largest_before:
             raise SimulationError(
                 f"{self.name} coupling diverges at t = {time + step:g} s: {name} differs from "
                 f"what was assumed for the step by {worst / self.largest:.3g} of the largest force "

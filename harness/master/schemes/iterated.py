@@ -13,13 +13,13 @@ from collections.abc import Sequence
 import numpy as np
 
 from ....models.constants import (
-    CHANGE,
     CONVERGED_FORCES,
     GAIN_ROUNDING,
-    LOOSE,
+    JACOBIAN_CHANGE,
+    LOOSE_RESIDUAL,
     MAX_PASSES,
     MISS_PER_ERROR,
-    SLOW,
+    SLOW_CONVERGENCE,
 )
 from ...errors import LoopError
 from ..loop import QuasiNewton, Vector, jacobian, of_values, pack, size, unpack
@@ -55,7 +55,7 @@ class Iterated:
             jacobian = np.where(np.outer(values, values), jacobian, 0.0)
         self.newton = QuasiNewton(jacobian, step)
         self.tolerance = max(CONVERGED_FORCES, GAIN_ROUNDING * self.newton.gain)
-        self.largest = rounding / (self.tolerance if corrections is None else LOOSE)
+        self.largest = rounding / (self.tolerance if corrections is None else LOOSE_RESIDUAL)
 
     def step(self, system: System, time: float, step: float) -> float:
         """One step, and the residual it leaves of the forces over the largest so far."""
@@ -80,7 +80,7 @@ class Iterated:
             # of passes that are taken back none counts: they can be far too large
             largest = max(self.largest, size(pack(answers, step)))
             error = size(residual) / largest if largest else 0.0
-            if before and error > max(self.tolerance, SLOW * before[2]):
+            if before and error > max(self.tolerance, SLOW_CONVERGENCE * before[2]):
                 self.newton.learn(before[0], before[1], residual)
             if number == passes or not error > self.tolerance:
                 break
@@ -123,7 +123,7 @@ class Iterated:
             return self._used(answers, step)
 
         g_u = respond(u)
-        change = CHANGE * max(size(g_u), size(u), self.largest)
+        change = JACOBIAN_CHANGE * max(size(g_u), size(u), self.largest)
         self.newton = QuasiNewton(jacobian(respond, u, g_u, change), step)
 
     def amplification(self, eigenvalues: Sequence[complex], order: int) -> float:
@@ -136,7 +136,7 @@ class Iterated:
         Raises:
             LoopError: they do not agree at all, or not after all the passes it may take.
         """
-        allowed = self.tolerance if self.corrections is None else LOOSE
+        allowed = self.tolerance if self.corrections is None else LOOSE_RESIDUAL
         if not residual > allowed:
             return True
         if residual >= 1.0 or self.corrections is None:

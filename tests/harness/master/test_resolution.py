@@ -9,7 +9,7 @@ import pytest
 from autobalancer.harness import load_scene
 from autobalancer.harness.master.cosimulation import CoSimulation
 from autobalancer.harness.master.resolution import Resolution
-from autobalancer.models.constants import PERSISTENT
+from autobalancer.models.constants import PERSISTENT_STEPS
 
 STEPS = 40  # a revolution
 
@@ -75,7 +75,7 @@ def test_a_force_that_nearly_cancels_is_a_signal_until_it_is_rounding(still, sha
     lost = 120.0 * 0.05 * 1.01  # a prediction that misses so much leaves the step's cubic lost
     found = watched(still, force=lost * share * pull)
     assert found.unresolved == (STEPS if counts else 0)
-    assert found.refused is (counts and PERSISTENT <= STEPS)
+    assert found.refused is (counts and PERSISTENT_STEPS <= STEPS)
 
 
 def test_a_start_at_another_speed_is_judged_by_that_speed():

@@ -23,7 +23,7 @@ from autobalancer.harness.master.cosimulation import CoSimulation, doubling_step
 from autobalancer.harness.master.recorder import Recorder, recorded
 from autobalancer.harness.master.run import cosimulate
 from autobalancer.harness.scene.balancer import WeightBalancer
-from autobalancer.models.constants import REFUSED, STATED_ERROR
+from autobalancer.models.constants import REFUSED_ERROR, STATED_ERROR
 from autobalancer.models.monolith import reference
 from autobalancer.models.reference.oscillator import forced_motion
 from autobalancer.models.steps.weights import advance
@@ -162,7 +162,7 @@ def test_estimated_error_decides_whether_a_run_is_silent_told_or_refused():
     assert stated_error(fine) == 0.0
     told = cosimulate(spinning("drum", 10, 40))  # real error 2 %
     assert any("use more coupling.steps_per_rev" in event for event in told.events)
-    assert STATED_ERROR <= stated_error(told) < REFUSED
+    assert STATED_ERROR <= stated_error(told) < REFUSED_ERROR
     with pytest.raises(SimulationError, match="times as far as they move at all"):
         cosimulate(spinning("drum", 20, 20))  # real error 14 times the range
 
