@@ -198,7 +198,11 @@ class SizedUnit:
                     f"{option.name} = {value!r}: must be {option.default!r} in a Python unit; "
                     "use the native unit"
                 )
-        kept = [v for v in self.layout.variables if not (v.native and v.causality == "output")]
+        kept = [
+            replace(v, variability="fixed") if v.variability == "tunable" else v
+            for v in self.layout.variables
+            if not (v.native and v.causality == "output")
+        ]
         return SizedUnit(self.unit, self.sizes, Layout(self.name, kept))
 
     def started(self, start: Mapping[str, float | bool], about: Mapping[str, Any]) -> SizedUnit:

@@ -30,7 +30,7 @@ class Variable:
         unit: name of an SI unit, empty for a Boolean.
         start: start value; None for outputs, which are calculated.
         description: one line.
-        variability: fixed | continuous.
+        variability: fixed | tunable (native units alone: set between steps too) | continuous.
         minimum: smallest allowed value, or None.
         above: True when the minimum itself is not allowed.
         maximum: largest value that the equations accept, or None.
@@ -108,6 +108,11 @@ def started(variables: Iterable[Variable], start: Mapping[str, float | bool]) ->
 def parameter(name: str, start: float | bool, unit: str, description: str, **more) -> Variable:
     """A parameter, free until initialisation ends."""
     return Variable(name, "parameter", unit, start, description, "fixed", **more)
+
+
+def tunable(*declared, **more) -> Variable:
+    """A parameter that may be set between steps too."""
+    return replace(parameter(*declared, **more), variability="tunable")
 
 
 def plain_input(name: str, start: float, unit: str, description: str, **more) -> Variable:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from bisect import bisect_right
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import accumulate, pairwise
 
@@ -52,10 +52,28 @@ def weights_of(mounted: Mounted) -> Weights:
 
 @dataclass(frozen=True)
 class Assembly:
-    """A rotor and the balancers mounted on it, in order."""
+    """A rotor and the balancers mounted on it, in order.
+
+    Attributes:
+        rotor: as it is at the start.
+        balancers: mounted on it.
+        later: times [s], ascending, and the rotor from then on: its unbalance changes.
+    """
 
     rotor: LinearRotor
     balancers: tuple[Mounted, ...] = ()
+    later: tuple[tuple[float, LinearRotor], ...] = ()
+
+    def at(self, time: float) -> Assembly:
+        """The assembly with the unbalance that it has from `time` [s] on."""
+        passed = [rotor for start, rotor in self.later if start <= time]
+        return replace(self, rotor=passed[-1], later=()) if passed else self
+
+    @property
+    def largest_unbalance(self) -> float:
+        """Largest sum of the rotor's generalised unbalances at any time [kg m]."""
+        rotors = [self.rotor, *(rotor for _, rotor in self.later)]
+        return max(float(np.abs(rotor.unbalance).sum()) for rotor in rotors)
 
     @cached_property
     def added_mass(self) -> NDArray[np.float64]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -138,7 +139,15 @@ def trajectory(
     angle, speed, angular_acceleration = system.turning(time, states)
     if solved is None:
         columns = angle[:, None], speed[:, None], angular_acceleration[:, None]
-        a, phi2 = system.accelerations_of(columns, states)
+        cuts = [0, *np.searchsorted(time, [start for start, _ in system.assembly.later]), len(time)]
+        parts = [slice(i, j) for i, j in pairwise(cuts) if j > i]
+        found = [
+            system.after(time[p][0]).accelerations_of(
+                (columns[0][p], columns[1][p], columns[2][p]), states[p]
+            )
+            for p in parts
+        ]
+        a, phi2 = map(np.concatenate, zip(*found, strict=True))
     else:
         a = np.array([lateral for lateral, _ in solved])
         phi2 = np.array([bend for _, bend in solved]).reshape(len(time), count)

@@ -57,6 +57,7 @@ class Composition:
         start: of the coupling's own parameters and inputs: `coupling.steps_per_rev`, `speed` ...
         stop, step: of the run that a tool proposes [s].
         corners: of a speed profile behind `rise_time`.
+        changes: of the rotor's unbalance.
         title, source: of the machine and its numbers, for descriptions.
         plain: whether descriptions leave out slopes and the coupling's figures.
         flat: whether they name variables by letters, digits and underscores alone.
@@ -69,6 +70,7 @@ class Composition:
     stop: float = Unit.stop
     step: float = Unit.step
     corners: int = 0
+    changes: int = 0
     title: str = ""
     source: str = ""
     plain: bool = False
@@ -109,7 +111,7 @@ class Composition:
         planes = self.parts[0].unit.sizes.options["planes"]
         if self.parts[-1].model == "Motor":
             return CompositeSizes(kind="motor", planes=planes)
-        return CompositeSizes(planes=planes, corners=self.corners)
+        return CompositeSizes(planes=planes, corners=self.corners, unbalances=self.changes)
 
     @cached_property
     def layout(self) -> Layout:
@@ -151,6 +153,7 @@ class Composition:
         passes = "-" if self.corrections is None else str(self.corrections)
         entries = [f"scheme={self.scheme}", f"corrections={passes}"]
         entries += [f"corners={self.corners}"] * bool(self.corners)
+        entries += [f"changes={self.changes}"] * bool(self.changes)
         for part in self.parts:
             connected = "s" * part.exchanges_force + "v" * part.follows or "-"
             entries.append(f"part={part.name},{part.plane},{connected},{token(part.unit, stamp)}")

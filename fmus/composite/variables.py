@@ -27,11 +27,13 @@ class CompositeSizes(Sizes):
         kind: of the drive: prescribed | motor (of limited power, a part of its own).
         planes: of the rotor's unit.
         corners: of a prescribed speed behind `rise_time`.
+        unbalances: changes of the rotor's unbalance while it turns.
     """
 
     kind: str = one_of("prescribed", "motor")
     planes: int = count(1)
     corners: int = count(0, of=("prescribed",))
+    unbalances: int = count(0, of=("prescribed",))
 
 
 def own_variables(sizes: CompositeSizes) -> list[Variable]:
@@ -75,7 +77,7 @@ def own_variables(sizes: CompositeSizes) -> list[Variable]:
             minimum=0.0,
             quantity="Displacement",
         ),
-        *(_drive(sizes.corners) if sizes.kind == "prescribed" else []),
+        *(_drive(sizes) if sizes.kind == "prescribed" else []),
         *(
             plain_input(
                 f"rotor.plane[{i}].F_{axis}",
@@ -108,7 +110,7 @@ def own_variables(sizes: CompositeSizes) -> list[Variable]:
     ]
 
 
-def _drive(corners: int) -> list[Variable]:
+def _drive(sizes: CompositeSizes) -> list[Variable]:
     """A speed that the host prescribes, or that follows a profile by itself."""
     return [
         parameter(
@@ -121,14 +123,27 @@ def _drive(corners: int) -> list[Variable]:
         ),
         *(
             parameter(f"corner[{k}].{key}", 0.0, unit, text, minimum=0.0)
-            for k in range(1, corners + 1)
+            for k in range(1, sizes.corners + 1)
             for key, unit, text in (("time", "s", _CORNER_TIME), ("speed", "rad/s", _CORNER_SPEED))
         ),
+        *(v for k in range(1, sizes.unbalances + 1) for v in _change(f"unbalance_change[{k}].")),
         plain_input("speed", 300.0, "rad/s", "Speed of the rotor at the start of the step"),
         plain_input(
             "acceleration", 0.0, "rad/s2", "Angular acceleration of the rotor over the step"
         ),
     ]
+
+
+def _change(prefix: str) -> list[Variable]:
+    """A change of the rotor's unbalance."""
+    when = "Since the start, not below the one before; 0: not used, nor those behind"
+    return [
+        parameter(f"{prefix}time", 0.0, "s", when, minimum=0.0),
+        parameter(f"{prefix}number", 1.0, "1", "Of the rotor's unbalance that changes",
+                  minimum=1.0),
+        parameter(f"{prefix}amount", 0.0, "kg.m", "Static moment from then on", minimum=0.0),
+        parameter(f"{prefix}angle", 0.0, "rad", "Its direction in the rotor"),
+    ]  # fmt: skip
 
 
 COMPOSITE = Unit(
@@ -165,6 +180,7 @@ def _of_part(name: str, variable: Variable) -> Variable:
         variable,
         name=_named(name, variable.name),
         description=f"{variable.description} ({name})",
+        variability={"tunable": "fixed"}.get(variable.variability, variable.variability),
         derivative_of=variable.derivative_of and _named(name, variable.derivative_of),
         depends=(),
         begins=(),

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 from ...models.constants import DEFAULT_UNBALANCE, SPACING, SPAN, STEEL_20_MM
 from ..unit import SignalSizes, count, one_of
-from ..variables import Variable, parameter
+from ..variables import Variable, parameter, tunable
 
 
 @dataclass(frozen=True)
@@ -44,8 +44,8 @@ def planar(sizes: RotorSizes) -> list[Variable]:
         parameter(
             "internal_damping", 0.0, "N.s/m", "Damping inside the turning shaft", minimum=0.0
         ),
-        parameter("unbalance", DEFAULT_UNBALANCE, "kg.m", "Unbalance of the rotor", minimum=0.0),
-        parameter("unbalance_angle", 0.0, "rad", "Angle of the unbalance in the rotor"),
+        tunable("unbalance", DEFAULT_UNBALANCE, "kg.m", "Unbalance of the rotor", minimum=0.0),
+        tunable("unbalance_angle", 0.0, "rad", "Angle of the unbalance in the rotor"),
     ]
 
 
@@ -178,9 +178,9 @@ def _unbalances(sizes: RotorSizes, place: float, where: str) -> list[Variable]:
         for k in range(1, sizes.unbalances + 1)
         for v in (
             parameter(f"unbalance[{k}].position", place, "m", where),
-            parameter(f"unbalance[{k}].amount", DEFAULT_UNBALANCE * (k == 1), "kg.m",
-                      "Amount of the unbalance", minimum=0.0),
-            parameter(f"unbalance[{k}].angle", 0.0, "rad", "Angle of the unbalance in the rotor"),
+            tunable(f"unbalance[{k}].amount", DEFAULT_UNBALANCE * (k == 1), "kg.m",
+                    "Amount of the unbalance", minimum=0.0),
+            tunable(f"unbalance[{k}].angle", 0.0, "rad", "Angle of the unbalance in the rotor"),
         )
     ]  # fmt: skip
 

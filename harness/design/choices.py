@@ -142,7 +142,7 @@ def design(
     `width` is the height of rollers, or the largest diameter of balls.
     """
     refuse_few(starts)  # before the work
-    scene.refuse_gravity("a design")
+    scene.refuse_unrest("a design")
     scene = with_balls(scene, race, width)
     balls = weights_of(scene)
     amount = unbalance_of(scene) if unbalance is None else unbalance

@@ -132,6 +132,7 @@ def weights_of(scene: Scene) -> WeightBalancer:
     reasons = {
         f'rotor.kind = "{rotor.kind}": must be "planar"': rotor.kind != "planar",
         "[operation]: must have a constant speed": scene.profile().changes,
+        "operation.unbalance_changes: must be left out": bool(scene.operation.unbalance_changes),
         "[[balancer]]: must be one set of balls or rollers, or none": len(scene.balancer) != 1
         or getattr(scene.balancer[0], "kind", "") not in ("balls", "rollers"),
         "mass, drag, weight_radius: must be single values, of equal weights": any(

@@ -112,8 +112,8 @@ class HarmonicModel(Model):
         self, scene: Scene, parameters: Sequence[Parameter], measured: MeasuredAmplitudes
     ) -> None:
         operation = scene.operation
-        if scene.balancer or operation.gravity or operation.motor:
-            raise NoResponse("harmonic balance knows no balancers, gravity or motor")
+        if scene.balancer or operation.gravity or operation.motor or operation.unbalance_changes:
+            raise NoResponse("harmonic balance knows no balancers, gravity, motor or changes")
         super().__init__(scene, parameters, measured)
 
     def _found(

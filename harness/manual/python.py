@@ -16,7 +16,14 @@ from ..scene.run import Run
 
 PACKAGE = "autobalancer"
 # used by the commands alone
-INTERNAL = {"Scene.refuse_friction", "Scene.refuse_gravity", "RunMap.lines", "Fit.warnings"}
+INTERNAL = {
+    "Scene.refuse_friction",
+    "Scene.refuse_changes",
+    "Scene.refuse_unrest",
+    "Scene.rotor_at",
+    "RunMap.lines",
+    "Fit.warnings",
+}
 CALLED = {"Scene": {"run": Run.__call__, "run.many": Run.many, "rotor": RotorTable.__call__}}
 _SECTION = re.compile(r"^(Args|Returns|Raises|Attributes|Yields|Example|Examples):$")
 

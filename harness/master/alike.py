@@ -57,7 +57,7 @@ def refuse_unvaried(scene: Scene, path: str) -> None:
     """
     holders = ["rotor", *(balancer.label for balancer in scene.balancer)]
     allowed = (*(f"{holder}." for holder in holders), "run.initial.")
-    allowed += ("operation.gravity",)
+    allowed += ("operation.gravity", "operation.unbalance_changes")
     if scene.operation.motor:
         allowed += ("operation.motor.",)
     if path != "operation.speed" and not path.startswith(allowed):
@@ -70,7 +70,8 @@ def _common(scene: Scene, found: Plan) -> Any:
     profile = scene.profile()
     units = [(unit.name, unit.model, unit.sizes) for unit in found.units]
     changing = profile if profile.changes else None
-    return units, found.connections, scene.coupling, scene.run.revolutions, changing
+    many = len(scene.operation.unbalance_changes)
+    return units, found.connections, scene.coupling, scene.run.revolutions, changing, many
 
 
 def values_of(scene: Scene) -> dict[str, float]:

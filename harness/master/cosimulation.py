@@ -119,7 +119,7 @@ class CoSimulation(Closing):
         self._schedule = schedule(self.scene, first)
         step = step or step_size(self.scene, first) / self._parts
         self.system.restart(changes or {})
-        self._acceleration = self.profile.acceleration(0.0)
+        self._acceleration, self._changed = self.profile.acceleration(0.0), 0
         self.scheme = self._prepare(step)
         for unit in self.units.values():
             unit.start()
@@ -186,12 +186,18 @@ class CoSimulation(Closing):
         self.time = begin + step
 
     def _drive_jumps(self) -> bool:
-        """Write a changing speed to the units; whether its rate of change has jumped."""
+        """Write changing speed and unbalance to the units; whether a force jumps with them."""
+        changes = self.scene.operation.unbalance_changes
+        changed, self._changed = self._changed, sum(c.time <= self.time for c in changes)
+        for change in changes[changed : self._changed]:
+            names = self.scene.rotor.unbalance_names[change.number - 1]
+            self.system.rotor.set(self.system.rotor.group(names), (change.amount, change.angle))
+        jumps = self._changed != changed
         if not self._acceleration and self.time >= self.profile.seconds:
-            return False
+            return jumps
         before, self._acceleration = self._acceleration, self.profile.acceleration(self.time)
         self.system.drive(self.profile.speed(self.time), self._acceleration)
-        return self._acceleration != before
+        return jumps or self._acceleration != before
 
     def _take(self, step: float) -> None:
         """A part of a communication step, judged and counted."""

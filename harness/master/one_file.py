@@ -65,6 +65,7 @@ def composition(scene: Scene, order: int | None = None) -> Composition:
             end_time(scene),
             step_size(scene),
             max(0, len(scene.profile().times) - 2),
+            len(scene.operation.unbalance_changes),
         )
     except ValueError as error:
         raise SceneError(f"{scene.name}: {error}") from None
@@ -107,6 +108,11 @@ def drive(scene: Scene) -> dict[str, float]:
         for k, corner in enumerate(corners, start=1)
         for key, value in zip(("time", "speed"), corner, strict=True)
     }
+    own |= {
+        f"unbalance_change[{k}].{key}": float(value)
+        for k, change in enumerate(scene.operation.unbalance_changes, start=1)
+        for key, value in change
+    }
     return {
         "rise_time": profile.times[1] if profile.changes else 0.0,
         "speed": profile.speed(0.0),
@@ -118,7 +124,7 @@ def drive(scene: Scene) -> dict[str, float]:
 def _limit(scene: Scene) -> float:
     """Vibration below which a run of the scene counts as balanced [m]; 0 where it is not known."""
     try:
-        return BALANCED * vibration_alone(scene, scene.profile().end)
+        return BALANCED * vibration_alone(scene, scene.profile().end, end_time(scene))
     except NoResponse:
         return 0.0
 

@@ -95,7 +95,7 @@ class Resolution:
         self._pace = max(self._speed, soft)
         self._mass = float(rotor.mass.sum())
         self._decay, self._strong = _slowest_decay(rotor, self._speed), gain > WEAK_LOOP
-        pull = (assembly.capacity + float(np.abs(rotor.unbalance).sum())) * self._speed**2
+        pull = (assembly.capacity + assembly.largest_unbalance) * self._speed**2
         out = math.hypot(start.x, start.y) + math.hypot(start.vx, start.vy) / self._pace
         self._reach = pull / (self._mass * self._pace**2) + out  # m: how far the rotor moves
         self._system, self._force_names = system, system.force_names[: len(system.exchanges)]

@@ -94,6 +94,7 @@ class Revolution(Closing):
 
     def __init__(self, scene: Scene, *, steps: int | None = None, separate: bool = False) -> None:
         scene.refuse_friction("the map of one revolution and the steady response are those")
+        scene.refuse_changes("the map of one revolution")
         # the map is that of a constant speed, and every start must meet the same points
         order = min(scene.coupling.order, 3)  # of separate units
         changes = {"operation.speed": scene.profile().end, "coupling.order": order}

@@ -28,7 +28,7 @@ def largest_force(scene: Scene) -> float:
         if isinstance(device, Weights):
             rate = speed + max(map(abs, mounted.speeds), default=0.0)
             own += device.point_capacity * (rate * rate + spin_up)
-    pushed = float(np.abs(rotor.unbalance).sum()) * (speed * speed + spin_up)
+    pushed = assembly.largest_unbalance * (speed * speed + spin_up)
     out, motion = math.hypot(start.x, start.y), math.hypot(start.vx, start.vy)
     pushed += out * _largest_row(rotor.stiffness_x, rotor.stiffness_y)
     pushed += motion * _largest_row(rotor.damping_x, rotor.damping_y)

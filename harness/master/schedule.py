@@ -110,9 +110,10 @@ def end_time(scene: Scene) -> float:
 
 
 def milestones(scene: Scene) -> list[float]:
-    """Times that must be communication points [s]: corners of the speed, the end of the run."""
+    """Times that must be communication points [s]: corners, changes of unbalance, the run's end."""
     end = end_time(scene)
-    return [*(time for time in scene.profile().times if 0.0 < time < end), end]
+    jumps = {*scene.profile().times, *(c.time for c in scene.operation.unbalance_changes)}
+    return [*sorted(time for time in jumps if 0.0 < time < end), end]
 
 
 def schedule(scene: Scene, steps: int | None = None) -> list[tuple[float, int]]:

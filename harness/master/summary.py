@@ -110,8 +110,9 @@ def summarise(result: Result, scene: Scene) -> Summary:
     speed = _speed_at_end(result, scene)
     alone, reason = None, ""
     try:
-        alone = vibration_alone(scene, speed)
-        reason = "" if alone or not called else "the rotor has no unbalance"
+        alone = vibration_alone(scene, speed, float(result.time[-1]))
+        still = "the rotor stands still at the end" if not speed else "the rotor has no unbalance"
+        reason = "" if alone or not called else still
     except NoResponse as error:
         reason = str(error)
     vibration, after = float(size[last].max()), None
@@ -129,7 +130,7 @@ def summarise(result: Result, scene: Scene) -> Summary:
         after,
         reason,
         _used(scene, held) if held else (),
-        residual_unbalance(scene, held) if held is not None else None,
+        residual_unbalance(scene, held, float(result.time[-1])) if held is not None else None,
     )
 
 
@@ -147,9 +148,9 @@ def _speed_at_end(result: Result, scene: Scene) -> float:
     return scene.profile().speed(float(result.time[-1]))
 
 
-def vibration_alone(scene: Scene, speed: float) -> float:
+def vibration_alone(scene: Scene, speed: float, end: float) -> float:
     """Largest distance of a station of the rotor without balancers from the middle [m]."""
-    x, y = unbalance_response(scene.assembly().rotor, [speed])[0]
+    x, y = unbalance_response(scene.assembly().at(end).rotor, [speed])[0]
     squares = 0.5 * (np.abs(x) ** 2 + np.abs(y) ** 2 + np.abs(x**2 + y**2))  # longer half axis
     return math.sqrt(float(squares.max()))
 
@@ -176,7 +177,8 @@ def _reason(result: Result, scene: Scene, speed: float, last: Array, share: floa
     from ...models.linear.balanced import CannotBalance
     from ...models.stability import growth_rates  # loads SciPy
 
-    assembly, profile, end = scene.assembly(), scene.profile(), float(result.time[-1])
+    profile, end = scene.profile(), float(result.time[-1])
+    assembly = scene.assembly().at(end)
     critical = float(np.abs(assembly.loaded_rotor.free_rates(0.0)).min())
     if speed < critical:
         return f"below the critical speed, {in_both(critical, 'rad/s')}"

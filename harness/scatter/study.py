@@ -16,6 +16,7 @@ from ..errors import SceneError, SimulationError
 from ..master.alike import cosimulate_alike
 from ..master.merged import merged, names_of_states
 from ..master.one_file import composition
+from ..master.schedule import end_time
 from ..output.outcome import Outcome
 from ..output.table import Sheet
 from ..output.workers import Progress, Workers, in_order
@@ -144,7 +145,9 @@ def _machines(job: tuple[Scene, list[str], Vector]) -> Columns:
         )
         if asked is not None:
             grade[rows] = [
-                residual_unbalance(machine, {name: outcomes[name][place] for name in asked})[1]
+                residual_unbalance(
+                    machine, {name: outcomes[name][place] for name in asked}, end_time(machine)
+                )[1]
                 for place, machine in enumerate(machines.values())
             ]
         for place, (row, machine) in enumerate(machines.items()):

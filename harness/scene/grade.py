@@ -41,18 +41,21 @@ def moments(scene: Scene) -> list[str] | None:
     return [f"{b.label}.moment_{axis}" for b in scene.balancer for axis in ("xi", "eta")]
 
 
-def residual_unbalance(machine: Scene, held: Mapping[str, float]) -> tuple[float, float]:
+def residual_unbalance(
+    machine: Scene, held: Mapping[str, float], time: float = 0.0
+) -> tuple[float, float]:
     """What the weights leave of the unbalance.
 
     Elastic rotors are judged like rigid ones.
 
     Args:
         held: values of `moments` [kg m]; NaN gives NaN.
+        time: of the unbalance that is meant, where it changes [s].
 
     Returns:
         The largest at a support [kg m], and the smallest grade that permits it at all [mm/s].
     """
-    rotor = machine.rotor
+    rotor = machine.rotor_at(time)
     if rotor.kind == "planar":
         present = [(0.0, cmath.rect(rotor.unbalance, rotor.unbalance_angle))]
     else:

@@ -44,6 +44,7 @@ def native_alone(
 ) -> list[str]:
     """Keys of what native units compute and Python units do not."""
     keys = ["operation.motor"] if operation.motor else []
+    keys += ["operation.unbalance_changes"] if operation.unbalance_changes else []
     keys += ["rotor.friction"] if rotor.friction else []
     keys += ["coupling.order"] if order == 5 else []
     for i, balancer in enumerate(balancers, start=1):

@@ -110,23 +110,26 @@ def _implausible(scene: Scene) -> Iterator[str]:
 
 
 def _short_of_capacity(scene: Scene) -> Iterator[str]:
-    assembly, needed, most = scene.assembly(), _unbalance(scene), 0.0
-    if scene.rotor.kind == "planar":
-        most = sum(one.capacity for one in scene.balancer if isinstance(one, WeightBalancer))
-    elif assembly.weights:
-        from ...models.linear.balanced import CannotBalance, WeightTable, check_reach
+    for time in (0.0, *(change.time for change in scene.operation.unbalance_changes)):
+        assembly, needed, most = scene.assembly().at(time), _unbalance(scene, time), 0.0
+        if scene.rotor.kind == "planar":
+            most = sum(one.capacity for one in scene.balancer if isinstance(one, WeightBalancer))
+        elif assembly.weights:
+            from ...models.linear.balanced import CannotBalance, WeightTable, check_reach
 
-        try:
-            check_reach(assembly, WeightTable.of(assembly))
-        except CannotBalance as error:
-            needed, most = error.needed, error.capacity
-        else:
-            return
-    if assembly.weights and needed > most:
-        yield (
-            f"unbalance: {readable_unbalance(needed)} to balance, the weights hold at most "
-            f"{readable_unbalance(most)}: take more or heavier weights, or a larger track"
-        )
+            try:
+                check_reach(assembly, WeightTable.of(assembly))
+            except CannotBalance as error:
+                needed, most = error.needed, error.capacity
+            else:
+                continue
+        if assembly.weights and needed > most:
+            since = f" from {time:g} s on" if time else ""
+            yield (
+                f"unbalance: {readable_unbalance(needed)} to balance{since}, "
+                f"the weights hold at most {readable_unbalance(most)}: take more or heavier "
+                "weights, or a larger track"
+            )
 
 
 def _natural(scene: Scene) -> list[float]:
@@ -134,9 +137,9 @@ def _natural(scene: Scene) -> list[float]:
     return np.unique(np.abs(scene.assembly().loaded_rotor.free_rates(0.0)).round(9)).tolist()
 
 
-def _unbalance(scene: Scene) -> float:
-    """Sum of the rotor's unbalances [kg m]."""
-    rotor = scene.rotor
+def _unbalance(scene: Scene, time: float = 0.0) -> float:
+    """Sum of the rotor's unbalances from `time` [s] on [kg m]."""
+    rotor = scene.rotor_at(time)
     return rotor.unbalance if rotor.kind == "planar" else sum(u.amount for u in rotor.unbalances)
 
 

@@ -65,10 +65,19 @@ class Planar(RotorTable):
         self._damp_by_ratio()
         return self
 
+    @property
+    def unbalance_names(self) -> list[tuple[str, str]]:
+        """Of its only unbalance."""
+        return [("unbalance", "unbalance_angle")]
+
+    def with_unbalance(self, _number: int, amount: float, angle: float) -> Planar:
+        """The same with another unbalance."""
+        return self.model_copy(update={"unbalance": amount, "unbalance_angle": angle})
+
     def with_corrections(self, planes: Sequence[int]) -> Corrections:
         """The rotor's one unbalance, to which corrections are added."""
         present = cmath.rect(self.unbalance, self.unbalance_angle)
-        return Corrections({}, [present], [("unbalance", "unbalance_angle")])
+        return Corrections({}, [present], self.unbalance_names)
 
     def sizes(self, planes: Sequence[int]) -> dict[str, Any]:
         """What the unit is built for: the sliders are all there is to choose."""

@@ -29,6 +29,8 @@ from .quantities import (
 )
 
 if TYPE_CHECKING:
+    from typing_extensions import Self
+
     from ..rotor.analysis import RotorAnalysis
 
 
@@ -220,6 +222,18 @@ class RotorTable(Table):
         numbers = range(len(self.unbalances) + 1, len(table) + 1)
         names = [(f"unbalance[{k}].amount", f"unbalance[{k}].angle") for k in numbers]
         return Corrections({"rotor.unbalances": table}, [0j] * len(planes), names)
+
+    @property
+    def unbalance_names(self) -> list[tuple[str, str]]:
+        """Parameters of the unit that hold amount and angle of each unbalance."""
+        numbers = range(1, len(self.unbalances) + 1)
+        return [(f"unbalance[{k}].amount", f"unbalance[{k}].angle") for k in numbers]
+
+    def with_unbalance(self, number: int, amount: float, angle: float) -> Self:
+        """The same with another amount [kg m] and angle [rad] of an unbalance, from 1."""
+        own = list(self.unbalances)
+        own[number - 1] = own[number - 1].model_copy(update={"amount": amount, "angle": angle})
+        return self.model_copy(update={"unbalances": tuple(own)})
 
     def _arguments(self) -> dict[str, Any]:
         """What a constructor of `LinearRotor` takes: the table's keys, unbalances as triples."""

@@ -93,6 +93,19 @@ class Motor(Table):
         return Drive(self.inertia, speeds, torques)
 
 
+class UnbalanceChange(Table):
+    """A step of the rotor's unbalance during a run: laundry that moves, a blade that breaks."""
+
+    time: Annotated[Positive, SI("s")]
+    """When it happens; times must not fall from one change to the next."""
+    amount: Annotated[NotNegative, SI("kg m")]
+    """Static moment from then on."""
+    angle: Angle = 0.0
+    """Its direction in the rotor."""
+    number: Annotated[Whole, Field(ge=1)] = 1
+    """Which of `rotor.unbalances` changes, from 1; of a planar rotor its only one."""
+
+
 class Operation(Table):
     """How the rotor is driven: at a constant speed, by a run-up, a profile or a motor; gravity."""
 
@@ -105,6 +118,8 @@ class Operation(Table):
     with a measured speed; this, `speed`, `run_up` or `motor`."""
     motor: Motor | None = None
     """A speed that the torques make; this, `speed`, `run_up` or `profile`."""
+    unbalance_changes: Annotated[tuple[UnbalanceChange, ...], Field(max_length=MOST_CORNERS)] = ()
+    """Steps of the rotor's unbalance during the run; not with a motor."""
     gravity: Annotated[NotNegative, SI("m/s^2")] = 0.0
     """Across the axis: 9.81 for a horizontal rotor, 0 for a vertical one."""
     gravity_angle: Annotated[Angle | None, SI("rad")] = None
@@ -128,6 +143,16 @@ class Operation(Table):
             raise refusal("profile", "times must ascend from 0 s on")
         if self.profile and (len(times) < 2 or not max(speeds) > 0.0):
             raise refusal("profile", "must have two corners or more, one of them above 0 rad/s")
+        return self
+
+    @model_validator(mode="after")
+    def _changes_in_order(self) -> Operation:
+        if any(b.time < a.time for a, b in pairwise(self.unbalance_changes)):
+            raise refusal("unbalance_changes", "times must not fall from one change to the next")
+        if self.unbalance_changes and self.motor:
+            raise refusal(
+                "unbalance_changes", "not with a motor: give speed, run_up or a profile instead"
+            )
         return self
 
     @property

@@ -215,7 +215,23 @@ class Scene(Methods, Table):
 
     @cached_property
     def _assembly(self) -> Assembly:
-        return Assembly(self._linear_rotor, tuple(b.build() for b in self.balancer))
+        field, times = self.operation.field, [c.time for c in self.operation.unbalance_changes]
+        later = [replace(rotor.build(), gravity=field) for rotor in self._rotors[1:]]
+        balancers = tuple(b.build() for b in self.balancer)
+        return Assembly(self._linear_rotor, balancers, tuple(zip(times, later, strict=True)))
+
+    @cached_property
+    def _rotors(self) -> list[Rotor]:
+        """The rotor's table at the start, and after every change of its unbalance."""
+        found = [self.rotor]
+        for c in self.operation.unbalance_changes:
+            found.append(found[-1].with_unbalance(c.number, c.amount, c.angle))
+        return found
+
+    def rotor_at(self, time: float) -> Rotor:
+        """The rotor's table with the unbalance that it has from `time` [s] on."""
+        passed = sum(change.time <= time for change in self.operation.unbalance_changes)
+        return self._rotors[passed]
 
     @cached_property
     def _profile(self) -> SpeedProfile:
@@ -305,8 +321,17 @@ class Scene(Methods, Table):
                 "friction is not; run the scene instead, or leave friction out"
             )
 
-    def refuse_gravity(self, what: str) -> None:
-        """Raise SceneError where gravity keeps weights from resting in the rotor."""
+    def refuse_changes(self, what: str) -> None:
+        """Raise SceneError where the unbalance changes during the run."""
+        if self.operation.unbalance_changes:
+            raise SceneError(
+                f"{self.name}: operation.unbalance_changes: {what} is that of one unbalance: use "
+                "run, or leave the changes out"
+            )
+
+    def refuse_unrest(self, what: str) -> None:
+        """Raise SceneError where weights never rest: gravity swings them, unbalance changes."""
+        self.refuse_changes(what)
         if self.operation.gravity and self.assembly().weights:
             raise SceneError(
                 f"{self.name}: operation.gravity = {self.operation.gravity:g} m/s^2: {what} asks "
@@ -356,6 +381,12 @@ class Scene(Methods, Table):
         lines += in_python(self.native_alone) if self.coupling.units == "python" else []
         lines += with_quintics(self._without_second_derivatives) if self.coupling.order == 5 else []
         lines += self._never_turned()
+        lines += [
+            f"operation.unbalance_changes[{k}].number = {change.number}: must be at most "
+            f"{len(self.rotor.unbalance_names)}, the number of the rotor's unbalances"
+            for k, change in enumerate(self.operation.unbalance_changes, start=1)
+            if change.number > len(self.rotor.unbalance_names)
+        ]
         lines += self.balancing.problems(self.rotor) if self.balancing else []
         return lines + liquid_windows(self.checks, self.rotor, rotor, self.balancer)
 

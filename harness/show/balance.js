@@ -17,8 +17,9 @@ function capacity(machine) {
     (sum, held, k) => sum + held * factorOf(machine, label(data.tracks[k])), 0);
 }
 
-/* The rotor's unbalance, as its slider has it, in its axes [kg m]. */
-function unbalance({ data, settings }) {
+/* The rotor's unbalance, as its slider has it or as it has changed, in its axes [kg m]. */
+function unbalance({ data, settings, changed }) {
+  if (changed) return changed;
   const k = data.sliders.findIndex(({ label }) => label === "Unbalance");
   const [xi, eta] = data.unbalance;
   if (k < 0) return [xi, eta];

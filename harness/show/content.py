@@ -50,7 +50,8 @@ def content(scene: Scene) -> dict[str, Any]:
         NotCompiled: the library has to be compiled, and there is no compiler.
     """
     page_library()  # the stamp is that of the sources it is made from
-    made, profile, bands = composition(scene), scene.profile(), window(scene)
+    made, profile = composition(scene), scene.profile()
+    bands = window(scene.replace({"operation.unbalance_changes": None}))  # of the first unbalance
     return {
         "units": {symbol: shown_in(symbol) for symbol in ("rad/s", "m", "kg m")},
         "tracks": _tracks(scene),
@@ -80,6 +81,7 @@ def content(scene: Scene) -> dict[str, Any]:
         "supports": scene.rotor.supports,
         "balancers": list(_balancers(scene)),
         "heavy": _heavy(made),
+        "changes": _changes(scene),
     }
 
 
@@ -188,6 +190,13 @@ def _single_unbalance(scene: Scene, made: Composition) -> list[float] | None:
     return [total.real, total.imag]
 
 
+def _changes(scene: Scene) -> list[list[float]]:
+    """Of a rotor with one unbalance its changes: time [s], xi and eta [kg m]."""
+    turned = [(c.time, cmath.rect(c.amount, c.angle)) for c in scene.operation.unbalance_changes]
+    alone = len(scene.rotor.unbalance_names) == 1
+    return [[time, u.real, u.imag] for time, u in turned] if alone else []
+
+
 def _heavy(made: Composition) -> float | None:
     """Direction of the unbalance in the rotor [rad]; None where there are several, or none."""
     unbalances = _unbalances(made)
@@ -205,4 +214,6 @@ def _balancers(scene: Scene) -> Iterator[dict[str, Any]]:
         place = scene.rotor.planes[balancer.at - 1]
         known = {"label": balancer.label, "kind": balancer.kind, "z": place}
         known["plane"] = planes[balancer.label]
-        yield known | {key: getattr(balancer, key, None) for key in sizes}
+        known |= {key: getattr(balancer, key, None) for key in sizes}
+        weights = balancer.device.each if isinstance(balancer, WeightBalancer) else ()
+        yield known | {"radii": [one.radius for one in weights]}

@@ -117,7 +117,7 @@ class Drawing {
       line(c, x + 0.12 * radius * Math.cos(a), y - 0.12 * radius * Math.sin(a),
         x + 0.3 * radius * Math.cos(a), y - 0.3 * radius * Math.sin(a));
     }
-    const { heavy } = machine.data;
+    const { heavy } = machine;
     if (heavy === null) return;
     const [ux, uy] = [Math.cos(angle + heavy), -Math.sin(angle + heavy)];
     c.fillStyle = colours.heavy;
@@ -168,9 +168,10 @@ class Drawing {
     const ty = y - oxi * Math.sin(turned) - oeta * Math.cos(turned);
     c.strokeStyle = colours.line;
     circle(c, tx, ty, b.track_radius * scale);
-    const size = b.weight_radius ? b.weight_radius * scale : Math.max(6, 0.07 * plane.radius * scale);
+    const nominal = Math.max(6, 0.07 * plane.radius * scale);
     machine.weights.forEach(({ label, number }, k) => {
       if (label !== b.label) return;
+      const size = (b.radii[number - 1] ?? b.weight_radius) * scale || nominal;
       const angle = machine.now.angles[k] + turned;
       const [wx, wy] = [tx + b.track_radius * scale * Math.cos(angle),
         ty - b.track_radius * scale * Math.sin(angle)];

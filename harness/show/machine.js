@@ -74,6 +74,7 @@ class Machine {
     units.begin({ ...this.sliderValues(settings), ...values }, time);
     if (this.units !== units) this.listen(units);
     this.settings = settings;
+    this.changes = values["unbalance_change[1].time"] === 0 ? [] : this.data.changes;
     // a rotor that speeds up by itself, or by its motor, takes no speed from outside
     this.free = !this.data.motor && !(units.value("rise_time") > 0);
     this.sampled = time;
@@ -124,6 +125,7 @@ class Machine {
       }
     }
     if (this.data.motor) return kept;
+    if (index.has("unbalance_change[1].time")) kept["unbalance_change[1].time"] = 0; // nor later ones
     const speed = this.now.speed;
     const top = settings.speed > speed ? settings.speed : 0;
     return { ...kept, speed, acceleration: 0, rise_time: 0, "coupling.top_speed": top };
@@ -181,6 +183,18 @@ class Machine {
 
   get time() {
     return this.units.time;
+  }
+
+  /* The unbalance now, where it has changed, in the rotor's axes [kg m]; else undefined. */
+  get changed() {
+    return this.changes.filter(([at]) => at <= this.time).at(-1)?.slice(1);
+  }
+
+  /* Direction of the unbalance in the rotor; null where it has no one. */
+  get heavy() {
+    const { changed } = this;
+    if (!changed) return this.data.heavy;
+    return Math.hypot(...changed) ? Math.atan2(changed[1], changed[0]) : null;
   }
 
   /* Read what the page shows from these units. */

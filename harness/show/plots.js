@@ -119,7 +119,7 @@ function named({ c, titled }, colours, names) {
 
 function plotAngles(canvas, colours, machine) {
   const { history, data } = machine;
-  const heavy = data.heavy ?? 0;
+  const heavy = machine.heavy ?? 0;
   const title = data.heavy === null ? "Angles of the weights in the rotor, degrees"
     : "Angles of the weights from the heavy side, degrees";
   const [times, ...rows] = machine.last(samplesShown(machine), history.time, ...history.angles);

@@ -64,7 +64,7 @@ class MainMotion(Closing):
     """
 
     def __init__(self, scene: Scene, *, steps: int | None = None, separate: bool = False) -> None:
-        scene.refuse_gravity("a main motion")
+        scene.refuse_unrest("a main motion")
         self.units = Revolution(scene, steps=steps, separate=separate)
         try:
             self._speed = abs(scene.profile().end)  # any will do for what follows

@@ -166,7 +166,7 @@ def _strip(
     others = [{}] if along else [{fast.path: value} for value in fast.values]
     scenes = [scene.replace({slow: v, **other}) for v, other in itertools.product(values, others)]
     for each in scenes:
-        each.refuse_gravity("a map of growth rates")
+        each.refuse_unrest("a map of growth rates")
     assemblies = [s.assembly() for s in scenes]
     speeds = fast.values if along else np.array([scenes[0].profile().end])
     growth, why_not = _rates(assemblies, speeds)

@@ -117,7 +117,7 @@ class Monolith:
     def scales(self, start: Start = REST) -> Array:
         """Typical size of each part of the state, (size,): what absolute tolerances refer to."""
         rotor = self.assembly.rotor
-        moment = max([float(np.abs(rotor.unbalance).max()), *self._pull])
+        moment = max([self.assembly.largest_unbalance, *self._pull])
         mass = float(np.abs(np.linalg.eigvalsh(self.assembly.loaded_rotor.mass)).max())
         speed = self.profile.top
         state = np.abs(self.initial(start))
@@ -280,12 +280,18 @@ class Monolith:
         return max([self.fastest_vibration, *self._drag.tolist()])
 
     def stops(self, end: float) -> list[float]:
-        """Times up to which the motion is smooth [s]: the acceleration jumps at corners."""
-        return [*(t for t in self.profile.times if 0.0 < t < end), *([end] if end else [])]
+        """Times up to which the motion is smooth [s]: at corners and changes a force jumps."""
+        jumps = {*self.profile.times, *(time for time, _ in self.assembly.later)}
+        return [*sorted(t for t in jumps if 0.0 < t < end), *([end] if end else [])]
+
+    def after(self, time: float) -> Monolith:
+        """The same with the unbalance from `time` [s] on."""
+        later = self.assembly.later
+        return Monolith(self.assembly.at(time), self.profile, self.angle) if later else self
 
     def between(self, begin: float, stop: float) -> Monolith:
         """The same up to `stop`, where the profile's acceleration is the one before it."""
         profile, beyond = self.profile, 2.0 * stop - begin
         low, slope = profile.speed(begin), profile.acceleration(begin)
         line = SpeedProfile((begin, beyond), (low, low + slope * (beyond - begin)))
-        return Monolith(self.assembly, line, self.angle + profile.angle(begin))
+        return Monolith(self.assembly.at(begin), line, self.angle + profile.angle(begin))

@@ -78,6 +78,10 @@ class Driven:
         """Times up to which the motion is smooth [s]: the end."""
         return [end] if end else []
 
+    def after(self, _time: float) -> Driven:
+        """The same: its unbalance does not change."""
+        return self
+
     def between(self, _begin: float, _stop: float) -> Driven:
         """The same: nothing depends on time."""
         return self

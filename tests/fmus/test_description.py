@@ -44,6 +44,7 @@ def test_causality_variability_initial_and_start_are_a_legal_combination(descrip
     """FMI 2.0.4, tables of section 2.2.7, and where `start` must or must not stand."""
     legal = {
         ("parameter", "fixed", "exact", True),
+        ("parameter", "tunable", "exact", True),
         ("input", "continuous", None, True),
         ("output", "continuous", "calculated", False),
     }

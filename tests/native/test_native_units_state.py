@@ -8,6 +8,7 @@ import struct
 import pytest
 
 from autobalancer.harness import load_scene
+from autobalancer.harness.master.one_file import build_one_file
 
 pytestmark = pytest.mark.slow
 
@@ -184,3 +185,24 @@ def test_a_time_that_is_not_that_of_the_coupled_units_is_refused(hosted, time):
     data[-8:] = fnv(bytes(data[:-8]))
     reason = host.refused(lambda: host.slave.deserializeFMUState(bytes(data)))
     assert "a time that is not that of their motion" in reason
+
+
+def test_a_state_of_one_file_brings_the_unbalance_of_its_time_back(packaging, tmp_path):
+    """Restored at 0.15 s the rotor has the unbalance from before its change at 0.2 s."""
+    changes = [{"time": 0.1, "amount": 1.0}, {"time": 0.2, "amount": 0.2}]
+    scene = load_scene("two_balls").replace({"operation.unbalance_changes": changes})
+    host = packaging.Host(build_one_file(scene, tmp_path / "changing.fmu"))
+    host.begin({})
+    moved = []
+    for _ in range(15):
+        host.step(0.01)
+    state, time = host.slave.getFMUState(), host.time
+    for _ in range(2):
+        for _ in range(20):
+            host.step(0.01)
+        moved.append(host.outputs())
+        host.slave.setFMUState(state)
+        host.time = time
+    host.slave.freeFMUState(state)
+    host.free()
+    assert moved[0] == moved[1]

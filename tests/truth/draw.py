@@ -15,6 +15,7 @@ from tests.truth.sketch import (
     disc,
     even,
     in_run_up,
+    length_of,
     liquid_of,
     pair,
     sized,
@@ -281,6 +282,26 @@ def profile(generator: random.Random) -> Document:
     return document
 
 
+def changing(generator: random.Random) -> Document:
+    """Any kind of scene whose rotor's unbalance changes once to four times, as in a lost blade."""
+    kinds = (planar, run_up, two_support, flexible, finite, impacts, offset, sticking, unequal)
+    document: Document = {"operation": {"motor": {}}}
+    while "motor" in document["operation"]:
+        document = generator.choice((*kinds, profile))(generator)
+    end = length_of(document)
+    rotor = document["rotor"]
+    amount = rotor["unbalance"] if "unbalance" in rotor else rotor["unbalances"][0]["amount"]
+    document["operation"]["unbalance_changes"] = [
+        {
+            "time": float(f"{end * share:.4g}"),
+            "amount": float(f"{amount * sized(generator, 0.1, 4.0):.4g}"),
+            "angle": even(generator, 0.0, TURN),
+        }
+        for share in sorted(generator.uniform(0.05, 0.95) for _ in range(generator.randint(1, 4)))
+    ]
+    return document
+
+
 FAMILIES: dict[str, Callable[[random.Random], Document]] = {
     "planar": planar,
     "run_up": run_up,
@@ -297,6 +318,7 @@ FAMILIES: dict[str, Callable[[random.Random], Document]] = {
     "motor": motor,
     "unequal": unequal,
     "profile": profile,
+    "changing": changing,
 }
 
 

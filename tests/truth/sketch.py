@@ -12,6 +12,9 @@ from collections.abc import Callable
 from itertools import accumulate, pairwise
 from typing import Any
 
+from autobalancer.harness import Scene
+from autobalancer.harness.master.schedule import end_time
+
 Document = dict[str, Any]
 
 TURN = 6.283  # rad, as one types it
@@ -171,3 +174,8 @@ def in_run_up(generator: random.Random, sketch: Sketch, document: Document) -> D
         "seconds": float(f"{seconds:.4g}"),
     }
     return {**document, "operation": {"run_up": profile}}
+
+
+def length_of(document: Document) -> float:
+    """Length of the run [s]."""
+    return end_time(Scene.from_document(document))

@@ -49,7 +49,7 @@ TABLES = (
     *_CUBIC,
     *((unit, {**options, "order": 5, "sliders": 0}) for unit, options in _CUBIC),
     ("Motor", {"points": _POINTS}),
-    ("Composite", {"planes": _PLANES, "corners": _POINTS}),
+    ("Composite", {"planes": _PLANES, "corners": _POINTS, "unbalances": _UNBALANCES}),
     ("Composite", {"planes": _PLANES, "kind": "motor"}),
 )
 
@@ -296,6 +296,7 @@ def _row(pattern: str, variables: Sequence[Any]) -> str:
         *(["HAS_MINIMUM"] if one.minimum is not None else []),
         *(["ABOVE_MINIMUM"] if one.above else []),
         *(["START_VARIES"] if varies else []),
+        *(["TUNABLE"] if one.variability == "tunable" else []),
     ]
     start = 0.0 if varies or one.start is None else float(one.start)
     low = 0.0 if one.minimum is None else float(one.minimum)

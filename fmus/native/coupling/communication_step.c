@@ -22,8 +22,9 @@ int composite_run_step(Unit *unit, double step)
     const double begin = course->clock.time;
     double ends = begin + step;
     c->loop_failed = 0;
-    if (course->drive.next_corner > 0.0 && course->clock.time >= course->drive.next_corner) {
-        composite_pass_corner(unit);
+    if (composite_next_jump(c) > 0.0 && course->clock.time >= composite_next_jump(c) &&
+        composite_pass_jump(unit)) {
+        return 1;
     }
     do {
         c->pacing.step = course->adaptive.allowed > 0.0 ? ends - course->clock.time : step;

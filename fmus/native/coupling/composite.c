@@ -12,6 +12,8 @@
 static const double REACHED_OF_STEP = 1e-10, REACHED_OF_TIME = 4e-16, SAME_SPEED = 1e-9;
 static const double MOST_STEPS = 1e8, MOST_MOVES = 1e7; /* within a step of the host: of the coupling, and of parts */
 static const double LOOSEST = 0.1; /* tolerance */
+/* Values of a change of the unbalance: its time is the first. */
+enum { NUMBER = 1, AMOUNT, OF_CHANGE = 4 };
 
 /* -- memory ---------------------------------------------------------------------------------- */
 
@@ -117,6 +119,31 @@ static void choose_given(Unit *unit)
     }
 }
 
+/* Make the rotor with the unbalance that the changes so far leave, where it is not. */
+static int follow_changes(Unit *unit)
+{
+    Composite *c = unit->own;
+    Unit *rotor = c->parts->unit;
+    const Layout *layout = &rotor->layout;
+    const size_t changed = (size_t)c->course->drive.changed, alone = layout_index(layout, "unbalance", 1);
+    const size_t first = alone < layout->real_count ? alone : layout_index(layout, "unbalance[#].amount", 1);
+    const double *change = unit->real + c->changes;
+    size_t k;
+    if (c->made_with == changed) {
+        return 0;
+    }
+    memcpy(rotor->real, unit->real + c->parts->first, layout->parameters.count * sizeof(double));
+    for (k = 0; k < changed; k++, change += OF_CHANGE) {
+        const size_t behind = 3 * ((size_t)change[NUMBER] - 1); /* position, amount and angle of each */
+        memcpy(rotor->real + first + behind, change + AMOUNT, 2 * sizeof(double));
+    }
+    if (rotor->equations->parameters(rotor)) {
+        return composite_part_failed(unit, c->parts);
+    }
+    c->made_with = changed;
+    return 0;
+}
+
 static int composite_parameters(Unit *unit)
 {
     Composite *c = unit->own;
@@ -146,7 +173,8 @@ static int composite_parameters(Unit *unit)
             return composite_part_failed(unit, part);
         }
     }
-    return 0;
+    c->made_with = 0;
+    return follow_changes(unit);
 }
 
 /* A host's times may be off by rounding, never by a step. */
@@ -233,6 +261,29 @@ static void begin_scheme(Unit *unit, double step)
     }
 }
 
+/* Look out for the next change of the unbalance; 1 with the reason. */
+static int await_change(Unit *unit)
+{
+    const Composite *c = unit->own;
+    DriveSignal *drive = &c->course->drive;
+    const size_t behind = (size_t)drive->changed;
+    const double *change = unit->real + c->changes + OF_CHANGE * behind;
+    const int most = ((const Rotor *)c->parts->unit->own)->unbalances;
+    const double before = drive->next_change;
+    drive->next_change = 0.0;
+    if (behind == c->change_count || !(change[0] > 0.0)) {
+        return 0;
+    }
+    drive->next_change = drive->began + change[0];
+    if (drive->next_change < before) {
+        return refuse_coupling(unit, "unbalance_change[k].time: must not fall; 0 s: not used, nor those behind");
+    }
+    if (!(change[NUMBER] >= 1.0 && change[NUMBER] <= most && change[NUMBER] == nearest(change[NUMBER]))) {
+        return refuse_coupling(unit, "unbalance_change[k].number: must be that of an unbalance of the rotor, from 1");
+    }
+    return 0;
+}
+
 /* The speed that is prescribed; 1 with the reason. */
 static int begin_drive(Unit *unit)
 {
@@ -244,10 +295,13 @@ static int begin_drive(Unit *unit)
     drive->speed = drive->first_speed = unit->real[c->drive];
     drive->acceleration = drive->first_acceleration = unit->real[c->drive + 1];
     drive->steepest = absolute(drive->acceleration);
+    drive->began = unit->time;
+    if (await_change(unit)) {
+        return 1;
+    }
     if (!(time > 0.0)) {
         return 0;
     }
-    drive->began = unit->time;
     drive->next_corner = unit->time + time;
     speed = drive->speed + time * drive->acceleration;
     drive->fastest = larger(drive->fastest, absolute(speed));
@@ -497,7 +551,13 @@ static int refuse_work(Unit *unit, double step)
     return 1;
 }
 
-void composite_pass_corner(Unit *unit)
+double composite_next_jump(const Composite *c)
+{
+    const double corner = c->course->drive.next_corner, change = c->course->drive.next_change;
+    return corner > 0.0 && change > 0.0 ? smaller(corner, change) : larger(corner, change);
+}
+
+static void pass_corner(Unit *unit)
 {
     const Composite *c = unit->own;
     DriveSignal *drive = &c->course->drive;
@@ -512,7 +572,24 @@ void composite_pass_corner(Unit *unit)
         drive->acceleration = (next[1] - drive->speed) / (drive->next_corner - time);
     }
     drive->passed += 1.0;
+}
+
+int composite_pass_jump(Unit *unit)
+{
+    const Composite *c = unit->own;
+    DriveSignal *drive = &c->course->drive;
+    const double time = composite_next_jump(c);
+    if (drive->next_corner == time) {
+        pass_corner(unit);
+    }
+    while (drive->next_change == time) {
+        drive->changed += 1.0;
+        if (await_change(unit)) {
+            return 1;
+        }
+    }
     begin_anew(unit, time);
+    return follow_changes(unit);
 }
 
 /* Step and move the units to a time. */
@@ -543,7 +620,6 @@ static int reach_time(Unit *unit, double end)
 static int composite_step_unit(Unit *unit, double length)
 {
     const Composite *c = unit->own;
-    Course *course = c->course;
     const double end = unit->time + length;
     if (c->motor && pushed_anew(unit)) {
         take_inputs(unit);
@@ -554,24 +630,29 @@ static int composite_step_unit(Unit *unit, double length)
     if (!(length < MOST_STEPS * communication_length(unit))) {
         return refuse_length(unit, communication_length(unit));
     }
-    while (course->drive.next_corner > unit->time && course->drive.next_corner <= end) {
-        const double corner = course->drive.next_corner;
+    if (follow_changes(unit)) { /* the state may be one that was restored */
+        return 1;
+    }
+    while (composite_next_jump(c) > unit->time && composite_next_jump(c) <= end) {
+        const double jump = composite_next_jump(c);
         const unsigned *asked = unit->asked;
         int wrong;
         unit->asked = NULL; /* steps begin there: all units must be */
-        wrong = reach_time(unit, corner);
+        wrong = reach_time(unit, jump);
         unit->asked = asked;
         if (wrong) {
             return 1;
         }
         if (unit->own_steps) {
-            if (unit->made < corner - unit->time) { /* of the way there one step, and not its last */
+            if (unit->made < jump - unit->time) { /* of the way there one step, and not its last */
                 return 0;
             }
-            unit->made = corner - unit->time;
+            unit->made = jump - unit->time;
         }
-        composite_pass_corner(unit);
-        if (corner == end || unit->own_steps) {
+        if (composite_pass_jump(unit)) {
+            return 1;
+        }
+        if (jump == end || unit->own_steps) {
             return 0;
         }
     }

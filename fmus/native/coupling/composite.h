@@ -61,6 +61,7 @@ typedef struct {
     double began, next_corner, passed; /* of a profile that the rotor follows by itself: its start [s], the
                                           corner ahead [s], 0: none, and how many are behind */
     double steepest;                   /* acceleration of the profile [rad/s^2] */
+    double next_change, changed; /* of the unbalance: as next_corner, and how many changes are behind */
 } DriveSignal;
 
 /* Of shaft.c: the motor. */
@@ -184,10 +185,12 @@ typedef struct {
     Scheme scheme;
     int corrections; /* as given */
     size_t tolerance, steps_per_rev, fewest, top_speed, limit, rise; /* value references of the coupling's parameters, */
-    size_t corner_count;                        /* of time and speed behind the last */
+    size_t corner_count;                        /* of time and speed behind the last, */
+    size_t changes, change_count;               /* of changes of the unbalance, */
     size_t drive, outer;                        /* of speed (no motor) and forces from outside, */
     size_t results;                             /* and of the coupling's outputs */
     Pacing pacing;
+    size_t made_with;                           /* changes of the unbalance that the rotor is made with */
     int loop_failed;                            /* whether the last failure was that of the loop */
     /* in the unit's memory */
     Course *course;
@@ -226,8 +229,11 @@ int composite_build(Unit *unit, const char *token);
 size_t composite_memory(Composite *c, double *memory);
 /* One step of the coupling, from its end to the next; 1 with the reason. */
 int composite_go_on(Unit *unit);
-/* Begin a step at the corner ahead of a profile that the rotor follows by itself. */
-void composite_pass_corner(Unit *unit);
+/* Time of the next corner of a profile that the rotor follows by itself, or of the next change of its
+   unbalance [s]; 0: none is ahead. */
+double composite_next_jump(const Composite *c);
+/* Begin a step there; 1 with the reason. */
+int composite_pass_jump(Unit *unit);
 
 /* -- communication_step.c ---------------------------------- */
 

@@ -160,6 +160,14 @@ static int read_scheme(Composite *c, const char *at)
     return 1;
 }
 
+static int read_count(const char *at, size_t *count)
+{
+    uint64_t number;
+    const int wrong = *text_whole(at, 10, &number) != ';' || number > MOST_REALS;
+    *count = (size_t)number;
+    return wrong;
+}
+
 /* Read coupling and parts; 1 with the reason.  `own` and `id` begin what is left. */
 static int read_parts(Unit *unit, const char *at, const char **own, const char **id)
 {
@@ -178,8 +186,9 @@ static int read_parts(Unit *unit, const char *at, const char **own, const char *
                 c->corrections = (int)(passes & 127);
             }
         } else if ((value = text_after(at, "corners="))) {
-            wrong = *text_whole(value, 10, &passes) != ';' || passes > MOST_REALS;
-            c->corner_count = (size_t)passes;
+            wrong = read_count(value, &c->corner_count);
+        } else if ((value = text_after(at, "changes="))) {
+            wrong = read_count(value, &c->change_count);
         } else if ((value = text_after(at, "part="))) {
             if (read_part(unit, c->parts + c->part_count++, value)) {
                 return 1;
@@ -256,6 +265,7 @@ static void lay_out_variables(Unit *unit, const Layout *own, const double *start
     c->top_speed = at + 3;
     c->limit = at + 4;
     c->rise = c->motor ? 0 : at + 5;
+    c->changes = at + 6 + 2 * c->corner_count;
     at = copy_variables(unit, at, NULL, own, starts, 0, own->parameters.count);
     layout->parameters.count = layout->inputs.first = c->drive = at;
     c->outer = at + (c->motor ? 0 : 2);
@@ -320,6 +330,7 @@ static int describe(Unit *unit, const char *own_starts)
     int k;
     sizes.planes = c->parts->unit->layout.sizes.planes;
     sizes.points = (int)c->corner_count;
+    sizes.unbalances = (int)c->change_count;
     count = total = layout_count(table, &sizes, MOST_REALS);
     for (k = 0; k < c->part_count; k++) {
         const Layout *layout = &c->parts[k].unit->layout;

@@ -30,14 +30,21 @@ static int unknown(Unit *unit, const unsigned *references, size_t count, size_t 
     return reason != NULL;
 }
 
-/* 1 and the names of these variables, each once, followed by why they are refused. */
+/* Whether it may be set between steps: a parameter of a unit that stands alone. */
+static int is_tunable(const Unit *unit, size_t reference)
+{
+    const Variable *variable = unit->layout.reals + reference;
+    return !variable->owner && variable->declared->flags & TUNABLE;
+}
+
+/* 1 and the names of these variables, but the tunable ones, followed by why they are refused. */
 static int refuse_values(Unit *unit, const unsigned *references, size_t count, Range range,
                    const char *why)
 {
     Text *reason = NULL;
     size_t k;
     for (k = 0; k < count; k++) {
-        if (references[k] - range.first < range.count) {
+        if (references[k] - range.first < range.count && !is_tunable(unit, references[k])) {
             if (reason) {
                 text_put(reason, ", ");
             } else {
@@ -134,17 +141,23 @@ static int not_settable(Unit *unit, const unsigned *references, size_t count,
 
 Status unit_set_reals(Unit *unit, const unsigned *references, size_t count, const double *values)
 {
+    int tuned = 0;
     size_t k;
     if (not_settable(unit, references, count, values)) {
         return unit_report(unit, STATUS_ERROR, "setting failed");
     }
     for (k = 0; k < count; k++) {
-        if (references[k] < unit->layout.inputs.first) {
+        const int is_parameter = references[k] < unit->layout.inputs.first;
+        if (is_parameter && unit->phase != RUNNING) {
             unit->stale = BEGINNING;
         } else if (unit->stale < COMPUTED) {
             unit->stale = COMPUTED;
         }
+        tuned |= is_parameter && unit->phase == RUNNING;
         unit->real[references[k]] = values[k];
+    }
+    if (tuned && unit->stale < BEGINNING && unit->equations->parameters(unit)) {
+        return unit_report(unit, STATUS_ERROR, "setting failed");
     }
     return STATUS_OK;
 }

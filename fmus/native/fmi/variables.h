@@ -14,7 +14,7 @@
 enum { SIZE_ONE, SIZE_TWO, SIZE_STATIONS, SIZE_PLANES, SIZE_UNBALANCES, SIZE_WEIGHTS, SIZE_UNEQUAL, SIZE_SLIDERS,
        SIZE_SLIDING, SIZE_POINTS, SIZE_TRIANGLE };
 
-enum { HAS_MINIMUM = 1, ABOVE_MINIMUM = 2, START_VARIES = 4 };
+enum { HAS_MINIMUM = 1, ABOVE_MINIMUM = 2, START_VARIES = 4, TUNABLE = 8 };
 
 /* A Real, or a row of them that differ in their index: `group` is p (parameter), i (input),
    o (computed output) or v (observed output). */

@@ -112,12 +112,14 @@ class Motion:
             names = (f"{b.label}.weight[{k}].angle" for k in range(1, b.count + 1))
             yield b, np.array([self.recorded[name] for name in names])
 
-    @property
-    def light_side(self) -> float | None:
-        """Opposite of a disc's unbalance [rad]; None for a rotor that has no one direction."""
-        unbalance = self.scene.assembly().rotor.unbalance
-        alone = len(unbalance) == 1 and abs(unbalance[0]) > 0.0
-        return float(np.angle(-unbalance[0])) if alone else None
+    def light_side(self, times: Array) -> Array:
+        """Opposite of a disc's unbalance at times (T,) [rad]; NaN where it has no one direction."""
+        assembly = self.scene.assembly()
+        rotors = [assembly.rotor, *(rotor for _, rotor in assembly.later)]
+        passed = np.searchsorted([start for start, _ in assembly.later], times, side="right")
+        moments = np.array([rotor.unbalance for rotor in rotors])[passed]
+        alone = (moments.shape[1] == 1) & (moments[:, 0] != 0.0)
+        return np.where(alone, np.angle(-moments[:, 0]), np.nan)
 
 
 def with_weights(scene: Scene) -> Sequence[WeightBalancer]:

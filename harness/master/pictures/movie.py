@@ -48,20 +48,20 @@ class View:
 
     Attributes:
         radius: of track or chamber [m].
-        weight_radius: [m].
+        radii: of the weights (N,) [m].
         trail: (F, t) displacement x + i y of its plane over the last revolution, magnified [m].
         turned: (F,) angle of the rotor [rad].
         weights: (N, F) places [m].
-        heavy: direction of the unbalance in the rotor [rad]; None where there is no one.
+        heavy: (frames,) direction of the unbalance in the rotor [rad]; NaN where there is no one.
     """
 
     label: str
     radius: float
-    weight_radius: float
+    radii: Array
     trail: Complex
     turned: Array
     weights: Complex
-    heavy: float | None
+    heavy: Array
 
 
 def refuse_unwritable(path: Path) -> None:
@@ -146,17 +146,16 @@ def views(motion: Motion, times: Array, axes: Axes) -> tuple[float, list[View]]:
     if any(isinstance(b, WeightBalancer) for b in scene.balancer):
         angles = {b.label: each for b, each in motion.weights()}
     seen = []
-    light = motion.light_side
+    light = motion.light_side(times)
     for balancer in scene.balancer:
         trail = factor * paths[balancer.at - 1] * turns
-        radius, places, size = _radius(balancer), np.zeros((0, len(times)), complex), 0.0
+        radius, places, size = _radius(balancer), np.zeros((0, len(times)), complex), np.zeros(0)
         if isinstance(balancer, WeightBalancer):
-            size = balancer.weight_radius or _NOMINAL * radius
+            size = np.array([one.radius or _NOMINAL * radius for one in balancer.device.each])
             at = [np.interp(times, motion.time, angle) for angle in angles[balancer.label]]
             off = complex(balancer.track_offset_xi, balancer.track_offset_eta)
             places = trail[:, -1] + (factor * off + radius * np.exp(1j * np.array(at))) * turn
-        heavy = None if light is None else light + math.pi
-        seen.append(View(balancer.label, radius, size, trail, turned, places, heavy))
+        seen.append(View(balancer.label, radius, size, trail, turned, places, light + math.pi))
     return factor, seen
 
 
@@ -198,7 +197,7 @@ def _stage(
 
 def _actor(canvas: Any, view: View, axes: Axes) -> Callable[[int], None]:
     """Draws a balancer, and moves it."""
-    reach = 1.1 * view.radius + np.abs(view.trail).max() + view.weight_radius
+    reach = 1.1 * view.radius + np.abs(view.trail).max() + view.radii.max(initial=0.0)
     canvas.set(xlim=(-reach, reach), ylim=(-reach, reach), aspect="equal", xticks=[], yticks=[])
     seen_from = "turning with the rotor" if axes == "rotor" else "from fixed axes"
     canvas.set_title(f"{view.label}, {seen_from}", fontsize="small")
@@ -210,8 +209,7 @@ def _actor(canvas: Any, view: View, axes: Axes) -> Callable[[int], None]:
     (spoke,) = canvas.plot([], [], color="black", lw=2.0, marker="s", ms=7, markevery=[1])
     name = canvas.text(0.0, 0.0, "unbalance", fontsize="x-small", ha="center", va="top")
     balls = [
-        Circle((0, 0), view.weight_radius, color=colour(k), zorder=3)
-        for k in range(len(view.weights))
+        Circle((0, 0), radius, color=colour(k), zorder=3) for k, radius in enumerate(view.radii)
     ]
     for ball in balls:
         canvas.add_patch(ball)
@@ -222,10 +220,10 @@ def _actor(canvas: Any, view: View, axes: Axes) -> Callable[[int], None]:
         ring.set_data((at + view.radius * _ROUND).real, (at + view.radius * _ROUND).imag)
         trail.set_data(past.real, past.imag)
         centre.set_data([at.real], [at.imag])
-        name.set_visible(view.heavy is not None)
-        if view.heavy is not None:
-            tip = at + _HEAVY * view.radius * np.exp(1j * (view.heavy + view.turned[frame]))
-            spoke.set_data([at.real, tip.real], [at.imag, tip.imag])
+        name.set_visible(heavy := bool(np.isfinite(view.heavy[frame])))
+        tip = at + _HEAVY * view.radius * np.exp(1j * (view.heavy[frame] + view.turned[frame]))
+        spoke.set_data([at.real, tip.real], [at.imag, tip.imag])
+        if heavy:
             name.set_position((tip.real, tip.imag - 0.07 * view.radius))
         for ball, place in zip(balls, view.weights[:, frame], strict=True):
             ball.center = (place.real, place.imag)

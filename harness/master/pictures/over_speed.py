@@ -175,15 +175,14 @@ def weights(motion: Motion) -> Picture:
 
 def weight_panels(motion: Motion, axis: PlotAxis, across: Array) -> list[Panel]:
     """One panel a balancer, all weights in it."""
-    panels, light = [], motion.light_side
+    panels, light = [], motion.light_side(motion.time)
     for balancer, angles in motion.weights():
         lines = [
             Line((across, unbroken(np.degrees(angle))), f"weight {k + 1}", colour(k), width=1.0)
             for k, angle in enumerate(angles)
         ]
-        if light is not None:
-            ends = np.array([across[0], across[-1]])
-            level = np.full(2, np.degrees(light) % 360.0)
-            lines.append(Line((ends, level), "opposite the unbalance", GREY, "dashed"))
+        if np.isfinite(light).any():
+            line = across, unbroken(np.degrees(light))
+            lines.append(Line(line, "opposite the unbalance", GREY, "dashed"))
         panels.append(Panel((axis, ONE_TURN), lines, title=balancer.label))
     return panels

@@ -67,6 +67,11 @@ def separate(scene: Scene, slopes: bool = True) -> Structure:
             f"{scene.name}: operation.motor: SSP: torques on its shaft add up, and a connection "
             "has one source: --one-file --ssp takes them"
         )
+    if scene.operation.unbalance_changes:
+        raise SceneError(
+            f"{scene.name}: operation.unbalance_changes: SSP sets parameters at the start alone: "
+            "--one-file --ssp has the changes"
+        )
     planned, shown = plan(scene), by_unit(recorded(scene))
     start = start_values(scene)
     wires = _wires(scene, planned, slopes)

@@ -88,3 +88,9 @@ def test_a_scene_that_one_file_cannot_couple_is_refused(invoke, tmp_path):
     assert outcome.exit_code == 2
     assert "coupling.scheme" in outcome.output
     assert not path.exists()
+
+
+def test_every_weight_has_its_own_radius():
+    radii = [0.015, 0.012, 0.015, 0.015, 0.015, 0.015]
+    scene = load_scene("washing_machine").replace({"balls.weight_radius": radii})
+    assert content(scene)["balancers"][0]["radii"] == radii

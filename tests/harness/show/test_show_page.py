@@ -23,7 +23,17 @@ def test_every_bundled_scene_is_a_page_that_runs(opened, name):
     assert shown("return performance.getEntriesByType('resource').length") == 0
 
 
-@pytest.mark.parametrize("name", ["two_balls", "liquid_disc", "three_mass_shaft", "drum", "run_up"])
+@pytest.mark.parametrize(
+    "name",
+    [
+        "two_balls",
+        "liquid_disc",
+        "three_mass_shaft",
+        "drum",
+        "run_up",
+        "washing_machine",
+    ],
+)
 def test_numbers_are_those_of_the_composite_to_the_last_bit(opened, name):
     made = composition(load_scene(name))
     layout = made.described("Composite").layout
@@ -35,6 +45,30 @@ def test_numbers_are_those_of_the_composite_to_the_last_bit(opened, name):
     rows = opened(name)("return page.recorded(...arguments)", end, points, asked)
     assert reason == ""
     assert np.array_equal(rows, expected)
+
+
+def test_a_page_follows_speed_and_unbalance_until_a_slider_moves(opened):
+    """Spin and unbalance of the scene; what a slider changes goes on from the speed of now."""
+    shown, top = opened("washing_machine"), 1000.0 * math.pi / 30.0
+    assert shown("return machine.data.profile") == [
+        [0, 0],
+        [3, pytest.approx(top)],
+        [16, pytest.approx(top)],
+        [19, 0],
+    ]
+    for time, speed, amount in ((1.5, top / 2, 0.09), (7.0, top, 0.06), (9.5, top, 0.1)):
+        shown(f"machine.advance({time}, Infinity)")
+        assert shown("return machine.now.speed") == pytest.approx(speed)
+        changed = shown("return machine.changed ?? machine.data.unbalance")
+        assert math.hypot(*changed) == pytest.approx(amount)
+    assert shown("return machine.heavy") == pytest.approx(math.radians(100))
+    assert shown("return machine.free") is False
+    shown.slide("value_0", 0.5)  # 1.5 times the scene's own
+    assert shown.value("rotor.unbalance") == pytest.approx(0.135, rel=1e-2)
+    assert shown("return machine.changed") is None
+    assert shown("return machine.heavy") == 0.0
+    shown("machine.advance(14, Infinity)")
+    assert shown("return machine.now.speed") == pytest.approx(top)
 
 
 def test_sliders_set_what_they_say_and_the_motion_goes_on(opened):

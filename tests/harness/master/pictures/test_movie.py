@@ -48,6 +48,18 @@ def test_magnification_is_a_round_number_that_fills_the_track(result):
     assert factor == 5.0
 
 
+def test_weights_have_their_own_radii_and_the_unbalance_its_present_direction():
+    radii = [0.015, 0.012, 0.015, 0.015, 0.015, 0.015]
+    change = {"time": 0.1, "amount": 0.1, "angle": 1.0}
+    own = {"speed": "1000 rpm", "run.revolutions": 3, "operation.unbalance_changes": [change]}
+    scene = load_scene("washing_machine").replace({**own, "balls.weight_radius": radii})
+    run = cosimulate(scene)
+    _, (view,) = views(Motion(scene, run.time, run), run.time, "rotor")
+    assert view.radii.tolist() == radii
+    turned = np.where(run.time < 0.1, 0.0, 1.0)
+    np.testing.assert_allclose(np.exp(1j * view.heavy), np.exp(1j * turned), atol=1e-12)
+
+
 def test_trail_is_the_last_revolution(result):
     motion = Motion(result.scene, result.time, result)
     factor, (view,) = views(motion, result.time, "fixed")
