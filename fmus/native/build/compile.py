@@ -31,7 +31,6 @@ from pathlib import Path
 from ...unit import alternatives
 from ...xml.archive import source, write
 from .layout import constants, header
-from .macho import settled
 from .targets import COMPILE, LINK, PAGE, PLATFORMS, TARGETS, Platform
 
 COMPILER = "0.17.1"  # version of ziglang: part of the stamp, another writes other bytes
@@ -177,9 +176,7 @@ def _compiled(platform: Platform, environment: dict[str, str]) -> bytes:
         output = ["-o", platform.library]
         _zig([*target, *LINK, *platform.link, *linked, *output], folder, environment)
         library = (Path(folder) / platform.library).read_bytes()
-    if windows:
-        return _without_time(library)
-    return settled(library) if platform.library.endswith(".dylib") else library
+    return _without_time(library) if windows else library
 
 
 def _import_library(folder: str, environment: dict[str, str]) -> str:

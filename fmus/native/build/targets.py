@@ -19,9 +19,9 @@ _NO_FRAMES = ("-fomit-frame-pointer",)
 _LINUX = (*_NO_TABLES, *_NO_FRAMES)
 LINK = ("-nostdlib", "-s")
 _SHARED = ("-shared",)
-# else the path of the output would stand in the library, and the names of all functions
-_NAMES = ("-Wl,-install_name,@rpath/autobalancer.dylib", "-Wl,-x")
-_MACOS = (_NO_TABLES, (*_SHARED, *_NAMES))
+# else the path of the output would stand in the library.  Names of functions stay: zig's linker
+# leaves memory it never wrote in the file where they are left out
+_MACOS = (_NO_TABLES, (*_SHARED, "-Wl,-install_name,@rpath/autobalancer.dylib"))
 
 
 @dataclass(frozen=True)
