@@ -36,10 +36,6 @@ def command(
             metavar="DIR", help="Also write report.html, a page to pass on, tables and pictures."
         ),
     ] = None,
-    verify: Annotated[
-        bool, options.verify("Also measure the errors of each scene's own run.")
-    ] = False,
-    python: Annotated[bool, options.PYTHON] = False,
     changes: Annotated[list[str] | None, options.changes("coupling.steps_per_rev=80")] = None,
     at_most: Annotated[str, options.AT_MOST] = costs.DEFAULT,
 ) -> None:
@@ -47,16 +43,11 @@ def command(
 
     Exit code 1 if a row does not hold.
     """
-    from ..master.run_command import ON_PYTHON
     from ..scene.changes import changed_scene
     from .report import as_json, tables, verdict
     from .runner import check_all, checked_scenes
 
     loaded = [changed_scene(s, changes, quietly=True) for s in scenes or checked_scenes()]
-    if python:
-        loaded = [scene.replace(ON_PYTHON) for scene in loaded]
-    if verify:
-        loaded = [scene.with_check({"kind": "measured_error"}) for scene in loaded]
     if report is not None:
         directory_to_fill(report)
     named = ", ".join(scene.name for scene in loaded)

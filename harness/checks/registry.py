@@ -18,7 +18,6 @@ from .critical_speeds import check_critical_speeds
 from .filimonikhina import TABLES, check_row
 from .largest_spread import check_largest_spread
 from .liquid_window import check_liquid_window
-from .measured_error import check_measured_error
 from .ranking import check_ranking
 from .rig import GROUPS, check_rig
 from .row import Row, Rows
@@ -32,7 +31,6 @@ CHECKS: dict[str, Callable[..., Iterator[Row]]] = {
     "critical_speeds": check_critical_speeds,
     "capacity": check_capacity,
     "runtimes": check_runtimes,
-    "measured_error": check_measured_error,
     "sommerfeld": check_sommerfeld,
 }
 # (scene, progress) -> rows, of one source; with `SPLIT` also the options of one of their parts
@@ -49,7 +47,7 @@ SHARING: dict[str, Callable[..., Iterator[Row]]] = {
     "largest_spread": check_largest_spread,
 }
 # compare runs with runs; the theory of the others knows no gravity
-UNDER_GRAVITY = ("contact_order", "runtimes", "measured_error")
+UNDER_GRAVITY = ("contact_order", "runtimes")
 # options of every part that can be done on its own
 SPLIT: dict[str, list[dict[str, Any]]] = {
     "filimonikhina_table": [{"index": index} for index in range(len(TABLES))],

@@ -34,7 +34,7 @@ def command(
         bool, typer.Option("--python", help="Units that run Python, instead of native ones.")
     ] = False,
     one_file: Annotated[
-        bool, options.one_file("The scene's units and their coupling as a single FMU.")
+        bool, typer.Option(help="The scene's units and their coupling as a single FMU.")
     ] = False,
     plain: Annotated[
         bool, typer.Option("--plain", help="With --one-file: without slopes and coupling figures.")

@@ -15,8 +15,6 @@ from ..scene.changes import changed_scene
 from . import run_pictures as drawings
 from .result_tables import as_json, statistics, summary
 
-ON_PYTHON = {"coupling.units": "python"}  # what --python changes in a scene
-
 
 def command(
     scene: Annotated[str, options.SCENE],
@@ -29,10 +27,9 @@ def command(
         Path | None, typer.Option(metavar="DIR", help="Use the FMUs there, build none.")
     ] = None,
     verify: Annotated[
-        bool, options.verify("Run again, finer, and measure the signals' errors.")
+        bool, typer.Option(help="Run again, finer, and measure the signals' errors.")
     ] = False,
     json_file: Annotated[Path | None, options.json("facts, signals and errors")] = None,
-    python: Annotated[bool, options.PYTHON] = False,
     separate: Annotated[
         bool,
         typer.Option("--separate", help="Couple separate FMUs in Python instead of in C; slower."),
@@ -93,8 +90,6 @@ def command(
     }  # fmt: skip
     pictures = {kind: path for kind, path in wanted.items() if path is not None}
     loaded = changed_scene(scene, changes)
-    if python:
-        loaded = loaded.replace(ON_PYTHON)
     if fmus is not None and not fmus.is_dir():
         raise UserError(f"{fmus}: is not a directory with FMUs")
     if one_file:

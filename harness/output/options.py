@@ -18,7 +18,6 @@ from .terminal import ready_to_write
 typed: ContextVar[tuple[str, ...]] = ContextVar("typed", default=())  # after the program's name
 STORE, TABLE = ".zarr", ".csv"
 SCENE = typer.Argument(metavar="SCENE", help="Scene file, or the name of a bundled scene.")
-PYTHON = typer.Option("--python", help="Couple the units that run Python, not native ones.")
 AT_MOST = typer.Option("--at-most", metavar="TIME", help="Refuse what takes longer: 30m, 2h, 1d.")
 REPORT = typer.Option(
     "--report",
@@ -145,16 +144,6 @@ def json(what: str) -> Any:
 def markdown(what: str) -> Any:
     """`--markdown FILE`."""
     return output("", f"Also write {what}.", "--markdown")
-
-
-def one_file(help: str) -> Any:
-    """`--one-file`."""
-    return typer.Option("--one-file", help=help)
-
-
-def verify(help: str) -> Any:
-    """`--verify`."""
-    return typer.Option("--verify", help=help)
 
 
 def _settings(texts: list[str] | None) -> list[str] | None:

@@ -82,14 +82,6 @@ class RuntimesCheck(Table):
     """Length of the two runs."""
 
 
-class MeasuredErrorCheck(Table):
-    """Errors of the scene's own run, measured by a finer one; every scene's with `--verify`."""
-
-    kind: Literal["measured_error"]
-    at_most: Positive = 0.01
-    """Of a signal's range."""
-
-
 class SommerfeldCheck(Table):
     """A motor before the rotor's resonance: caught below the limit torque, passing above it."""
 
@@ -104,7 +96,6 @@ AnyCheck = Annotated[
     | CapacityCheck
     | PaperCheck
     | RuntimesCheck
-    | MeasuredErrorCheck
     | SommerfeldCheck,
     Field(discriminator="kind"),
 ]

@@ -325,11 +325,10 @@ class Methods:
 
         return write_page(self._scene, None if output is None else Path(output))
 
-    def check(self, *, verify: bool = False, progress: ItemProgress | None = None) -> SceneReport:
+    def check(self, *, progress: ItemProgress | None = None) -> SceneReport:
         """Every [[check]] of the scene: its theory and measurements beside runs.
 
         Args:
-            verify: also measure the error of the scene's own run.
             progress: called with the scene's name and the finished fraction.
 
         Raises:
@@ -340,9 +339,7 @@ class Methods:
         """
         from ..checks.runner import check_all
 
-        scene = self._scene
-        scene = scene.with_check({"kind": "measured_error"}) if verify else scene
-        return check_all([scene], progress, workers=1)[0]
+        return check_all([self._scene], progress, workers=1)[0]
 
     def precision(
         self, seconds: float = 75.0, *, progress: Callable[[str, float], None] | None = None

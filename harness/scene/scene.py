@@ -353,7 +353,7 @@ class Scene(Methods, Table):
         Raises:
             SceneError: the table is wrong.
 
-        >>> len(ab.load("drum").with_check({"kind": "measured_error"}).checks)
+        >>> len(ab.load("drum").with_check({"kind": "runtimes"}).checks)
         2
         """
         document = copy.deepcopy(self._document)

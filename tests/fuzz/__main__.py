@@ -51,7 +51,7 @@ ON_SCENE = [
     ["map", "--x", "speed=0.5:9:2", "--y", "rotor.mass=0.5:2:2", "--csv", "m.csv", *BRIEF],
     ["balance", *BRIEF],
     ["scatter", "--vary", "rotor.mass=uniform(0.9,1.1)", "-n", "3", *BRIEF],
-    ["run", *SHORT, *BRIEF, "--verify", "--json", "f.json", "--python"],
+    ["run", *SHORT, *BRIEF, "--verify", "--json", "f.json"],
     ["run", *SHORT, *BRIEF, "-o", "s.csv", "--plot", "p.pdf", "--weights", "w.png"],
 ]
 

@@ -8,7 +8,6 @@ import math
 import numpy as np
 import pytest
 
-from autobalancer.harness import check, cosimulate, load_scene
 from autobalancer.harness.checks.report import as_json, markdown, verdict
 from autobalancer.harness.checks.row import Row, Rows
 from autobalancer.harness.checks.sign_change import sign_change
@@ -87,12 +86,3 @@ def test_a_function_without_a_sign_changes_none(function):
 
 def test_a_product_that_underflows_still_changes_its_sign():
     assert np.isclose(sign_change(lambda w: 1e-200 * (w - 1.01), 1.0, "root"), 1.01)
-
-
-@pytest.mark.parametrize(("steps", "holds"), [(40, True), (4, False)])
-def test_a_scene_can_ask_for_its_own_error(steps, holds):
-    scene = load_scene("two_balls").replace({"coupling.order": 1, "coupling.steps_per_rev": steps})
-    (row,) = check(scene.with_check({"kind": "measured_error"}))
-    assert row.holds is holds
-    assert row.error == max(cosimulate(scene, verify=True).verification.relative.values())
-    assert "tolerance = 3.33e-06" in row.source
