@@ -9,16 +9,15 @@ from __future__ import annotations
 import json
 import math
 from collections.abc import Mapping, Sequence
-from functools import cache
 from typing import Any, ClassVar
 
-from ..unit import SizedUnit, Sizes, Unit
-from ..variables import Layout
+from ..unit import Sizes, Unit
 from ._pythonfmu import Fmi2Slave, Fmi2Status
-from .access import BEGINNING, COMPUTED, FRESH, OBSERVED, Readers, Writers, fixed, known
 from .host import keep
 
 OPTIONS = "options.json"  # file in an FMU's resources: build options, and with them the sizes
+FRESH, OBSERVED, COMPUTED, BEGINNING = range(4)  # how stale the outputs are
+_FIXED = "fixed once initialisation has ended"
 
 
 class Slave(Fmi2Slave):
@@ -80,7 +79,7 @@ class Slave(Fmi2Slave):
             options = _options_in(self.resources) if self.resources else {}
         sized = self.unit.sized(options).in_python
         self.sizes = sized.sizes
-        self.layout, self._readers, self._writers = _shared(sized)
+        self.layout = sized.layout
         first, end = self.layout.inputs.start, self.layout.inputs.stop
         self._native_inputs = [vr for vr in range(first, end) if self.layout.reals[vr].native]
         self.real: list[float] = self.layout.starts[:]
@@ -138,37 +137,33 @@ class Slave(Fmi2Slave):
     def get_real(self, vrs: Sequence[int]) -> list[float]:
         """Values of the Reals, brought up to date first."""
         try:
-            pick, level = self._readers[tuple(vrs)]
-            if self._stale > level:
-                self._refresh(level)
-            return pick(self.real)
+            _refuse_unknown(vrs, len(self.real))
+            self._refresh(self._level(max(vrs, default=0)))
+            return [self.real[vr] for vr in vrs]
         except Exception as error:
             raise self._fatal("reading failed", error) from None
 
     def set_real(self, vrs: Sequence[int], values: Sequence[float]) -> None:
         """Set parameters and inputs; while running, inputs only."""
         try:
-            key = tuple(vrs)
-            where, inputs_only = self._writers[key]
-            if inputs_only:
-                if self._stale < COMPUTED:
-                    self._stale = COMPUTED
-            elif self._running:
-                raise ValueError(fixed(self.layout, key))
-            else:
+            _refuse_unknown(vrs, len(self.real))
+            inputs = self.layout.inputs
+            if outputs := [vr for vr in vrs if vr >= inputs.stop]:
+                raise ValueError(f"{self._names(outputs)}: outputs cannot be set")
+            if parameters := [vr for vr in vrs if vr < inputs.start]:
+                if self._running:
+                    raise ValueError(f"{self._names(parameters)}: {_FIXED}")
                 self._stale = BEGINNING
-            if where.__class__ is slice:
-                self.real[where] = values
-            else:
-                for vr, value in zip(where, values, strict=True):  # type: ignore[arg-type]
-                    self.real[vr] = value
+            self._stale = max(self._stale, COMPUTED)
+            for vr, value in zip(vrs, values, strict=True):
+                self.real[vr] = value
         except Exception as error:
             raise self._fatal("setting failed", error) from None
 
     def get_boolean(self, vrs: Sequence[int]) -> list[bool]:
         """Values of the Booleans."""
         try:
-            known(vrs, len(self.boolean))
+            _refuse_unknown(vrs, len(self.boolean))
             return [self.boolean[vr] for vr in vrs]
         except Exception as error:
             raise self._fatal("reading failed", error) from None
@@ -176,10 +171,10 @@ class Slave(Fmi2Slave):
     def set_boolean(self, vrs: Sequence[int], values: Sequence[bool]) -> None:
         """Set Booleans, all of which are parameters."""
         try:
-            known(vrs, len(self.boolean))
+            _refuse_unknown(vrs, len(self.boolean))
             if self._running:
                 names = [self.layout.booleans[vr].name for vr in vrs]
-                raise ValueError(f"{', '.join(names)}: fixed once initialisation has ended")
+                raise ValueError(f"{', '.join(names)}: {_FIXED}")
             for vr, value in zip(vrs, values, strict=True):
                 self.boolean[vr] = bool(value)
             self._stale = BEGINNING
@@ -247,8 +242,19 @@ class Slave(Fmi2Slave):
         """Whose state it is: within an FMU the module is named after the sources' content."""
         return f"{type(self).__module__} {self.layout.signature}"
 
+    def _names(self, vrs: Sequence[int]) -> str:
+        return ", ".join(self.layout.reals[vr].name for vr in vrs)
+
+    def _level(self, last: int) -> int:
+        """How stale the outputs may be where Reals up to this value reference are read."""
+        if last < self.layout.inputs.stop:
+            return BEGINNING
+        return OBSERVED if last < self.layout.computed.stop else FRESH
+
     def _refresh(self, level: int) -> None:
         """Bring the outputs up to date so far that `_stale` is at most `level`."""
+        if self._stale <= level:
+            return
         if self._stale == BEGINNING:
             self._check_values()
             self.parameters()
@@ -306,10 +312,11 @@ class Slave(Fmi2Slave):
         return RuntimeError(self._report(what, error))
 
 
-@cache
-def _shared(sized: SizedUnit) -> tuple[Layout, Readers, Writers]:
-    """What instances of the same sizes have in common."""
-    return sized.layout, Readers(sized.layout), Writers(sized.layout)
+def _refuse_unknown(vrs: Sequence[int], count: int) -> None:
+    """Raise ValueError for value references that do not exist."""
+    unknown = [vr for vr in vrs if not 0 <= vr < count]
+    if unknown:
+        raise ValueError(f"value references {unknown}: unknown, there are 0 to {count - 1}")
 
 
 _options: dict[str, dict[str, Any]] = {}  # by resources folder
