@@ -26,7 +26,6 @@ from contextlib import closing, contextmanager
 from dataclasses import dataclass
 from functools import partial
 from itertools import islice
-from multiprocessing.context import SpawnContext, SpawnProcess
 from typing import Any, Generic, Protocol, TypeVar
 
 from ..errors import SimulationError
@@ -83,12 +82,11 @@ def as_they_come(
             return
         futures: dict[Future[Outcome], int] = {}
         waiting = iter(range(len(items)))
-        # processes of our own have little in store, so that nothing needs to be taken back: a pool
-        # that is ended stumbles over what was cancelled
-        ours = executor if isinstance(executor, _Pool) else None
-        ahead = 2 * ours.width if ours else AHEAD
+        # processes of this machine have little in store, so that nothing needs to be taken back: a
+        # pool that is ended stumbles over what was cancelled
+        local = isinstance(executor, _Pool)
         try:
-            for index in islice(waiting, ahead):
+            for index in islice(waiting, 2 * (os.cpu_count() or 1) if local else AHEAD):
                 futures[executor.submit(work, items[index])] = index
             while futures:
                 for future in wait(futures, return_when=FIRST_COMPLETED).done:
@@ -99,7 +97,7 @@ def as_they_come(
         except BrokenExecutor as error:
             raise SimulationError(f"a process that did the work was ended: {error}") from error
         finally:
-            for future in () if ours else futures:
+            for future in () if local else futures:
                 future.cancel()
 
 
@@ -137,16 +135,16 @@ def _outcome(ask: Callable[[], Outcome], item: Item, isolate: Kinds) -> Outcome 
 @contextmanager
 def processes(workers: int) -> Iterator[Executor]:
     """So many processes, ended at once if the block is left by an exception."""
-    context = _Context()
+    # afresh: threads of numerical libraries do not survive a fork
+    context = multiprocessing.get_context("spawn")
     folder = tempfile.TemporaryDirectory(prefix=PREFIX, ignore_cleanup_errors=True)
     with _sigterm_ends(), folder as directory:
-        pool = _Pool(workers, context, directory)
+        pool = _Pool(workers, context, _begin, (directory,))
         try:
             yield pool
         except BaseException:
-            for process in context.started:
-                if process.pid is not None:  # else it never began
-                    process.terminate()
+            for process in (pool._processes or {}).values():
+                process.terminate()
             raise
         finally:
             pool.shutdown()
@@ -179,35 +177,11 @@ def _sigterm_ends() -> Iterator[None]:
 
 
 class _Pool(ProcessPoolExecutor):
-    """Processes of our own, so many as its width."""
+    """Processes that a Ctrl-C does not meet while their interpreter loads, either."""
 
-    def __init__(self, width: int, context: _Context, directory: str) -> None:
-        super().__init__(width, context, _begin, (directory,))
-        self.width = width
-
-
-class _Context(SpawnContext):
-    """Starts processes afresh (threads of numerical libraries do not survive a fork), noting them.
-
-    Attributes:
-        started: every process.
-    """
-
-    def __init__(self) -> None:
-        self.started: list[SpawnProcess] = []
-
-    def Process(self, *arguments: Any, **options: Any) -> SpawnProcess:  # type: ignore[override]
-        process = _Process(*arguments, **options)
-        self.started.append(process)
-        return process
-
-
-class _Process(SpawnProcess):
-    """One that a Ctrl-C does not meet while its interpreter loads, either."""
-
-    def start(self) -> None:
-        with deaf_children(signal.SIGINT):
-            super().start()
+    def submit(self, *arguments: Any, **options: Any) -> Future[Any]:
+        with deaf_children(signal.SIGINT):  # it begins the processes
+            return super().submit(*arguments, **options)
 
 
 def _begin(directory: str) -> None:
