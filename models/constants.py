@@ -38,10 +38,6 @@ GAIN_ROUNDING = 1e-12  # per loop gain: what rounding leaves of a residual
 MAX_PASSES = 30  # quasi-Newton needs two to six; more means it does not converge
 JACOBIAN_CHANGE = 1e-3  # of the largest force: a disturbance that shows the loop's Jacobian
 LOOSE_RESIDUAL = 1e-3  # of the force: fixed passes that leave more than this are reported
-MISSED_FORCE = 0.5  # of the largest force so far: no resolved motion changes so much within a step
-LOST_STEPS = 12  # such steps, with fewer than CALM others in a row, while the force grows
-CALM_STEPS = 4  # the slowest pattern of a diverging loop repeats after as many steps
-DIVERGED_GROWTH = 1e3  # times: a stable exchange may grow tenfold before it settles
 JUMP_PARTS = 8  # at a gain of 1/13, the largest of a stable cubic exchange, 1e-9 is left
 FORCE_ROUNDING = 1e-14  # of the largest force there can be: what sums leave of cancelling parts
 

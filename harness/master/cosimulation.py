@@ -40,6 +40,7 @@ from .unit_files import find_or_build
 if TYPE_CHECKING:
     from ..output.workers import Progress
 
+RUNAWAY = 1e4  # times the largest force there can be: a resonance makes 10 in three turns
 FINER_FIRST = 4  # times as many steps in a first run where fewer were too few
 
 
@@ -126,8 +127,9 @@ class CoSimulation(Closing):
         # an exchange that is unstable at any step is no matter of resolution
         judged = self.order == 3 and self.amplification <= 1.0 and self.coupled
         self.resolution = None
+        scene, share = self._driven(changes or {}), self.scheme.miss_per_error
+        self._most = RUNAWAY * largest_force(scene)
         if judged:
-            scene, share = self._driven(changes or {}), self.scheme.miss_per_error
             self.resolution = Resolution(scene, self.system, share, self.gain)
 
     def _driven(self, changes: Mapping[str, Mapping[str, float | bool]]) -> Scene:
@@ -202,6 +204,7 @@ class CoSimulation(Closing):
     def _take(self, step: float) -> None:
         """A part of a communication step, judged and counted."""
         residual = self.scheme.step(self.system, self.time, step)
+        self._refuse_runaway(step)
         if self.resolution:
             self.resolution.check(self.time, step)
         self.worst_residual = max(self.worst_residual, residual)
@@ -210,6 +213,18 @@ class CoSimulation(Closing):
         self.system.follow(self.time, step)
         self.time += step
         self.steps += 1
+
+    def _refuse_runaway(self, step: float) -> None:
+        """Refuse steps that repeat their own error: forces grow with all they are compared with."""
+        forces = self.system.forces.largest[: len(self.system.exchanges)]
+        largest = max(forces, default=0.0)
+        if largest > self._most:
+            raise SimulationError(
+                f"coupling steps of {step:.3g} s are too long at t = {self.time:g} s: "
+                f"{self.system.force_names[forces.index(largest)]} is beyond all that the scene "
+                'can make of it: the coupling diverges; use scheme = "iterated" or "auto", or a '
+                "tolerance"
+            )
 
     def run(self) -> Iterator[float]:
         """Step through the scene's run; yields the finished fraction after every step.

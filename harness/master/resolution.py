@@ -26,12 +26,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from ...models.constants import (
-    LARGEST_FORCE_FACTOR,
     MISS_PER_ERROR,
     PERSISTENT_STEPS,
     REFUSED_ERROR,
-    RUNAWAY_GROWTH,
-    RUNAWAY_STEPS,
     SIGNAL_NOISE,
     UNFOLLOWED_TURN,
     UNRESOLVED_ERROR,
@@ -41,7 +38,6 @@ from ...models.rotor import LinearRotor
 from ...models.weights import Weights
 from ..errors import SimulationError
 from ..scene import Scene
-from .scales import largest_force
 from .system import System
 
 LOST_PREDICTION = MISS_PER_ERROR * UNRESOLVED_ERROR  # of a signal's largest value: then it is lost
@@ -110,7 +106,6 @@ class Resolution:
         ):
             signals.largest = [max(smallest, abs(value)) for value in signals.now[:, 0].tolist()]
         self._pushed, self._step, self._blind = 0.0, 0.0, True
-        self._most, self._grown = LARGEST_FORCE_FACTOR * largest_force(scene), 0
         self.estimate, self.unresolved = 0.0, 0
 
     def check(self, time: float, step: float) -> None:
@@ -155,7 +150,6 @@ class Resolution:
                 self._refuse(time, f"what the cubics miss of {cause} {moved}")
         if lost:
             self._count(time, *lost)
-        self._stop_runaway(time)
 
     def _change(self, step: float) -> None:
         """Take over another length of the steps [s]."""
@@ -169,21 +163,6 @@ class Resolution:
         self._new = 1.0 - math.exp(-step * self._pace)
         # m/N: a force that lasts longer than 1/pace moves the rotor no further
         self._moved = self._answered * min(step, 1.0 / self._pace) / (self._mass * self._pace)
-
-    def _stop_runaway(self, time: float) -> None:
-        """Refuse steps that repeat their own error: it grows along with all it is compared with."""
-        forces, count = self._system.forces, len(self._force_names)
-        if max(forces.largest[:count], default=0.0) <= self._most:
-            return
-        pairs = zip(forces.now[:count, 0].tolist(), forces.last[:count, 0].tolist(), strict=True)
-        grows = any(abs(now) > max(self._most, RUNAWAY_GROWTH * abs(last)) for now, last in pairs)
-        self._grown = 1 + self._grown if grows else 0
-        if self._grown >= RUNAWAY_STEPS:
-            self._refuse(
-                time,
-                f"{self._force_names[0]} is beyond all that the scene can make of it and has grown "
-                f"{RUNAWAY_GROWTH:g}-fold or more in each of the last {RUNAWAY_STEPS} steps",
-            )
 
     def _count(self, time: float, name: str, share: float) -> None:
         self.unresolved += 1

@@ -1,5 +1,5 @@
-/* Compensated: one pass and no rollback; what a step missed is made good in the next one.  Twin of
-   harness/master/schemes/compensated.py (and of explicit.py, for the loop that diverges). */
+/* Compensated: one pass and no rollback; what a step missed is made good in the next one.  For separate
+   FMUs: harness/master/schemes/compensated.py. */
 #include <string.h>
 
 #include "base/elementary.h"
@@ -21,8 +21,7 @@ void compensated_begin(Composite *c, double step)
 {
     const int e = c->orders * c->exchanges, p = c->orders * c->planes;
     c->course->compensated.compensated_step = 0.0;
-    c->course->loop.largest = c->course->compensated.largest_before = 0.0;
-    c->course->compensated.lost_steps = c->course->compensated.calm_steps = 0.0;
+    c->course->loop.largest = 0.0;
     c->course->loop.solved_step = step;
     matrix_product(1, p, e, e, c->wide, c->solution, c->solution + e * e);
 }
@@ -108,46 +107,6 @@ static void make_good(const Carried *carried, int parts, const Complex *residual
             }
         }
     }
-}
-
-/* Compare the forces at the end of a step with those assumed for it; 1 with the reason where they
-   diverge. */
-static int diverges(Unit *unit, double step)
-{
-    const Composite *c = unit->own;
-    Course *course = c->course;
-    double worst = 0.0;
-    Text *reason;
-    int k;
-    for (k = 0; k < c->exchanges; k++) {
-        const Complex expected = knot_end(c->assumed + c->orders * k, c->orders, step).value;
-        const Complex value = c->answers[k].value;
-        const double residuals = magnitude(complex_difference(value, expected));
-        worst = residuals <= worst ? worst : residuals;
-        course->loop.largest = larger(course->loop.largest, magnitude(value));
-    }
-    if (worst <= MISSED_FORCE * course->loop.largest) {
-        course->compensated.calm_steps += 1.0;
-        course->compensated.lost_steps = course->compensated.calm_steps >= CALM_STEPS ? 0.0 : course->compensated.lost_steps;
-        return 0;
-    }
-    if (course->compensated.lost_steps == 0.0) {
-        course->compensated.largest_before = course->loop.largest;
-    }
-    course->compensated.calm_steps = 0.0;
-    course->compensated.lost_steps += 1.0;
-    if (course->compensated.lost_steps < LOST_STEPS || course->loop.largest < DIVERGED_GROWTH * course->compensated.largest_before) {
-        return 0;
-    }
-    reason = unit_reason(unit);
-    text_put(reason, "compensated coupling diverges");
-    composite_put_time(reason, course->clock.time + step);
-    text_put(reason, ": ");
-    composite_name_forces(c, reason);
-    text_put_rounded(reason, " differs from what was assumed for the step by ",
-                     worst / course->loop.largest, 3);
-    text_put(reason, " of the largest force and grows; build with scheme = \"iterated\" or \"auto\"");
-    return 1;
 }
 
 /* What forces and accelerations would have agreed, less those assumed and answered. */
@@ -258,7 +217,7 @@ int compensated_step(Unit *unit, double step, int jump)
         update_carried(c->carried + 1, parts, 0.0, past, step);
         make_good(c->carried + 1, parts, c->residuals + parts * c->exchanges, c->planes, c->plane_signals);
     }
-    if (composite_balancer_pass(unit, c->plane_signals, step) || diverges(unit, step)) {
+    if (composite_balancer_pass(unit, c->plane_signals, step)) {
         return 1;
     }
     solve(c, step);

@@ -96,8 +96,7 @@ typedef struct {
 
 /* Of compensated.c: what the step before missed. */
 typedef struct {
-    double compensated_step;                /* length of the step before [s], 0 when it missed nothing */
-    double largest_before, lost_steps, calm_steps; /* of a diverging loop */
+    double compensated_step; /* length of the step before [s], 0 when it left no residual */
 } Compensation;
 
 /* Of contacts.c: brief steps behind an event. */

@@ -54,7 +54,6 @@ class Compensated(Explicit):
         step: float,
         speed: Callable[[float], float],
     ) -> None:
-        super().__init__()
         inverse = QuasiNewton(jacobian, step).inverse
         self._solution, self._solved_step = np.vstack([inverse, response @ inverse]), step
         self._speed = speed
@@ -76,8 +75,6 @@ class Compensated(Explicit):
         accelerations = system.accelerations.to(motion, step)
         given = _added(accelerations, missed[count:], 0.0, past, step)
         answers = system.balancer_pass(given, time, step)
-        self.detect_divergence(system, assumed, answers, time, step)
-
         if step != self._solved_step:
             self._solution = rescaled(self._solution, step / self._solved_step)
             self._solved_step = step

@@ -1,4 +1,4 @@
-"""What the explicit schemes share: when extrapolation is stable, and seeing that it is not.
+"""What the explicit schemes share: when extrapolation is stable.
 
 With a loop eigenvalue J (force answered per force assumed) an exchange of held signals repeats a
 disturbance of the force J-fold, whatever the step.  The cubic Hermite extrapolation amplifies it
@@ -12,9 +12,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from ....models.constants import CALM_STEPS, DIVERGED_GROWTH, JUMP_PARTS, LOST_STEPS, MISSED_FORCE
-from ...errors import SimulationError
-from ..signals import Cubics, Knots, end_of
+from ....models.constants import JUMP_PARTS
 from ..system import System
 
 # value and slope at t = 2 of the cubic through values and slopes at t = 0 (BEFORE) and 1 (NOW)
@@ -29,10 +27,6 @@ class Explicit:
     startup_halvings = 0
     miss_per_error = 4.0  # the prediction itself is stepped on: its miss over its mean error
     extrapolations = 1  # that a force passes through on its way round the loop
-
-    def __init__(self) -> None:
-        self.largest = self._largest_before = 0.0
-        self._lost = self._calm = 0
 
     def advance(self, system: System, time: float, step: float, jump: bool = False) -> None:
         """Take one step; `jump`: over a jump of the drive."""
@@ -68,40 +62,6 @@ class Explicit:
         if order < 3:
             return max(map(abs, roots), default=0.0)
         return max((_hermite_amplification(root) for root in roots), default=0.0)
-
-    def detect_divergence(
-        self,
-        system: System,
-        forces: Cubics,
-        answers: Knots,
-        time: float,
-        step: float,
-    ) -> None:
-        """Compare forces at the end of a step with those assumed for it.
-
-        Raises:
-            SimulationError: the coupling diverges.
-        """
-        if not system.coupled:
-            return
-        missed = np.abs(answers - end_of(forces, step))[:, 0]
-        worst, name = missed.max(), system.force_names[missed.argmax()]
-        self.largest = max(self.largest, np.abs(answers[:, 0]).max())
-        if worst <= MISSED_FORCE * self.largest:
-            self._calm += 1
-            if self._calm >= CALM_STEPS:
-                self._lost = 0
-            return
-        if not self._lost:
-            self._largest_before = self.largest
-        self._calm = 0
-        self._lost += 1
-        if self._lost >= LOST_STEPS and self.largest >= DIVERGED_GROWTH * self._largest_before:
-            raise SimulationError(
-                f"{self.name} coupling diverges at t = {time + step:g} s: {name} differs from "
-                f"what was assumed for the step by {worst / self.largest:.3g} of the largest force "
-                'and grows; use scheme = "iterated" or "auto"'
-            )
 
 
 def _hermite_amplification(eigenvalue: complex) -> float:

@@ -23,7 +23,6 @@ class Jacobi(Explicit):
         accelerations = system.accelerations.predicted(system.order)
         motion = system.rotor_pass(forces, time, step)
         answers = system.balancer_pass(accelerations, time, step)
-        self.detect_divergence(system, forces, answers, time, step)
         accelerations = system.accelerations.to(motion, step)
         forces = system.forces.to(answers, step)
         system.accept((accelerations, motion), (forces, answers), time, step)
